@@ -1,0 +1,103 @@
+"""The pinhole camera of an RGB-D sensor: projection and back-projection (paper, Eq. 4-7)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.errors import UserError
+
+Points = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class PinholeCamera:
+    """Intrinsics of a colour camera with depth registered to it.
+
+    The optical frame is x right, y down, z forward. Pixel centres are at whole numbers.
+
+    Attributes:
+        width, height: pixels.
+        fx, fy, cx, cy: pixels.
+        distortion: Brown-Conrady (k1, k2, p1, p2, k3); zeros for rectified images.
+        depth_scale: raw depth units in a metre (5000 for TUM, 1000 for millimetres).
+        fps: nominal frames a second.
+    """
+
+    width: int
+    height: int
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+    distortion: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0)
+    depth_scale: float = 1000.0
+    fps: float = 30.0
+
+    def __post_init__(self) -> None:
+        """Refuse what no camera can be."""
+        for label in ("width", "height", "fx", "fy", "depth_scale", "fps"):
+            value = getattr(self, label)
+            if not np.isfinite(value) or value <= 0:
+                raise UserError(f"camera calibration: {label} is {value!r}; it must be a positive number")
+        for label in ("cx", "cy"):
+            if not np.isfinite(getattr(self, label)):
+                raise UserError(f"camera calibration: {label} is {getattr(self, label)!r}; it must be a finite number")
+
+    @property
+    def is_distorted(self) -> bool:
+        """Whether pixels must be undistorted before they are used as rays."""
+        return any(self.distortion)
+
+    @property
+    def matrix(self) -> NDArray[np.float64]:
+        """The 3×3 intrinsic matrix K."""
+        return np.array([[self.fx, 0.0, self.cx], [0.0, self.fy, self.cy], [0.0, 0.0, 1.0]])
+
+    def project(self, points_in_camera: Points) -> Points:
+        """Project points of the optical frame to undistorted pixels (Eq. 5-6).
+
+        Args:
+            points_in_camera: (n, 3) metres, z > 0.
+
+        Returns:
+            (n, 2) pixels u, v.
+        """
+        x, y, z = points_in_camera.T
+        return np.column_stack([self.fx * x / z + self.cx, self.fy * y / z + self.cy])
+
+    def back_project(self, pixels: Points, depths: NDArray[np.float64]) -> Points:
+        """Lift undistorted pixels with a depth to the optical frame (Eq. 7 without the pose).
+
+        Args:
+            pixels: (n, 2) u, v.
+            depths: (n,) metres along the optical axis.
+
+        Returns:
+            (n, 3) metres.
+        """
+        u, v = pixels.T
+        return np.column_stack([(u - self.cx) / self.fx * depths, (v - self.cy) / self.fy * depths, depths])
+
+    def undistort(self, pixels: Points) -> Points:
+        """Move raw pixels (n, 2) to where an ideal pinhole camera would see them."""
+        if not self.is_distorted:
+            return pixels
+        import cv2
+
+        raw = np.ascontiguousarray(pixels, dtype=np.float64).reshape(-1, 1, 2)
+        undistorted = cv2.undistortPoints(raw, self.matrix, np.array(self.distortion), P=self.matrix)
+        return np.asarray(undistorted, dtype=np.float64).reshape(-1, 2)
+
+
+def transform_points(to_from_frame: NDArray[np.float64], points: Points) -> Points:
+    """Take (n, 3) points from one frame to another with the 4×4 `to_from_frame` (Eq. 4)."""
+    return points @ to_from_frame[:3, :3].T + to_from_frame[:3, 3]
+
+
+def inverse_transform(to_from_frame: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Invert a rigid 4×4 transform exactly: rotation transposed, translation turned back."""
+    inverse = np.eye(4)
+    inverse[:3, :3] = to_from_frame[:3, :3].T
+    inverse[:3, 3] = -to_from_frame[:3, :3].T @ to_from_frame[:3, 3]
+    return inverse

@@ -1,0 +1,1 @@
+"""Trajectory, landmark and language scores."""

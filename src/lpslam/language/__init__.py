@@ -1,0 +1,1 @@
+"""The three uses of a language model: naming, judging, choosing."""

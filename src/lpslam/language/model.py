@@ -1,0 +1,83 @@
+"""The three uses of a language model (paper, III-E, III-G, III-I) behind one protocol.
+
+The language layer sees ids and strings, never images or coordinates: it chooses, it never invents.
+Text read from the world is untrusted data wherever it appears here.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """One spelling of a class of homologous texts with how often and how surely it was read."""
+
+    text: str
+    count: int
+    confidence: float
+
+
+@dataclass(frozen=True, slots=True)
+class Naming:
+    """The name chosen for a class of misread strings (text clustering, III-E)."""
+
+    name: str
+    confidence: float
+    evidence: str
+    model: str
+
+
+@dataclass(frozen=True, slots=True)
+class Judgement:
+    """Whether a name is what the question asks for (landmark judgement, III-G)."""
+
+    question: str
+    answer: bool
+    confidence: float
+    evidence: str
+    model: str
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """A landmark as the language layer sees it: an id, its name and other readings of it."""
+
+    id: int
+    name: str
+    aliases: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """The landmark that answers a question (navigation, III-I); None when nothing here does.
+
+    `alternatives` are further ids, next best first.
+    """
+
+    landmark: int | None
+    confidence: float
+    evidence: str
+    model: str
+    alternatives: tuple[int, ...] = ()
+
+
+class LanguageModel(Protocol):
+    """Any model, hosted, local or embedded, that can do the three uses."""
+
+    @property
+    def model(self) -> str:
+        """Which model answers, as it is reported ("offline", "openai:gpt-4.1-mini")."""
+        ...
+
+    def name(self, readings: Sequence[Reading]) -> Naming:
+        """Choose the most representative name for one class of homologous texts."""
+        ...
+
+    def judge(self, names: Sequence[str], question: str) -> list[Judgement]:
+        """Answer the question for each name apart, in the order of the names."""
+        ...
+
+    def choose(self, question: str, landmarks: Sequence[Candidate]) -> Choice:
+        """Choose the landmark that serves what the question wants, or none."""
+        ...

@@ -1,0 +1,1 @@
+"""The mock mall: RGB-D sequences with ground truth."""

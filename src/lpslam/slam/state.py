@@ -1,0 +1,47 @@
+"""What tracking says of one frame."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class TrackingState(StrEnum):
+    """How far the pose of a frame can be trusted."""
+
+    INITIALISING = "initialising"
+    TRACKING = "tracking"
+    WEAK = "weak"
+    LOST = "lost"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TrackedFrame:
+    """The result of tracking one frame.
+
+    Attributes:
+        index, timestamp: those of the `RgbdFrame`.
+        state: how far the pose can be trusted.
+        keyframe: id of the reference keyframe; -1 before the first.
+        keyframe_from_camera: 4×4, this frame's camera in its reference keyframe's; None unless tracked.
+        world_from_camera: 4×4 as known now; later corrections move it through its keyframe. None unless tracked.
+        matches: map points matched and kept by the pose optimisation.
+        is_keyframe: whether this frame became a keyframe (then `keyframe` is its own id).
+        reason: why the state is what it is, in a few words with figures; empty when all is well.
+    """
+
+    index: int
+    timestamp: float
+    state: TrackingState
+    keyframe: int
+    keyframe_from_camera: NDArray[np.float64] | None
+    world_from_camera: NDArray[np.float64] | None
+    matches: int
+    is_keyframe: bool
+    reason: str = ""
+
+    @property
+    def is_tracked(self) -> bool:
+        """Whether the frame has a pose."""
+        return self.world_from_camera is not None

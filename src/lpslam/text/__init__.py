@@ -1,0 +1,1 @@
+"""Reading the scene's text and remembering it."""
