@@ -6,7 +6,7 @@ Defaults live here; a YAML file may override any of them (`Config.from_yaml`). U
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError
 
 from lpslam.errors import UserError
 
