@@ -1,0 +1,306 @@
+"""Corners, orientation and binary descriptors of one pyramid level.
+
+FAST-9 corners (Rosten and Drummond 2006) with a threshold that falls where an image cell is empty, spread over the
+level by rank within a cell; orientation by the intensity centroid and steered BRIEF (ORB, Rublee et al. 2011).
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+PATCH_RADIUS = 15
+"""Radius in pixels of the disc whose intensity centroid gives a corner its direction."""
+
+BORDER = 19
+"""Pixels from the edge of a level within which no corner is taken: a rotated descriptor patch must fit."""
+
+_CIRCLE = np.array(
+    [
+        (0, -3), (1, -3), (2, -2), (3, -1), (3, 0), (3, 1), (2, 2), (1, 3),
+        (0, 3), (-1, 3), (-2, 2), (-3, 1), (-3, 0), (-3, -1), (-2, -2), (-1, -3),
+    ],
+    dtype=np.int64,
+)  # fmt: skip
+
+
+def _disc_half_widths(radius: int) -> NDArray[np.int64]:
+    rows = np.arange(-radius, radius + 1)
+    return np.floor(np.sqrt(radius * radius - rows * rows + radius)).astype(np.int64).clip(max=radius)
+
+
+_DISC = _disc_half_widths(PATCH_RADIUS)
+
+
+@njit(cache=True, nogil=True)
+def _corner_score(image: NDArray[np.uint8], x: int, y: int, difference: NDArray[np.int32]) -> int:
+    """Largest threshold below which the pixel is still a FAST-9 corner; not positive when it is none."""
+    centre = np.int32(image[y, x])
+    for i in range(16):
+        difference[i] = np.int32(image[y + _CIRCLE[i, 1], x + _CIRCLE[i, 0]]) - centre
+    for i in range(9):
+        difference[16 + i] = difference[i]
+    best = np.int32(0)
+    # Two arcs of nine share eight pixels: take the shared part once.
+    for start in range(0, 16, 2):
+        low, high = difference[start + 1], difference[start + 1]
+        for i in range(start + 2, start + 9):
+            low = min(low, difference[i])
+            high = max(high, difference[i])
+        first, last = difference[start], difference[start + 9]
+        best = max(best, min(low, max(first, last)), -max(high, min(first, last)))
+    return best
+
+
+@njit(cache=True, nogil=True)
+def _find_corners(
+    image: NDArray[np.uint8],
+    above: NDArray[np.uint8],
+    below: NDArray[np.uint8],
+    threshold: int,
+    rectangle: tuple[int, int, int, int],
+    scores: NDArray[np.uint8],
+    corners: NDArray[np.int32],
+    count: int,
+) -> int:
+    """Write the FAST score of every corner in a rectangle and append its x, y to `corners`; returns the new count.
+
+    Any arc of nine on the circle of sixteen holds one of each opposite pair: a vectorised pass over four pairs leaves
+    a few per cent of the pixels for the full test. `above` and `below` are the image ± the threshold, saturated.
+    """
+    x0, x1, y0, y1 = rectangle
+    width = x1 - x0
+    flags = np.empty(width, np.bool_)
+    difference = np.empty(25, np.int32)
+    for y in range(y0, y1):
+        # Slices that start at zero let the compiler see that no index is negative, and vectorise.
+        hi, lo = above[y, x0:x1], below[y, x0:x1]
+        n, s = image[y - 3, x0:x1], image[y + 3, x0:x1]
+        e, w = image[y, x0 + 3 : x1 + 3], image[y, x0 - 3 : x1 - 3]
+        ne, sw = image[y - 2, x0 + 2 : x1 + 2], image[y + 2, x0 - 2 : x1 - 2]
+        se, nw = image[y + 2, x0 + 2 : x1 + 2], image[y - 2, x0 - 2 : x1 - 2]
+        for i in range(width):
+            h, d = hi[i], lo[i]
+            bright = ((n[i] > h) | (s[i] > h)) & ((e[i] > h) | (w[i] > h))
+            bright &= ((ne[i] > h) | (sw[i] > h)) & ((se[i] > h) | (nw[i] > h))
+            dark = ((n[i] < d) | (s[i] < d)) & ((e[i] < d) | (w[i] < d))
+            dark &= ((ne[i] < d) | (sw[i] < d)) & ((se[i] < d) | (nw[i] < d))
+            flags[i] = bright | dark
+        for i in range(width):
+            if flags[i]:
+                score = _corner_score(image, x0 + i, y, difference)
+                if score > threshold and count < corners.shape[0]:
+                    scores[y, x0 + i] = score
+                    corners[count, 0], corners[count, 1] = x0 + i, y
+                    count += 1
+    return count
+
+
+@njit(cache=True, nogil=True)
+def detect_corners(
+    image: NDArray[np.uint8],
+    above_high: NDArray[np.uint8],
+    below_high: NDArray[np.uint8],
+    above_low: NDArray[np.uint8],
+    below_low: NDArray[np.uint8],
+    high: int,
+    low: int,
+    cell: int,
+    quota: int,
+) -> NDArray[np.int32]:
+    """FAST corners of one level, at most `quota`, spread over the image.
+
+    The high threshold is used first; a cell that stays empty is searched again with the low one. Of the local maxima
+    the best of every spreading cell is taken, then the second best, and so on until the quota is full.
+
+    Args:
+        image: (h, w) the level.
+        above_high, below_high, above_low, below_low: the level ± each threshold, saturated.
+        high, low: thresholds in grey values.
+        cell: side in pixels of the cells in which the threshold adapts.
+        quota: how many corners to keep.
+
+    Returns:
+        (n, 2) x, y in pixels of the level.
+    """
+    height, width = image.shape
+    left, right, top, bottom = BORDER, width - BORDER, BORDER, height - BORDER
+    if right <= left or bottom <= top:
+        return np.empty((0, 2), np.int32)
+    scores = np.zeros((height, width), np.uint8)
+    corners = np.empty(((right - left) * (bottom - top) // 4, 2), np.int32)
+    columns = (right - left + cell - 1) // cell
+    occupied = np.empty(columns, np.bool_)
+    count = 0
+    for y0 in range(top, bottom, cell):
+        y1 = min(y0 + cell, bottom)
+        before = count
+        count = _find_corners(image, above_high, below_high, high, (left, right, y0, y1), scores, corners, count)
+        occupied[:] = False
+        for i in range(before, count):
+            occupied[(corners[i, 0] - left) // cell] = True
+        for column in range(columns):
+            if not occupied[column]:
+                x0 = left + column * cell
+                cell_box = (x0, min(x0 + cell, right), y0, y1)
+                count = _find_corners(image, above_low, below_low, low, cell_box, scores, corners, count)
+
+    maxima = 0
+    for i in range(count):
+        x, y = corners[i]
+        score = scores[y, x]
+        # Ties go to the later pixel, so that a plateau keeps one corner.
+        if (
+            scores[y - 1, x - 1] > score or scores[y - 1, x] > score or scores[y - 1, x + 1] > score
+            or scores[y, x - 1] > score or scores[y, x + 1] >= score
+            or scores[y + 1, x - 1] >= score or scores[y + 1, x] >= score or scores[y + 1, x + 1] >= score
+        ):  # fmt: skip
+            continue
+        corners[maxima, 0], corners[maxima, 1] = x, y
+        maxima += 1
+    if maxima <= quota:
+        return corners[:maxima].copy()
+    return _spread(corners[:maxima], scores, (left, right, top, bottom), quota)
+
+
+@njit(cache=True, nogil=True)
+def _spread(
+    corners: NDArray[np.int32], scores: NDArray[np.uint8], bounds: tuple[int, int, int, int], quota: int
+) -> NDArray[np.int32]:
+    """The `quota` corners that are best by rank within their cell, then by score."""
+    left, right, top, bottom = bounds
+    side = max(1.0, math.sqrt((right - left) * (bottom - top) / quota))
+    columns = int((right - left) / side) + 1
+    rows = int((bottom - top) / side) + 1
+    count = corners.shape[0]
+
+    # Order by falling score; scores are bytes, so a counting sort does it.
+    starts = np.zeros(257, np.int64)
+    for i in range(count):
+        starts[256 - np.int64(scores[corners[i, 1], corners[i, 0]])] += 1
+    starts = np.cumsum(starts)
+    order = np.empty(count, np.int64)
+    for i in range(count):
+        key = 255 - np.int64(scores[corners[i, 1], corners[i, 0]])
+        order[starts[key]] = i
+        starts[key] += 1
+
+    taken = np.zeros(columns * rows, np.int64)
+    rank = np.empty(count, np.int64)
+    per_rank = np.zeros(count + 1, np.int64)
+    for i in order:
+        where = int((corners[i, 1] - top) / side) * columns + int((corners[i, 0] - left) / side)
+        rank[i] = taken[where]
+        taken[where] += 1
+        per_rank[rank[i]] += 1
+    full, total = 0, 0
+    while total + per_rank[full] <= quota:
+        total += per_rank[full]
+        full += 1
+    kept = np.empty((quota, 2), np.int32)
+    n, spare = 0, quota - total
+    for i in order:
+        if rank[i] < full or (rank[i] == full and spare > 0):
+            if rank[i] == full:
+                spare -= 1
+            kept[n] = corners[i]
+            n += 1
+    return kept[:n]
+
+
+@njit(cache=True, nogil=True)
+def orientations(image: NDArray[np.uint8], corners: NDArray[np.int32]) -> NDArray[np.float32]:
+    """Direction in radians, [0, 2π), from each corner to the intensity centroid of the disc around it."""
+    angles = np.empty(corners.shape[0], np.float32)
+    for i in range(corners.shape[0]):
+        x, y = np.int64(corners[i, 0]), np.int64(corners[i, 1])
+        moment_x, moment_y = 0, 0
+        for dy in range(-PATCH_RADIUS, PATCH_RADIUS + 1):
+            half = _DISC[dy + PATCH_RADIUS]
+            row_sum = 0
+            row_moment = 0
+            for dx in range(-half, half + 1):
+                value = np.int64(image[y + dy, x + dx])
+                row_sum += value
+                row_moment += dx * value
+            moment_x += row_moment
+            moment_y += dy * row_sum
+        angle = math.atan2(float(moment_y), float(moment_x))
+        angles[i] = angle if angle >= 0.0 else angle + 2.0 * math.pi
+    return angles
+
+
+@njit(cache=True, nogil=True)
+def describe(
+    blurred: NDArray[np.uint8],
+    corners: NDArray[np.int32],
+    angles: NDArray[np.float32],
+    steered: NDArray[np.int64],
+    descriptors: NDArray[np.uint64],
+) -> None:
+    """Write the 256-bit steered BRIEF descriptor of each corner.
+
+    Args:
+        blurred: (h, w) contiguous, the level after smoothing.
+        corners: (n, 2) x, y in pixels of the level.
+        angles: (n,) their directions in radians.
+        steered: (bins, 512) offsets dy·w + dx of the test pairs, rotated to each of `bins` directions.
+        descriptors: (n, 4) output, 64 bits a word.
+    """
+    flat = blurred.reshape(-1)
+    width = blurred.shape[1]
+    bins = steered.shape[0]
+    step = bins / (2.0 * math.pi)
+    for i in range(corners.shape[0]):
+        offsets = steered[int(angles[i] * step + 0.5) % bins]
+        centre = np.int64(corners[i, 1]) * width + np.int64(corners[i, 0])
+        for word in range(4):
+            bits = np.uint64(0)
+            base = word * 128
+            for bit in range(64):
+                first = flat[centre + offsets[base + 2 * bit]]
+                second = flat[centre + offsets[base + 2 * bit + 1]]
+                bits |= np.uint64(first < second) << np.uint64(bit)
+            descriptors[i, word] = bits
+
+
+@njit(cache=True, nogil=True)
+def sample_depth(
+    depth: NDArray[np.float32],
+    pixels: NDArray[np.float32],
+    radius: int,
+    tolerance: float,
+    nearest: float,
+    farthest: float,
+) -> NDArray[np.float32]:
+    """Depth in metres at each raw pixel (n, 2); 0 where it is missing or cannot be trusted.
+
+    The reading at the rounded pixel is taken, without interpolation; where it disagrees with the median of the valid
+    readings around it by more than `tolerance` (a share of the depth), the pixel lies on an edge and has no depth.
+    """
+    height, width = depth.shape
+    values = np.empty((2 * radius + 1) ** 2, np.float32)
+    result = np.zeros(pixels.shape[0], np.float32)
+    for i in range(pixels.shape[0]):
+        x, y = int(pixels[i, 0] + 0.5), int(pixels[i, 1] + 0.5)
+        if x < 0 or y < 0 or x >= width or y >= height:
+            continue
+        centre = depth[y, x]
+        if not (nearest <= centre <= farthest):
+            continue
+        count = 0
+        near, far = centre, centre
+        for yy in range(max(0, y - radius), min(height, y + radius + 1)):
+            for xx in range(max(0, x - radius), min(width, x + radius + 1)):
+                value = depth[yy, xx]
+                if nearest <= value <= farthest:
+                    values[count] = value
+                    near, far = min(near, value), max(far, value)
+                    count += 1
+        if far - near > 2.0 * tolerance * centre:
+            median = np.median(values[:count])
+            if abs(median - centre) > tolerance * centre:
+                continue
+        result[i] = centre
+    return result
