@@ -37,108 +37,108 @@ class SpottingConfig(_Section):
     # OpenVINO where it is installed, ONNX Runtime elsewhere; both give the same texts.
     engine: Literal["auto", "openvino", "onnxruntime"] = "auto"
     # Threads of the engine: one leaves the other core to tracking.
-    threads: int = Field(1, ge=1)
+    threads: int = Field(default=1, ge=1)
     # Longest image side the detector sees, pixels; enlarging small images costs more than it finds.
-    detection_side: int = Field(960, ge=64)
+    detection_side: int = Field(default=960, ge=64)
     # DBNet's published thresholds: a pixel is text above the first, a box is kept above the second mean probability.
-    text_probability: float = Field(0.3, gt=0, lt=1)
-    box_score: float = Field(0.5, ge=0, le=1)
+    text_probability: float = Field(default=0.3, gt=0, lt=1)
+    box_score: float = Field(default=0.5, ge=0, le=1)
     # By how much a region is grown back, times area over perimeter (the network learns shrunk regions).
-    growth_ratio: float = Field(1.6, ge=0)
+    growth_ratio: float = Field(default=1.6, ge=0)
     # Smallest side of a region in the probability map, pixels: smaller ones are specks.
-    min_region_side: float = Field(3.0, ge=0)
+    min_region_side: float = Field(default=3.0, ge=0)
     # Most boxes of one image; beyond it the image is texture, not text.
-    max_boxes: int = Field(200, ge=1)
+    max_boxes: int = Field(default=200, ge=1)
     # Share of width and height at the image's rim that a box must not touch: text cut off there misleads (Fig. 11).
-    border_margin: float = Field(0.01, ge=0, lt=0.5)
+    border_margin: float = Field(default=0.01, ge=0, lt=0.5)
     # Boxes lower than this, pixels, are not read: their letters are guesses.
-    min_letter_height: float = Field(10.0, ge=0)
+    min_letter_height: float = Field(default=10.0, ge=0)
     # Widest rectified line, pixels at 48 pixels high; longer lines are squeezed.
-    max_line_width: int = Field(1280, ge=48)
+    max_line_width: int = Field(default=1280, ge=48)
     # Lines recognised at once.
-    recognition_batch: int = Field(4, ge=1)
+    recognition_batch: int = Field(default=4, ge=1)
     # Texts surer than this are kept (0 to 1); below it most are texture.
-    min_confidence: float = Field(0.6, ge=0, le=1)
+    min_confidence: float = Field(default=0.6, ge=0, le=1)
     # Fewest letters or digits of a text: single ones are mostly logos ("A").
-    min_letters: int = Field(2, ge=1)
+    min_letters: int = Field(default=2, ge=1)
     # Longest text kept, characters; scene text is untrusted.
-    max_length: int = Field(80, ge=1)
+    max_length: int = Field(default=80, ge=1)
 
 
 class MemoryConfig(_Section):
     """Similarity classification and long-short-term memory (III-C, III-D)."""
 
     # Eq. 3 similarity from which two texts are held to be homologous.
-    similarity: float = Field(0.6, ge=0, le=1)
+    similarity: float = Field(default=0.6, ge=0, le=1)
     # Score at which a class moves to long-term memory; a sighting adds its confidence, so three sure ones are enough.
-    promotion: float = Field(2.3, gt=0)
+    promotion: float = Field(default=2.3, gt=0)
     # Largest score, so that what was looked at for long can still be forgotten.
-    ceiling: float = Field(10.0, gt=0)
+    ceiling: float = Field(default=10.0, gt=0)
     # What forgetting takes from every class's score in each frame at 30 frames a second (0.006 = 0.18 a second).
-    forgetting: float = Field(0.006, ge=0)
+    forgetting: float = Field(default=0.006, ge=0)
     # Seconds between sightings that count in full; quicker ones see the same picture again and count for their share.
-    full_sighting_interval: float = Field(0.15, gt=0)
+    full_sighting_interval: float = Field(default=0.15, gt=0)
     # Longest score history of a class, samples; thinned by half when full.
-    history: int = Field(512, ge=8)
+    history: int = Field(default=512, ge=8)
 
 
 class PlacementConfig(_Section):
     """Where a text box stands (III-F)."""
 
     # Share of the box, about its centre, whose depth is used: detected boxes are looser than the board.
-    inner_share: float = Field(0.85, gt=0, le=1)
+    inner_share: float = Field(default=0.85, gt=0, le=1)
     # Depths that are believed, metres.
-    min_depth: float = Field(0.3, gt=0)
-    max_depth: float = Field(10.0, gt=0)
+    min_depth: float = Field(default=0.3, gt=0)
+    max_depth: float = Field(default=10.0, gt=0)
     # Most pixels of a box that enter the plane fit.
-    samples: int = Field(600, ge=16)
+    samples: int = Field(default=600, ge=16)
     # Fewest pixels with depth, and the share of the box's pixels they must be.
-    min_samples: int = Field(12, ge=3)
-    min_depth_share: float = Field(0.15, ge=0, le=1)
+    min_samples: int = Field(default=12, ge=3)
+    min_depth_share: float = Field(default=0.15, ge=0, le=1)
     # Triples tried by the plane fit.
-    trials: int = Field(64, ge=1)
+    trials: int = Field(default=64, ge=1)
     # Inlier band of the plane in inverse depth, 1/m: three sigma of a sensor whose error is 2.2 mm x depth squared.
-    inverse_depth_band: float = Field(0.008, gt=0)
+    inverse_depth_band: float = Field(default=0.008, gt=0)
     # Share of the depths that must agree with the plane; below it the median depth is used instead.
-    min_inlier_share: float = Field(0.5, gt=0, le=1)
+    min_inlier_share: float = Field(default=0.5, gt=0, le=1)
     # Steepest view of a surface that is believed, degrees between ray and normal.
-    max_view_angle: float = Field(80.0, gt=0, lt=90)
+    max_view_angle: float = Field(default=80.0, gt=0, lt=90)
 
 
 class InstanceConfig(_Section):
     """From observations to places (III-H)."""
 
     # Rounds of trimming and the share of farthest observations dropped in each (the paper's 20 %).
-    rounds: int = Field(3, ge=0)
-    drop_share: float = Field(0.2, ge=0, lt=1)
+    rounds: int = Field(default=3, ge=0)
+    drop_share: float = Field(default=0.2, ge=0, lt=1)
     # Observations of one class farther apart than this, metres, are different places.
-    place_distance: float = Field(1.0, gt=0)
+    place_distance: float = Field(default=1.0, gt=0)
     # How far apart, metres, opposite facings count as: more than place_distance, so two sides are two places.
-    facing_distance: float = Field(1.2, ge=0)
+    facing_distance: float = Field(default=1.2, ge=0)
     # Fewest observations of a place, unless the class has no other.
-    min_observations: int = Field(2, ge=1)
+    min_observations: int = Field(default=2, ge=1)
     # Two texts that overlap by more than this share of the smaller are readings of the same paint.
-    overlap: float = Field(0.5, gt=0, le=1)
+    overlap: float = Field(default=0.5, gt=0, le=1)
     # Lines of one board: gap between them in letter heights, and largest ratio of their letter heights.
-    line_gap: float = Field(0.9, ge=0)
-    line_height_ratio: float = Field(3.0, ge=1)
+    line_gap: float = Field(default=0.9, ge=0)
+    line_height_ratio: float = Field(default=3.0, ge=1)
     # Distance of their surfaces, metres, and angle between their normals, degrees, that lines of one board may have.
-    line_offset: float = Field(0.08, ge=0)
-    line_angle: float = Field(30.0, ge=0)
+    line_offset: float = Field(default=0.08, ge=0)
+    line_angle: float = Field(default=30.0, ge=0)
     # Share of the sightings of the less seen line in which both were seen.
-    seen_together: float = Field(0.4, ge=0, le=1)
+    seen_together: float = Field(default=0.4, ge=0, le=1)
 
 
 class ReadingConfig(_Section):
     """Which frames are read."""
 
     # Seconds between frames that are read; a text needs three sightings while the camera passes.
-    interval: float = Field(0.165, ge=0)
+    interval: float = Field(default=0.165, ge=0)
     # A frame is blurred when its variance of the Laplacian is below this share of the running median ...
-    blur_share: float = Field(0.35, ge=0)
+    blur_share: float = Field(default=0.35, ge=0)
     # ... of so many frames; reading then waits for a sharper one, no longer than so many intervals.
-    blur_window: int = Field(15, ge=1)
-    blur_patience: float = Field(2.0, ge=0)
+    blur_window: int = Field(default=15, ge=1)
+    blur_patience: float = Field(default=2.0, ge=0)
 
 
 class TextConfig(_Section):

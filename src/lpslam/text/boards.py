@@ -1,0 +1,87 @@
+"""Lines of one board are one landmark: 星巴克 above STARBUCKS is one shop."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from lpslam.config import InstanceConfig
+from lpslam.text.places import Place
+
+Array = NDArray[np.float64]
+
+# Two texts side by side are one line when their heights agree this well ...
+_ROW_HEIGHT_RATIO = 1.6
+# ... and they share this much of the lower one's height.
+_ROW_SHARE = 0.6
+# One above the other, they share this much of the narrower one's width.
+_COLUMN_SHARE = 0.5
+
+
+def boards(places: Sequence[Place], config: InstanceConfig) -> list[list[Place]]:
+    """Group places into boards; the places of each in the order of reading, the boards in order of their first id."""
+    pairs = [
+        (first, second)
+        for first in range(len(places))
+        for second in range(first + 1, len(places))
+        if _on_one_board(places[first], places[second], config)
+    ]
+    rows, columns = np.array(pairs, dtype=np.intp).reshape(-1, 2).T
+    graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(len(places), len(places)))
+    count, labels = connected_components(graph, directed=False)
+    groups = [[places[row] for row in np.flatnonzero(labels == label).tolist()] for label in range(count)]
+    return sorted((_in_reading_order(group) for group in groups), key=lambda group: min(each.id for each in group))
+
+
+def _on_one_board(first: Place, second: Place, config: InstanceConfig) -> bool:
+    if np.linalg.norm(first.position - second.position) > first.width + second.width:
+        return False
+    offset = _offset(first, second, config)
+    if offset is None:
+        return False
+    right, down, out = (abs(float(offset @ axis)) for axis in (first.baseline, first.down, first.normal))
+    angle = np.degrees(np.arccos(np.clip(first.normal @ second.normal, -1.0, 1.0)))
+    ratio = max(first.height, second.height) / max(min(first.height, second.height), 1e-6)
+    if out > config.line_offset or angle > config.line_angle or ratio > config.line_height_ratio:
+        return False
+    mean_height = (first.height + second.height) / 2.0
+    shared_width = ((first.width + second.width) / 2.0 - right) / min(first.width, second.width)
+    shared_height = (mean_height - down) / min(first.height, second.height)
+    stacked = shared_width >= _COLUMN_SHARE and down - mean_height <= config.line_gap * mean_height
+    side_by_side = (
+        shared_height >= _ROW_SHARE
+        and ratio <= _ROW_HEIGHT_RATIO
+        and right - (first.width + second.width) / 2.0 <= config.line_gap * mean_height
+    )
+    return stacked or side_by_side
+
+
+def _offset(first: Place, second: Place, config: InstanceConfig) -> Array | None:
+    """From the first to the second (3,) metres, as frames that saw both at once agree on it; None when too few did.
+
+    Within a frame the errors of pose and depth are common to both, so this is surer than the difference of positions.
+    """
+    common = first.offsets_by_frame.keys() & second.offsets_by_frame.keys()
+    fewer = min(len(first.offsets_by_frame), len(second.offsets_by_frame))
+    if len(common) < max(2, config.seen_together * fewer):
+        return None
+    offsets = [second.offsets_by_frame[frame] - first.offsets_by_frame[frame] for frame in sorted(common)]
+    return np.asarray(np.median(offsets, axis=0), dtype=np.float64)
+
+
+def _in_reading_order(group: list[Place]) -> list[Place]:
+    """Sort the texts of a board into lines, top to bottom, each left to right."""
+    reference = max(group, key=lambda each: (each.width * each.height, -each.id))
+    across = [float((each.position - reference.position) @ reference.baseline) for each in group]
+    down = [float((each.position - reference.position) @ reference.down) for each in group]
+    ordered: list[list[int]] = []
+    for index in sorted(range(len(group)), key=lambda each: down[each]):
+        last = ordered[-1] if ordered else None
+        # Still the same line while its middle lies within the height of the line's first text.
+        if last is not None and down[index] - down[last[0]] < 0.5 * group[last[0]].height:
+            last.append(index)
+        else:
+            ordered.append([index])
+    return [group[index] for line in ordered for index in sorted(line, key=lambda each: across[each])]

@@ -1,0 +1,101 @@
+"""Scene text detection with DBNet (paper, III-B): a probability map, binarised, one rotated box a region."""
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.config import SpottingConfig
+from lpslam.text.networks import Network
+
+Boxes = NDArray[np.float64]
+
+
+class TextDetector:
+    """Finds text boxes in an image."""
+
+    def __init__(self, network: Network, config: SpottingConfig) -> None:
+        self._network = network
+        self._config = config
+
+    def detect(self, rgb: NDArray[np.uint8]) -> tuple[Boxes, NDArray[np.float64]]:
+        """Find the text boxes of an image.
+
+        Args:
+            rgb: (h, w, 3).
+
+        Returns:
+            (n, 4, 2) raw pixels, each box ordered top left, top right, bottom right, bottom left, and (n,) scores:
+            the mean text probability inside.
+        """
+        probability = self._network.infer(network_input(self._resized(rgb)))[0, 0]
+        boxes, scores = boxes_from_probability(probability, self._config)
+        height, width = rgb.shape[:2]
+        scale = np.array([width / probability.shape[1], height / probability.shape[0]])
+        # Pixel centres are at whole numbers: the resize maps edges, which lie half a pixel outside.
+        boxes = (boxes + 0.5) * scale - 0.5
+        return np.clip(boxes, 0.0, [width - 1.0, height - 1.0]), scores
+
+    def _resized(self, rgb: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        height, width = rgb.shape[:2]
+        ratio = min(1.0, self._config.detection_side / max(height, width))
+        # The network halves its input five times.
+        size = [max(32, round(side * ratio / 32) * 32) for side in (width, height)]
+        if size == [width, height]:
+            return rgb
+        return np.asarray(cv2.resize(rgb, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
+
+
+def network_input(rgb: NDArray[np.uint8]) -> NDArray[np.float32]:
+    """Turn an (h, w, 3) RGB image into the (1, 3, h, w) blue-green-red batch in [-1, 1] that the models learnt on."""
+    planes = np.ascontiguousarray(rgb[:, :, ::-1].transpose(2, 0, 1)[None], dtype=np.float32)
+    planes *= 2.0 / 255.0
+    planes -= 1.0
+    return planes
+
+
+def boxes_from_probability(
+    probability: NDArray[np.float32], config: SpottingConfig
+) -> tuple[Boxes, NDArray[np.float64]]:
+    """Turn a text probability map (h, w) into boxes (n, 4, 2) in its pixels and their scores (n,).
+
+    DBNet learns to mark text regions shrunk towards their middle; each region's smallest rectangle is grown back
+    by area × ratio / perimeter.
+    """
+    mask = (probability > config.text_probability).astype(np.uint8)
+    mask = np.asarray(cv2.dilate(mask, np.ones((2, 2), np.uint8)), dtype=np.uint8)
+    contours, _ = cv2.findContours(mask, cv2.RETR_LIST, cv2.CHAIN_APPROX_SIMPLE)
+    boxes, scores = [], []
+    for contour in contours[: config.max_boxes]:
+        centre, (width, height), angle = cv2.minAreaRect(contour)
+        if min(width, height) < config.min_region_side:
+            continue
+        score = _mean_inside(probability, _corners(centre, width, height, angle))
+        if score < config.box_score:
+            continue
+        growth = 2.0 * (width * height * config.growth_ratio / (2.0 * (width + height)))
+        boxes.append(_ordered(_corners(centre, width + growth, height + growth, angle)))
+        scores.append(score)
+    return np.array(boxes, dtype=np.float64).reshape(-1, 4, 2), np.array(scores, dtype=np.float64)
+
+
+def _corners(centre: Sequence[float], width: float, height: float, angle: float) -> NDArray[np.float32]:
+    return np.asarray(cv2.boxPoints((centre, (width, height), angle)), dtype=np.float32)
+
+
+def _mean_inside(probability: NDArray[np.float32], corners: NDArray[np.float32]) -> float:
+    low = np.clip(np.floor(corners.min(axis=0)), 0, None).astype(int)
+    high = np.clip(np.ceil(corners.max(axis=0)), None, np.array(probability.shape[::-1]) - 1).astype(int)
+    window = probability[low[1] : high[1] + 1, low[0] : high[0] + 1]
+    mask = np.zeros(window.shape, np.uint8)
+    cv2.fillPoly(mask, [(corners - low).astype(np.int32)], 1)
+    return float(cv2.mean(window, mask)[0])
+
+
+def _ordered(corners: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Order a rectangle's corners top left, top right, bottom right, bottom left."""
+    by_x = corners[np.argsort(corners[:, 0], kind="stable")]
+    left = by_x[:2][np.argsort(by_x[:2, 1], kind="stable")]
+    right = by_x[2:][np.argsort(by_x[2:, 1], kind="stable")]
+    return np.array([left[0], right[0], right[1], left[1]])

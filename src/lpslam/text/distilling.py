@@ -1,0 +1,45 @@
+"""The distilling workflow (paper, Fig. 1): names from the full evidence, then landmark judgement (III-G).
+
+The paper removes texts that fail the judgement from long-term memory. They are kept here, marked: Fig. 16 shows them in
+pink, and the next question may be about them.
+"""
+
+from dataclasses import dataclass
+
+from lpslam.language.model import LanguageModel
+from lpslam.text.instances import KeyframePoses
+from lpslam.text.naming import name_class
+from lpslam.text.text_map import TextMap
+from lpslam.text.types import Landmark
+
+DEFAULT_QUESTION = "Is this a shop?"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Distilled:
+    """What distilling gave: the landmarks, judged, and how often the language model failed to name a class."""
+
+    landmarks: list[Landmark]
+    language_errors: int
+
+
+def distil(
+    text_map: TextMap,
+    world_from_keyframe: KeyframePoses,
+    language: LanguageModel,
+    question: str = DEFAULT_QUESTION,
+) -> Distilled:
+    """Name every long-term class anew, cluster positions, and judge every landmark's name.
+
+    The judgements are kept in the map with the model that gave them; other questions' judgements stay.
+
+    Raises:
+        LpSlamError: what the language model raises when it cannot judge.
+    """
+    errors = 0
+    for text_class in text_map.long_term:
+        errors += not name_class(text_class, language, text_map.config.spotting.max_length)
+    names = list(dict.fromkeys(landmark.name for landmark in text_map.landmarks(world_from_keyframe)))
+    judgements = language.judge(names, question) if names else []
+    text_map.judge(list(zip(names, judgements, strict=True)), question)
+    return Distilled(text_map.landmarks(world_from_keyframe), errors)

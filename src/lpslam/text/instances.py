@@ -1,0 +1,96 @@
+"""From a class's observations to the places where it stands (paper, III-H)."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.cluster.hierarchy import fcluster, linkage
+
+from lpslam.camera import transform_points
+from lpslam.config import InstanceConfig
+from lpslam.text.types import TextObservation
+
+Array = NDArray[np.float64]
+
+# Takes a keyframe's id to the 4×4 `world_from_keyframe` as the map knows it now.
+KeyframePoses = Callable[[int], Array]
+
+
+def trimmed_position(positions: Array, rounds: int, drop_share: float) -> tuple[Array, NDArray[np.intp]]:
+    """Average positions without their outliers (III-H).
+
+    In each round the mean, which is the optimum of least squares, is taken, and the farthest share from it is dropped
+    (rounded down, so fewer than five observations all stay).
+
+    Args:
+        positions: (n, 3) metres, n >= 1.
+        rounds: the paper's N.
+        drop_share: the paper's 20 %.
+
+    Returns:
+        The mean (3,) of those kept, and their row numbers, ascending.
+    """
+    kept = np.arange(len(positions))
+    for _ in range(rounds):
+        distances = np.linalg.norm(positions[kept] - positions[kept].mean(axis=0), axis=1)
+        remaining = len(kept) - int(len(kept) * drop_share)
+        kept = np.sort(kept[np.argsort(distances, kind="stable")[:remaining]])
+    return positions[kept].mean(axis=0), kept
+
+
+def split_places(positions: Array, normals: Array, frames: Array, config: InstanceConfig) -> list[NDArray[np.intp]]:
+    """Split the observations of one class by where they stand and where they face.
+
+    One class may hang in several places: every exit says EXIT. Average linkage puts together what is nearer than
+    `place_distance`; facing counts as a distance too, so the two sides of a hanging sign are two places.
+
+    Args:
+        positions: (n, 3) metres, world.
+        normals: (n, 3) unit, world.
+        frames: (n,) in which frame each was seen. What was seen twice in one frame stands in two places.
+        config: distances.
+
+    Returns:
+        Row numbers of each place, in the order of their first observation.
+    """
+    # Opposite normals are 2 apart.
+    features = np.hstack([positions, normals * (config.facing_distance / 2.0)])
+    places = []
+    for rows in _linked(features, np.arange(len(features)), config.place_distance):
+        apart = _distance_within_frames(features[rows], frames[rows])
+        places += _linked(features, rows, 0.5 * apart) if apart is not None else [rows]
+    return sorted(places, key=lambda rows: int(rows[0]))
+
+
+def _linked(features: Array, rows: NDArray[np.intp], distance: float) -> list[NDArray[np.intp]]:
+    if len(rows) < 2:
+        return [rows]
+    labels = fcluster(linkage(features[rows], "average"), distance, "distance")
+    return [rows[labels == label] for label in np.unique(labels)]
+
+
+def _distance_within_frames(features: Array, frames: Array) -> float | None:
+    """How far apart sightings of the same frame are, if two or more frames saw the class more than once."""
+    first, second = np.triu_indices(len(frames), 1)
+    same = frames[first] == frames[second]
+    if len(np.unique(frames[first[same]])) < 2:
+        return None
+    return float(np.median(np.linalg.norm(features[first[same]] - features[second[same]], axis=1)))
+
+
+def world_placements(
+    observations: Sequence[TextObservation], world_from_keyframe: KeyframePoses
+) -> tuple[Array, Array, Array]:
+    """Positions, normals and baselines of observations in the world, each (n, 3), by their keyframes' present poses."""
+    keyframes = np.array([each.keyframe for each in observations], dtype=np.int64)
+    local = np.array(
+        [(each.placement.position, each.placement.normal, each.placement.baseline) for each in observations],
+        dtype=np.float64,
+    ).reshape(-1, 3, 3)
+    world = np.empty_like(local)
+    for keyframe in np.unique(keyframes):
+        rows = keyframes == keyframe
+        pose = world_from_keyframe(int(keyframe))
+        world[rows, 0] = transform_points(pose, local[rows, 0])
+        world[rows, 1:] = local[rows, 1:] @ pose[:3, :3].T
+    return world[:, 0], world[:, 1], world[:, 2]

@@ -1,0 +1,51 @@
+"""The name of a class of misread strings (text clustering, III-E), chosen by a language model and never invented."""
+
+from lpslam.language.model import LanguageModel, Naming
+from lpslam.language.sanitise import clean_text
+from lpslam.text.memory import TextClass
+from lpslam.text.similarity import comparison_key, similarity
+
+# A name less similar than this to everything that was read is the model's invention.
+_NEAREST_READING = 0.5
+
+# A class is named anew once its evidence has grown by this factor.
+_GROWTH = 2.0
+
+
+def needs_name(text_class: TextClass) -> bool:
+    """Whether a class has no name yet, or has twice the readings that its name was chosen from."""
+    return text_class.naming is None or text_class.count >= _GROWTH * text_class.named_at_count
+
+
+def name_class(text_class: TextClass, language: LanguageModel | None, max_length: int) -> bool:
+    """Name a class by the language model, or by its surest spelling where there is none or it fails.
+
+    Returns:
+        Whether a model that was asked answered usably.
+    """
+    naming, failed = None, False
+    if language is not None:
+        # Any model behind the protocol may fail in any way; mapping goes on.
+        try:
+            naming = _checked(language.name(text_class.readings), text_class, max_length)
+        except Exception:
+            naming = None
+        failed = naming is None
+    text_class.naming = naming or _surest(text_class)
+    text_class.named_at_count = text_class.count
+    return not failed
+
+
+def _checked(naming: Naming, text_class: TextClass, max_length: int) -> Naming | None:
+    name = clean_text(naming.name, max_length)
+    key = comparison_key(name)
+    nearest = max(similarity(key, comparison_key(text)) for text in text_class.variants)
+    if not key or nearest < _NEAREST_READING:
+        return None
+    return Naming(name, naming.confidence, naming.evidence, naming.model)
+
+
+def _surest(text_class: TextClass) -> Naming:
+    best = text_class.readings[0]
+    share = best.count / text_class.count
+    return Naming(best.text, share * best.confidence, f"read {best.count} of {text_class.count} times", "majority")

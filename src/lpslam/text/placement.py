@@ -1,0 +1,147 @@
+"""From a text box, the depth image and the camera to a place in space (paper, III-F, Eq. 4-7)."""
+
+from enum import StrEnum
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.camera import PinholeCamera, transform_points
+from lpslam.config import PlacementConfig
+from lpslam.text.types import Placement, Vector3
+
+Array = NDArray[np.float64]
+
+# How far the middle of a detected box strays from that of the text, as a share of the box's height.
+_BOX_STRAY = 0.1
+
+
+class PlacementFault(StrEnum):
+    """Why a text could not be placed."""
+
+    NO_DEPTH = "no usable depth"
+    GRAZING = "surface seen at a grazing angle"
+
+
+def place_text(
+    box: Array,
+    depth: NDArray[np.float32],
+    camera: PinholeCamera,
+    keyframe_from_camera: Array,
+    config: PlacementConfig,
+) -> Placement | PlacementFault:
+    """Place a text box in its reference keyframe's frame.
+
+    The paper back-projects the mean of the box's corners with the depth there (Eq. 7). One pixel's depth is noisy, may
+    be a hole or belong to whatever hangs in front, and the middle of a box seen askance is not the middle of the text:
+    so a plane is fitted to all depths inside, the corners' rays are met with it, and the mean is taken in space.
+
+    Args:
+        box: (4, 2) raw pixels, ordered top left, top right, bottom right, bottom left.
+        depth: (height, width) metres, 0 where there is none.
+        camera: whose raw pixels these are.
+        keyframe_from_camera: 4×4.
+        config: thresholds.
+
+    Returns:
+        The placement, or why there is none.
+    """
+    pixels, depths, area = _depths_inside(box, depth, config)
+    if len(depths) < max(config.min_samples, config.min_depth_share * area):
+        return PlacementFault.NO_DEPTH
+    unit = np.ones(len(depths))
+    rays = camera.back_project(camera.undistort(pixels), unit)
+    corner_rays = camera.back_project(camera.undistort(box), np.ones(4))
+
+    inverse_plane, inliers = fit_inverse_depth_plane(rays, 1.0 / depths, config)
+    corner_inverse_depths = corner_rays @ inverse_plane
+    # A plane that leaves the box's corners without a believable depth is no surface to write on.
+    believable = (corner_inverse_depths > 0.5 / config.max_depth) & (corner_inverse_depths < 2.0 / config.min_depth)
+    if inliers.mean() < config.min_inlier_share or not believable.all():
+        middle = np.median(depths)
+        corners = corner_rays * middle
+        normal = -_unit(corners.mean(axis=0))
+        noise = float(np.median(np.abs(depths - middle))) * 1.4826
+    else:
+        corners = corner_rays / corner_inverse_depths[:, None]
+        # The plane n·p = d, divided by its depth, is linear in the ray: its coefficients point along the normal.
+        normal = -_unit(inverse_plane)
+        residuals = 1.0 / depths[inliers] - rays[inliers] @ inverse_plane
+        noise = float(np.std(residuals)) * float(np.median(depths)) ** 2
+
+    centre = corners.mean(axis=0)
+    view_angle = np.degrees(np.arccos(np.clip(-_unit(centre) @ normal, -1.0, 1.0)))
+    if view_angle > config.max_view_angle:
+        return PlacementFault.GRAZING
+    along = (corners[1] + corners[2] - corners[0] - corners[3]) / 2.0
+    across = (corners[2] + corners[3] - corners[0] - corners[1]) / 2.0
+    width, height = float(np.linalg.norm(along)), float(np.linalg.norm(across))
+    rotation = keyframe_from_camera[:3, :3]
+    return Placement(
+        position=_vector(transform_points(keyframe_from_camera, centre[None])[0]),
+        normal=_vector(rotation @ normal),
+        baseline=_vector(rotation @ _unit(along)),
+        width=width,
+        height=height,
+        uncertainty=float(np.hypot(noise / np.sqrt(len(depths) / 10.0), _BOX_STRAY * height)),
+    )
+
+
+def fit_inverse_depth_plane(
+    rays: Array, inverse_depths: Array, config: PlacementConfig
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Fit a plane robustly to points seen along rays.
+
+    On a plane the inverse depth is linear in the ray (x/z, y/z, 1), and there the error of a stereo or
+    structured-light sensor, which grows with depth squared, is the same everywhere: plain least squares is then right.
+
+    Args:
+        rays: (n, 3) with third component 1.
+        inverse_depths: (n,) 1/m.
+        config: band, trials.
+
+    Returns:
+        (3,) coefficients c with inverse depth = rays @ c, and which points (n,) lie on the plane.
+    """
+    # A fixed seed: the same picture gives the same map.
+    triples = np.random.default_rng(0).integers(0, len(rays), (config.trials, 3))
+    systems = rays[triples]
+    solvable = np.abs(np.linalg.det(systems)) > 1e-9
+    candidates = np.zeros((0, 3))
+    if solvable.any():
+        candidates = np.linalg.solve(systems[solvable], inverse_depths[triples[solvable]][:, :, None])[:, :, 0]
+    flat = np.array([[0.0, 0.0, float(np.median(inverse_depths))]])
+    candidates = np.vstack([flat, candidates])
+    residuals = np.abs(inverse_depths - candidates @ rays.T)
+    coefficients = candidates[(residuals < config.inverse_depth_band).sum(axis=1).argmax()]
+    for _ in range(3):
+        inliers = np.abs(inverse_depths - rays @ coefficients) < config.inverse_depth_band
+        if inliers.sum() < 3:
+            break
+        coefficients = np.linalg.lstsq(rays[inliers], inverse_depths[inliers], rcond=None)[0]
+    return coefficients, np.abs(inverse_depths - rays @ coefficients) < config.inverse_depth_band
+
+
+def _depths_inside(box: Array, depth: NDArray[np.float32], config: PlacementConfig) -> tuple[Array, Array, int]:
+    """Pixels (n, 2) and depths (n,) inside the shrunk box, thinned evenly, and how many pixels were looked at."""
+    middle = box.mean(axis=0)
+    inner = middle + (box - middle) * config.inner_share
+    height, width = depth.shape
+    low = np.clip(np.floor(inner.min(axis=0)), 0, [width - 1, height - 1]).astype(int)
+    high = np.clip(np.ceil(inner.max(axis=0)), 0, [width - 1, height - 1]).astype(int)
+    mask = np.zeros(high[::-1] - low[::-1] + 1, np.uint8)
+    cv2.fillConvexPoly(mask, np.round(inner - low).astype(np.int32), 1)
+    rows, columns = np.nonzero(mask)
+    step = -(-len(rows) // config.samples)
+    rows, columns = rows[::step] + low[1], columns[::step] + low[0]
+    values = depth[rows, columns].astype(np.float64)
+    usable = np.isfinite(values) & (values >= config.min_depth) & (values <= config.max_depth)
+    return np.column_stack([columns, rows])[usable].astype(np.float64), values[usable], len(values)
+
+
+def _unit(vector: Array) -> Array:
+    return vector / np.linalg.norm(vector)
+
+
+def _vector(array: Array) -> Vector3:
+    return float(array[0]), float(array[1]), float(array[2])

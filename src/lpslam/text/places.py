@@ -1,0 +1,161 @@
+"""The places of long-term texts: one a spot of paint, whichever class it was read as.
+
+Position clustering (III-H) says where a class stands. But one painted text may have been read as several classes,
+whole, in pieces and wrongly; and two texts cannot stand in the same spot. So where places overlap, the best founded
+stays.
+"""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.config import InstanceConfig
+from lpslam.text.instances import KeyframePoses, split_places, trimmed_position, world_placements
+from lpslam.text.memory import TextClass
+from lpslam.text.similarity import comparison_key, is_fragment, similarity
+
+Array = NDArray[np.float64]
+
+# From this similarity on, what a place is mostly read as is taken for a slip in the name of its class.
+_SAME_NAME = 0.8
+
+# A whole text is believed over its fragment with this share of the fragment's evidence: from near, pieces are read.
+_WHOLE_OVER_FRAGMENT = 0.25
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Place:
+    """One class at one place.
+
+    Attributes:
+        id: class id times 1000 plus the place's number among those of its class.
+        name: the class's name, or what is read here if that is something else.
+        variants: spellings read here and how often.
+        position: (3,) metres, world.
+        normal, baseline: (3,) unit, world.
+        spread: metres, root mean square distance of kept observations.
+        width, height: metres.
+        offsets_by_frame: for each frame that saw it, the (3,) world position seen then.
+        observations: number of sightings.
+        evidence: sum of their confidences.
+        confidence: 0 to 1, mean over the sightings of confidence times similarity to the name.
+    """
+
+    id: int
+    name: str
+    variants: dict[str, int]
+    position: Array
+    normal: Array
+    baseline: Array
+    spread: float
+    width: float
+    height: float
+    offsets_by_frame: dict[int, Array]
+    observations: int
+    evidence: float
+    confidence: float
+
+    @property
+    def down(self) -> Array:
+        """(3,) unit, across the direction of reading, along the surface."""
+        return np.asarray(np.cross(-self.normal, self.baseline), dtype=np.float64)
+
+
+def places_of_class(text_class: TextClass, world_from_keyframe: KeyframePoses, config: InstanceConfig) -> list[Place]:
+    """Find the places of one class; none when it was never placed.
+
+    A place seen but once is a slip of depth or of reading, unless the class has no other.
+    """
+    observations = text_class.observations
+    if not observations:
+        return []
+    positions, normals, baselines = world_placements(observations, world_from_keyframe)
+    frames = np.array([each.frame for each in observations])
+    groups = list(enumerate(split_places(positions, normals, frames, config)))
+    largest = max(len(rows) for _, rows in groups)
+    enough = min(config.min_observations, largest)
+
+    places = []
+    for number, rows in groups:
+        if len(rows) < enough:
+            continue
+        position, kept = trimmed_position(positions[rows], config.rounds, config.drop_share)
+        seen = [observations[row] for row in rows]
+        trusted = rows[kept]
+        normal = _mean_direction(normals[trusted])
+        baseline = _mean_direction(baselines[trusted])
+        name = _name_here(text_class, Counter(each.text for each in seen))
+        key = comparison_key(name)
+        places.append(
+            Place(
+                id=text_class.id * 1000 + number,
+                name=name,
+                variants=dict(Counter(each.text for each in seen).most_common()),
+                position=position,
+                normal=normal,
+                baseline=_mean_direction((baseline - normal * (baseline @ normal))[None]),
+                spread=float(np.sqrt(np.mean(np.sum((positions[trusted] - position) ** 2, axis=1)))),
+                width=float(np.median([observations[row].placement.width for row in trusted])),
+                height=float(np.median([observations[row].placement.height for row in trusted])),
+                offsets_by_frame={observations[row].frame: positions[row] for row in rows},
+                observations=len(rows),
+                evidence=sum(each.confidence for each in seen),
+                confidence=float(
+                    np.mean([each.confidence * similarity(comparison_key(each.text), key) for each in seen])
+                ),
+            )
+        )
+    return places
+
+
+def _mean_direction(directions: Array) -> Array:
+    mean = directions.mean(axis=0)
+    return np.asarray(mean / max(float(np.linalg.norm(mean)), 1e-12), dtype=np.float64)
+
+
+def _name_here(text_class: TextClass, counts: Counter[str]) -> str:
+    """The class's name, unless another text stands here: WASHROOM and BATHROOM may share a class, never a door."""
+    commonest = counts.most_common(1)[0][0]
+    same = similarity(comparison_key(commonest), comparison_key(text_class.name)) >= _SAME_NAME
+    return text_class.name if same or text_class.name in counts or counts.total() < 3 else commonest
+
+
+def without_overlaps(places: Sequence[Place], config: InstanceConfig) -> list[Place]:
+    """Of places that share a spot, keep the best founded: whole texts over their fragments, else the most evidence."""
+    standing: list[Place] = []
+    for place in sorted(places, key=lambda each: (-each.evidence * len(comparison_key(each.name)), each.id)):
+        rivals = [rival for rival in standing if overlap(rival, place) > config.overlap]
+        if any(not _outranks(place, rival) for rival in rivals):
+            continue
+        standing = [each for each in standing if each not in rivals]
+        standing.append(place)
+    return sorted(standing, key=lambda each: each.id)
+
+
+def _outranks(place: Place, rival: Place) -> bool:
+    if is_fragment(rival.name, place.name):
+        return place.evidence >= _WHOLE_OVER_FRAGMENT * rival.evidence
+    if is_fragment(place.name, rival.name):
+        return rival.evidence < _WHOLE_OVER_FRAGMENT * place.evidence
+    return place.evidence > rival.evidence
+
+
+def overlap(first: Place, second: Place) -> float:
+    """Share of the smaller of two texts that the other covers, seen along the first's normal; 0 if not on one surface.
+
+    Surfaces count as one within a quarter of a metre (a text read wrongly is often placed worse too) and 60 degrees.
+    """
+    across = second.position - first.position
+    if abs(across @ first.normal) > 0.25 or first.normal @ second.normal < 0.5:
+        return 0.0
+    covered = 1.0
+    for axis, first_size, second_size in (
+        (first.baseline, first.width, second.width),
+        (first.down, first.height, second.height),
+    ):
+        shared = (first_size + second_size) / 2.0 - abs(float(across @ axis))
+        covered *= float(np.clip(shared / max(min(first_size, second_size), 1e-6), 0.0, 1.0))
+    return covered

@@ -1,0 +1,51 @@
+"""Similarity classification: the normalised Levenshtein distance of Eq. 1-3 (paper, III-C)."""
+
+from collections.abc import Mapping, Sequence
+
+from rapidfuzz import fuzz
+from rapidfuzz.distance import Levenshtein
+
+
+def edit_distance(a: str, b: str) -> int:
+    """The fewest insertions, deletions and substitutions that turn `a` into `b` (Eq. 1-2)."""
+    return Levenshtein.distance(a, b)
+
+
+def similarity(a: str, b: str) -> float:
+    """Eq. 3: one minus the edit distance over the longer length; 1 for equal texts, 0 for nothing in common."""
+    return Levenshtein.normalized_similarity(a, b)
+
+
+def comparison_key(text: str) -> str:
+    """What of a text is compared: case and spaces are ignored, since readers disagree on both between frames.
+
+    Punctuation stays: it is painted, and a slip in it costs one edit like any other.
+    """
+    return "".join(text.casefold().split())
+
+
+def best_class(text: str, classes: Mapping[int, Sequence[str]], threshold: float) -> int | None:
+    """Find the class whose spellings are most similar to a text.
+
+    Args:
+        text: as read.
+        classes: for each class id the spellings it is known by; of equally similar classes the first wins.
+        threshold: Eq. 3 similarity that the best must reach.
+
+    Returns:
+        The id of the class, or None when no class is similar enough.
+    """
+    key = comparison_key(text)
+    best, best_similarity = None, threshold
+    for identifier, spellings in classes.items():
+        for spelling in spellings:
+            likeness = Levenshtein.normalized_similarity(key, comparison_key(spelling), score_cutoff=best_similarity)
+            if likeness >= threshold and (best is None or likeness > best_similarity):
+                best, best_similarity = identifier, likeness
+    return best
+
+
+def is_fragment(part: str, whole: str) -> bool:
+    """Whether `part` reads like a piece of the longer `whole`, a slip or two apart."""
+    part_key, whole_key = comparison_key(part), comparison_key(whole)
+    return len(part_key) < len(whole_key) and fuzz.partial_ratio(part_key, whole_key) >= 75.0

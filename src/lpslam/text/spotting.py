@@ -1,0 +1,83 @@
+"""Scene text recognition (paper, III-B): detection and recognition, called apart, behind one small protocol."""
+
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.config import SpottingConfig
+from lpslam.language.sanitise import clean_text
+from lpslam.text.detection import Boxes, TextDetector
+from lpslam.text.networks import load_network
+from lpslam.text.recognition import TextRecogniser
+from lpslam.text.types import SpottedText
+
+
+@runtime_checkable
+class TextSpotter(Protocol):
+    """Anything that finds and reads text in an image."""
+
+    def detect(self, rgb: NDArray[np.uint8]) -> tuple[Boxes, NDArray[np.float64]]:
+        """Find text in an (h, w, 3) image: boxes (n, 4, 2) px, ordered tl, tr, br, bl, and scores (n,)."""
+        ...
+
+    def recognise(self, rgb: NDArray[np.uint8], boxes: Boxes) -> list[tuple[str, float]]:
+        """Read the boxes: for each its text, perhaps empty, and confidence 0 to 1."""
+        ...
+
+
+class PaddleSpotter:
+    """DBNet detection and CTC recognition with PaddleOCR's networks.
+
+    Raises:
+        UserError: on creation, where the models or the engine are not installed.
+    """
+
+    def __init__(self, config: SpottingConfig) -> None:
+        self._detector = TextDetector(load_network("det", config.engine, config.threads), config)
+        self._recogniser = TextRecogniser(load_network("rec", config.engine, config.threads), config)
+
+    def detect(self, rgb: NDArray[np.uint8]) -> tuple[Boxes, NDArray[np.float64]]:
+        """See `TextSpotter`."""
+        return self._detector.detect(rgb)
+
+    def recognise(self, rgb: NDArray[np.uint8], boxes: Boxes) -> list[tuple[str, float]]:
+        """See `TextSpotter`."""
+        return self._recogniser.recognise(rgb, boxes)
+
+
+def spot(spotter: TextSpotter, rgb: NDArray[np.uint8], config: SpottingConfig) -> list[SpottedText]:
+    """Find and read all text of an image that is wholly in view, large enough and surely read."""
+    boxes, _ = spotter.detect(rgb)
+    boxes = boxes[~touches_border(boxes, rgb.shape[:2], config.border_margin)]
+    boxes = boxes[letter_heights(boxes) >= config.min_letter_height]
+    return accepted_texts(boxes, spotter.recognise(rgb, boxes), config)
+
+
+def touches_border(boxes: Boxes, shape: tuple[int, ...], margin: float) -> NDArray[np.bool_]:
+    """Tell which (n, 4, 2) boxes reach into the rim of an image of this (height, width): text cut off (Fig. 11).
+
+    The rim is `margin` times the width at the sides and `margin` times the height at top and bottom.
+    """
+    height, width = shape
+    rim = np.array([width, height]) * margin
+    inside = (boxes > rim) & (boxes < np.array([width - 1, height - 1]) - rim)
+    return np.asarray(~inside.all(axis=(1, 2)), dtype=np.bool_)
+
+
+def letter_heights(boxes: Boxes) -> NDArray[np.float64]:
+    """Height of the letters in (n, 4, 2) boxes, (n,) pixels: across the direction of writing."""
+    sides = np.linalg.norm(np.roll(boxes, -1, axis=1) - boxes, axis=2)
+    along, across = (sides[:, 0] + sides[:, 2]) / 2.0, (sides[:, 1] + sides[:, 3]) / 2.0
+    # A line that runs downwards is as wide as its letters.
+    return np.asarray(np.where(across >= 1.5 * along, along, across), dtype=np.float64)
+
+
+def accepted_texts(boxes: Boxes, readings: list[tuple[str, float]], config: SpottingConfig) -> list[SpottedText]:
+    """Clean what was read in (n, 4, 2) boxes and keep what is sure and long enough to be a text."""
+    texts = []
+    for box, height, (raw, confidence) in zip(boxes, letter_heights(boxes), readings, strict=True):
+        text = clean_text(raw, config.max_length)
+        if confidence >= config.min_confidence and sum(ch.isalnum() for ch in text) >= config.min_letters:
+            texts.append(SpottedText(text, confidence, box, float(height)))
+    return texts

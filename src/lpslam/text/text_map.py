@@ -1,0 +1,114 @@
+"""The map of words: classes, their observations, and the landmarks that follow from the keyframes' present poses."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from lpslam.config import TextConfig
+from lpslam.language.model import Judgement
+from lpslam.text import documents
+from lpslam.text.boards import boards
+from lpslam.text.instances import KeyframePoses
+from lpslam.text.memory import LongShortTermMemory, TextClass
+from lpslam.text.places import Place, places_of_class, without_overlaps
+from lpslam.text.types import Landmark
+
+
+class TextMap:
+    """What has been read and remembered.
+
+    Only what was observed is stored, hung on keyframes; landmarks are derived anew whenever they are asked for.
+
+    Attributes:
+        memory: the classes of homologous texts in their two pools.
+        judgements: by name, then by question.
+        question: what `Landmark.is_landmark` answers; None before anything was judged.
+    """
+
+    def __init__(self, config: TextConfig) -> None:
+        self.config = config
+        self.memory = LongShortTermMemory(config.memory)
+        self.judgements: dict[str, dict[str, Judgement]] = {}
+        self.question: str | None = None
+
+    @property
+    def long_term(self) -> list[TextClass]:
+        """The classes in long-term memory, by id."""
+        return [self.memory.long_term[key] for key in sorted(self.memory.long_term)]
+
+    def landmarks(self, world_from_keyframe: KeyframePoses) -> list[Landmark]:
+        """Derive the landmarks: every long-term text at every place where it stands.
+
+        Args:
+            world_from_keyframe: takes a keyframe's id to its 4×4 pose in the map frame.
+
+        Returns:
+            Landmarks by id, whatever their judgement.
+        """
+        instances = self.config.instances
+        places = [place for each in self.long_term for place in places_of_class(each, world_from_keyframe, instances)]
+        groups = boards(without_overlaps(places, instances), instances)
+        return [self._landmark(group) for group in groups]
+
+    def judge(self, judgements: Sequence[tuple[str, Judgement]], question: str) -> None:
+        """Keep judgements of names, and make the question the map's current one."""
+        self.question = question
+        for name, judgement in judgements:
+            self.judgements.setdefault(name, {})[judgement.question] = judgement
+
+    def _landmark(self, lines: list[Place]) -> Landmark:
+        name = " ".join(line.name for line in lines)
+        judgements = dict(self.judgements.get(name, {}))
+        current = judgements.get(self.question) if self.question is not None else None
+        first = max(lines, key=lambda line: (line.width * line.height, -line.id))
+        # The middle of what all lines cover together.
+        reach = [
+            [
+                float((line.position - first.position) @ axis) + side * size / 2.0
+                for line, size in sizes
+                for side in (-1, 1)
+            ]
+            for axis, sizes in (
+                (first.baseline, [(line, line.width) for line in lines]),
+                (first.down, [(line, line.height) for line in lines]),
+            )
+        ]
+        (left, right), (top, bottom) = ((min(values), max(values)) for values in reach)
+        middle = first.baseline * (left + right) / 2.0 + first.down * (top + bottom) / 2.0
+        return Landmark(
+            id=min(line.id for line in lines),
+            name=name,
+            variants={text: count for line in lines for text, count in line.variants.items()},
+            position=first.position + middle,
+            normal=first.normal,
+            spread=float(np.mean([line.spread for line in lines])),
+            width=right - left,
+            height=bottom - top,
+            observations=max(line.observations for line in lines),
+            confidence=float(np.mean([line.confidence for line in lines])),
+            judgements=judgements,
+            is_landmark=current.answer if current else None,
+        )
+
+    def to_document(self) -> dict[str, Any]:
+        """Everything remembered, as JSON can hold it."""
+        return {
+            "config": self.config.model_dump(mode="json"),
+            "memory": documents.from_memory(self.memory),
+            "judgements": documents.from_judgements(self.judgements),
+            "question": self.question,
+        }
+
+    @classmethod
+    def from_document(cls, document: dict[str, Any]) -> "TextMap":
+        """Restore what `to_document` gave.
+
+        Raises:
+            KeyError, TypeError, ValueError: the document is not one of `to_document`.
+        """
+        text_map = cls(TextConfig.model_validate(document["config"]))
+        documents.restore_memory(text_map.memory, document["memory"])
+        text_map.judgements = documents.to_judgements(document["judgements"])
+        text_map.question = document["question"]
+        return text_map

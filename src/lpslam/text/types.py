@@ -1,0 +1,151 @@
+"""The value types of reading: what was seen in a frame, where it stands, and what the map makes of it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.language.model import Judgement
+
+Vector3 = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SpottedText:
+    """One text read in one image.
+
+    Attributes:
+        text: as painted: case, spaces and punctuation kept; control characters stripped.
+        confidence: mean probability of its letters, 0 to 1.
+        box: (4, 2) raw pixels, ordered top left, top right, bottom right, bottom left.
+        letter_height: pixels, mean of the box's two upright sides.
+    """
+
+    text: str
+    confidence: float
+    box: NDArray[np.float64]
+    letter_height: float
+
+
+class BoxFate(StrEnum):
+    """What became of a detected box (Fig. 11)."""
+
+    KEPT = "kept"
+    BORDER = "border"
+    SMALL = "small"
+    UNREAD = "unread"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FrameReading:
+    """All that reading one frame gave: the boxes, what became of each, and the texts kept.
+
+    Attributes:
+        frame: index of the frame.
+        boxes: (n, 4, 2) raw pixels.
+        fates: one a box.
+        texts: the texts read, in the order of the boxes that were kept.
+        observations: the texts that could be placed.
+    """
+
+    frame: int
+    boxes: NDArray[np.float64]
+    fates: tuple[BoxFate, ...]
+    texts: tuple[SpottedText, ...]
+    observations: tuple["TextObservation", ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Placement:
+    """Where a text box stands, in the frame of its reference keyframe's camera (III-F).
+
+    Attributes:
+        position: metres, centre of the box on its surface.
+        normal: unit, towards the viewer.
+        baseline: unit, the direction of reading.
+        width, height: metres, of the box.
+        uncertainty: metres, standard deviation of the position.
+    """
+
+    position: Vector3
+    normal: Vector3
+    baseline: Vector3
+    width: float
+    height: float
+    uncertainty: float
+
+
+@dataclass(frozen=True, slots=True)
+class TextObservation:
+    """One sighting of a text, hung on its reference keyframe so that it moves when the keyframe is corrected.
+
+    Attributes:
+        frame: index of the frame; sightings with the same frame were seen together.
+        timestamp: seconds.
+        keyframe: id of the reference keyframe.
+        text, confidence: as read.
+        placement: in the frame of that keyframe's camera.
+    """
+
+    frame: int
+    timestamp: float
+    keyframe: int
+    text: str
+    confidence: float
+    placement: Placement
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Landmark:
+    """One text at one place of the map.
+
+    Attributes:
+        id: stable across calls and across saving: class id times 1000 plus the place's number.
+        name: the most reasonable spelling.
+        variants: spellings and how often each was read here.
+        position: (3,) metres, map frame.
+        normal: (3,) unit, map frame, from the surface to where it was seen from.
+        spread: metres, root mean square distance of the kept observations from the position.
+        width, height: metres, of the text.
+        observations: how many sightings stand behind it.
+        confidence: 0 to 1, share of agreement with the name, weighted by the readings' confidence.
+        judgements: by question.
+        is_landmark: the answer to the map's current question; None while nobody has judged.
+    """
+
+    id: int
+    name: str
+    variants: Mapping[str, int]
+    position: NDArray[np.float64]
+    normal: NDArray[np.float64]
+    spread: float
+    width: float
+    height: float
+    observations: int
+    confidence: float
+    judgements: Mapping[str, Judgement] = field(default_factory=dict)
+    is_landmark: bool | None = None
+
+
+@dataclass(slots=True)
+class TextStatistics:
+    """What reading has cost and what was lost on the way; plain counts and milliseconds."""
+
+    frames_seen: int = 0
+    frames_read: int = 0
+    frames_untracked: int = 0
+    frames_blurred: int = 0
+    boxes_detected: int = 0
+    boxes_at_border: int = 0
+    boxes_too_small: int = 0
+    texts_rejected: int = 0
+    texts_read: int = 0
+    observations: int = 0
+    observations_without_depth: int = 0
+    reader_errors: int = 0
+    language_errors: int = 0
+    detection_ms: float = 0.0
+    recognition_ms: float = 0.0
+    mapping_ms: float = 0.0
