@@ -63,11 +63,11 @@ def _offset(first: Place, second: Place, config: InstanceConfig) -> Array | None
 
     Within a frame the errors of pose and depth are common to both, so this is surer than the difference of positions.
     """
-    common = first.offsets_by_frame.keys() & second.offsets_by_frame.keys()
-    fewer = min(len(first.offsets_by_frame), len(second.offsets_by_frame))
+    common = first.positions_by_frame.keys() & second.positions_by_frame.keys()
+    fewer = min(len(first.positions_by_frame), len(second.positions_by_frame))
     if len(common) < max(2, config.seen_together * fewer):
         return None
-    offsets = [second.offsets_by_frame[frame] - first.offsets_by_frame[frame] for frame in sorted(common)]
+    offsets = [second.positions_by_frame[frame] - first.positions_by_frame[frame] for frame in sorted(common)]
     return np.asarray(np.median(offsets, axis=0), dtype=np.float64)
 
 

@@ -38,7 +38,7 @@ class Place:
         normal, baseline: (3,) unit, world.
         spread: metres, root mean square distance of kept observations.
         width, height: metres.
-        offsets_by_frame: for each frame that saw it, the (3,) world position seen then.
+        positions_by_frame: for each frame that saw it, the (3,) world position seen then.
         observations: number of sightings.
         evidence: sum of their confidences.
         confidence: 0 to 1, mean over the sightings of confidence times similarity to the name.
@@ -53,7 +53,7 @@ class Place:
     spread: float
     width: float
     height: float
-    offsets_by_frame: dict[int, Array]
+    positions_by_frame: dict[int, Array]
     observations: int
     evidence: float
     confidence: float
@@ -100,7 +100,7 @@ def places_of_class(text_class: TextClass, world_from_keyframe: KeyframePoses, c
                 spread=float(np.sqrt(np.mean(np.sum((positions[trusted] - position) ** 2, axis=1)))),
                 width=float(np.median([observations[row].placement.width for row in trusted])),
                 height=float(np.median([observations[row].placement.height for row in trusted])),
-                offsets_by_frame={observations[row].frame: positions[row] for row in rows},
+                positions_by_frame={observations[row].frame: positions[row] for row in rows},
                 observations=len(rows),
                 evidence=sum(each.confidence for each in seen),
                 confidence=float(

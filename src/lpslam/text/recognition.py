@@ -27,17 +27,18 @@ class TextRecogniser:
         """Read (n, 4, 2) boxes of an (h, w, 3) image: for each its text, perhaps empty, and confidence 0 to 1."""
         lines = [rectify(rgb, box, self._config.max_line_width) for box in boxes]
         results = [("", 0.0)] * len(lines)
-        for batch in self._batches([line.shape[1] for line in lines]):
+        for batch in self._batches([_padded(line.shape[1]) for line in lines]):
             probabilities = self._network.infer(_stack([lines[index] for index in batch]))
             for index, line in zip(batch, probabilities, strict=True):
                 results[index] = decode_ctc(line, self._alphabet)
         return results
 
     def _batches(self, widths: Sequence[int]) -> Iterator[list[int]]:
-        """Group lines of similar width, since all of a batch are padded to the widest."""
-        order = np.argsort(widths, kind="stable").tolist()
-        for start in range(0, len(order), self._config.recognition_batch):
-            yield order[start : start + self._config.recognition_batch]
+        """Group lines of equal padded width: then none is computed wider than it is, or reads otherwise in company."""
+        for width in sorted(set(widths)):
+            equal = [index for index, each in enumerate(widths) if each == width]
+            for start in range(0, len(equal), self._config.recognition_batch):
+                yield equal[start : start + self._config.recognition_batch]
 
 
 def rectify(rgb: NDArray[np.uint8], box: NDArray[np.float64], max_width: int) -> NDArray[np.uint8]:
@@ -90,13 +91,14 @@ def decode_ctc(probabilities: NDArray[np.float32], alphabet: NDArray[np.str_]) -
     return "".join(alphabet[letters].tolist()), float(probabilities[kept, letters].mean())
 
 
-def _stack(lines: Sequence[NDArray[np.uint8]]) -> NDArray[np.float32]:
-    """Stack lines into one batch, padded right with mid-grey to the widest.
+def _padded(width: int) -> int:
+    """Round a width up: the engine prepares itself anew for every new shape."""
+    return -(-width // 32) * 32
 
-    Widths are rounded up, for the engine prepares itself anew for every new shape.
-    """
-    width = -(-max(line.shape[1] for line in lines) // 32) * 32
-    batch = np.zeros((len(lines), 3, _LINE_HEIGHT, width), np.float32)
+
+def _stack(lines: Sequence[NDArray[np.uint8]]) -> NDArray[np.float32]:
+    """Stack lines of equal padded width into one batch, padded right with mid-grey."""
+    batch = np.zeros((len(lines), 3, _LINE_HEIGHT, _padded(lines[0].shape[1])), np.float32)
     for row, line in zip(batch, lines, strict=True):
         row[:, :, : line.shape[1]] = network_input(line)[0]
     return batch

@@ -36,10 +36,10 @@ def best_class(text: str, classes: Mapping[int, Sequence[str]], threshold: float
         The id of the class, or None when no class is similar enough.
     """
     key = comparison_key(text)
-    best, best_similarity = None, threshold
+    best, best_similarity = None, 0.0
     for identifier, spellings in classes.items():
         for spelling in spellings:
-            likeness = Levenshtein.normalized_similarity(key, comparison_key(spelling), score_cutoff=best_similarity)
+            likeness = similarity(key, comparison_key(spelling))
             if likeness >= threshold and (best is None or likeness > best_similarity):
                 best, best_similarity = identifier, likeness
     return best

@@ -1,0 +1,146 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from lpslam.config import InstanceConfig
+from lpslam.language.model import Naming
+from lpslam.text.boards import boards
+from lpslam.text.memory import Pool, TextClass, Variant
+from lpslam.text.places import Place, overlap, places_of_class, without_overlaps
+from lpslam.text.types import Placement, TextObservation
+
+CONFIG = InstanceConfig()
+
+
+def place(
+    identifier: int,
+    name: str,
+    x: float,
+    y: float,
+    *,
+    width: float = 1.0,
+    height: float = 0.2,
+    count: int = 10,
+    frames: range | None = None,
+    z: float = 3.0,
+    normal: tuple[float, float, float] = (0.0, 0.0, -1.0),
+) -> Place:
+    """A text on a wall before the camera: x right, y down."""
+    position = np.array([x, y, z])
+    # A pose error that all texts of a frame share, far larger than the gaps between lines.
+    shake = np.random.default_rng(5).normal(scale=0.3, size=(100, 3))
+    return Place(
+        id=identifier,
+        name=name,
+        variants={name: count},
+        position=position,
+        normal=np.array(normal),
+        baseline=np.array([1.0, 0.0, 0.0]),
+        spread=0.02,
+        width=width,
+        height=height,
+        positions_by_frame={frame: position + shake[frame] for frame in (frames or range(count))},
+        observations=count,
+        evidence=0.95 * count,
+        confidence=0.95,
+    )
+
+
+def names(groups: list[list[Place]]) -> list[list[str]]:
+    return [[each.name for each in group] for group in groups]
+
+
+def test_lines_of_a_bilingual_board_are_joined_top_to_bottom() -> None:
+    found = boards([place(0, "STARBUCKS", 0, 0.3, height=0.15), place(1000, "星巴克", 0.1, 0.0, width=0.8)], CONFIG)
+    assert names(found) == [["星巴克", "STARBUCKS"]]
+
+
+def test_words_of_a_line_are_joined_left_to_right() -> None:
+    words = [place(0, "HUT", 0.95, 0.01, width=0.6), place(1000, "PIZZA", 0.0, 0.0), place(2000, "必胜客", 0.4, -0.25)]
+    assert names(boards(words, CONFIG)) == [["必胜客", "PIZZA", "HUT"]]
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        place(1000, "DOOR", 0.0, 0.9),  # far below
+        place(1000, "NEXT SHOP", 1.6, 0.0),  # the neighbour on the same fascia
+        place(1000, "SMALL PRINT", 0.0, 0.25, height=0.04),  # not of a size
+        place(1000, "BEHIND", 0.0, 0.25, z=3.4),  # on another surface
+        place(1000, "TURNED", 0.0, 0.25, normal=(-0.8, 0.0, -0.6)),
+        place(1000, "NEVER SEEN WITH IT", 0.0, 0.25, frames=range(50, 60)),
+    ],
+)
+def test_what_is_not_on_the_board_stays_apart(other: Place) -> None:
+    assert len(boards([place(0, "STARBUCKS", 0.0, 0.0), other], CONFIG)) == 2
+
+
+def test_no_places_no_boards() -> None:
+    assert boards([], CONFIG) == []
+
+
+def test_overlap_is_of_the_smaller() -> None:
+    whole, half = place(0, "STARBUCKS", 0.0, 0.0), place(1, "STAR", -0.25, 0.0, width=0.5)
+    assert overlap(whole, half) == pytest.approx(1.0)
+    assert overlap(whole, place(1, "STAR", -0.5, 0.0, width=0.5)) == pytest.approx(0.5)
+    assert overlap(whole, place(1, "STAR", -0.25, 0.0, width=0.5, z=3.5)) == 0.0
+    assert overlap(whole, place(1, "STAR", -0.25, 0.0, width=0.5, normal=(0, 0, 1))) == 0.0
+
+
+def test_fragments_and_misreadings_yield_to_the_text_that_stands_there() -> None:
+    whole = place(0, "STARBUCKS", 0.0, 0.0)
+    fragment = place(1000, "STARB", -0.2, 0.0, width=0.6, count=25)
+    misreading = place(2000, "5TPREJGE5", 0.0, 0.02, count=3)
+    below = place(3000, "COFFEE", 0.0, 0.4)
+    assert [each.name for each in without_overlaps([fragment, misreading, below, whole], CONFIG)] == [
+        "STARBUCKS",
+        "COFFEE",
+    ]
+
+
+def test_a_longer_text_read_once_in_a_while_does_not_replace_a_sure_one() -> None:
+    sure, odd = place(0, "KFC", 0.0, 0.0, count=30), place(1000, "KFC lll", 0.05, 0.0, count=2)
+    assert [each.name for each in without_overlaps([sure, odd], CONFIG)] == ["KFC"]
+
+
+def observations(text: str, x: float, count: int, first: int = 0) -> list[TextObservation]:
+    placement = Placement((x, 0.0, 3.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0), 0.8, 0.2, 0.01)
+    return [TextObservation(first + number, 0.1 * number, 0, text, 0.9, placement) for number in range(count)]
+
+
+def text_class(seen: list[TextObservation], name: str) -> TextClass:
+    variants: dict[str, Variant] = {}
+    for each in seen:
+        variant = variants.setdefault(each.text, Variant())
+        variant.count, variant.confidence = variant.count + 1, variant.confidence + each.confidence
+    naming = Naming(name, 1.0, "", "test")
+    return TextClass(7, 0.0, 1.0, variants, 5.0, Pool.LONG_TERM, 0.5, [], seen, naming, len(seen))
+
+
+def world(_: int) -> NDArray[np.float64]:
+    return np.eye(4)
+
+
+def test_each_place_of_a_class_is_a_place_with_a_stable_id() -> None:
+    seen = (
+        observations("EXIT", 0.0, 5) + observations("EXIT", 9.0, 4, first=20) + observations("EX1T", 4.0, 1, first=40)
+    )
+    found = places_of_class(text_class(seen, "EXIT"), world, CONFIG)
+    assert [(each.id, each.observations) for each in found] == [(7000, 5), (7001, 4)]
+    longer = places_of_class(text_class(seen + observations("EXIT", 20.0, 3, first=60), "EXIT"), world, CONFIG)
+    assert [each.id for each in longer] == [7000, 7001, 7003]
+
+
+def test_a_class_seen_once_still_stands_somewhere() -> None:
+    assert len(places_of_class(text_class(observations("EXIT", 0.0, 1), "EXIT"), world, CONFIG)) == 1
+    assert (
+        places_of_class(replace(text_class(observations("EXIT", 0.0, 1), "EXIT"), observations=[]), world, CONFIG) == []
+    )
+
+
+def test_another_word_at_another_place_keeps_its_own_name() -> None:
+    seen = observations("WASHROOM", 0.0, 6) + observations("BATHROOM", 8.0, 4) + observations("WASHR0OM", 16.0, 4)
+    found = places_of_class(text_class(seen, "WASHROOM"), world, CONFIG)
+    assert [each.name for each in found] == ["WASHROOM", "BATHROOM", "WASHROOM"]

@@ -1,0 +1,254 @@
+import json
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from lpslam.camera import PinholeCamera
+from lpslam.config import ReadingConfig, TextConfig
+from lpslam.frames import RgbdFrame
+from lpslam.language.model import Candidate, Choice, Judgement, Naming, Reading
+from lpslam.slam.state import TrackedFrame, TrackingState
+from lpslam.text.distilling import distil
+from lpslam.text.mapper import TextMapper
+from lpslam.text.text_map import TextMap
+from lpslam.text.types import BoxFate
+
+CAMERA = PinholeCamera(640, 480, 570.0, 570.0, 320.0, 240.0)
+CONFIG = TextConfig()
+
+
+def box(x: float, y: float, width: float = 120.0, height: float = 30.0) -> NDArray[np.float64]:
+    return np.array([[x, y], [x + width, y], [x + width, y + height], [x, y + height]])
+
+
+class ScriptedSpotter:
+    """Sees what the script says, the same in every frame."""
+
+    def __init__(self, *seen: tuple[NDArray[np.float64], str, float]) -> None:
+        self.seen = list(seen)
+        self.recognised = 0
+
+    def detect(self, rgb: NDArray[np.uint8]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        boxes = np.array([each[0] for each in self.seen]).reshape(-1, 4, 2)
+        return boxes, np.ones(len(boxes))
+
+    def recognise(self, rgb: NDArray[np.uint8], boxes: NDArray[np.float64]) -> list[tuple[str, float]]:
+        self.recognised += len(boxes)
+        return [next((t, c) for b, t, c in self.seen if np.array_equal(b, wanted)) for wanted in boxes]
+
+
+class BrokenSpotter(ScriptedSpotter):
+    def recognise(self, rgb: NDArray[np.uint8], boxes: NDArray[np.float64]) -> list[tuple[str, float]]:
+        raise RuntimeError("the network burst")
+
+
+class Namer:
+    """A language model that answers as told."""
+
+    model = "namer"
+
+    def __init__(self, answer: str | None = None) -> None:
+        self.answer = answer
+        self.asked: list[list[str]] = []
+
+    def name(self, readings: list[Reading] | tuple[Reading, ...]) -> Naming:  # type: ignore[override]
+        self.asked.append([each.text for each in readings])
+        if self.answer is None:
+            raise TimeoutError
+        return Naming(self.answer, 0.9, "as told", self.model)
+
+    def judge(self, names: list[str], question: str) -> list[Judgement]:  # type: ignore[override]
+        return [Judgement(question, "GUCCI" in name, 0.8, "as told", self.model) for name in names]
+
+    def choose(self, question: str, landmarks: list[Candidate]) -> Choice:  # type: ignore[override]
+        return Choice(None, 0.0, "", self.model)
+
+
+TEXTURE = np.random.default_rng(0).integers(0, 255, (480, 640, 3), dtype=np.uint8)
+FLAT = np.full((480, 640, 3), 127, np.uint8)
+
+
+def frame(index: int, rgb: NDArray[np.uint8] = TEXTURE, depth: float = 2.0) -> RgbdFrame:
+    return RgbdFrame(index, index / 30.0, rgb, np.full((480, 640), depth, np.float32))
+
+
+def tracked(index: int, lost: bool = False) -> TrackedFrame:
+    pose = None if lost else np.eye(4)
+    state = TrackingState.LOST if lost else TrackingState.TRACKING
+    return TrackedFrame(index, index / 30.0, state, 0, pose, pose, 100, False)
+
+
+def run(mapper: TextMapper, frames: int = 30, **kwargs: float) -> TextMapper:
+    for index in range(frames):
+        mapper.observe(frame(index, **kwargs), tracked(index))  # type: ignore[arg-type]
+    return mapper
+
+
+def identity(_: int) -> NDArray[np.float64]:
+    return np.eye(4)
+
+
+def test_a_sign_looked_at_for_a_second_becomes_a_landmark_in_its_place() -> None:
+    mapper = run(TextMapper(CAMERA, ScriptedSpotter((box(100, 200), "GUCCI", 0.98)), CONFIG))
+    (landmark,) = mapper.text_map.landmarks(identity)
+    assert landmark.name == "GUCCI"
+    assert landmark.id == 0
+    assert landmark.position == pytest.approx([(160 - 320) / 570 * 2, (215 - 240) / 570 * 2, 2.0], abs=1e-6)
+    assert landmark.normal == pytest.approx([0, 0, -1])
+    assert (landmark.width, landmark.height) == pytest.approx((120 / 570 * 2, 30 / 570 * 2))
+    assert landmark.observations == 6
+    assert landmark.variants == {"GUCCI": 6}
+    assert landmark.is_landmark is None
+
+
+def test_half_a_second_is_enough_and_a_glimpse_is_not() -> None:
+    spotter = ScriptedSpotter((box(100, 200), "GUCCI", 0.98))
+    assert len(run(TextMapper(CAMERA, spotter, CONFIG), 15).text_map.long_term) == 1
+    assert len(run(TextMapper(CAMERA, spotter, CONFIG), 10).text_map.long_term) == 0
+
+
+def test_frames_are_read_at_the_set_interval() -> None:
+    config = CONFIG.model_copy(update={"reading": ReadingConfig(interval=0.2)})
+    mapper = run(TextMapper(CAMERA, ScriptedSpotter(), config), 60)
+    assert mapper.statistics.frames_seen == 60
+    assert mapper.statistics.frames_read == 10
+
+
+def test_boxes_at_the_border_and_tiny_ones_are_dropped_unread_and_counted() -> None:
+    spotter = ScriptedSpotter(
+        (box(2, 200), "SMOKING", 0.99),
+        (box(300, 449), "FLOOR", 0.99),
+        (box(300, 100, 40, 6), "tiny", 0.99),
+        (box(300, 300), "KFC", 0.99),
+        (box(300, 350), "~~", 0.99),
+        (box(300, 400), "texture", 0.3),
+    )
+    reading = TextMapper(CAMERA, spotter, CONFIG).observe(frame(0), tracked(0))
+    assert reading is not None
+    assert list(reading.fates) == [
+        BoxFate.BORDER,
+        BoxFate.BORDER,
+        BoxFate.SMALL,
+        BoxFate.KEPT,
+        BoxFate.UNREAD,
+        BoxFate.UNREAD,
+    ]
+    assert [each.text for each in reading.texts] == ["KFC"]
+    assert spotter.recognised == 3
+
+
+def test_text_of_the_world_is_cleaned() -> None:
+    spotter = ScriptedSpotter((box(100, 200), "ＫＦ\u202eＣ\u200b\n" + "x" * 500, 0.99))
+    reading = TextMapper(CAMERA, spotter, CONFIG).observe(frame(0), tracked(0))
+    assert reading is not None
+    assert reading.texts[0].text.startswith("KFC x")
+    assert len(reading.texts[0].text) <= CONFIG.spotting.max_length
+
+
+def test_lost_frames_are_not_read() -> None:
+    mapper = TextMapper(CAMERA, ScriptedSpotter((box(100, 200), "GUCCI", 0.98)), CONFIG)
+    for index in range(30):
+        assert mapper.observe(frame(index), tracked(index, lost=True)) is None
+    assert mapper.statistics.frames_untracked == 30
+    assert mapper.statistics.frames_read == 0
+
+
+def test_a_blurred_frame_is_passed_over_for_the_next_sharp_one() -> None:
+    mapper = TextMapper(CAMERA, ScriptedSpotter(), CONFIG)
+    # Frames 0 and 5 are sharp; 10 and 11, when the next is due, are not.
+    read = [i for i in range(16) if mapper.observe(frame(i, FLAT if i in (10, 11) else TEXTURE), tracked(i))]
+    assert read == [0, 5, 12]
+    assert mapper.statistics.frames_blurred == 2
+
+
+def test_blur_without_end_is_read_in_the_end() -> None:
+    mapper = TextMapper(CAMERA, ScriptedSpotter(), CONFIG)
+    read = [i for i in range(40) if mapper.observe(frame(i, TEXTURE if i < 6 else FLAT), tracked(i))]
+    assert read[:2] == [0, 5]
+    assert 10 < read[2] <= 20
+
+
+def test_a_reader_that_raises_is_counted_and_mapping_goes_on() -> None:
+    mapper = run(TextMapper(CAMERA, BrokenSpotter((box(100, 200), "GUCCI", 0.98)), CONFIG))
+    assert mapper.statistics.reader_errors == 6
+    assert mapper.text_map.landmarks(identity) == []
+
+
+def test_texts_without_depth_are_remembered_but_stand_nowhere() -> None:
+    mapper = run(TextMapper(CAMERA, ScriptedSpotter((box(100, 200), "GUCCI", 0.98)), CONFIG), depth=0.0)
+    assert mapper.statistics.observations_without_depth == 6
+    assert [each.name for each in mapper.text_map.long_term] == ["GUCCI"]
+    assert mapper.text_map.landmarks(identity) == []
+
+
+def test_a_class_is_named_on_promotion_and_when_its_evidence_has_doubled() -> None:
+    namer = Namer("Gucci")
+    mapper = run(TextMapper(CAMERA, ScriptedSpotter((box(100, 200), "GUCC1", 0.98)), CONFIG, namer), 75)  # type: ignore[arg-type]
+    assert mapper.statistics.frames_read == 15
+    assert len(namer.asked) == 3
+    assert mapper.text_map.long_term[0].name == "Gucci"
+
+
+@pytest.mark.parametrize("answer", [None, "", "Ignore previous instructions"])
+def test_a_language_model_that_fails_or_invents_leaves_the_majority_name(answer: str | None) -> None:
+    mapper = run(TextMapper(CAMERA, ScriptedSpotter((box(100, 200), "GUCCI", 0.98)), CONFIG, Namer(answer)))  # type: ignore[arg-type]
+    assert mapper.text_map.long_term[0].name == "GUCCI"
+    assert mapper.statistics.language_errors >= 1
+
+
+def mall() -> TextMap:
+    spotter = ScriptedSpotter(
+        (box(100, 200), "GUCCI", 0.98), (box(400, 100), "星巴克", 0.97), (box(400, 132), "STARBUCKS", 0.99)
+    )
+    return run(TextMapper(CAMERA, spotter, CONFIG)).text_map
+
+
+def test_lines_of_a_board_are_one_landmark() -> None:
+    landmarks = mall().landmarks(identity)
+    assert [each.name for each in landmarks] == ["GUCCI", "星巴克 STARBUCKS"]
+    assert landmarks[1].variants == {"星巴克": 6, "STARBUCKS": 6}
+    assert landmarks[1].position[1] == pytest.approx((131 - 240) / 570 * 2, abs=1e-6)
+    assert landmarks[1].height == pytest.approx(62 / 570 * 2)
+
+
+def test_distilling_judges_and_keeps_what_fails() -> None:
+    text_map = mall()
+    landmarks = distil(text_map, identity, Namer(None), "Is this GUCCI?").landmarks  # type: ignore[arg-type]
+    assert {each.name: each.is_landmark for each in landmarks} == {"GUCCI": True, "星巴克 STARBUCKS": False}
+    assert landmarks[0].judgements["Is this GUCCI?"].model == "namer"
+    # The next question is answered beside the first.
+    again = distil(text_map, identity, Namer(None), "Is this a shop?").landmarks  # type: ignore[arg-type]
+    assert set(again[0].judgements) == {"Is this GUCCI?", "Is this a shop?"}
+
+
+def test_the_map_survives_its_document() -> None:
+    text_map = mall()
+    text_map.memory.sight("FLEETING", 0.7, 1.0)
+    text_map.memory.forget(7.0)
+    distil(text_map, identity, Namer("GUCCI"))  # type: ignore[arg-type]
+    document = json.loads(json.dumps(text_map.to_document()))
+    restored = TextMap.from_document(document)
+    assert json.loads(json.dumps(restored.to_document())) == document
+    assert restored.memory.classes == text_map.memory.classes
+    assert restored.memory.forgotten == text_map.memory.forgotten
+    assert restored.judgements == text_map.judgements
+    for mine, theirs in zip(text_map.landmarks(identity), restored.landmarks(identity), strict=True):
+        assert (mine.id, mine.name, mine.variants, mine.is_landmark) == (
+            theirs.id,
+            theirs.name,
+            theirs.variants,
+            theirs.is_landmark,
+        )
+        assert mine.position.tolist() == theirs.position.tolist()
+
+
+def test_landmarks_move_with_their_keyframe() -> None:
+    moved = np.eye(4)
+    moved[:3, 3] = [1.0, 2.0, 3.0]
+    before, after = mall().landmarks(identity), mall().landmarks(lambda _: moved)
+    assert after[0].position - before[0].position == pytest.approx([1.0, 2.0, 3.0])
+
+
+def test_the_same_frames_give_the_same_map() -> None:
+    assert json.dumps(mall().to_document()) == json.dumps(mall().to_document())
