@@ -151,8 +151,103 @@ class TextConfig(_Section):
     instances: InstanceConfig = InstanceConfig()
 
 
+class SensorNoiseConfig(_Section):
+    """How far keypoints and depth readings stray: the weights of every adjustment."""
+
+    pixel_sigma: float = 1.0  # pixels at the finest level; a level's sigma grows with its scale
+    depth_sigma: float = 0.003  # metres, at any distance: registration and rounding
+    depth_sigma_quadratic: float = 0.0035  # metres a square metre: disparity noise of structured light and stereo
+
+
+class TrackingConfig(_Section):
+    """From frame to pose."""
+
+    motion_radius: float = 15.0  # pixels at the finest level around the prediction by constant velocity
+    local_map_radius: float = 4.0  # pixels at the finest level; 2.5 where seen from nearly the same side
+    hamming_loose: int = 100  # bits; where a window limits the search
+    hamming_strict: int = 50  # bits; where nothing but the descriptor decides
+    ratio_local_map: float = 0.8  # best over second best on the same level
+    ratio_brute_force: float = 0.75  # best over second best in the whole image
+    min_motion_matches: int = 20  # fewer, and the window is doubled, then the reference keyframe is tried
+    min_pose_inliers: int = 10  # fewer cannot hold six degrees of freedom against outliers
+    min_inliers: int = 30  # after the local map; fewer is lost
+    min_recovery_inliers: int = 50  # to leave the lost state; stricter, since a wrong place ruins the map
+    weak_inliers: int = 60  # fewer is reported as weak
+    local_keyframes: int = 60  # most covisible keyframes whose points are searched
+    pose_rounds: int = 4  # rounds of outlier judgement
+    pose_iterations: int = 10  # Gauss-Newton steps a round at most
+    recovery_keyframes: int = 12  # newest and nearest keyframes tried when lost
+    blur_ratio: float = 0.35  # share of the usual gradient energy below which a frame is called blurred
+
+
+class KeyframeConfig(_Section):
+    """When a frame becomes a keyframe."""
+
+    max_interval: float = 1.0  # seconds after which a keyframe is wanted whatever is seen
+    min_interval: float = 0.1  # seconds; denser ones see the same
+    tracked_share: float = 0.75  # of the reference's points; fewer, and a keyframe is wanted
+    close_depth: float = 3.5  # metres; nearer points fix translation
+    close_tracked: int = 100  # fewer close points tracked, and ...
+    close_untracked: int = 70  # ... more close keypoints without a point: a keyframe is wanted
+    min_new_points: int = 100  # nearest keypoints that become points even if they are not close
+    min_start_depths: int = 150  # keypoints with depth that the first keyframe needs
+
+
+class MappingConfig(_Section):
+    """Local mapping beside tracking."""
+
+    covisible_points: int = 15  # shared points that make two keyframes covisible
+    neighbours: int = 10  # best covisible keyframes for fusing, and as many of theirs
+    fuse_radius: float = 3.0  # pixels at the finest level
+    adjusted_keyframes: int = 20  # most covisible keyframes that a local adjustment frees
+    first_iterations: int = 5  # of local adjustment, before outliers go
+    iterations: int = 5  # after
+    min_found_share: float = 0.25  # of the frames that should see a new point and do
+    min_observations: int = 3  # keyframes that must see a point two keyframes after its birth
+    redundant_share: float = 0.9  # of a keyframe's close points seen by others: it goes
+    redundant_observers: int = 3  # how many others must see each
+
+
+class SlamConfig(_Section):
+    """RGB-D visual SLAM."""
+
+    features: FeatureConfig = FeatureConfig()
+    noise: SensorNoiseConfig = SensorNoiseConfig()
+    tracking: TrackingConfig = TrackingConfig()
+    keyframes: KeyframeConfig = KeyframeConfig()
+    mapping: MappingConfig = MappingConfig()
+
+
+class SimulationConfig(_Section):
+    """The mock mall and the camera that walks through it."""
+
+    # Length of the closed route, metres; shorter than 24 leaves no room for shops inside the loop.
+    loop_length: float = Field(32.0, ge=24.0, le=400.0)
+    # One loop, or two that share a corridor.
+    layout: Literal["loop", "figure-eight"] = "loop"
+    # Brightness of the lamps; 0.3 is a mall after closing time.
+    light: float = Field(1.0, gt=0.0, le=2.0)
+    # Fastest turn of the camera, degrees a second; 134 is a hurried head.
+    max_turn_rate: float = Field(45.0, gt=5.0, le=200.0)
+    # Walking pace, metres a second.
+    speed: float = Field(1.0, gt=0.1, le=3.0)
+    # Which languages the signs show.
+    language: Literal["mixed", "chinese", "english"] = "mixed"
+    # How many signs repeat the words of another one.
+    duplicates: int = Field(0, ge=0)
+    # Shutter time in good light, seconds; in the dark it doubles.
+    exposure_time: float = Field(0.008, ge=0.0, le=0.03)
+    # Noise, vignetting, exposure drift and depth errors; off for tests of geometry.
+    sensor_noise: bool = True
+
+
 class Config(_Section):
     """The whole tree."""
+
+    simulation: SimulationConfig = SimulationConfig()
+
+
+    slam: SlamConfig = SlamConfig()
 
     text: TextConfig = TextConfig()
 

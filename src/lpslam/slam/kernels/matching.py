@@ -75,7 +75,9 @@ def project_candidates(
         The kept ids (k,), their (k, 3) u, v, u_r, predicted levels (k,), and cosines of the viewing angle (k,).
     """
     r, t = camera_from_world[:3, :3], camera_from_world[:3, 3]
-    centre = -(r.T @ t)
+    centre = np.empty(3)
+    for a in range(3):
+        centre[a] = -(r[0, a] * t[0] + r[1, a] * t[1] + r[2, a] * t[2])
     width, height = image_size
     kept = np.empty(ids.shape[0], np.int32)
     projections = np.empty((ids.shape[0], 3), np.float32)

@@ -1,0 +1,436 @@
+"""The map's columns as kernels see them, and walks over the graph of keyframes, points and observations.
+
+An observation is a number, slot · capacity + keypoint. The observations of a point form a linked list through the
+`next_observation` column, so that adding one costs nothing and a walk needs no Python object.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from lpslam.slam.kernels.bundle import BundleProblem
+from lpslam.slam.kernels.geometry import hamming
+
+
+class MapColumns(NamedTuple):
+    """All columns of the map. K keyframes, S slots of F keypoints each, P points; rows beyond the counts are unused.
+
+    Attributes:
+        camera_from_world: (K, 4, 4).
+        keyframe_slot: (K,) slot of the keypoints; -1 once the keyframe is removed.
+        slot_keyframe: (S,) the keyframe of a slot; -1 when the slot is free.
+        feature_count: (S,).
+        pixels, u_right, depth, has_depth, octave, angle, descriptor: (S, F[, ·]) see `Features`.
+        disparity_information: (S, F) 1/σ² of u − u_r.
+        point: (S, F) the map point of a keypoint, or -1.
+        next_observation: (S, F) the next observation of the same point, or -1.
+        position: (P, 3) world frame, metres.
+        point_descriptor: (P, 4) the most typical descriptor.
+        normal: (P, 3) unit mean direction from the point to its observers.
+        distance_range: (P, 2) metres, nearest and farthest distance at which the patch matches a pyramid level.
+        visible, found: (P,) in how many frames the point was predicted, and matched.
+        head: (P,) first observation, or -1.
+        observations: (P,) how many keyframes observe the point.
+        first_keyframe: (P,) the keyframe that created it.
+        point_alive: (P,).
+    """
+
+    camera_from_world: NDArray[np.float64]
+    keyframe_slot: NDArray[np.int32]
+    slot_keyframe: NDArray[np.int32]
+    feature_count: NDArray[np.int32]
+    pixels: NDArray[np.float32]
+    u_right: NDArray[np.float32]
+    depth: NDArray[np.float32]
+    has_depth: NDArray[np.bool_]
+    octave: NDArray[np.uint8]
+    angle: NDArray[np.float32]
+    descriptor: NDArray[np.uint64]
+    disparity_information: NDArray[np.float32]
+    point: NDArray[np.int32]
+    next_observation: NDArray[np.int32]
+    position: NDArray[np.float64]
+    point_descriptor: NDArray[np.uint64]
+    normal: NDArray[np.float32]
+    distance_range: NDArray[np.float32]
+    visible: NDArray[np.int32]
+    found: NDArray[np.int32]
+    head: NDArray[np.int32]
+    observations: NDArray[np.int32]
+    first_keyframe: NDArray[np.int32]
+    point_alive: NDArray[np.bool_]
+
+
+@njit(cache=True, nogil=True)
+def link(m: MapColumns, point: int, slot: int, feature: int) -> None:
+    """Make a keypoint an observation of a point."""
+    m.point[slot, feature] = point
+    m.next_observation[slot, feature] = m.head[point]
+    m.head[point] = slot * m.point.shape[1] + feature
+    m.observations[point] += 1
+
+
+@njit(cache=True, nogil=True)
+def unlink(m: MapColumns, slot: int, feature: int) -> None:
+    """Take an observation away from its point; a point without any dies."""
+    point = m.point[slot, feature]
+    if point < 0:
+        return
+    capacity = m.point.shape[1]
+    target = slot * capacity + feature
+    if m.head[point] == target:
+        m.head[point] = m.next_observation[slot, feature]
+    else:
+        o = m.head[point]
+        while o >= 0:
+            following = m.next_observation[o // capacity, o % capacity]
+            if following == target:
+                m.next_observation[o // capacity, o % capacity] = m.next_observation[slot, feature]
+                break
+            o = following
+    m.point[slot, feature] = -1
+    m.next_observation[slot, feature] = -1
+    m.observations[point] -= 1
+    if m.observations[point] <= 0:
+        m.point_alive[point] = False
+
+
+@njit(cache=True, nogil=True)
+def remove_point(m: MapColumns, point: int) -> None:
+    """Kill a point and forget its observations."""
+    capacity = m.point.shape[1]
+    o = m.head[point]
+    while o >= 0:
+        slot, feature = o // capacity, o % capacity
+        o = m.next_observation[slot, feature]
+        m.point[slot, feature] = -1
+        m.next_observation[slot, feature] = -1
+    m.head[point] = -1
+    m.observations[point] = 0
+    m.point_alive[point] = False
+
+
+@njit(cache=True, nogil=True)
+def observed_in(m: MapColumns, point: int, slot: int) -> bool:
+    """Whether a slot's keyframe already observes a point."""
+    capacity = m.point.shape[1]
+    o = m.head[point]
+    while o >= 0:
+        if o // capacity == slot:
+            return True
+        o = m.next_observation[o // capacity, o % capacity]
+    return False
+
+
+@njit(cache=True, nogil=True)
+def merge_points(m: MapColumns, gone: int, kept: int) -> None:
+    """Hand the observations of one point to another and kill the first."""
+    capacity = m.point.shape[1]
+    o = m.head[gone]
+    m.head[gone] = -1
+    while o >= 0:
+        slot, feature = o // capacity, o % capacity
+        o = m.next_observation[slot, feature]
+        m.point[slot, feature] = -1
+        m.next_observation[slot, feature] = -1
+        if not observed_in(m, kept, slot):
+            link(m, kept, slot, feature)
+    m.visible[kept] += m.visible[gone]
+    m.found[kept] += m.found[gone]
+    m.observations[gone] = 0
+    m.point_alive[gone] = False
+
+
+@njit(cache=True, nogil=True)
+def count_shared_points(m: MapColumns, points: NDArray[np.int32], keyframe_count: int) -> NDArray[np.int32]:
+    """(K,) how many of the given points (rows, -1 ignored) each keyframe observes."""
+    capacity = m.point.shape[1]
+    counts = np.zeros(keyframe_count, np.int32)
+    for p in points:
+        if p < 0:
+            continue
+        o = m.head[p]
+        while o >= 0:
+            slot = o // capacity
+            counts[m.slot_keyframe[slot]] += 1
+            o = m.next_observation[slot, o % capacity]
+    return counts
+
+
+@njit(cache=True, nogil=True)
+def points_of(m: MapColumns, keyframes: NDArray[np.int32], point_count: int) -> NDArray[np.int32]:
+    """Rows of all living points that the given keyframes observe, each once."""
+    seen = np.zeros(point_count, np.bool_)
+    result = np.empty(point_count, np.int32)
+    n = 0
+    for k in keyframes:
+        slot = m.keyframe_slot[k]
+        if slot < 0:
+            continue
+        for f in range(m.feature_count[slot]):
+            p = m.point[slot, f]
+            if p >= 0 and not seen[p]:
+                seen[p] = True
+                result[n] = p
+                n += 1
+    return result[:n].copy()
+
+
+@njit(cache=True, nogil=True)
+def add_points(
+    m: MapColumns,
+    first: int,
+    keyframe: int,
+    features: NDArray[np.int32],
+    positions: NDArray[np.float64],
+    scales: NDArray[np.float64],
+) -> None:
+    """Fill the rows from `first` on with new points seen by one keyframe.
+
+    Args:
+        m: columns, with room for the new rows.
+        first: row of the first new point.
+        keyframe: the observer.
+        features: (n,) its keypoints.
+        positions: (n, 3) world frame.
+        scales: size of each pyramid level.
+    """
+    slot = m.keyframe_slot[keyframe]
+    for i in range(features.shape[0]):
+        p = first + i
+        m.position[p] = positions[i]
+        m.visible[p] = 1
+        m.found[p] = 1
+        m.head[p] = -1
+        m.observations[p] = 0
+        m.first_keyframe[p] = keyframe
+        m.point_alive[p] = True
+        link(m, p, slot, features[i])
+        refresh_point(m, p, scales)
+
+
+@njit(cache=True, nogil=True)
+def refresh_point(m: MapColumns, p: int, scales: NDArray[np.float64]) -> None:
+    """Derive a point's normal, distance range and most typical descriptor from its observations.
+
+    The distance range follows the observer that saw the point at the finest pyramid level relative to its distance;
+    the descriptor is the one whose median Hamming distance to the others is least (ORB-SLAM, III-C).
+    """
+    capacity = m.point.shape[1]
+    limit = 24
+    seen = np.empty((limit, 4), np.uint64)
+    n = 0
+    normal = np.zeros(3)
+    farthest, nearest = 0.0, math.inf
+    o = m.head[p]
+    while o >= 0:
+        slot, feature = o // capacity, o % capacity
+        c = m.camera_from_world[m.slot_keyframe[slot]]
+        length = 0.0
+        direction = np.empty(3)
+        for a in range(3):
+            centre = -(c[0, a] * c[0, 3] + c[1, a] * c[1, 3] + c[2, a] * c[2, 3])
+            direction[a] = centre - m.position[p, a]
+            length += direction[a] ** 2
+        length = math.sqrt(length) + 1e-12
+        for a in range(3):
+            normal[a] += direction[a] / length
+        scale = scales[m.octave[slot, feature]]
+        farthest = max(farthest, length * scale)
+        nearest = min(nearest, length * scale)
+        if n < limit:
+            seen[n] = m.descriptor[slot, feature]
+            n += 1
+        o = m.next_observation[slot, feature]
+    if n == 0:
+        return
+    length = math.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2) + 1e-12
+    for a in range(3):
+        m.normal[p, a] = normal[a] / length
+    m.distance_range[p, 1] = farthest
+    m.distance_range[p, 0] = nearest / scales[-1]
+    best, best_median = 0, 257.0
+    if n > 2:
+        distances = np.empty(n)
+        for i in range(n):
+            for j in range(n):
+                distances[j] = hamming(seen[i], seen[j])
+            median = np.median(distances)
+            if median < best_median:
+                best, best_median = i, median
+    m.point_descriptor[p] = seen[best]
+
+
+@njit(cache=True, nogil=True)
+def refresh_points(m: MapColumns, points: NDArray[np.int32], scales: NDArray[np.float64]) -> None:
+    """`refresh_point` for many rows."""
+    for p in points:
+        if p >= 0 and m.point_alive[p]:
+            refresh_point(m, p, scales)
+
+
+@njit(cache=True, nogil=True)
+def gather_bundle(
+    m: MapColumns,
+    free: NDArray[np.int32],
+    keyframe_count: int,
+    point_count: int,
+    pixel_information: NDArray[np.float32],
+    held: int,
+) -> tuple[BundleProblem, NDArray[np.int32], NDArray[np.int32]]:
+    """The local adjustment around some keyframes: they and their points are free, other observers hold the frame.
+
+    A point with a single observation binds nothing and is left out; `apply_bundle` carries it along.
+
+    Args:
+        m: columns.
+        free: keyframes to adjust.
+        keyframe_count, point_count: rows in use.
+        pixel_information: (levels,) 1/σ² of a pixel at each pyramid level.
+        held: a keyframe that stays fixed even if it is in `free`.
+
+    Returns:
+        The problem, its keyframes (rows of the map, free ones first) and its points.
+    """
+    capacity = m.point.shape[1]
+    row = np.full(keyframe_count, -1, np.int32)
+    keyframes = np.empty(keyframe_count, np.int32)
+    count = 0
+    for k in free:
+        if k != held:
+            row[k] = count
+            keyframes[count] = k
+            count += 1
+    free_count = count
+    candidates = points_of(m, free, point_count)
+    points = np.empty(candidates.shape[0], np.int32)
+    starts = np.zeros(candidates.shape[0] + 1, np.int64)
+    n = 0
+    for p in candidates:
+        if m.observations[p] >= 2:
+            points[n] = p
+            starts[n + 1] = starts[n] + m.observations[p]
+            n += 1
+    points, starts = points[:n], starts[: n + 1]
+    total = starts[n]
+    keyframe = np.empty(total, np.int32)
+    pixels = np.empty((total, 2), np.float32)
+    disparity = np.empty(total, np.float32)
+    has_depth = np.empty(total, np.bool_)
+    information = np.empty(total, np.float32)
+    disparity_information = np.empty(total, np.float32)
+    observation = np.empty(total, np.int64)
+    positions = np.empty((n, 3))
+    for j in range(n):
+        positions[j] = m.position[points[j]]
+        i = starts[j]
+        o = m.head[points[j]]
+        while o >= 0:
+            slot, f = o // capacity, o % capacity
+            k = m.slot_keyframe[slot]
+            if row[k] < 0:
+                row[k] = count
+                keyframes[count] = k
+                count += 1
+            keyframe[i] = row[k]
+            pixels[i] = m.pixels[slot, f]
+            disparity[i] = m.pixels[slot, f, 0] - m.u_right[slot, f]
+            has_depth[i] = m.has_depth[slot, f]
+            information[i] = pixel_information[m.octave[slot, f]]
+            disparity_information[i] = m.disparity_information[slot, f]
+            observation[i] = o
+            i += 1
+            o = m.next_observation[slot, f]
+    poses = np.empty((count, 4, 4))
+    for k in range(count):
+        poses[k] = m.camera_from_world[keyframes[k]]
+    problem = BundleProblem(
+        poses, free_count, positions, starts, keyframe, pixels, disparity, has_depth,
+        information, disparity_information, observation,
+    )  # fmt: skip
+    return problem, keyframes[:count].copy(), points
+
+
+@njit(cache=True, nogil=True)
+def apply_bundle(
+    m: MapColumns,
+    problem: BundleProblem,
+    keyframes: NDArray[np.int32],
+    points: NDArray[np.int32],
+    poses: NDArray[np.float64],
+    positions: NDArray[np.float64],
+    inlier: NDArray[np.bool_],
+    scales: NDArray[np.float64],
+) -> int:
+    """Write an adjustment back; outlier observations are unlinked. Returns how many.
+
+    Points that only one keyframe sees move rigidly with it.
+    """
+    capacity = m.point.shape[1]
+    for row in range(problem.free_count):
+        k = keyframes[row]
+        slot = m.keyframe_slot[k]
+        if slot < 0:
+            continue
+        old = m.camera_from_world[k].copy()
+        m.camera_from_world[k] = poses[row]
+        for f in range(m.feature_count[slot]):
+            p = m.point[slot, f]
+            if p >= 0 and m.observations[p] == 1:
+                local = np.empty(3)
+                for a in range(3):
+                    q = m.position[p]
+                    local[a] = old[a, 0] * q[0] + old[a, 1] * q[1] + old[a, 2] * q[2] + old[a, 3] - poses[row, a, 3]
+                for a in range(3):
+                    m.position[p, a] = (
+                        poses[row, 0, a] * local[0] + poses[row, 1, a] * local[1] + poses[row, 2, a] * local[2]
+                    )
+    dropped = 0
+    for j in range(points.shape[0]):
+        p = points[j]
+        if not m.point_alive[p]:
+            continue
+        m.position[p] = positions[j]
+        for i in range(problem.starts[j], problem.starts[j + 1]):
+            o = problem.observation[i]
+            if not inlier[i] and m.point[o // capacity, o % capacity] == p:
+                unlink(m, o // capacity, o % capacity)
+                dropped += 1
+        if m.point_alive[p]:
+            refresh_point(m, p, scales)
+    return dropped
+
+
+@njit(cache=True, nogil=True)
+def redundant_share(m: MapColumns, keyframe: int, min_observers: int, max_depth: float) -> float:
+    """Share of a keyframe's close points that enough others see at the same or a finer level (ORB-SLAM2, keyframe culling).
+
+    Args:
+        m: columns.
+        keyframe: to be judged.
+        min_observers: how many other keyframes must see a point.
+        max_depth: metres; points beyond are not counted.
+    """
+    capacity = m.point.shape[1]
+    slot = m.keyframe_slot[keyframe]
+    counted, redundant = 0, 0
+    for f in range(m.feature_count[slot]):
+        p = m.point[slot, f]
+        if p < 0 or not m.has_depth[slot, f] or m.depth[slot, f] > max_depth:
+            continue
+        counted += 1
+        if m.observations[p] <= min_observers:
+            continue
+        others = 0
+        o = m.head[p]
+        while o >= 0 and others < min_observers:
+            s, g = o // capacity, o % capacity
+            if s != slot and m.octave[s, g] <= m.octave[slot, f] + 1:
+                others += 1
+            o = m.next_observation[s, g]
+        if others >= min_observers:
+            redundant += 1
+    return redundant / max(counted, 1)

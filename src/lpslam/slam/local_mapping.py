@@ -1,0 +1,106 @@
+"""Local mapping: what happens to the map when a keyframe arrives (ORB-SLAM, V; ORB-SLAM2, III-C)."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.config import SlamConfig
+from lpslam.slam.kernels import bundle, fusing, graph
+from lpslam.slam.map import SlamMap
+from lpslam.slam.sensor import SensorModel
+
+
+class LocalMapper:
+    """Keeps the part of the map around the newest keyframe accurate and free of what does not hold."""
+
+    def __init__(self, slam_map: SlamMap, sensor: SensorModel, config: SlamConfig) -> None:
+        self._map = slam_map
+        self._sensor = sensor
+        self._config = config.mapping
+        self._close_depth = config.keyframes.close_depth
+        self._recent_points = np.empty(0, np.int32)
+        self._stop = np.zeros(1, np.bool_)
+
+    def process(self, keyframe: int) -> None:
+        """Work a new keyframe into the map."""
+        self._cull_points(keyframe)
+        self._recent_points = np.concatenate([self._recent_points, self._born_in(keyframe)])
+        neighbours = self._neighbours(keyframe)
+        self._fuse(keyframe, neighbours)
+        self._adjust(keyframe)
+        self._cull_keyframes(keyframe)
+
+    def _born_in(self, keyframe: int) -> NDArray[np.int32]:
+        points = graph.points_of(self._map.columns, np.array([keyframe], np.int32), self._map.point_count)
+        born: NDArray[np.int32] = points[self._map.columns.first_keyframe[points] == keyframe]
+        return born
+
+    def _cull_points(self, keyframe: int) -> None:
+        """Points must earn their place within three keyframes of their birth."""
+        m = self._map.columns
+        points = self._recent_points[m.point_alive[self._recent_points]]
+        age = keyframe - m.first_keyframe[points]
+        rarely_found = m.found[points] < self._config.min_found_share * m.visible[points]
+        unconfirmed = (age >= 2) & (m.observations[points] < self._config.min_observations)
+        drop = rarely_found | unconfirmed
+        for point in points[drop]:
+            graph.remove_point(m, int(point))
+        self._recent_points = points[~drop & (age < 3)]
+
+    def _neighbours(self, keyframe: int) -> NDArray[np.int32]:
+        first = self._map.covisible(keyframe, 1)[: self._config.neighbours]
+        second = [self._map.covisible(int(k), self._config.covisible_points)[:3] for k in first[:5]]
+        everyone = np.concatenate([first, *second]) if len(first) else first
+        unique, where = np.unique(everyone, return_index=True)
+        in_order = unique[np.argsort(where)]
+        return in_order[in_order != keyframe]
+
+    def _fuse(self, keyframe: int, neighbours: NDArray[np.int32]) -> None:
+        """Look for the keyframe's points in its neighbours and for theirs in it."""
+        slam_map, sensor = self._map, self._sensor
+        arguments = (
+            sensor.intrinsics,
+            sensor.image_size,
+            sensor.scales,
+            sensor.pixel_information,
+            self._config.fuse_radius,
+            50,
+        )
+        own = graph.points_of(slam_map.columns, np.array([keyframe], np.int32), slam_map.point_count)
+        for neighbour in neighbours:
+            fusing.fuse_points(slam_map.columns, own, int(neighbour), *arguments)
+        theirs = graph.points_of(slam_map.columns, neighbours, slam_map.point_count)
+        fusing.fuse_points(slam_map.columns, theirs, keyframe, *arguments)
+        own = graph.points_of(slam_map.columns, np.array([keyframe], np.int32), slam_map.point_count)
+        graph.refresh_points(slam_map.columns, own, slam_map.scales)
+
+    def _adjust(self, keyframe: int) -> None:
+        """Local bundle adjustment: the keyframe and its best covisible ones, all others that see their points fixed."""
+        slam_map, config = self._map, self._config
+        covisible = slam_map.covisible(keyframe, config.covisible_points)[: config.adjusted_keyframes - 1]
+        free = np.concatenate([np.array([keyframe], np.int32), covisible])
+        problem, keyframes, points = graph.gather_bundle(
+            slam_map.columns,
+            free,
+            slam_map.keyframe_count,
+            slam_map.point_count,
+            self._sensor.pixel_information,
+            0,
+        )
+        if problem.free_count == 0 or len(keyframes) < 2:
+            return
+        poses, positions, inlier = bundle.adjust_bundle(
+            problem, self._sensor.intrinsics, config.first_iterations, config.iterations, self._stop
+        )
+        graph.apply_bundle(slam_map.columns, problem, keyframes, points, poses, positions, inlier, slam_map.scales)
+
+    def _cull_keyframes(self, keyframe: int) -> None:
+        """Remove covisible keyframes whose close points others see as well."""
+        config = self._config
+        for other in self._map.covisible(keyframe, config.covisible_points):
+            if other == 0 or other == keyframe:
+                continue
+            share = graph.redundant_share(
+                self._map.columns, int(other), config.redundant_observers, self._close_depth
+            )
+            if share > config.redundant_share:
+                self._map.remove_keyframe(int(other))

@@ -1,0 +1,253 @@
+"""The map by columns: keyframes, points and observations as growing arrays with ids as row numbers."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.camera import inverse_transform
+from lpslam.slam.features import Features
+from lpslam.slam.kernels import graph
+from lpslam.slam.kernels.graph import MapColumns
+
+_FEATURE_COLUMNS: dict[str, tuple[tuple[int, ...], Any, float]] = {
+    "pixels": ((2,), np.float32, 0),
+    "u_right": ((), np.float32, 0),
+    "depth": ((), np.float32, 0),
+    "has_depth": ((), np.bool_, 0),
+    "octave": ((), np.uint8, 0),
+    "angle": ((), np.float32, 0),
+    "descriptor": ((4,), np.uint64, 0),
+    "disparity_information": ((), np.float32, 0),
+    "point": ((), np.int32, -1),
+    "next_observation": ((), np.int32, -1),
+}
+_POINT_COLUMNS: dict[str, tuple[tuple[int, ...], Any, float]] = {
+    "position": ((3,), np.float64, 0),
+    "point_descriptor": ((4,), np.uint64, 0),
+    "normal": ((3,), np.float32, 0),
+    "distance_range": ((2,), np.float32, 0),
+    "visible": ((), np.int32, 0),
+    "found": ((), np.int32, 0),
+    "head": ((), np.int32, -1),
+    "observations": ((), np.int32, 0),
+    "first_keyframe": ((), np.int32, -1),
+    "point_alive": ((), np.bool_, 0),
+}
+_KEYFRAME_COLUMNS: dict[str, tuple[tuple[int, ...], Any, float]] = {
+    "camera_from_world": ((4, 4), np.float64, 0),
+    "keyframe_slot": ((), np.int32, -1),
+    "timestamp": ((), np.float64, 0),
+    "frame_index": ((), np.int64, -1),
+    "parent": ((), np.int32, -1),
+    "keyframe_from_parent": ((4, 4), np.float64, 0),
+}
+
+
+class SlamMap:
+    """Keyframes, points and the observations between them.
+
+    Keyframe and point ids are row numbers and are never used again. Keypoints live in slots, which are: a keyframe that
+    is removed gives its slot back, and its pose lives on relative to its parent.
+    """
+
+    def __init__(self, features_per_keyframe: int, scales: NDArray[np.float64]) -> None:
+        self.scales = np.asarray(scales, dtype=np.float64)
+        self.keyframe_count = 0
+        self.point_count = 0
+        self._capacity = features_per_keyframe
+        self._arrays: dict[str, NDArray[Any]] = {}
+        for table, rows in ((_KEYFRAME_COLUMNS, 64), (_POINT_COLUMNS, 8192)):
+            for name, (shape, dtype, fill) in table.items():
+                self._arrays[name] = np.full((rows, *shape), fill, dtype)
+        for name, (shape, dtype, fill) in _FEATURE_COLUMNS.items():
+            self._arrays[name] = np.full((64, features_per_keyframe, *shape), fill, dtype)
+        self._arrays["slot_keyframe"] = np.full(64, -1, np.int32)
+        self._arrays["feature_count"] = np.zeros(64, np.int32)
+        self._slot_count = 0
+        self._free_slots: list[int] = []
+        self._columns: MapColumns | None = None
+
+    @property
+    def columns(self) -> MapColumns:
+        """Views for kernels; valid until the map grows."""
+        if self._columns is None:
+            self._columns = MapColumns(*(self._arrays[name] for name in MapColumns._fields))
+        return self._columns
+
+    # Growth ------------------------------------------------------------------------------------------------------
+
+    def _reserve(self, names: Any, rows: int, fills: dict[str, tuple[tuple[int, ...], Any, float]]) -> None:
+        for name in names:
+            old = self._arrays[name]
+            if len(old) >= rows:
+                return
+            grown = np.full((max(rows, 2 * len(old)), *old.shape[1:]), fills[name][2], old.dtype)
+            grown[: len(old)] = old
+            self._arrays[name] = grown
+        self._columns = None
+
+    def _take_slot(self) -> int:
+        if self._free_slots:
+            return self._free_slots.pop()
+        slot = self._slot_count
+        self._slot_count += 1
+        self._reserve(_FEATURE_COLUMNS, self._slot_count, _FEATURE_COLUMNS)
+        slot_tables = {"slot_keyframe": ((), np.int32, -1.0), "feature_count": ((), np.int32, 0.0)}
+        self._reserve(slot_tables, self._slot_count, slot_tables)  # type: ignore[arg-type]
+        return slot
+
+    # Keyframes ---------------------------------------------------------------------------------------------------
+
+    def add_keyframe(
+        self,
+        camera_from_world: NDArray[np.float64],
+        features: Features,
+        disparity_information: NDArray[np.float32],
+        timestamp: float,
+        frame_index: int,
+        parent: int,
+    ) -> int:
+        """Append a keyframe with its keypoints, none of them linked to a point yet; returns its id."""
+        keyframe = self.keyframe_count
+        self.keyframe_count += 1
+        self._reserve(_KEYFRAME_COLUMNS, self.keyframe_count, _KEYFRAME_COLUMNS)
+        slot = self._take_slot()
+        a = self._arrays
+        count = min(features.count, self._capacity)
+        a["camera_from_world"][keyframe] = camera_from_world
+        a["keyframe_slot"][keyframe] = slot
+        a["timestamp"][keyframe] = timestamp
+        a["frame_index"][keyframe] = frame_index
+        a["parent"][keyframe] = parent
+        a["keyframe_from_parent"][keyframe] = np.eye(4)
+        a["slot_keyframe"][slot] = keyframe
+        a["feature_count"][slot] = count
+        for name in ("pixels", "u_right", "depth", "has_depth", "octave", "angle", "descriptor"):
+            a[name][slot, :count] = getattr(features, name)[:count]
+        a["disparity_information"][slot, :count] = disparity_information[:count]
+        a["point"][slot] = -1
+        a["next_observation"][slot] = -1
+        return keyframe
+
+    def remove_keyframe(self, keyframe: int) -> None:
+        """Drop a redundant keyframe: its observations go, its children are its parent's, its pose hangs on the parent."""
+        a = self._arrays
+        slot, parent = int(a["keyframe_slot"][keyframe]), int(a["parent"][keyframe])
+        for feature in np.flatnonzero(a["point"][slot, : a["feature_count"][slot]] >= 0):
+            graph.unlink(self.columns, slot, int(feature))
+        children = a["parent"][: self.keyframe_count] == keyframe
+        # Frames and texts that hang on a removed keyframe follow its parent's later corrections through this link.
+        living = a["keyframe_slot"][: self.keyframe_count] >= 0
+        a["parent"][: self.keyframe_count][children & living] = parent
+        a["keyframe_from_parent"][keyframe] = a["camera_from_world"][keyframe] @ self.world_from_keyframe(parent)
+        a["keyframe_slot"][keyframe] = -1
+        a["slot_keyframe"][slot] = -1
+        a["feature_count"][slot] = 0
+        self._free_slots.append(slot)
+
+    def is_alive(self, keyframe: int) -> bool:
+        """Whether a keyframe still has its keypoints."""
+        return bool(self._arrays["keyframe_slot"][keyframe] >= 0)
+
+    def living_keyframes(self) -> NDArray[np.int32]:
+        """Ids of the keyframes that were not removed, rising."""
+        return np.flatnonzero(self._arrays["keyframe_slot"][: self.keyframe_count] >= 0).astype(np.int32)
+
+    def camera_from_world(self, keyframe: int) -> NDArray[np.float64]:
+        """4×4 pose of a keyframe, also of a removed one (through its parent)."""
+        chain = np.eye(4)
+        while not self.is_alive(keyframe):
+            chain = chain @ self._arrays["keyframe_from_parent"][keyframe]
+            keyframe = int(self._arrays["parent"][keyframe])
+        return np.asarray(chain @ self._arrays["camera_from_world"][keyframe])
+
+    def world_from_keyframe(self, keyframe: int) -> NDArray[np.float64]:
+        """4×4, the inverse of `camera_from_world`."""
+        return inverse_transform(self.camera_from_world(keyframe))
+
+    def timestamps(self) -> NDArray[np.float64]:
+        """(K,) seconds, of all keyframes by id."""
+        return self._arrays["timestamp"][: self.keyframe_count]
+
+    def covisible(self, keyframe: int, least: int) -> NDArray[np.int32]:
+        """Keyframes that share at least `least` points with one, most shared first."""
+        slot = int(self._arrays["keyframe_slot"][keyframe])
+        counts = graph.count_shared_points(self.columns, self._arrays["point"][slot], self.keyframe_count)
+        counts[keyframe] = 0
+        order = np.argsort(-counts, kind="stable").astype(np.int32)
+        return order[: int(np.count_nonzero(counts >= max(least, 1)))]
+
+    # Points ------------------------------------------------------------------------------------------------------
+
+    def add_points(self, keyframe: int, features: NDArray[np.int32], positions: NDArray[np.float64]) -> int:
+        """Append points seen by keypoints of one keyframe; returns the id of the first of them.
+
+        Args:
+            keyframe: the observer.
+            features: (n,) its keypoints.
+            positions: (n, 3) world frame, metres.
+        """
+        first = self.point_count
+        self.point_count += len(features)
+        self._reserve(_POINT_COLUMNS, self.point_count, _POINT_COLUMNS)
+        graph.add_points(self.columns, first, keyframe, features, positions, self.scales)
+        return first
+
+    def living_points(self) -> NDArray[np.int32]:
+        """Ids of the points that were not removed, rising."""
+        return np.flatnonzero(self._arrays["point_alive"][: self.point_count]).astype(np.int32)
+
+    def point_positions(self) -> NDArray[np.float64]:
+        """(n, 3) world frame, of the living points."""
+        return np.asarray(self._arrays["position"][self.living_points()])
+
+    # The whole ---------------------------------------------------------------------------------------------------
+
+    def transform(self, new_from_old_world: NDArray[np.float64]) -> None:
+        """Change the world frame of everything (4×4, rigid)."""
+        a = self._arrays
+        old_from_new = inverse_transform(new_from_old_world)
+        poses = a["camera_from_world"][: self.keyframe_count]
+        poses[:] = poses @ old_from_new
+        positions = a["position"][: self.point_count]
+        positions[:] = positions @ new_from_old_world[:3, :3].T + new_from_old_world[:3, 3]
+        normals = a["normal"][: self.point_count]
+        normals[:] = (normals @ new_from_old_world[:3, :3].T).astype(np.float32)
+
+    def to_arrays(self) -> dict[str, NDArray[Any]]:
+        """Everything needed to rebuild the map, as named arrays."""
+        rows = {
+            **dict.fromkeys(_KEYFRAME_COLUMNS, self.keyframe_count),
+            **dict.fromkeys(_POINT_COLUMNS, self.point_count),
+            **dict.fromkeys((*_FEATURE_COLUMNS, "slot_keyframe", "feature_count"), self._slot_count),
+        }
+        arrays = {name: self._arrays[name][:count].copy() for name, count in rows.items()}
+        return {**arrays, "scales": self.scales, "free_slots": np.array(self._free_slots, np.int32)}
+
+    @classmethod
+    def from_arrays(cls, arrays: dict[str, NDArray[Any]]) -> "SlamMap":
+        """Rebuild a map from `to_arrays`.
+
+        Raises:
+            KeyError, ValueError: a column is missing or has another shape.
+        """
+        slam_map = cls(int(arrays["point"].shape[1]), arrays["scales"])
+        for table in (_KEYFRAME_COLUMNS, _POINT_COLUMNS, _FEATURE_COLUMNS):
+            lengths = {len(arrays[name]) for name in table}
+            if len(lengths) != 1:
+                raise ValueError(f"columns {', '.join(table)} differ in length")
+        slam_map.keyframe_count = len(arrays["keyframe_slot"])
+        slam_map.point_count = len(arrays["head"])
+        slam_map._slot_count = len(arrays["slot_keyframe"])
+        slam_map._free_slots = [int(slot) for slot in arrays["free_slots"]]
+        for name, old in slam_map._arrays.items():
+            saved = arrays[name]
+            if saved.shape[1:] != old.shape[1:] or saved.dtype != old.dtype:
+                raise ValueError(f"column {name} is {saved.dtype}{saved.shape}")
+            fill = {**_FEATURE_COLUMNS, **_POINT_COLUMNS, **_KEYFRAME_COLUMNS}.get(name, ((), None, -1))[2]
+            grown = np.full((max(len(saved), len(old)), *old.shape[1:]), fill, old.dtype)
+            grown[: len(saved)] = saved
+            slam_map._arrays[name] = grown
+        slam_map._columns = None
+        return slam_map

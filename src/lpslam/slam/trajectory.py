@@ -1,0 +1,70 @@
+"""Where the camera was: every frame kept relative to its reference keyframe, so that each correction reaches it."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.slam.map import SlamMap
+from lpslam.slam.state import TrackedFrame, TrackingState
+
+_STATES = list(TrackingState)
+
+
+class Trajectory:
+    """All frames by columns, in the order in which they came."""
+
+    def __init__(self) -> None:
+        self._indices: list[int] = []
+        self._timestamps: list[float] = []
+        self._states: list[int] = []
+        self._keyframes: list[int] = []
+        self._poses: list[NDArray[np.float64]] = []
+
+    def __len__(self) -> int:
+        return len(self._indices)
+
+    def append(self, tracked: TrackedFrame) -> None:
+        """Add one frame, tracked or not."""
+        self._indices.append(tracked.index)
+        self._timestamps.append(tracked.timestamp)
+        self._states.append(_STATES.index(tracked.state))
+        has_pose = tracked.keyframe_from_camera is not None
+        self._keyframes.append(tracked.keyframe if has_pose else -1)
+        self._poses.append(tracked.keyframe_from_camera if tracked.keyframe_from_camera is not None else np.eye(4))
+
+    @property
+    def tracked_count(self) -> int:
+        """Number of frames with a pose."""
+        return sum(keyframe >= 0 for keyframe in self._keyframes)
+
+    def world_from_camera(self, slam_map: SlamMap) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Timestamps (n,) and poses (n, 4, 4) of the tracked frames as the map has them now."""
+        keyframes = np.array(self._keyframes, dtype=np.int64)
+        tracked = keyframes >= 0
+        relative = np.array(self._poses).reshape(-1, 4, 4)[tracked]
+        used, rows = np.unique(keyframes[tracked], return_inverse=True)
+        world_from_keyframe = np.array([slam_map.world_from_keyframe(int(k)) for k in used]).reshape(-1, 4, 4)
+        poses = np.einsum("nij,njk->nik", world_from_keyframe[rows], relative)
+        return np.array(self._timestamps)[tracked], poses
+
+    def to_arrays(self) -> dict[str, NDArray[Any]]:
+        """The columns, for the map file."""
+        return {
+            "index": np.array(self._indices, np.int64),
+            "timestamp": np.array(self._timestamps, np.float64),
+            "state": np.array(self._states, np.uint8),
+            "keyframe": np.array(self._keyframes, np.int32),
+            "keyframe_from_camera": np.array(self._poses, np.float64).reshape(-1, 4, 4),
+        }
+
+    @classmethod
+    def from_arrays(cls, arrays: dict[str, NDArray[Any]]) -> "Trajectory":
+        """The inverse of `to_arrays`."""
+        trajectory = cls()
+        trajectory._indices = arrays["index"].tolist()
+        trajectory._timestamps = arrays["timestamp"].tolist()
+        trajectory._states = arrays["state"].tolist()
+        trajectory._keyframes = arrays["keyframe"].tolist()
+        trajectory._poses = list(arrays["keyframe_from_camera"])
+        return trajectory
