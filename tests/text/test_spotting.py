@@ -1,0 +1,184 @@
+import json
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from lpslam.config import SpottingConfig
+from lpslam.errors import UserError
+from lpslam.text import networks
+from lpslam.text.detection import boxes_from_probability, network_input
+from lpslam.text.networks import load_network
+from lpslam.text.recognition import decode_ctc, rectify
+from lpslam.text.similarity import comparison_key, similarity
+from lpslam.text.spotting import PaddleSpotter, TextSpotter, accepted_texts, letter_heights, spot, touches_border
+
+CONFIG = SpottingConfig()
+SIGNS = Path(__file__).parents[3] / "shared" / "data" / "signs"
+
+
+@pytest.fixture(scope="module")
+def spotter() -> PaddleSpotter:
+    return PaddleSpotter(CONFIG)
+
+
+def painted(*lines: tuple[str, int, int, float]) -> NDArray[np.uint8]:
+    """A grey wall with (text, x, y, scale) painted on it."""
+    image = np.full((480, 640, 3), (190, 185, 175), np.uint8)
+    for text, x, y, scale in lines:
+        cv2.putText(image, text, (x, y), cv2.FONT_HERSHEY_DUPLEX, scale, (30, 20, 120), round(2 * scale), cv2.LINE_AA)
+    return image
+
+
+def test_text_is_found_and_read_as_painted(spotter: PaddleSpotter) -> None:
+    image = painted(("Hotel Lisboa", 60, 120, 1.5), ("NO SMOKING!", 200, 330, 1.0))
+    texts = sorted(spot(spotter, image, CONFIG), key=lambda each: each.box[0, 1])
+    assert [each.text for each in texts] == ["Hotel Lisboa", "NO SMOKING!"]
+    assert all(each.confidence > 0.95 for each in texts)
+    (width, height), _ = cv2.getTextSize("Hotel Lisboa", cv2.FONT_HERSHEY_DUPLEX, 1.5, 3)
+    assert height < texts[0].letter_height < 2 * height
+    assert texts[0].box.mean(axis=0) == pytest.approx([60 + width / 2, 120 - height / 2], abs=5)
+
+
+def test_a_slanted_sign_is_rectified(spotter: PaddleSpotter) -> None:
+    image = painted(("WASHROOM", 150, 250, 2.0))
+    source = np.array([[0, 0], [640, 0], [640, 480], [0, 480]], np.float32)
+    target = np.array([[60, 0], [600, 90], [600, 400], [60, 479]], np.float32)
+    slanted = cv2.warpPerspective(
+        image, cv2.getPerspectiveTransform(source, target), (640, 480), borderValue=(190, 185, 175)
+    )
+    turned = cv2.warpAffine(
+        image, cv2.getRotationMatrix2D((320, 240), 20, 1.0), (640, 480), borderValue=(190, 185, 175)
+    )
+    for view in (slanted, turned):
+        assert [each.text for each in spot(spotter, np.asarray(view, np.uint8), CONFIG)] == ["WASHROOM"]
+
+
+def test_an_empty_wall_has_no_text(spotter: PaddleSpotter) -> None:
+    boxes, scores = spotter.detect(painted())
+    assert boxes.shape == (0, 4, 2)
+    assert scores.shape == (0,)
+    assert spotter.recognise(painted(), boxes) == []
+
+
+def test_company_does_not_change_a_reading(spotter: PaddleSpotter) -> None:
+    image = painted(("HUAWEI", 60, 100, 1.2), ("HIGH TEMPERATURE", 60, 250, 1.2), ("ATM", 60, 400, 1.2))
+    boxes, _ = spotter.detect(image)
+    together = spotter.recognise(image, boxes)
+    assert together == [spotter.recognise(image, boxes[row : row + 1])[0] for row in range(len(boxes))]
+
+
+def test_it_is_a_text_spotter(spotter: PaddleSpotter) -> None:
+    assert isinstance(spotter, TextSpotter)
+
+
+@pytest.mark.skipif(not SIGNS.exists(), reason="the photographs of ../shared/data/signs are not here")
+@pytest.mark.slow
+def test_photographed_signs_are_read(spotter: PaddleSpotter) -> None:
+    labels = json.loads((SIGNS / "labels.json").read_text(encoding="utf-8"))["images"]
+    config = SpottingConfig(border_margin=0.0)
+    wanted = found = 0
+    for name, lines in labels.items():
+        image = cv2.cvtColor(cv2.imread(str(SIGNS / name)), cv2.COLOR_BGR2RGB)
+        read = [comparison_key(each.text) for each in spot(spotter, np.asarray(image, np.uint8), config)]
+        for line in lines:
+            wanted += 1
+            found += any(similarity(comparison_key(line), each) >= 0.8 for each in read)
+    assert found / wanted >= 0.75, f"{found} of {wanted} lines"
+
+
+@pytest.mark.parametrize(
+    ("corner", "touches"),
+    [((7, 200), False), ((6, 200), True), ((300, 5), False), ((300, 4), True), ((512, 200), False), ((513, 200), True)],
+)
+def test_the_rim_is_a_share_of_width_and_height(corner: tuple[float, float], touches: bool) -> None:
+    box = np.array([[0, 0], [120, 0], [120, 30], [0, 30]], float) + corner
+    # 1 % of 640 x 480: 6.4 and 4.8 px; the last pixel is 639.
+    assert touches_border(box[None], (480, 640), 0.01).tolist() == [touches]
+
+
+def test_no_boxes_touch_nothing() -> None:
+    assert touches_border(np.zeros((0, 4, 2)), (480, 640), 0.01).shape == (0,)
+    assert letter_heights(np.zeros((0, 4, 2))).shape == (0,)
+
+
+def test_unsure_short_and_empty_readings_are_refused() -> None:
+    boxes = np.tile(np.array([[0, 0], [50, 0], [50, 20], [0, 20]], float), (5, 1, 1))
+    readings = [("KFC", 0.95), ("KFC", 0.3), ("A", 0.99), ("", 0.0), ("-/-", 0.9)]
+    assert [each.text for each in accepted_texts(boxes, readings, CONFIG)] == ["KFC"]
+
+
+def test_letters_of_a_line_that_runs_downwards_are_as_high_as_it_is_wide() -> None:
+    lying = np.array([[0, 0], [90, 0], [90, 20], [0, 20]], float)
+    standing = np.array([[0, 0], [20, 0], [20, 90], [0, 90]], float)
+    assert letter_heights(np.array([lying, standing])).tolist() == [20.0, 20.0]
+
+
+def test_rectifying_undoes_the_perspective() -> None:
+    board = np.zeros((48, 240, 3), np.uint8)
+    board[8:40, 20:70], board[8:40, 150:160] = 255, 200
+    box = np.array([[50, 40], [290, 60], [290, 108], [50, 140]], float)
+    edges = np.array([[0, 0], [240, 0], [240, 48], [0, 48]], np.float32)
+    seen = cv2.warpPerspective(board, cv2.getPerspectiveTransform(edges, box.astype(np.float32)), (400, 200))
+    line = rectify(np.asarray(seen, np.uint8), box, 1280)
+    upright = cv2.resize(line, (240, 48), interpolation=cv2.INTER_AREA)
+    assert line.shape[0] == 48
+    assert np.abs(upright.astype(float) - board).mean() < 6.0
+
+
+def test_ctc_removes_repeats_and_blanks() -> None:
+    alphabet = np.array(["", "A", "B", " "])
+    steps = [1, 1, 0, 1, 2, 2, 0, 0, 3, 2]
+    probabilities = np.full((len(steps), 4), 0.1, np.float32)
+    probabilities[np.arange(len(steps)), steps] = 0.7
+    text, confidence = decode_ctc(probabilities, alphabet)
+    assert text == "AAB B"
+    assert confidence == pytest.approx(0.7)
+    assert decode_ctc(probabilities[[2, 6]], alphabet) == ("", 0.0)
+
+
+def test_a_region_of_the_probability_map_becomes_a_grown_box() -> None:
+    probability = np.zeros((240, 320), np.float32)
+    probability[100:120, 50:150] = 0.9
+    probability[200:202, 200:202] = 0.9
+    probability[30:50, 200:260] = 0.4
+    boxes, scores = boxes_from_probability(probability, CONFIG)
+    assert len(boxes) == 1
+    # The mask is a pixel larger than the region on two sides.
+    assert scores[0] == pytest.approx(0.9 * (100 * 20) / (101 * 21), abs=0.01)
+    growth = 1.6 * (100 * 20) / (2 * 120)
+    assert boxes[0].min(axis=0) == pytest.approx([50 - growth, 100 - growth], abs=2)
+    assert boxes[0].max(axis=0) == pytest.approx([149 + growth, 119 + growth], abs=2)
+    top_left, top_right, bottom_right, _ = boxes[0]
+    assert top_left[0] < top_right[0]
+    assert top_right[1] < bottom_right[1]
+
+
+def test_the_networks_read_blue_green_red_between_minus_one_and_one() -> None:
+    batch = network_input(np.array([[[255, 0, 51]]], np.uint8))
+    assert batch[0, :, 0, 0] == pytest.approx([-0.6, -1.0, 1.0])
+
+
+def test_the_alphabet_comes_with_the_model() -> None:
+    alphabet = load_network("rec", "auto", 1).alphabet
+    assert len(alphabet) == 18708
+    assert {"星", "巴", "克", "A", "é"} <= set(alphabet)
+
+
+def test_a_missing_engine_is_a_clear_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    real = networks.importlib.util.find_spec
+    monkeypatch.setattr(
+        networks.importlib.util, "find_spec", lambda name: None if name in ("openvino", "onnxruntime") else real(name)
+    )
+    with pytest.raises(UserError, match="pip install openvino"):
+        load_network("det", "openvino", 1)
+    with pytest.raises(UserError, match=r"lp-slam\[onnx\]"):
+        load_network("det", "auto", 1)
+
+
+def test_missing_models_are_a_clear_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(networks.importlib.util, "find_spec", lambda name: None)
+    with pytest.raises(UserError, match="reading models are not installed"):
+        load_network("det", "auto", 1)
