@@ -222,21 +222,21 @@ class SimulationConfig(_Section):
     """The mock mall and the camera that walks through it."""
 
     # Length of the closed route, metres; shorter than 24 leaves no room for shops inside the loop.
-    loop_length: float = Field(32.0, ge=24.0, le=400.0)
+    loop_length: float = Field(default=32.0, ge=24.0, le=400.0)
     # One loop, or two that share a corridor.
     layout: Literal["loop", "figure-eight"] = "loop"
     # Brightness of the lamps; 0.3 is a mall after closing time.
-    light: float = Field(1.0, gt=0.0, le=2.0)
+    light: float = Field(default=1.0, gt=0.0, le=2.0)
     # Fastest turn of the camera, degrees a second; 134 is a hurried head.
-    max_turn_rate: float = Field(45.0, gt=5.0, le=200.0)
+    max_turn_rate: float = Field(default=45.0, gt=5.0, le=200.0)
     # Walking pace, metres a second.
-    speed: float = Field(1.0, gt=0.1, le=3.0)
+    speed: float = Field(default=1.0, gt=0.1, le=3.0)
     # Which languages the signs show.
     language: Literal["mixed", "chinese", "english"] = "mixed"
     # How many signs repeat the words of another one.
-    duplicates: int = Field(0, ge=0)
+    duplicates: int = Field(default=0, ge=0)
     # Shutter time in good light, seconds; in the dark it doubles.
-    exposure_time: float = Field(0.008, ge=0.0, le=0.03)
+    exposure_time: float = Field(default=0.008, ge=0.0, le=0.03)
     # Noise, vignetting, exposure drift and depth errors; off for tests of geometry.
     sensor_noise: bool = True
 

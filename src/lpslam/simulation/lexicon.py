@@ -98,7 +98,7 @@ Cloud Nine Beds|云端家纺
 |远航旅行社
 |东方美术
 |晨光文具
-""".split("\n")
+""".strip().splitlines()
 
 _RESTAURANTS = """
 KFC|肯德基
@@ -149,7 +149,7 @@ Taco Verde|
 |湘江渔村
 |豆浆油条
 |南京大牌档
-""".split("\n")
+""".strip().splitlines()
 
 _FACILITIES = """
 WASHROOM|洗手间
@@ -172,7 +172,7 @@ CASHIER|收银台
 LOST & FOUND|失物招领
 TAXI|出租车
 LIBRARY|图书馆
-""".split("\n")
+""".strip().splitlines()
 
 _WARNINGS = """
 NO SMOKING|禁止吸烟
@@ -191,7 +191,7 @@ KEEP CLEAR|请勿堆放
 Caution|当心碰头
 DO NOT LEAN|请勿倚靠
 NO RUNNING|请勿奔跑
-""".split("\n")
+""".strip().splitlines()
 
 _SLOGANS = """
 Save Water|节约用水
@@ -211,11 +211,11 @@ Think Different Eat Well|
 |光盘行动
 |安全第一
 |会员日
-""".split("\n")
+""".strip().splitlines()
 
 
 def _parse(lines: list[str], kind: Kind) -> tuple[Wording, ...]:
-    pairs = (line.split("|") for line in lines if line)
+    pairs = (line.split("|") for line in lines)
     return tuple(Wording(english, chinese, kind) for english, chinese in pairs)
 
 

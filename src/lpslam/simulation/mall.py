@@ -1,0 +1,197 @@
+"""Builds the mall: the floor plan's walls become shop fronts, doors and poster walls, with signs on them."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.config import SimulationConfig
+from lpslam.simulation import lexicon, lighting, textures
+from lpslam.simulation.fronts import WallBuilder
+from lpslam.simulation.layout import Layout, Wall, plan
+from lpslam.simulation.lettering import Board, paint_board
+from lpslam.simulation.lexicon import Wording
+from lpslam.simulation.scene import Scene, SceneBuilder
+from lpslam.simulation.signs import Sign
+
+FLOOR_CELL = 4.0  # metres; only cells that a corridor touches get a texture
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mall:
+    """A world: what is drawn, how one may walk through it, and what can be read in it."""
+
+    scene: Scene
+    layout: Layout
+    signs: tuple[Sign, ...]
+
+
+@dataclass(slots=True)
+class _Vocabulary:
+    """Deals wordings so that none comes twice before `duplicates` are asked for."""
+
+    rng: np.random.Generator
+    options: SimulationConfig
+    _piles: dict[str, list[Wording]] = field(default_factory=dict)
+    _dealt: list[Wording] = field(default_factory=list)
+
+    def deal(self, kind: str) -> tuple[Wording, tuple[str, ...]]:
+        """A wording of a kind and the lines to paint, the most prominent first."""
+        wording = self._next(kind)
+        lines = wording.lines(self.options.language)
+        if len(lines) == 2:
+            choice = self.rng.random()
+            lines = (
+                lines[:1] if choice < 0.3 else lines[1:] if choice < 0.5 else lines[::-1] if choice < 0.75 else lines
+            )
+        return wording, lines
+
+    def _next(self, kind: str) -> Wording:
+        same = [wording for wording in self._dealt if wording.kind == kind]
+        repeated = len(self._dealt) - len({id(wording) for wording in self._dealt})
+        if same and repeated < self.options.duplicates and self.rng.random() < 0.5:
+            wording = same[int(self.rng.integers(len(same)))]
+        else:
+            if not self._piles.get(kind):
+                everything = [w for w in lexicon.EVERYTHING if w.kind == kind and w.lines(self.options.language)]
+                self._piles[kind] = [everything[i] for i in self.rng.permutation(len(everything))]
+            wording = self._piles[kind].pop()
+        self._dealt.append(wording)
+        return wording
+
+
+@dataclass(slots=True)
+class SignPainter:
+    """Paints boards, hangs them into the scene and keeps their ground truth."""
+
+    rng: np.random.Generator
+    builder: SceneBuilder
+    vocabulary: _Vocabulary
+    signs: list[Sign] = field(default_factory=list)
+
+    def paint(
+        self, kind: str, style: str, letter_height: float, max_width: float, resolution: float
+    ) -> tuple[Board, str]:
+        """Paint the next wording of a kind; sizes in metres, resolution in pixels a metre."""
+        wording, lines = self.vocabulary.deal(kind)
+        return paint_board(self.rng, lines, kind, style, letter_height, max_width, resolution), wording.kind
+
+    def hang(
+        self,
+        board: Board,
+        kind: str,
+        centre: NDArray[np.float64],
+        right: NDArray[np.float64],
+        *,
+        thickness: float,
+        double_sided: bool = False,
+        gloss: float = 0.0,
+    ) -> None:
+        """Hang a board upright with its face's middle at `centre`; `right` is the reader's right (unit, horizontal)."""
+        up = np.array([0.0, 0.0, 1.0])
+        normal = np.cross(right, up)
+        corner = centre - right * board.width / 2 + up * board.height / 2
+        texture = self.builder.add_texture(board.image)
+        face = self.builder.add_face(corner, right * board.width, -up * board.height, texture, gloss=gloss)
+        far = corner + right * board.width - normal * thickness
+        back = texture if double_sided else self.builder.add_colour((60, 60, 60))
+        self.builder.add_face(far, -right * board.width, -up * board.height, back, gloss=gloss)
+        rim = self.builder.add_colour((90, 90, 92))
+        self.builder.add_face(corner - normal * thickness, normal * thickness, -up * board.height, rim)
+        self.builder.add_face(corner + right * board.width, -normal * thickness, -up * board.height, rim)
+        self.builder.add_face(corner - normal * thickness, right * board.width, normal * thickness, rim)
+        low = corner - up * board.height
+        self.builder.add_face(low, right * board.width, -normal * thickness, rim)
+        ink = [min(line.left for line in board.lines), min(line.top for line in board.lines)]
+        ink += [max(line.right for line in board.lines), max(line.bottom for line in board.lines)]
+        spots = ((ink[0], ink[1]), (ink[2], ink[1]), (ink[2], ink[3]), (ink[0], ink[3]))
+        main = board.lines[0]
+        texts = [line.text for line in board.lines]
+        others = texts[1:] + ([" ".join(texts), " ".join(texts[::-1])] if len(texts) > 1 else [])
+        self.signs.append(
+            Sign(
+                id=len(self.signs),
+                text=main.text,
+                aliases=tuple(others),
+                kind=kind,
+                centre=corner + right * (main.left + main.right) / 2 - up * (main.top + main.bottom) / 2,
+                normal=normal,
+                corners=np.array([corner + right * x - up * y for x, y in spots]),
+                letter_height=main.letter_height,
+                double_sided=double_sided,
+                face=face,
+            )
+        )
+
+
+def build_mall(seed: int, options: SimulationConfig) -> Mall:
+    """Build the world of a seed: plan, floor, ceiling, walls, furniture, signs, light."""
+    rng = np.random.default_rng([seed, 7])
+    layout = plan(rng, options.layout, options.loop_length)
+    builder = SceneBuilder()
+    painter = SignPainter(rng, builder, _Vocabulary(rng, options))
+    height = float(rng.uniform(2.9, 3.2))
+    _lay_floor(rng, builder, layout)
+    _hang_ceiling(rng, builder, layout, height)
+    lamps = lighting.hang_lamps(rng, builder, layout, height)
+    front = WallBuilder(rng, builder, painter, height)
+    for wall in sorted(layout.walls, key=lambda each: -each.length):
+        front.furnish(wall)
+    _hang_overhead_signs(rng, painter, layout, height)
+    scene = builder.build()
+    lighting.bake(scene, lamps, layout, height)
+    return Mall(scene, layout, tuple(painter.signs))
+
+
+def _lay_floor(rng: np.random.Generator, builder: SceneBuilder, layout: Layout) -> None:
+    """Cut one large worn floor into cells and lay those that a corridor touches."""
+    (x0, y0), (x1, y1) = layout.outline
+    scale = min(200.0, float(np.sqrt(24e6 / ((x1 - x0) * (y1 - y0)))))
+    picture = textures.floor(rng, round((y1 - y0) * scale), round((x1 - x0) * scale), scale)
+    for low_y in np.arange(y0, y1, FLOOR_CELL):
+        for low_x in np.arange(x0, x1, FLOOR_CELL):
+            high_x, high_y = min(low_x + FLOOR_CELL, x1), min(low_y + FLOOR_CELL, y1)
+            if any(
+                b[0, 0] < low_x and b[0, 1] < low_y and b[1, 0] > high_x and b[1, 1] > high_y for b in layout.blocks
+            ):
+                continue
+            rows = slice(round((y1 - high_y) * scale), max(round((y1 - low_y) * scale), 1))
+            columns = slice(round((low_x - x0) * scale), max(round((high_x - x0) * scale), 1))
+            cut = picture[rows, columns]
+            if cut.size == 0:
+                continue
+            texture = builder.add_texture(cut)
+            edge_u, edge_v = np.array([high_x - low_x, 0.0, 0.0]), np.array([0.0, low_y - high_y, 0.0])
+            builder.add_face(np.array([low_x, high_y, 0.0]), edge_u, edge_v, texture, gloss=0.15)
+
+
+def _hang_ceiling(rng: np.random.Generator, builder: SceneBuilder, layout: Layout, height: float) -> None:
+    (x0, y0), (x1, y1) = layout.outline
+    texture = builder.add_texture(textures.ceiling(rng, 150.0))
+    repeat = ((x1 - x0) / 2.4, (y1 - y0) / 2.4)
+    edge_u, edge_v = np.array([x1 - x0, 0.0, 0.0]), np.array([0.0, y1 - y0, 0.0])
+    builder.add_face(np.array([x0, y0, height]), edge_u, edge_v, texture, repeat=repeat)
+
+
+def _hang_overhead_signs(rng: np.random.Generator, painter: SignPainter, layout: Layout, height: float) -> None:
+    """One double-sided facility sign across each longer corridor, under the ceiling."""
+    for start, end in layout.corridors:
+        span = float(np.linalg.norm(end - start))
+        if span < 6.0:
+            continue
+        along = (end - start) / span
+        kind = "facility" if rng.random() < 0.8 else "slogan"
+        board, kind = painter.paint(kind, "plain", float(rng.uniform(0.14, 0.2)), 1.9, 320.0)
+        place = start + along * span * rng.uniform(0.4, 0.6)
+        centre = np.array([place[0], place[1], min(2.25 + board.height / 2, height - 0.1 - board.height / 2)])
+        right = np.array([-along[1], along[0], 0.0])
+        painter.hang(board, kind, centre, right, thickness=0.06, double_sided=True)
+        rod = painter.builder.add_colour((50, 50, 52))
+        for side in (-0.4, 0.4):
+            foot = centre + right * board.width * side - np.array([along[0], along[1], 0.0]) * 0.03
+            foot[2] = centre[2] + board.height / 2
+            ahead = np.array([along[0], along[1], 0.0]) * 0.02
+            painter.builder.add_box(foot, ahead, right * 0.02, height - foot[2], rod)
+
+
+__all__ = ["Mall", "SignPainter", "Wall", "build_mall"]

@@ -1,0 +1,85 @@
+"""Writes a rendered walk as a TUM RGB-D folder with its calibration, ground truth and signs."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import cv2
+import numpy as np
+import yaml
+from scipy.spatial.transform import Rotation
+
+from lpslam.camera import PinholeCamera
+from lpslam.errors import UserError
+from lpslam.simulation.source import MallSource
+
+
+def write_sequence(source: MallSource, folder: Path, on_progress: Callable[[int, int], None] | None = None) -> None:
+    """Render every frame into a folder.
+
+    The folder gets `rgb/`, `depth/` (16 bit, 5000 a metre), `rgb.txt`, `depth.txt`, `groundtruth.txt` (TUM format, the
+    camera's optical frame in the world), `camera.yaml` and `signs.json`.
+
+    Args:
+        source: the walk.
+        folder: created if need be.
+        on_progress: called with (frames written, frames in all) after each frame.
+
+    Raises:
+        UserError: the folder cannot be written.
+    """
+    try:
+        _write(source, Path(folder), on_progress)
+    except OSError as error:
+        raise UserError(f"simulation: {folder} cannot be written ({error.strerror}); choose another folder") from error
+
+
+def _write(source: MallSource, folder: Path, on_progress: Callable[[int, int], None] | None) -> None:
+    for name in ("rgb", "depth"):
+        (folder / name).mkdir(parents=True, exist_ok=True)
+    truth = source.ground_truth
+    quaternions = Rotation.from_matrix(truth.world_from_camera[:, :3, :3]).as_quat()
+    rows = np.column_stack([truth.timestamps, truth.world_from_camera[:, :3, 3], quaternions])
+    lines = [" ".join(f"{value:.6f}" if i == 0 else f"{value:.7f}" for i, value in enumerate(row)) for row in rows]
+    _write_list(folder / "groundtruth.txt", "timestamp tx ty tz qx qy qz qw", lines)
+    (folder / "camera.yaml").write_text(
+        yaml.safe_dump(_camera_fields(source.camera), sort_keys=False), encoding="utf-8"
+    )
+    signs = {"signs": [sign.as_json() for sign in source.signs]}
+    (folder / "signs.json").write_text(json.dumps(signs, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
+    listed: dict[str, list[str]] = {"rgb": [], "depth": []}
+    for done, frame in enumerate(source, start=1):
+        depth = np.clip(np.rint(frame.depth * source.camera.depth_scale), 0, 65535).astype(np.uint16)
+        pictures = {"rgb": cv2.cvtColor(frame.rgb, cv2.COLOR_RGB2BGR), "depth": depth}
+        for name, picture in pictures.items():
+            file = f"{name}/{frame.timestamp:.6f}.png"
+            _write_png(folder / file, picture)
+            listed[name].append(f"{frame.timestamp:.6f} {file}")
+        if on_progress is not None:
+            on_progress(done, len(source))
+    for name, entries in listed.items():
+        _write_list(folder / f"{name}.txt", "timestamp filename", entries)
+
+
+def _write_png(path: Path, picture: np.typing.NDArray[np.generic]) -> None:
+    # Level 1 is three times as fast as the default at a tenth more size.
+    _, encoded = cv2.imencode(".png", np.asarray(picture), [cv2.IMWRITE_PNG_COMPRESSION, 1])
+    path.write_bytes(encoded.tobytes())
+
+
+def _write_list(path: Path, header: str, lines: list[str]) -> None:
+    path.write_text("\n".join([f"# {header}", *lines]) + "\n", encoding="utf-8")
+
+
+def _camera_fields(camera: PinholeCamera) -> dict[str, float | int | list[float]]:
+    return {
+        "width": camera.width,
+        "height": camera.height,
+        "fx": camera.fx,
+        "fy": camera.fy,
+        "cx": camera.cx,
+        "cy": camera.cy,
+        "distortion": list(camera.distortion),
+        "depth_scale": camera.depth_scale,
+        "fps": camera.fps,
+    }
