@@ -1,0 +1,98 @@
+"""Naming a class of misread strings by a vote, letter by letter (text clustering, III-E)."""
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from rapidfuzz.distance import Levenshtein
+
+from lpslam.language.model import Reading
+from lpslam.language.sanitise import clean_text
+
+
+@dataclass(frozen=True, slots=True)
+class Vote:
+    """The spelling that the readings agree on, and the mean share of their weight behind its letters."""
+
+    text: str
+    agreement: float
+    readings: tuple[tuple[str, float], ...]
+
+
+def vote(readings: Sequence[Reading]) -> Vote:
+    """Align every reading to the most central one and let each column choose its letter.
+
+    A reading weighs count times confidence. Case and punctuation stay as most readings have them.
+    """
+    weights: dict[str, float] = defaultdict(float)
+    for reading in readings:
+        text = clean_text(reading.text)
+        if text:
+            weights[text] += max(reading.count, 0) * min(max(reading.confidence, 0.0), 1.0)
+    total = sum(weights.values())
+    if not weights:
+        return Vote("", 0.0, ())
+    if total <= 0.0:
+        weights = dict.fromkeys(weights, 1.0)
+        total = float(len(weights))
+    ranked = sorted(weights.items(), key=lambda item: (-item[1], item[0]))
+    pivot = max(ranked, key=lambda item: _centrality(item[0], ranked))[0]
+    columns, gaps = _columns(pivot, ranked)
+    letters: list[str] = []
+    shares: list[float] = []
+    for at in range(len(pivot) + 1):
+        inserted = max(gaps[at].items(), key=lambda item: item[1], default=("", 0.0))
+        if inserted[1] > total / 2:
+            letters.append(inserted[0])
+            shares.append(inserted[1] / total)
+        if at < len(pivot):
+            # On a tie the pivot's own letter stays.
+            letter = max(columns[at].items(), key=lambda item: (item[1], item[0] == pivot[at]))
+            letters.append(letter[0])
+            shares.append(letter[1] / total)
+    return Vote(clean_text("".join(letters)), sum(shares) / len(shares), tuple(ranked))
+
+
+def _centrality(text: str, ranked: Sequence[tuple[str, float]]) -> float:
+    return sum(weight * Levenshtein.normalized_similarity(text, other) for other, weight in ranked)
+
+
+def _columns(pivot: str, ranked: Sequence[tuple[str, float]]) -> tuple[list[dict[str, float]], list[dict[str, float]]]:
+    """Weight of each letter (or of none) at each place of the pivot, and of what is inserted before each place."""
+    columns: list[dict[str, float]] = [defaultdict(float) for _ in pivot]
+    gaps: list[dict[str, float]] = [defaultdict(float) for _ in range(len(pivot) + 1)]
+    for text, weight in ranked:
+        inserted: dict[int, str] = defaultdict(str)
+        for step in Levenshtein.opcodes(pivot, text):
+            own = text[step.dest_start : step.dest_end]
+            if step.tag == "insert":
+                inserted[step.src_start] += own
+            else:
+                for offset in range(step.src_end - step.src_start):
+                    columns[step.src_start + offset][own[offset] if own else ""] += weight
+        for at, letters in inserted.items():
+            gaps[at][letters] += weight
+    return columns, gaps
+
+
+def painted_like(known: str, seen: str) -> str:
+    """Return `known` with the case in which `seen` is painted, letter by letter; both have the same letters."""
+    painted = iter(ch for ch in seen if ch.isalnum())
+    letters: list[str] = []
+    for ch in known:
+        own = next(painted, ch) if ch.isalnum() else ch
+        letters.append(own if own.casefold() == ch.casefold() else ch)
+    return "".join(letters)
+
+
+def cased_like(known: str, seen: str) -> str:
+    """Return `known` in capitals, or in small letters, where the letters of `seen` are nearly all so."""
+    letters = [ch for ch in seen if ch.isalpha() and ch.upper() != ch.lower()]
+    if not letters:
+        return known
+    upper = sum(ch.isupper() for ch in letters) / len(letters)
+    if upper > 0.7 and len(letters) > 1:
+        return known.upper()
+    if upper == 0.0:
+        return known.lower()
+    return known if any(ch.isupper() for ch in known) else known.title().replace("'S", "'s").replace("'T", "'t")

@@ -1,0 +1,171 @@
+"""The embedded language model: tables, votes and rules; no key, no network, no download.
+
+It knows kinds of place, brands, makers, warnings and everyday wants in seven languages. What it does not know it says,
+and it rather chooses nothing than guesses.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from rapidfuzz.distance import Levenshtein
+
+from lpslam.language.knowledge import Knowledge, load_knowledge
+from lpslam.language.model import Candidate, Choice, Judgement, Naming, Reading
+from lpslam.language.naming import cased_like, painted_like, vote
+from lpslam.language.nearest import allowed_edits
+from lpslam.language.question import Wish, read_question, spoken_key
+from lpslam.language.sanitise import clean_text
+from lpslam.language.signs import SignMeaning, SignReader
+
+_CHOICE_FLOOR = 0.4  # a landmark that serves the wish less than this is not offered
+_NAME_GUESS = 0.55  # how sure we are that an unknown proper name in a mall is a shop
+_SUBSTITUTE = 0.8  # a kind asked for by name may be replaced by one that sells the same, a little less surely
+_SIDE_REFUSED = 0.5  # a place that also serves what is refused
+_UNANIMOUS = 0.8
+
+
+@dataclass(frozen=True, slots=True)
+class _Served:
+    """How well one landmark serves a wish: the whole score, and the best match of something asked for by name."""
+
+    score: float
+    best: float
+    reasons: tuple[str, ...]
+
+
+class OfflineModel:
+    """The embedded `LanguageModel`."""
+
+    def __init__(self, knowledge: Knowledge | None = None) -> None:
+        self._knowledge = knowledge or load_knowledge()
+        self._signs = SignReader(self._knowledge)
+
+    @property
+    def model(self) -> str:
+        """Always "offline"."""
+        return "offline"
+
+    def name(self, readings: Sequence[Reading]) -> Naming:
+        """Vote letter by letter, then take a known name's spelling where the readings allow it (III-E)."""
+        voted = vote(readings)
+        if not voted.text:
+            return Naming("", 0.0, "no reading has a character in it", self.model)
+        folder = self._knowledge.folder
+        key = folder.key(voted.text)
+        nearest = self._signs.nearest(key)
+        if nearest is None:
+            return Naming(voted.text, voted.agreement, "letter by letter, most readings say so", self.model)
+        distance, known = nearest
+        if distance == 0:
+            # Only spaces and punctuation differ: those of the known name hold, the letters as they are painted.
+            name = painted_like(known.painted, voted.text) if known.source != "brand" else voted.text
+            return Naming(name, max(voted.agreement, 0.9), f"the readings agree on {known.painted}", self.model)
+        known_key = folder.key(known.painted)
+        spelt_so = sum(weight for text, weight in voted.readings if folder.key(text) == known_key)
+        nearest_reading = min(Levenshtein.distance(folder.key(text), known_key) for text, _ in voted.readings)
+        if spelt_so == 0.0 and (voted.agreement >= _UNANIMOUS and len(voted.readings) == 1):
+            return Naming(voted.text, voted.agreement, "the only spelling that was read", self.model)
+        if nearest_reading > allowed_edits(known_key) // 2 + (distance == 1) - 1 + 1:
+            return Naming(voted.text, voted.agreement, "letter by letter, most readings say so", self.model)
+        name = cased_like(known.painted, voted.text)
+        return Naming(name, 0.7 * voted.agreement + 0.2, f"the readings are nearest to {known.painted}", self.model)
+
+    def judge(self, names: Sequence[str], question: str) -> list[Judgement]:
+        """Say for each name apart whether its words make it what the question asks for (III-G)."""
+        wish = read_question(question, self._knowledge)
+        return [self._judge(name, question, wish) for name in names]
+
+    def _judge(self, name: str, question: str, wish: Wish) -> Judgement:
+        sign = self._signs.read(name)
+        if not wish.wanted and not wish.refused:
+            return Judgement(question, False, 0.0, "the question names no kind of place that is known", self.model)
+        named = [(concept, weight) for concept, weight in wish.wanted if weight >= 0.5] or list(wish.wanted)
+        refused = any(self._is(concept, sign) >= 0.5 for concept in wish.refused)
+        best = max((self._match(concept, sign) for concept, _ in named), default=1.0)
+        if refused:
+            return Judgement(question, False, 0.8, sign.evidence, self.model)
+        general = any(concept in ("business", "shop", "place") for concept, _ in named)
+        if best < 0.5 and general and not sign.kinds and sign.name_like:
+            return Judgement(question, True, _NAME_GUESS, sign.evidence, self.model)
+        sure = best if best >= 0.5 else 1.0 - best if sign.kinds else 0.6
+        return Judgement(question, best >= 0.5, round(sure, 3), sign.evidence, self.model)
+
+    def choose(self, question: str, landmarks: Sequence[Candidate]) -> Choice:
+        """Choose the landmark whose kinds serve the wish best; none rather than one that does not (III-I)."""
+        signs = {landmark.id: self._sign_of(landmark) for landmark in landmarks}
+        wish = read_question(question, self._knowledge, self._names(landmarks, signs))
+        if wish.language is None:
+            return Choice(None, 0.0, "the question is in no language that the embedded model reads", self.model)
+        excluded = set(wish.refused_names)
+        named = [mark.id for mark in landmarks if str(mark.id) in wish.wanted_names and str(mark.id) not in excluded]
+        if named:
+            return Choice(named[0], 0.95, "the question names it", self.model, tuple(named[1:]))
+        if not wish.wanted:
+            return Choice(None, 0.0, "the question names nothing that a known kind of place offers", self.model)
+        served = {mark.id: self._serve(wish, signs[mark.id]) for mark in landmarks if str(mark.id) not in excluded}
+        ranked = sorted(served, key=lambda id_: (-served[id_].score, id_))
+        asked = ", ".join(concept for concept, _ in wish.wanted)
+        fitting = [id_ for id_ in ranked if served[id_].best >= _CHOICE_FLOOR]
+        if not fitting:
+            others = tuple(id_ for id_ in ranked if served[id_].score > 0.0)[:3]
+            return Choice(None, 0.6, f"asked for {asked}: nothing on this map offers it", self.model, others)
+        chosen = fitting[0]
+        sign = signs[chosen]
+        evidence = f"asked for {asked}; {sign.evidence} ({', '.join(served[chosen].reasons)})"
+        return Choice(chosen, round(min(served[chosen].best, 0.99), 3), evidence, self.model, tuple(fitting[1:6]))
+
+    def _sign_of(self, landmark: Candidate) -> SignMeaning:
+        sign = self._signs.read(landmark.name)
+        if sign.kinds:
+            return sign
+        # The name says nothing: another reading of the same sign may.
+        for alias in landmark.aliases:
+            other = self._signs.read(alias)
+            if other.kinds:
+                return other
+        return sign
+
+    def _names(self, landmarks: Sequence[Candidate], signs: dict[int, SignMeaning]) -> dict[str, str]:
+        """Phrases by which a question may mention a landmark: its name, and other names of the same brand."""
+        folder = self._knowledge.folder
+        names: dict[str, str] = {}
+        for landmark in landmarks:
+            if not signs[landmark.id].is_place and signs[landmark.id].kinds:
+                continue
+            for text in (landmark.name, *self._other_names(signs[landmark.id])):
+                phrase = folder.phrase(clean_text(text))
+                if spoken_key(phrase) and phrase not in self._knowledge.painted:
+                    names.setdefault(phrase, str(landmark.id))
+        return names
+
+    def _other_names(self, sign: SignMeaning) -> Sequence[str]:
+        return self._signs.names_of(sign.identity) if sign.identity else ()
+
+    def _serve(self, wish: Wish, sign: SignMeaning) -> _Served:
+        matches = {concept: self._match(concept, sign) for concept, _ in wish.wanted}
+        score = sum(weight * matches[concept] for concept, weight in wish.wanted)
+        special = [concept for concept, weight in wish.wanted if weight >= 0.5]
+        best = max((matches[concept] for concept in special or matches), default=0.0)
+        for concept in wish.refused:
+            if self._is(concept, sign) >= 0.4:
+                return _Served(0.0, 0.0, ())
+            if self._match(concept, sign) >= 0.7:
+                score, best = _SIDE_REFUSED * score, best if score > 0.5 else _SIDE_REFUSED * best
+        reasons = tuple(concept for concept, match in matches.items() if match >= _CHOICE_FLOOR)
+        return _Served(score, best, reasons)
+
+    def _is(self, concept: str, sign: SignMeaning) -> float:
+        """How surely the sign is the concept itself or a kind of it."""
+        return max((weight for kind, weight in sign.kinds if concept in self._knowledge.above(kind)), default=0.0)
+
+    def _match(self, concept: str, sign: SignMeaning) -> float:
+        """How well the place behind the sign serves the concept: it is one, or it offers it."""
+        best = self._is(concept, sign)
+        offers = self._knowledge.offers
+        for kind, share in offers.get(concept, {}).items():
+            best = max(best, share * self._is(kind, sign))
+        if concept.startswith("shop/"):
+            for shares in offers.values():
+                if next(iter(shares)) == concept:
+                    best = max(best, *(_SUBSTITUTE * share * self._is(kind, sign) for kind, share in shares.items()))
+        return best

@@ -1,0 +1,227 @@
+"""What a sign says: the kinds of place that its words stand for (landmark judgement, III-G)."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+from lpslam.language.knowledge import Knowledge, Known, Meaning
+from lpslam.language.nearest import NearestNames, allowed_edits
+from lpslam.language.sanitise import clean_text
+from lpslam.language.words import Span, is_mark, is_unspaced, longest_phrases
+
+_PARTS = re.compile(r"[()\[\]{}<>|/·•:;—–]+|\s-\s")
+_WARNING, _SLOGAN, _NOTICE = "sign/warning", "sign/slogan", "sign/notice"
+
+
+@dataclass(frozen=True, slots=True)
+class SignMeaning:
+    """Kinds of place (or of sign) by weight in 0..1, who they belong to, and why.
+
+    `identity` is the known brand or maker; `name_like` says that an unknown text reads like a proper name.
+    """
+
+    kinds: tuple[tuple[str, float], ...]
+    evidence: str
+    identity: str | None = None
+    name_like: bool = False
+
+    @property
+    def is_place(self) -> bool:
+        """Whether the sign names somewhere to go rather than warns, advertises or says nothing."""
+        return any(not kind.startswith("sign") for kind, _ in self.kinds)
+
+
+class SignReader:
+    """Reads signs against the tables; keeps what it has read."""
+
+    def __init__(self, knowledge: Knowledge) -> None:
+        self._knowledge = knowledge
+        self._fold = knowledge.folder
+        self._nearest = NearestNames(knowledge.known)
+        self._starts = tuple(
+            start.replace(" ", "") for start in knowledge.warning_starts if len(start) >= 6 or is_unspaced(start)
+        )
+        self._glued = {phrase.replace(" ", ""): phrase for phrase in knowledge.painted if " " in phrase}
+        names: dict[str, list[str]] = {}
+        for known in knowledge.known.values():
+            if known.source == "brand":
+                names.setdefault(known.identity, []).append(known.painted)
+        self._names = {identity: tuple(painted) for identity, painted in names.items()}
+        self.read = lru_cache(maxsize=4096)(self._read)
+
+    def _read(self, name: str) -> SignMeaning:
+        """Return the meaning of one painted name; brackets and dashes part it, a warning in any part decides."""
+        text = clean_text(name)
+        parts = [part for part in (piece.strip() for piece in _PARTS.split(text)) if part]
+        if len(parts) > 1 and self._fold.key(text) not in self._knowledge.known:
+            return _joined([self._read_part(part) for part in parts])
+        return self._read_part(text)
+
+    def names_of(self, identity: str) -> tuple[str, ...]:
+        """Return every name under which a brand is known."""
+        return self._names.get(identity, ())
+
+    def nearest(self, key: str) -> tuple[int, Known] | None:
+        """Return the one known name nearest to `key` within the edits its length allows, with the distance."""
+        exact = self._knowledge.known.get(key)
+        if exact is not None:
+            return 0, exact
+        near = self._nearest.near(key, allowed_edits(key))
+        if not near or (len(near) > 1 and near[1][0] == near[0][0] and not self._agree(near)):
+            return None
+        return near[0][0], self._knowledge.known[near[0][1]]
+
+    def _agree(self, near: Sequence[tuple[int, str]]) -> bool:
+        """Whether all the nearest names mean the same: then it does not matter which of them was painted."""
+        nearest = [self._knowledge.known[key] for distance, key in near if distance == near[0][0]]
+        return len({known.kinds for known in nearest}) == 1
+
+    def _read_part(self, text: str) -> SignMeaning:
+        key = self._fold.key(text)
+        units = self._fold.units(text)
+        if sum(ch.isalpha() for ch in key) < 2:
+            return SignMeaning((), f"“{text}” has too few letters to say anything")
+        exact = self._knowledge.known.get(key)
+        if exact is not None and exact.source == "brand":
+            return _of_known(exact, 1.0, f"“{text}” is {exact.painted}")
+        start = self._warning_start(key, units)
+        if start is not None:
+            return SignMeaning(((_WARNING, 0.95),), f"“{text}” begins like a warning (“{start}”)")
+        spans = self._phrases(key, units)
+        kinds = _weigh(spans)
+        if _WARNING in kinds:
+            return SignMeaning(((_WARNING, 0.95),), f"“{text}” has words of a warning")
+        brand = self._brand_within(text, units, spans)
+        if brand is not None:
+            known, share = brand
+            return _of_known(known, 0.9 * share, f"“{text}” begins with {known.painted}", kinds)
+        places = {kind: weight for kind, weight in kinds.items() if not kind.startswith("sign")}
+        if _SLOGAN in kinds and (not places or len(units) > 4):
+            return SignMeaning(((_SLOGAN, 0.8),), f"“{text}” has words of a slogan or notice")
+        if places and (exact is not None or _covered(spans, units) >= 0.3):
+            said = ", ".join(span.key for span in spans)
+            return SignMeaning(tuple(self._offered(places).items()), f"“{text}” says {said}")
+        near = self.nearest(key)
+        if near is not None:
+            distance, known = near
+            sure = 0.9 - 0.1 * distance
+            return _of_known(known, sure, f"“{text}” looks like a misread {known.painted}")
+        if places:
+            said = ", ".join(span.key for span in spans)
+            return SignMeaning(
+                tuple((kind, 0.7 * weight) for kind, weight in self._offered(places).items()), f"“{text}” says {said}"
+            )
+        name_like = _reads_like_a_name(text, units)
+        told = "is not known but reads like a name" if name_like else "is not known"
+        return SignMeaning((), f"“{text}” {told}", name_like=name_like)
+
+    def _warning_start(self, key: str, units: Sequence[str]) -> str | None:
+        for end in range(min(4, len(units)), 0, -1):
+            phrase = " ".join(units[:end])
+            if phrase in self._knowledge.warning_starts and len(units) > end:
+                return phrase.replace(" ", "") if is_unspaced(phrase) else phrase
+        return next((start for start in self._starts if key.startswith(start) and key != start), None)
+
+    def _phrases(self, key: str, units: Sequence[str]) -> list[Span[Meaning]]:
+        spans = longest_phrases(units, (self._knowledge.painted,))
+        if spans:
+            return spans
+        # The reader may have lost the spaces: then the whole, or its first or last word, is looked for glued.
+        whole = self._glued.get(key)
+        if whole is not None:
+            return [Span(0, len(units), whole, self._knowledge.painted[whole])]
+        if len(units) == 1 and key.isascii():
+            for size in range(len(key) - 3, 4, -1):
+                for piece in (key[-size:], key[:size]):
+                    meaning = self._knowledge.painted.get(self._glued.get(piece, piece))
+                    if meaning is not None:
+                        return [Span(0, 1, piece, meaning)]
+        return []
+
+    def _brand_within(
+        self, text: str, units: Sequence[str], spans: Sequence[Span[Meaning]]
+    ) -> tuple[Known, float] | None:
+        """Return a brand that the sign begins with (“Nike Factory Store”, 必胜客欢乐餐厅), exactly or nearly."""
+        words = [unit for unit in units if not is_mark(unit)]
+        plain = {word for span in spans for word in span.key.split()}
+        for end in range(len(words) - 1, 0, -1):
+            head = "".join(words[:end])
+            shortest = 2 if is_unspaced(head) else 3
+            if len(head) < shortest or (end == 1 and head in plain):
+                continue
+            known = self._known_brand(head) or self._known_brand(self._fold.key(" ".join(text.split()[:end])))
+            if known is not None:
+                return known, 1.0
+        for end in range(len(words) - 1, 2, -1):
+            head = "".join(words[:end])
+            if is_unspaced(head) and any(span.start >= end for span in spans):
+                near = self.nearest(head)
+                if near is not None and near[1].source == "brand":
+                    return near[1], 0.8
+        return None
+
+    def _known_brand(self, key: str) -> Known | None:
+        known = self._knowledge.known.get(key)
+        return known if known is not None and known.source == "brand" else None
+
+    def _offered(self, kinds: dict[str, float]) -> dict[str, float]:
+        """Add to the goods a sign names the kinds of shop that sell them first of all."""
+        offered = dict(kinds)
+        for concept, weight in kinds.items():
+            for kind, share in self._knowledge.offers.get(concept, {}).items():
+                if share >= 0.95 and not kind.startswith("trait/"):
+                    offered.setdefault(kind, 0.85 * weight * share)
+        return offered
+
+
+def _of_known(known: Known, sure: float, evidence: str, words: dict[str, float] | None = None) -> SignMeaning:
+    kinds = {kind: sure * weight for kind, weight in known.kinds}
+    for kind, weight in (words or {}).items():
+        if not kind.startswith("sign"):
+            kinds.setdefault(kind, 0.8 * weight)
+    return SignMeaning(tuple(kinds.items()), evidence, known.identity if known.source == "brand" else None)
+
+
+def _weigh(spans: Sequence[Span[Meaning]]) -> dict[str, float]:
+    kinds: dict[str, float] = {}
+    for span in spans:
+        for kind, weight in span.value.concepts:
+            kinds[kind] = max(weight, kinds.get(kind, 0.0))
+    return kinds
+
+
+def _covered(spans: Sequence[Span[Meaning]], units: Sequence[str]) -> float:
+    words = sum(not is_mark(unit) for unit in units)
+    return sum(span.end - span.start for span in spans) / max(words, 1)
+
+
+def _joined(parts: Sequence[SignMeaning]) -> SignMeaning:
+    """Join what the parts of a sign say; a warning in one of them makes the whole a warning."""
+    for part in parts:
+        if any(kind == _WARNING for kind, _ in part.kinds):
+            return part
+    telling = [part for part in parts if part.kinds] or list(parts)
+    kinds: dict[str, float] = {}
+    for part in telling:
+        for kind, weight in part.kinds:
+            kinds[kind] = max(weight, kinds.get(kind, 0.0))
+    if any(not kind.startswith("sign") for kind in kinds):
+        kinds = {kind: weight for kind, weight in kinds.items() if not kind.startswith("sign")}
+    return SignMeaning(
+        tuple(kinds.items()),
+        "; ".join(part.evidence for part in telling),
+        next((part.identity for part in telling if part.identity), None),
+        any(part.name_like for part in parts),
+    )
+
+
+def _reads_like_a_name(text: str, units: Sequence[str]) -> bool:
+    """One to four words with vowels or in Han, mostly letters: what an unknown shop front looks like."""
+    words = [unit for unit in units if not is_mark(unit)]
+    letters = sum(ch.isalpha() for ch in text)
+    spaced = [word for word in words if not is_unspaced(word)]
+    if is_unspaced(text):
+        return 2 <= letters <= 8
+    sounding = all(re.search(r"[aeiouy]", word) or not word.isascii() for word in spaced if len(word) > 3)
+    return len(words) <= 4 and letters >= 3 and letters >= 0.7 * len(text.replace(" ", "")) and sounding

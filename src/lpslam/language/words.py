@@ -1,0 +1,110 @@
+"""Text cut into units that compare alike in every script.
+
+A unit is one word of a script that spaces its words, or one character of a script that does not (Han, kana, Hangul,
+Thai). A phrase is a run of units; its key joins them with single spaces, so one table serves every language.
+"""
+
+import re
+import unicodedata
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+_UNSPACED = "\u0e00-\u0e7f\u1100-\u11ff\u3040-\u30ff\u3400-\u4dbf\u4e00-\u9fff\uac00-\ud7af\uf900-\ufaff"
+_UNIT = re.compile(rf"[{_UNSPACED}]|[^\W_{_UNSPACED}]+|[^\w\s]")
+_CAMEL = re.compile(r"(?<=[a-zß-ÿ])(?=[A-ZÀ-Þ])")
+_ACCENT = re.compile("[\u0300-\u036f]")
+_APOSTROPHE = re.compile("['’‘`´ʼ]")
+_NOT_LETTER = re.compile(r"[\W_]+")
+_MARK = re.compile(r"[^\w\s]")
+
+Value = TypeVar("Value")
+
+
+@dataclass(frozen=True, slots=True)
+class Span(Generic[Value]):
+    """A phrase found in a text: units `start` to `end` (exclusive), its key and what the table says of it."""
+
+    start: int
+    end: int
+    key: str
+    value: Value
+
+
+class Folder:
+    """Folds case, accents, width and traditional characters away; holds the table of characters."""
+
+    def __init__(self, traditional: str = "", simplified: str = "") -> None:
+        self._han = str.maketrans(traditional, simplified)
+
+    def fold(self, text: str) -> str:
+        """Return `text` as it is compared: NFKC, no case, no accents, simplified characters, `'` for apostrophes."""
+        if text.isascii():
+            return text.casefold()
+        plain = _APOSTROPHE.sub("'", unicodedata.normalize("NFKC", text)).translate(self._han)
+        bare = _ACCENT.sub("", unicodedata.normalize("NFD", plain))
+        return unicodedata.normalize("NFC", bare).casefold()
+
+    def key(self, text: str) -> str:
+        """Return the letters and digits of `text` alone: what stays when spaces and punctuation were misread."""
+        return _NOT_LETTER.sub("", self.fold(text))
+
+    def units(self, text: str) -> list[str]:
+        """Return the units of `text` in order; punctuation marks are units of their own."""
+        folded = self.fold(_CAMEL.sub(" ", text)).replace("n't", " not").replace("cannot", "can not")
+        return [_stem(unit) for unit in _UNIT.findall(folded) if unit != "'"]
+
+    def phrase(self, text: str) -> str:
+        """Return the key under which `text` stands in a phrase table."""
+        return " ".join(unit for unit in self.units(text) if not is_mark(unit))
+
+
+def is_mark(unit: str) -> bool:
+    """Whether a unit is punctuation."""
+    return bool(_MARK.fullmatch(unit))
+
+
+def is_unspaced(text: str) -> bool:
+    """Whether `text` begins in a script that writes no spaces between words."""
+    return bool(re.match(f"[{_UNSPACED}]", text))
+
+
+def longest_phrases(
+    units: Sequence[str], tables: Iterable[Mapping[str, Value]], longest: int = 12
+) -> list[Span[Value]]:
+    """Return the phrases of `tables` found in `units`, from the left, longest first; earlier tables win a tie.
+
+    Phrases do not overlap and do not reach over punctuation.
+    """
+    chain = tuple(tables)
+    found: list[Span[Value]] = []
+    at = 0
+    while at < len(units):
+        span = _phrase_at(units, at, chain, longest)
+        if span is not None:
+            found.append(span)
+        at = span.end if span is not None else at + 1
+    return found
+
+
+def _phrase_at(
+    units: Sequence[str], at: int, chain: tuple[Mapping[str, Value], ...], longest: int
+) -> Span[Value] | None:
+    for end in range(min(len(units), at + longest), at, -1):
+        key = " ".join(units[at:end])
+        for table in chain:
+            value = table.get(key)
+            if value is not None:
+                return Span(at, end, key, value)
+    return None
+
+
+def _stem(unit: str) -> str:
+    """Drop a plural ending; crude, but the same for the table and for the text."""
+    if len(unit) <= 3 or not unit.isascii() or not unit.isalpha():
+        return unit
+    if unit.endswith("ies"):
+        return unit[:-3] + "y"
+    if unit.endswith(("sses", "shes", "ches", "xes")):
+        return unit[:-2]
+    return unit[:-1] if unit.endswith("s") and not unit.endswith(("ss", "us", "is")) else unit
