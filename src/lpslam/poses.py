@@ -109,7 +109,8 @@ def quaternions_from_rotations(rotations: Array) -> Array:
     longest = np.argmax(np.diagonal(outer, axis1=1, axis2=2), axis=1)
     quaternions = outer[np.arange(len(r)), :, longest]
     quaternions = quaternions / np.linalg.norm(quaternions, axis=1, keepdims=True)
-    return np.where(quaternions[:, 3:] < 0, -quaternions, quaternions)
+    upright: Array = np.where(quaternions[:, 3:] < 0, -quaternions, quaternions)
+    return upright
 
 
 def _read_rows(path: Path) -> Array:

@@ -1,0 +1,216 @@
+"""Reading a camera calibration from YAML, in any of the forms in which people write one.
+
+Understood: flat keys (fx, fy, cx, cy, width, height, depth_scale, distortion, fps), the same nested under a camera's
+name, a matrix K, ROS camera_info, Kalibr's camchain, and dotted keys (Camera.fx, Camera1.fx, DepthMapFactor) under
+OpenCV's `%YAML:1.0`.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lpslam.camera import PinholeCamera
+from lpslam.errors import UserError
+from lpslam.sources.yaml_tree import Tree, read_yaml_tree
+
+_MATRICES = ("k", "camera_matrix", "intrinsic_matrix", "intrinsics", "intrinsic", "matrix")
+_FOCAL = {
+    "fx": ("fx", "f_x", "fu", "focal_x", "focal_length_x"),
+    "fy": ("fy", "f_y", "fv", "focal_y", "focal_length_y"),
+    "cx": ("cx", "c_x", "ppx", "pu", "principal_point_x"),
+    "cy": ("cy", "c_y", "ppy", "pv", "principal_point_y"),
+}
+_WIDTH = ("width", "image_width", "w")
+_HEIGHT = ("height", "image_height", "h")
+_RESOLUTION = ("resolution", "image_size", "size")
+_DISTORTION = ("distortion", "distortion_coefficients", "distortion_coeffs", "dist_coeffs", "coeffs", "dist", "d")
+_DISTORTION_MODEL = ("distortion_model", "distortion_type", "camera_model", "model", "type")
+_DEPTH_SCALE = ("depth_scale", "depthmapfactor", "depth_map_factor", "depth_factor", "png_depth_scale", "depth_units")
+_FPS = ("fps", "frame_rate", "framerate", "rate")
+_MODELS_NOT_SUPPORTED = ("equi", "fisheye", "kannala", "omni", "fov", "eucm", "double_sphere", "ds-", "mei")
+# Sections are tried in this order of what their names begin with; all others come between.
+_PREFERRED, _DEFERRED = ("camera", "cam0", "rgb", "color", "colour", "left"), ("depth", "ir", "infra", "imu", "right")
+
+
+@dataclass(frozen=True, slots=True)
+class Calibration:
+    """A camera and what had to be assumed about it, one sentence each."""
+
+    camera: PinholeCamera
+    notes: tuple[str, ...]
+
+
+def read_calibration(
+    path: Path, image_size: tuple[int, int] | None = None, default_depth_scale: float = 1000.0
+) -> Calibration:
+    """Read a calibration file.
+
+    Args:
+        path: the YAML file.
+        image_size: width and height of the images in pixels, used where the file states none.
+        default_depth_scale: raw depth units in a metre, used where the file states none.
+
+    Raises:
+        UserError: the file cannot be read, or a value is missing, ill-typed or not supported; names key and file.
+    """
+    tree = read_yaml_tree(path, "calibration")
+    section = next((found for found in _sections(tree) if _has_intrinsics(found)), tree)
+    scopes = (section, tree)
+    fx, fy, cx, cy = _intrinsics(section, path)
+    notes: list[str] = []
+    width, height = _size(scopes, path) or image_size or (0, 0)
+    if not width:
+        raise UserError(f"calibration {path}: width is missing; add width and height in pixels")
+    scale = _depth_scale(tree, scopes, path)
+    if scale is None:
+        scale = default_depth_scale
+        notes.append(f"{path.name} states no depth_scale: {scale:g} raw units in a metre are assumed")
+    elif scale < 1:
+        notes.append(f"{path.name} states depth_scale {scale:g}, taken as metres in a raw unit")
+        scale = 1 / scale if scale > 0 else scale
+    fps = _find(scopes, _FPS)
+    try:
+        camera = PinholeCamera(
+            width,
+            height,
+            fx,
+            fy,
+            cx,
+            cy,
+            _distortion(scopes, path),
+            scale,
+            30.0 if fps is None else _number(fps, "fps", path),
+        )
+    except UserError as error:
+        raise error if str(path) in str(error) else UserError(f"{path}: {error}") from error
+    return Calibration(camera, tuple(notes))
+
+
+def _sections(tree: Tree) -> Iterator[Tree]:
+    """Every mapping of the tree, the root first, then by what its name promises."""
+    yield tree
+    children = [(name, child) for name, child in tree.items() if isinstance(child, dict)]
+    for _, child in sorted(children, key=lambda item: _rank(item[0])):
+        yield from _sections(child)
+
+
+def _rank(name: str) -> int:
+    if name.startswith(_PREFERRED):
+        return 0
+    return 2 if name.startswith(_DEFERRED) else 1
+
+
+def _has_intrinsics(section: Tree) -> bool:
+    return any(key in section for keys in _FOCAL.values() for key in keys) or _matrix(section) is not None
+
+
+def _intrinsics(section: Tree, path: Path) -> tuple[float, float, float, float]:
+    matrix = _matrix(section)
+    if matrix is not None:
+        if len(matrix) == 4:
+            return matrix[0], matrix[1], matrix[2], matrix[3]
+        if len(matrix) == 9:
+            return matrix[0], matrix[4], matrix[2], matrix[5]
+        raise UserError(
+            f"calibration {path}: the intrinsics have {len(matrix)} numbers; they must be 4 or a 3×3 matrix"
+        )
+    values: list[float] = []
+    for name, keys in _FOCAL.items():
+        value = _find((section,), keys)
+        if value is None:
+            raise UserError(f"calibration {path}: {name} is missing; it needs fx, fy, cx and cy in pixels")
+        values.append(_number(value, name, path))
+    return values[0], values[1], values[2], values[3]
+
+
+def _matrix(section: Tree) -> list[float] | None:
+    value = _find((section,), _MATRICES)
+    return None if value is None else _numbers(value)
+
+
+def _size(scopes: tuple[Tree, ...], path: Path) -> tuple[int, int] | None:
+    width, height = _find(scopes, _WIDTH), _find(scopes, _HEIGHT)
+    if width is None or height is None:
+        pair = _numbers(_find(scopes, _RESOLUTION))
+        if pair is None or len(pair) != 2:
+            return None
+        width, height = pair
+    size = _number(width, "width", path), _number(height, "height", path)
+    for name, value in zip(("width", "height"), size, strict=True):
+        if not value.is_integer() or value <= 0:
+            raise UserError(f"calibration {path}: {name} is {value:g}; it must be a whole number of pixels")
+    return int(size[0]), int(size[1])
+
+
+def _distortion(scopes: tuple[Tree, ...], path: Path) -> tuple[float, float, float, float, float]:
+    value = _find(scopes, _DISTORTION)
+    names = ("k1", "k2", "p1", "p2", "k3")
+    listed = next((scope for scope in (value, *scopes) if isinstance(scope, dict) and "k1" in scope), None)
+    if listed is not None:
+        coefficients = [_number(listed.get(name) or 0.0, name, path) for name in names]
+    elif value is None or isinstance(value, str) or value is False:
+        coefficients = []
+    else:
+        numbers = _numbers(value)
+        if numbers is None:
+            raise UserError(f"calibration {path}: distortion is {value!r}; it must be a list: k1, k2, p1, p2, k3")
+        coefficients = numbers
+    if any(coefficients):
+        models = [str(scope[key]).lower() for scope in scopes for key in _DISTORTION_MODEL if key in scope]
+        model = next((model for model in models if model.startswith(_MODELS_NOT_SUPPORTED)), None)
+        if model is not None:
+            raise UserError(f"calibration {path}: the model {model} is not supported; rectify the images to a pinhole")
+        if any(coefficients[5:]):
+            raise UserError(
+                f"calibration {path}: distortion has {len(coefficients)} terms; only k1, k2, p1, p2, k3 are used"
+            )
+    padded = [*coefficients[:5], 0.0, 0.0, 0.0, 0.0, 0.0]
+    if not np.isfinite(padded).all():
+        raise UserError(f"calibration {path}: distortion must be finite numbers: k1, k2, p1, p2, k3")
+    return padded[0], padded[1], padded[2], padded[3], padded[4]
+
+
+def _depth_scale(tree: Tree, scopes: tuple[Tree, ...], path: Path) -> float | None:
+    value = _find((*scopes, *_sections(tree)), _DEPTH_SCALE)
+    depth = tree.get("depth")
+    if value is None and isinstance(depth, dict):
+        value = _find((depth,), ("scale", "factor", "units", "unit"))
+    if value is None:
+        return None
+    if isinstance(value, str) and value.strip().lower() in ("mm", "millimetre", "millimetres", "millimeters"):
+        return 1000.0
+    return _number(value, "depth_scale", path)
+
+
+def _find(scopes: tuple[Tree, ...], keys: tuple[str, ...]) -> Any:
+    """The first value under any of the keys, scope by scope; None where there is none."""
+    for scope in scopes:
+        for key in keys:
+            if scope.get(key) is not None:
+                return scope[key]
+    return None
+
+
+def _number(value: object, name: str, path: Path) -> float:
+    try:
+        if isinstance(value, bool):
+            raise ValueError
+        return float(str(value))
+    except ValueError as error:
+        raise UserError(f"calibration {path}: {name} is {value!r}; it must be a number") from error
+
+
+def _numbers(value: object) -> list[float] | None:
+    """The numbers of a flat or nested list, or of ROS's and OpenCV's {rows, cols, data}; None if there is no list."""
+    if isinstance(value, dict):
+        value = value.get("data")
+    if not isinstance(value, list):
+        return None
+    flat = [item for row in value for item in (row if isinstance(row, list) else [row])]
+    try:
+        return [float(str(item)) for item in flat]
+    except ValueError:
+        return None

@@ -1,0 +1,142 @@
+"""A source of frames that lie as pairs of colour and depth images in a folder."""
+
+import logging
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from lpslam.camera import PinholeCamera
+from lpslam.errors import UserError
+from lpslam.frames import FrameFault, RgbdFrame
+from lpslam.sources.images import BadImageError, image_size, read_colour, read_depth
+
+logger = logging.getLogger(__name__)
+
+# So many images tell whether a whole recording has another size than its calibration.
+_PROBES = 8
+
+
+@dataclass(frozen=True, slots=True)
+class ImagePair:
+    """Where one frame lies.
+
+    Attributes:
+        timestamp: seconds.
+        colour: the colour image's file.
+        depth: the depth image's file; None where the recording has none for this frame.
+        fault: why the frame cannot be used, where the listing itself shows it; empty otherwise.
+    """
+
+    timestamp: float
+    colour: Path
+    depth: Path | None
+    fault: str = ""
+
+
+class ImagePairSource:
+    """A `FrameSource` over listed image files.
+
+    Args:
+        name: as in reports.
+        camera: the calibration of the colour images, to which depth is registered.
+        pairs: the frames; they are put in order of time.
+        invalid_depths: raw values besides 0 that mean "no depth".
+        notes: what was assumed because the recording does not say it; one sentence each.
+        max_frames: use only so many frames, from the first.
+
+    Raises:
+        UserError: there are no frames, or all images have another size than the camera.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        camera: PinholeCamera,
+        pairs: Sequence[ImagePair],
+        *,
+        invalid_depths: tuple[int, ...] = (),
+        notes: tuple[str, ...] = (),
+        max_frames: int | None = None,
+    ) -> None:
+        if max_frames is not None and max_frames < 1:
+            raise UserError(f"{name}: the number of frames is limited to {max_frames}; it must be at least 1")
+        if not pairs:
+            raise UserError(f"{name}: the recording lists no frames")
+        self._name = name
+        self._camera = camera
+        self._pairs = sorted(pairs, key=lambda pair: pair.timestamp)[:max_frames]
+        self._invalid_depths = invalid_depths
+        self._faults: list[FrameFault] = []
+        self.notes = notes
+        _refuse_other_size(name, camera, [pair.colour for pair in self._pairs])
+        for note in notes:
+            logger.warning("%s: %s", name, note)
+
+    @property
+    def name(self) -> str:
+        """The recording's name."""
+        return self._name
+
+    @property
+    def camera(self) -> PinholeCamera:
+        """The calibration shared by all frames."""
+        return self._camera
+
+    @property
+    def faults(self) -> list[FrameFault]:
+        """Frames skipped so far in the running (or last) iteration."""
+        return self._faults
+
+    @property
+    def timestamps(self) -> list[float]:
+        """Seconds, of every listed frame, good and bad, in order."""
+        return [pair.timestamp for pair in self._pairs]
+
+    def __len__(self) -> int:
+        return len(self._pairs)
+
+    def __iter__(self) -> Iterator[RgbdFrame]:
+        """Yield the frames that can be decoded.
+
+        Raises:
+            UserError: at the end, if not one frame could be used.
+        """
+        self._faults = faults = []
+        for index, pair in enumerate(self._pairs):
+            try:
+                yield self._read(index, pair)
+            except BadImageError as error:
+                faults.append(FrameFault(index, pair.timestamp, str(error)))
+        if len(faults) == len(self._pairs):
+            raise UserError(
+                f"{self._name}: none of its {len(faults)} frames can be used; the first: {faults[0].reason}"
+            )
+
+    def _read(self, index: int, pair: ImagePair) -> RgbdFrame:
+        if pair.depth is None or pair.fault:
+            raise BadImageError(pair.fault or f"{pair.colour.name} has no depth image")
+        rgb = read_colour(pair.colour)
+        depth = read_depth(pair.depth, self._camera.depth_scale, self._invalid_depths)
+        wanted = (self._camera.height, self._camera.width)
+        for path, found in ((pair.colour, rgb.shape[:2]), (pair.depth, depth.shape)):
+            if found != wanted:
+                raise BadImageError(f"{path.name} is {found[1]}×{found[0]}; the camera is {wanted[1]}×{wanted[0]}")
+        return RgbdFrame(index, pair.timestamp, rgb, depth)
+
+
+def first_image_size(paths: Sequence[Path]) -> tuple[int, int] | None:
+    """Width and height of the first image whose header can be read; None if none can."""
+    return next((size for size in map(image_size, paths[:100]) if size is not None), None)
+
+
+def _refuse_other_size(name: str, camera: PinholeCamera, paths: Sequence[Path]) -> None:
+    rows = np.unique(np.linspace(0, len(paths) - 1, _PROBES).astype(int))
+    sizes = {size for size in (image_size(paths[row]) for row in rows) if size is not None}
+    if sizes and (camera.width, camera.height) not in sizes:
+        width, height = sorted(sizes)[0]
+        raise UserError(
+            f"{name}: its images are {width}×{height}, its calibration is for {camera.width}×{camera.height}; "
+            "give the calibration of these images"
+        )

@@ -1,0 +1,110 @@
+"""Decoding one colour or depth image, with damage detected instead of decoded."""
+
+import zlib
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, UnidentifiedImageError
+
+from lpslam.errors import LpSlamError
+
+_PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+_JPEG_START, _JPEG_END = b"\xff\xd8", b"\xff\xd9"
+# Some cameras write a few bytes after the end marker.
+_JPEG_TAIL = 4096
+
+
+class BadImageError(LpSlamError):
+    """An image that cannot be used; the message says which and why, in a few words."""
+
+
+def read_colour(path: Path) -> NDArray[np.uint8]:
+    """Read an image as (height, width, 3) uint8 in the order red, green, blue; grey is spread to three channels.
+
+    Raises:
+        BadImageError: missing, truncated, or no image.
+    """
+    return np.asarray(_decode(path, cv2.IMREAD_COLOR_RGB), dtype=np.uint8)
+
+
+def read_depth(path: Path, depth_scale: float, invalid: tuple[int, ...] = ()) -> NDArray[np.float32]:
+    """Read a depth image as (height, width) float32 metres; 0 where there is none.
+
+    Args:
+        path: a 16-bit image in raw units, or a floating-point one in raw units.
+        depth_scale: raw units in a metre.
+        invalid: raw values besides 0 that mean "no depth".
+
+    Raises:
+        BadImageError: missing, truncated, or no depth image.
+    """
+    raw = _decode(path, cv2.IMREAD_UNCHANGED)
+    if raw.ndim != 2 or raw.dtype not in (np.uint16, np.float32):
+        channels = 1 if raw.ndim == 2 else raw.shape[2]
+        raise BadImageError(f"{path.name} has {channels} channel(s) of {raw.dtype}; depth is one channel of 16 bits")
+    depth: NDArray[np.float32] = raw.astype(np.float32)
+    depth *= np.float32(1.0 / depth_scale)
+    if raw.dtype == np.float32:
+        depth[~(np.isfinite(depth) & (depth > 0))] = 0.0
+    for value in invalid:
+        depth[raw == value] = 0.0
+    return depth
+
+
+def image_size(path: Path) -> tuple[int, int] | None:
+    """Read width and height from the image's header alone; None where there is no such image."""
+    try:
+        with Image.open(path) as image:
+            width, height = image.size
+            return width, height
+    except (OSError, UnidentifiedImageError, Image.DecompressionBombError):
+        return None
+
+
+def _decode(path: Path, flags: int) -> NDArray[Any]:
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise BadImageError(f"{path.name} cannot be read ({error.strerror})") from error
+    defect = _defect(data)
+    if defect:
+        raise BadImageError(f"{path.name} is {defect}")
+    try:
+        image = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), flags)
+    except cv2.error:
+        image = None
+    if image is None:
+        raise BadImageError(f"{path.name} is not an image that can be decoded")
+    return np.asarray(image)
+
+
+def _defect(data: bytes) -> str:
+    """Say what is wrong with the file's bytes; empty when nothing is seen.
+
+    Decoders fill the missing part of a truncated image with grey or black, some without a word, and a half-black
+    depth image is worse than none.
+    """
+    if not data:
+        return "empty"
+    if data.startswith(_PNG_SIGNATURE):
+        return _png_defect(data)
+    if data.startswith(_JPEG_START) and _JPEG_END not in data[-_JPEG_TAIL:]:
+        return "truncated"
+    return ""
+
+
+def _png_defect(data: bytes) -> str:
+    view, start = memoryview(data), len(_PNG_SIGNATURE)
+    while start + 12 <= len(data):
+        end = start + 12 + int.from_bytes(view[start : start + 4], "big")
+        if end > len(data):
+            return "truncated"
+        if zlib.crc32(view[start + 4 : end - 4]) != int.from_bytes(view[end - 4 : end], "big"):
+            return "damaged (wrong checksum)"
+        if data[start + 4 : start + 8] == b"IEND":
+            return ""
+        start = end
+    return "truncated"

@@ -1,0 +1,62 @@
+"""Opening a recording whatever its format, guessed from the path."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from lpslam.errors import UserError
+from lpslam.frames import FrameSource
+from lpslam.sources.sevenscenes import looks_like_seven_scenes, open_seven_scenes
+from lpslam.sources.tum import looks_like_tum, open_tum
+
+
+@dataclass(frozen=True, slots=True)
+class _Format:
+    """A layout of recordings: how it is known, and how it is opened."""
+
+    sign: str
+    is_at: Callable[[Path], bool]
+    open: Callable[[Path, Path | None, int | None], FrameSource]
+
+
+_FORMATS = (
+    _Format("rgb.txt and depth.txt (TUM RGB-D)", looks_like_tum, open_tum),
+    _Format("frame-NNNNNN.color.jpg (7-Scenes)", looks_like_seven_scenes, open_seven_scenes),
+)
+
+
+def open_source(path: Path | str, camera_file: Path | str | None = None, max_frames: int | None = None) -> FrameSource:
+    """Open the recording at `path`.
+
+    Args:
+        path: a folder in a known layout.
+        camera_file: a calibration to use instead of the recording's own.
+        max_frames: use only so many frames, from the first.
+
+    Raises:
+        UserError: nothing is there, the layout is not known, or the recording is malformed.
+    """
+    folder = Path(path)
+    if not folder.exists():
+        raise UserError(f"{folder} does not exist; give the folder of a recording")
+    if not folder.is_dir():
+        raise UserError(f"{folder} is a file; give the folder of a recording ({_signs()})")
+    try:
+        found = next((layout for layout in _FORMATS if layout.is_at(folder)), None)
+        if found is None:
+            raise UserError(f"{folder} is no recording that is known: looked for {_signs()}{_hint(folder)}")
+        return found.open(folder, Path(camera_file) if camera_file is not None else None, max_frames)
+    except PermissionError as error:
+        raise UserError(f"{error.filename or folder} cannot be read ({error.strerror})") from error
+
+
+def _signs() -> str:
+    return " or ".join(layout.sign for layout in _FORMATS)
+
+
+def _hint(folder: Path) -> str:
+    """Name a subfolder that is a recording, if there is one: archives often unpack to one folder more."""
+    for child in sorted(child for child in folder.iterdir() if child.is_dir())[:100]:
+        if any(layout.is_at(child) for layout in _FORMATS):
+            return f"; did you mean {child}?"
+    return ""

@@ -1,0 +1,71 @@
+"""Folders in the layout of Microsoft 7-Scenes: frame-NNNNNN.color.*, .depth.png and .pose.txt."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from lpslam.camera import PinholeCamera
+from lpslam.errors import UserError
+from lpslam.sources.calibration import read_calibration
+from lpslam.sources.image_pairs import ImagePair, ImagePairSource, first_image_size
+
+FRAMES_PER_SECOND = 30.0
+_DEPTH_SCALE = 1000.0
+_NO_DEPTH = 65535
+_INTRINSICS = "camera-intrinsics.txt"
+_COLOUR = re.compile(r"frame-(\d+)\.color\.(?:jpe?g|png)", re.IGNORECASE)
+
+
+def looks_like_seven_scenes(folder: Path) -> bool:
+    """Whether the folder has at least one image named as 7-Scenes names them."""
+    return any(_COLOUR.fullmatch(path.name) for path in folder.glob("frame-*"))
+
+
+def open_seven_scenes(folder: Path, camera_file: Path | None = None, max_frames: int | None = None) -> ImagePairSource:
+    """Open a 7-Scenes folder; its frames carry no times, so frame n is taken at n / 30 s.
+
+    Args:
+        folder: holds the images.
+        camera_file: a calibration to use instead of the folder's own.
+        max_frames: use only so many frames, from the first.
+
+    Raises:
+        UserError: there are no images, or the calibration is malformed.
+    """
+    pairs: list[ImagePair] = []
+    for path in sorted(folder.glob("frame-*")):
+        match = _COLOUR.fullmatch(path.name)
+        if match is None:
+            continue
+        depth = path.with_name(f"frame-{match[1]}.depth.png")
+        fault = "" if depth.is_file() else f"{path.name} has no {depth.name}"
+        pairs.append(ImagePair(int(match[1]) / FRAMES_PER_SECOND, path, depth, fault))
+    if not pairs:
+        raise UserError(f"{folder}: no frame-NNNNNN.color.jpg or .png is there")
+    camera, notes = _find_camera(folder, camera_file, [pair.colour for pair in pairs])
+    return ImagePairSource(
+        folder.resolve().name, camera, pairs, invalid_depths=(_NO_DEPTH,), notes=notes, max_frames=max_frames
+    )
+
+
+def _find_camera(folder: Path, camera_file: Path | None, colours: list[Path]) -> tuple[PinholeCamera, tuple[str, ...]]:
+    size = first_image_size(colours)
+    if camera_file is not None:
+        calibration = read_calibration(camera_file, image_size=size, default_depth_scale=_DEPTH_SCALE)
+        return calibration.camera, calibration.notes
+    width, height = size or (640, 480)
+    path = folder / _INTRINSICS
+    if not path.is_file():
+        camera = PinholeCamera(width, height, 585.0, 585.0, 320.0, 240.0, depth_scale=_DEPTH_SCALE)
+        return camera, (f"no {_INTRINSICS}: the focal length 585 of 7-Scenes is used",)
+    try:
+        words = path.read_text(encoding="utf-8-sig").split()
+        matrix = np.array([float(word) for word in words], dtype=np.float64).reshape(3, 3)
+    except (OSError, ValueError) as error:
+        raise UserError(f"{path}: expected the nine numbers of a 3×3 intrinsic matrix") from error
+    fx, fy, cx, cy = (float(matrix[i]) for i in ((0, 0), (1, 1), (0, 2), (1, 2)))
+    try:
+        return PinholeCamera(width, height, fx, fy, cx, cy, depth_scale=_DEPTH_SCALE), ()
+    except UserError as error:
+        raise UserError(f"{path}: {error}") from error

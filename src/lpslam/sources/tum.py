@@ -1,0 +1,111 @@
+"""Folders in the layout of the TUM RGB-D benchmark: rgb.txt, depth.txt and the images that they list."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from lpslam.camera import PinholeCamera
+from lpslam.errors import UserError
+from lpslam.sources.calibration import read_calibration
+from lpslam.sources.image_pairs import ImagePair, ImagePairSource, first_image_size
+from lpslam.timestamps import associate
+
+CAMERA_FILES = ("camera.yaml", "camera.yml", "calibration.yaml", "calibration.yml")
+DEPTH_SCALE = 5000.0
+
+# The benchmark's published calibrations of its three Kinects: fx, fy, cx, cy and distortion.
+_FREIBURG = {
+    "1": ((517.3, 516.5, 318.6, 255.3), (0.2624, -0.9531, -0.0054, 0.0026, 1.1633)),
+    "2": ((520.9, 521.0, 325.1, 249.7), (0.2312, -0.7849, -0.0033, -0.0001, 0.9172)),
+    "3": ((535.4, 539.2, 320.1, 247.6), (0.0, 0.0, 0.0, 0.0, 0.0)),
+}
+
+
+def looks_like_tum(folder: Path) -> bool:
+    """Whether the folder has the lists that a TUM recording has."""
+    return (folder / "rgb.txt").is_file() or (folder / "depth.txt").is_file()
+
+
+def open_tum(
+    folder: Path, camera_file: Path | None = None, max_frames: int | None = None, tolerance: float = 0.02
+) -> ImagePairSource:
+    """Open a TUM folder.
+
+    Args:
+        folder: holds rgb.txt, depth.txt and the images.
+        camera_file: a calibration to use instead of the folder's own.
+        max_frames: use only so many frames, from the first.
+        tolerance: seconds between a colour image and its depth image.
+
+    Raises:
+        UserError: a list is missing, empty or malformed, no images belong together, or no calibration is known.
+    """
+    colours, depths = _read_list(folder / "rgb.txt"), _read_list(folder / "depth.txt")
+    rows, columns = associate(_times(colours), _times(depths), tolerance)
+    if not len(rows):
+        raise UserError(
+            f"{folder}: no image of rgb.txt has one in depth.txt within {tolerance * 1000:g} ms; "
+            "both lists must use the same clock"
+        )
+    depth_of = dict(zip(rows.tolist(), columns.tolist(), strict=True))
+    pairs: list[ImagePair] = []
+    previous = -np.inf
+    for row, (timestamp, path) in enumerate(colours):
+        if timestamp == previous:
+            pairs.append(ImagePair(timestamp, path, None, f"{path.name} repeats the timestamp {timestamp:.6f}"))
+        elif row in depth_of:
+            pairs.append(ImagePair(timestamp, path, depths[depth_of[row]][1]))
+        else:
+            fault = f"{path.name} has no depth image within {tolerance * 1000:g} ms"
+            pairs.append(ImagePair(timestamp, path, None, fault))
+        previous = timestamp
+    camera, notes = _find_camera(folder, camera_file, [path for _, path in colours])
+    return ImagePairSource(folder.resolve().name, camera, pairs, notes=notes, max_frames=max_frames)
+
+
+def _find_camera(folder: Path, camera_file: Path | None, colours: list[Path]) -> tuple[PinholeCamera, tuple[str, ...]]:
+    own = next((folder / name for name in CAMERA_FILES if (folder / name).is_file()), None)
+    size = first_image_size(colours)
+    if camera_file is not None or own is not None:
+        calibration = read_calibration(camera_file or own or folder, image_size=size, default_depth_scale=DEPTH_SCALE)
+        return calibration.camera, calibration.notes
+    sensor = re.search(r"(?:freiburg|fr)([123])(?!\d)", folder.resolve().name, re.IGNORECASE)
+    if sensor is None:
+        raise UserError(
+            f"{folder} has no {CAMERA_FILES[0]} and is not named after freiburg1, 2 or 3; "
+            "give its calibration with --camera FILE"
+        )
+    (fx, fy, cx, cy), distortion = _FREIBURG[sensor[1]]
+    width, height = size or (640, 480)
+    camera = PinholeCamera(width, height, fx, fy, cx, cy, distortion, DEPTH_SCALE)
+    return camera, (f"no {CAMERA_FILES[0]}: the calibration of freiburg{sensor[1]} is used, after the folder's name",)
+
+
+def _read_list(path: Path) -> list[tuple[float, Path]]:
+    """Read lines `timestamp file`, in order of time; `#` begins a comment."""
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise UserError(f"{path} cannot be read ({error.strerror}); a TUM folder lists its images there") from error
+    except UnicodeDecodeError as error:
+        raise UserError(f"{path} is not a text file; a TUM folder lists its images there") from error
+    entries: list[tuple[float, Path]] = []
+    for number, line in enumerate(text.splitlines(), start=1):
+        words = line.strip().split(maxsplit=1)
+        if not words or words[0].startswith("#"):
+            continue
+        try:
+            timestamp = float(words[0])
+        except ValueError:
+            timestamp = np.nan
+        if len(words) != 2 or not np.isfinite(timestamp):
+            raise UserError(f"{path}, line {number}: expected a timestamp and a file name")
+        entries.append((timestamp, path.parent / words[1].strip()))
+    if not entries:
+        raise UserError(f"{path} lists no images; each line is a timestamp and a file name")
+    return sorted(entries, key=lambda entry: entry[0])
+
+
+def _times(entries: list[tuple[float, Path]]) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    return np.array([timestamp for timestamp, _ in entries], dtype=np.float64)

@@ -1,0 +1,68 @@
+"""YAML as a tree of lower-case keys, whoever wrote it: OpenCV's dialect and dotted keys included."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from lpslam.errors import UserError
+
+Tree = dict[str, Any]
+
+
+class _LenientLoader(yaml.SafeLoader):
+    """A safe loader that reads OpenCV's matrices as plain mappings and drops tags that it does not know."""
+
+
+def _construct_untagged(loader: _LenientLoader, _: str, node: yaml.Node) -> Any:
+    if isinstance(node, yaml.MappingNode):
+        return loader.construct_mapping(node, deep=True)
+    if isinstance(node, yaml.SequenceNode):
+        return loader.construct_sequence(node, deep=True)
+    return node.value
+
+
+_LenientLoader.add_multi_constructor("", _construct_untagged)
+
+
+def read_yaml_tree(path: Path, what: str) -> Tree:
+    """Read a YAML file whose top is a mapping; `Camera.fx` becomes fx under camera.
+
+    Args:
+        path: the file.
+        what: what the file is, as it stands in errors ("calibration").
+
+    Raises:
+        UserError: the file cannot be read or is no YAML mapping.
+    """
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise UserError(f"{what} {path} cannot be read ({error.strerror})") from error
+    except UnicodeDecodeError as error:
+        raise UserError(f"{what} {path} is not a text file") from error
+    # OpenCV writes "%YAML:1.0", which is not YAML, and reads "key:1" without a space.
+    text = re.sub(r"\A\s*%YAML.*\n(?:---.*\n)?", "", text)
+    text = re.sub(r"(?m)^(\s*[A-Za-z_][\w.]*):(?=[-+.\d\[\"])", r"\1: ", text)
+    try:
+        tree = yaml.load(text, Loader=_LenientLoader)
+        if isinstance(tree, dict):
+            return _lower(tree)
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
+        raise UserError(f"{what} {path} is not YAML: {' '.join(str(error).split())[:200]}") from error
+    raise UserError(f"{what} {path} holds no keys; write one `key: value` a line")
+
+
+def _lower(tree: dict[Any, Any]) -> Tree:
+    lowered: Tree = {}
+    for key, value in tree.items():
+        *sections, name = str(key).lower().split(".")
+        inner = lowered
+        for section in sections:
+            child = inner.get(section)
+            if not isinstance(child, dict):
+                child = inner[section] = {}
+            inner = child
+        inner[name] = _lower(value) if isinstance(value, dict) else value
+    return lowered
