@@ -185,7 +185,8 @@ class KeyframeConfig(_Section):
 
     max_interval: float = 1.0  # seconds after which a keyframe is wanted whatever is seen
     min_interval: float = 0.1  # seconds; denser ones see the same
-    tracked_share: float = 0.75  # of the reference's points; fewer, and a keyframe is wanted
+    tracked_share: float = 0.8  # of the most matches since the last keyframe; fewer, and a keyframe is wanted
+    due_share: float = 0.95  # the same, once `max_interval` has passed
     close_depth: float = 3.5  # metres; nearer points fix translation
     close_tracked: int = 100  # fewer close points tracked, and ...
     close_untracked: int = 70  # ... more close keypoints without a point: a keyframe is wanted

@@ -50,9 +50,13 @@ class FeatureExtractor:
         self.config = config
         self.scales = config.scale_factor ** np.arange(config.levels)
         self._sizes = [(round(camera.width / s), round(camera.height / s)) for s in self.scales]
-        share = config.scale_factor ** -np.arange(config.levels, dtype=float)
-        self._quotas = np.round(config.count * share / share.sum()).astype(int)
+        self._quotas = _level_quotas(config)
         self._steered = [_steered_offsets(width) for width, _ in self._sizes]
+
+    @property
+    def capacity(self) -> int:
+        """The most keypoints that a frame can have."""
+        return int(self._quotas.sum())
 
     def extract(self, frame: RgbdFrame) -> Features:
         """Keypoints of a frame, coarse levels last."""
@@ -129,6 +133,12 @@ def _no_features() -> Features:
         column,
         np.empty((0, 4), np.uint64),
     )
+
+
+def _level_quotas(config: FeatureConfig) -> NDArray[np.int64]:
+    """How many keypoints each level may have: falling by the scale factor, since a level's area falls by its square."""
+    share = config.scale_factor ** -np.arange(config.levels, dtype=float)
+    return np.round(config.count * share / share.sum()).astype(np.int64)
 
 
 @lru_cache(maxsize=1)

@@ -114,7 +114,9 @@ class SlamMap:
         self._reserve(_KEYFRAME_COLUMNS, self.keyframe_count, _KEYFRAME_COLUMNS)
         slot = self._take_slot()
         a = self._arrays
-        count = min(features.count, self._capacity)
+        count = features.count
+        if count > self._capacity:
+            raise ValueError(f"{count} keypoints do not fit a slot of {self._capacity}")
         a["camera_from_world"][keyframe] = camera_from_world
         a["keyframe_slot"][keyframe] = slot
         a["timestamp"][keyframe] = timestamp
@@ -124,8 +126,8 @@ class SlamMap:
         a["slot_keyframe"][slot] = keyframe
         a["feature_count"][slot] = count
         for name in ("pixels", "u_right", "depth", "has_depth", "octave", "angle", "descriptor"):
-            a[name][slot, :count] = getattr(features, name)[:count]
-        a["disparity_information"][slot, :count] = disparity_information[:count]
+            a[name][slot, :count] = getattr(features, name)
+        a["disparity_information"][slot, :count] = disparity_information
         a["point"][slot] = -1
         a["next_observation"][slot] = -1
         return keyframe

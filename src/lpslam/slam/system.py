@@ -5,6 +5,7 @@ import numpy as np
 from lpslam.camera import PinholeCamera
 from lpslam.config import SlamConfig
 from lpslam.frames import RgbdFrame
+from lpslam.slam.features import FeatureExtractor
 from lpslam.slam.local_mapping import LocalMapper
 from lpslam.slam.map import SlamMap
 from lpslam.slam.sensor import SensorModel
@@ -23,9 +24,10 @@ class RgbdSlam:
         config = config or SlamConfig()
         self.camera = camera
         self.sensor = SensorModel.of(camera, config)
-        self.map = SlamMap(config.features.count, self.sensor.scales)
+        extractor = FeatureExtractor(camera, config.features)
+        self.map = SlamMap(extractor.capacity, self.sensor.scales)
         self.trajectory = Trajectory()
-        self._tracker = Tracker(camera, self.sensor, self.map, config)
+        self._tracker = Tracker(extractor, self.sensor, self.map, config)
         self._local_mapper = LocalMapper(self.map, self.sensor, config)
 
     def process(self, frame: RgbdFrame) -> TrackedFrame:

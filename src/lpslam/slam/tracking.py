@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.camera import PinholeCamera, inverse_transform
+from lpslam.camera import inverse_transform
 from lpslam.config import SlamConfig
 from lpslam.frames import RgbdFrame
 from lpslam.slam.features import FeatureExtractor, Features
@@ -42,12 +42,14 @@ class _Estimate:
 class Tracker:
     """Follows the camera through frames that come in order of time."""
 
-    def __init__(self, camera: PinholeCamera, sensor: SensorModel, slam_map: SlamMap, config: SlamConfig) -> None:
+    def __init__(
+        self, extractor: FeatureExtractor, sensor: SensorModel, slam_map: SlamMap, config: SlamConfig
+    ) -> None:
         self._map = slam_map
         self._sensor = sensor
         self._config = config.tracking
         self._keyframe_config = config.keyframes
-        self._extractor = FeatureExtractor(camera, config.features)
+        self._extractor = extractor
         self.state = TrackingState.INITIALISING
         self._reference = -1
         self._features: Features | None = None
@@ -55,6 +57,7 @@ class Tracker:
         self._last_from_reference: _Matrix | None = None
         self._current_from_last: _Matrix | None = None
         self._last_keyframe_time = -np.inf
+        self._most_matches = 0
         self._usual_sharpness = 0.0
 
     def track(self, frame: RgbdFrame) -> TrackedFrame:
@@ -345,25 +348,23 @@ class Tracker:
     # Keyframes ---------------------------------------------------------------------------------------------------
 
     def _wants_keyframe(self, frame: RgbdFrame, features: Features, estimate: _Estimate) -> bool:
-        """New keyframes where the reference's points thin out or close points are missing, not more often than useful."""
+        """New keyframes where the view has moved on or close points are missing, not more often than useful.
+
+        How far the view has moved is the share of matches left of the most since the last keyframe.
+        """
         config = self._keyframe_config
+        held = estimate.points >= 0
+        matches = int(held.sum())
+        self._most_matches = max(self._most_matches, matches)
         elapsed = frame.timestamp - self._last_keyframe_time
         if elapsed < config.min_interval:
             return False
-        m = self._map.columns
-        held = estimate.points >= 0
-        matches = int(held.sum())
-        slot = int(m.keyframe_slot[self._reference])
-        theirs = m.point[slot, : m.feature_count[slot]]
-        theirs = theirs[theirs >= 0]
-        confirmed = min(3, self._map.keyframe_count)
-        reference_points = int((m.observations[theirs] >= confirmed).sum())
         close = features.has_depth & (features.depth < config.close_depth)
         needs_close = (
             int((close & held).sum()) < config.close_tracked and int((close & ~held).sum()) > config.close_untracked
         )
-        thinned = matches < config.tracked_share * reference_points
-        due = elapsed >= config.max_interval and matches < 0.9 * reference_points
+        thinned = matches < config.tracked_share * self._most_matches
+        due = elapsed >= config.max_interval and matches < config.due_share * self._most_matches
         return thinned or needs_close or due
 
     def _add_keyframe(
@@ -396,6 +397,7 @@ class Tracker:
         points[chosen] = np.arange(first, first + len(chosen))
         self._reference = keyframe
         self._last_keyframe_time = frame.timestamp
+        self._most_matches = 0
         return replace(estimate, points=points)
 
     def _remember_sharpness(self, frame: RgbdFrame) -> None:
