@@ -57,8 +57,11 @@ def read_calibration(
         UserError: the file cannot be read, or a value is missing, ill-typed or not supported; names key and file.
     """
     tree = read_yaml_tree(path, "calibration")
-    section = next((found for found in _sections(tree) if _has_intrinsics(found)), tree)
-    scopes = (section, tree)
+    sections = list(_sections(tree))
+    section, *around = next((scopes for scopes in sections if _has_intrinsics(scopes[0])), (tree,))
+    # What the camera's own section leaves out may stand around it, or in a section that several cameras share.
+    shared = [scopes[0] for scopes in sections if len(scopes) == 2 and not _has_intrinsics(scopes[0])]
+    scopes = (section, *around, *shared)
     fx, fy, cx, cy = _intrinsics(section, path)
     notes: list[str] = []
     width, height = _size(scopes, path) or image_size or (0, 0)
@@ -89,12 +92,13 @@ def read_calibration(
     return Calibration(camera, tuple(notes))
 
 
-def _sections(tree: Tree) -> Iterator[Tree]:
-    """Every mapping of the tree, the root first, then by what its name promises."""
-    yield tree
+def _sections(tree: Tree, around: tuple[Tree, ...] = ()) -> Iterator[tuple[Tree, ...]]:
+    """Every mapping of the tree with those around it, nearest first: the root, then by what its name promises."""
+    scopes = (tree, *around)
+    yield scopes
     children = [(name, child) for name, child in tree.items() if isinstance(child, dict)]
     for _, child in sorted(children, key=lambda item: _rank(item[0])):
-        yield from _sections(child)
+        yield from _sections(child, scopes)
 
 
 def _rank(name: str) -> int:
@@ -174,7 +178,7 @@ def _distortion(scopes: tuple[Tree, ...], path: Path) -> tuple[float, float, flo
 
 
 def _depth_scale(tree: Tree, scopes: tuple[Tree, ...], path: Path) -> float | None:
-    value = _find((*scopes, *_sections(tree)), _DEPTH_SCALE)
+    value = _find((*scopes, *(found[0] for found in _sections(tree))), _DEPTH_SCALE)
     depth = tree.get("depth")
     if value is None and isinstance(depth, dict):
         value = _find((depth,), ("scale", "factor", "units", "unit"))

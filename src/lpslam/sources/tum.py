@@ -42,13 +42,15 @@ def open_tum(
         UserError: a list is missing, empty or malformed, no images belong together, or no calibration is known.
     """
     colours, depths = _read_list(folder / "rgb.txt"), _read_list(folder / "depth.txt")
-    rows, columns = associate(_times(colours), _times(depths), tolerance)
+    # A repeated timestamp is one moment: its first image takes the depth, the others are faults.
+    times, firsts = np.unique(_times(colours), return_index=True)
+    rows, columns = associate(times, _times(depths), tolerance)
     if not len(rows):
         raise UserError(
             f"{folder}: no image of rgb.txt has one in depth.txt within {tolerance * 1000:g} ms; "
             "both lists must use the same clock"
         )
-    depth_of = dict(zip(rows.tolist(), columns.tolist(), strict=True))
+    depth_of = dict(zip(firsts[rows].tolist(), columns.tolist(), strict=True))
     pairs: list[ImagePair] = []
     previous = -np.inf
     for row, (timestamp, path) in enumerate(colours):

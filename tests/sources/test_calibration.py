@@ -1,0 +1,196 @@
+from pathlib import Path
+
+import pytest
+
+from lpslam.errors import UserError
+from lpslam.sources.calibration import Calibration, read_calibration
+
+FLAT = """
+fx: 535.4
+fy: 539.2
+cx: 320.1
+cy: 247.6
+width: 640
+height: 480
+depth_scale: 5000
+distortion: [0.1, -0.2, 0.001, 0.002, 0.3]
+fps: 25
+"""
+
+SAME = {
+    "flat": FLAT,
+    "nested": "camera:\n" + "\n".join("  " + line for line in FLAT.strip().splitlines()),
+    "ros": """
+image_width: 640
+image_height: 480
+camera_name: head
+camera_matrix: {rows: 3, cols: 3, data: [535.4, 0, 320.1, 0, 539.2, 247.6, 0, 0, 1]}
+distortion_model: plumb_bob
+distortion_coefficients: {rows: 1, cols: 5, data: [0.1, -0.2, 0.001, 0.002, 0.3]}
+projection_matrix: {rows: 3, cols: 4, data: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0]}
+depth_scale: 0.0002
+fps: 25
+""",
+    "kalibr": """
+cam0:
+  camera_model: pinhole
+  distortion_coeffs: [0.1, -0.2, 0.001, 0.002, 0.3]
+  distortion_model: radtan
+  intrinsics: [535.4, 539.2, 320.1, 247.6]
+  resolution: [640, 480]
+  rostopic: /camera/color
+cam1: {intrinsics: [1, 1, 1, 1], resolution: [2, 2]}
+depth_scale: 5000
+fps: 25
+""",
+    "matrix": """
+K: [[535.4, 0, 320.1], [0, 539.2, 247.6], [0, 0, 1]]
+D: [0.1, -0.2, 0.001, 0.002, 0.3]
+image_size: [640, 480]
+depth_scale: 5e3
+fps: 25
+""",
+    "dotted": """%YAML:1.0
+---
+# Camera Parameters
+Camera.type: "PinHole"
+Camera.fx: 535.4
+Camera.fy:539.2
+Camera.cx: 320.1
+Camera.cy: 247.6
+Camera.k1: 0.1
+Camera.k2: -0.2
+Camera.p1: 0.001
+Camera.p2: 0.002
+Camera.k3: 0.3
+Camera.width: 640
+Camera.height: 480
+Camera.fps: 25.0
+Camera.bf: 40.0
+DepthMapFactor: 5000.0
+ORBextractor.nFeatures: 1000
+""",
+    "dotted, newer": """%YAML:1.0
+File.version: "1.0"
+Camera.type: "PinHole"
+Camera1.fx: 535.4
+Camera1.fy: 539.2
+Camera1.cx: 320.1
+Camera1.cy: 247.6
+Camera1.k1: 0.1
+Camera1.k2: -0.2
+Camera1.p1: 0.001
+Camera1.p2: 0.002
+Camera1.k3: 0.3
+Camera.width: 640
+Camera.height: 480
+Camera.fps: 25
+RGBD.DepthMapFactor: 5000.0
+""",
+    "opencv": """%YAML:1.0
+---
+image_width: 640
+image_height: 480
+camera_matrix: !!opencv-matrix
+   rows: 3
+   cols: 3
+   dt: d
+   data: [ 535.4, 0., 320.1, 0., 539.2, 247.6, 0., 0., 1. ]
+distortion_coefficients: !!opencv-matrix
+   rows: 5
+   cols: 1
+   dt: d
+   data: [ 0.1, -0.2, 0.001, 0.002, 0.3 ]
+depth_scale: 5000
+fps: 25
+""",
+    "colour beside depth": """
+depth: {fx: 1, fy: 1, cx: 1, cy: 1, width: 10, height: 10, scale: 5000}
+color:
+  intrinsics: {fx: 535.4, fy: 539.2, cx: 320.1, cy: 247.6}
+  distortion: {k1: 0.1, k2: -0.2, p1: 0.001, p2: 0.002, k3: 0.3}
+width: 640
+height: 480
+fps: 25
+""",
+}
+
+
+def read(tmp_path: Path, text: str, **arguments: object) -> Calibration:
+    path = tmp_path / "camera.yaml"
+    path.write_text(text, encoding="utf-8")
+    return read_calibration(path, **arguments)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("form", SAME)
+def test_every_form_gives_the_same_camera(tmp_path: Path, form: str) -> None:
+    camera = read(tmp_path, SAME[form]).camera
+    assert (camera.fx, camera.fy, camera.cx, camera.cy) == (535.4, 539.2, 320.1, 247.6)
+    assert (camera.width, camera.height) == (640, 480)
+    assert camera.distortion == (0.1, -0.2, 0.001, 0.002, 0.3)
+    assert camera.depth_scale == pytest.approx(5000)
+    assert camera.fps == 25
+
+
+def test_what_is_not_stated_is_assumed_and_said(tmp_path: Path) -> None:
+    calibration = read(
+        tmp_path, "fx: 1\nfy: 2\ncx: 3\ncy: 4\ndistortion: null\n", image_size=(320, 240), default_depth_scale=5000
+    )
+    camera = calibration.camera
+    assert (camera.width, camera.height, camera.depth_scale, camera.fps) == (320, 240, 5000, 30)
+    assert not camera.is_distorted
+    assert len(calibration.notes) == 1
+    assert "depth_scale" in calibration.notes[0]
+
+
+def test_a_scale_below_one_is_metres_a_unit(tmp_path: Path) -> None:
+    calibration = read(tmp_path, FLAT.replace("5000", "0.001"))
+    assert calibration.camera.depth_scale == pytest.approx(1000)
+    assert "0.001" in calibration.notes[0]
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (FLAT.replace("fx: 535.4", ""), "fx is missing"),
+        (FLAT.replace("cy: 247.6", ""), "cy is missing"),
+        (FLAT.replace("width: 640", ""), "width is missing"),
+        (FLAT.replace("535.4", "wide"), "fx is 'wide'"),
+        (FLAT.replace("535.4", "-535.4"), "fx is -535.4"),
+        (FLAT.replace("535.4", ".nan"), "fx is nan"),
+        (FLAT.replace("640", "640.5"), "whole number"),
+        (FLAT.replace("640", "0"), "whole number"),
+        (FLAT.replace("5000", "0"), "depth_scale"),
+        (FLAT.replace("5000", "-3"), "depth_scale"),
+        (FLAT.replace("5000", "deep"), "depth_scale is 'deep'"),
+        (FLAT.replace("[0.1,", "[.inf,"), "finite"),
+        (FLAT.replace("[0.1, -0.2, 0.001, 0.002, 0.3]", "7"), "distortion is 7"),
+        (FLAT.replace("0.3]", "0.3, 0.1, 0.2, 0.3]"), "8 terms"),
+        (FLAT + "distortion_model: equidistant\n", "equidistant is not supported"),
+        ("K: [1, 2, 3]\nwidth: 4\nheight: 4\n", "3 numbers"),
+        ("", "holds no keys"),
+        ("- 1\n- 2\n", "holds no keys"),
+        ("fx: [1\n", "is not YAML"),
+        ("fx: \x07\n", "is not YAML"),
+        ("a: &a {b: *a}\n", "fx|YAML"),
+    ],
+)
+def test_faults_name_the_key_and_the_file(tmp_path: Path, text: str, words: str) -> None:
+    with pytest.raises(UserError, match=words) as caught:
+        read(tmp_path, text)
+    assert "camera.yaml" in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_no_code_runs_from_a_calibration(tmp_path: Path) -> None:
+    with pytest.raises(UserError):
+        read(tmp_path, f"fx: !!python/object/apply:os.mkdir ['{tmp_path / 'made'}']\n")
+    assert not (tmp_path / "made").exists()
+
+
+def test_a_binary_file_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "camera.yaml").write_bytes(b"\xff\x00\xfe")
+    with pytest.raises(UserError, match="not a text file"):
+        read_calibration(tmp_path / "camera.yaml")
+    with pytest.raises(UserError, match="cannot be read"):
+        read_calibration(tmp_path)
