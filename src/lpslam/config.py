@@ -113,8 +113,10 @@ class InstanceConfig(_Section):
     drop_share: float = Field(default=0.2, ge=0, lt=1)
     # Observations of one class farther apart than this, metres, are different places.
     place_distance: float = Field(default=1.0, gt=0)
-    # How far apart, metres, opposite facings count as: more than place_distance, so two sides are two places.
+    # How far apart, metres, opposite facings count as: more than place_distance, so a text faces one way.
     facing_distance: float = Field(default=1.2, ge=0)
+    # Opposite facings no farther apart than this, metres, are the two sides of one sign.
+    sign_thickness: float = Field(default=0.3, ge=0)
     # Fewest observations of a place, unless the class has no other.
     min_observations: int = Field(default=2, ge=1)
     # Two texts that overlap by more than this share of the smaller are readings of the same paint.
@@ -125,8 +127,6 @@ class InstanceConfig(_Section):
     # Distance of their surfaces, metres, and angle between their normals, degrees, that lines of one board may have.
     line_offset: float = Field(default=0.08, ge=0)
     line_angle: float = Field(default=30.0, ge=0)
-    # Share of the sightings of the less seen line in which both were seen.
-    seen_together: float = Field(default=0.4, ge=0, le=1)
 
 
 class ReadingConfig(_Section):
@@ -209,6 +209,17 @@ class MappingConfig(_Section):
     redundant_observers: int = 3  # how many others must see each
 
 
+class LevellingConfig(_Section):
+    """Levelling the map by the floor."""
+
+    max_tilt: float = 0.7  # radians the first camera may look up or down or lean
+    inlier_angle: float = 0.12  # radians a surface's normals may differ; depth noise tilts small patches
+    min_height: float = 0.25  # metres below the camera
+    min_share: float = 0.04  # of the image that the surface must fill
+    max_step: float = 0.12  # share of the depth that neighbouring samples may differ by; more is an edge
+    thickness: float = 0.03  # metres; half of the slab that is the surface
+
+
 class SlamConfig(_Section):
     """RGB-D visual SLAM."""
 
@@ -217,6 +228,7 @@ class SlamConfig(_Section):
     tracking: TrackingConfig = TrackingConfig()
     keyframes: KeyframeConfig = KeyframeConfig()
     mapping: MappingConfig = MappingConfig()
+    levelling: LevellingConfig = LevellingConfig()
 
 
 class SimulationConfig(_Section):
@@ -242,8 +254,23 @@ class SimulationConfig(_Section):
     sensor_noise: bool = True
 
 
+class EvaluationConfig(_Section):
+    """When an estimate counts as right."""
+
+    # Seconds between two poses that are compared: at most two thirds of a frame.
+    association_tolerance: float = Field(default=0.02, gt=0)
+    # Eq. 3 similarity of a landmark's name with a sign's text: one letter in five may be wrong.
+    name_similarity: float = Field(default=0.8, gt=0, le=1)
+    # Metres between a landmark and the sign that it is.
+    landmark_distance: float = Field(default=1.0, gt=0)
+    # Fewest frames in which a sign must be readable before it is expected in the map.
+    readable_frames: int = Field(default=10, ge=0)
+
+
 class Config(_Section):
     """The whole tree."""
+
+    evaluation: EvaluationConfig = EvaluationConfig()
 
     simulation: SimulationConfig = SimulationConfig()
 

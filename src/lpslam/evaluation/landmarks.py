@@ -1,0 +1,200 @@
+"""How well a map's landmarks tell the signs of the scene: recall, precision and position error."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
+
+from lpslam.camera import transform_points
+from lpslam.config import EvaluationConfig
+from lpslam.evaluation.signs import TrueSign, Vector3
+from lpslam.text.similarity import comparison_key, similarity
+
+Array = NDArray[np.float64]
+_DEFAULTS = EvaluationConfig()
+
+
+class NamedPlace(Protocol):
+    """What of a landmark is scored: `position` is (3,) metres in the map frame."""
+
+    @property
+    def id(self) -> int:
+        """Identifies the landmark in reports."""
+        ...
+
+    @property
+    def name(self) -> str:
+        """The text it stands for."""
+        ...
+
+    @property
+    def position(self) -> Array:
+        """(3,) metres, map frame."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Match:
+    """A landmark and the sign that it is.
+
+    Attributes:
+        landmark, name: the landmark.
+        sign, text: the sign.
+        similarity: Eq. 3, of the name with the sign's text or an alias.
+        distance: metres.
+        exact: whether the name is the text or an alias but for case and spaces.
+    """
+
+    landmark: int
+    name: str
+    sign: int | str
+    text: str
+    similarity: float
+    distance: float
+    exact: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Stray:
+    """A landmark that is no sign, or one that another landmark already is.
+
+    Attributes:
+        landmark, name: the landmark.
+        position: metres, in the true frame.
+        duplicate_of: the id of the sign that another landmark already is; None if it is no sign at all.
+        likest: text of the sign whose text is likest, wherever it stands; empty without signs.
+        similarity: with it.
+        distance: metres to it.
+    """
+
+    landmark: int
+    name: str
+    position: Vector3
+    duplicate_of: int | str | None
+    likest: str
+    similarity: float
+    distance: float
+
+
+@dataclass(frozen=True, slots=True)
+class LandmarkScore:
+    """The score of a map's landmarks.
+
+    Attributes:
+        recall: share of the readable signs that have a landmark; None without readable signs.
+        precision: share of the landmarks that are a sign of their own; None without landmarks.
+        median_position_error: metres, over the matches; None without matches.
+        exact_name_share: share of the matches whose name is exact; None without matches.
+        readable_signs: signs that were readable long enough to be expected.
+        landmarks: landmarks scored.
+        matches: each landmark that is a sign, with it.
+        misses: readable signs that have no landmark.
+        strays: false and duplicate landmarks.
+    """
+
+    recall: float | None
+    precision: float | None
+    median_position_error: float | None
+    exact_name_share: float | None
+    readable_signs: int
+    landmarks: int
+    matches: tuple[Match, ...]
+    misses: tuple[TrueSign, ...]
+    strays: tuple[Stray, ...]
+
+
+def score_landmarks(
+    landmarks: Sequence[NamedPlace],
+    signs: Sequence[TrueSign],
+    truth_from_map: Array,
+    thresholds: EvaluationConfig = _DEFAULTS,
+) -> LandmarkScore:
+    """Match landmarks to signs, one to one, and count.
+
+    Args:
+        landmarks: of the map.
+        signs: of the scene; those readable in too few frames may be matched but are not expected.
+        truth_from_map: 4×4, as the alignment of the trajectories gives it.
+        thresholds: what counts as a match.
+    """
+    positions = transform_points(
+        truth_from_map, np.array([landmark.position for landmark in landmarks], dtype=np.float64).reshape(-1, 3)
+    )
+    centres = np.array([sign.centre for sign in signs], dtype=np.float64).reshape(-1, 3)
+    distances = np.linalg.norm(positions[:, None] - centres[None], axis=2)
+    likeness = np.array([[_likeness(mark.name, sign) for sign in signs] for mark in landmarks]).reshape(distances.shape)
+    possible = (likeness >= thresholds.name_similarity) & (distances <= thresholds.landmark_distance)
+
+    # As many matches as can be; among those, the likest names and the nearest places.
+    benefit = np.where(possible, 10.0 + likeness - distances / thresholds.landmark_distance, 0.0)
+    rows, columns = linear_sum_assignment(benefit, maximize=True)
+    sign_of = {int(row): int(column) for row, column in zip(rows, columns, strict=True) if possible[row, column]}
+    taken = set(sign_of.values())
+    expected = [column for column, sign in enumerate(signs) if _is_expected(sign, thresholds.readable_frames)]
+
+    matches = tuple(
+        Match(
+            landmark=landmarks[row].id,
+            name=landmarks[row].name,
+            sign=signs[column].id,
+            text=signs[column].text,
+            similarity=float(likeness[row, column]),
+            distance=float(distances[row, column]),
+            exact=bool(likeness[row, column] == 1.0),
+        )
+        for row, column in sign_of.items()
+    )
+    strays = tuple(
+        _stray(landmarks[row], positions[row], signs, likeness[row], distances[row], possible[row])
+        for row in range(len(landmarks))
+        if row not in sign_of
+    )
+    return LandmarkScore(
+        recall=_share(sum(column in taken for column in expected), len(expected)),
+        precision=_share(len(matches), len(landmarks)),
+        median_position_error=float(np.median([match.distance for match in matches])) if matches else None,
+        exact_name_share=_share(sum(match.exact for match in matches), len(matches)),
+        readable_signs=len(expected),
+        landmarks=len(landmarks),
+        matches=matches,
+        misses=tuple(signs[column] for column in expected if column not in taken),
+        strays=strays,
+    )
+
+
+def _likeness(name: str, sign: TrueSign) -> float:
+    key = comparison_key(name)
+    return max(similarity(key, comparison_key(text)) for text in (sign.text, *sign.aliases)) if key else 0.0
+
+
+def _is_expected(sign: TrueSign, readable_frames: int) -> bool:
+    return sign.readable_frames is None or sign.readable_frames >= readable_frames
+
+
+def _stray(
+    landmark: NamedPlace, position: Array, signs: Sequence[TrueSign], likeness: Array, distances: Array, possible: Array
+) -> Stray:
+    x, y, z = (float(value) for value in position)
+    if not signs:
+        return Stray(landmark.id, landmark.name, (x, y, z), None, "", 0.0, float("inf"))
+    # Without this order a second sign of the same words elsewhere would hide how near the miss was.
+    likest = int(np.lexsort((distances, -likeness))[0])
+    duplicate_of = (
+        signs[int(np.argmax(np.where(possible, likeness - distances, -np.inf)))].id if possible.any() else None
+    )
+    return Stray(
+        landmark=landmark.id,
+        name=landmark.name,
+        position=(x, y, z),
+        duplicate_of=duplicate_of,
+        likest=signs[likest].text,
+        similarity=float(likeness[likest]),
+        distance=float(distances[likest]),
+    )
+
+
+def _share(part: int, whole: int) -> float | None:
+    return part / whole if whole else None

@@ -1,0 +1,132 @@
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from lpslam.errors import UserError
+from lpslam.evaluation.landmarks import score_landmarks
+from lpslam.evaluation.signs import TrueSign, read_signs
+
+
+@dataclass(frozen=True)
+class Mark:
+    id: int
+    name: str
+    position: np.ndarray
+
+
+def mark(identifier: int, name: str, *position: float) -> Mark:
+    return Mark(identifier, name, np.array(position, dtype=float))
+
+
+def sign(
+    identifier: int, text: str, *centre: float, aliases: tuple[str, ...] = (), frames: int | None = 50
+) -> TrueSign:
+    return TrueSign(identifier, text, aliases, "shop", (centre[0], centre[1], centre[2]), None, frames)
+
+
+SIGNS = [
+    sign(0, "STARBUCKS", 0, 0, 2, aliases=("星巴克", "星巴克 STARBUCKS")),
+    sign(1, "WASHROOM", 5, 0, 2),
+    sign(2, "EXIT", 9, 0, 2),
+    sign(3, "ATM", 12, 0, 2, frames=4),
+]
+
+
+def test_counts_by_hand() -> None:
+    marks = [
+        mark(10, "starbucks", 0.3, 0, 2),  # right, 0.3 m off
+        mark(11, "星巴克", 0.1, 0, 2),  # an alias of the same sign: a duplicate, or the match with 10 the duplicate
+        mark(12, "WASHR0OM", 5, 0.1, 2),  # one slip of eight: right but not exact
+        mark(13, "EXIT", 9, 3, 2),  # right name, wrong place
+        mark(14, "ATM", 12, 0, 2.2),  # a sign that nobody expects: right, but not in the recall
+        mark(15, "POSTER", 5, 0, 2),  # right place, wrong name
+    ]
+    score = score_landmarks(marks, SIGNS, np.eye(4))
+    assert score.readable_signs == 3
+    assert score.recall == pytest.approx(2 / 3)
+    assert score.precision == pytest.approx(3 / 6)
+    assert {(match.landmark, match.sign) for match in score.matches} == {(11, 0), (12, 1), (14, 3)}
+    assert score.median_position_error == pytest.approx(0.1)
+    assert score.exact_name_share == pytest.approx(2 / 3)
+    assert [miss.id for miss in score.misses] == [2]
+    assert {stray.landmark: stray.duplicate_of for stray in score.strays} == {10: 0, 13: None, 15: None}
+    exit_stray = next(stray for stray in score.strays if stray.landmark == 13)
+    assert (exit_stray.likest, exit_stray.similarity, exit_stray.distance) == ("EXIT", 1.0, 3.0)
+
+
+def test_the_alignment_is_applied() -> None:
+    truth_from_map = np.eye(4)
+    truth_from_map[:3, :3] = Rotation.from_euler("xyz", [0.1, -0.2, 2.0]).as_matrix()
+    truth_from_map[:3, 3] = [3, -4, 1]
+    map_from_truth = np.linalg.inv(truth_from_map)
+    marks = [mark(s.id, s.text, *(map_from_truth @ [*s.centre, 1])[:3]) for s in SIGNS]  # type: ignore[arg-type]
+    score = score_landmarks(marks, SIGNS, truth_from_map)
+    assert (score.recall, score.precision, score.exact_name_share) == (1.0, 1.0, 1.0)
+    assert score.median_position_error == pytest.approx(0, abs=1e-9)
+    assert score_landmarks(marks, SIGNS, np.eye(4)).recall == 0.0
+
+
+def test_two_signs_of_the_same_words_are_matched_the_best_way_overall() -> None:
+    signs = [sign(0, "EXIT", 0, 0, 0), sign(1, "EXIT", 0.8, 0, 0)]
+    # The first landmark is nearer to sign 1, but only it can be sign 0 as well.
+    marks = [mark(0, "EXIT", 0.5, 0, 0), mark(1, "EXIT", 1.4, 0, 0)]
+    score = score_landmarks(marks, signs, np.eye(4))
+    assert {(match.landmark, match.sign) for match in score.matches} == {(0, 0), (1, 1)}
+
+
+@pytest.mark.parametrize(("name", "matched"), [("WASHROOM", True), ("WASHROO", True), ("WASHRO", False), ("", False)])
+def test_similarity_threshold(name: str, matched: bool) -> None:
+    assert bool(score_landmarks([mark(0, name, 5, 0, 2)], SIGNS, np.eye(4)).matches) is matched
+
+
+def test_nothing_to_score() -> None:
+    nothing = score_landmarks([], [], np.eye(4))
+    assert (nothing.recall, nothing.precision, nothing.median_position_error) == (None, None, None)
+    no_marks = score_landmarks([], SIGNS, np.eye(4))
+    assert (no_marks.recall, no_marks.precision) == (0.0, None)
+    no_signs = score_landmarks([mark(0, "X", 0, 0, 0)], [], np.eye(4))
+    assert (no_signs.recall, no_signs.precision) == (None, 0.0)
+    assert len(no_signs.strays) == 1
+
+
+@pytest.mark.parametrize("bare", [True, False])
+def test_signs_file(tmp_path: Path, bare: bool) -> None:
+    listed = [
+        {"id": 4, "text": "必胜客", "aliases": ["PIZZA HUT"], "kind": "restaurant", "centre": [1, 2, 3],
+         "normal": [0, 1, 0], "width": 1, "height": 0.3, "readable_frames": 12},
+        {"text": "EXIT", "center": [0, 0, 0]},
+    ]  # fmt: skip
+    path = tmp_path / "signs.json"
+    path.write_text(json.dumps(listed if bare else {"signs": listed}), encoding="utf-8")
+    signs = read_signs(tmp_path)
+    assert signs is not None
+    assert signs[0] == TrueSign(4, "必胜客", ("PIZZA HUT",), "restaurant", (1, 2, 3), (0, 1, 0), 12)
+    assert (signs[1].id, signs[1].readable_frames, signs[1].normal) == (1, None, None)
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ("", "is not JSON"),
+        ('{"signs": [', "is not JSON"),
+        ('{"boards": []}', "expected"),
+        ('"EXIT"', "expected"),
+        ('[{"centre": [0, 0, 0]}]', "sign 0 has no text"),
+        ('[{"text": "EXIT"}]', "needs its centre"),
+        ('[{"text": "EXIT", "centre": [0, 0]}]', "needs its centre"),
+        ('[{"text": "EXIT", "centre": [0, 0, NaN]}]', "needs its centre"),
+    ],
+)
+def test_malformed_signs_are_one_clear_line(tmp_path: Path, content: str, words: str) -> None:
+    (tmp_path / "signs.json").write_text(content)
+    with pytest.raises(UserError, match=words) as caught:
+        read_signs(tmp_path)
+    assert "\n" not in str(caught.value)
+
+
+def test_no_signs_file(tmp_path: Path) -> None:
+    assert read_signs(tmp_path) is None
