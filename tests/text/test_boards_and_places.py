@@ -70,11 +70,15 @@ def test_words_of_a_line_are_joined_left_to_right() -> None:
         place(1000, "SMALL PRINT", 0.0, 0.25, height=0.04),  # not of a size
         place(1000, "BEHIND", 0.0, 0.25, z=3.4),  # on another surface
         place(1000, "TURNED", 0.0, 0.25, normal=(-0.8, 0.0, -0.6)),
-        place(1000, "NEVER SEEN WITH IT", 0.0, 0.25, frames=range(50, 60)),
     ],
 )
 def test_what_is_not_on_the_board_stays_apart(other: Place) -> None:
     assert len(boards([place(0, "STARBUCKS", 0.0, 0.0), other], CONFIG)) == 2
+
+
+def test_lines_never_seen_together_are_joined_by_where_they_stand() -> None:
+    lines = [place(0, "ATM", 0, 0), place(1000, "自动取款机", 0, 0.25, frames=range(50, 60))]
+    assert names(boards(lines, CONFIG)) == [["ATM", "自动取款机"]]
 
 
 def test_no_places_no_boards() -> None:

@@ -57,8 +57,14 @@ def test_a_class_at_three_places_is_split() -> None:
     assert [rows[0] for rows in places] == sorted(rows[0] for rows in places)
 
 
-def test_two_sides_of_a_hanging_sign_are_two_places() -> None:
-    positions = cloud((0, 0, 2), 10)
+def test_two_sides_of_a_hanging_sign_are_one_place() -> None:
+    positions = np.vstack([cloud((0, 0.1, 2), 5), cloud((0, -0.1, 2), 5)])
+    normals = np.vstack([np.tile(NORTH, (5, 1)), np.tile(SOUTH, (5, 1))])
+    assert len(split_places(positions, normals, np.arange(10), CONFIG)) == 1
+
+
+def test_two_faces_of_a_pillar_are_two_places() -> None:
+    positions = np.vstack([cloud((0, 0.3, 2), 5), cloud((0, -0.3, 2), 5)])
     normals = np.vstack([np.tile(NORTH, (5, 1)), np.tile(SOUTH, (5, 1))])
     places = split_places(positions, normals, np.arange(10), CONFIG)
     assert [rows.tolist() for rows in places] == [[0, 1, 2, 3, 4], [5, 6, 7, 8, 9]]

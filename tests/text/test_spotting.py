@@ -110,6 +110,12 @@ def test_unsure_short_and_empty_readings_are_refused() -> None:
     assert [each.text for each in accepted_texts(boxes, readings, CONFIG)] == ["KFC"]
 
 
+def test_a_logo_beside_the_name_is_not_part_of_it() -> None:
+    box = np.array([[[0, 0], [50, 0], [50, 20], [0, 20]]], float)
+    for raw, text in {"★回力": "回力", "● Miniso ®": "Miniso", "A★B": "A★B", "Don't!": "Don't!"}.items():
+        assert [each.text for each in accepted_texts(box, [(raw, 0.99)], CONFIG)] == [text]
+
+
 def test_letters_of_a_line_that_runs_downwards_are_as_high_as_it_is_wide() -> None:
     lying = np.array([[0, 0], [90, 0], [90, 20], [0, 20]], float)
     standing = np.array([[0, 0], [20, 0], [20, 90], [0, 90]], float)

@@ -38,9 +38,7 @@ def boards(places: Sequence[Place], config: InstanceConfig) -> list[list[Place]]
 def _on_one_board(first: Place, second: Place, config: InstanceConfig) -> bool:
     if np.linalg.norm(first.position - second.position) > first.width + second.width:
         return False
-    offset = _offset(first, second, config)
-    if offset is None:
-        return False
+    offset = _offset(first, second)
     right, down, out = (abs(float(offset @ axis)) for axis in (first.baseline, first.down, first.normal))
     angle = np.degrees(np.arccos(np.clip(first.normal @ second.normal, -1.0, 1.0)))
     ratio = max(first.height, second.height) / max(min(first.height, second.height), 1e-6)
@@ -58,15 +56,15 @@ def _on_one_board(first: Place, second: Place, config: InstanceConfig) -> bool:
     return stacked or side_by_side
 
 
-def _offset(first: Place, second: Place, config: InstanceConfig) -> Array | None:
-    """From the first to the second (3,) metres, as frames that saw both at once agree on it; None when too few did.
+def _offset(first: Place, second: Place) -> Array:
+    """From the first to the second (3,) metres, as frames that saw both at once agree on it, where there are some.
 
     Within a frame the errors of pose and depth are common to both, so this is surer than the difference of positions.
+    But a large line is read from afar and a small one from near, where the large one is cut off.
     """
     common = first.positions_by_frame.keys() & second.positions_by_frame.keys()
-    fewer = min(len(first.positions_by_frame), len(second.positions_by_frame))
-    if len(common) < max(2, config.seen_together * fewer):
-        return None
+    if len(common) < 2:
+        return second.position - first.position
     offsets = [second.positions_by_frame[frame] - first.positions_by_frame[frame] for frame in sorted(common)]
     return np.asarray(np.median(offsets, axis=0), dtype=np.float64)
 

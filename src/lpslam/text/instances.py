@@ -42,7 +42,8 @@ def split_places(positions: Array, normals: Array, frames: Array, config: Instan
     """Split the observations of one class by where they stand and where they face.
 
     One class may hang in several places: every exit says EXIT. Average linkage puts together what is nearer than
-    `place_distance`; facing counts as a distance too, so the two sides of a hanging sign are two places.
+    `place_distance`; facing counts as a distance too, so the two faces of a pillar are two places. Only the two sides
+    of something thin, a hanging sign, are one.
 
     Args:
         positions: (n, 3) metres, world.
@@ -59,6 +60,7 @@ def split_places(positions: Array, normals: Array, frames: Array, config: Instan
     for rows in _linked(features, np.arange(len(features)), config.place_distance):
         apart = _distance_within_frames(features[rows], frames[rows])
         places += _linked(features, rows, 0.5 * apart) if apart is not None else [rows]
+    places = _both_sides(places, positions, normals, config.sign_thickness)
     return sorted(places, key=lambda rows: int(rows[0]))
 
 
@@ -67,6 +69,23 @@ def _linked(features: Array, rows: NDArray[np.intp], distance: float) -> list[ND
         return [rows]
     labels = fcluster(linkage(features[rows], "average"), distance, "distance")
     return [rows[labels == label] for label in np.unique(labels)]
+
+
+def _both_sides(
+    places: list[NDArray[np.intp]], positions: Array, normals: Array, thickness: float
+) -> list[NDArray[np.intp]]:
+    """Join places that stand back to back no farther apart than a sign is thick."""
+    joined: list[NDArray[np.intp]] = []
+    for rows in sorted(places, key=len, reverse=True):
+        middle, facing = positions[rows].mean(axis=0), normals[rows].mean(axis=0)
+        for number, other in enumerate(joined):
+            near = np.linalg.norm(positions[other].mean(axis=0) - middle) <= thickness
+            if near and normals[other].mean(axis=0) @ facing < 0.0:
+                joined[number] = np.sort(np.concatenate([other, rows]))
+                break
+        else:
+            joined.append(rows)
+    return joined
 
 
 def _distance_within_frames(features: Array, frames: Array) -> float | None:

@@ -84,7 +84,7 @@ def places_of_class(text_class: TextClass, world_from_keyframe: KeyframePoses, c
             continue
         position, kept = trimmed_position(positions[rows], config.rounds, config.drop_share)
         seen = [observations[row] for row in rows]
-        trusted = rows[kept]
+        trusted = _on_the_side_seen_most(rows[kept], normals)
         normal = _mean_direction(normals[trusted])
         baseline = _mean_direction(baselines[trusted])
         name = _name_here(text_class, Counter(each.text for each in seen))
@@ -97,7 +97,7 @@ def places_of_class(text_class: TextClass, world_from_keyframe: KeyframePoses, c
                 position=position,
                 normal=normal,
                 baseline=_mean_direction((baseline - normal * (baseline @ normal))[None]),
-                spread=float(np.sqrt(np.mean(np.sum((positions[trusted] - position) ** 2, axis=1)))),
+                spread=float(np.sqrt(np.mean(np.sum((positions[rows[kept]] - position) ** 2, axis=1)))),
                 width=float(np.median([observations[row].placement.width for row in trusted])),
                 height=float(np.median([observations[row].placement.height for row in trusted])),
                 positions_by_frame={observations[row].frame: positions[row] for row in rows},
@@ -109,6 +109,13 @@ def places_of_class(text_class: TextClass, world_from_keyframe: KeyframePoses, c
             )
         )
     return places
+
+
+def _on_the_side_seen_most(rows: NDArray[np.intp], normals: Array) -> NDArray[np.intp]:
+    """Of a sign that was seen from both sides, the observations of the side that was seen more often."""
+    same_side = normals[rows] @ normals[rows].T > 0.0
+    most = int(same_side.sum(axis=1).argmax())
+    return np.asarray(rows[same_side[most]], dtype=np.intp)
 
 
 def _mean_direction(directions: Array) -> Array:

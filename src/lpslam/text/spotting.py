@@ -1,5 +1,6 @@
 """Scene text recognition (paper, III-B): detection and recognition, called apart, behind one small protocol."""
 
+import unicodedata
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -73,11 +74,17 @@ def letter_heights(boxes: Boxes) -> NDArray[np.float64]:
     return np.asarray(np.where(across >= 1.5 * along, along, across), dtype=np.float64)
 
 
+def _without_logos(text: str) -> str:
+    """Drop symbols around a text: a logo beside the name is read as ★ or ●."""
+    rim = {ch for ch in text if unicodedata.category(ch) == "So"}
+    return text.strip("".join(rim) + " ")
+
+
 def accepted_texts(boxes: Boxes, readings: list[tuple[str, float]], config: SpottingConfig) -> list[SpottedText]:
     """Clean what was read in (n, 4, 2) boxes and keep what is sure and long enough to be a text."""
     texts = []
     for box, height, (raw, confidence) in zip(boxes, letter_heights(boxes), readings, strict=True):
-        text = clean_text(raw, config.max_length)
+        text = _without_logos(clean_text(raw, config.max_length))
         if confidence >= config.min_confidence and sum(ch.isalnum() for ch in text) >= config.min_letters:
             texts.append(SpottedText(text, confidence, box, float(height)))
     return texts
