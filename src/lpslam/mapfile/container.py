@@ -1,0 +1,218 @@
+"""The map on disk: one file of JSON documents and numpy arrays, written whole or not at all.
+
+An .lpmap is a zip: `manifest.json` first, then `documents/NAME.json` and `arrays/NAME.npy`. The same content gives the
+same bytes. What the documents mean is their writers' business.
+"""
+
+import io
+import json
+import os
+import re
+import zipfile
+import zlib
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam._version import __version__
+from lpslam.errors import UserError
+
+FORMAT = "lpslam map"
+FORMAT_VERSION = 1
+
+_MANIFEST = "manifest.json"
+_DOCUMENTS, _ARRAYS = "documents/", "arrays/"
+# Zip cannot say "no date"; its own earliest one keeps equal maps equal byte for byte.
+_DATE = (1980, 1, 1, 0, 0, 0)
+# Enough for hours of walking, small enough that a crafted file cannot fill the memory.
+_MOST_BYTES = 8 << 30
+_MOST_MANIFEST_BYTES = 1 << 20
+# What reading a file can raise that is no zip, a damaged one, or one made to deceive.
+_DAMAGE = (
+    zipfile.BadZipFile, zlib.error, EOFError, KeyError, ValueError, RuntimeError, MemoryError, OverflowError, TypeError,
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MapContents:
+    """All that a map file holds.
+
+    Attributes:
+        manifest: format, format_version, lpslam_version, created.
+        documents: JSON values by name.
+        arrays: numpy arrays by name.
+    """
+
+    manifest: dict[str, Any]
+    documents: dict[str, Any]
+    arrays: dict[str, NDArray[Any]]
+
+
+def write_map_file(
+    path: Path | str, documents: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]], created: str = ""
+) -> None:
+    """Write a map; whoever reads `path` sees the old file or the new one, never a part.
+
+    Args:
+        path: where to; an existing file is replaced only if it is a map of a known version.
+        documents: JSON-able values by name (letters, digits, `_`, `-`, `.`).
+        arrays: by name; no objects.
+        created: when, as text; empty keeps the bytes a function of the content alone.
+
+    Raises:
+        UserError: the place cannot be written, or holds something else.
+    """
+    path = Path(path)
+    refuse_foreign_file(path)
+    manifest = {
+        "format": FORMAT,
+        "format_version": FORMAT_VERSION,
+        "lpslam_version": __version__,
+        "created": created,
+        "documents": sorted(documents),
+        "arrays": sorted(arrays),
+    }
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        with temporary.open("wb") as file:
+            _write_members(file, manifest, documents, arrays)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(temporary, path)
+    except OSError as error:
+        raise UserError(f"map {path} cannot be written ({error.strerror}); choose another place") from error
+    finally:
+        temporary.unlink(missing_ok=True)
+    _sync_folder(path.parent)
+
+
+def read_map_file(path: Path | str) -> MapContents:
+    """Read a map.
+
+    Raises:
+        UserError: the file cannot be read, is no map, is damaged, or is of a newer version.
+    """
+    path = Path(path)
+    with _opened(path) as (archive, manifest):
+        members = [member for member in archive.infolist() if member.filename != _MANIFEST]
+        if sum(member.file_size for member in members) > _MOST_BYTES:
+            raise UserError(f"map {path} claims to unpack to more than {_MOST_BYTES >> 30} GB; it is not read")
+        contents = MapContents(manifest, {}, {})
+        for member in members:
+            # Reading a member to its end checks its CRC.
+            data = archive.read(member)
+            if member.filename.startswith(_DOCUMENTS):
+                contents.documents[member.filename[len(_DOCUMENTS) : -len(".json")]] = json.loads(data)
+            elif member.filename.startswith(_ARRAYS):
+                name = member.filename[len(_ARRAYS) : -len(".npy")]
+                contents.arrays[name] = np.load(io.BytesIO(data), allow_pickle=False)
+        missing = (set(manifest.get("documents", ())) - contents.documents.keys()) | (
+            set(manifest.get("arrays", ())) - contents.arrays.keys()
+        )
+        if missing:
+            raise UserError(f"map {path} is damaged: {min(missing)} is missing; make the map again")
+    return contents
+
+
+def read_manifest(path: Path | str) -> dict[str, Any]:
+    """Read only what the map says of itself; errors as in `read_map_file`."""
+    with _opened(Path(path)) as (_, manifest):
+        return manifest
+
+
+def refuse_foreign_file(path: Path | str) -> None:
+    """Raise a `UserError` if a map must not be written to `path`: call it before hours of work, not after.
+
+    A folder, a file that is not a map, and a map of a newer version are never overwritten; no folder is made.
+    """
+    path = Path(path)
+    if path.is_dir():
+        raise UserError(f"{path} is a folder; give the name of a map file")
+    if not path.parent.is_dir():
+        raise UserError(f"map {path} cannot be written: the folder {path.parent} does not exist; make it first")
+    if not os.access(path.parent, os.W_OK):
+        raise UserError(f"map {path} cannot be written: the folder {path.parent} is read-only; choose another place")
+    if path.exists():
+        try:
+            read_manifest(path)
+        except UserError as error:
+            raise UserError(f"{error}; it is not overwritten: remove it or choose another name") from error
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[tuple[zipfile.ZipFile, dict[str, Any]]]:
+    """Open an archive with its manifest; whatever is wrong with it, also later, becomes one clear line."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            yield archive, _checked_manifest(path, archive)
+    except OSError as error:
+        raise UserError(f"map {path} cannot be read ({error.strerror or error})") from error
+    except _DAMAGE as error:
+        reason = " ".join(str(error).split())[:120]
+        raise UserError(f"{path} is not an lpslam map, or is damaged ({reason})") from error
+
+
+def _checked_manifest(path: Path, archive: zipfile.ZipFile) -> dict[str, Any]:
+    if archive.getinfo(_MANIFEST).file_size > _MOST_MANIFEST_BYTES:
+        raise ValueError("its manifest is too large")
+    manifest = json.loads(archive.read(_MANIFEST))
+    version = manifest.get("format_version") if isinstance(manifest, dict) else None
+    if not isinstance(manifest, dict) or manifest.get("format") != FORMAT or type(version) is not int or version < 1:
+        raise ValueError("its manifest is another program's")
+    if version > FORMAT_VERSION:
+        raise UserError(
+            f"map {path} is of format version {version}, this lpslam reads up to {FORMAT_VERSION}: update lpslam"
+        )
+    return manifest
+
+
+def _write_members(
+    file: BinaryIO, manifest: dict[str, Any], documents: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]
+) -> None:
+    with zipfile.ZipFile(file, "w") as archive:
+        _write_member(archive, _MANIFEST, _json_bytes(manifest))
+        for name in sorted(documents):
+            _write_member(archive, f"{_DOCUMENTS}{_checked_name(name)}.json", _json_bytes(documents[name]))
+        for name in sorted(arrays):
+            buffer = io.BytesIO()
+            np.save(buffer, np.asarray(arrays[name], order="C"), allow_pickle=False)
+            _write_member(archive, f"{_ARRAYS}{_checked_name(name)}.npy", buffer.getvalue())
+
+
+def _write_member(archive: zipfile.ZipFile, name: str, data: bytes) -> None:
+    info = zipfile.ZipInfo(name, _DATE)
+    info.create_system = 3
+    info.external_attr = 0o644 << 16
+    # The fastest level: descriptors hardly shrink, and saving must not hold up a robot.
+    archive.writestr(info, data, zipfile.ZIP_DEFLATED, compresslevel=1)
+
+
+def _json_bytes(value: Any) -> bytes:
+    return json.dumps(value, ensure_ascii=False, separators=(",", ":")).encode("utf-8", "surrogatepass")
+
+
+def _checked_name(name: str) -> str:
+    if not re.fullmatch(r"[\w.-]+", name, re.ASCII):
+        raise ValueError(f"{name!r} is no name for a part of a map")
+    return name
+
+
+def _sync_folder(folder: Path) -> None:
+    """Make the rename itself survive a power cut, where the system can."""
+    if not hasattr(os, "O_DIRECTORY"):
+        return
+    try:
+        handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    except OSError:
+        return
+    try:
+        os.fsync(handle)
+    except OSError:
+        pass
+    finally:
+        os.close(handle)
