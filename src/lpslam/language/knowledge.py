@@ -79,7 +79,7 @@ def load_knowledge() -> Knowledge:
     """Read every table of the package (about 0.3 s, once a process)."""
     kinds = _read("lexicon/kinds.json")
     han = _read("lexicon/han.json")
-    folder = Folder(han["traditional"], han["simplified"])
+    folder = Folder(han["traditional"], han["simplified"], han["lookalikes"])
     lexicons = {language: _read(f"lexicon/{language}.json") for language in HAND_WRITTEN}
     makers = _read("lexicon/makers.json")
     gazetteer = json.loads(lzma.decompress((files("lpslam.language") / "data" / "gazetteer.json.xz").read_bytes()))
@@ -162,7 +162,7 @@ def _with_cuisine(kind: str, kinds: Mapping[str, Any]) -> list[str]:
     top, _, last = kind.rpartition("/")
     if top not in ("amenity/restaurant", "amenity/fast_food", "amenity/cafe"):
         return [kind]
-    return [kind, f"cuisine/{kinds['cuisine_kinds'].get(last, last)}"]
+    return [kind, kinds["cuisine_kinds"].get(last, f"cuisine/{last}")]
 
 
 def _known_names(
@@ -183,13 +183,18 @@ def _known_names(
     for lexicon in lexicons:
         for text in _split(lexicon.get("sign_warning", "")):
             add(text, "warning", (("sign/warning", 1.0),), text)
+        for kind, joined in lexicon["means"].items():
+            # Goods and wants are no names; kinds of place and of facility are what signs are painted with.
+            if "/" in kind and not kind.startswith("sign"):
+                for text in _split(joined):
+                    add(text, "word", ((kind, _BY_HAND),), text)
     for joined, kinds_of in makers["makers"].items():
         names = _split(joined)
         for name in names:
             add(name, "brand", tuple(kinds_of.items()), names[0])
     for joined, kinds_of, cuisines in sorted(gazetteer["brands"], key=lambda row: -row[0].count("|")):
         names = _split(joined)
-        found = [*kinds_of, *(f"cuisine/{kinds['cuisine_kinds'].get(cuisine, cuisine)}" for cuisine in cuisines)]
+        found = [*kinds_of, *(kinds["cuisine_kinds"].get(cuisine, f"cuisine/{cuisine}") for cuisine in cuisines)]
         for name in names:
             add(name, "brand", tuple((kind, 1.0) for kind in dict.fromkeys(found)), names[0])
     for by_kind in gazetteer["names"].values():

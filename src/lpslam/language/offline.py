@@ -7,21 +7,19 @@ and it rather chooses nothing than guesses.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from rapidfuzz.distance import Levenshtein
-
 from lpslam.language.knowledge import Knowledge, load_knowledge
 from lpslam.language.model import Candidate, Choice, Judgement, Naming, Reading
-from lpslam.language.naming import cased_like, painted_like, vote
+from lpslam.language.naming import Vote, cased_like, painted_like, vote
 from lpslam.language.nearest import allowed_edits
 from lpslam.language.question import Wish, read_question, spoken_key
 from lpslam.language.sanitise import clean_text
 from lpslam.language.signs import SignMeaning, SignReader
 
-_CHOICE_FLOOR = 0.4  # a landmark that serves the wish less than this is not offered
+_CHOICE_FLOOR = 0.45  # a landmark that serves the wish less than this is not offered
 _NAME_GUESS = 0.55  # how sure we are that an unknown proper name in a mall is a shop
 _SUBSTITUTE = 0.8  # a kind asked for by name may be replaced by one that sells the same, a little less surely
 _SIDE_REFUSED = 0.5  # a place that also serves what is refused
-_UNANIMOUS = 0.8
+_SETTLED = 0.6  # a spelling with more than this share of the readings is not corrected
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,25 +48,36 @@ class OfflineModel:
         voted = vote(readings)
         if not voted.text:
             return Naming("", 0.0, "no reading has a character in it", self.model)
-        folder = self._knowledge.folder
-        key = folder.key(voted.text)
+        by_vote = Naming(voted.text, voted.agreement, "letter by letter, most readings say so", self.model)
+        fold = self._knowledge.folder
+        key = fold.key(voted.text)
         nearest = self._signs.nearest(key)
-        if nearest is None:
-            return Naming(voted.text, voted.agreement, "letter by letter, most readings say so", self.model)
-        distance, known = nearest
-        if distance == 0:
-            # Only spaces and punctuation differ: those of the known name hold, the letters as they are painted.
-            name = painted_like(known.painted, voted.text) if known.source != "brand" else voted.text
+        if len(nearest) != 1:
+            return by_vote
+        distance, known = nearest[0]
+        known_key = fold.key(known.painted)
+        if key == known_key:
+            # Only spaces and punctuation may differ: a warning's words are set apart, a brand stays as it is painted.
+            name = voted.text if known.source == "brand" else painted_like(known.painted, voted.text)
             return Naming(name, max(voted.agreement, 0.9), f"the readings agree on {known.painted}", self.model)
-        known_key = folder.key(known.painted)
-        spelt_so = sum(weight for text, weight in voted.readings if folder.key(text) == known_key)
-        nearest_reading = min(Levenshtein.distance(folder.key(text), known_key) for text, _ in voted.readings)
-        if spelt_so == 0.0 and (voted.agreement >= _UNANIMOUS and len(voted.readings) == 1):
-            return Naming(voted.text, voted.agreement, "the only spelling that was read", self.model)
-        if nearest_reading > allowed_edits(known_key) // 2 + (distance == 1) - 1 + 1:
-            return Naming(voted.text, voted.agreement, "letter by letter, most readings say so", self.model)
+        if distance > 0 and not self._may_correct(voted, key, known_key, distance):
+            return by_vote
         name = cased_like(known.painted, voted.text)
         return Naming(name, 0.7 * voted.agreement + 0.2, f"the readings are nearest to {known.painted}", self.model)
+
+    def _may_correct(self, voted: Vote, key: str, known_key: str, distance: int) -> bool:
+        """Whether the readings leave room for a known name that the vote did not give.
+
+        A spelling that most readings share may be the name of another place; one that few share was misread.
+        """
+        fold = self._knowledge.folder
+        weights = [(fold.key(text), weight) for text, weight in voted.readings]
+        total = sum(weight for _, weight in weights)
+        as_voted = sum(weight for text, weight in weights if text == key)
+        as_known = sum(weight for text, weight in weights if text == known_key)
+        if as_voted > _SETTLED * total:
+            return False
+        return as_known > 0.0 or distance <= max(1, allowed_edits(known_key) // 2)
 
     def judge(self, names: Sequence[str], question: str) -> list[Judgement]:
         """Say for each name apart whether its words make it what the question asks for (III-G)."""
@@ -93,14 +102,16 @@ class OfflineModel:
     def choose(self, question: str, landmarks: Sequence[Candidate]) -> Choice:
         """Choose the landmark whose kinds serve the wish best; none rather than one that does not (III-I)."""
         signs = {landmark.id: self._sign_of(landmark) for landmark in landmarks}
-        wish = read_question(question, self._knowledge, self._names(landmarks, signs))
+        names = self._names(landmarks, signs)
+        brands = self._signs.brands_in(clean_text(question))
+        wish = read_question(question, self._knowledge, {**brands, **names})
         if wish.language is None:
             return Choice(None, 0.0, "the question is in no language that the embedded model reads", self.model)
         excluded = set(wish.refused_names)
         named = [mark.id for mark in landmarks if str(mark.id) in wish.wanted_names and str(mark.id) not in excluded]
         if named:
             return Choice(named[0], 0.95, "the question names it", self.model, tuple(named[1:]))
-        if not wish.wanted:
+        if not wish.wanted and not wish.wanted_names:
             return Choice(None, 0.0, "the question names nothing that a known kind of place offers", self.model)
         served = {mark.id: self._serve(wish, signs[mark.id]) for mark in landmarks if str(mark.id) not in excluded}
         ranked = sorted(served, key=lambda id_: (-served[id_].score, id_))
@@ -113,6 +124,15 @@ class OfflineModel:
         sign = signs[chosen]
         evidence = f"asked for {asked}; {sign.evidence} ({', '.join(served[chosen].reasons)})"
         return Choice(chosen, round(min(served[chosen].best, 0.99), 3), evidence, self.model, tuple(fitting[1:6]))
+
+    def _without_brand(self, identity: str, signs: dict[int, SignMeaning]) -> Choice:
+        kinds = self._signs.read(identity).kinds
+        likeness = {
+            id_: max((weight * self._is(kind, sign) for kind, weight in kinds), default=0.0)
+            for id_, sign in signs.items()
+        }
+        others = sorted((id_ for id_ in likeness if likeness[id_] >= 0.5), key=lambda id_: (-likeness[id_], id_))
+        return Choice(None, 0.8, f"{identity} is not on this map", self.model, tuple(others[:5]))
 
     def _sign_of(self, landmark: Candidate) -> SignMeaning:
         sign = self._signs.read(landmark.name)
@@ -134,7 +154,7 @@ class OfflineModel:
                 continue
             for text in (landmark.name, *self._other_names(signs[landmark.id])):
                 phrase = folder.phrase(clean_text(text))
-                if spoken_key(phrase) and phrase not in self._knowledge.painted:
+                if spoken_key(phrase) and (signs[landmark.id].identity or phrase not in self._knowledge.painted):
                     names.setdefault(phrase, str(landmark.id))
         return names
 
@@ -147,9 +167,10 @@ class OfflineModel:
         special = [concept for concept, weight in wish.wanted if weight >= 0.5]
         best = max((matches[concept] for concept in special or matches), default=0.0)
         for concept in wish.refused:
-            if self._is(concept, sign) >= 0.4:
+            own = self._is(concept, sign)
+            if own >= 0.4 and not self._is_also_another(concept, own, sign):
                 return _Served(0.0, 0.0, ())
-            if self._match(concept, sign) >= 0.7:
+            if own >= 0.4 or self._match(concept, sign) >= 0.7:
                 score, best = _SIDE_REFUSED * score, best if score > 0.5 else _SIDE_REFUSED * best
         reasons = tuple(concept for concept, match in matches.items() if match >= _CHOICE_FLOOR)
         return _Served(score, best, reasons)
@@ -157,6 +178,14 @@ class OfflineModel:
     def _is(self, concept: str, sign: SignMeaning) -> float:
         """How surely the sign is the concept itself or a kind of it."""
         return max((weight for kind, weight in sign.kinds if concept in self._knowledge.above(kind)), default=0.0)
+
+    def _is_also_another(self, concept: str, weight: float, sign: SignMeaning) -> bool:
+        """Whether the place is as surely another kind beside the refused one (pizza and burgers)."""
+        top = concept.partition("/")[0]
+        return any(
+            other >= weight and kind.partition("/")[0] == top and concept not in self._knowledge.above(kind)
+            for kind, other in sign.kinds
+        )
 
     def _match(self, concept: str, sign: SignMeaning) -> float:
         """How well the place behind the sign serves the concept: it is one, or it offers it."""

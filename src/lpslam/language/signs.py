@@ -39,6 +39,9 @@ class SignReader:
         self._knowledge = knowledge
         self._fold = knowledge.folder
         self._nearest = NearestNames(knowledge.known)
+        self._skeletons: dict[str, Known] = {}
+        for key, known in knowledge.known.items():
+            self._skeletons.setdefault(self._fold.skeleton(key), known)
         self._starts = tuple(
             start.replace(" ", "") for start in knowledge.warning_starts if len(start) >= 6 or is_unspaced(start)
         )
@@ -62,20 +65,39 @@ class SignReader:
         """Return every name under which a brand is known."""
         return self._names.get(identity, ())
 
-    def nearest(self, key: str) -> tuple[int, Known] | None:
-        """Return the one known name nearest to `key` within the edits its length allows, with the distance."""
-        exact = self._knowledge.known.get(key)
-        if exact is not None:
-            return 0, exact
-        near = self._nearest.near(key, allowed_edits(key))
-        if not near or (len(near) > 1 and near[1][0] == near[0][0] and not self._agree(near)):
-            return None
-        return near[0][0], self._knowledge.known[near[0][1]]
+    def brands_in(self, question: str) -> dict[str, str]:
+        """Return {phrase: identity} of the brands that a question mentions; a plain word of the language is none."""
+        fold, spoken = self._fold, self._knowledge.spoken
+        units = fold.units(question)
+        capital = {unit for word in question.split()[1:] if word[:1].isupper() for unit in fold.units(word)}
+        found: dict[str, str] = {}
+        for at in range(len(units)):
+            for end in range(at + 1, min(len(units), at + 6) + 1):
+                phrase, key = " ".join(units[at:end]), "".join(units[at:end])
+                if (is_unspaced(key) and len(key) < 3) or (not is_unspaced(key) and units[at] not in capital):
+                    continue
+                known = self._known_brand(key)
+                if known is not None and not any(phrase in table for table in spoken.values()):
+                    found[phrase] = known.identity
+        return found
 
-    def _agree(self, near: Sequence[tuple[int, str]]) -> bool:
-        """Whether all the nearest names mean the same: then it does not matter which of them was painted."""
-        nearest = [self._knowledge.known[key] for distance, key in near if distance == near[0][0]]
-        return len({known.kinds for known in nearest}) == 1
+    def nearest(self, key: str) -> list[tuple[int, Known]]:
+        """Return (edits, known name) of the names nearest to `key`: an exact or look-alike one, or all at one distance.
+
+        Empty where none is within the edits that the length allows.
+        """
+        exact = self._knowledge.known.get(key)
+        if exact is None and len(key) > 2:
+            exact = self._skeletons.get(self._fold.skeleton(key))
+        if exact is not None:
+            return [(0, exact)]
+        near = self._nearest.near(key, allowed_edits(key))
+        return [(distance, self._knowledge.known[other]) for distance, other in near if distance == near[0][0]]
+
+    def _nearest_meaning(self, key: str) -> tuple[int, Known] | None:
+        """Return a nearest name if all of them mean the same: then it does not matter which of them was painted."""
+        near = self.nearest(key)
+        return near[0] if len({known.kinds for _, known in near}) == 1 else None
 
     def _read_part(self, text: str) -> SignMeaning:
         key = self._fold.key(text)
@@ -97,12 +119,12 @@ class SignReader:
             known, share = brand
             return _of_known(known, 0.9 * share, f"“{text}” begins with {known.painted}", kinds)
         places = {kind: weight for kind, weight in kinds.items() if not kind.startswith("sign")}
-        if _SLOGAN in kinds and (not places or len(units) > 4):
+        if _SLOGAN in kinds and (not places or len(units) > 4 or _is_mostly_slogan(spans)):
             return SignMeaning(((_SLOGAN, 0.8),), f"“{text}” has words of a slogan or notice")
         if places and (exact is not None or _covered(spans, units) >= 0.3):
             said = ", ".join(span.key for span in spans)
             return SignMeaning(tuple(self._offered(places).items()), f"“{text}” says {said}")
-        near = self.nearest(key)
+        near = self._nearest_meaning(key)
         if near is not None:
             distance, known = near
             sure = 0.9 - 0.1 * distance
@@ -156,7 +178,7 @@ class SignReader:
         for end in range(len(words) - 1, 2, -1):
             head = "".join(words[:end])
             if is_unspaced(head) and any(span.start >= end for span in spans):
-                near = self.nearest(head)
+                near = self._nearest_meaning(head)
                 if near is not None and near[1].source == "brand":
                     return near[1], 0.8
         return None
@@ -189,6 +211,11 @@ def _weigh(spans: Sequence[Span[Meaning]]) -> dict[str, float]:
         for kind, weight in span.value.concepts:
             kinds[kind] = max(weight, kinds.get(kind, 0.0))
     return kinds
+
+
+def _is_mostly_slogan(spans: Sequence[Span[Meaning]]) -> bool:
+    slogan = sum(any(kind == _SLOGAN for kind, _ in span.value.concepts) for span in spans)
+    return 2 * slogan > len(spans)
 
 
 def _covered(spans: Sequence[Span[Meaning]], units: Sequence[str]) -> float:

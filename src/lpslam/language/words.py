@@ -32,10 +32,14 @@ class Span(Generic[Value]):
 
 
 class Folder:
-    """Folds case, accents, width and traditional characters away; holds the table of characters."""
+    """Folds case, accents, width and traditional characters away; holds the tables of characters.
 
-    def __init__(self, traditional: str = "", simplified: str = "") -> None:
+    `lookalikes` are pairs of letters that readers of signs confuse, separated by spaces ("0o 1l").
+    """
+
+    def __init__(self, traditional: str = "", simplified: str = "", lookalikes: str = "") -> None:
         self._han = str.maketrans(traditional, simplified)
+        self._alike = {ord(pair[0]): pair[1] for pair in lookalikes.split()}
 
     def fold(self, text: str) -> str:
         """Return `text` as it is compared: NFKC, no case, no accents, simplified characters, `'` for apostrophes."""
@@ -48,6 +52,10 @@ class Folder:
     def key(self, text: str) -> str:
         """Return the letters and digits of `text` alone: what stays when spaces and punctuation were misread."""
         return _NOT_LETTER.sub("", self.fold(text))
+
+    def skeleton(self, key: str) -> str:
+        """Return what is left of a key when letters that look alike count as one."""
+        return key.translate(self._alike).replace("vv", "w").replace("rn", "m")
 
     def units(self, text: str) -> list[str]:
         """Return the units of `text` in order; punctuation marks are units of their own."""

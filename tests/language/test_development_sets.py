@@ -1,0 +1,54 @@
+"""The embedded model on this project's own signs and questions, with floors that a change must not fall below."""
+
+import time
+from pathlib import Path
+
+import pytest
+
+from lpslam.evaluation.language import LanguageCases, read_cases, score_language
+from lpslam.language.model import Candidate
+from lpslam.language.offline import OfflineModel
+
+SETS = Path(__file__).parents[2] / "benchmarks" / "language"
+
+
+@pytest.fixture(scope="module")
+def model() -> OfflineModel:
+    return OfflineModel()
+
+
+@pytest.fixture(scope="module")
+def cases() -> LanguageCases:
+    return read_cases(SETS / "development.json")
+
+
+def test_the_sets_are_large_enough_to_mean_something(cases: LanguageCases) -> None:
+    assert sum(len(case.expected) for case in cases.judging) >= 60
+    assert len(cases.choosing) >= 60
+    assert sum(not case.expected for case in cases.choosing) >= 12
+
+
+def test_floors(model: OfflineModel, cases: LanguageCases) -> None:
+    score = score_language(model, cases)
+    named, judged, chosen = (right / total for right, total in (score.naming, score.judging, score.choosing))
+    assert named >= 0.9, score.misses
+    assert judged >= 0.95, score.misses
+    assert chosen >= 0.95, score.misses
+
+
+def test_what_nothing_serves_is_answered_with_none(model: OfflineModel, cases: LanguageCases) -> None:
+    unserved = [case for case in cases.choosing if not case.expected]
+    score = score_language(model, LanguageCases(choosing=tuple(unserved)))
+    assert score.choosing[0] >= 0.9 * len(unserved), score.misses
+
+
+def test_answers_are_quick_at_hundreds_of_landmarks(model: OfflineModel, cases: LanguageCases) -> None:
+    names = [name for case in cases.judging for name in case.expected]
+    landmarks = [Candidate(id_, f"{names[id_ % len(names)]} {id_ // len(names) or ''}") for id_ in range(400)]
+    model.choose("Where can I eat pizza?", landmarks)
+    times = []
+    for question in ("I'm thirsty", "我想买手机", "ピアノを買いたい", "Where is the toilet?", "Ich habe Hunger"):
+        start = time.process_time()
+        model.choose(question, landmarks)
+        times.append(time.process_time() - start)
+    assert sorted(times)[len(times) // 2] < 0.06
