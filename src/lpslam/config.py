@@ -70,6 +70,8 @@ class MemoryConfig(_Section):
 
     # Eq. 3 similarity from which two texts are held to be homologous.
     similarity: float = Field(default=0.6, ge=0, le=1)
+    # The same for texts read at a spot where the class was read before: being there is evidence too.
+    similarity_in_place: float = Field(default=0.4, ge=0, le=1)
     # Score at which a class moves to long-term memory; a sighting adds its confidence, so three sure ones are enough.
     promotion: float = Field(default=2.3, gt=0)
     # Largest score, so that what was looked at for long can still be forgotten.
@@ -249,7 +251,7 @@ class SimulationConfig(_Section):
     # How many signs repeat the words of another one.
     duplicates: int = Field(default=0, ge=0)
     # Shutter time in good light, seconds; in the dark it doubles.
-    exposure_time: float = Field(default=0.008, ge=0.0, le=0.03)
+    exposure_time: float = Field(default=0.006, ge=0.0, le=0.03)
     # Noise, vignetting, exposure drift and depth errors; off for tests of geometry.
     sensor_noise: bool = True
 

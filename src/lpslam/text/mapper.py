@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.camera import PinholeCamera
+from lpslam.camera import PinholeCamera, inverse_transform
 from lpslam.config import ReadingConfig, TextConfig
 from lpslam.frames import RgbdFrame
 from lpslam.language.model import LanguageModel
@@ -15,9 +15,12 @@ from lpslam.slam.state import TrackedFrame
 from lpslam.text.memory import Pool, TextClass
 from lpslam.text.naming import name_class, needs_name
 from lpslam.text.placement import PlacementFault, place_text
+from lpslam.text.spots import Spots
 from lpslam.text.spotting import TextSpotter, accepted_texts, letter_heights, touches_border
 from lpslam.text.text_map import TextMap
 from lpslam.text.types import BoxFate, FrameReading, SpottedText, TextObservation, TextStatistics
+
+Array = NDArray[np.float64]
 
 
 class TextMapper:
@@ -45,6 +48,7 @@ class TextMapper:
         self._config = config
         self._language = language
         self._gate = ReadingGate(config.reading)
+        self._spots = Spots()
 
     def observe(self, frame: RgbdFrame, tracked: TrackedFrame) -> FrameReading | None:
         """Take one frame: let memory fade, and read the frame if its turn has come.
@@ -58,7 +62,7 @@ class TextMapper:
         """
         self.statistics.frames_seen += 1
         self.text_map.memory.forget(frame.timestamp)
-        if tracked.keyframe_from_camera is None:
+        if tracked.keyframe_from_camera is None or tracked.world_from_camera is None:
             self.statistics.frames_untracked += 1
             return None
         if not self._gate.is_due(frame.timestamp):
@@ -70,15 +74,15 @@ class TextMapper:
 
         boxes, fates, texts = self._read(frame.rgb)
         started = perf_counter()
-        observations = [
-            observation
-            for text in texts
-            if (observation := self._remember(text, frame, tracked.keyframe, tracked.keyframe_from_camera))
-        ]
+        poses = (
+            tracked.keyframe_from_camera,
+            tracked.world_from_camera @ inverse_transform(tracked.keyframe_from_camera),
+        )
+        remembered = [self._remember(text, frame, tracked.keyframe, *poses) for text in texts]
         self.statistics.mapping_ms += 1000.0 * (perf_counter() - started)
-        return FrameReading(frame.index, boxes, tuple(fates), tuple(texts), tuple(observations))
+        return FrameReading(frame.index, boxes, tuple(fates), tuple(texts), tuple(filter(None, remembered)))
 
-    def _read(self, rgb: NDArray[np.uint8]) -> tuple[NDArray[np.float64], list[BoxFate], list[SpottedText]]:
+    def _read(self, rgb: NDArray[np.uint8]) -> tuple[Array, list[BoxFate], list[SpottedText]]:
         """Detect, drop what is cut off or too small, recognise the rest."""
         self.statistics.frames_read += 1
         boxes, fates, texts = np.zeros((0, 4, 2)), np.zeros(0, dtype=object), list[SpottedText]()
@@ -112,23 +116,33 @@ class TextMapper:
         return boxes, fates.tolist(), texts
 
     def _remember(
-        self, text: SpottedText, frame: RgbdFrame, keyframe: int, keyframe_from_camera: NDArray[np.float64]
+        self,
+        text: SpottedText,
+        frame: RgbdFrame,
+        keyframe: int,
+        keyframe_from_camera: Array,
+        world_from_keyframe: Array,
     ) -> TextObservation | None:
-        """Classify and strengthen (III-C, III-D), name what has become long-term (III-E), place it (III-F)."""
-        text_class = self.text_map.memory.sight(text.text, text.confidence, frame.timestamp)
-        if text_class.pool is Pool.LONG_TERM and needs_name(text_class):
-            self._name(text_class)
-
-        placement = place_text(text.box, frame.depth, self._camera, keyframe_from_camera, self._config.placement)
+        """Place a text (III-F), classify and strengthen it (III-C, III-D), name what has become long-term (III-E)."""
+        memory, config = self.text_map.memory, self._config.placement
+        placement = place_text(text.box, frame.depth, self._camera, keyframe_from_camera, config)
         if isinstance(placement, PlacementFault):
             self.statistics.observations_without_depth += 1
+            self._name_if_due(memory.sight(text.text, text.confidence, frame.timestamp))
             return None
+
+        here = self._spots.classes_at(placement, world_from_keyframe)
+        text_class = memory.sight(text.text, text.confidence, frame.timestamp, here)
         observation = TextObservation(frame.index, frame.timestamp, keyframe, text.text, text.confidence, placement)
         text_class.observations.append(observation)
+        self._spots.add(text_class.id, placement, world_from_keyframe)
+        self._name_if_due(text_class)
         self.statistics.observations += 1
         return observation
 
-    def _name(self, text_class: TextClass) -> None:
+    def _name_if_due(self, text_class: TextClass) -> None:
+        if text_class.pool is not Pool.LONG_TERM or not needs_name(text_class):
+            return
         if not name_class(text_class, self._language, self._config.spotting.max_length):
             self.statistics.language_errors += 1
 

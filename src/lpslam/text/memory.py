@@ -6,6 +6,7 @@ never enters the map.
 """
 
 from collections import deque
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from enum import StrEnum
 
@@ -133,12 +134,17 @@ class LongShortTermMemory:
             self.forgotten_count += 1
             self.forgotten.append(ForgottenClass(text_class.id, text_class.name, tuple(text_class.history)))
 
-    def sight(self, text: str, confidence: float, timestamp: float) -> TextClass:
+    def sight(self, text: str, confidence: float, timestamp: float, here: Collection[int] = ()) -> TextClass:
         """Classify a reading by similarity (III-C) and strengthen its class; a text like no other founds one.
 
         Call `forget` with the same time first.
+
+        Args:
+            text, confidence: as read.
+            timestamp: seconds.
+            here: ids of classes read before at the spot of this text; less similarity is asked of them.
         """
-        text_class = self._classify(text) or self._found(timestamp)
+        text_class = self._classify(text, here) or self._found(timestamp)
         variant = text_class.variants.setdefault(text, Variant())
         variant.count += 1
         variant.confidence += confidence
@@ -155,9 +161,12 @@ class LongShortTermMemory:
             self._promote(text_class, timestamp)
         return text_class
 
-    def _classify(self, text: str) -> TextClass | None:
+    def _classify(self, text: str, here: Collection[int]) -> TextClass | None:
         known = {each.id: [reading.text for reading in each.readings[:_LEADING_SPELLINGS]] for each in self.classes}
         identifier = best_class(text, known, self.config.similarity)
+        if identifier is None:
+            known_here = {key: spellings for key, spellings in known.items() if key in here}
+            identifier = best_class(text, known_here, self.config.similarity_in_place)
         if identifier is None:
             return None
         return self.long_term.get(identifier) or self.short_term[identifier]

@@ -1,0 +1,53 @@
+"""Which classes have been read at a spot in the world.
+
+The similarity of strings says which readings may be homologous; that they were read at the same spot is evidence of
+another kind, and lets readings join a class that resemble it less.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.camera import transform_points
+from lpslam.text.types import Placement
+
+Array = NDArray[np.float64]
+
+# Sightings remembered; the oldest go first. Positions are those of the time, so old ones may be out of place.
+_CAPACITY = 4096
+
+# Texts overlap when their middles are nearer than this share of the longer along the line, and of the higher across.
+_ALONG_SHARE = 0.5
+_ACROSS_SHARE = 0.6
+
+
+class Spots:
+    """A table of sightings: class, position and size in the world as it was known then."""
+
+    def __init__(self) -> None:
+        self._classes = np.zeros(0, np.int64)
+        self._positions = np.zeros((0, 3))
+        self._sizes = np.zeros((0, 2))
+
+    def classes_at(self, placement: Placement, world_from_keyframe: Array) -> set[int]:
+        """The classes read before where this text stands."""
+        position, baseline = _in_world(placement, world_from_keyframe)
+        offsets = self._positions - position
+        along = offsets @ baseline
+        across = np.linalg.norm(offsets - along[:, None] * baseline, axis=1)
+        lengths = np.maximum(self._sizes[:, 0], placement.width)
+        heights = np.maximum(self._sizes[:, 1], placement.height)
+        here = (np.abs(along) < _ALONG_SHARE * lengths) & (across < _ACROSS_SHARE * heights)
+        return set(self._classes[here].tolist())
+
+    def add(self, identifier: int, placement: Placement, world_from_keyframe: Array) -> None:
+        """Note a sighting of a class."""
+        position, _ = _in_world(placement, world_from_keyframe)
+        size = [placement.width, placement.height]
+        self._classes = np.append(self._classes, identifier)[-_CAPACITY:]
+        self._positions = np.vstack([self._positions, position])[-_CAPACITY:]
+        self._sizes = np.vstack([self._sizes, size])[-_CAPACITY:]
+
+
+def _in_world(placement: Placement, world_from_keyframe: Array) -> tuple[Array, Array]:
+    position = transform_points(world_from_keyframe, np.array([placement.position]))[0]
+    return position, world_from_keyframe[:3, :3] @ np.array(placement.baseline)

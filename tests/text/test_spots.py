@@ -1,0 +1,46 @@
+import numpy as np
+import pytest
+
+from lpslam.config import MemoryConfig
+from lpslam.text.memory import LongShortTermMemory
+from lpslam.text.spots import Spots
+from lpslam.text.types import Placement
+
+
+def standing(x: float, y: float, width: float = 1.0, height: float = 0.2) -> Placement:
+    return Placement((x, y, 3.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0), width, height, 0.01)
+
+
+@pytest.mark.parametrize(
+    ("placement", "here"),
+    [
+        (standing(0.05, 0.02), True),
+        (standing(-0.25, 0.0, width=0.5), True),  # a piece of it
+        (standing(0.0, 0.25), False),  # the next line of the board
+        (standing(1.1, 0.0), False),  # its neighbour
+    ],
+)
+def test_a_spot_is_where_texts_overlap(placement: Placement, here: bool) -> None:
+    spots = Spots()
+    spots.add(7, standing(0.0, 0.0), np.eye(4))
+    assert spots.classes_at(placement, np.eye(4)) == ({7} if here else set())
+
+
+def test_spots_are_in_the_world() -> None:
+    spots = Spots()
+    assert spots.classes_at(standing(0.0, 0.0), np.eye(4)) == set()
+    spots.add(7, standing(0.0, 0.0), np.eye(4))
+    # The next keyframe stands two metres to the right, and sees the same sign two metres to the left.
+    world_from_keyframe = np.eye(4)
+    world_from_keyframe[0, 3] = 2.0
+    assert spots.classes_at(standing(-2.0, 0.0), world_from_keyframe) == {7}
+    assert spots.classes_at(standing(0.0, 0.0), world_from_keyframe) == set()
+
+
+def test_a_poor_reading_joins_the_class_of_its_spot_only() -> None:
+    memory = LongShortTermMemory(MemoryConfig())
+    first = memory.sight("STARBUCKS", 0.9, 0.0)
+    assert memory.sight("STARB", 0.9, 0.2, here={first.id}) is first
+    assert memory.sight("STARB", 0.9, 0.4) is first  # by now a known spelling
+    assert memory.sight("TARBU", 0.9, 0.6, here={99}).id == first.id  # as like that spelling
+    assert memory.sight("GUCCI", 0.9, 0.8, here={first.id}) is not first
