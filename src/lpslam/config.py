@@ -269,8 +269,29 @@ class EvaluationConfig(_Section):
     readable_frames: int = Field(default=10, ge=0)
 
 
+class LanguageConfig(_Section):
+    """How a chat model is asked; the embedded model needs none of it."""
+
+    # Seconds to wait for one answer; a local model on a slow machine needs its time.
+    timeout_s: float = Field(default=60.0, gt=0)
+    # Times that a busy or failing server is asked before the embedded model answers.
+    attempts: int = Field(default=3, ge=1)
+    # Seconds before the second attempt; doubles with each further one.
+    backoff_s: float = Field(default=1.0, ge=0)
+    # Names judged in one request: long lists are answered less carefully.
+    names_per_call: int = Field(default=40, ge=1)
+    # Other readings of a landmark that are sent along.
+    aliases_sent: int = Field(default=4, ge=0)
+    # Longest question sent, code points.
+    question_length: int = Field(default=400, ge=1)
+    # Eq. 3 similarity that a chosen name must have with some reading: a model chooses, it does not invent.
+    name_similarity: float = Field(default=0.5, ge=0, le=1)
+
+
 class Config(_Section):
     """The whole tree."""
+
+    language: LanguageConfig = LanguageConfig()
 
     evaluation: EvaluationConfig = EvaluationConfig()
 
