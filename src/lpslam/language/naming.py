@@ -86,7 +86,7 @@ def painted_like(known: str, seen: str) -> str:
 
 
 def cased_like(known: str, seen: str) -> str:
-    """Return `known` in capitals, or in small letters, where the letters of `seen` are nearly all so."""
+    """Return `known` in capitals, in small letters or with capital heads, as the letters of `seen` mostly are."""
     letters = [ch for ch in seen if ch.isalpha() and ch.upper() != ch.lower()]
     if not letters:
         return known
@@ -95,4 +95,6 @@ def cased_like(known: str, seen: str) -> str:
         return known.upper()
     if upper == 0.0:
         return known.lower()
+    if known.isupper() and upper < 0.5:
+        return known.title()
     return known if any(ch.isupper() for ch in known) else known.title().replace("'S", "'s").replace("'T", "'t")

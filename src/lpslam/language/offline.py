@@ -7,13 +7,13 @@ and it rather chooses nothing than guesses.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from lpslam.language.knowledge import Knowledge, load_knowledge
+from lpslam.language.knowledge import load_knowledge
 from lpslam.language.model import Candidate, Choice, Judgement, Naming, Reading
 from lpslam.language.naming import Vote, cased_like, painted_like, vote
 from lpslam.language.nearest import allowed_edits
 from lpslam.language.question import Wish, read_question, spoken_key
 from lpslam.language.sanitise import clean_text
-from lpslam.language.signs import SignMeaning, SignReader
+from lpslam.language.signs import SignMeaning, load_sign_reader
 
 _CHOICE_FLOOR = 0.45  # a landmark that serves the wish less than this is not offered
 _NAME_GUESS = 0.55  # how sure we are that an unknown proper name in a mall is a shop
@@ -34,9 +34,9 @@ class _Served:
 class OfflineModel:
     """The embedded `LanguageModel`."""
 
-    def __init__(self, knowledge: Knowledge | None = None) -> None:
-        self._knowledge = knowledge or load_knowledge()
-        self._signs = SignReader(self._knowledge)
+    def __init__(self) -> None:
+        self._knowledge = load_knowledge()
+        self._signs = load_sign_reader()
 
     @property
     def model(self) -> str:

@@ -1,16 +1,28 @@
-"""Which language model a specification means; a new model is one line here."""
+"""Which language model a specification means; a new kind of model is a few lines here and a file of its own."""
 
+from lpslam.config import LanguageConfig
 from lpslam.errors import UserError
 from lpslam.language.model import LanguageModel
 
 
-def language_model(spec: str | None = None) -> LanguageModel:
-    """Return the model for `spec`: None or "offline" is the embedded one; see `docs/language.md` for the others.
+def language_model(spec: str | None = None, config: LanguageConfig | None = None) -> LanguageModel:
+    """Return the model for `spec`.
 
-    Raises `UserError` for a specification that means nothing.
+    None or "offline": the embedded model. "openai:MODEL", "ollama:MODEL" or "URL#MODEL": a chat model behind an
+    OpenAI-compatible endpoint, with the embedded model to fall back on. Raises `UserError` for anything else.
     """
-    if spec is None or spec.strip().lower() in ("", "offline"):
-        from lpslam.language.offline import OfflineModel
+    from lpslam.language.offline import OfflineModel
 
+    wanted = (spec or "offline").strip()
+    if wanted.lower() == "offline":
         return OfflineModel()
-    raise UserError(f"language model '{spec}' is not known: use offline, openai:MODEL, ollama:MODEL or URL#MODEL")
+
+    from lpslam.language.endpoint import Endpoint
+
+    endpoint = Endpoint.from_spec(wanted)
+    if endpoint is None:
+        raise UserError(f"language model '{wanted}' is not known: use offline, openai:MODEL, ollama:MODEL or URL#MODEL")
+
+    from lpslam.language.chat import ChatModel
+
+    return ChatModel(endpoint, OfflineModel(), config)

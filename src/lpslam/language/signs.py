@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
-from lpslam.language.knowledge import Knowledge, Known, Meaning
+from lpslam.language.knowledge import Knowledge, Known, Meaning, load_knowledge
 from lpslam.language.nearest import NearestNames, allowed_edits
 from lpslam.language.sanitise import clean_text
 from lpslam.language.words import Span, is_mark, is_unspaced, longest_phrases
@@ -195,6 +195,12 @@ class SignReader:
                 if share >= 0.95 and not kind.startswith("trait/"):
                     offered.setdefault(kind, 0.85 * weight * share)
         return offered
+
+
+@lru_cache(maxsize=1)
+def load_sign_reader() -> SignReader:
+    """Return the reader over the package's own tables, built once a process."""
+    return SignReader(load_knowledge())
 
 
 def _of_known(known: Known, sure: float, evidence: str, words: dict[str, float] | None = None) -> SignMeaning:
