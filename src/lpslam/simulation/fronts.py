@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.simulation import textures
+from lpslam.simulation import furniture, textures
 from lpslam.simulation.layout import Wall
 from lpslam.simulation.scene import SceneBuilder
 
@@ -31,12 +31,12 @@ class WallBuilder:
 
     def furnish(self, wall: Wall) -> None:
         """Cut a wall into bays and build each."""
-        base = textures.pick_colour(self.rng, (0.03, 0.3), (0.55, 0.9))
+        base = textures.wall_colour(self.rng, 0.0)
         place = 0.0
         while place < wall.length - 1e-6:
             left = wall.length - place
             width = float(self.rng.uniform(3.0, 4.4))
-            kinds = ["shop", "shop", "door", "posters"]
+            kinds = ["shop", "shop", "shop", "door", "posters"]
             if left < 2.6:
                 width, kinds = left, ["posters"] if left < 1.6 else ["door", "posters"]
             elif left < width + 1.2:
@@ -47,6 +47,20 @@ class WallBuilder:
             bay = _Bay(self, wall, place, width, base)
             {"shop": bay.shop, "door": bay.door, "posters": bay.posters}[kind]()
             place += width
+            self._stand_between(wall, place)
+
+    def _stand_between(self, wall: Wall, place: float) -> None:
+        """Something at the seam of two bays: a pilaster, a plant, a bin, or nothing."""
+        if not 0.6 < place < wall.length - 0.6:
+            return
+        choice = self.rng.random()
+        if choice < 0.4:
+            furniture.stand_pilaster(self.rng, self.builder, wall, place, self.height)
+        elif choice < 0.65:
+            spot = wall.start + wall.right * place + wall.normal * float(self.rng.uniform(0.24, 0.32))
+            furniture.stand_plant(self.rng, self.builder, np.array([spot[0], spot[1], 0.0]))
+        elif choice < 0.8:
+            furniture.stand_bin(self.rng, self.builder, wall, place)
 
 
 @dataclass(slots=True)
@@ -72,11 +86,20 @@ class _Bay:
         return np.append(self.wall.normal, 0.0)
 
     def _panel(
-        self, x0: float, x1: float, z0: float, z1: float, texture: int, out: float = 0.0, gloss: float = 0.0
+        self,
+        x0: float,
+        x1: float,
+        z0: float,
+        z1: float,
+        texture: int,
+        *,
+        out: float = 0.0,
+        gloss: float = 0.0,
+        emission: float = 0.0,
     ) -> None:
-        self.parent.builder.add_face(
-            self._at(x0, z1, out), self._right * (x1 - x0), -UP * (z1 - z0), texture, gloss=gloss
-        )
+        corner = self._at(x0, z1, out)
+        edges = self._right * (x1 - x0), -UP * (z1 - z0)
+        self.parent.builder.add_face(corner, *edges, texture, gloss=gloss, emission=emission)
 
     def _skin(self, x0: float, x1: float, z0: float, z1: float, kind: str, base: textures.Colour) -> None:
         """A panel of wall with a picture of its own."""
@@ -87,11 +110,13 @@ class _Bay:
             picture[-foot:] = (picture[-foot:] * 0.45).astype(np.uint8)
         self._panel(x0, x1, z0, z1, self.parent.builder.add_texture(picture))
 
-    def _recess(self, x0: float, x1: float, z0: float, z1: float, depth: float, back: int, side: int) -> None:
+    def _recess(
+        self, x0: float, x1: float, z0: float, z1: float, depth: float, back: int, side: int, glow: float = 0.0
+    ) -> None:
         """An opening in the wall with a back, two sides, a lid and a floor."""
         add = self.parent.builder.add_face
         inward = -self._normal * depth
-        self._panel(x0, x1, z0, z1, back, out=-depth)
+        self._panel(x0, x1, z0, z1, back, out=-depth, emission=glow)
         add(self._at(x0, z1), inward, -UP * (z1 - z0), side)
         add(self._at(x1, z1) + inward, -inward, -UP * (z1 - z0), side)
         add(self._at(x0, z1), self._right * (x1 - x0), inward, side)
@@ -106,7 +131,7 @@ class _Bay:
                 self.parent.rng.uniform(70, 120),
                 self.parent.rng.uniform(55, 100),
             )
-        own = textures.pick_colour(self.parent.rng, (0.03, 0.45), (0.45, 0.9))
+        own = textures.wall_colour(self.parent.rng, 0.45)
         return kind, self.base if self.parent.rng.random() < 0.4 else own
 
     def shop(self) -> None:
@@ -120,12 +145,13 @@ class _Bay:
         pane = (first[1] + 0.2, self.width - rim) if door_left else (rim, first[0] - 0.2)
         top, sill = float(rng.uniform(1.95, 2.1)), float(rng.uniform(0.3, 0.6))
         side = build.add_colour(tuple(int(0.6 * value) for value in base))  # type: ignore[arg-type]
+        glow = float(rng.choice([0.0, 0.75, 0.95]))
         # Inside the entrance: shelves at the back of a shallow room.
         room = textures.goods(rng, round(top * 130), round(entrance * 130), 130.0)
-        self._recess(*first, 0.0, top, float(rng.uniform(0.6, 0.8)), build.add_texture(room), side)
+        self._recess(*first, 0.0, top, float(rng.uniform(0.6, 0.8)), build.add_texture(room), side, glow * 0.9)
         depth = float(rng.uniform(0.35, 0.6))
         scene = textures.goods(rng, round((top - sill) * 150), round((pane[1] - pane[0]) * 150), 150.0)
-        self._recess(*pane, sill, top, depth, build.add_texture(scene), side)
+        self._recess(*pane, sill, top, depth, build.add_texture(scene), side, glow)
         self._display(pane, sill, depth)
         for left, right in ((0.0, min(first[0], pane[0])), _between(first, pane), (max(first[1], pane[1]), self.width)):
             self._skin(left, right, 0.0, top, kind, base)
@@ -147,6 +173,13 @@ class _Bay:
             corner = self._at(place + size, sill, out)
             build.add_box(corner, -self._right * size, self._normal * size * 0.8, tall, texture)
             place += size + float(rng.uniform(0.1, 0.5))
+        # Stickers on the glass.
+        for _ in range(int(rng.integers(0, 3))):
+            w = float(rng.uniform(0.12, 0.3))
+            x = float(rng.uniform(pane[0] + 0.03, max(pane[0] + 0.04, pane[1] - w - 0.03)))
+            z = float(rng.uniform(sill + 0.1, sill + 1.0))
+            picture = build.add_texture(textures.poster(rng, round(w * 260), round(w * 260)))
+            self._panel(x, x + w, z, z + w, picture, out=-0.01, gloss=0.3)
 
     def _fascia(self, top: float) -> None:
         rng, painter = self.parent.rng, self.parent.painter
@@ -176,7 +209,8 @@ class _Bay:
         x0 = float(rng.uniform(0.2, max(0.21, self.width - leaf - 0.2)))
         x0 = min(x0, self.width - leaf - 0.05)
         colour = textures.pick_colour(rng, (0.05, 0.5), (0.3, 0.7))
-        picture = textures.wood(rng, round(DOOR_HEIGHT * 150), round(leaf * 150)).astype(np.float32)
+        grain = textures.wood(rng, round(leaf * 150), round(DOOR_HEIGHT * 150))
+        picture = np.swapaxes(grain, 0, 1).astype(np.float32)
         picture = 0.5 * picture + 0.5 * np.array(colour, np.float32)
         h, w = picture.shape[:2]
         for low, high in ((0.08, 0.45), (0.55, 0.92)):

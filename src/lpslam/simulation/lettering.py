@@ -122,7 +122,8 @@ def paint_board(
     for line, name, h, w in zip(lines, fonts, heights, widths, strict=True):
         left = margin + logo + (width - 2 * margin - logo - w) / 2
         box = _paint_line(draw, line, name, h * scale, left * scale, top * scale, ink, rng)
-        painted.append(PaintedLine(line, *(value / scale for value in box), letter_height=h))
+        x0, y0, x1, y1 = (value / scale for value in box)
+        painted.append(PaintedLine(line, x0, y0, x1, y1, h))
         top += 1.12 * h + gap
     picture = np.asarray(image).copy()
     if logo:

@@ -14,6 +14,9 @@ AMBIENT = 0.34  # share of full brightness that comes from everywhere
 REACH = 6.0  # metres; farther lamps add to the ambient only
 
 
+Vectors = NDArray[np.float64]
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Lamps:
     """Light strips: (m, 3) centres, metres, and (m,) strengths."""
@@ -43,16 +46,18 @@ def hang_lamps(rng: np.random.Generator, builder: SceneBuilder, layout: Layout, 
     return Lamps(np.array(centres), np.array(strengths))
 
 
-def bake(scene: Scene, lamps: Lamps, layout: Layout, height: float) -> None:
+def bake(scene: Scene, lamps: Lamps, height: float) -> None:
     """Write the light maps of a scene: ambient light, darker in corners, plus every lamp that is in sight."""
     _bake(
-        scene.origin, scene.edge_u, scene.edge_v, scene.normal, scene.two_sided, scene.light, scene.light_maps,
-        lamps.centres, lamps.strengths, layout.outline, layout.blocks, height,
+        scene.origin, scene.edge_u, scene.edge_v, scene.normal, scene.light, scene.light_maps, lamps.centres,
+        lamps.strengths, height,
     )  # fmt: skip
 
 
 @njit(cache=True, nogil=True)
-def blocked(origin, edge_u, edge_v, normal, start, end, margin):
+def blocked(
+    origin: Vectors, edge_u: Vectors, edge_v: Vectors, normal: Vectors, start: Vectors, end: Vectors, margin: float
+) -> bool:
     """Whether any face crosses the straight line from start to end, `margin` metres off its ends."""
     ray = end - start
     length = math.sqrt(ray[0] * ray[0] + ray[1] * ray[1] + ray[2] * ray[2])
@@ -81,8 +86,16 @@ def blocked(origin, edge_u, edge_v, normal, start, end, margin):
 
 @njit(cache=True, nogil=True)
 def _bake(
-    origin, edge_u, edge_v, normal, two_sided, light, light_maps, lamps, strengths, outline, blocks, height
-):  # fmt: skip
+    origin: Vectors,
+    edge_u: Vectors,
+    edge_v: Vectors,
+    normal: Vectors,
+    light: NDArray[np.float32],
+    light_maps: NDArray[np.int64],
+    lamps: Vectors,
+    strengths: Vectors,
+    height: float,
+) -> None:
     for i in range(origin.shape[0]):
         first, width, rows = light_maps[i]
         for row in range(rows):

@@ -19,11 +19,12 @@ FLOOR_CELL = 4.0  # metres; only cells that a corridor touches get a texture
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mall:
-    """A world: what is drawn, how one may walk through it, and what can be read in it."""
+    """A world: what is drawn, how one may walk through it, what can be read, how its floor mirrors (0 to 0.4)."""
 
     scene: Scene
     layout: Layout
     signs: tuple[Sign, ...]
+    polish: float
 
 
 @dataclass(slots=True)
@@ -139,8 +140,8 @@ def build_mall(seed: int, options: SimulationConfig) -> Mall:
         front.furnish(wall)
     _hang_overhead_signs(rng, painter, layout, height)
     scene = builder.build()
-    lighting.bake(scene, lamps, layout, height)
-    return Mall(scene, layout, tuple(painter.signs))
+    lighting.bake(scene, lamps, height)
+    return Mall(scene, layout, tuple(painter.signs), polish=float(rng.uniform(0.05, 0.4)))
 
 
 def _lay_floor(rng: np.random.Generator, builder: SceneBuilder, layout: Layout) -> None:

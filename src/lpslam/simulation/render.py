@@ -7,7 +7,9 @@ sample's cost.
 """
 
 import math
+from dataclasses import replace
 
+import cv2
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -19,10 +21,26 @@ NEAR = 0.05  # metres; nothing nearer is drawn
 MAX_PROBES = 8  # texture samples along the longer side of a pixel's footprint
 
 Affine = NDArray[np.float64]
+Column = NDArray[np.float32]
+IntColumn = NDArray[np.int64] | NDArray[np.int32]
+Texels = NDArray[np.uint32]
 
 
 @njit(cache=True, nogil=True)
-def project_faces(origin, edge_u, edge_v, normal, two_sided, world_from_camera, fx, fy, cx, cy, width, height):
+def project_faces(
+    origin: Affine,
+    edge_u: Affine,
+    edge_v: Affine,
+    normal: Affine,
+    two_sided: NDArray[np.bool_],
+    world_from_camera: Affine,
+    fx: float,
+    fy: float,
+    cx: float,
+    cy: float,
+    width: int,
+    height: int,
+) -> tuple[IntColumn, Affine, Affine, IntColumn]:
     """Affine coefficients and screen polygons of the faces in view.
 
     Returns:
@@ -102,7 +120,9 @@ def project_faces(origin, edge_u, edge_v, normal, two_sided, world_from_camera, 
 
 
 @njit(cache=True, nogil=True)
-def scan_faces(affine, polygons, counts, samples, inverse_depth, winner):
+def scan_faces(
+    affine: Affine, polygons: Affine, counts: IntColumn, samples: int, inverse_depth: Column, winner: IntColumn
+) -> None:
     """Fill `winner` (rows into `affine`, -1 for none) and `inverse_depth` at samples x samples points a pixel."""
     height, width = winner.shape
     inverse_depth[:] = 0.0
@@ -138,16 +158,33 @@ def scan_faces(affine, polygons, counts, samples, inverse_depth, winner):
                     winner[row, column] = k
 
 
-@njit(cache=True, nogil=True)
-def _shade(k, x, y, face, affine, texture, repeat, emission, texels, levels, light, light_maps, out):
-    """Add nothing, set `out` to the colour of face row k at pixel (x, y)."""
+@njit(cache=True, nogil=True, inline="always")
+def _spread(texel: np.uint32) -> np.uint64:
+    """Move the three bytes of a texel 21 bits apart, so that one product weighs all of them."""
+    value = np.uint64(texel)
+    low, middle, high = np.uint64(0xFF), np.uint64(0xFF00), np.uint64(0xFF0000)
+    return (value & low) | ((value & middle) << np.uint64(13)) | ((value & high) << np.uint64(26))
+
+
+@njit(cache=True, nogil=True, fastmath=True)
+def _shade(
+    k: np.int64,
+    x: float,
+    y: float,
+    face: IntColumn,
+    affine: Affine,
+    columns: tuple[IntColumn, Column, Column, Texels, IntColumn, Column, IntColumn],
+) -> tuple[float, float, float]:
+    """Colour of the k-th face in view at pixel (x, y): filtered texture times light."""
+    texture, repeat, emission, texels, levels, light, light_maps = columns
     i = face[k]
     z = 1.0 / (affine[k, 0, 0] * x + affine[k, 0, 1] * y + affine[k, 0, 2])
     a = (affine[k, 1, 0] * x + affine[k, 1, 1] * y + affine[k, 1, 2]) * z
     b = (affine[k, 2, 0] * x + affine[k, 2, 1] * y + affine[k, 2, 2]) * z
     t = texture[i]
-    size_u, size_v = repeat[i, 0] * levels[t, 0, 1], repeat[i, 1] * levels[t, 0, 2]
-    # Footprint of the pixel in texels of the finest level: derivatives of a and b over x and y.
+    repeat_u, repeat_v = repeat[i, 0], repeat[i, 1]
+    size_u, size_v = repeat_u * levels[t, 0, 1], repeat_v * levels[t, 0, 2]
+    # The pixel's footprint in texels of the finest level: derivatives of a and b along x and y.
     sx_u, sx_v = (
         (affine[k, 1, 0] - a * affine[k, 0, 0]) * z * size_u,
         (affine[k, 2, 0] - b * affine[k, 0, 0]) * z * size_v,
@@ -156,101 +193,108 @@ def _shade(k, x, y, face, affine, texture, repeat, emission, texels, levels, lig
         (affine[k, 1, 1] - a * affine[k, 0, 1]) * z * size_u,
         (affine[k, 2, 1] - b * affine[k, 0, 1]) * z * size_v,
     )
-    along_x, along_y = math.sqrt(sx_u * sx_u + sx_v * sx_v), math.sqrt(sy_u * sy_u + sy_v * sy_v)
-    step_u, step_v, major, minor = sx_u, sx_v, along_x, along_y
-    if along_y > along_x:
-        step_u, step_v, major, minor = sy_u, sy_v, along_y, along_x
-    minor = max(minor, major / MAX_PROBES, 1e-6)
-    probes = max(1, min(MAX_PROBES, math.ceil(major / minor - 0.25))) if major > 1.0 else 1
-    level = 0
-    if minor > 1.0:
-        level = min(levels.shape[1] - 1, int(math.log2(minor) + 0.5))
+    step_u, step_v = sx_u, sx_v
+    major, minor = sx_u * sx_u + sx_v * sx_v, sy_u * sy_u + sy_v * sy_v
+    if minor > major:
+        step_u, step_v, major, minor = sy_u, sy_v, minor, major
+    level, probes = 0, 1
+    if major > 1.0:
+        major, minor = math.sqrt(major), math.sqrt(minor)
+        minor = max(minor, major / MAX_PROBES, 1.0)
+        probes = int(major / minor + 0.5)
+        # Powers of two by comparison: a logarithm for every pixel would cost more than the texture.
+        reach = 1.41421356
+        while minor > reach and level < levels.shape[1] - 1:
+            level += 1
+            reach *= 2.0
     start, width, height = levels[t, level, 0], levels[t, level, 1], levels[t, level, 2]
-    tiled = repeat[i, 0] > 1.001 or repeat[i, 1] > 1.001
-    red = green = blue = 0.0
+    tiled = repeat_u > 1.001 or repeat_v > 1.001
+    total = np.uint64(0)
     for probe in range(probes):
         offset = (probe + 0.5) / probes - 0.5
-        u = (a + step_u * offset / size_u) * repeat[i, 0]
-        v = (b + step_v * offset / size_v) * repeat[i, 1]
+        u = (a + step_u * offset / size_u) * repeat_u
+        v = (b + step_v * offset / size_v) * repeat_v
         if tiled:
             u -= math.floor(u)
             v -= math.floor(v)
-        u, v = u * width - 0.5, v * height - 0.5
-        u0, v0 = math.floor(u), math.floor(v)
-        du, dv = u - u0, v - v0
-        u1, v1 = u0 + 1, v0 + 1
-        if tiled:
-            u0, u1, v0, v1 = u0 % width, u1 % width, v0 % height, v1 % height
-        else:
-            u0, u1 = min(max(u0, 0), width - 1), min(max(u1, 0), width - 1)
-            v0, v1 = min(max(v0, 0), height - 1), min(max(v1, 0), height - 1)
-        p, q, r, s = start + v0 * width + u0, start + v0 * width + u1, start + v1 * width + u0, start + v1 * width + u1
-        wp, wq, wr, ws = (1 - du) * (1 - dv), du * (1 - dv), (1 - du) * dv, du * dv
-        red += wp * texels[p, 0] + wq * texels[q, 0] + wr * texels[r, 0] + ws * texels[s, 0]
-        green += wp * texels[p, 1] + wq * texels[q, 1] + wr * texels[r, 1] + ws * texels[s, 1]
-        blue += wp * texels[p, 2] + wq * texels[q, 2] + wr * texels[r, 2] + ws * texels[s, 2]
-    factor = emission[i]
+        u = min(max(u * width - 0.5, 0.0), width - 1.001)
+        v = min(max(v * height - 0.5, 0.0), height - 1.001)
+        u0, v0 = np.int64(u), np.int64(v)
+        du, dv = np.int64((u - u0) * 16.0 + 0.5), np.int64((v - v0) * 16.0 + 0.5)
+        p = np.uint64(start + v0 * width + u0)
+        r = p + np.uint64(width)
+        one = np.uint64(1)
+        # Weights in sixteenths: the sum of 8 probes fits the 21 bits that each colour has.
+        total += _spread(texels[p]) * np.uint64((16 - du) * (16 - dv))
+        total += _spread(texels[p + one]) * np.uint64(du * (16 - dv))
+        total += _spread(texels[r]) * np.uint64((16 - du) * dv)
+        total += _spread(texels[r + one]) * np.uint64(du * dv)
+    factor = float(emission[i])
     if factor == 0.0:
         first, map_width, map_height = light_maps[i, 0], light_maps[i, 1], light_maps[i, 2]
         u = min(max(a, 0.0), 1.0) * (map_width - 1)
         v = min(max(b, 0.0), 1.0) * (map_height - 1)
-        u0, v0 = min(int(u), map_width - 2), min(int(v), map_height - 2)
-        du, dv = u - u0, v - v0
-        p = first + v0 * map_width + u0
-        upper = light[p] * (1 - du) + light[p + 1] * du
-        lower = light[p + map_width] * (1 - du) + light[p + map_width + 1] * du
-        factor = upper * (1 - dv) + lower * dv
-    factor /= probes
-    out[0], out[1], out[2] = red * factor, green * factor, blue * factor
+        column, row = min(int(u), map_width - 2), min(int(v), map_height - 2)
+        right, below = u - column, v - row
+        at = first + row * map_width + column
+        upper = light[at] * (1 - right) + light[at + 1] * right
+        lower = light[at + map_width] * (1 - right) + light[at + map_width + 1] * right
+        factor = upper * (1 - below) + lower * below
+    factor /= probes * 256
+    lane = np.uint64(0x1FFFFF)
+    red, green, blue = total & lane, (total >> np.uint64(21)) & lane, total >> np.uint64(42)
+    return red * factor, green * factor, blue * factor
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath=True)
 def shade_image(
-    winner, face, affine, texture, repeat, emission, texels, levels, light, light_maps, colour, depth, seen
-):
+    winner: IntColumn,
+    face: IntColumn,
+    affine: Affine,
+    columns: tuple[IntColumn, Column, Column, Texels, IntColumn, Column, IntColumn],
+    colour: Column,
+    depth: Column,
+    seen: IntColumn,
+) -> None:
     """Colour (height, width, 3), exact depth and face number of every pixel from the 2x2 visibility samples."""
     height, width = depth.shape
-    out = np.empty(3)
     for row in range(height):
         for column in range(width):
             k = winner[2 * row, 2 * column]
-            k1, k2, k3 = (
-                winner[2 * row, 2 * column + 1],
-                winner[2 * row + 1, 2 * column],
-                winner[2 * row + 1, 2 * column + 1],
-            )
+            k1 = winner[2 * row, 2 * column + 1]
+            k2 = winner[2 * row + 1, 2 * column]
+            k3 = winner[2 * row + 1, 2 * column + 1]
+            red = green = blue = 0.0
             if k == k1 and k == k2 and k == k3:
-                if k < 0:
-                    colour[row, column, :] = 0.0
-                    depth[row, column] = 0.0
-                    seen[row, column] = -1
-                    continue
-                _shade(k, column, row, face, affine, texture, repeat, emission, texels, levels, light, light_maps, out)
-                for c in range(3):
-                    colour[row, column, c] = out[c]
+                if k >= 0:
+                    red, green, blue = _shade(k, column, row, face, affine, columns)
             else:
-                colour[row, column, :] = 0.0
                 for sample in range(4):
                     dy, dx = sample // 2, sample % 2
                     w = winner[2 * row + dy, 2 * column + dx]
                     if w >= 0:
-                        x, y = column + dx * 0.5 - 0.25, row + dy * 0.5 - 0.25
-                        _shade(w, x, y, face, affine, texture, repeat, emission, texels, levels, light, light_maps, out)
-                        for c in range(3):
-                            colour[row, column, c] += 0.25 * out[c]
-            if k < 0:
-                depth[row, column] = 0.0
-                seen[row, column] = -1
-            else:
+                        more = _shade(w, column + dx * 0.5 - 0.25, row + dy * 0.5 - 0.25, face, affine, columns)
+                        red += 0.25 * more[0]
+                        green += 0.25 * more[1]
+                        blue += 0.25 * more[2]
+            colour[row, column, 0], colour[row, column, 1], colour[row, column, 2] = red, green, blue
+            depth[row, column], seen[row, column] = 0.0, -1
+            if k >= 0:
                 inverse = affine[k, 0, 0] * column + affine[k, 0, 1] * row + affine[k, 0, 2]
                 depth[row, column] = 1.0 / inverse if inverse > 1e-6 else 0.0
                 seen[row, column] = face[k]
 
 
 def render(
-    scene: Scene, camera: PinholeCamera, world_from_camera: NDArray[np.float64]
+    scene: Scene, camera: PinholeCamera, world_from_camera: NDArray[np.float64], mirror_floor: float = 0.0
 ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.int32]]:
     """Draw the scene as an ideal camera sees it at one instant.
+
+    Args:
+        scene: what is drawn.
+        camera: calibration, undistorted.
+        world_from_camera: 4×4 pose of the optical frame.
+        mirror_floor: 0 for a matt floor at z = 0, up to about 0.4 for a polished one.
 
     Returns:
         (height, width, 3) float32 colour on the scale of 0 to 255 before exposure, (height, width) float32 exact depth
@@ -267,8 +311,56 @@ def render(
     colour = np.empty((height, width, 3), np.float32)
     depth = np.empty((height, width), np.float32)
     seen = np.empty((height, width), np.int32)
-    shade_image(
-        winner, face, affine, scene.texture, scene.repeat, scene.emission, scene.texels, scene.levels, scene.light,
-        scene.light_maps, colour, depth, seen,
+    columns = (
+        scene.texture, scene.repeat, scene.emission, scene.texels, scene.levels, scene.light, scene.light_maps,
     )  # fmt: skip
+    shade_image(winner, face, affine, columns, colour, depth, seen)
+    if mirror_floor > 0.0:
+        _reflect(scene, camera, world_from_camera, mirror_floor, colour, depth, seen)
     return colour, depth, seen
+
+
+def _reflect(
+    scene: Scene,
+    camera: PinholeCamera,
+    world_from_camera: NDArray[np.float64],
+    strength: float,
+    colour: Column,
+    depth: Column,
+    seen: NDArray[np.int32],
+) -> None:
+    """Add to the floor what stands on it, upside down: a small blurred picture of the scene mirrored at z = 0."""
+    shrink = 4
+    small = PinholeCamera(
+        camera.width // shrink, camera.height // shrink, camera.fx / shrink, camera.fy / shrink,
+        (camera.cx + 0.5) / shrink - 0.5, (camera.cy + 0.5) / shrink - 0.5,
+    )  # fmt: skip
+    flip = np.array([1.0, 1.0, -1.0])
+    origin, edge_u, edge_v, normal = (each * flip for each in (scene.origin, scene.edge_u, scene.edge_v, scene.normal))
+    mirrored = replace(scene, origin=origin, edge_u=edge_u, edge_v=edge_v, normal=normal)
+    picture, _, _ = render(mirrored, small, world_from_camera)
+    picture = np.asarray(cv2.GaussianBlur(picture, (0, 0), 1.2), np.float32)
+    large = np.asarray(cv2.resize(picture, (camera.width, camera.height), interpolation=cv2.INTER_LINEAR), np.float32)
+    is_floor = (scene.normal[:, 2] > 0.99) & (np.abs(scene.origin[:, 2]) < 1e-6)
+    _mix(colour, large, depth, seen, is_floor, strength, float(world_from_camera[2, 3]))
+
+
+@njit(cache=True, nogil=True, fastmath=True)
+def _mix(
+    colour: Column,
+    mirrored: Column,
+    depth: Column,
+    seen: NDArray[np.int32],
+    is_floor: NDArray[np.bool_],
+    strength: float,
+    eye_height: float,
+) -> None:
+    height, width = depth.shape
+    for row in range(height):
+        for column in range(width):
+            if seen[row, column] >= 0 and is_floor[seen[row, column]]:
+                # Schlick's law: polished stone mirrors most where it is grazed.
+                cosine = min(1.0, eye_height / max(depth[row, column], 0.1))
+                share = strength * (0.25 + 0.75 * (1.0 - cosine) ** 3)
+                for c in range(3):
+                    colour[row, column, c] += share * (mirrored[row, column, c] - 0.35 * colour[row, column, c])

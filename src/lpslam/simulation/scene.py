@@ -26,7 +26,7 @@ class Scene:
         emission: (n,) brightness of the face's own light; 0 for faces that are lit.
         repeat: (n, 2) how many times the texture is laid along u and v.
         texture: (n,) row of `levels`.
-        texels: (t, 3) uint8 red, green, blue of all textures and their smaller levels, one after the other.
+        texels: (t,) uint32, red + 256 green + 65536 blue, of all textures and their smaller levels.
         levels: (textures, levels, 3) int64: first texel, width, height; the last levels repeat the smallest.
         light: (m,) float32 brightness factors, one little image per face.
         light_maps: (n, 3) int64: first entry in `light`, width, height.
@@ -41,7 +41,7 @@ class Scene:
     emission: NDArray[np.float32]
     repeat: NDArray[np.float32]
     texture: NDArray[np.int64]
-    texels: Image
+    texels: NDArray[np.uint32]
     levels: NDArray[np.int64]
     light: NDArray[np.float32]
     light_maps: NDArray[np.int64]
@@ -151,19 +151,24 @@ class SceneBuilder:
         )
 
 
-def _mip_pyramids(images: list[Image]) -> tuple[Image, NDArray[np.int64]]:
+def _mip_pyramids(images: list[Image]) -> tuple[NDArray[np.uint32], NDArray[np.int64]]:
     """Halve every picture down to a few texels and put all of them into one buffer."""
-    chunks: list[Image] = []
+    chunks: list[NDArray[np.uint32]] = []
     levels = np.zeros((len(images), MIP_LEVELS, 3), dtype=np.int64)
     start = 0
     for row, image in enumerate(images):
         for level in range(MIP_LEVELS):
             height, width = image.shape[:2]
             levels[row, level] = start, width, height
-            chunks.append(image.reshape(-1, 3))
+            chunks.append(_packed(image))
             start += height * width
             if min(height, width) < 4:
                 levels[row, level + 1 :] = levels[row, level]
                 break
             image = np.asarray(cv2.resize(image, (width // 2, height // 2), interpolation=cv2.INTER_AREA), np.uint8)
     return np.concatenate(chunks), levels
+
+
+def _packed(image: Image) -> NDArray[np.uint32]:
+    red, green, blue = (image[..., channel].astype(np.uint32) for channel in range(3))
+    return np.asarray(red + 256 * green + 65536 * blue, np.uint32).ravel()

@@ -1,5 +1,6 @@
 """What the camera makes of an ideal picture: motion blur, exposure, vignetting, noise, and depth as sensors give it."""
 
+import math
 from dataclasses import dataclass
 
 import cv2
@@ -14,6 +15,9 @@ NOISE_FLOOR, NOISE_SLOPE = 0.0007, 0.0022  # metres, and metres per square metre
 BASELINE = 0.03  # metres between the depth sensor's two eyes, for the shadows beside near things
 MARGIN = 48  # pixels by which the noise fields are larger than the image, to be shifted at random
 MAX_TAPS = 33  # samples along the longest motion blur
+
+Picture = NDArray[np.float32]
+Matrix = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,7 +51,7 @@ def _correlated(rng: np.random.Generator, count: int, shape: tuple[int, int], si
 def _shifted(rng: np.random.Generator, fields: NDArray[np.float32], width: int, height: int) -> NDArray[np.float32]:
     layer = fields[int(rng.integers(len(fields)))]
     y, x = int(rng.integers(MARGIN)), int(rng.integers(MARGIN))
-    return layer[y : y + height, x : x + width]
+    return np.asarray(layer[y : y + height, x : x + width])
 
 
 def expose(
@@ -59,11 +63,11 @@ def expose(
 ) -> NDArray[np.uint8]:
     """Turn ideal brightness into an 8-bit picture; `gain` is the exposure, more of it brings more noise."""
     height, width = colour.shape[:2]
-    return np.asarray(_expose(colour, np.float32(gain), _shifted(rng, noise.white, width, height), vignette))
+    return _expose(colour, gain, _shifted(rng, noise.white, width, height), vignette)
 
 
 @njit(cache=True, nogil=True, fastmath=True)
-def _expose(colour, gain, noise, vignette):
+def _expose(colour: Picture, gain: float, noise: Picture, vignette: Picture) -> NDArray[np.uint8]:
     height, width = vignette.shape
     out = np.empty((height, width, 3), np.uint8)
     for row in range(height):
@@ -98,28 +102,28 @@ def blur_by_motion(
     """Blur every pixel along the way that its point takes over the image while the shutter is open."""
     start = inverse_transform(world_from_start) @ world_from_middle
     end = inverse_transform(world_from_end) @ world_from_middle
-    return np.asarray(_blur(colour, depth, start, end, camera.fx, camera.fy, camera.cx, camera.cy), np.float32)
+    return _blur(colour, depth, start, end, camera.fx, camera.fy, camera.cx, camera.cy)
 
 
 @njit(cache=True, nogil=True, fastmath=True)
-def _blur(colour, depth, start, end, fx, fy, cx, cy):
+def _blur(
+    colour: Picture, depth: Picture, start: Matrix, end: Matrix, fx: float, fy: float, cx: float, cy: float
+) -> Picture:
     height, width = depth.shape
     out = np.empty_like(colour)
     for row in range(height):
+        ry = (row - cy) / fy
         for column in range(width):
-            z = depth[row, column]
-            if z <= 0.0:
-                z = 10.0
-            x, y = (column - cx) / fx * z, (row - cy) / fy * z
-            x1 = start[0, 0] * x + start[0, 1] * y + start[0, 2] * z + start[0, 3]
-            y1 = start[1, 0] * x + start[1, 1] * y + start[1, 2] * z + start[1, 3]
-            z1 = max(start[2, 0] * x + start[2, 1] * y + start[2, 2] * z + start[2, 3], 0.05)
-            x2 = end[0, 0] * x + end[0, 1] * y + end[0, 2] * z + end[0, 3]
-            y2 = end[1, 0] * x + end[1, 1] * y + end[1, 2] * z + end[1, 3]
-            z2 = max(end[2, 0] * x + end[2, 1] * y + end[2, 2] * z + end[2, 3], 0.05)
-            du, dv = fx * (x2 / z2 - x1 / z1), fy * (y2 / z2 - y1 / z1)
-            length = np.sqrt(du * du + dv * dv)
-            taps = min(MAX_TAPS, int(length * 1.2) + 1)
+            rx = (column - cx) / fx
+            nearness = 1.0 / max(depth[row, column], 0.3)
+            z1 = 1.0 / (start[2, 0] * rx + start[2, 1] * ry + start[2, 2] + start[2, 3] * nearness)
+            z2 = 1.0 / (end[2, 0] * rx + end[2, 1] * ry + end[2, 2] + end[2, 3] * nearness)
+            x1 = start[0, 0] * rx + start[0, 1] * ry + start[0, 2] + start[0, 3] * nearness
+            x2 = end[0, 0] * rx + end[0, 1] * ry + end[0, 2] + end[0, 3] * nearness
+            y1 = start[1, 0] * rx + start[1, 1] * ry + start[1, 2] + start[1, 3] * nearness
+            y2 = end[1, 0] * rx + end[1, 1] * ry + end[1, 2] + end[1, 3] * nearness
+            du, dv = fx * (x2 * z2 - x1 * z1), fy * (y2 * z2 - y1 * z1)
+            taps = min(MAX_TAPS, int(math.sqrt(du * du + dv * dv)) + 1)
             if taps == 1:
                 for c in range(3):
                     out[row, column, c] = colour[row, column, c]
@@ -132,24 +136,10 @@ def _blur(colour, depth, start, end, fx, fy, cx, cy):
                 u0, v0 = int(u), int(v)
                 a, b = u - u0, v - v0
                 p, q, r, s = (1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b
-                red += (
-                    p * colour[v0, u0, 0]
-                    + q * colour[v0, u0 + 1, 0]
-                    + r * colour[v0 + 1, u0, 0]
-                    + s * colour[v0 + 1, u0 + 1, 0]
-                )
-                green += (
-                    p * colour[v0, u0, 1]
-                    + q * colour[v0, u0 + 1, 1]
-                    + r * colour[v0 + 1, u0, 1]
-                    + s * colour[v0 + 1, u0 + 1, 1]
-                )
-                blue += (
-                    p * colour[v0, u0, 2]
-                    + q * colour[v0, u0 + 1, 2]
-                    + r * colour[v0 + 1, u0, 2]
-                    + s * colour[v0 + 1, u0 + 1, 2]
-                )
+                upper, lower = colour[v0], colour[v0 + 1]
+                red += p * upper[u0, 0] + q * upper[u0 + 1, 0] + r * lower[u0, 0] + s * lower[u0 + 1, 0]
+                green += p * upper[u0, 1] + q * upper[u0 + 1, 1] + r * lower[u0, 1] + s * lower[u0 + 1, 1]
+                blue += p * upper[u0, 2] + q * upper[u0 + 1, 2] + r * lower[u0, 2] + s * lower[u0 + 1, 2]
             out[row, column, 0], out[row, column, 1], out[row, column, 2] = red / taps, green / taps, blue / taps
     return out
 
@@ -177,18 +167,27 @@ def measure_depth(
         noise: the fields.
     """
     height, width = depth.shape
-    layers = [_shifted(rng, noise.smooth, width, height) for _ in range(3)]
+    error, jitter_x, jitter_y = (_shifted(rng, noise.smooth, width, height) for _ in range(3))
     clumps = _shifted(rng, noise.clumps, width, height)
-    return np.asarray(
-        _measure(
-            depth, seen, colour, normals_in_camera, gloss, camera.fx, camera.fy, camera.cx, camera.cy, *layers, clumps
-        )
-    )
+    intrinsics = (camera.fx, camera.fy, camera.cx, camera.cy)
+    return _measure(depth, seen, colour, normals_in_camera, gloss, intrinsics, error, jitter_x, jitter_y, clumps)
 
 
 @njit(cache=True, nogil=True)
-def _measure(depth, seen, colour, normals, gloss, fx, fy, cx, cy, error, jitter_x, jitter_y, clumps):
+def _measure(
+    depth: Picture,
+    seen: NDArray[np.int32],
+    colour: Picture,
+    normals: Matrix,
+    gloss: Picture,
+    intrinsics: tuple[float, float, float, float],
+    error: Picture,
+    jitter_x: Picture,
+    jitter_y: Picture,
+    clumps: Picture,
+) -> Picture:
     height, width = depth.shape
+    fx, fy, cx, cy = intrinsics
     out = np.zeros((height, width), np.float32)
     for row in range(height):
         for column in range(width):
@@ -210,9 +209,7 @@ def _measure(depth, seen, colour, normals, gloss, fx, fy, cx, cy, error, jitter_
                 continue
             # Left of near things the second eye sees nothing.
             hidden = False
-            for step in range(1, 13):
-                if column + step >= width:
-                    break
+            for step in range(1, min(12, width - column - 1, int(fx * BASELINE / MIN_RANGE)) + 1):
                 near = depth[row, column + step]
                 if near > 0.0 and fx * BASELINE * (1.0 / near - 1.0 / z) > step:
                     hidden = True

@@ -58,9 +58,10 @@ class MallSource:
         self._walk = stroll(seed, self._mall.layout, self._mall.signs, self._options, frames)
         rng = np.random.default_rng([seed, 3])
         focal = float(rng.uniform(525.0, 612.0))
+        cx, cy = 319.5 + rng.uniform(-6, 6), 239.5 + rng.uniform(-6, 6)
         self._camera = PinholeCamera(
             width=640, height=480, fx=round(focal, 2), fy=round(focal * rng.uniform(0.998, 1.002), 2),
-            cx=round(319.5 + rng.uniform(-6, 6), 2), cy=round(239.5 + rng.uniform(-6, 6), 2), depth_scale=5000.0, fps=FPS,
+            cx=round(cx, 2), cy=round(cy, 2), depth_scale=5000.0, fps=FPS,
         )  # fmt: skip
         self._noise = sensor.draw_noise(rng, self._camera.width, self._camera.height)
         strength = float(rng.uniform(0.12, 0.25)) if self._options.sensor_noise else 0.0
@@ -69,7 +70,7 @@ class MallSource:
 
     @property
     def name(self) -> str:
-        """ "mall" and the seed."""
+        """The word mall and the seed."""
         return f"mall-{self._seed}"
 
     @property
@@ -123,7 +124,7 @@ class MallSource:
         world_from_camera = self._walk.pose(self._instant(index))
         opened, closed = self._shutter(index)
         scene, camera = self._mall.scene, self._camera
-        colour, depth, seen = render(scene, camera, world_from_camera)
+        colour, depth, seen = render(scene, camera, world_from_camera, self._mall.polish)
         gain = self._gain(index)
         rng = np.random.default_rng([self._seed, 13, index])
         if self._options.sensor_noise:
@@ -149,7 +150,7 @@ class MallSource:
         return self._walk.pose(self._instant(index) - half), self._walk.pose(self._instant(index) + half)
 
     def _gain(self, index: int) -> float:
-        """Brightness factor of a frame: the automatic exposure follows what small pictures of the frames before show."""
+        """Brightness factor of a frame: the exposure follows what small pictures of the frames before show."""
         if not self._options.sensor_noise:
             return self._options.light
         shrink = 16

@@ -38,6 +38,27 @@ def pick_colour(rng: np.random.Generator, saturation: tuple[float, float], value
     return float(red), float(green), float(blue)
 
 
+# What walls are painted in: quiet colours, and a few that shops choose to stand out.
+_QUIET = (
+    (226, 218, 200),
+    (205, 203, 198),
+    (188, 178, 162),
+    (170, 182, 190),
+    (178, 190, 170),
+    (214, 196, 178),
+    (150, 150, 152),
+)
+_BOLD = ((150, 62, 48), (42, 72, 104), (58, 92, 78), (196, 152, 72), (92, 66, 52), (62, 62, 68), (176, 102, 84))
+
+
+def wall_colour(rng: np.random.Generator, bold: float) -> Colour:
+    """A colour that a decorator would choose; `bold` is the share of strong ones."""
+    shades = _BOLD if rng.random() < bold else _QUIET
+    base = np.array(shades[int(rng.integers(len(shades)))]) * rng.uniform(0.88, 1.1) + rng.normal(0, 5, 3)
+    red, green, blue = np.clip(base, 20, 245)
+    return float(red), float(green), float(blue)
+
+
 def wear(rng: np.random.Generator, picture: NDArray[np.float32], scale: float, amount: float) -> None:
     """Darken and scratch a picture in place so that no stretch looks like another; scale is pixels a metre."""
     height, width = picture.shape[:2]
@@ -54,7 +75,7 @@ def wear(rng: np.random.Generator, picture: NDArray[np.float32], scale: float, a
         for _ in range(int(rng.integers(2, 6))):
             heading += rng.normal(0, 0.35)
             points.append(points[-1] + scale * rng.uniform(0.03, 0.15) * np.array([np.cos(heading), np.sin(heading)]))
-        line = np.round(np.array(points)).astype(np.int32)[None]
+        line = [np.round(np.array(points)).astype(np.int32)]
         cv2.polylines(layer, line, False, float(rng.uniform(-0.6, 0.3)), int(rng.integers(1, 3)), cv2.LINE_AA)
     picture *= (1 + 0.55 * layer)[..., None]
 
@@ -64,7 +85,7 @@ def floor(rng: np.random.Generator, height: int, width: int, scale: float) -> Im
     kind = rng.choice(["tiles", "planks", "terrazzo"])
     if kind == "tiles":
         side = round(scale * rng.choice([0.4, 0.6, 0.8]))
-        base = pick_colour(rng, (0.03, 0.22), (0.55, 0.85))
+        base = wall_colour(rng, 0.12)
         picture = _laid(rng, height, width, side, side, base, 0.10, offset=bool(rng.random() < 0.3))
         picture += 26 * (np.abs(clouds(rng, height, width, 0.5 * scale, 0.015 * scale)) ** 0.5 - 0.5)[..., None]
         _joints(picture, side, side, round(0.006 * scale) + 1, 0.62)
@@ -76,7 +97,7 @@ def floor(rng: np.random.Generator, height: int, width: int, scale: float) -> Im
         picture *= (1 + 0.22 * cv2.resize(grain, (width, height)))[..., None]
         _joints(picture, across, None, 2, 0.5)
     else:
-        picture = _canvas(height, width, pick_colour(rng, (0.02, 0.15), (0.55, 0.8)))
+        picture = _canvas(height, width, wall_colour(rng, 0.1))
         for size, amount in ((0.05, 22), (0.02, 30), (0.01, 26)):
             chips = clouds(rng, height, width, size * scale, size * scale)
             picture += (amount * (chips > 0.55) - amount * (chips < -0.6)).astype(np.float32)[..., None]
@@ -99,7 +120,7 @@ def _laid(
     """Pieces of `across` × `along` pixels laid in rows, each of a slightly different shade."""
     rows, columns = height // across + 2, width // along + 3
     shades = 1 + spread * (rng.random((rows, columns)) - 0.5)
-    tint = 1 + 0.04 * rng.standard_normal((rows, columns, 3))
+    tint = 1 + 0.12 * spread * rng.standard_normal((rows, columns, 3))
     row = np.arange(height) // across
     shift = (rng.integers(0, along, rows) if offset else np.zeros(rows, np.int64))[row]
     column = (np.arange(width)[None, :] + shift[:, None]) // along
@@ -107,7 +128,7 @@ def _laid(
     picture = pieces[row[:, None], column]
     edge = (np.arange(width)[None, :] + shift[:, None]) % along < 2
     picture[edge] *= 0.7
-    return picture
+    return np.asarray(picture, np.float32)
 
 
 def _joints(picture: NDArray[np.float32], across: int, along: int | None, thickness: int, factor: float) -> None:
@@ -191,7 +212,8 @@ def goods(rng: np.random.Generator, height: int, width: int, scale: float) -> Im
     image = _canvas(height, width, base)
     image *= (1 + 0.15 * clouds(rng, height, width, 0.5 * scale, 0.03 * scale))[..., None]
     gap = max(12, round(rng.uniform(0.28, 0.45) * scale))
-    palette = [pick_colour(rng, (0.2, 0.9), (0.25, 0.95)) for _ in range(7)]
+    palette = [pick_colour(rng, (0.1, 0.7), (0.25, 0.95)) for _ in range(4)]
+    palette += [wall_colour(rng, 0.6) for _ in range(4)]
     for shelf in range(gap, height + gap, gap):
         cv2.rectangle(image, (0, shelf - 4), (width, shelf), (70, 58, 48), -1)
         x = int(rng.integers(0, gap // 3 + 1))
@@ -206,8 +228,12 @@ def goods(rng: np.random.Generator, height: int, width: int, scale: float) -> Im
             else:
                 cv2.rectangle(image, (x, top), (x + w, foot), colour, -1)
                 band = top + int(h * rng.uniform(0.2, 0.6))
-                cv2.rectangle(image, (x, band), (x + w, band + h // 5), palette[int(rng.integers(7))], -1)
+                cv2.rectangle(image, (x, band), (x + w, band + h // 5), palette[int(rng.integers(len(palette)))], -1)
+            # Round things are darker at their sides, and everything throws a little shadow on its neighbour.
+            image[max(top, 0) : foot, x : x + max(1, w // 5)] *= 0.72
+            image[max(top, 0) : foot, x + w : x + w + 3] *= 0.6
             x += w + int(rng.integers(1, max(2, gap // 6)))
+    image *= (1 + 0.08 * clouds(rng, height, width, 30, 3))[..., None]
     return to_image(image)
 
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera, inverse_transform, transform_points
 from lpslam.simulation.lettering import is_chinese
-from lpslam.simulation.lighting import blocked
+from lpslam.simulation.lighting import Vectors, blocked
 from lpslam.simulation.scene import Scene
 from lpslam.simulation.signs import Sign
 
@@ -66,7 +66,7 @@ def _spots(sign: Sign) -> NDArray[np.float64]:
 
 
 @njit(cache=True, nogil=True)
-def _covered(origin, edge_u, edge_v, normal, eye, spots):
+def _covered(origin: Vectors, edge_u: Vectors, edge_v: Vectors, normal: Vectors, eye: Vectors, spots: Vectors) -> bool:
     """Whether anything stands before any of the spots; a double-sided sign's own thickness does not count."""
     for i in range(spots.shape[0]):  # noqa: SIM110 - generators do not compile
         if blocked(origin, edge_u, edge_v, normal, spots[i], eye, 0.09):

@@ -14,6 +14,8 @@ from lpslam.simulation.signs import Sign
 FPS = 30.0
 OVERLAP = 3.0  # metres walked past the start, so that the loop is seen to close
 STEP = 1.0 / 240.0  # seconds between the computed poses
+TICK = 0.1  # seconds between decisions where to look
+DWELL = 0.6  # seconds for which a sign is looked at
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,15 +87,15 @@ def stroll(seed: int, layout: Layout, signs: tuple[Sign, ...], options: Simulati
     side = rng.uniform(0.008, 0.015) * np.sin(steps / 2 * times + 1.0)
     position = position + side[:, None] * np.column_stack([-np.sin(ahead), np.cos(ahead)])
     positions = np.column_stack([position, eye + bob])
-    wanted = _gaze(positions, ahead, signs)
     bound = math.radians(options.max_turn_rate)
+    wanted = _gaze(positions, ahead, signs, 0.8 * bound)
     heading = _follow(wanted[:, 0], 0.88 * bound, 4.0 * bound, STEP)
     pitch = _follow(wanted[:, 1], 0.3 * bound, 1.5 * bound, STEP)
     nod = rng.uniform(0.003, 0.006)
     heading = heading + nod * np.sin(steps / 2 * times + 2.0)
     pitch = pitch + nod * np.sin(steps * times + 0.7)
     roll = rng.uniform(0.006, 0.014) * np.sin(steps / 2 * times) + 0.01 * np.sin(0.7 * times + rng.uniform(0, 6))
-    return Walk(times, positions, np.column_stack([heading, pitch, roll]), frames)
+    return Walk(np.asarray(times, np.float64), positions, np.column_stack([heading, pitch, roll]), frames)
 
 
 def _rounded(corners: NDArray[np.float64], radius: float) -> NDArray[np.float64]:
@@ -133,51 +135,83 @@ def _along(
     return position, np.unwrap(np.arctan2(step[:, 1], step[:, 0]))
 
 
-def _gaze(positions: NDArray[np.float64], ahead: NDArray[np.float64], signs: tuple[Sign, ...]) -> NDArray[np.float64]:
+def _gaze(
+    positions: NDArray[np.float64], ahead: NDArray[np.float64], signs: tuple[Sign, ...], max_rate: float
+) -> NDArray[np.float64]:
     """Where to look, (n, 2) heading and pitch: at one sign after another while it is well placed, else ahead.
 
-    A sign is well placed while it is 1.6 to 5 m away, within 62 degrees of the way ahead and seen at less than 48
-    degrees. The one that offers its chance soonest and has been looked at least is taken for about a second.
+    Of the signs that can be turned to in time, the one whose chance ends first is looked at for `DWELL` seconds.
     """
-    wanted = np.column_stack([ahead, np.zeros(len(ahead))])
+    wanted = np.column_stack([ahead, np.full(len(ahead), -0.06)])
     if not signs:
         return wanted
+    chunk = round(TICK / STEP)
+    view = _placing(positions[::chunk], ahead[::chunk], signs)
+    ticks, count = view.good.shape
+    # Ticks for which each sign stays well placed from each tick on.
+    left = np.zeros((ticks + 1, count))
+    for tick in range(ticks - 1, -1, -1):
+        left[tick] = np.where(view.good[tick], left[tick + 1] + 1, 0)
+    looked = np.zeros(count)
+    current, heading, every = -1, float(ahead[0]), np.arange(count)
+    for tick in range(ticks):
+        if current < 0 or looked[current] >= DWELL or left[tick, current] == 0:
+            turning = np.abs(view.bearing[tick] - heading) / max_rate / TICK + 2
+            arrival = np.minimum(tick + np.ceil(turning).astype(np.int64), ticks)
+            chance = np.where(looked < DWELL, left[arrival, every], 0)
+            deadline = np.where(chance * TICK > 0.4, arrival + chance, np.inf)
+            current = int(np.argmin(deadline)) if np.isfinite(deadline).any() else -1
+        start, stop = tick * chunk, (tick + 1) * chunk
+        target = float(ahead[start])
+        if current >= 0:
+            target = float(view.bearing[tick, current])
+            wanted[start:stop, 1] = np.clip(0.7 * view.pitch[tick, current], -0.12, 0.2)
+        # A glance over the shoulder is as far as a neck turns.
+        target = float(ahead[start] + np.clip(target - ahead[start], -1.35, 1.35))
+        wanted[start:stop, 0] = target
+        heading += float(np.clip(target - heading, -TICK * max_rate, TICK * max_rate))
+        if current >= 0 and view.good[tick, current] and abs(view.bearing[tick, current] - heading) < 0.2:
+            looked[current] += TICK
+        # After a lap the same signs are worth a look again.
+        looked = np.maximum(looked - TICK / 40.0, 0.0)
+    # Eyes lead: the spring that follows comes about a third of a second late.
+    lead = min(round(0.32 / STEP), len(wanted) - 1)
+    return np.concatenate([wanted[lead:], np.repeat(wanted[-1:], lead, axis=0)])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Placing:
+    """How signs stand to a walker at every tick, each (ticks, signs).
+
+    Attributes:
+        bearing: heading at which each is straight ahead, radians, less than half a turn from the way ahead.
+        pitch: radians, up positive.
+        good: whether each is 1.3 to 6 m away, not behind the shoulder, and seen at less than 46 degrees.
+    """
+
+    bearing: NDArray[np.float64]
+    pitch: NDArray[np.float64]
+    good: NDArray[np.bool_]
+
+
+def _placing(positions: NDArray[np.float64], ahead: NDArray[np.float64], signs: tuple[Sign, ...]) -> _Placing:
     centres = np.array([sign.corners.mean(axis=0) for sign in signs])
     normals = np.array([sign.normal for sign in signs])
-    both = np.array([sign.double_sided for sign in signs])
-    looked = np.zeros(len(signs))
-    chunk = round(0.1 / STEP)
-    current, since = -1, 0.0
-    for start in range(0, len(ahead), chunk):
-        way = centres - positions[start]
-        distance = np.linalg.norm(way, axis=1)
-        cosine = -np.einsum("ij,ij->i", way, normals) / distance
-        cosine = np.where(both, np.abs(cosine), cosine)
-        bearing = np.arctan2(way[:, 1], way[:, 0])
-        turn = (bearing - ahead[start] + np.pi) % (2 * np.pi) - np.pi
-        pitch = np.arcsin(np.clip(way[:, 2] / distance, -1, 1))
-        good = (distance > 1.6) & (distance < 5.0) & (np.abs(turn) < 1.08) & (cosine > 0.67)
-        score = np.where(good, cosine / (1.0 + looked) - 0.04 * distance, -np.inf)
-        if current < 0 or not good[current] or since > 1.2:
-            best = int(np.argmax(score))
-            if best != current:
-                since = 0.0
-            current = best if np.isfinite(score[best]) else -1
-        since += 0.1
-        if current >= 0:
-            looked[current] += 0.1
-            stop = start + chunk
-            wanted[start:stop, 0] = ahead[start:stop] + turn[current]
-            wanted[start:stop, 1] = np.clip(0.75 * pitch[current], -0.1, 0.2)
-    return wanted
+    way = centres[None] - positions[:, None]
+    distance = np.linalg.norm(way, axis=2)
+    cosine = -np.einsum("tsi,si->ts", way, normals) / distance
+    cosine = np.where([sign.double_sided for sign in signs], np.abs(cosine), cosine)
+    turn = (np.arctan2(way[..., 1], way[..., 0]) - ahead[:, None] + np.pi) % (2 * np.pi) - np.pi
+    good = (distance > 1.3) & (distance < 6.0) & (np.abs(turn) < 1.35) & (cosine > 0.695)
+    return _Placing(ahead[:, None] + turn, np.arcsin(np.clip(way[..., 2] / distance, -1, 1)), good)
 
 
 @njit(cache=True, nogil=True)
-def _follow(wanted, max_rate, max_acceleration, step):
+def _follow(wanted: NDArray[np.float64], max_rate: float, max_acceleration: float, step: float) -> NDArray[np.float64]:
     """Follow a signal smoothly: a damped spring whose rate and acceleration are bounded."""
     out = np.empty_like(wanted)
     value, rate = wanted[0], 0.0
-    stiffness = 3.2
+    stiffness = 5.0
     for i in range(len(wanted)):
         pull = stiffness * stiffness * (wanted[i] - value) - 2.0 * stiffness * rate
         pull = min(max(pull, -max_acceleration), max_acceleration)
