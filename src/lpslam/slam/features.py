@@ -1,7 +1,7 @@
 """ORB features spread over the image, each with a virtual right coordinate from depth (ORB-SLAM2, III-A)."""
 
 from functools import lru_cache
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import cv2
 import numpy as np
@@ -37,7 +37,7 @@ class Features(NamedTuple):
     descriptor: NDArray[np.uint64]
 
     @property
-    def count(self) -> int:
+    def rows(self) -> int:
         """Number of keypoints."""
         return len(self.octave)
 
@@ -60,18 +60,17 @@ class FeatureExtractor:
 
     def extract(self, frame: RgbdFrame) -> Features:
         """Keypoints of a frame, coarse levels last."""
-        gray = cv2.cvtColor(frame.rgb, cv2.COLOR_RGB2GRAY)
         corners, octaves, angles, descriptors = [], [], [], []
-        level_image = gray
+        level_image = as_gray(cv2.cvtColor(frame.rgb, cv2.COLOR_RGB2GRAY))
         for level, size in enumerate(self._sizes):
             if level > 0:
-                level_image = cv2.resize(level_image, size, interpolation=cv2.INTER_LINEAR)
+                level_image = as_gray(cv2.resize(level_image, size, interpolation=cv2.INTER_LINEAR))
             corner = self._detect(level_image, int(self._quotas[level]))
             if not len(corner):
                 continue
             angle = kernels.orientations(level_image, corner)
             descriptor = np.empty((len(corner), 4), np.uint64)
-            blurred = cv2.GaussianBlur(level_image, (7, 7), 2.0)
+            blurred = as_gray(cv2.GaussianBlur(level_image, (7, 7), 2.0))
             kernels.describe(blurred, corner, angle, self._steered[level], descriptor)
             # Each level was rounded to whole pixels: scale by its true size, corner to corner of the pixel grid.
             scale = np.array([self.camera.width / size[0], self.camera.height / size[1]], np.float32)
@@ -91,12 +90,12 @@ class FeatureExtractor:
 
     def _detect(self, image: NDArray[np.uint8], quota: int) -> NDArray[np.int32]:
         high, low = self.config.fast_threshold, self.config.fast_threshold_in_empty_cell
-        return kernels.detect_corners(  # type: ignore[no-any-return]
+        return kernels.detect_corners(
             image,
-            cv2.add(image, high),
-            cv2.subtract(image, high),
-            cv2.add(image, low),
-            cv2.subtract(image, low),
+            as_gray(cv2.add(image, high)),  # type: ignore[call-overload]
+            as_gray(cv2.subtract(image, high)),  # type: ignore[call-overload]
+            as_gray(cv2.add(image, low)),  # type: ignore[call-overload]
+            as_gray(cv2.subtract(image, low)),  # type: ignore[call-overload]
             high,
             low,
             self.config.cell_pixels,
@@ -135,10 +134,16 @@ def _no_features() -> Features:
     )
 
 
+def as_gray(image: object) -> NDArray[np.uint8]:
+    """Narrow what OpenCV returns to the array type that it is."""
+    return cast("NDArray[np.uint8]", image)
+
+
 def _level_quotas(config: FeatureConfig) -> NDArray[np.int64]:
     """How many keypoints each level may have: falling by the scale factor, since a level's area falls by its square."""
     share = config.scale_factor ** -np.arange(config.levels, dtype=float)
-    return np.round(config.count * share / share.sum()).astype(np.int64)
+    quotas: NDArray[np.int64] = np.round(config.count * share / share.sum()).astype(np.int64)
+    return quotas
 
 
 @lru_cache(maxsize=1)
@@ -150,8 +155,8 @@ def _test_pairs() -> NDArray[np.float64]:
     """
     random = np.random.default_rng(20230301)
     points = random.normal(0.0, 31 / 5.0, (4096, 2))
-    points = points[np.hypot(*points.T) <= kernels.BORDER - 3.5]
-    return points[:512]
+    inside: NDArray[np.float64] = points[np.hypot(*points.T) <= kernels.BORDER - 3.5]
+    return inside[:512]
 
 
 @lru_cache(maxsize=32)

@@ -51,7 +51,7 @@ class LocalMapper:
         second = [self._map.covisible(int(k), self._config.covisible_points)[:3] for k in first[:5]]
         everyone = np.concatenate([first, *second]) if len(first) else first
         unique, where = np.unique(everyone, return_index=True)
-        in_order = unique[np.argsort(where)]
+        in_order: NDArray[np.int32] = unique[np.argsort(where)]
         return in_order[in_order != keyframe]
 
     def _fuse(self, keyframe: int, neighbours: NDArray[np.int32]) -> None:
@@ -99,8 +99,6 @@ class LocalMapper:
         for other in self._map.covisible(keyframe, config.covisible_points):
             if other == 0 or other == keyframe:
                 continue
-            share = graph.redundant_share(
-                self._map.columns, int(other), config.redundant_observers, self._close_depth
-            )
+            share = graph.redundant_share(self._map.columns, int(other), config.redundant_observers, self._close_depth)
             if share > config.redundant_share:
                 self._map.remove_keyframe(int(other))

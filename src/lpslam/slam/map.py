@@ -114,7 +114,7 @@ class SlamMap:
         self._reserve(_KEYFRAME_COLUMNS, self.keyframe_count, _KEYFRAME_COLUMNS)
         slot = self._take_slot()
         a = self._arrays
-        count = features.count
+        count = features.rows
         if count > self._capacity:
             raise ValueError(f"{count} keypoints do not fit a slot of {self._capacity}")
         a["camera_from_world"][keyframe] = camera_from_world
@@ -133,7 +133,7 @@ class SlamMap:
         return keyframe
 
     def remove_keyframe(self, keyframe: int) -> None:
-        """Drop a redundant keyframe: its observations go, its children are its parent's, its pose hangs on the parent."""
+        """Drop a redundant keyframe: its observations go, its parent takes its children and carries its pose."""
         a = self._arrays
         slot, parent = int(a["keyframe_slot"][keyframe]), int(a["parent"][keyframe])
         for feature in np.flatnonzero(a["point"][slot, : a["feature_count"][slot]] >= 0):

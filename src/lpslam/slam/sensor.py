@@ -32,7 +32,7 @@ class SensorModel:
     @classmethod
     def of(cls, camera: PinholeCamera, config: SlamConfig) -> "SensorModel":
         """The model of a camera."""
-        scales = config.features.scale_factor ** np.arange(config.features.levels)
+        scales: NDArray[np.float64] = config.features.scale_factor ** np.arange(config.features.levels, dtype=float)
         return cls(
             intrinsics=np.array(
                 [camera.fx, camera.fy, camera.cx, camera.cy, camera.fx * config.features.virtual_baseline]
@@ -48,7 +48,7 @@ class SensorModel:
     def disparity_information(self, depth: NDArray[np.float32]) -> NDArray[np.float32]:
         """1/σ² of the disparity b·fx / z for depths (n,) in metres; 0 where there is none.
 
-        The sensor's noise σ_z = c + q z² (its own disparity noise seen through the baseline) makes σ_d = b·fx / z² · σ_z.
+        The sensor's noise σ_z = c + q z² (disparity noise seen through its baseline) makes σ_d = b·fx / z² · σ_z.
         """
         z = np.where(depth > 0, depth, 1.0).astype(np.float64)
         sigma = self.intrinsics[4] / z**2 * (self.depth_sigma + self.depth_sigma_quadratic * z**2)

@@ -1,11 +1,12 @@
 """RGB-D visual SLAM: frame in, pose out."""
 
-import numpy as np
+from dataclasses import replace
 
 from lpslam.camera import PinholeCamera
 from lpslam.config import SlamConfig
 from lpslam.frames import RgbdFrame
 from lpslam.slam.features import FeatureExtractor
+from lpslam.slam.levelling import floor_normal, level_rotation
 from lpslam.slam.local_mapping import LocalMapper
 from lpslam.slam.map import SlamMap
 from lpslam.slam.sensor import SensorModel
@@ -29,12 +30,29 @@ class RgbdSlam:
         self.trajectory = Trajectory()
         self._tracker = Tracker(extractor, self.sensor, self.map, config)
         self._local_mapper = LocalMapper(self.map, self.sensor, config)
+        self._levelling = config.levelling
+        self.is_levelled = False
 
     def process(self, frame: RgbdFrame) -> TrackedFrame:
         """Track one frame and let the map grow with it."""
         tracked = self._tracker.track(frame)
-        self.trajectory.append(tracked)
         if tracked.is_keyframe:
             self._local_mapper.process(tracked.keyframe)
             self._tracker.after_map_change()
+            if not self.is_levelled:
+                self._level_by_floor(frame, tracked.keyframe)
+            world_from_camera = self.map.world_from_keyframe(tracked.keyframe)
+            tracked = replace(tracked, world_from_camera=world_from_camera)
+        self.trajectory.append(tracked)
         return tracked
+
+    def _level_by_floor(self, frame: RgbdFrame, keyframe: int) -> None:
+        """Turn the map so that z is up, once, when the first large level surface is seen."""
+        camera_from_world = self.map.camera_from_world(keyframe)
+        normal = floor_normal(frame.depth, self.camera, camera_from_world[:3, 2], self._levelling)
+        if normal is None:
+            return
+        level_from_world = level_rotation(camera_from_world[:3, :3].T @ normal)
+        self.map.transform(level_from_world)
+        self._tracker.change_world(level_from_world)
+        self.is_levelled = True

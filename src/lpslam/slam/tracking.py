@@ -42,9 +42,7 @@ class _Estimate:
 class Tracker:
     """Follows the camera through frames that come in order of time."""
 
-    def __init__(
-        self, extractor: FeatureExtractor, sensor: SensorModel, slam_map: SlamMap, config: SlamConfig
-    ) -> None:
+    def __init__(self, extractor: FeatureExtractor, sensor: SensorModel, slam_map: SlamMap, config: SlamConfig) -> None:
         self._map = slam_map
         self._sensor = sensor
         self._config = config.tracking
@@ -83,19 +81,19 @@ class Tracker:
         """The first frame with enough depth founds the map: every keypoint with depth is a point."""
         depths = int(features.has_depth.sum())
         if depths < self._keyframe_config.min_start_depths:
-            reason = f"waiting for a first view: {depths} of {features.count} keypoints have depth, "
+            reason = f"waiting for a first view: {depths} of {features.rows} keypoints have depth, "
             return self._without_pose(
                 frame, TrackingState.INITIALISING, reason + f"{self._keyframe_config.min_start_depths} needed"
             )
         self._remember_sharpness(frame)
-        start = _Estimate(inverse_transform(_FIRST_WORLD_FROM_CAMERA), np.full(features.count, -1, np.int32), depths)
+        start = _Estimate(inverse_transform(_FIRST_WORLD_FROM_CAMERA), np.full(features.rows, -1, np.int32), depths)
         self.state = TrackingState.TRACKING
         return self._commit(frame, features, self._add_keyframe(frame, features, start, everything=True), True, "")
 
     def _lose(self, frame: RgbdFrame, features: Features, estimate: _Estimate | None) -> TrackedFrame:
         matches = 0 if estimate is None else int((estimate.points >= 0).sum())
-        parts = [f"{matches} map points matched", f"{features.count} keypoints"]
-        if features.count:
+        parts = [f"{matches} map points matched", f"{features.rows} keypoints"]
+        if features.rows:
             parts.append(f"{features.has_depth.mean():.0%} of them with depth")
         sharpness = _sharpness(frame)
         if self._usual_sharpness > 0 and sharpness < self._config.blur_ratio * self._usual_sharpness:
@@ -207,25 +205,20 @@ class Tracker:
             octave - 1,
             octave + 1,
             last.descriptor[rows[kept]],
-            *self._searchable(features),
+            self._keypoints(features),
+            np.zeros(features.rows, np.bool_),
             self._config.hamming_loose,
             1.0,
         )
         matching.keep_consistent_rotations(match, last.angle[rows[kept]], features.angle)
         return np.where(match >= 0, kept[match], -1).astype(np.int32)
 
-    def _searchable(self, features: Features, taken: NDArray[np.bool_] | None = None) -> tuple[object, ...]:
-        size = self._sensor.image_size
-        return (
-            features.pixels,
-            features.u_right,
-            features.has_depth,
-            features.octave,
-            features.descriptor,
-            np.zeros(features.count, np.bool_) if taken is None else taken,
-            *matching.build_grid(features.pixels, *size),
-            size,
-        )
+    def _keypoints(self, features: Features) -> matching.Keypoints:
+        starts, order, size = matching.build_grid(features.pixels, *self._sensor.image_size)
+        return matching.Keypoints(
+            features.pixels, features.u_right, features.has_depth, features.octave, features.descriptor,
+            starts, order, size,
+        )  # fmt: skip
 
     def _optimise(
         self, features: Features, guess: _Matrix, match: _Rows, positions: _Matrix, points: _Rows
@@ -249,7 +242,7 @@ class Tracker:
         inliers = int(inlier.sum())
         if inliers < self._config.min_pose_inliers:
             return None
-        held = np.full(features.count, -1, np.int32)
+        held = np.full(features.rows, -1, np.int32)
         held[keypoints[inlier]] = points[rows[inlier]]
         return _Estimate(camera_from_world, held, inliers)
 
@@ -315,15 +308,18 @@ class Tracker:
             levels - 1,
             levels,
             m.point_descriptor[kept],
-            *self._searchable(features, estimate.points >= 0),
+            self._keypoints(features),
+            estimate.points >= 0,
             config.hamming_loose,
             config.ratio_local_map,
         )
         points = np.where(match >= 0, kept[match] if len(kept) else -1, estimate.points).astype(np.int32)
         rows = np.flatnonzero(points >= 0)
-        numbering = np.full(features.count, -1, np.int32)
+        numbering = np.full(features.rows, -1, np.int32)
         numbering[rows] = np.arange(len(rows))
-        refined = self._optimise(features, estimate.camera_from_world, numbering, m.position[points[rows]], points[rows])
+        refined = self._optimise(
+            features, estimate.camera_from_world, numbering, m.position[points[rows]], points[rows]
+        )
         m.visible[kept] += 1
         m.visible[held] += 1
         if refined is not None:
@@ -367,9 +363,7 @@ class Tracker:
         due = elapsed >= config.max_interval and matches < config.due_share * self._most_matches
         return thinned or needs_close or due
 
-    def _add_keyframe(
-        self, frame: RgbdFrame, features: Features, estimate: _Estimate, everything: bool
-    ) -> _Estimate:
+    def _add_keyframe(self, frame: RgbdFrame, features: Features, estimate: _Estimate, everything: bool) -> _Estimate:
         """Put the frame into the map and make points of its keypoints with depth."""
         slam_map, config = self._map, self._keyframe_config
         keyframe = slam_map.add_keyframe(
@@ -382,8 +376,8 @@ class Tracker:
         )
         slot = int(slam_map.columns.keyframe_slot[keyframe])
         for feature in np.flatnonzero(estimate.points >= 0):
-            if not graph.observed_in(slam_map.columns, estimate.points[feature], slot):
-                graph.link(slam_map.columns, estimate.points[feature], slot, feature)
+            if not graph.observed_in(slam_map.columns, int(estimate.points[feature]), slot):
+                graph.link(slam_map.columns, int(estimate.points[feature]), slot, int(feature))
         free = np.flatnonzero(features.has_depth & (estimate.points < 0))
         nearest = free[np.argsort(features.depth[free], kind="stable")]
         wanted = len(nearest) if everything else int((features.depth[nearest] < config.close_depth).sum())

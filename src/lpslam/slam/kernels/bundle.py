@@ -245,7 +245,7 @@ def _solve_step(
     for a in range(6 * free):
         for b in range(a):
             reduced[a, b] = reduced[b, a]
-    twists = np.linalg.solve(reduced, right).reshape(free, 6)
+    twists: NDArray[np.float64] = np.linalg.solve(reduced, right).reshape(free, 6)  # type: ignore[assignment]
     shifts = np.zeros((points, 3))
     rest = np.empty(3)
     for j in range(points):

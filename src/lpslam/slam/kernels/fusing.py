@@ -43,10 +43,8 @@ def fuse_points(
     slot = m.keyframe_slot[keyframe]
     pose = m.camera_from_world[keyframe]
     width, height = image_size
-    columns = (width + GRID_CELL - 1) // GRID_CELL
-    rows = (height + GRID_CELL - 1) // GRID_CELL
     n = m.feature_count[slot]
-    starts, order = build_grid(m.pixels[slot, :n], width, height)
+    starts, order, (columns, rows) = build_grid(m.pixels[slot, :n], width, height)
     levels = scales.shape[0]
     log_scale = math.log(scales[1] / scales[0])
     fx, fy, cx, cy, bf = intrinsics
@@ -73,7 +71,7 @@ def fuse_points(
             cosine += ray * m.normal[p, a]
         if cosine < 0.5 * distance:
             continue
-        predicted = int(math.ceil(math.log(m.distance_range[p, 1] / distance) / log_scale))
+        predicted = math.ceil(math.log(m.distance_range[p, 1] / distance) / log_scale)
         predicted = min(max(predicted, 0), levels - 1)
         window = radius * scales[predicted]
         column0 = min(max(int((u - window) / GRID_CELL), 0), columns - 1)

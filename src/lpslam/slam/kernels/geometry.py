@@ -1,6 +1,7 @@
 """Small rigid-body helpers that kernels share."""
 
 import math
+from typing import Any
 
 import numpy as np
 from llvmlite import ir
@@ -9,8 +10,7 @@ from numba.extending import intrinsic
 from numpy.typing import NDArray
 
 
-@intrinsic
-def popcount(typing_context, value):  # type: ignore[no-untyped-def]
+def _popcount(typing_context, value):  # type: ignore[no-untyped-def]
     """Number of set bits of an unsigned 64-bit word, as one machine instruction."""
 
     def generate(context, builder: ir.IRBuilder, signature, arguments):  # type: ignore[no-untyped-def]
@@ -19,10 +19,14 @@ def popcount(typing_context, value):  # type: ignore[no-untyped-def]
     return types.uint64(types.uint64), generate
 
 
+popcount: Any = intrinsic(_popcount)
+
+
 @njit(cache=True, nogil=True, inline="always")
 def hamming(a: NDArray[np.uint64], b: NDArray[np.uint64]) -> int:
     """Number of differing bits of two 256-bit descriptors."""
-    return np.int64(popcount(a[0] ^ b[0]) + popcount(a[1] ^ b[1]) + popcount(a[2] ^ b[2]) + popcount(a[3] ^ b[3]))
+    bits = popcount(a[0] ^ b[0]) + popcount(a[1] ^ b[1]) + popcount(a[2] ^ b[2]) + popcount(a[3] ^ b[3])
+    return np.int64(bits)  # type: ignore[return-value]
 
 
 @njit(cache=True, nogil=True)

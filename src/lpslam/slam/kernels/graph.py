@@ -406,7 +406,7 @@ def apply_bundle(
 
 @njit(cache=True, nogil=True)
 def redundant_share(m: MapColumns, keyframe: int, min_observers: int, max_depth: float) -> float:
-    """Share of a keyframe's close points that enough others see at the same or a finer level (ORB-SLAM2, keyframe culling).
+    """Share of a keyframe's close points that enough others see at the same or a finer level (ORB-SLAM2).
 
     Args:
         m: columns.

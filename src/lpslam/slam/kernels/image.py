@@ -27,7 +27,8 @@ _CIRCLE = np.array(
 
 def _disc_half_widths(radius: int) -> NDArray[np.int64]:
     rows = np.arange(-radius, radius + 1)
-    return np.floor(np.sqrt(radius * radius - rows * rows + radius)).astype(np.int64).clip(max=radius)
+    widths: NDArray[np.int64] = np.floor(np.sqrt(radius * radius - rows * rows + radius)).astype(np.int64)
+    return widths.clip(max=radius)
 
 
 _DISC = _disc_half_widths(PATCH_RADIUS)
@@ -50,7 +51,7 @@ def _corner_score(image: NDArray[np.uint8], x: int, y: int, difference: NDArray[
             high = max(high, difference[i])
         first, last = difference[start], difference[start + 9]
         best = max(best, min(low, max(first, last)), -max(high, min(first, last)))
-    return best
+    return int(best)
 
 
 @njit(cache=True, nogil=True)
@@ -196,10 +197,11 @@ def _spread(
         per_rank[rank[i]] += 1
     full, total = 0, 0
     while total + per_rank[full] <= quota:
-        total += per_rank[full]
+        total += int(per_rank[full])
         full += 1
     kept = np.empty((quota, 2), np.int32)
-    n, spare = 0, quota - total
+    n = 0
+    spare = quota - total
     for i in order:
         if rank[i] < full or (rank[i] == full and spare > 0):
             if rank[i] == full:
@@ -217,11 +219,11 @@ def orientations(image: NDArray[np.uint8], corners: NDArray[np.int32]) -> NDArra
         x, y = np.int64(corners[i, 0]), np.int64(corners[i, 1])
         moment_x, moment_y = 0, 0
         for dy in range(-PATCH_RADIUS, PATCH_RADIUS + 1):
-            half = _DISC[dy + PATCH_RADIUS]
+            half = int(_DISC[dy + PATCH_RADIUS])
             row_sum = 0
             row_moment = 0
             for dx in range(-half, half + 1):
-                value = np.int64(image[y + dy, x + dx])
+                value = int(image[y + dy, x + dx])
                 row_sum += value
                 row_moment += dx * value
             moment_x += row_moment

@@ -1,6 +1,7 @@
 """Data association: projecting map points, searching windows of the image, brute force with a ratio test."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -15,7 +16,9 @@ _ROTATION_BINS = 30
 
 
 @njit(cache=True, nogil=True)
-def build_grid(pixels: NDArray[np.float32], width: int, height: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+def build_grid(
+    pixels: NDArray[np.float32], width: int, height: int
+) -> tuple[NDArray[np.int32], NDArray[np.int32], tuple[int, int]]:
     """Bucket keypoints by image cell.
 
     Args:
@@ -25,6 +28,7 @@ def build_grid(pixels: NDArray[np.float32], width: int, height: int) -> tuple[ND
     Returns:
         starts: (rows·columns + 1,) where each bucket begins in `order`.
         order: (n,) keypoint numbers by bucket, rising within one.
+        size: columns and rows of the grid.
     """
     columns = (width + GRID_CELL - 1) // GRID_CELL
     rows = (height + GRID_CELL - 1) // GRID_CELL
@@ -43,7 +47,7 @@ def build_grid(pixels: NDArray[np.float32], width: int, height: int) -> tuple[ND
     for i in range(count):
         order[fill[bucket[i]]] = i
         fill[bucket[i]] += 1
-    return starts, order
+    return starts, order, (columns, rows)
 
 
 @njit(cache=True, nogil=True)
@@ -59,7 +63,7 @@ def project_candidates(
     log_scale: float,
     min_view_cosine: float,
 ) -> tuple[NDArray[np.int32], NDArray[np.float32], NDArray[np.int32], NDArray[np.float32]]:
-    """Project map points that a camera may see: in the image, within their scale range, from a side they were seen from.
+    """Project map points that a camera may see: in the image, in their scale range, from a side they were seen from.
 
     Args:
         ids: (m,) rows of the point columns.
@@ -104,13 +108,31 @@ def project_candidates(
         cosine = (dx * normals[i, 0] + dy * normals[i, 1] + dz * normals[i, 2]) / distance
         if cosine < min_view_cosine:
             continue
-        predicted = int(math.ceil(math.log(distance_ranges[i, 1] / distance) / log_scale))
+        predicted = math.ceil(math.log(distance_ranges[i, 1] / distance) / log_scale)
         kept[n] = i
         projections[n, 0], projections[n, 1], projections[n, 2] = u, v, u - intrinsics[4] / z
         level[n] = min(max(predicted, 0), levels - 1)
         cosines[n] = cosine
         n += 1
     return kept[:n], projections[:n], level[:n], cosines[:n]
+
+
+class Keypoints(NamedTuple):
+    """A frame's keypoints, bucketed for window searches; columns as in `Features`.
+
+    Attributes:
+        grid_starts, grid_order: from `build_grid`.
+        grid_size: columns and rows of the grid.
+    """
+
+    pixels: NDArray[np.float32]
+    u_right: NDArray[np.float32]
+    has_depth: NDArray[np.bool_]
+    octave: NDArray[np.uint8]
+    descriptor: NDArray[np.uint64]
+    grid_starts: NDArray[np.int32]
+    grid_order: NDArray[np.int32]
+    grid_size: tuple[int, int]
 
 
 @njit(cache=True, nogil=True)
@@ -120,15 +142,8 @@ def search_windows(
     lowest: NDArray[np.int32],
     highest: NDArray[np.int32],
     descriptors: NDArray[np.uint64],
-    pixels: NDArray[np.float32],
-    u_right: NDArray[np.float32],
-    has_depth: NDArray[np.bool_],
-    octave: NDArray[np.uint8],
-    frame_descriptors: NDArray[np.uint64],
+    keypoints: Keypoints,
     taken: NDArray[np.bool_],
-    grid_starts: NDArray[np.int32],
-    grid_order: NDArray[np.int32],
-    image_size: tuple[int, int],
     max_distance: int,
     ratio: float,
 ) -> NDArray[np.int32]:
@@ -139,10 +154,8 @@ def search_windows(
         radii: (m,) pixels.
         lowest, highest: (m,) pyramid levels a match may have.
         descriptors: (m, 4) of the projected points.
-        pixels, u_right, has_depth, octave, frame_descriptors: the keypoint columns, n rows.
+        keypoints: of the frame, n rows.
         taken: (n,) keypoints that are not to be matched.
-        grid_starts, grid_order: from `build_grid`.
-        image_size: width, height.
         max_distance: largest Hamming distance of a match.
         ratio: a second candidate on the same level must be farther by 1/ratio; 1 or more turns the test off.
 
@@ -150,9 +163,8 @@ def search_windows(
         (n,) for each keypoint the row of its projection, or -1; one projection at most per keypoint, the nearest in
         descriptor space.
     """
-    width, height = image_size
-    columns = (width + GRID_CELL - 1) // GRID_CELL
-    rows = (height + GRID_CELL - 1) // GRID_CELL
+    pixels, u_right, octave = keypoints.pixels, keypoints.u_right, keypoints.octave
+    columns, rows = keypoints.grid_size
     match = np.full(pixels.shape[0], -1, np.int32)
     match_distance = np.full(pixels.shape[0], max_distance + 1, np.int32)
     for i in range(projections.shape[0]):
@@ -164,16 +176,20 @@ def search_windows(
         best, best_distance, best_level = -1, max_distance + 1, -1
         second_distance, second_level = 256, -1
         for row in range(row0, row1 + 1):
-            for k in range(grid_starts[row * columns + column0], grid_starts[row * columns + column1 + 1]):
-                j = grid_order[k]
-                level = np.int32(octave[j])
+            first, last = (
+                keypoints.grid_starts[row * columns + column0],
+                keypoints.grid_starts[row * columns + column1 + 1],
+            )
+            for k in range(first, last):
+                j = keypoints.grid_order[k]
+                level = int(octave[j])
                 if level < lowest[i] or level > highest[i] or taken[j]:
                     continue
                 if abs(pixels[j, 0] - u) > radius or abs(pixels[j, 1] - v) > radius:
                     continue
-                if has_depth[j] and abs(u_right[j] - right) > radius:
+                if keypoints.has_depth[j] and abs(u_right[j] - right) > radius:
                     continue
-                distance = hamming(descriptors[i], frame_descriptors[j])
+                distance = hamming(descriptors[i], keypoints.descriptor[j])
                 if distance < best_distance:
                     second_distance, second_level = best_distance, best_level
                     best, best_distance, best_level = j, distance, level
@@ -212,12 +228,12 @@ def match_brute_force(
                 best, second, best_distance = i, best_distance, distance
             elif distance < second:
                 second = distance
-        if best >= 0 and best_distance <= max_distance and best_distance < ratio * second:
-            if best_distance < owner_distance[best]:
-                if owner[best] >= 0:
-                    match[owner[best]] = -1
-                owner[best], owner_distance[best] = j, best_distance
-                match[j] = best
+        certain = best >= 0 and best_distance <= max_distance and best_distance < ratio * second
+        if certain and best_distance < owner_distance[best]:
+            if owner[best] >= 0:
+                match[owner[best]] = -1
+            owner[best], owner_distance[best] = j, best_distance
+            match[j] = best
     return match
 
 

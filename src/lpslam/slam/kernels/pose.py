@@ -16,7 +16,7 @@ CHI2_PIXEL = 5.991
 """95 % of the χ² distribution with two degrees of freedom."""
 
 CHI2_DEPTH = 3.841
-"""95 % of the χ² distribution with one degree of freedom; together with the pixel's 5.991 it replaces 7.815 for three."""
+"""95 % of the χ² distribution with one degree of freedom; pixel and depth apart replace 7.815 for the three."""
 
 
 @njit(cache=True, nogil=True)
@@ -121,7 +121,7 @@ def optimise_pose(
             damped = hessian.copy()
             for a in range(6):
                 damped[a, a] += 1e-9 * hessian[a, a] + 1e-9
-            step = np.linalg.solve(damped, gradient)
+            step: NDArray[np.float64] = np.linalg.solve(damped, gradient)  # type: ignore[assignment]
             pose = exponential(step) @ pose
             if np.abs(step).max() < 1e-7:
                 break
