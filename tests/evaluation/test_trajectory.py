@@ -35,7 +35,10 @@ def some_transform(seed: int) -> np.ndarray:
 
 
 @pytest.mark.skipif(not RECORDED.is_dir(), reason="recorded trajectories are not in ../shared/data")
-@pytest.mark.parametrize(("estimate", "rmse", "worst"), [("freiburg1_xyz-rgbdslam.txt", 0.013470, 0.034760)])
+@pytest.mark.parametrize(
+    ("estimate", "rmse", "worst"),
+    [("freiburg1_xyz-rgbdslam.txt", 0.013470, 0.034760), ("freiburg1_xyz-rgbdslam_drift.txt", 0.013470, 0.034760)],
+)
 def test_agrees_with_evo_on_a_recorded_trajectory(estimate: str, rmse: float, worst: float) -> None:
     truth = StampedPoses.from_tum_file(RECORDED / "freiburg1_xyz-groundtruth.txt")
     result = absolute_trajectory_error(truth, StampedPoses.from_tum_file(RECORDED / estimate))

@@ -1,0 +1,41 @@
+"""Tables for the terminal; names from the world are shown as they are, never taken for markup."""
+
+from collections.abc import Mapping, Sequence
+
+from rich.table import Table
+from rich.text import Text
+
+from lpslam.text.types import Landmark
+from lpslam.views.drawable import printable
+
+_VERDICTS = {True: ("landmark", "blue"), False: ("text", "magenta"), None: ("not judged", "dim")}
+
+
+def landmark_table(landmarks: Sequence[Landmark], title: str = "Landmarks") -> Table:
+    """One row a landmark: those judged to be one first, then by how often they were seen."""
+    table = Table(title=Text(title), title_justify="left")
+    for heading, side in (("id", "right"), ("name", "left"), ("position x y z [m]", "right"), ("spread [m]", "right"),
+                          ("seen", "right"), ("confidence", "right"), ("judged", "left")):  # fmt: skip
+        table.add_column(heading, justify="right" if side == "right" else "left", no_wrap=heading != "name")
+    for mark in sorted(landmarks, key=lambda mark: (mark.is_landmark is not True, -mark.observations, mark.id)):
+        verdict, style = _VERDICTS[mark.is_landmark]
+        table.add_row(
+            str(mark.id),
+            Text(printable(mark.name), style=style),
+            " ".join(f"{value:7.2f}" for value in mark.position),
+            f"{mark.spread:.2f}",
+            str(mark.observations),
+            f"{mark.confidence:.2f}",
+            Text(verdict, style=style),
+        )
+    return table
+
+
+def facts_table(facts: Mapping[str, str], title: str = "") -> Table:
+    """Two columns: what, and how much of it."""
+    table = Table(title=Text(title) if title else None, title_justify="left", show_header=False)
+    table.add_column(style="dim")
+    table.add_column()
+    for what, value in facts.items():
+        table.add_row(Text(what), Text(printable(value, longest=200)))
+    return table
