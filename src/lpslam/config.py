@@ -50,7 +50,7 @@ class SpottingConfig(_Section):
     # Most boxes of one image; beyond it the image is texture, not text.
     max_boxes: int = Field(default=200, ge=1)
     # Share of width and height at the image's rim that a box must not touch: text cut off there misleads (Fig. 11).
-    border_margin: float = Field(default=0.01, ge=0, lt=0.5)
+    border_margin: float = Field(default=0.02, ge=0, lt=0.5)
     # Boxes lower than this, pixels, are not read: their letters are guesses.
     min_letter_height: float = Field(default=10.0, ge=0)
     # Widest rectified line, pixels at 48 pixels high; longer lines are squeezed.
@@ -103,6 +103,12 @@ class PlacementConfig(_Section):
     inverse_depth_band: float = Field(default=0.008, gt=0)
     # Share of the depths that must agree with the plane; below it the median depth is used instead.
     min_inlier_share: float = Field(default=0.5, gt=0, le=1)
+    # What lies beyond an end of the text, and nearer than its surface by more than so many metres plus so large a share
+    # of the depth, hides the rest of it; steps less than that are frames and mouldings.
+    hiding_step: float = Field(default=0.1, ge=0)
+    hiding_step_share: float = Field(default=0.05, ge=0)
+    # Share of the pixels beyond an end that must be nearer.
+    hiding_share: float = Field(default=0.5, gt=0, le=1)
     # Steepest view of a surface that is believed, degrees between ray and normal.
     max_view_angle: float = Field(default=80.0, gt=0, lt=90)
 
@@ -206,7 +212,7 @@ class MappingConfig(_Section):
     first_iterations: int = 5  # of local adjustment, before outliers go
     iterations: int = 5  # after
     min_found_share: float = 0.25  # of the frames that should see a new point and do
-    min_observations: int = 3  # keyframes that must see a point two keyframes after its birth
+    min_observations: int = 2  # keyframes that must see a point two keyframes after its birth
     redundant_share: float = 0.9  # of a keyframe's close points seen by others: it goes
     redundant_observers: int = 3  # how many others must see each
 
@@ -296,7 +302,6 @@ class Config(_Section):
     evaluation: EvaluationConfig = EvaluationConfig()
 
     simulation: SimulationConfig = SimulationConfig()
-
 
     slam: SlamConfig = SlamConfig()
 

@@ -138,6 +138,19 @@ def test_boxes_at_the_border_and_tiny_ones_are_dropped_unread_and_counted() -> N
     assert spotter.recognised == 3
 
 
+def test_text_hidden_by_something_nearer_is_not_even_read() -> None:
+    spotter = ScriptedSpotter((box(300, 200), "RMATION", 0.99))
+    hidden = frame(0)
+    hidden.depth[:, :295] = 1.0
+    mapper = TextMapper(CAMERA, spotter, CONFIG)
+    reading = mapper.observe(hidden, tracked(0))
+    assert reading is not None
+    assert reading.fates == (BoxFate.HIDDEN,)
+    assert mapper.statistics.boxes_hidden == 1
+    assert spotter.recognised == 0
+    assert not mapper.text_map.memory.classes
+
+
 def test_text_of_the_world_is_cleaned() -> None:
     spotter = ScriptedSpotter((box(100, 200), "ＫＦ\u202eＣ\u200b\n" + "x" * 500, 0.99))
     reading = TextMapper(CAMERA, spotter, CONFIG).observe(frame(0), tracked(0))

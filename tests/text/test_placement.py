@@ -116,3 +116,26 @@ def test_a_grazing_surface_is_a_fault() -> None:
     centre = np.array([0.0, 0.0, 3.0])
     _, box, normal = sign(centre, 84.0, width=1.0)
     assert place_text(box, wall_depth(centre, normal), CAMERA, np.eye(4), CONFIG) is PlacementFault.GRAZING
+
+
+@pytest.mark.parametrize("yaw", [0.0, 40.0, -40.0])
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_a_text_that_goes_on_behind_a_pillar_is_refused(yaw: float, side: str) -> None:
+    centre = np.array([0.0, 0.0, 4.0])
+    _, box, normal = sign(centre, yaw)
+    depth = wall_depth(centre, normal, 0.0022)
+    if side == "left":
+        depth[:, : int(box[:, 0].min()) - 2] = 2.5
+    else:
+        depth[:, int(box[:, 0].max()) + 2 :] = 2.5
+    assert place_text(box, depth, CAMERA, np.eye(4), CONFIG) is PlacementFault.HIDDEN
+
+
+def test_what_lies_behind_or_hardly_before_a_sign_does_not_hide_it() -> None:
+    centre = np.array([0.0, 0.0, 3.0])
+    _, box, normal = sign(centre, 0.0)
+    left, right = int(box[:, 0].min()) - 2, int(box[:, 0].max()) + 2
+    for beyond in (5.0, 2.95, 0.0):
+        depth = wall_depth(centre, normal, 0.0022)
+        depth[:, :left] = depth[:, right:] = beyond
+        assert placed(box, depth).position == pytest.approx(centre, abs=0.01)

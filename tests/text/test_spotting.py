@@ -107,13 +107,16 @@ def test_no_boxes_touch_nothing() -> None:
 def test_unsure_short_and_empty_readings_are_refused() -> None:
     boxes = np.tile(np.array([[0, 0], [50, 0], [50, 20], [0, 20]], float), (5, 1, 1))
     readings = [("KFC", 0.95), ("KFC", 0.3), ("A", 0.99), ("", 0.0), ("-/-", 0.9)]
-    assert [each.text for each in accepted_texts(boxes, readings, CONFIG)] == ["KFC"]
+    accepted = accepted_texts(boxes, readings, CONFIG)
+    assert [each and each.text for each in accepted] == ["KFC", None, None, None, None]
 
 
 def test_a_logo_beside_the_name_is_not_part_of_it() -> None:
     box = np.array([[[0, 0], [50, 0], [50, 20], [0, 20]]], float)
     for raw, text in {"★回力": "回力", "● Miniso ®": "Miniso", "A★B": "A★B", "Don't!": "Don't!"}.items():
-        assert [each.text for each in accepted_texts(box, [(raw, 0.99)], CONFIG)] == [text]
+        (accepted,) = accepted_texts(box, [(raw, 0.99)], CONFIG)
+        assert accepted is not None
+        assert accepted.text == text
 
 
 def test_letters_of_a_line_that_runs_downwards_are_as_high_as_it_is_wide() -> None:

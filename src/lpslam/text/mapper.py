@@ -1,6 +1,8 @@
 """Runtime text mapping (paper, Fig. 1): read, classify, remember, name, place."""
 
 from collections import deque
+from collections.abc import Sequence
+from dataclasses import replace
 from time import perf_counter
 
 import cv2
@@ -18,7 +20,7 @@ from lpslam.text.placement import PlacementFault, place_text
 from lpslam.text.spots import Spots
 from lpslam.text.spotting import TextSpotter, accepted_texts, letter_heights, touches_border
 from lpslam.text.text_map import TextMap
-from lpslam.text.types import BoxFate, FrameReading, SpottedText, TextObservation, TextStatistics
+from lpslam.text.types import BoxFate, FrameReading, Placement, SpottedText, TextObservation, TextStatistics
 
 Array = NDArray[np.float64]
 
@@ -72,79 +74,93 @@ class TextMapper:
             return None
         self._gate.taken(frame.timestamp)
 
-        boxes, fates, texts = self._read(frame.rgb)
+        reading = self._read(frame, tracked.keyframe_from_camera)
+        if reading is None:
+            return None
         started = perf_counter()
-        poses = (
-            tracked.keyframe_from_camera,
-            tracked.world_from_camera @ inverse_transform(tracked.keyframe_from_camera),
-        )
-        remembered = [self._remember(text, frame, tracked.keyframe, *poses) for text in texts]
+        world_from_keyframe = tracked.world_from_camera @ inverse_transform(tracked.keyframe_from_camera)
+        observations = []
+        for text, placement in zip(reading.texts, reading.placements, strict=True):
+            text_class = self._remember(text, placement, frame.timestamp, world_from_keyframe)
+            if placement is not None:
+                observation = TextObservation(
+                    frame.index, frame.timestamp, tracked.keyframe, text.text, text.confidence, placement
+                )
+                text_class.observations.append(observation)
+                observations.append(observation)
+            if text_class.pool is Pool.LONG_TERM and needs_name(text_class):
+                self._name(text_class)
+        self.statistics.observations += len(observations)
         self.statistics.mapping_ms += 1000.0 * (perf_counter() - started)
-        return FrameReading(frame.index, boxes, tuple(fates), tuple(texts), tuple(filter(None, remembered)))
+        return replace(reading, observations=tuple(observations))
 
-    def _read(self, rgb: NDArray[np.uint8]) -> tuple[Array, list[BoxFate], list[SpottedText]]:
-        """Detect, drop what is cut off or too small, recognise the rest."""
+    def _read(self, frame: RgbdFrame, keyframe_from_camera: Array) -> FrameReading | None:
+        """Detect (III-B), drop what is cut off or too small, place (III-F), recognise; None when the reader failed."""
         self.statistics.frames_read += 1
-        boxes, fates, texts = np.zeros((0, 4, 2)), np.zeros(0, dtype=object), list[SpottedText]()
+        config = self._config.spotting
         # A reader may raise anything, on one image in a thousand; the map is worth more than that image.
         try:
             started = perf_counter()
-            boxes, _ = self._spotter.detect(rgb)
+            boxes, _ = self._spotter.detect(frame.rgb)
             self.statistics.detection_ms += 1000.0 * (perf_counter() - started)
-            config = self._config.spotting
             fates = np.full(len(boxes), BoxFate.KEPT, dtype=object)
             fates[letter_heights(boxes) < config.min_letter_height] = BoxFate.SMALL
-            fates[touches_border(boxes, rgb.shape[:2], config.border_margin)] = BoxFate.BORDER
+            fates[touches_border(boxes, frame.rgb.shape[:2], config.border_margin)] = BoxFate.BORDER
 
-            kept = np.flatnonzero(fates == BoxFate.KEPT)
             started = perf_counter()
-            readings = self._spotter.recognise(rgb, boxes[kept]) if len(kept) else []
+            placements: dict[int, Placement | PlacementFault] = {
+                row: place_text(boxes[row], frame.depth, self._camera, keyframe_from_camera, self._config.placement)
+                for row in np.flatnonzero(fates == BoxFate.KEPT).tolist()
+            }
+            fates[[row for row, each in placements.items() if each is PlacementFault.HIDDEN]] = BoxFate.HIDDEN
+            self.statistics.mapping_ms += 1000.0 * (perf_counter() - started)
+
+            started = perf_counter()
+            kept = np.flatnonzero(fates == BoxFate.KEPT)
+            readings = self._spotter.recognise(frame.rgb, boxes[kept]) if len(kept) else []
             self.statistics.recognition_ms += 1000.0 * (perf_counter() - started)
-            for row, reading in zip(kept, readings, strict=True):
-                accepted = accepted_texts(boxes[row : row + 1], [reading], config)
-                texts += accepted
-                if not accepted:
-                    fates[row] = BoxFate.UNREAD
+            accepted = accepted_texts(boxes[kept], readings, config)
         except Exception:
             self.statistics.reader_errors += 1
-            return np.zeros((0, 4, 2)), [], []
-        self.statistics.boxes_detected += len(boxes)
-        self.statistics.boxes_at_border += int((fates == BoxFate.BORDER).sum())
-        self.statistics.boxes_too_small += int((fates == BoxFate.SMALL).sum())
-        self.statistics.texts_rejected += int((fates == BoxFate.UNREAD).sum())
-        self.statistics.texts_read += len(texts)
-        return boxes, fates.tolist(), texts
+            return None
+        fates[kept[[each is None for each in accepted]]] = BoxFate.UNREAD
+        texts = [(text, placements[row]) for row, text in zip(kept.tolist(), accepted, strict=True) if text]
+        self._count(fates, texts)
+        return FrameReading(
+            frame=frame.index,
+            boxes=boxes,
+            fates=tuple(fates),
+            texts=tuple(text for text, _ in texts),
+            placements=tuple(None if isinstance(each, PlacementFault) else each for _, each in texts),
+        )
 
     def _remember(
-        self,
-        text: SpottedText,
-        frame: RgbdFrame,
-        keyframe: int,
-        keyframe_from_camera: Array,
-        world_from_keyframe: Array,
-    ) -> TextObservation | None:
-        """Place a text (III-F), classify and strengthen it (III-C, III-D), name what has become long-term (III-E)."""
-        memory, config = self.text_map.memory, self._config.placement
-        placement = place_text(text.box, frame.depth, self._camera, keyframe_from_camera, config)
-        if isinstance(placement, PlacementFault):
-            self.statistics.observations_without_depth += 1
-            self._name_if_due(memory.sight(text.text, text.confidence, frame.timestamp))
-            return None
-
+        self, text: SpottedText, placement: Placement | None, timestamp: float, world_from_keyframe: Array
+    ) -> TextClass:
+        """Classify a text by what it says and where it stands, and strengthen its class (III-C, III-D)."""
+        memory = self.text_map.memory
+        if placement is None:
+            return memory.sight(text.text, text.confidence, timestamp)
         here = self._spots.classes_at(placement, world_from_keyframe)
-        text_class = memory.sight(text.text, text.confidence, frame.timestamp, here)
-        observation = TextObservation(frame.index, frame.timestamp, keyframe, text.text, text.confidence, placement)
-        text_class.observations.append(observation)
+        text_class = memory.sight(text.text, text.confidence, timestamp, here)
         self._spots.add(text_class.id, placement, world_from_keyframe)
-        self._name_if_due(text_class)
-        self.statistics.observations += 1
-        return observation
+        return text_class
 
-    def _name_if_due(self, text_class: TextClass) -> None:
-        if text_class.pool is not Pool.LONG_TERM or not needs_name(text_class):
-            return
+    def _name(self, text_class: TextClass) -> None:
+        """Name a class that has become long-term, or whose evidence has grown since (III-E)."""
         if not name_class(text_class, self._language, self._config.spotting.max_length):
             self.statistics.language_errors += 1
+
+    def _count(
+        self, fates: NDArray[np.object_], texts: Sequence[tuple[SpottedText, Placement | PlacementFault]]
+    ) -> None:
+        self.statistics.boxes_detected += len(fates)
+        self.statistics.boxes_at_border += int((fates == BoxFate.BORDER).sum())
+        self.statistics.boxes_too_small += int((fates == BoxFate.SMALL).sum())
+        self.statistics.boxes_hidden += int((fates == BoxFate.HIDDEN).sum())
+        self.statistics.texts_rejected += int((fates == BoxFate.UNREAD).sum())
+        self.statistics.texts_read += len(texts)
+        self.statistics.observations_without_depth += sum(isinstance(each, PlacementFault) for _, each in texts)
 
 
 class ReadingGate:

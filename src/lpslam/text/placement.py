@@ -21,6 +21,7 @@ class PlacementFault(StrEnum):
 
     NO_DEPTH = "no usable depth"
     GRAZING = "surface seen at a grazing angle"
+    HIDDEN = "partly hidden by something nearer"
 
 
 def place_text(
@@ -46,7 +47,8 @@ def place_text(
     Returns:
         The placement, or why there is none.
     """
-    pixels, depths, area = _depths_inside(box, depth, config)
+    middle_of_box = box.mean(axis=0)
+    pixels, depths, area = _depths_inside(middle_of_box + (box - middle_of_box) * config.inner_share, depth, config)
     if len(depths) < max(config.min_samples, config.min_depth_share * area):
         return PlacementFault.NO_DEPTH
     unit = np.ones(len(depths))
@@ -66,6 +68,8 @@ def place_text(
         corners = corner_rays / corner_inverse_depths[:, None]
         # The plane n·p = d, divided by its depth, is linear in the ray: its coefficients point along the normal.
         normal = -_unit(inverse_plane)
+        if any(_hides(strip, depth, camera, inverse_plane, config) for strip in _beyond_ends(box)):
+            return PlacementFault.HIDDEN
         residuals = 1.0 / depths[inliers] - rays[inliers] @ inverse_plane
         noise = float(np.std(residuals)) * float(np.median(depths)) ** 2
 
@@ -122,15 +126,43 @@ def fit_inverse_depth_plane(
     return coefficients, np.abs(inverse_depths - rays @ coefficients) < config.inverse_depth_band
 
 
-def _depths_inside(box: Array, depth: NDArray[np.float32], config: PlacementConfig) -> tuple[Array, Array, int]:
-    """Pixels (n, 2) and depths (n,) inside the shrunk box, thinned evenly, and how many pixels were looked at."""
-    middle = box.mean(axis=0)
-    inner = middle + (box - middle) * config.inner_share
+def _beyond_ends(box: Array) -> tuple[Array, Array]:
+    """The quadrilaterals (4, 2) that continue a text beyond its first and its last letter, for a part of a letter."""
+    top_left, top_right, bottom_right, bottom_left = box
+    along = _unit((top_right + bottom_right - top_left - bottom_left) / 2.0)
+    letter = np.linalg.norm(bottom_left + bottom_right - top_left - top_right) / 2.0
+    step, upper, lower = 0.4 * letter * along, 0.8, 0.2
+    left = np.array([bottom_left + (top_left - bottom_left) * share for share in (upper, lower)])
+    right = np.array([bottom_right + (top_right - bottom_right) * share for share in (upper, lower)])
+    return np.vstack([left - step, left[::-1]]), np.vstack([right, (right + step)[::-1]])
+
+
+def _hides(
+    strip: Array, depth: NDArray[np.float32], camera: PinholeCamera, inverse_plane: Array, config: PlacementConfig
+) -> bool:
+    """Whether something stands in front of the text's plane beyond its end: then the text goes on behind it.
+
+    A text cut off so misleads like one that is cut off by the image's border (Fig. 11), only that it stays so for long.
+    """
+    pixels, depths, area = _depths_inside(strip, depth, config)
+    if len(depths) == 0:
+        return False
+    surface = 1.0 / np.maximum(
+        camera.back_project(camera.undistort(pixels), np.ones(len(pixels))) @ inverse_plane, 1e-3
+    )
+    nearer = depths < surface - config.hiding_step - config.hiding_step_share * surface
+    return bool(nearer.sum() >= max(3.0, config.hiding_share * area))
+
+
+def _depths_inside(
+    quadrilateral: Array, depth: NDArray[np.float32], config: PlacementConfig
+) -> tuple[Array, Array, int]:
+    """Pixels (n, 2) and depths (n,) inside, thinned evenly, and how many pixels were looked at."""
     height, width = depth.shape
-    low = np.clip(np.floor(inner.min(axis=0)), 0, [width - 1, height - 1]).astype(int)
-    high = np.clip(np.ceil(inner.max(axis=0)), 0, [width - 1, height - 1]).astype(int)
+    low = np.clip(np.floor(quadrilateral.min(axis=0)), 0, [width - 1, height - 1]).astype(int)
+    high = np.clip(np.ceil(quadrilateral.max(axis=0)), 0, [width - 1, height - 1]).astype(int)
     mask = np.zeros(high[::-1] - low[::-1] + 1, np.uint8)
-    cv2.fillConvexPoly(mask, np.round(inner - low).astype(np.int32), 1)
+    cv2.fillConvexPoly(mask, np.round(quadrilateral - low).astype(np.int32), 1)
     rows, columns = np.nonzero(mask)
     step = -(-len(rows) // config.samples)
     rows, columns = rows[::step] + low[1], columns[::step] + low[0]

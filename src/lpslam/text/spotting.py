@@ -52,7 +52,7 @@ def spot(spotter: TextSpotter, rgb: NDArray[np.uint8], config: SpottingConfig) -
     boxes, _ = spotter.detect(rgb)
     boxes = boxes[~touches_border(boxes, rgb.shape[:2], config.border_margin)]
     boxes = boxes[letter_heights(boxes) >= config.min_letter_height]
-    return accepted_texts(boxes, spotter.recognise(rgb, boxes), config)
+    return [text for text in accepted_texts(boxes, spotter.recognise(rgb, boxes), config) if text is not None]
 
 
 def touches_border(boxes: Boxes, shape: tuple[int, ...], margin: float) -> NDArray[np.bool_]:
@@ -80,11 +80,11 @@ def _without_logos(text: str) -> str:
     return text.strip("".join(rim) + " ")
 
 
-def accepted_texts(boxes: Boxes, readings: list[tuple[str, float]], config: SpottingConfig) -> list[SpottedText]:
-    """Clean what was read in (n, 4, 2) boxes and keep what is sure and long enough to be a text."""
-    texts = []
+def accepted_texts(boxes: Boxes, readings: list[tuple[str, float]], config: SpottingConfig) -> list[SpottedText | None]:
+    """Clean what was read in (n, 4, 2) boxes; None in place of what is too unsure or too short to be a text."""
+    texts: list[SpottedText | None] = []
     for box, height, (raw, confidence) in zip(boxes, letter_heights(boxes), readings, strict=True):
         text = _without_logos(clean_text(raw, config.max_length))
-        if confidence >= config.min_confidence and sum(ch.isalnum() for ch in text) >= config.min_letters:
-            texts.append(SpottedText(text, confidence, box, float(height)))
+        is_text = confidence >= config.min_confidence and sum(ch.isalnum() for ch in text) >= config.min_letters
+        texts.append(SpottedText(text, confidence, box, float(height)) if is_text else None)
     return texts

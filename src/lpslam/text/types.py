@@ -35,6 +35,7 @@ class BoxFate(StrEnum):
     KEPT = "kept"
     BORDER = "border"
     SMALL = "small"
+    HIDDEN = "hidden"
     UNREAD = "unread"
 
 
@@ -47,6 +48,7 @@ class FrameReading:
         boxes: (n, 4, 2) raw pixels.
         fates: one a box.
         texts: the texts read, in the order of the boxes that were kept.
+        placements: where each text stands; None where its depth does not say.
         observations: the texts that could be placed.
     """
 
@@ -54,7 +56,8 @@ class FrameReading:
     boxes: NDArray[np.float64]
     fates: tuple[BoxFate, ...]
     texts: tuple[SpottedText, ...]
-    observations: tuple["TextObservation", ...]
+    placements: tuple["Placement | None", ...]
+    observations: tuple["TextObservation", ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,6 +143,7 @@ class TextStatistics:
     boxes_detected: int = 0
     boxes_at_border: int = 0
     boxes_too_small: int = 0
+    boxes_hidden: int = 0
     texts_rejected: int = 0
     texts_read: int = 0
     observations: int = 0
