@@ -22,6 +22,9 @@ _SIGN_ROLES = {"sign_warning": "sign/warning", "sign_slogan": "sign/slogan"}
 _BY_HAND, _BY_NAME, _BY_TERM = 1.0, 0.95, 0.6
 
 
+_SUBSTITUTE = 0.8
+
+
 @dataclass(frozen=True, slots=True)
 class Meaning:
     """What a phrase says: a role in the sentence ("means" or a refusal) and, for "means", concepts by weight."""
@@ -56,22 +59,42 @@ class Knowledge:
     instead: Mapping[str, str]
     offers: Mapping[str, Mapping[str, float]]
     isa: Mapping[str, tuple[str, ...]]
-    _above: dict[str, frozenset[str]] = field(default_factory=dict)
+    _above: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    _shares: dict[tuple[str, str], float] = field(default_factory=dict)
 
-    def above(self, kind: str) -> frozenset[str]:
-        """Return `kind` with every more general kind above it."""
+    def above(self, kind: str) -> tuple[str, ...]:
+        """Return `kind` and every more general kind above it, the nearest first."""
         if kind not in self._above:
-            seen: set[str] = set()
+            found: dict[str, None] = {}
             left = [kind]
             while left:
-                here = left.pop()
-                if here not in seen:
-                    seen.add(here)
+                here = left.pop(0)
+                if here not in found:
+                    found[here] = None
+                    left.extend([here.rsplit("/", 1)[0]] if "/" in here else [])
                     left.extend(self.isa.get(here, ()))
-                    if "/" in here:
-                        left.append(here.rsplit("/", 1)[0])
-            self._above[kind] = frozenset(seen)
+            self._above[kind] = tuple(found)
         return self._above[kind]
+
+    def share(self, concept: str, kind: str) -> float:
+        """Return how well a place of `kind` serves `concept`, 0..1: it is one, or it offers it.
+
+        What is said of the kind itself goes before what is said of the kinds above it: a café serves coffee, a
+        bubble tea shop, though a kind of café, hardly.
+        """
+        if (concept, kind) not in self._shares:
+            self._shares[concept, kind] = 1.0 if concept in self.above(kind) else self._offered(concept, kind)
+        return self._shares[concept, kind]
+
+    def _offered(self, concept: str, kind: str) -> float:
+        tables = [(1.0, self.offers[concept])] if concept in self.offers else []
+        if concept.startswith("shop/"):
+            # A shop asked for by its kind may be replaced by one that sells the same.
+            tables += [(_SUBSTITUTE, table) for table in self.offers.values() if next(iter(table)) == concept]
+        shares = [
+            trust * next((table[above] for above in self.above(kind) if above in table), 0.0) for trust, table in tables
+        ]
+        return max(shares, default=0.0)
 
 
 @lru_cache(maxsize=1)
@@ -90,7 +113,7 @@ def load_knowledge() -> Knowledge:
     for language, lexicon in lexicons.items():
         by_hand = _concept_phrases(folder, lexicon["means"])
         roles = {folder.phrase(text): Meaning(role) for role in _ROLES for text in _split(lexicon.get(role, ""))}
-        spoken[language] = {**termed.get(language, {}), **named.get(language, {}), **by_hand, **roles}
+        spoken[language] = {**named.get(language, {}), **by_hand, **roles}
         signs = {
             folder.phrase(text): Meaning("sign", ((kind, 1.0),))
             for role, kind in _SIGN_ROLES.items()

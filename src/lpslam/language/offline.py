@@ -5,19 +5,20 @@ and it rather chooses nothing than guesses.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from lpslam.language.knowledge import load_knowledge
 from lpslam.language.model import Candidate, Choice, Judgement, Naming, Reading
 from lpslam.language.naming import Vote, cased_like, painted_like, vote
 from lpslam.language.nearest import allowed_edits
-from lpslam.language.question import Wish, read_question, spoken_key
+from lpslam.language.question import Wish, instead_of, read_question, spoken_key
 from lpslam.language.sanitise import clean_text
 from lpslam.language.signs import SignMeaning, load_sign_reader
 
+_YES = 0.5  # a sign is a kind when its words say so at least this surely
 _CHOICE_FLOOR = 0.45  # a landmark that serves the wish less than this is not offered
+_SPECIAL = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
 _NAME_GUESS = 0.55  # how sure we are that an unknown proper name in a mall is a shop
-_SUBSTITUTE = 0.8  # a kind asked for by name may be replaced by one that sells the same, a little less surely
 _SIDE_REFUSED = 0.5  # a place that also serves what is refused
 _SETTLED = 0.6  # a spelling with more than this share of the readings is not corrected
 
@@ -88,16 +89,16 @@ class OfflineModel:
         sign = self._signs.read(name)
         if not wish.wanted and not wish.refused:
             return Judgement(question, False, 0.0, "the question names no kind of place that is known", self.model)
-        named = [(concept, weight) for concept, weight in wish.wanted if weight >= 0.5] or list(wish.wanted)
-        refused = any(self._is(concept, sign) >= 0.5 for concept in wish.refused)
+        named = [(concept, weight) for concept, weight in wish.wanted if weight >= _SPECIAL] or list(wish.wanted)
+        refused = any(self._is(concept, sign) >= _YES for concept in wish.refused)
         best = max((self._match(concept, sign) for concept, _ in named), default=1.0)
         if refused:
             return Judgement(question, False, 0.8, sign.evidence, self.model)
         general = any(concept in ("business", "shop", "place") for concept, _ in named)
-        if best < 0.5 and general and not sign.kinds and sign.name_like:
+        if best < _YES and general and not sign.kinds and sign.name_like:
             return Judgement(question, True, _NAME_GUESS, sign.evidence, self.model)
-        sure = best if best >= 0.5 else 1.0 - best if sign.kinds else 0.6
-        return Judgement(question, best >= 0.5, round(sure, 3), sign.evidence, self.model)
+        sure = best if best >= _YES else 1.0 - best if sign.kinds else 0.6
+        return Judgement(question, best >= _YES, round(sure, 3), sign.evidence, self.model)
 
     def choose(self, question: str, landmarks: Sequence[Candidate]) -> Choice:
         """Choose the landmark whose kinds serve the wish best; none rather than one that does not (III-I)."""
@@ -107,13 +108,26 @@ class OfflineModel:
         wish = read_question(question, self._knowledge, {**brands, **names})
         if wish.language is None:
             return Choice(None, 0.0, "the question is in no language that the embedded model reads", self.model)
-        excluded = set(wish.refused_names)
-        named = [mark.id for mark in landmarks if str(mark.id) in wish.wanted_names and str(mark.id) not in excluded]
+        here = [mark.id for mark in landmarks if str(mark.id) not in wish.refused_names]
+        named = [id_ for id_ in here if str(id_) in wish.wanted_names]
         if named:
             return Choice(named[0], 0.95, "the question names it", self.model, tuple(named[1:]))
-        if not wish.wanted and not wish.wanted_names:
+        if not wish.wanted:
+            wish = replace(
+                wish, wanted=instead_of([*wish.refused, *self._kinds_of(wish.refused_names, signs)], self._knowledge)
+            )
+        wanted = dict(wish.wanted)
+        if wish.wanted_names and not any(weight >= _SPECIAL for weight in wanted.values()):
+            # A brand was asked for that is not here; another of its kind may do, but that is for the asker to say.
+            return self._without_brand(wish.wanted_names[0], signs)
+        if not wanted:
             return Choice(None, 0.0, "the question names nothing that a known kind of place offers", self.model)
-        served = {mark.id: self._serve(wish, signs[mark.id]) for mark in landmarks if str(mark.id) not in excluded}
+        if set(wanted) == {"shop"}:
+            return Choice(None, 0.5, "the question asks to buy something that is not known", self.model)
+        return self._best(wish, {id_: signs[id_] for id_ in here})
+
+    def _best(self, wish: Wish, signs: dict[int, SignMeaning]) -> Choice:
+        served = {id_: self._serve(wish, sign) for id_, sign in signs.items()}
         ranked = sorted(served, key=lambda id_: (-served[id_].score, id_))
         asked = ", ".join(concept for concept, _ in wish.wanted)
         fitting = [id_ for id_ in ranked if served[id_].best >= _CHOICE_FLOOR]
@@ -121,9 +135,12 @@ class OfflineModel:
             others = tuple(id_ for id_ in ranked if served[id_].score > 0.0)[:3]
             return Choice(None, 0.6, f"asked for {asked}: nothing on this map offers it", self.model, others)
         chosen = fitting[0]
-        sign = signs[chosen]
-        evidence = f"asked for {asked}; {sign.evidence} ({', '.join(served[chosen].reasons)})"
+        evidence = f"asked for {asked}; {signs[chosen].evidence} ({', '.join(served[chosen].reasons)})"
         return Choice(chosen, round(min(served[chosen].best, 0.99), 3), evidence, self.model, tuple(fitting[1:6]))
+
+    def _kinds_of(self, names: Sequence[str], signs: dict[int, SignMeaning]) -> list[str]:
+        """Kinds of the landmarks that were refused by name."""
+        return [kind for id_, sign in signs.items() if str(id_) in names for kind, _ in sign.kinds]
 
     def _without_brand(self, identity: str, signs: dict[int, SignMeaning]) -> Choice:
         kinds = self._signs.read(identity).kinds
@@ -131,7 +148,7 @@ class OfflineModel:
             id_: max((weight * self._is(kind, sign) for kind, weight in kinds), default=0.0)
             for id_, sign in signs.items()
         }
-        others = sorted((id_ for id_ in likeness if likeness[id_] >= 0.5), key=lambda id_: (-likeness[id_], id_))
+        others = sorted((id_ for id_ in likeness if likeness[id_] >= _YES), key=lambda id_: (-likeness[id_], id_))
         return Choice(None, 0.8, f"{identity} is not on this map", self.model, tuple(others[:5]))
 
     def _sign_of(self, landmark: Candidate) -> SignMeaning:
@@ -147,13 +164,12 @@ class OfflineModel:
 
     def _names(self, landmarks: Sequence[Candidate], signs: dict[int, SignMeaning]) -> dict[str, str]:
         """Phrases by which a question may mention a landmark: its name, and other names of the same brand."""
-        folder = self._knowledge.folder
         names: dict[str, str] = {}
         for landmark in landmarks:
             if not signs[landmark.id].is_place and signs[landmark.id].kinds:
                 continue
             for text in (landmark.name, *self._other_names(signs[landmark.id])):
-                phrase = folder.phrase(clean_text(text))
+                phrase = self._signs.phrase(text)
                 if spoken_key(phrase) and (signs[landmark.id].identity or phrase not in self._knowledge.painted):
                     names.setdefault(phrase, str(landmark.id))
         return names
@@ -164,14 +180,14 @@ class OfflineModel:
     def _serve(self, wish: Wish, sign: SignMeaning) -> _Served:
         matches = {concept: self._match(concept, sign) for concept, _ in wish.wanted}
         score = sum(weight * matches[concept] for concept, weight in wish.wanted)
-        special = [concept for concept, weight in wish.wanted if weight >= 0.5]
+        special = [concept for concept, weight in wish.wanted if weight >= _SPECIAL]
         best = max((matches[concept] for concept in special or matches), default=0.0)
         for concept in wish.refused:
             own = self._is(concept, sign)
             if own >= 0.4 and not self._is_also_another(concept, own, sign):
                 return _Served(0.0, 0.0, ())
             if own >= 0.4 or self._match(concept, sign) >= 0.7:
-                score, best = _SIDE_REFUSED * score, best if score > 0.5 else _SIDE_REFUSED * best
+                score *= _SIDE_REFUSED
         reasons = tuple(concept for concept, match in matches.items() if match >= _CHOICE_FLOOR)
         return _Served(score, best, reasons)
 
@@ -189,12 +205,4 @@ class OfflineModel:
 
     def _match(self, concept: str, sign: SignMeaning) -> float:
         """How well the place behind the sign serves the concept: it is one, or it offers it."""
-        best = self._is(concept, sign)
-        offers = self._knowledge.offers
-        for kind, share in offers.get(concept, {}).items():
-            best = max(best, share * self._is(kind, sign))
-        if concept.startswith("shop/"):
-            for shares in offers.values():
-                if next(iter(shares)) == concept:
-                    best = max(best, *(_SUBSTITUTE * share * self._is(kind, sign) for kind, share in shares.items()))
-        return best
+        return max((weight * self._knowledge.share(concept, kind) for kind, weight in sign.kinds), default=0.0)

@@ -74,8 +74,6 @@ def read_question(question: str, knowledge: Knowledge, names: Mapping[str, str] 
                     wanted[concept] = max(weight, wanted.get(concept, 0.0))
     for concept in refused:
         wanted.pop(concept, None)
-    if not wanted and not wanted_names:
-        wanted = _instead(refused, knowledge)
     return Wish(tuple(wanted.items()), tuple(refused), tuple(wanted_names), tuple(refused_names), language)
 
 
@@ -126,14 +124,14 @@ def _importance(concept: str, knowledge: Knowledge) -> float:
     return _MODIFIER if concept in knowledge.modifiers else 1.0
 
 
-def _instead(refused: Sequence[str], knowledge: Knowledge) -> dict[str, float]:
+def instead_of(refused: Sequence[str], knowledge: Knowledge) -> tuple[tuple[str, float], ...]:
     """What someone wants who only says what not: something else of the same use."""
     wanted: dict[str, float] = {}
     for concept in refused:
         for above in knowledge.above(concept):
             if above in knowledge.instead:
                 wanted[knowledge.instead[above]] = _GENERAL
-    return {concept: weight for concept, weight in wanted.items() if concept not in refused}
+    return tuple((concept, weight) for concept, weight in wanted.items() if concept not in refused)
 
 
 def spoken_key(text: str) -> bool:

@@ -52,6 +52,7 @@ class SignReader:
                 names.setdefault(known.identity, []).append(known.painted)
         self._names = {identity: tuple(painted) for identity, painted in names.items()}
         self.read = lru_cache(maxsize=4096)(self._read)
+        self.phrase = lru_cache(maxsize=4096)(lambda name: self._fold.phrase(clean_text(name)))
 
     def _read(self, name: str) -> SignMeaning:
         """Return the meaning of one painted name; brackets and dashes part it, a warning in any part decides."""
@@ -101,11 +102,12 @@ class SignReader:
 
     def _read_part(self, text: str) -> SignMeaning:
         key = self._fold.key(text)
-        units = self._fold.units(text)
+        units = self._fold.sign_units(text)
         if sum(ch.isalpha() for ch in key) < 2:
             return SignMeaning((), f"“{text}” has too few letters to say anything")
         exact = self._knowledge.known.get(key)
-        if exact is not None and exact.source == "brand":
+        plain = self._knowledge.painted.get(" ".join(units))
+        if exact is not None and exact.source == "brand" and (plain is None or plain.role != "sign"):
             return _of_known(exact, 1.0, f"“{text}” is {exact.painted}")
         start = self._warning_start(key, units)
         if start is not None:
@@ -148,7 +150,7 @@ class SignReader:
     def _phrases(self, key: str, units: Sequence[str]) -> list[Span[Meaning]]:
         spans = longest_phrases(units, (self._knowledge.painted,))
         if spans:
-            return spans
+            return _without_stray_letters(spans, units)
         # The reader may have lost the spaces: then the whole, or its first or last word, is looked for glued.
         whole = self._glued.get(key)
         if whole is not None:
@@ -217,6 +219,12 @@ def _weigh(spans: Sequence[Span[Meaning]]) -> dict[str, float]:
         for kind, weight in span.value.concepts:
             kinds[kind] = max(weight, kinds.get(kind, 0.0))
     return kinds
+
+
+def _without_stray_letters(spans: list[Span[Meaning]], units: Sequence[str]) -> list[Span[Meaning]]:
+    """Drop single Han letters inside a name: 花 means flowers at the end of a name or alone, not in 樱花寿司."""
+    kept = [span for span in spans if span.end - span.start > 1 or not is_unspaced(span.key) or span.end == len(units)]
+    return [span for span in kept if len(kept) == 1 or span.end - span.start > 1 or not is_unspaced(span.key)]
 
 
 def _is_mostly_slogan(spans: Sequence[Span[Meaning]]) -> bool:

@@ -59,8 +59,12 @@ class Folder:
 
     def units(self, text: str) -> list[str]:
         """Return the units of `text` in order; punctuation marks are units of their own."""
-        folded = self.fold(_CAMEL.sub(" ", text)).replace("n't", " not").replace("cannot", "can not")
+        folded = self.fold(text).replace("n't", " not").replace("cannot", "can not")
         return [_stem(unit) for unit in _UNIT.findall(folded) if unit != "'"]
+
+    def sign_units(self, text: str) -> list[str]:
+        """Return the units of a sign: where the reader lost a space, a capital inside a word begins a new one."""
+        return self.units(_CAMEL.sub(" ", text))
 
     def phrase(self, text: str) -> str:
         """Return the key under which `text` stands in a phrase table."""
