@@ -1,6 +1,9 @@
 from pathlib import Path
 
 import pytest
+import yaml
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from lpslam.errors import UserError
 from lpslam.sources.calibration import Calibration, read_calibration
@@ -180,6 +183,36 @@ def test_faults_name_the_key_and_the_file(tmp_path: Path, text: str, words: str)
         read(tmp_path, text)
     assert "camera.yaml" in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+KEYS = st.sampled_from(
+    ["fx", "fy", "cx", "cy", "K", "camera_matrix", "intrinsics", "data", "width", "height", "resolution", "distortion",
+     "k1", "D", "distortion_model", "depth_scale", "depth", "scale", "fps", "camera", "cam0", "Camera.fx", "a.b.c", "x"]
+)  # fmt: skip
+VALUES = st.recursive(
+    st.none() | st.booleans() | st.integers(-1, 700) | st.floats() | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=10) | st.dictionaries(KEYS, inner, max_size=6),
+    max_leaves=20,
+)
+
+
+TREES = st.dictionaries(KEYS, VALUES, max_size=12)
+VALID = {"fx": 500, "fy": 500, "cx": 320, "cy": 240, "width": 640, "height": 480}
+
+
+@given(TREES | TREES.map(lambda tree: VALID | tree) | VALUES)
+@settings(deadline=None, max_examples=100, suppress_health_check=[HealthCheck.too_slow])
+def test_whatever_stands_in_the_file_is_a_camera_or_a_clear_error(
+    tmp_path_factory: pytest.TempPathFactory, tree: object
+) -> None:
+    path = tmp_path_factory.getbasetemp() / "camera.yaml"
+    path.write_text(yaml.safe_dump(tree), encoding="utf-8")
+    try:
+        read_calibration(path)
+    except UserError as error:
+        message = str(error)
+        assert "camera.yaml" in message
+        assert "\n" not in message
 
 
 def test_no_code_runs_from_a_calibration(tmp_path: Path) -> None:

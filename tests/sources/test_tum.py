@@ -75,6 +75,7 @@ def test_truncated_images_are_faults(
     assert [frame.index for frame in source] == [0, 1, 3, 4]
     assert len(source.faults) == 1
     assert Path(image).name in source.faults[0].reason
+    assert capfd.readouterr().err == "", "the decoder has nothing to add"
 
 
 def test_a_flipped_byte_is_a_fault(tmp_path: Path) -> None:
@@ -85,6 +86,17 @@ def test_a_flipped_byte_is_a_fault(tmp_path: Path) -> None:
     source = open_source(folder)
     assert len(list(source)) == 4
     assert "checksum" in source.faults[0].reason
+
+
+def test_a_file_that_is_no_image_is_a_fault(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    folder = write_tum(tmp_path / "walk")
+    (folder / "rgb/1.png").write_bytes(b"groceries: milk" * 100)
+    (folder / "depth/2.png").write_bytes(b"\xff\xd8 half a jpeg")
+    source = open_source(folder)
+    assert [frame.index for frame in source] == [0, 3, 4]
+    assert "not an image" in source.faults[0].reason
+    assert "truncated" in source.faults[1].reason
+    assert capfd.readouterr().err == ""
 
 
 def test_a_missing_image_wrong_sizes_and_wrong_depths_are_faults(tmp_path: Path) -> None:
