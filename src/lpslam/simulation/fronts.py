@@ -222,7 +222,7 @@ class _Bay:
         self._skin(0.0, x0, 0.0, DOOR_HEIGHT, kind, base)
         self._skin(x0 + leaf, self.width, 0.0, DOOR_HEIGHT, kind, base)
         self._skin(0.0, self.width, DOOR_HEIGHT, self.parent.height, kind, base)
-        board, sign_kind = painter.paint("facility", "plain", float(rng.uniform(0.1, 0.16)), self.width - 0.1, 420.0)
+        board, sign_kind = painter.paint("facility", "plain", float(rng.uniform(0.1, 0.16)), self.width - 0.5, 420.0)
         x = min(max(x0 + leaf / 2, board.width / 2 + 0.03), self.width - board.width / 2 - 0.03)
         painter.hang(
             board, sign_kind, self._at(x, DOOR_HEIGHT + 0.08 + board.height / 2, 0.03), self._right, thickness=0.03
@@ -246,7 +246,7 @@ class _Bay:
             self._bench()
         if self.width > 1.2 and rng.random() < 0.7:
             sort = "slogan" if rng.random() < 0.7 else "warning"
-            board, sort = painter.paint(sort, "friendly", float(rng.uniform(0.12, 0.2)), self.width - 0.2, 380.0)
+            board, sort = painter.paint(sort, "friendly", float(rng.uniform(0.12, 0.2)), self.width - 0.55, 380.0)
             painter.hang(
                 board, sort, self._at(self.width / 2, 1.95 + board.height / 2, 0.02), self._right, thickness=0.02
             )

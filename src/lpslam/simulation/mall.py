@@ -53,10 +53,14 @@ class _Vocabulary:
         if same and repeated < self.options.duplicates and self.rng.random() < 0.5:
             wording = same[int(self.rng.integers(len(same)))]
         else:
-            if not self._piles.get(kind):
-                everything = [w for w in lexicon.EVERYTHING if w.kind == kind and w.lines(self.options.language)]
-                self._piles[kind] = [everything[i] for i in self.rng.permutation(len(everything))]
-            wording = self._piles[kind].pop()
+            if not self._piles:
+                usable = [w for w in lexicon.EVERYTHING if w.lines(self.options.language)]
+                for i in self.rng.permutation(len(usable)):
+                    self._piles.setdefault(usable[i].kind, []).append(usable[i])
+            # A large mall has more doors than there are facilities: then take what is left of anything.
+            pile = self._piles.get(kind) or max(self._piles.values(), key=len)
+            wording = pile.pop()
+            self._piles = {sort: rest for sort, rest in self._piles.items() if rest}
         self._dealt.append(wording)
         return wording
 

@@ -70,9 +70,11 @@ def stroll(seed: int, layout: Layout, signs: tuple[Sign, ...], options: Simulati
     lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
     around = float(lengths[-1])
     pace = options.speed
-    if frames is None:
-        frames = math.ceil((around + OVERLAP) / pace * FPS)
-    count = math.ceil((frames / FPS + 1.0) / STEP) + 2
+    once = math.ceil((around + OVERLAP) / pace * FPS)
+    frames = once if frames is None else frames
+    # Planned for whole rounds, so that a shorter walk is the beginning of the longer one.
+    planned = once * math.ceil(frames / once)
+    count = math.ceil((planned / FPS + 1.0) / STEP) + 2
     times = np.arange(count) * STEP
     # Steps are not all alike: the pace drifts by some percent, over several seconds.
     drift = sum(rng.uniform(0.02, 0.05) * np.sin(times * rng.uniform(0.3, 1.1) + rng.uniform(0, 6)) for _ in range(2))
@@ -89,6 +91,11 @@ def stroll(seed: int, layout: Layout, signs: tuple[Sign, ...], options: Simulati
     positions = np.column_stack([position, eye + bob])
     bound = math.radians(options.max_turn_rate)
     wanted = _gaze(positions, ahead, signs, 0.8 * bound)
+    # Later rounds look where the first one looked at the same place: so the end of a loop shows what its start did.
+    rounds, place = np.divmod(travelled - travelled[0], around)
+    first, later = rounds == 0, rounds > 0
+    wanted[later, 0] = ahead[later] + np.interp(place[later], place[first], (wanted[:, 0] - ahead)[first])
+    wanted[later, 1] = np.interp(place[later], place[first], wanted[first, 1])
     heading = _follow(wanted[:, 0], 0.88 * bound, 4.0 * bound, STEP)
     pitch = _follow(wanted[:, 1], 0.3 * bound, 1.5 * bound, STEP)
     nod = rng.uniform(0.003, 0.006)
@@ -172,8 +179,6 @@ def _gaze(
         heading += float(np.clip(target - heading, -TICK * max_rate, TICK * max_rate))
         if current >= 0 and view.good[tick, current] and abs(view.bearing[tick, current] - heading) < 0.2:
             looked[current] += TICK
-        # After a lap the same signs are worth a look again.
-        looked = np.maximum(looked - TICK / 40.0, 0.0)
     # Eyes lead: the spring that follows comes about a third of a second late.
     lead = min(round(0.32 / STEP), len(wanted) - 1)
     return np.concatenate([wanted[lead:], np.repeat(wanted[-1:], lead, axis=0)])
