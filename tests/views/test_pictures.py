@@ -10,10 +10,11 @@ from PIL import Image
 from lpslam.errors import UserError
 from lpslam.evaluation.trajectory import absolute_trajectory_error
 from lpslam.poses import StampedPoses
+from lpslam.text.types import BoxFate, FrameReading, SpottedText
 from lpslam.views.labels import place_labels
 from lpslam.views.map_picture import draw_map
 from lpslam.views.memory_plot import ScoreHistory, draw_memory
-from lpslam.views.overlay import draw_boxes
+from lpslam.views.overlay import draw_boxes, draw_reading
 from lpslam.views.trajectory_plot import draw_trajectories
 
 
@@ -143,6 +144,17 @@ def test_boxes_are_green_when_kept_and_yellow_when_dropped() -> None:
     assert yellow[50, 120:180].mean() > 0.9
     assert not green[:, 100:].any()
     assert not yellow[:, :100].any()
+
+
+def test_a_reading_is_drawn_by_the_fate_of_its_boxes() -> None:
+    image = np.zeros((120, 300, 3), np.uint8)
+    kept = np.array([[20, 60], [80, 60], [80, 80], [20, 80]], float)
+    boxes = np.stack([kept + np.array([200, 0]), kept])
+    text = SpottedText("KFC", 0.9, kept, 20.0)
+    out = draw_reading(image, FrameReading(0, boxes, (BoxFate.BORDER, BoxFate.KEPT), (text,), ()))
+    np.testing.assert_array_equal(out, draw_boxes(image, boxes, [False, True], ["border", "KFC 0.90"]))
+    assert near(out, (40, 200, 80))[:, :150].any()
+    assert not near(out, (40, 200, 80))[:, 200:].any()
 
 
 def test_labels_of_boxes_stay_in_the_image_and_may_be_hostile() -> None:

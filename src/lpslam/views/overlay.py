@@ -7,10 +7,28 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from lpslam.assets import font_path
+from lpslam.text.types import BoxFate, FrameReading
 from lpslam.views.drawable import printable
 
 _KEPT, _DROPPED, _MARGIN = (40, 200, 80), (250, 205, 30), (255, 255, 255)
 _FONT_PIXELS = 16
+
+
+def draw_reading(rgb: NDArray[np.uint8], reading: FrameReading, *, border_margin: float = 0.0) -> NDArray[np.uint8]:
+    """Draw what reading made of a frame: its texts with their confidence in green, dropped boxes with the reason.
+
+    Args:
+        rgb: (height, width, 3), the frame's image.
+        reading: of this frame.
+        border_margin: as in `draw_boxes`.
+    """
+    texts = iter(reading.texts)
+    kept = [fate is BoxFate.KEPT for fate in reading.fates]
+    labels: list[str] = []
+    for is_kept, fate in zip(kept, reading.fates, strict=True):
+        text = next(texts, None) if is_kept else None
+        labels.append(f"{text.text} {text.confidence:.2f}" if text is not None else fate.value)
+    return draw_boxes(rgb, reading.boxes, kept, labels, border_margin=border_margin)
 
 
 def draw_boxes(
