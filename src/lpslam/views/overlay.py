@@ -23,11 +23,11 @@ def draw_reading(rgb: NDArray[np.uint8], reading: FrameReading, *, border_margin
         border_margin: as in `draw_boxes`.
     """
     texts = iter(reading.texts)
-    kept = [fate is BoxFate.KEPT for fate in reading.fates]
+    kept = [fate == BoxFate.KEPT for fate in reading.fates]
     labels: list[str] = []
     for is_kept, fate in zip(kept, reading.fates, strict=True):
         text = next(texts, None) if is_kept else None
-        labels.append(f"{text.text} {text.confidence:.2f}" if text is not None else fate.value)
+        labels.append(f"{text.text} {text.confidence:.2f}" if text is not None else str(fate))
     return draw_boxes(rgb, reading.boxes, kept, labels, border_margin=border_margin)
 
 
