@@ -4,7 +4,7 @@
     python tools/build_gazetteer.py --packages DIR   # builds from *.tgz files that are already there
 
 Sources: name-suggestion-index (BSD-3-Clause): brands with their kinds and cuisines; @openstreetmap/id-tagging-schema
-(ISC): kinds of place with their names and search terms in many languages. Their licences are written beside the table.
+(ISC): kinds of place with their names in many languages. Their licences are written beside the table.
 """
 
 import argparse
@@ -35,7 +35,6 @@ _LEFT_OUT = re.compile(
 )
 _BRANDS_LEFT_OUT = re.compile(r"/(totem|billboard|atm|charge_point|vending_machine|payment_terminal|street_cabinet)$")
 _NAME_TAG = re.compile(r"^(name|brand|short_name|alt_name|official_name)(:(en|zh|zh-Hans|zh-Hant|ja|ko|de|fr|es))?$")
-_TERMS_PER_KIND = 12
 
 
 def pack(folder: Path) -> None:
@@ -51,8 +50,8 @@ def member(folder: Path, package: str, path: str) -> bytes:
         return stream.read()
 
 
-def read_kinds(folder: Path) -> tuple[list[str], dict[str, dict[str, list[str]]], dict[str, dict[str, list[str]]]]:
-    """Kinds of place; for each kind its names, and its search terms, by language."""
+def read_kinds(folder: Path) -> tuple[list[str], dict[str, dict[str, list[str]]]]:
+    """Kinds of place and, for each kind, its names by language."""
     schema = "openstreetmap-id-tagging-schema"
     presets = json.loads(member(folder, schema, "dist/presets.json"))
     kinds = sorted(
@@ -64,7 +63,6 @@ def read_kinds(folder: Path) -> tuple[list[str], dict[str, dict[str, list[str]]]
         and preset.get("searchable", True)
     )
     names: dict[str, dict[str, list[str]]] = defaultdict(dict)
-    terms: dict[str, dict[str, list[str]]] = defaultdict(dict)
     for language in LANGUAGES:
         tree = json.loads(member(folder, schema, f"dist/translations/{language}.json"))
         translated = tree[language]["presets"]["presets"]
@@ -72,22 +70,7 @@ def read_kinds(folder: Path) -> tuple[list[str], dict[str, dict[str, list[str]]]
             entry = translated.get(kind, {})
             painted = [entry["name"], *entry.get("aliases", [])] if entry.get("name") else []
             names[kind][language] = list(dict.fromkeys(s.strip() for s in painted))
-            terms[kind][language] = [t for t in entry.get("terms", []) if t not in painted]
-    return kinds, names, terms
-
-
-def plain_terms(kinds: list[str], terms: dict[str, dict[str, list[str]]], language: str) -> dict[str, list[str]]:
-    """Search terms that point at one kind (and its sub-kinds) alone; the others would mislead."""
-    owners: dict[str, set[str]] = defaultdict(set)
-    for kind in kinds:
-        for term in terms[kind][language]:
-            owners[term.strip().casefold()].add(kind)
-    chosen: dict[str, list[str]] = defaultdict(list)
-    for term, owning in owners.items():
-        top = min(owning, key=len)
-        if all(kind == top or kind.startswith(top + "/") for kind in owning) and len(chosen[top]) < _TERMS_PER_KIND:
-            chosen[top].append(term)
-    return chosen
+    return kinds, names
 
 
 def read_brands(folder: Path) -> list[list[Any]]:
@@ -113,14 +96,10 @@ def read_brands(folder: Path) -> list[list[Any]]:
 
 
 def build(folder: Path) -> None:
-    kinds, names, terms = read_kinds(folder)
+    kinds, names = read_kinds(folder)
     table = {
         "names": {
             language: {kind: "|".join(names[kind][language]) for kind in kinds if names[kind][language]}
-            for language in LANGUAGES
-        },
-        "terms": {
-            language: {kind: "|".join(found) for kind, found in plain_terms(kinds, terms, language).items()}
             for language in LANGUAGES
         },
         "brands": read_brands(folder),

@@ -18,8 +18,8 @@ HAND_WRITTEN = ("en", "zh", "ja", "ko", "es", "de", "fr")
 _ROLES = ("refuse_before", "refuse_after", "neutral", "break")
 _SIGN_ROLES = {"sign_warning": "sign/warning", "sign_slogan": "sign/slogan"}
 
-# How sure a word makes us of a kind: written for this by hand, a kind's own name, a search term of the index.
-_BY_HAND, _BY_NAME, _BY_TERM = 1.0, 0.95, 0.6
+# How sure a word makes us of a kind: written for this by hand, or a kind's own name in the index.
+_BY_HAND, _BY_NAME = 1.0, 0.95
 
 
 _SUBSTITUTE = 0.8
@@ -106,8 +106,7 @@ def load_knowledge() -> Knowledge:
     lexicons = {language: _read(f"lexicon/{language}.json") for language in HAND_WRITTEN}
     makers = _read("lexicon/makers.json")
     gazetteer = json.loads(lzma.decompress((files("lpslam.language") / "data" / "gazetteer.json.xz").read_bytes()))
-    named = _kind_phrases(folder, gazetteer["names"], _BY_NAME, kinds)
-    termed = _kind_phrases(folder, gazetteer["terms"], _BY_TERM, kinds)
+    named = _kind_phrases(folder, gazetteer["names"], kinds)
     spoken: dict[str, Mapping[str, Meaning]] = {}
     painted: dict[str, Meaning] = {}
     for language, lexicon in lexicons.items():
@@ -121,7 +120,7 @@ def load_knowledge() -> Knowledge:
         }
         for phrase, meaning in (signs | by_hand).items():
             painted.setdefault(phrase, signs.get(phrase, meaning))
-    for table in (*named.values(), *termed.values()):
+    for table in named.values():
         for phrase, meaning in table.items():
             painted.setdefault(phrase, meaning)
     return Knowledge(
@@ -164,14 +163,14 @@ def _concept_phrases(folder: Folder, means: Mapping[str, str]) -> dict[str, Mean
 
 
 def _kind_phrases(
-    folder: Folder, by_language: Mapping[str, Mapping[str, str]], weight: float, kinds: Mapping[str, Any]
+    folder: Folder, by_language: Mapping[str, Mapping[str, str]], kinds: Mapping[str, Any]
 ) -> dict[str, dict[str, Meaning]]:
-    """Names (or search terms) of kinds as phrase tables by language; Chinese of every region is one language."""
+    """Names of kinds as phrase tables by language; Chinese of every region is one language."""
     tables: dict[str, dict[str, Meaning]] = {}
     for region, names in by_language.items():
         table = tables.setdefault(region.partition("-")[0], {})
         for kind, joined in names.items():
-            concepts = tuple((concept, weight) for concept in _with_cuisine(kind, kinds))
+            concepts = tuple((concept, _BY_NAME) for concept in _with_cuisine(kind, kinds))
             for text in _split(joined):
                 phrase = folder.phrase(text)
                 # One letter or sign says nothing sure; the shorter kind id is the more general and comes first.

@@ -119,7 +119,7 @@ class SignReader:
         brand = self._brand_within(text, units, spans)
         if brand is not None:
             known, share = brand
-            return _of_known(known, 0.9 * share, f"“{text}” begins with {known.painted}", kinds)
+            return _of_known(known, 0.9 * share, f"“{text}” begins with {known.painted}", self._offered(kinds))
         places = {kind: weight for kind, weight in kinds.items() if not kind.startswith("sign")}
         if _SLOGAN in kinds and (not places or len(units) > 4 or _is_mostly_slogan(spans)):
             return SignMeaning(((_SLOGAN, 0.8),), f"“{text}” has words of a slogan or notice")

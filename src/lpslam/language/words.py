@@ -14,9 +14,8 @@ _UNSPACED = "\u0e00-\u0e7f\u1100-\u11ff\u3040-\u30ff\u3400-\u4dbf\u4e00-\u9fff\u
 _UNIT = re.compile(rf"[{_UNSPACED}]|[^\W_{_UNSPACED}]+|[^\w\s]")
 _CAMEL = re.compile(r"(?<=[a-zß-ÿ])(?=[A-ZÀ-Þ])")
 _ACCENT = re.compile("[\u0300-\u036f]")
-_APOSTROPHE = re.compile("['’‘`´ʼ]")
 _NOT_LETTER = re.compile(r"[\W_]+")
-_MARK = re.compile(r"[^\w\s]")
+_BEGINS_UNSPACED = re.compile(f"[{_UNSPACED}]")
 
 Value = TypeVar("Value")
 
@@ -38,16 +37,16 @@ class Folder:
     """
 
     def __init__(self, traditional: str = "", simplified: str = "", lookalikes: str = "") -> None:
-        self._han = str.maketrans(traditional, simplified)
+        apostrophes = dict.fromkeys(map(ord, "’‘`´ʼ"), "'")
+        self._plain = str.maketrans(traditional, simplified) | apostrophes
         self._alike = {ord(pair[0]): pair[1] for pair in lookalikes.split()}
 
     def fold(self, text: str) -> str:
         """Return `text` as it is compared: NFKC, no case, no accents, simplified characters, `'` for apostrophes."""
         if text.isascii():
             return text.casefold()
-        plain = _APOSTROPHE.sub("'", unicodedata.normalize("NFKC", text)).translate(self._han)
-        bare = _ACCENT.sub("", unicodedata.normalize("NFD", plain))
-        return unicodedata.normalize("NFC", bare).casefold()
+        bare = _ACCENT.sub("", unicodedata.normalize("NFKD", text))
+        return unicodedata.normalize("NFC", bare).translate(self._plain).casefold()
 
     def key(self, text: str) -> str:
         """Return the letters and digits of `text` alone: what stays when spaces and punctuation were misread."""
@@ -73,12 +72,12 @@ class Folder:
 
 def is_mark(unit: str) -> bool:
     """Whether a unit is punctuation."""
-    return bool(_MARK.fullmatch(unit))
+    return not (unit[0].isalnum() or unit[0] == "_")
 
 
 def is_unspaced(text: str) -> bool:
     """Whether `text` begins in a script that writes no spaces between words."""
-    return bool(re.match(f"[{_UNSPACED}]", text))
+    return bool(_BEGINS_UNSPACED.match(text))
 
 
 def longest_phrases(
