@@ -95,7 +95,7 @@ class OfflineModel:
         if refused:
             return Judgement(question, False, 0.8, sign.evidence, self.model)
         general = any(concept in ("business", "shop", "place") for concept, _ in named)
-        if best < _YES and general and not sign.kinds and sign.name_like:
+        if best < _YES and general and sign.name_like and self._is("facility", sign) < _YES:
             return Judgement(question, True, _NAME_GUESS, sign.evidence, self.model)
         sure = best if best >= _YES else 1.0 - best if sign.kinds else 0.6
         return Judgement(question, best >= _YES, round(sure, 3), sign.evidence, self.model)

@@ -121,11 +121,14 @@ class SignReader:
             known, share = brand
             return _of_known(known, 0.9 * share, f"“{text}” begins with {known.painted}", self._offered(kinds))
         places = {kind: weight for kind, weight in kinds.items() if not kind.startswith("sign")}
-        if _SLOGAN in kinds and (not places or len(units) > 4 or _is_mostly_slogan(spans)):
+        if _SLOGAN in kinds and (
+            self._knowledge.general.issuperset(places) or len(units) > 4 or _is_mostly_slogan(spans)
+        ):
             return SignMeaning(((_SLOGAN, 0.8),), f"“{text}” has words of a slogan or notice")
         if places and (exact is not None or _covered(spans, units) >= 0.3):
             said = ", ".join(span.key for span in spans)
-            return SignMeaning(tuple(self._offered(places).items()), f"“{text}” says {said}")
+            own_name = _covered(spans, units) <= 0.5 and _reads_like_a_name(text, units)
+            return SignMeaning(tuple(self._offered(places).items()), f"“{text}” says {said}", name_like=own_name)
         near = self._nearest_meaning(key)
         if near is not None:
             distance, known = near
@@ -143,7 +146,7 @@ class SignReader:
     def _warning_start(self, key: str, units: Sequence[str]) -> str | None:
         for end in range(min(4, len(units)), 0, -1):
             phrase = " ".join(units[:end])
-            if phrase in self._knowledge.warning_starts and len(units) > end:
+            if phrase in self._knowledge.warning_starts and (len(units) > end or end > 1):
                 return phrase.replace(" ", "") if is_unspaced(phrase) else phrase
         return next((start for start in self._starts if key.startswith(start) and key != start), None)
 

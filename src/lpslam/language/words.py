@@ -58,7 +58,7 @@ class Folder:
 
     def units(self, text: str) -> list[str]:
         """Return the units of `text` in order; punctuation marks are units of their own."""
-        folded = self.fold(text).replace("n't", " not").replace("cannot", "can not")
+        folded = self.fold(text).replace("n't", " not").replace("cannot", "can not").replace("&", " and ")
         return [_stem(unit) for unit in _UNIT.findall(folded) if unit != "'"]
 
     def sign_units(self, text: str) -> list[str]:
