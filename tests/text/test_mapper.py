@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera
 from lpslam.config import ReadingConfig, TextConfig
+from lpslam.errors import UserError
 from lpslam.frames import RgbdFrame
 from lpslam.language.model import Candidate, Choice, Judgement, Naming, Reading
 from lpslam.slam.state import TrackedFrame, TrackingState
@@ -254,6 +255,18 @@ def test_the_map_survives_its_document() -> None:
             theirs.is_landmark,
         )
         assert mine.position.tolist() == theirs.position.tolist()
+
+
+@pytest.mark.parametrize("spoil", ["config", "memory", "judgements", "question"])
+def test_a_spoilt_document_is_a_clear_error(spoil: str) -> None:
+    document = json.loads(json.dumps(mall().to_document()))
+    del document[spoil]
+    with pytest.raises(UserError, match="cannot be read"):
+        TextMap.from_document(document)
+    document = json.loads(json.dumps(mall().to_document()))
+    document["memory"]["classes"][0]["observations"][0]["placement"] = [1, 2, 3]
+    with pytest.raises(UserError, match="cannot be read"):
+        TextMap.from_document(document)
 
 
 def test_landmarks_move_with_their_keyframe() -> None:

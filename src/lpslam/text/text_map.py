@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from lpslam.config import TextConfig
+from lpslam.errors import UserError
 from lpslam.language.model import Judgement
 from lpslam.text import documents
 from lpslam.text.boards import boards
@@ -105,10 +106,14 @@ class TextMap:
         """Restore what `to_document` gave.
 
         Raises:
-            KeyError, TypeError, ValueError: the document is not one of `to_document`.
+            UserError: the document is not one of `to_document`.
         """
-        text_map = cls(TextConfig.model_validate(document["config"]))
-        documents.restore_memory(text_map.memory, document["memory"])
-        text_map.judgements = documents.to_judgements(document["judgements"])
-        text_map.question = document["question"]
+        try:
+            text_map = cls(TextConfig.model_validate(document["config"]))
+            documents.restore_memory(text_map.memory, document["memory"])
+            text_map.judgements = documents.to_judgements(document["judgements"])
+            text_map.question = document["question"]
+        except (KeyError, TypeError, ValueError, AttributeError) as error:
+            reason = " ".join(str(error).split())
+            raise UserError(f"the texts of this map cannot be read ({reason}); map the sequence again") from error
         return text_map
