@@ -28,7 +28,7 @@ def test_the_sets_are_large_enough_to_mean_something(cases: LanguageCases) -> No
     assert sum(not case.expected for case in cases.choosing) >= 12
 
 
-@pytest.mark.parametrize("name", ["development", "second", "third"])
+@pytest.mark.parametrize("name", ["development", "second", "third", "fourth"])
 def test_floors(model: OfflineModel, name: str) -> None:
     score = score_language(model, read_cases(SETS / f"{name}.json"))
     named, judged, chosen = (right / max(total, 1) for right, total in (score.naming, score.judging, score.choosing))

@@ -52,7 +52,6 @@ class Knowledge:
     painted: Mapping[str, Meaning]
     common: Mapping[str, frozenset[str]]
     warning_starts: frozenset[str]
-    joining: frozenset[str]
     known: Mapping[str, Known]
     general: frozenset[str]
     modifiers: frozenset[str]
@@ -120,9 +119,12 @@ def load_knowledge() -> Knowledge:
         }
         for phrase, meaning in (signs | by_hand).items():
             painted.setdefault(phrase, signs.get(phrase, meaning))
+    joining = frozenset().union(*(_phrases(folder, lexicon.get("joining", "")) for lexicon in lexicons.values()))
     for table in named.values():
         for phrase, meaning in table.items():
-            painted.setdefault(phrase, meaning)
+            # Without its accent, thé is an English article.
+            if phrase not in joining:
+                painted.setdefault(phrase, meaning)
     return Knowledge(
         folder=folder,
         spoken=spoken,
@@ -131,7 +133,6 @@ def load_knowledge() -> Knowledge:
         warning_starts=frozenset().union(
             *(_phrases(folder, lexicon.get("sign_warning_start", "")) for lexicon in lexicons.values())
         ),
-        joining=frozenset().union(*(_phrases(folder, lexicon.get("joining", "")) for lexicon in lexicons.values())),
         known=_known_names(folder, lexicons.values(), makers, gazetteer, kinds),
         general=frozenset(kinds["general"]),
         modifiers=frozenset(kinds["modifiers"]),

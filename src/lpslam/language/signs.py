@@ -101,47 +101,77 @@ class SignReader:
         return near[0] if len({known.kinds for _, known in near}) == 1 else None
 
     def _read_part(self, text: str) -> SignMeaning:
+        """Ask in turn: a brand, a warning, words of places or slogans, a misread known name, or just a name."""
         key = self._fold.key(text)
-        units = self._fold.sign_units(text)
         if sum(ch.isalpha() for ch in key) < 2:
             return SignMeaning((), f"“{text}” has too few letters to say anything")
-        exact = self._knowledge.known.get(key)
+        units = self._fold.sign_units(text)
+        spans = self._phrases(key, units)
+        return (
+            self._as_brand(text, key, units)
+            or self._as_warning(text, key, units, spans)
+            or self._as_brand_with_words(text, units, spans)
+            or self._as_words(text, key, units, spans)
+            or self._as_misread(text, key)
+            or self._as_few_words(text, spans)
+            or _as_unknown(text, units)
+        )
+
+    def _as_brand(self, text: str, key: str, units: Sequence[str]) -> SignMeaning | None:
+        known = self._known_brand(key)
         plain = self._knowledge.painted.get(" ".join(units))
-        if exact is not None and exact.source == "brand" and (plain is None or plain.role != "sign"):
-            return _of_known(exact, 1.0, f"“{text}” is {exact.painted}")
+        # “Sale” and “Open” are brands somewhere, but not on most doors.
+        if known is None or (plain is not None and plain.role == "sign"):
+            return None
+        return _of_known(known, 1.0, f"“{text}” is {known.painted}")
+
+    def _as_warning(
+        self, text: str, key: str, units: Sequence[str], spans: Sequence[Span[Meaning]]
+    ) -> SignMeaning | None:
         start = self._warning_start(key, units)
         if start is not None:
             return SignMeaning(((_WARNING, 0.95),), f"“{text}” begins like a warning (“{start}”)")
-        spans = self._phrases(key, units)
-        kinds = _weigh(spans)
-        if _WARNING in kinds:
+        if _WARNING in _weigh(spans):
             return SignMeaning(((_WARNING, 0.95),), f"“{text}” has words of a warning")
+        return None
+
+    def _as_brand_with_words(
+        self, text: str, units: Sequence[str], spans: Sequence[Span[Meaning]]
+    ) -> SignMeaning | None:
         brand = self._brand_within(text, units, spans)
-        if brand is not None:
-            known, share = brand
-            return _of_known(known, 0.9 * share, f"“{text}” begins with {known.painted}", self._offered(kinds))
-        places = {kind: weight for kind, weight in kinds.items() if not kind.startswith("sign")}
+        if brand is None:
+            return None
+        known, share = brand
+        return _of_known(known, 0.9 * share, f"“{text}” begins with {known.painted}", self._offered(_weigh(spans)))
+
+    def _as_words(
+        self, text: str, key: str, units: Sequence[str], spans: Sequence[Span[Meaning]]
+    ) -> SignMeaning | None:
+        kinds = _weigh(spans)
+        places = _places(kinds)
         if _SLOGAN in kinds and (
             self._knowledge.general.issuperset(places) or len(units) > 4 or _is_mostly_slogan(spans)
         ):
             return SignMeaning(((_SLOGAN, 0.8),), f"“{text}” has words of a slogan or notice")
-        if places and (exact is not None or _covered(spans, units) >= 0.3):
-            said = ", ".join(span.key for span in spans)
-            own_name = _covered(spans, units) <= 0.5 and _reads_like_a_name(text, units)
-            return SignMeaning(tuple(self._offered(places).items()), f"“{text}” says {said}", name_like=own_name)
+        covered = _covered(spans, units)
+        if not places or (key not in self._knowledge.known and covered < 0.3):
+            return None
+        own_name = covered <= 0.5 and _reads_like_a_name(text, units)
+        return SignMeaning(tuple(self._offered(places).items()), f"“{text}” says {_said(spans)}", name_like=own_name)
+
+    def _as_misread(self, text: str, key: str) -> SignMeaning | None:
         near = self._nearest_meaning(key)
-        if near is not None:
-            distance, known = near
-            sure = 0.9 - 0.1 * distance
-            return _of_known(known, sure, f"“{text}” looks like a misread {known.painted}")
-        if places:
-            said = ", ".join(span.key for span in spans)
-            return SignMeaning(
-                tuple((kind, 0.7 * weight) for kind, weight in self._offered(places).items()), f"“{text}” says {said}"
-            )
-        name_like = _reads_like_a_name(text, units)
-        told = "is not known but reads like a name" if name_like else "is not known"
-        return SignMeaning((), f"“{text}” {told}", name_like=name_like)
+        if near is None:
+            return None
+        distance, known = near
+        return _of_known(known, 0.9 - 0.1 * distance, f"“{text}” looks like a misread {known.painted}")
+
+    def _as_few_words(self, text: str, spans: Sequence[Span[Meaning]]) -> SignMeaning | None:
+        offered = self._offered(_places(_weigh(spans)))
+        if not offered:
+            return None
+        kinds = tuple((kind, 0.7 * weight) for kind, weight in offered.items())
+        return SignMeaning(kinds, f"“{text}” says {_said(spans)}")
 
     def _warning_start(self, key: str, units: Sequence[str]) -> str | None:
         for end in range(min(4, len(units)), 0, -1):
@@ -214,6 +244,20 @@ def _of_known(known: Known, sure: float, evidence: str, words: dict[str, float] 
         if not kind.startswith("sign"):
             kinds.setdefault(kind, 0.8 * weight)
     return SignMeaning(tuple(kinds.items()), evidence, known.identity if known.source == "brand" else None)
+
+
+def _as_unknown(text: str, units: Sequence[str]) -> SignMeaning:
+    name_like = _reads_like_a_name(text, units)
+    told = "is not known but reads like a name" if name_like else "is not known"
+    return SignMeaning((), f"“{text}” {told}", name_like=name_like)
+
+
+def _places(kinds: dict[str, float]) -> dict[str, float]:
+    return {kind: weight for kind, weight in kinds.items() if not kind.startswith("sign")}
+
+
+def _said(spans: Sequence[Span[Meaning]]) -> str:
+    return ", ".join(span.key.replace(" ", "") if is_unspaced(span.key) else span.key for span in spans)
 
 
 def _weigh(spans: Sequence[Span[Meaning]]) -> dict[str, float]:
