@@ -9,6 +9,9 @@ from rapidfuzz.distance import Levenshtein
 from lpslam.language.model import Reading
 from lpslam.language.sanitise import clean_text
 
+# Readers lose spaces far more often than they see one that is not there: so few readings are enough for it.
+_SPACE_SHARE = 0.2
+
 
 @dataclass(frozen=True, slots=True)
 class Vote:
@@ -42,12 +45,14 @@ def vote(readings: Sequence[Reading]) -> Vote:
     shares: list[float] = []
     for at in range(len(pivot) + 1):
         inserted = max(gaps[at].items(), key=lambda item: item[1], default=("", 0.0))
-        if inserted[1] > total / 2:
+        if inserted[1] > total * (0.5 if inserted[0].strip() else _SPACE_SHARE):
             letters.append(inserted[0])
             shares.append(inserted[1] / total)
         if at < len(pivot):
             # On a tie the pivot's own letter stays.
             letter = max(columns[at].items(), key=lambda item: (item[1], item[0] == pivot[at]))
+            if pivot[at] == " " and columns[at][" "] > total * _SPACE_SHARE:
+                letter = (" ", columns[at][" "])
             letters.append(letter[0])
             shares.append(letter[1] / total)
     return Vote(clean_text("".join(letters)), sum(shares) / len(shares), tuple(ranked))

@@ -21,6 +21,7 @@ _SPECIAL = 0.5  # a wanted concept of this weight is more than “food” or “
 _NAME_GUESS = 0.55  # how sure we are that an unknown proper name in a mall is a shop
 _SIDE_REFUSED = 0.5  # a place that also serves what is refused
 _SETTLED = 0.6  # a spelling with more than this share of the readings is not corrected
+_SHARED = 0.3  # nor one with this share, of more than one reading, to a name that no reading spells
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,8 +76,9 @@ class OfflineModel:
         weights = [(fold.key(text), weight) for text, weight in voted.readings]
         total = sum(weight for _, weight in weights)
         as_voted = sum(weight for text, weight in weights if text == key)
-        as_known = sum(weight for text, weight in weights if text == known_key)
-        if as_voted > _SETTLED * total:
+        looks = fold.skeleton(known_key)
+        as_known = sum(weight for text, weight in weights if fold.skeleton(text) == looks)
+        if as_voted > _SETTLED * total or (as_known == 0.0 and as_voted > max(1.0, _SHARED * total)):
             return False
         return as_known > 0.0 or distance <= max(1, allowed_edits(known_key) // 2)
 
