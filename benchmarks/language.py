@@ -13,7 +13,7 @@ from lpslam.evaluation.language import read_cases, score_language
 from lpslam.language.model import Candidate
 from lpslam.language.registry import language_model
 
-SETS = ("paper", "development", "second", "third")
+SETS = ("paper", "development", "second", "third", "fourth")
 
 
 def main() -> None:
