@@ -12,7 +12,8 @@ from lpslam.text.types import TextObservation
 
 Array = NDArray[np.float64]
 
-# Takes a keyframe's id to the 4×4 `world_from_keyframe` as the map knows it now.
+# Takes a keyframe's id to the 4×4 `world_from_keyframe` as the map knows it now. It is asked for every keyframe that a
+# text was hung on, also one that the map has culled since.
 KeyframePoses = Callable[[int], Array]
 
 
