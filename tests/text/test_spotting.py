@@ -191,3 +191,15 @@ def test_missing_models_are_a_clear_error(monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setattr(networks.importlib.util, "find_spec", lambda name: None)
     with pytest.raises(UserError, match="reading models are not installed"):
         load_network("det", "auto", 1)
+
+
+def test_both_engines_read_the_same(spotter: PaddleSpotter) -> None:
+    for engine in ("openvino", "onnxruntime"):
+        pytest.importorskip(engine)
+    image = painted(("Hotel Lisboa", 60, 120, 1.5), ("NO SMOKING!", 200, 330, 1.0))
+    other = PaddleSpotter(SpottingConfig(engine="onnxruntime"))
+    boxes, _ = spotter.detect(image)
+    assert other.detect(image)[0] == pytest.approx(boxes, abs=1.0)
+    for mine, theirs in zip(spotter.recognise(image, boxes), other.recognise(image, boxes), strict=True):
+        assert mine[0] == theirs[0]
+        assert mine[1] == pytest.approx(theirs[1], abs=1e-3)
