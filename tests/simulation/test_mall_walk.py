@@ -82,6 +82,9 @@ def test_options_of_the_world() -> None:
     eight = build_mall(5, SimulationConfig(loop_length=60.0, layout="figure-eight"))
     assert len(eight.layout.blocks) == 2
     assert {"shop", "facility"} <= {sign.kind for sign in eight.signs}
+    for world in (chinese, english, eight):
+        lid = world.scene.origin[:, 2].max()
+        assert all(sign.corners[:, 2].min() > 0.3 and sign.corners[:, 2].max() < lid for sign in world.signs)
     for world in (chinese, eight):
         first_lines = [sign.text for sign in world.signs]
         assert len(first_lines) == len(set(first_lines))

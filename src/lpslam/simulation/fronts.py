@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.simulation import furniture, textures
+from lpslam.simulation import displays, furniture, textures
 from lpslam.simulation.layout import Wall
 from lpslam.simulation.scene import SceneBuilder
 
@@ -145,12 +145,12 @@ class _Bay:
         pane = (first[1] + 0.2, self.width - rim) if door_left else (rim, first[0] - 0.2)
         top, sill = float(rng.uniform(1.95, 2.1)), float(rng.uniform(0.3, 0.6))
         side = build.add_colour(tuple(int(0.6 * value) for value in base))  # type: ignore[arg-type]
-        glow = float(rng.choice([0.0, 0.75, 0.95]))
+        glow = float(rng.choice([0.0, 0.55, 0.75]))
         # Inside the entrance: shelves at the back of a shallow room.
-        room = textures.goods(rng, round(top * 130), round(entrance * 130), 130.0)
+        room = displays.goods(rng, round(top * 130), round(entrance * 130), 130.0)
         self._recess(*first, 0.0, top, float(rng.uniform(0.6, 0.8)), build.add_texture(room), side, glow * 0.9)
         depth = float(rng.uniform(0.35, 0.6))
-        scene = textures.goods(rng, round((top - sill) * 150), round((pane[1] - pane[0]) * 150), 150.0)
+        scene = displays.goods(rng, round((top - sill) * 150), round((pane[1] - pane[0]) * 150), 150.0)
         self._recess(*pane, sill, top, depth, build.add_texture(scene), side, glow)
         self._display(pane, sill, depth)
         for left, right in ((0.0, min(first[0], pane[0])), _between(first, pane), (max(first[1], pane[1]), self.width)):
@@ -185,7 +185,8 @@ class _Bay:
         rng, painter = self.parent.rng, self.parent.painter
         space = self.parent.height - top - 0.1
         kind = "restaurant" if rng.random() < 0.38 else "shop"
-        letters = float(rng.uniform(0.2, 0.34))
+        # Two lines with their margins are up to 3.6 letters high.
+        letters = min(float(rng.uniform(0.2, 0.34)), space / 3.6)
         board, kind = painter.paint(kind, "shop", letters, min(2.5, self.width - 0.3), 300.0)
         x = self.width / 2 + float(rng.uniform(-0.2, 0.2)) * (self.width - board.width) / 2
         z = top + 0.05 + board.height / 2 + max(0.0, space - board.height) * float(rng.uniform(0.0, 0.25))
@@ -223,7 +224,7 @@ class _Bay:
         self._skin(x0 + leaf, self.width, 0.0, DOOR_HEIGHT, kind, base)
         self._skin(0.0, self.width, DOOR_HEIGHT, self.parent.height, kind, base)
         board, sign_kind = painter.paint("facility", "plain", float(rng.uniform(0.1, 0.16)), self.width - 0.5, 420.0)
-        x = min(max(x0 + leaf / 2, board.width / 2 + 0.03), self.width - board.width / 2 - 0.03)
+        x = min(max(x0 + leaf / 2, board.width / 2 + 0.24), self.width - board.width / 2 - 0.24)
         painter.hang(
             board, sign_kind, self._at(x, DOOR_HEIGHT + 0.08 + board.height / 2, 0.03), self._right, thickness=0.03
         )

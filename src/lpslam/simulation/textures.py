@@ -174,12 +174,26 @@ def wall(rng: np.random.Generator, height: int, width: int, scale: float, kind: 
 
 
 def ceiling(rng: np.random.Generator, scale: float) -> Image:
-    """2.4 m × 2.4 m of ceiling boards, to be laid side by side."""
+    """2.4 m × 2.4 m of ceiling, to be laid side by side: perforated boards, slats or bare plaster."""
     side = round(2.4 * scale)
-    picture = _laid(rng, side, side, round(0.6 * scale), round(0.6 * scale), (214, 212, 206), 0.05, offset=False)
-    holes = clouds(rng, side, side, 0.03 * scale, 0.012 * scale)
-    picture *= (1 - 0.14 * (holes > 0.5))[..., None]
-    _joints(picture, round(0.6 * scale), round(0.6 * scale), max(2, round(0.015 * scale)), 0.8)
+    kind = rng.choice(["boards", "boards", "slats", "plaster"])
+    if kind == "boards":
+        piece = round(scale * rng.choice([0.6, 1.2]))
+        picture = _laid(rng, side, side, round(0.6 * scale), piece, (214, 212, 206), 0.05, offset=False)
+        holes = clouds(rng, side, side, 0.03 * scale, 0.012 * scale)
+        picture *= (1 - 0.14 * (holes > 0.5))[..., None]
+        _joints(picture, round(0.6 * scale), piece, max(2, round(0.015 * scale)), 0.8)
+    elif kind == "slats":
+        base = wall_colour(rng, 0.4)
+        picture = _laid(rng, side, side, round(0.15 * scale), round(1.2 * scale), base, 0.2, offset=True)
+        _joints(picture, round(0.15 * scale), None, max(3, round(0.03 * scale)), 0.35)
+    else:
+        picture = _canvas(side, side, (222, 220, 214))
+        picture *= (1 + 0.05 * clouds(rng, side, side, 0.5 * scale, 0.01 * scale))[..., None]
+        for _ in range(4):
+            spot = (int(rng.integers(side)), int(rng.integers(side)))
+            cv2.circle(picture, spot, round(0.09 * scale), (150, 150, 150), -1, cv2.LINE_AA)
+            cv2.circle(picture, spot, round(0.06 * scale), (60, 60, 60), max(1, round(0.01 * scale)), cv2.LINE_AA)
     return to_image(picture)
 
 
@@ -203,37 +217,6 @@ def poster(rng: np.random.Generator, height: int, width: int) -> Image:
     image *= (1 + 0.14 * clouds(rng, height, width, width / 3, 4))[..., None]
     border = max(2, width // 40)
     cv2.rectangle(image, (0, 0), (width - 1, height - 1), pick_colour(rng, (0, 0.2), (0.1, 1)), 2 * border)
-    return to_image(image)
-
-
-def goods(rng: np.random.Generator, height: int, width: int, scale: float) -> Image:
-    """Shelves full of things, as in the back of a shop window."""
-    base = pick_colour(rng, (0.05, 0.4), (0.25, 0.6))
-    image = _canvas(height, width, base)
-    image *= (1 + 0.15 * clouds(rng, height, width, 0.5 * scale, 0.03 * scale))[..., None]
-    gap = max(12, round(rng.uniform(0.28, 0.45) * scale))
-    palette = [pick_colour(rng, (0.1, 0.7), (0.25, 0.95)) for _ in range(4)]
-    palette += [wall_colour(rng, 0.6) for _ in range(4)]
-    for shelf in range(gap, height + gap, gap):
-        cv2.rectangle(image, (0, shelf - 4), (width, shelf), (70, 58, 48), -1)
-        x = int(rng.integers(0, gap // 3 + 1))
-        while x < width:
-            w, h = int(gap * rng.uniform(0.12, 0.5)) + 2, int(gap * rng.uniform(0.35, 0.85))
-            colour = palette[int(rng.integers(len(palette)))]
-            foot, top = shelf - 5, shelf - 5 - h
-            if rng.random() < 0.25:
-                cv2.ellipse(
-                    image, (x + w // 2, (foot + top) // 2), (w // 2, h // 2), 0, 0, 360, colour, -1, cv2.LINE_AA
-                )
-            else:
-                cv2.rectangle(image, (x, top), (x + w, foot), colour, -1)
-                band = top + int(h * rng.uniform(0.2, 0.6))
-                cv2.rectangle(image, (x, band), (x + w, band + h // 5), palette[int(rng.integers(len(palette)))], -1)
-            # Round things are darker at their sides, and everything throws a little shadow on its neighbour.
-            image[max(top, 0) : foot, x : x + max(1, w // 5)] *= 0.72
-            image[max(top, 0) : foot, x + w : x + w + 3] *= 0.6
-            x += w + int(rng.integers(1, max(2, gap // 6)))
-    image *= (1 + 0.08 * clouds(rng, height, width, 30, 3))[..., None]
     return to_image(image)
 
 

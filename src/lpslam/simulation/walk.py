@@ -12,7 +12,7 @@ from lpslam.simulation.layout import Layout
 from lpslam.simulation.signs import Sign
 
 FPS = 30.0
-OVERLAP = 3.0  # metres walked past the start, so that the loop is seen to close
+OVERLAP = 4.0  # metres walked past the start, so that the loop is seen to close
 STEP = 1.0 / 240.0  # seconds between the computed poses
 TICK = 0.1  # seconds between decisions where to look
 DWELL = 0.6  # seconds for which a sign is looked at
@@ -96,8 +96,13 @@ def stroll(seed: int, layout: Layout, signs: tuple[Sign, ...], options: Simulati
     first, later = rounds == 0, rounds > 0
     wanted[later, 0] = ahead[later] + np.interp(place[later], place[first], (wanted[:, 0] - ahead)[first])
     wanted[later, 1] = np.interp(place[later], place[first], wanted[first, 1])
-    heading = _follow(wanted[:, 0], 0.88 * bound, 4.0 * bound, STEP)
-    pitch = _follow(wanted[:, 1], 0.3 * bound, 1.5 * bound, STEP)
+    # And it begins as if a round had gone before: the head already moves as it will when it comes by again.
+    end = int(np.argmax(later))
+    warm = min(round(6.0 / STEP), end)
+    before = wanted[end - warm : end] - [ahead[end] - ahead[0], 0.0]
+    wanted = np.concatenate([before, wanted])
+    heading = _follow(wanted[:, 0], 0.88 * bound, 4.0 * bound, STEP)[warm:]
+    pitch = _follow(wanted[:, 1], 0.3 * bound, 1.5 * bound, STEP)[warm:]
     nod = rng.uniform(0.003, 0.006)
     heading = heading + nod * np.sin(steps / 2 * times + 2.0)
     pitch = pitch + nod * np.sin(steps * times + 0.7)
