@@ -198,7 +198,8 @@ class KeyframeConfig(_Section):
     close_depth: float = 3.5  # metres; nearer points fix translation
     close_tracked: int = 100  # fewer close points tracked, and ...
     close_untracked: int = 70  # ... more close keypoints without a point: a keyframe is wanted
-    min_new_points: int = 100  # nearest keypoints that become points even if they are not close
+    point_depth: float = 5.0  # metres; nearer keypoints become points, weighted by their depth's noise
+    min_new_points: int = 100  # nearest keypoints that become points even if they are farther
     min_start_depths: int = 150  # keypoints with depth that the first keyframe needs
 
 
@@ -221,11 +222,14 @@ class LevellingConfig(_Section):
     """Levelling the map by the floor."""
 
     max_tilt: float = 0.7  # radians the first camera may look up or down or lean
-    inlier_angle: float = 0.12  # radians a surface's normals may differ; depth noise tilts small patches
     min_height: float = 0.25  # metres below the camera
-    min_share: float = 0.04  # of the image that the surface must fill
-    max_step: float = 0.12  # share of the depth that neighbouring samples may differ by; more is an edge
-    thickness: float = 0.03  # metres; half of the slab that is the surface
+    min_share: float = 0.05  # of the image that the surface must fill
+    min_whole_share: float = 0.2  # of the surface's samples that have it all around
+    min_spread: float = 0.15  # metres between the three samples of a hypothesis; nearer ones are noise
+    hypotheses: int = 600  # planes tried; a tenth of the samples on the floor gives one good one in two hundred
+    thickness: float = 0.015  # metres off the plane that still agree at the camera, ...
+    thickness_quadratic: float = 0.003  # ... and metres a square metre more with depth
+    max_views: int = 40  # keyframes whose floors are averaged
 
 
 class SlamConfig(_Section):

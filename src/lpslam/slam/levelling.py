@@ -2,12 +2,19 @@
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from lpslam.camera import PinholeCamera
 from lpslam.config import LevellingConfig
 
-_STRIDE = 6
-"""Pixels between the samples of a depth image; normals come from neighbouring samples."""
+_STRIDE = 8
+"""Pixels between the samples of a depth image."""
+
+_BAND = 7
+"""Samples: wider than the slab of tolerance looks where it cuts an upright wall, at any distance."""
+
+_REFINEMENTS = 3
+"""Times the plane is fitted anew to the samples that agree with it."""
 
 
 def floor_normal(
@@ -27,35 +34,44 @@ def floor_normal(
     Returns:
         The normal in the optical frame; None where no surface is large and flat enough to trust.
     """
-    points, valid = _sample(depth, camera)
-    right = points[:-1, 1:] - points[:-1, :-1]
-    down = points[1:, :-1] - points[:-1, :-1]
-    normals = np.cross(down, right)
-    length = np.linalg.norm(normals, axis=-1)
-    near = np.abs(right[..., 2]) + np.abs(down[..., 2]) < config.max_step * points[:-1, :-1, 2]
-    usable = valid[:-1, :-1] & valid[:-1, 1:] & valid[1:, :-1] & near & (length > 0)
-    normals = normals[usable] / length[usable][:, None]
-    positions = points[:-1, :-1][usable]
-    normals *= np.sign(-np.einsum("ij,ij->i", normals, positions))[:, None]
-
+    points, rows, columns = _sample(depth, camera)
     up = up_in_camera / np.linalg.norm(up_in_camera)
-    cosine = np.cos(config.max_tilt)
-    # Narrow the cone step by step onto the normals that agree; walls and clutter fall out of it.
-    for cone in (cosine, np.cos(config.max_tilt / 3), np.cos(config.inlier_angle)):
-        chosen = (normals @ up > cone) & (positions @ up < -config.min_height)
-        if chosen.sum() < config.min_share * usable.size:
-            return None
-        up = np.median(normals[chosen], axis=0)
-        up /= np.linalg.norm(up)
-
-    heights = positions[chosen] @ up
-    level = _densest(heights, config.thickness)
-    surface = positions[chosen][np.abs(heights - level) < config.thickness]
-    if len(surface) < config.min_share * usable.size:
+    is_below = points @ up < -config.min_height
+    below = points[is_below]
+    grid = np.zeros((depth.shape[0] // _STRIDE + 1, depth.shape[1] // _STRIDE + 1), np.bool_)
+    least = config.min_share * grid.size
+    if len(below) < max(least, 3):
         return None
-    _, _, axes = np.linalg.svd(surface - surface.mean(axis=0), full_matrices=False)
-    normal: NDArray[np.float64] = axes[2] * np.sign(axes[2] @ up)
-    return normal if normal @ up > np.cos(config.inlier_angle) else None
+    tolerance = config.thickness + config.thickness_quadratic * below[:, 2] ** 2
+
+    # Planes through three samples; only those that could be level are worth counting.
+    random = np.random.default_rng(len(below))
+    corners = below[random.integers(0, len(below), (config.hypotheses, 3))]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    length = np.linalg.norm(normals, axis=1)
+    level = np.abs(normals @ up) > np.cos(config.max_tilt) * length
+    usable = level & (length > config.min_spread**2)
+    if not usable.any():
+        return None
+    normals = normals[usable] / length[usable, None]
+    normals *= np.sign(normals @ up)[:, None]
+    offsets = np.einsum("ij,ij->i", normals, corners[usable, 0])
+    agreeing = np.abs(below @ normals.T - offsets) < tolerance[:, None]
+    best = int(np.argmax(agreeing.sum(axis=0)))
+    normal, offset = normals[best], offsets[best]
+
+    for _ in range(_REFINEMENTS):
+        inlier = np.abs(below @ normal - offset) < tolerance
+        if inlier.sum() < least:
+            return None
+        normal, offset = _fit_plane(below[inlier], 1.0 / tolerance[inlier])
+        normal, offset = (normal, offset) if normal @ up > 0 else (-normal, -offset)
+    # A slanted plane cuts walls and shelves in bands, thin for how far they are; a floor is whole.
+    grid[rows[is_below][inlier], columns[is_below][inlier]] = True
+    whole = ndimage.binary_erosion(grid, np.ones((_BAND, 1))) & ndimage.binary_erosion(grid, np.ones((1, _BAND)))
+    if whole.sum() < config.min_whole_share * inlier.sum():
+        return None
+    return normal if normal @ up > np.cos(config.max_tilt) else None
 
 
 def level_rotation(up_in_world: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -69,16 +85,20 @@ def level_rotation(up_in_world: NDArray[np.float64]) -> NDArray[np.float64]:
     return rotation
 
 
-def _sample(depth: NDArray[np.float32], camera: PinholeCamera) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+def _sample(
+    depth: NDArray[np.float32], camera: PinholeCamera
+) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]]:
+    """(n, 3) points in the camera frame of a coarse grid of pixels, with their rows and columns in it."""
     z = depth[::_STRIDE, ::_STRIDE].astype(np.float64)
-    valid = np.isfinite(z) & (z > 0)
-    z = np.where(valid, z, 0.0)
     v, u = np.mgrid[0 : depth.shape[0] : _STRIDE, 0 : depth.shape[1] : _STRIDE]
-    return np.stack([(u - camera.cx) / camera.fx * z, (v - camera.cy) / camera.fy * z, z], axis=-1), valid
+    points = np.stack([(u - camera.cx) / camera.fx * z, (v - camera.cy) / camera.fy * z, z], axis=-1)
+    rows, columns = np.nonzero(np.isfinite(z) & (z > 0))
+    return points[rows, columns], rows, columns
 
 
-def _densest(values: NDArray[np.float64], width: float) -> float:
-    """Centre of the densest interval of a given half width."""
-    ordered = np.sort(values)
-    ends = np.searchsorted(ordered, ordered + 2 * width)
-    return float(ordered[np.argmax(ends - np.arange(len(ordered)))] + width)
+def _fit_plane(points: NDArray[np.float64], weights: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
+    """Weighted least-squares plane: unit normal (3,) and its offset n·p."""
+    centre = np.average(points, axis=0, weights=weights**2)
+    _, _, axes = np.linalg.svd((points - centre) * weights[:, None], full_matrices=False)
+    normal: NDArray[np.float64] = axes[2]
+    return normal, float(normal @ centre)

@@ -2,6 +2,9 @@
 
 from dataclasses import replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from lpslam.camera import PinholeCamera
 from lpslam.config import SlamConfig
 from lpslam.frames import RgbdFrame
@@ -31,7 +34,7 @@ class RgbdSlam:
         self._tracker = Tracker(extractor, self.sensor, self.map, config)
         self._local_mapper = LocalMapper(self.map, self.sensor, config)
         self._levelling = config.levelling
-        self.is_levelled = False
+        self._floor_views: list[tuple[int, NDArray[np.float64]]] = []
 
     def process(self, frame: RgbdFrame) -> TrackedFrame:
         """Track one frame and let the map grow with it."""
@@ -39,20 +42,35 @@ class RgbdSlam:
         if tracked.is_keyframe:
             self._local_mapper.process(tracked.keyframe)
             self._tracker.after_map_change()
-            if not self.is_levelled:
-                self._level_by_floor(frame, tracked.keyframe)
+            self._look_for_floor(frame, tracked.keyframe)
             world_from_camera = self.map.world_from_keyframe(tracked.keyframe)
             tracked = replace(tracked, world_from_camera=world_from_camera)
         self.trajectory.append(tracked)
         return tracked
 
-    def _level_by_floor(self, frame: RgbdFrame, keyframe: int) -> None:
-        """Turn the map so that z is up, once, when the first large level surface is seen."""
+    def finish(self) -> None:
+        """Level the map by all views of the floor together; call when the last frame has been processed."""
+        if self._floor_views:
+            self._level(np.median([self.map.world_from_keyframe(k)[:3, :3] @ n for k, n in self._floor_views], axis=0))
+
+    def _look_for_floor(self, frame: RgbdFrame, keyframe: int) -> None:
+        """Turn the map so that z is up when the floor is first seen; later views serve `finish`."""
+        if len(self._floor_views) >= self._levelling.max_views:
+            return
         camera_from_world = self.map.camera_from_world(keyframe)
         normal = floor_normal(frame.depth, self.camera, camera_from_world[:3, 2], self._levelling)
         if normal is None:
             return
-        level_from_world = level_rotation(camera_from_world[:3, :3].T @ normal)
+        self._floor_views.append((keyframe, normal))
+        if len(self._floor_views) == 1:
+            self._level(camera_from_world[:3, :3].T @ normal)
+
+    def _level(self, up_in_world: NDArray[np.float64]) -> None:
+        level_from_world = level_rotation(up_in_world)
         self.map.transform(level_from_world)
         self._tracker.change_world(level_from_world)
-        self.is_levelled = True
+
+    @property
+    def is_levelled(self) -> bool:
+        """Whether the floor has been seen, so that z is up."""
+        return bool(self._floor_views)
