@@ -196,11 +196,11 @@ class _Bay:
         """A small double-sided sign that stands out of the wall."""
         rng, painter = self.parent.rng, self.parent.painter
         board, kind = painter.paint("slogan" if rng.random() < 0.5 else "facility", "friendly", 0.1, 0.75, 420.0)
-        centre = self._at(at, top - 0.02 - board.height / 2, 0.1 + board.width / 2)
+        centre = self._at(at, top - 0.02 - board.height / 2, 0.26 + board.width / 2)
         painter.hang(board, kind, centre, self._normal, thickness=0.04, double_sided=True)
         iron = painter.builder.add_colour((40, 40, 42))
         corner = self._at(at - 0.01, centre[2] + board.height / 2, 0.0)
-        painter.builder.add_box(corner, self._normal * (board.width + 0.1), self._right * 0.02, 0.02, iron)
+        painter.builder.add_box(corner, self._normal * (board.width + 0.26), self._right * 0.02, 0.02, iron)
 
     def door(self) -> None:
         """A door of a public facility with a plate beside or above it."""

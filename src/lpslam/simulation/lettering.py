@@ -193,7 +193,8 @@ def _paint_logo(
     shape = int(rng.integers(3))
     if shape == 0:
         cv2.circle(image, centre, r, ink, -1, cv2.LINE_AA)
-        cv2.ellipse(image, centre, (r // 2, round(0.8 * r)), 35, 0, 360, ground, -1, cv2.LINE_AA)
+        peak = np.array([[x - 0.75 * r, y + 0.45 * r], [x - 0.1 * r, y - 0.6 * r], [x + 0.75 * r, y + 0.45 * r]])
+        cv2.fillPoly(image, [peak.round().astype(np.int32)], ground, cv2.LINE_AA)
     elif shape == 1:
         turn = np.arange(10) * np.pi / 5 - np.pi / 2
         reach = np.where(np.arange(10) % 2 == 0, r, 0.45 * r)
