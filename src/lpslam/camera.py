@@ -43,6 +43,8 @@ class PinholeCamera:
         for label in ("cx", "cy"):
             if not np.isfinite(getattr(self, label)):
                 raise UserError(f"camera calibration: {label} is {getattr(self, label)!r}; it must be a finite number")
+        if not np.isfinite(self.distortion).all():
+            raise UserError(f"camera calibration: distortion is {self.distortion!r}; it must be finite numbers")
 
     @property
     def is_distorted(self) -> bool:
@@ -81,7 +83,7 @@ class PinholeCamera:
 
     def undistort(self, pixels: Points) -> Points:
         """Move raw pixels (n, 2) to where an ideal pinhole camera would see them."""
-        if not self.is_distorted:
+        if not self.is_distorted or not len(pixels):
             return pixels
         import cv2
 
