@@ -147,6 +147,8 @@ class ReadingConfig(_Section):
     # ... of so many frames; reading then waits for a sharper one, no longer than so many intervals.
     blur_window: int = Field(default=15, ge=1)
     blur_patience: float = Field(default=2.0, ge=0)
+    # Frames worth reading that may wait beside tracking (2 MB each); the oldest is dropped when one more comes.
+    queue_size: int = Field(default=64, ge=1)
 
 
 class TextConfig(_Section):
@@ -258,6 +260,8 @@ class SimulationConfig(_Section):
     speed: float = Field(default=1.0, gt=0.1, le=3.0)
     # Which languages the signs show.
     language: Literal["mixed", "chinese", "english"] = "mixed"
+    # Names that the mall shows for sure, as the lexicon spells them; as many as there are places for their kind.
+    featured: tuple[str, ...] = ()
     # How many signs repeat the words of another one.
     duplicates: int = Field(default=0, ge=0)
     # Shutter time in good light, seconds; in the dark it doubles.

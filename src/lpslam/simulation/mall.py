@@ -55,7 +55,10 @@ class _Vocabulary:
         else:
             if not self._piles:
                 usable = [w for w in lexicon.EVERYTHING if w.lines(self.options.language)]
-                for i in self.rng.permutation(len(usable)):
+                # Piles are dealt from the end: what is featured comes before anything else of its kind.
+                featured = set(self.options.featured)
+                order = self.rng.permutation(len(usable))
+                for i in sorted(order, key=lambda i: bool(featured & {usable[i].english, usable[i].chinese})):
                     self._piles.setdefault(usable[i].kind, []).append(usable[i])
             # A large mall has more doors than there are facilities: then take what is left of anything.
             pile = self._piles.get(kind) or max(self._piles.values(), key=len)

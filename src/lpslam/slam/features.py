@@ -49,7 +49,7 @@ class FeatureExtractor:
         self.camera = camera
         self.config = config
         self.scales = config.scale_factor ** np.arange(config.levels)
-        self._sizes = [(round(camera.width / s), round(camera.height / s)) for s in self.scales]
+        self._sizes = [(max(round(camera.width / s), 1), max(round(camera.height / s), 1)) for s in self.scales]
         self._quotas = _level_quotas(config)
         self._steered = [_steered_offsets(width) for width, _ in self._sizes]
 

@@ -68,7 +68,8 @@ def floor_normal(
         normal, offset = (normal, offset) if normal @ up > 0 else (-normal, -offset)
     # A slanted plane cuts walls and shelves in bands, thin for how far they are; a floor is whole.
     grid[rows[is_below][inlier], columns[is_below][inlier]] = True
-    whole = ndimage.binary_erosion(grid, np.ones((_BAND, 1))) & ndimage.binary_erosion(grid, np.ones((1, _BAND)))
+    upright, across = np.ones((_BAND, 1), np.bool_), np.ones((1, _BAND), np.bool_)
+    whole = ndimage.binary_erosion(grid, upright) & ndimage.binary_erosion(grid, across)
     if whole.sum() < config.min_whole_share * inlier.sum():
         return None
     return normal if normal @ up > np.cos(config.max_tilt) else None

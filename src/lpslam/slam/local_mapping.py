@@ -51,8 +51,9 @@ class LocalMapper:
         second = [self._map.covisible(int(k), self._config.covisible_points)[:3] for k in first[:5]]
         everyone = np.concatenate([first, *second]) if len(first) else first
         unique, where = np.unique(everyone, return_index=True)
-        in_order: NDArray[np.int32] = unique[np.argsort(where)]
-        return in_order[in_order != keyframe]
+        in_order = unique[np.argsort(where)]
+        others: NDArray[np.int32] = in_order[in_order != keyframe]
+        return others
 
     def _fuse(self, keyframe: int, neighbours: NDArray[np.int32]) -> None:
         """Look for the keyframe's points in its neighbours and for theirs in it."""

@@ -62,18 +62,31 @@ class TextMapper:
         Returns:
             What was read, or None when the frame was not read.
         """
-        self.statistics.frames_seen += 1
         self.text_map.memory.forget(frame.timestamp)
-        if tracked.keyframe_from_camera is None or tracked.world_from_camera is None:
+        return self.read(frame, tracked) if self.wants(frame, tracked) else None
+
+    def wants(self, frame: RgbdFrame, tracked: TrackedFrame) -> bool:
+        """Decide, in little time, whether a frame is worth reading: tracked, due, and sharp.
+
+        May be called from the tracking thread while another frame is being read.
+        """
+        self.statistics.frames_seen += 1
+        if not tracked.is_tracked:
             self.statistics.frames_untracked += 1
-            return None
+            return False
         if not self._gate.is_due(frame.timestamp):
-            return None
+            return False
         if not self._gate.is_sharp(frame):
             self.statistics.frames_blurred += 1
-            return None
+            return False
         self._gate.taken(frame.timestamp)
+        return True
 
+    def read(self, frame: RgbdFrame, tracked: TrackedFrame) -> FrameReading | None:
+        """Read a frame and remember what it says; None when it has no pose or the reader failed."""
+        if tracked.keyframe_from_camera is None or tracked.world_from_camera is None:
+            return None
+        self.text_map.memory.forget(frame.timestamp)
         reading = self._read(frame, tracked.keyframe_from_camera)
         if reading is None:
             return None

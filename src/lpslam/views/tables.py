@@ -14,15 +14,18 @@ _VERDICTS = {True: ("landmark", "blue"), False: ("text", "magenta"), None: ("not
 def landmark_table(landmarks: Sequence[Landmark], title: str = "Landmarks") -> Table:
     """One row a landmark: those judged to be one first, then by how often they were seen."""
     table = Table(title=Text(title), title_justify="left")
-    for heading, side in (("id", "right"), ("name", "left"), ("position x y z [m]", "right"), ("spread [m]", "right"),
-                          ("seen", "right"), ("confidence", "right"), ("judged", "left")):  # fmt: skip
-        table.add_column(heading, justify="right" if side == "right" else "left", no_wrap=heading != "name")
+    table.add_column("id", justify="right", no_wrap=True)
+    table.add_column("name", min_width=16, overflow="fold")
+    table.add_column("x y z [m]", justify="right", no_wrap=True)
+    for heading in ("spread", "seen", "sure"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    table.add_column("judged", no_wrap=True)
     for mark in sorted(landmarks, key=lambda mark: (mark.is_landmark is not True, -mark.observations, mark.id)):
         verdict, style = _VERDICTS[mark.is_landmark]
         table.add_row(
             str(mark.id),
             Text(printable(mark.name), style=style),
-            " ".join(f"{value:7.2f}" for value in mark.position),
+            " ".join(f"{value:.2f}" for value in mark.position),
             f"{mark.spread:.2f}",
             str(mark.observations),
             f"{mark.confidence:.2f}",

@@ -130,7 +130,7 @@ def detect_corners(
     if right <= left or bottom <= top:
         return np.empty((0, 2), np.int32)
     scores = np.zeros((height, width), np.uint8)
-    corners = np.empty(((right - left) * (bottom - top) // 4, 2), np.int32)
+    corners = np.empty(((right - left) * (bottom - top), 2), np.int32)
     columns = (right - left + cell - 1) // cell
     occupied = np.empty(columns, np.bool_)
     count = 0
@@ -190,7 +190,8 @@ def _spread(
     taken = np.zeros(columns * rows, np.int64)
     rank = np.empty(count, np.int64)
     per_rank = np.zeros(count + 1, np.int64)
-    for i in order:
+    for k in range(count):
+        i = order[k]
         where = int((corners[i, 1] - top) / side) * columns + int((corners[i, 0] - left) / side)
         rank[i] = taken[where]
         taken[where] += 1
@@ -202,7 +203,8 @@ def _spread(
     kept = np.empty((quota, 2), np.int32)
     n = 0
     spare = quota - total
-    for i in order:
+    for k in range(count):
+        i = order[k]
         if rank[i] < full or (rank[i] == full and spare > 0):
             if rank[i] == full:
                 spare -= 1

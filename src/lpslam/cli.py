@@ -1,0 +1,313 @@
+"""The command line: parse, call, print."""
+
+import json
+import os
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from lpslam._version import __version__
+from lpslam.errors import LpSlamError
+
+app = typer.Typer(
+    name="lpslam",
+    help="Language-perceptive RGB-D SLAM: a map whose landmarks are the words in the scene.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+MapFile = Annotated[
+    Path, typer.Argument(metavar="MAP", help="A map made by 'lpslam run' (.lpmap).", show_default=False)
+]
+Llm = Annotated[
+    str | None,
+    typer.Option("--llm", metavar="MODEL", help="offline (default), openai:MODEL, ollama:MODEL or URL#MODEL."),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")]
+ConfigFile = Annotated[
+    Path | None, typer.Option("--config", metavar="FILE", help="YAML overrides of thresholds; see 'lpslam config'.")
+]
+
+
+def main() -> None:
+    """Run the command line; a user's mistake is one line on standard error and exit code 2."""
+    # Kernels, OpenCV and the reading engine share two cores best with one thread each.
+    for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+        os.environ.setdefault(variable, "1")
+    try:
+        app()
+    except LpSlamError as error:
+        print(f"lpslam: {error}", file=sys.stderr)
+        raise SystemExit(2) from None
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise SystemExit(1) from None
+
+
+@app.callback(invoke_without_command=True)
+def _options(version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False) -> None:
+    if version:
+        print(f"lpslam {__version__}")
+        raise typer.Exit
+
+
+@app.command()
+def run(
+    source: Annotated[Path, typer.Argument(help="Folder of a recording: TUM RGB-D or 7-Scenes.", show_default=False)],
+    output: Annotated[Path, typer.Option("--output", "-o", metavar="MAP.lpmap", help="Where the map goes.")],
+    camera: Annotated[
+        Path | None, typer.Option("--camera", metavar="FILE", help="Calibration to use instead of the recording's.")
+    ] = None,
+    sequential: Annotated[
+        bool, typer.Option("--sequential", help="Read in step with tracking: slower, the same map every time.")
+    ] = False,
+    no_text: Annotated[bool, typer.Option("--no-text", help="Track and map only; read nothing.")] = False,
+    max_frames: Annotated[int | None, typer.Option("--max-frames", min=1, help="Use only the first N frames.")] = None,
+    llm: Llm = None,
+    config: ConfigFile = None,
+    as_json: Json = False,
+) -> None:
+    """Map a recording: track the camera, read the scene's text, remember it and place it."""
+    from lpslam import pipeline
+    from lpslam.language.registry import language_model
+    from lpslam.mapfile.container import refuse_foreign_file
+    from lpslam.sources.open import open_source
+    from lpslam.views.run_progress import InterruptFlag, RunProgress, prepare
+
+    refuse_foreign_file(output)
+    settings = _config(config)
+    frames = open_source(source, camera, max_frames)
+    language = language_model(llm, settings.language)
+    prepare()
+    with InterruptFlag() as interrupted, RunProgress(len(frames)) as progress:
+        world = pipeline.run(
+            frames,
+            settings,
+            language=language,
+            text=not no_text,
+            sequential=sequential,
+            on_progress=progress.update,
+            should_stop=interrupted.is_set,
+        )
+        world.save(output)
+    _report_faults(frames.faults)
+    _print(_facts(world, output), as_json)
+    if interrupted.is_set():
+        print(f"lpslam: interrupted; the map so far is in {output}", file=sys.stderr)
+        raise typer.Exit(130)
+
+
+@app.command()
+def distill(
+    map_file: MapFile,
+    judge: Annotated[str, typer.Option("--judge", metavar="QUESTION", help="What makes a text a landmark?")] = (
+        "Is this a shop?"
+    ),
+    llm: Llm = None,
+    as_json: Json = False,
+) -> None:
+    """Name and judge the map's texts; the judgements are kept in the map."""
+    from lpslam import pipeline
+    from lpslam.language.registry import language_model
+    from lpslam.mapfile.language_map import LanguageMap
+
+    world = LanguageMap.load(map_file)
+    landmarks = pipeline.distill(world, judge, language=language_model(llm))
+    world.save(map_file)
+    _print_landmarks(landmarks, judge, as_json)
+
+
+@app.command()
+def ask(
+    map_file: MapFile,
+    question: Annotated[str, typer.Argument(help="In any language.", show_default=False)],
+    llm: Llm = None,
+    as_json: Json = False,
+) -> None:
+    """Ask the map for a place: 'Where can I eat pizza?'."""
+    from lpslam import pipeline
+    from lpslam.language.registry import language_model
+    from lpslam.mapfile.language_map import LanguageMap
+    from lpslam.views.answers import answer_record, answer_text
+
+    answer = pipeline.ask(LanguageMap.load(map_file), question, language=language_model(llm))
+    print(json.dumps(answer_record(answer), ensure_ascii=False, indent=1) if as_json else answer_text(answer))
+
+
+@app.command()
+def info(map_file: MapFile, as_json: Json = False) -> None:
+    """Say what a map holds."""
+    from lpslam.mapfile.language_map import LanguageMap
+
+    world = LanguageMap.load(map_file)
+    facts = _facts(world, map_file)
+    if as_json:
+        _print({**facts, "statistics": world.statistics, **_landmark_records(world.landmarks())}, as_json)
+    else:
+        _print(facts, as_json)
+        _print_landmarks(world.landmarks(), "Landmarks", as_json)
+
+
+@app.command()
+def export(
+    map_file: MapFile,
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Where the files go.", show_default=False)],
+    as_json: Json = False,
+) -> None:
+    """Write trajectory.txt and keyframes.txt (TUM format), landmarks.json and cloud.ply."""
+    from lpslam.mapfile.export import export_map
+    from lpslam.mapfile.language_map import LanguageMap
+
+    written = export_map(LanguageMap.load(map_file), folder)
+    _print({"written": [str(path) for path in written]}, as_json)
+
+
+@app.command()
+def draw(
+    map_file: MapFile,
+    output: Annotated[Path, typer.Argument(metavar="OUT.png", help="The picture (.png, .pdf, .svg).")],
+    memory: Annotated[
+        bool, typer.Option("--memory", help="Draw how the classes' memory scores rose and faded instead (Fig. 13).")
+    ] = False,
+    as_json: Json = False,
+) -> None:
+    """Draw the map from above: landmarks in blue, other texts in pink (Fig. 16)."""
+    from lpslam.mapfile.language_map import LanguageMap
+    from lpslam.views.pictures import draw_language_map, draw_score_histories
+
+    world = LanguageMap.load(map_file)
+    (draw_score_histories if memory else draw_language_map)(world, output)
+    _print({"written": str(output)}, as_json)
+
+
+@app.command(name="eval")
+def evaluate(
+    map_file: MapFile,
+    sequence: Annotated[Path, typer.Argument(help="The recording, with its ground truth.", show_default=False)],
+    config: ConfigFile = None,
+    as_json: Json = False,
+) -> None:
+    """Score a map against ground truth: trajectory error, frames tracked, landmarks."""
+    from lpslam.evaluation.report import evaluate_recording
+    from lpslam.mapfile.language_map import LanguageMap
+    from lpslam.views.scores import score_facts, score_record
+
+    scores = evaluate_recording(LanguageMap.load(map_file), sequence, _config(config).evaluation)
+    _print(score_record(scores) if as_json else score_facts(scores), as_json)
+
+
+@app.command()
+def simulate(
+    folder: Annotated[Path, typer.Argument(metavar="OUT", help="Folder for the recording.", show_default=False)],
+    seed: Annotated[int, typer.Option(min=0, help="Of the world, the walk and the noise.")] = 0,
+    frames: Annotated[int | None, typer.Option(min=1, help="How many; once around the route without.")] = None,
+    layout: Annotated[str | None, typer.Option(help="loop or figure-eight.")] = None,
+    loop_length: Annotated[float | None, typer.Option(help="Metres.")] = None,
+    light: Annotated[float | None, typer.Option(help="1 is day; 0.3 is a mall after closing time.")] = None,
+    max_turn_rate: Annotated[float | None, typer.Option(help="Degrees a second.")] = None,
+    language: Annotated[str | None, typer.Option(help="mixed, chinese or english.")] = None,
+    duplicates: Annotated[int | None, typer.Option(help="Signs that repeat another one's words.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Render a mock mall: a recording in TUM layout with camera.yaml, groundtruth.txt and signs.json."""
+    from lpslam.simulation.source import MallSource
+    from lpslam.simulation.writer import write_sequence
+    from lpslam.views.run_progress import counting
+
+    given = {
+        "layout": layout,
+        "loop_length": loop_length,
+        "light": light,
+        "max_turn_rate": max_turn_rate,
+        "language": language,
+        "duplicates": duplicates,
+    }
+    options = _config(None, {"simulation": {key: value for key, value in given.items() if value is not None}})
+    with counting("building the mall") as progress:
+        source = MallSource(seed, frames, options=options.simulation)
+        write_sequence(source, folder, progress)
+    _print({"written": str(folder), "frames": len(source), "signs": len(source.signs)}, as_json)
+
+
+@app.command()
+def demo(
+    output: Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="Where the results go.")] = Path("demo"),
+    seed: Annotated[int, typer.Option(min=0, help="Which mall.")] = 4,
+    frames: Annotated[int | None, typer.Option(min=1, help="Stop after N frames.")] = None,
+    llm: Llm = None,
+    as_json: Json = False,
+) -> None:
+    """Render a mall, map it, distil, ask the paper's three questions, and write map, pictures and report."""
+    from lpslam.demo import run_demo
+
+    report = run_demo(output, seed=seed, frames=frames, llm=llm, quiet=as_json)
+    if as_json:
+        _print(report, as_json)
+
+
+@app.command(name="config")
+def show_config() -> None:
+    """Print every threshold with its default, as YAML that --config takes."""
+    import yaml
+
+    from lpslam.config import Config
+
+    print(yaml.safe_dump(Config().model_dump(mode="json"), sort_keys=False, allow_unicode=True), end="")
+
+
+def _config(path: Path | None, overrides: dict[str, Any] | None = None) -> Any:
+    from pydantic import ValidationError
+
+    from lpslam.config import Config
+    from lpslam.errors import UserError
+
+    if path is not None:
+        return Config.from_yaml(path)
+    try:
+        return Config.model_validate(overrides or {})
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise UserError(f"option --{str(first['loc'][-1]).replace('_', '-')}: {first['msg']}") from error
+
+
+def _facts(world: Any, path: Path) -> dict[str, Any]:
+    from lpslam.views.facts import map_facts
+
+    return {"map": str(path), **map_facts(world)}
+
+
+def _print(facts: dict[str, Any], as_json: bool) -> None:
+    if as_json:
+        print(json.dumps(facts, ensure_ascii=False, indent=1))
+        return
+    from rich.console import Console
+
+    from lpslam.views.tables import facts_table
+
+    Console().print(facts_table({key.replace("_", " "): str(value) for key, value in facts.items()}))
+
+
+def _landmark_records(landmarks: Any) -> dict[str, Any]:
+    from lpslam.mapfile.export import landmark_record
+
+    return {"landmarks": [landmark_record(mark) for mark in landmarks]}
+
+
+def _print_landmarks(landmarks: Any, title: str, as_json: bool) -> None:
+    if as_json:
+        print(json.dumps(_landmark_records(landmarks), ensure_ascii=False, indent=1))
+        return
+    from rich.console import Console
+
+    from lpslam.views.tables import landmark_table
+
+    Console().print(landmark_table(landmarks, title))
+
+
+def _report_faults(faults: Any) -> None:
+    if faults:
+        first = faults[0]
+        print(f"lpslam: {len(faults)} frames skipped; the first, frame {first.index}: {first.reason}", file=sys.stderr)

@@ -1,0 +1,54 @@
+"""A map as plain files: trajectories in TUM format, landmarks as JSON, points as PLY."""
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from lpslam.errors import UserError
+from lpslam.mapfile.language_map import LanguageMap
+from lpslam.text.types import Landmark
+from lpslam.views.point_cloud import write_ply
+
+_FRAME = "camera optical frame (x right, y down, z forward) in the map frame (z up), metres"
+
+
+def export_map(world: LanguageMap, folder: Path) -> list[Path]:
+    """Write trajectory.txt, keyframes.txt, landmarks.json and cloud.ply.
+
+    Returns:
+        The files written.
+
+    Raises:
+        UserError: the folder cannot be written.
+    """
+    trajectory, keyframes = folder / "trajectory.txt", folder / "keyframes.txt"
+    landmarks, cloud = folder / "landmarks.json", folder / "cloud.ply"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        world.frame_poses().to_tum_file(trajectory, [f"every tracked frame: {_FRAME}"])
+        world.keyframe_poses().to_tum_file(keyframes, [f"keyframes: {_FRAME}"])
+        listed = {"landmarks": [landmark_record(mark) for mark in world.landmarks()]}
+        landmarks.write_text(json.dumps(listed, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
+        write_ply(cloud, world.cloud())
+    except OSError as error:
+        raise UserError(f"{folder} cannot be written ({error.strerror}); choose another folder") from error
+    return [trajectory, keyframes, landmarks, cloud]
+
+
+def landmark_record(mark: Landmark) -> dict[str, Any]:
+    """One landmark as JSON can hold it; metres, map frame."""
+    return {
+        "id": mark.id,
+        "name": mark.name,
+        "variants": dict(mark.variants),
+        "position": [round(float(value), 4) for value in mark.position],
+        "normal": [round(float(value), 4) for value in mark.normal],
+        "spread": round(mark.spread, 4),
+        "width": round(mark.width, 4),
+        "height": round(mark.height, 4),
+        "observations": mark.observations,
+        "confidence": round(mark.confidence, 4),
+        "is_landmark": mark.is_landmark,
+        "judgements": [asdict(judgement) for judgement in mark.judgements.values()],
+    }

@@ -1,0 +1,99 @@
+"""The whole map: geometry, trajectory and words, as it is used and as it is kept on disk."""
+
+from dataclasses import asdict, dataclass, field
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.camera import PinholeCamera
+from lpslam.errors import UserError
+from lpslam.mapfile.container import read_map_file, write_map_file
+from lpslam.poses import StampedPoses
+from lpslam.slam.map import SlamMap
+from lpslam.slam.trajectory import Trajectory
+from lpslam.text.text_map import TextMap
+from lpslam.text.types import Landmark
+
+
+@dataclass(slots=True, eq=False)
+class LanguageMap:
+    """A map whose landmarks are the words in the scene.
+
+    Attributes:
+        camera: what it was made with.
+        slam: keyframes and points.
+        trajectory: every frame, relative to its keyframe.
+        text: what was read and remembered.
+        source: name of the recording.
+        statistics: counts and times of the run that made it, by part.
+    """
+
+    camera: PinholeCamera
+    slam: SlamMap
+    trajectory: Trajectory
+    text: TextMap
+    source: str = ""
+    statistics: dict[str, dict[str, float]] = field(default_factory=dict)
+
+    def landmarks(self) -> list[Landmark]:
+        """Every text in long-term memory, at every place where it stands, whatever its judgement."""
+        return self.text.landmarks(self.slam.world_from_keyframe)
+
+    def frame_poses(self) -> StampedPoses:
+        """Camera poses of all tracked frames in the map frame, after all corrections."""
+        return StampedPoses(*self.trajectory.world_from_camera(self.slam))
+
+    def keyframe_poses(self) -> StampedPoses:
+        """Camera poses of the keyframes in the map frame."""
+        living = self.slam.living_keyframes()
+        poses = [self.slam.world_from_keyframe(int(keyframe)) for keyframe in living]
+        return StampedPoses(self.slam.timestamps()[living], np.array(poses).reshape(-1, 4, 4))
+
+    def cloud(self) -> NDArray[np.float64]:
+        """(n, 3) positions of the map points, metres, map frame."""
+        return self.slam.point_positions()
+
+    def save(self, path: Path | str) -> None:
+        """Write the map to one file, whole or not at all.
+
+        Raises:
+            UserError: the place cannot be written, or holds a file that is no map of a known version.
+        """
+        arrays: dict[str, NDArray[Any]] = {f"slam.{name}": array for name, array in self.slam.to_arrays().items()}
+        arrays |= {f"trajectory.{name}": array for name, array in self.trajectory.to_arrays().items()}
+        documents = {
+            "camera": asdict(self.camera),
+            "text": self.text.to_document(),
+            "run": {"source": self.source, "statistics": self.statistics},
+        }
+        write_map_file(path, documents, arrays, created=datetime.now(UTC).isoformat(timespec="seconds"))
+
+    @classmethod
+    def load(cls, path: Path | str) -> "LanguageMap":
+        """Read a map.
+
+        Raises:
+            UserError: there is none, or it is damaged, or of a newer version.
+        """
+        contents = read_map_file(path)
+        try:
+            camera = dict(contents.documents["camera"])
+            camera["distortion"] = tuple(camera["distortion"])
+            run = contents.documents["run"]
+            return cls(
+                camera=PinholeCamera(**camera),
+                slam=SlamMap.from_arrays(_part(contents.arrays, "slam.")),
+                trajectory=Trajectory.from_arrays(_part(contents.arrays, "trajectory.")),
+                text=TextMap.from_document(contents.documents["text"]),
+                source=str(run["source"]),
+                statistics=dict(run["statistics"]),
+            )
+        except (KeyError, TypeError, ValueError, IndexError) as error:
+            raise UserError(f"{path} is damaged: {' '.join(str(error).split())}; map the recording again") from error
+
+
+def _part(arrays: dict[str, NDArray[Any]], prefix: str) -> dict[str, NDArray[Any]]:
+    return {name.removeprefix(prefix): array for name, array in arrays.items() if name.startswith(prefix)}

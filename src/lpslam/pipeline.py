@@ -1,0 +1,187 @@
+"""The three workflows of LP-SLAM (paper, Fig. 1): runtime text mapping, distilling, navigation."""
+
+import time
+from collections.abc import Callable, Sequence
+from contextlib import nullcontext
+from dataclasses import asdict, dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.config import Config
+from lpslam.errors import UserError
+from lpslam.frames import FrameSource
+from lpslam.language.model import Candidate, Choice, LanguageModel
+from lpslam.language.offline import OfflineModel
+from lpslam.mapfile.language_map import LanguageMap
+from lpslam.slam.state import TrackedFrame
+from lpslam.slam.system import RgbdSlam
+from lpslam.sources.prefetch import Prefetched
+from lpslam.text.distilling import DEFAULT_QUESTION, distil
+from lpslam.text.mapper import TextMapper
+from lpslam.text.reading_thread import ReadingThread
+from lpslam.text.spotting import PaddleSpotter
+from lpslam.text.types import Landmark
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """Where a run stands after a frame."""
+
+    frame: TrackedFrame
+    frames: int
+    frames_per_second: float
+    keyframes: int
+    landmarks: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Answer:
+    """Where to go, and why.
+
+    Attributes:
+        question: as asked.
+        landmark: the place; None when nothing in the map serves.
+        distance: metres from where the question was asked; None without a landmark.
+        choice: what the language model said.
+        alternatives: next best, best first.
+    """
+
+    question: str
+    landmark: Landmark | None
+    distance: float | None
+    choice: Choice
+    alternatives: tuple[Landmark, ...] = ()
+
+
+def run(
+    source: FrameSource,
+    config: Config | None = None,
+    *,
+    language: LanguageModel | None = None,
+    text: bool = True,
+    sequential: bool = True,
+    on_progress: Callable[[Progress], None] = lambda progress: None,
+    should_stop: Callable[[], bool] = lambda: False,
+) -> LanguageMap:
+    """Runtime text mapping: frame → track → read → class → memory → name → position.
+
+    Args:
+        source: RGB-D frames in order of time.
+        config: thresholds; defaults without.
+        language: names classes of misread strings; the embedded model without.
+        text: whether to read at all.
+        sequential: read in step with tracking, the same map every time; else in a thread beside it, which drops
+            frames when it falls behind.
+        on_progress: called after every frame.
+        should_stop: asked before every frame; the map so far is returned when it says yes.
+
+    Raises:
+        UserError: no frame of the source can be used.
+    """
+    config = config or Config()
+    slam = RgbdSlam(source.camera, config.slam)
+    mapper = TextMapper(source.camera, PaddleSpotter(config.text.spotting), config.text, language or OfflineModel())
+    reader = ReadingThread(mapper, config.text.reading.queue_size)
+    frames = Prefetched(source)
+    started, seconds_tracking, count = time.perf_counter(), 0.0, 0
+    with nullcontext() if sequential or not text else reader:
+        for frame in frames:
+            if should_stop():
+                break
+            before = time.perf_counter()
+            tracked = slam.process(frame)
+            seconds_tracking += time.perf_counter() - before
+            if text:
+                (mapper if sequential else reader).observe(frame, tracked)
+            count += 1
+            on_progress(
+                Progress(
+                    tracked,
+                    count,
+                    count / (time.perf_counter() - started),
+                    slam.map.keyframe_count,
+                    len(mapper.text_map.memory.long_term),
+                )
+            )
+    if count == 0 and frames.faults:
+        raise UserError(f"{source.name}: none of {len(frames.faults)} frames can be used ({frames.faults[0].reason})")
+    slam.finish()
+    return LanguageMap(
+        camera=source.camera,
+        slam=slam.map,
+        trajectory=slam.trajectory,
+        text=mapper.text_map,
+        source=source.name,
+        statistics={
+            "run": {
+                "frames": count,
+                "frames_tracked": slam.trajectory.tracked_count,
+                "frames_skipped": len(frames.faults),
+                "frames_unread_for_lack_of_time": reader.dropped,
+                "seconds": time.perf_counter() - started,
+                "seconds_tracking_and_mapping": seconds_tracking,
+            },
+            "reading": asdict(mapper.statistics),
+        },
+    )
+
+
+def distill(
+    world: LanguageMap, question: str = DEFAULT_QUESTION, *, language: LanguageModel | None = None
+) -> list[Landmark]:
+    """Distilling: names from all evidence, positions by clustering, and the question judged for every name.
+
+    Returns:
+        All landmarks of the map; `is_landmark` holds the judgement.
+    """
+    return distil(world.text, world.slam.world_from_keyframe, language or OfflineModel(), question).landmarks
+
+
+def ask(
+    world: LanguageMap,
+    question: str,
+    *,
+    language: LanguageModel | None = None,
+    position: NDArray[np.float64] | None = None,
+) -> Answer:
+    """Navigation: a question in any language → the landmark that serves it, with its position.
+
+    Args:
+        world: the map.
+        question: what is wanted.
+        language: chooses among the names; the embedded model without. It never sees a position.
+        position: (3,) map frame, where the question is asked; without, where the camera was last.
+
+    Raises:
+        UserError: the question is empty.
+    """
+    if not question.strip():
+        raise UserError("the question is empty; ask for a place, as in: Where can I eat pizza?")
+    landmarks = world.landmarks()
+    here = position if position is not None else _last_position(world)
+    candidates = [Candidate(mark.id, mark.name, tuple(mark.variants)) for mark in landmarks]
+    choice = (language or OfflineModel()).choose(question, candidates)
+    by_id = {mark.id: mark for mark in landmarks}
+    if choice.landmark is not None and choice.landmark not in by_id:
+        choice = replace(choice, landmark=None, evidence=f"{choice.evidence} (no such landmark: {choice.landmark})")
+    if choice.landmark is None:
+        return Answer(question, None, None, choice, _known(choice.alternatives, by_id))
+    chosen = _nearest_of_name(by_id[choice.landmark], landmarks, here)
+    distance = float(np.linalg.norm(chosen.position - here))
+    return Answer(question, chosen, distance, choice, _known(choice.alternatives, by_id))
+
+
+def _last_position(world: LanguageMap) -> NDArray[np.float64]:
+    positions = world.frame_poses().positions
+    return positions[-1] if len(positions) else np.zeros(3)
+
+
+def _nearest_of_name(chosen: Landmark, landmarks: Sequence[Landmark], here: NDArray[np.float64]) -> Landmark:
+    """The same sign may stand at several places: the language model chose the name, the map chooses the nearest."""
+    same = [mark for mark in landmarks if mark.name == chosen.name]
+    return min(same, key=lambda mark: (float(np.linalg.norm(mark.position - here)), mark.id))
+
+
+def _known(ids: Sequence[int], by_id: dict[int, Landmark]) -> tuple[Landmark, ...]:
+    return tuple(by_id[number] for number in ids if number in by_id)

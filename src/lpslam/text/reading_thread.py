@@ -1,0 +1,70 @@
+"""Reading beside tracking: a thread of its own behind a bounded queue that drops the oldest frame."""
+
+import threading
+from collections import deque
+from types import TracebackType
+from typing import Self
+
+from lpslam.frames import RgbdFrame
+from lpslam.slam.state import TrackedFrame
+from lpslam.text.mapper import TextMapper
+
+
+class ReadingThread:
+    """Feeds a `TextMapper` from a thread; offering it a frame never waits.
+
+    Use it as a context manager: leaving reads what is still queued, or abandons it when an exception is on its way.
+
+    Attributes:
+        dropped: frames that were worth reading but came faster than they could be read.
+    """
+
+    def __init__(self, mapper: TextMapper, queue_size: int) -> None:
+        self._mapper = mapper
+        self._queue: deque[tuple[RgbdFrame, TrackedFrame]] = deque()
+        self._queue_size = queue_size
+        self._changed = threading.Condition()
+        self._closing = False
+        self._error: Exception | None = None
+        self._thread = threading.Thread(target=self._work, name="reading", daemon=True)
+        self.dropped = 0
+
+    def observe(self, frame: RgbdFrame, tracked: TrackedFrame) -> None:
+        """Queue a frame if it is worth reading."""
+        if not self._mapper.wants(frame, tracked):
+            return
+        with self._changed:
+            if len(self._queue) == self._queue_size:
+                self._queue.popleft()
+                self.dropped += 1
+            self._queue.append((frame, tracked))
+            self._changed.notify()
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        with self._changed:
+            self._closing = True
+            if kind is not None:
+                self._queue.clear()
+            self._changed.notify()
+        self._thread.join()
+        if self._error is not None and kind is None:
+            raise self._error
+
+    def _work(self) -> None:
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: self._queue or self._closing)
+                if not self._queue:
+                    return
+                frame, tracked = self._queue.popleft()
+            try:
+                self._mapper.read(frame, tracked)
+            except Exception as error:
+                self._error = error
+                return

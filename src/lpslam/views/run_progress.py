@@ -1,0 +1,108 @@
+"""What the terminal shows while a run goes on, and how Ctrl-C ends it without losing the map."""
+
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType, TracebackType
+from typing import TYPE_CHECKING, Self
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+if TYPE_CHECKING:
+    from lpslam.pipeline import Progress as RunState
+
+_COMPILED_AFTER = 3.0
+"""Seconds: loading kernels from the cache is quicker, compiling them is slower."""
+
+
+class RunProgress:
+    """A bar with frames a second, tracking state, keyframes and landmarks; on standard error, only in a terminal."""
+
+    def __init__(self, total: int, quiet: bool = False) -> None:
+        self._bar = Progress(
+            TextColumn("{task.fields[state]}"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TextColumn("{task.fields[rate]}"),
+            TimeRemainingColumn(),
+            console=Console(stderr=True),
+            disable=quiet or not sys.stderr.isatty(),
+        )
+        self._task = self._bar.add_task("frames", total=total, state="starting", rate="")
+
+    def update(self, progress: "RunState") -> None:
+        """Show where the run stands."""
+        self._bar.update(
+            self._task,
+            completed=progress.frames,
+            state=progress.frame.state,
+            rate=f"{progress.frames_per_second:.1f} frames/s, {progress.keyframes} keyframes, "
+            f"{progress.landmarks} landmarks",
+        )
+
+    def __enter__(self) -> Self:
+        self._bar.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._bar.stop()
+
+
+class InterruptFlag:
+    """Turns the first Ctrl-C (or a polite kill) into a flag; the second one acts as ever."""
+
+    def __init__(self) -> None:
+        self._flag = threading.Event()
+        self._handlers: dict[int, object] = {}
+        self.is_set = self._flag.is_set
+
+    def _note(self, number: int, frame: FrameType | None) -> None:
+        self._flag.set()
+        self._restore()
+
+    def _restore(self) -> None:
+        for number, handler in self._handlers.items():
+            signal.signal(number, handler)  # type: ignore[arg-type]
+
+    def __enter__(self) -> Self:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            self._handlers[number] = signal.signal(number, self._note)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._restore()
+
+
+def prepare() -> None:
+    """Give OpenCV one thread and have every kernel compiled, saying so when it takes long."""
+    import cv2
+
+    from lpslam.slam.warm_up import warm_up
+
+    cv2.setNumThreads(1)
+    seconds = warm_up(lambda line: print(f"lpslam: {line}", file=sys.stderr))
+    if seconds > _COMPILED_AFTER:
+        print(f"lpslam: kernels compiled in {seconds:.0f} s and kept for the next start", file=sys.stderr)
+
+
+@contextmanager
+def counting(first_state: str, quiet: bool = False) -> Iterator[Callable[[int, int], None]]:
+    """A bar for work that reports (done, total)."""
+    bar = Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+        console=Console(stderr=True),
+        disable=quiet or not sys.stderr.isatty(),
+    )
+    with bar:
+        task = bar.add_task(first_state, total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total, description="frames")

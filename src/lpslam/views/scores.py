@@ -1,0 +1,49 @@
+"""Scores of a map, as JSON and as lines for the terminal."""
+
+from dataclasses import asdict
+from typing import Any
+
+from lpslam.evaluation.report import Evaluation
+
+
+def score_record(scores: Evaluation) -> dict[str, Any]:
+    """All scores as JSON can hold them."""
+    ate = scores.ate
+    return {
+        "ate_rmse_m": ate.rmse,
+        "ate_mean_m": ate.mean,
+        "ate_median_m": ate.median,
+        "ate_max_m": ate.max,
+        "poses_compared": ate.count,
+        "path_length_m": scores.path_length,
+        "frames": scores.frames,
+        "frames_tracked": scores.frames_tracked,
+        "share_tracked": scores.share_tracked,
+        "landmarks": None if scores.landmarks is None else asdict(scores.landmarks),
+    }
+
+
+def score_facts(scores: Evaluation) -> dict[str, str]:
+    """The scores in a few lines."""
+    ate = scores.ate
+    facts = {
+        "ATE RMSE": f"{ate.rmse:.4f} m (max {ate.max:.4f} m, {ate.count} poses, path {scores.path_length:.1f} m)",
+        "frames tracked": f"{scores.frames_tracked} of {scores.frames} ({scores.share_tracked:.1%})",
+    }
+    if (score := scores.landmarks) is None:
+        return facts
+    facts |= {
+        "recall": f"{_percent(score.recall)} of {score.readable_signs} readable signs",
+        "precision": f"{_percent(score.precision)} of {score.landmarks} landmarks",
+        "exact names": _percent(score.exact_name_share),
+        "median position error": "none matched"
+        if score.median_position_error is None
+        else f"{score.median_position_error:.3f} m",
+        "missed": ", ".join(sign.text for sign in score.misses) or "none",
+        "false or double": ", ".join(stray.name for stray in score.strays) or "none",
+    }
+    return facts
+
+
+def _percent(share: float | None) -> str:
+    return "none" if share is None else f"{share:.1%}"
