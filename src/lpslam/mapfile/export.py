@@ -7,8 +7,8 @@ from typing import Any
 
 from lpslam.errors import UserError
 from lpslam.mapfile.language_map import LanguageMap
+from lpslam.mapfile.point_cloud import write_ply
 from lpslam.text.types import Landmark
-from lpslam.views.point_cloud import write_ply
 
 _FRAME = "camera optical frame (x right, y down, z forward) in the map frame (z up), metres"
 

@@ -16,7 +16,7 @@ def landmark_table(landmarks: Sequence[Landmark], title: str = "Landmarks") -> T
     table = Table(title=Text(title), title_justify="left")
     table.add_column("id", justify="right", no_wrap=True)
     table.add_column("name", min_width=16, overflow="fold")
-    table.add_column("x y z [m]", justify="right", no_wrap=True)
+    table.add_column(Text("x y z [m]"), justify="right", no_wrap=True)
     for heading in ("spread", "seen", "sure"):
         table.add_column(heading, justify="right", no_wrap=True)
     table.add_column("judged", no_wrap=True)

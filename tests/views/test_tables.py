@@ -1,36 +1,13 @@
 import io
-from pathlib import Path
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from rich.console import Console
 
-from lpslam.errors import UserError
 from lpslam.text.types import Landmark
 from lpslam.views.drawable import printable, with_known_glyphs
-from lpslam.views.point_cloud import write_ply
 from lpslam.views.tables import facts_table, landmark_table
-
-
-def test_a_ply_holds_the_finite_points_with_their_colours(tmp_path: Path) -> None:
-    points = np.array([[1, 2, 3], [np.nan, 0, 0], [-4, 5.5, 6]])
-    colours = np.array([[255, 0, 1], [9, 9, 9], [0, 128, 2]], np.uint8)
-    write_ply(tmp_path / "cloud.ply", points, colours)
-    header, _, body = (tmp_path / "cloud.ply").read_bytes().partition(b"end_header\n")
-    assert b"element vertex 2\n" in header
-    assert header.startswith(b"ply\nformat binary_little_endian 1.0\n")
-    vertices = np.frombuffer(body, dtype=[("at", "<f4", 3), ("colour", "u1", 3)])
-    np.testing.assert_array_equal(vertices["at"], points[[0, 2]].astype(np.float32))
-    np.testing.assert_array_equal(vertices["colour"], colours[[0, 2]])
-
-
-def test_an_empty_cloud_and_an_unwritable_place(tmp_path: Path) -> None:
-    write_ply(tmp_path / "cloud.ply", np.zeros((0, 3)))
-    assert (tmp_path / "cloud.ply").read_bytes().endswith(b"end_header\n")
-    with pytest.raises(UserError, match="cannot be written"):
-        write_ply(tmp_path / "none" / "cloud.ply", np.zeros((0, 3)))
 
 
 def mark(identifier: int, name: str, verdict: bool | None, seen: int = 5) -> Landmark:
@@ -52,7 +29,8 @@ def test_the_table_of_landmarks_puts_them_first_and_takes_no_name_for_markup() -
     assert text.index("必胜客") < text.index("SALE")
     assert "[red]SALE[/red]" in text
     assert "\x1b" not in text
-    assert "1.00   -2.00    3.46" in text
+    assert "1.00 -2.00 3.46" in text
+    assert "x y z [m]" in text
     assert "not judged" in text
 
 

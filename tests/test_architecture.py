@@ -1,0 +1,113 @@
+"""The arrows between packages (docs/architecture.md) hold, and a start stays light."""
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import lpslam
+
+PACKAGE = Path(lpslam.__file__).parent
+FOUNDATION = {"_version", "assets", "camera", "config", "errors", "frames", "poses", "timestamps"}
+
+# What each part may import, besides itself and the foundation. An entry with a dot opens one module only.
+ALLOWED: dict[str, set[str]] = {
+    "sources": set(),
+    "simulation": set(),
+    "slam": set(),
+    "language": set(),
+    "text": {"language.model", "language.sanitise", "slam.state"},
+    "mapfile": {"slam", "text"},
+    "pipeline": {"sources", "slam", "language", "text", "mapfile"},
+    "evaluation": {"sources", "language", "text", "mapfile"},
+    "views": {"slam", "text", "mapfile", "pipeline", "evaluation"},
+    "demo": {"simulation", "language", "pipeline", "evaluation", "views"},
+    "cli": {"sources", "simulation", "language", "mapfile", "pipeline", "evaluation", "views", "demo"},
+}
+HEAVY = ("cv2", "numba", "scipy", "matplotlib", "rapidocr", "openvino", "onnxruntime", "httpx")
+
+FILES = sorted(path for path in PACKAGE.rglob("*.py") if path != PACKAGE / "__init__.py")
+
+
+def part_of(file: Path) -> str:
+    return file.relative_to(PACKAGE).parts[0].removesuffix(".py")
+
+
+def imported(file: Path) -> Iterator[str]:
+    """Modules of lpslam that a file imports anywhere, also inside functions, without the leading `lpslam.`."""
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        names: list[str] = []
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{file.name}: relative import"
+            module = node.module or ""
+            # `from lpslam.slam import map` names a module, `from lpslam.slam.map import SlamMap` does not.
+            names = [f"{module}.{alias.name}" if _is_package(module) else module for alias in node.names]
+        yield from (name.removeprefix("lpslam.") for name in names if name.startswith("lpslam."))
+
+
+def _is_package(module: str) -> bool:
+    return (PACKAGE.parent / Path(*module.split("."))).is_dir()
+
+
+def allows(entries: set[str], module: str) -> bool:
+    return any(module == entry or module.startswith(f"{entry}.") for entry in entries)
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: str(file.relative_to(PACKAGE)))
+def test_imports_follow_the_arrows(file: Path) -> None:
+    part = part_of(file)
+    reach = FOUNDATION if part in FOUNDATION else FOUNDATION | {part} | ALLOWED[part]
+    wrong = sorted({module for module in imported(file) if not allows(reach, module)})
+    assert not wrong, f"{file.relative_to(PACKAGE)} must not import {wrong}; see docs/architecture.md"
+
+
+def test_every_part_has_its_arrows() -> None:
+    assert {part_of(file) for file in FILES} == FOUNDATION | set(ALLOWED)
+
+
+def test_arrows_run_one_way() -> None:
+    # The table is written from the bottom of the house to its top.
+    order = list(ALLOWED)
+    for part, reach in ALLOWED.items():
+        assert all(order.index(entry.split(".")[0]) < order.index(part) for entry in reach), part
+
+
+def test_the_check_sees_imports_inside_functions() -> None:
+    assert "views.pictures" in set(imported(PACKAGE / "cli.py"))
+    assert "slam.kernels.graph" in set(imported(PACKAGE / "slam" / "map.py"))
+
+
+def test_kernels_know_nothing_of_images_or_files() -> None:
+    for file in sorted((PACKAGE / "slam" / "kernels").glob("*.py")):
+        tree = ast.parse(file.read_text(encoding="utf-8"))
+        roots = {
+            name.split(".")[0]
+            for node in ast.walk(tree)
+            if isinstance(node, ast.Import | ast.ImportFrom)
+            for name in ([node.module or ""] if isinstance(node, ast.ImportFrom) else [a.name for a in node.names])
+        }
+        assert roots <= {"lpslam", "math", "numba", "llvmlite", "numpy", "typing"}, file.name
+
+
+def test_starting_loads_nothing_heavy() -> None:
+    script = f"""
+import sys
+import lpslam, lpslam.cli
+from typer.testing import CliRunner
+assert CliRunner().invoke(lpslam.cli.app, ["--help"]).exit_code == 0
+print(*[name for name in {HEAVY!r} if name in sys.modules])
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == ""
+
+
+def test_public_names_are_those_that_are_promised() -> None:
+    assert sorted(lpslam.__all__) == sorted(dir(lpslam))
+    assert all(getattr(lpslam, name) is not None for name in lpslam.__all__)
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        _ = lpslam.nothing
