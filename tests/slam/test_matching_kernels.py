@@ -123,6 +123,19 @@ def test_windows_find_what_an_exhaustive_search_finds(
     np.testing.assert_array_equal(matching.search_windows(*arguments), windows_by_definition(*arguments))
 
 
+@pytest.mark.parametrize("order", [[0, 1], [1, 0]])
+def test_a_rival_too_far_to_match_still_makes_the_best_ambiguous_in_any_order(order: list[int]) -> None:
+    descriptor = np.zeros((1, 4), np.uint64)
+    rivals = flip_bits(np.random.default_rng(0), np.repeat(descriptor, 2, axis=0), 90)
+    rivals[1] = flip_bits(np.random.default_rng(0), descriptor, 105)[0]
+    features = features_at(np.array([[100.0, 100.0], [102.0, 100.0]]), np.zeros(2), rivals[order])
+    match = matching.search_windows(
+        np.array([[101, 100, 0]], np.float32), np.array([5], np.float32), np.zeros(1, np.int32), np.zeros(1, np.int32),
+        descriptor, keypoints_of(features), np.zeros(2, np.bool_), 100, 0.8,
+    )  # fmt: skip
+    np.testing.assert_array_equal(match, -1)
+
+
 def test_a_known_shift_is_found_through_the_windows() -> None:
     random = np.random.default_rng(1)
     count = 300

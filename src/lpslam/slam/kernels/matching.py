@@ -173,8 +173,8 @@ def search_windows(
         column1 = min(max(int((u + radius) / GRID_CELL), 0), columns - 1)
         row0 = min(max(int((v - radius) / GRID_CELL), 0), rows - 1)
         row1 = min(max(int((v + radius) / GRID_CELL), 0), rows - 1)
-        best, best_distance, best_level = -1, max_distance + 1, -1
-        second_distance, second_level = 256, -1
+        best, best_distance, best_level = -1, 257, -1
+        second_distance, second_level = 257, -1
         for row in range(row0, row1 + 1):
             first, last = (
                 keypoints.grid_starts[row * columns + column0],
