@@ -24,7 +24,7 @@ ALLOWED: dict[str, set[str]] = {
     "pipeline": {"sources", "slam", "language", "text", "mapfile"},
     "evaluation": {"sources", "language", "text", "mapfile"},
     "views": {"slam", "text", "mapfile", "pipeline", "evaluation"},
-    "demo": {"simulation", "language", "pipeline", "evaluation", "views"},
+    "demo": {"simulation", "language", "mapfile", "pipeline", "evaluation", "views"},
     "cli": {"sources", "simulation", "language", "mapfile", "pipeline", "evaluation", "views", "demo"},
 }
 HEAVY = ("cv2", "numba", "scipy", "matplotlib", "rapidocr", "openvino", "onnxruntime", "httpx")
