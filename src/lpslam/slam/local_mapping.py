@@ -42,8 +42,7 @@ class LocalMapper:
         rarely_found = m.found[points] < self._config.min_found_share * m.visible[points]
         unconfirmed = (age >= 2) & (m.observations[points] < self._config.min_observations)
         drop = rarely_found | unconfirmed
-        for point in points[drop]:
-            graph.remove_point(m, int(point))
+        graph.remove_points(m, points[drop])
         self._recent_points = points[~drop & (age < 3)]
 
     def _neighbours(self, keyframe: int) -> NDArray[np.int32]:

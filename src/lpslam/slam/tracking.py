@@ -375,9 +375,7 @@ class Tracker:
             self._reference,
         )
         slot = int(slam_map.columns.keyframe_slot[keyframe])
-        for feature in np.flatnonzero(estimate.points >= 0):
-            if not graph.observed_in(slam_map.columns, int(estimate.points[feature]), slot):
-                graph.link(slam_map.columns, int(estimate.points[feature]), slot, int(feature))
+        graph.link_all(slam_map.columns, estimate.points, slot)
         free = np.flatnonzero(features.has_depth & (estimate.points < 0))
         nearest = free[np.argsort(features.depth[free], kind="stable")]
         wanted = len(nearest) if everything else int((features.depth[nearest] < config.point_depth).sum())

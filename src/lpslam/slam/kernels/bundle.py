@@ -304,7 +304,7 @@ def _optimise(
             damping *= 10.0
         if not improved:
             return
-        converged = cost - new_cost < 1e-4 * cost
+        converged = cost - new_cost < 1e-3 * cost
         poses[:] = new_poses
         points[:] = new_points
         cost = new_cost

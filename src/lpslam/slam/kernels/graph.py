@@ -15,6 +15,10 @@ from lpslam.slam.kernels.bundle import BundleProblem
 from lpslam.slam.kernels.geometry import hamming
 
 
+_DESCRIPTORS_COMPARED = 16
+"""Observations whose descriptors compete to be a point's; the newest ones, for the point looks as it did last."""
+
+
 class MapColumns(NamedTuple):
     """All columns of the map. K keyframes, S slots of F keypoints each, P points; rows beyond the counts are unused.
 
@@ -209,28 +213,27 @@ def add_points(
         m.first_keyframe[p] = keyframe
         m.point_alive[p] = True
         link(m, p, slot, features[i])
-        refresh_point(m, p, scales)
+        refresh_view(m, p, scales)
+        m.point_descriptor[p] = m.descriptor[slot, features[i]]
 
 
 @njit(cache=True, nogil=True)
-def refresh_point(m: MapColumns, p: int, scales: NDArray[np.float64]) -> None:
-    """Derive a point's normal, distance range and most typical descriptor from its observations.
+def refresh_view(m: MapColumns, p: int, scales: NDArray[np.float64]) -> None:
+    """Derive a point's normal and distance range from its observations (ORB-SLAM, III-C).
 
-    The distance range follows the observer that saw the point at the finest pyramid level relative to its distance;
-    the descriptor is the one whose median Hamming distance to the others is least (ORB-SLAM, III-C).
+    The distance range follows the observer that saw the point at the finest pyramid level relative to its distance.
     """
     capacity = m.point.shape[1]
-    limit = 24
-    seen = np.empty((limit, 4), np.uint64)
-    n = 0
     normal = np.zeros(3)
-    farthest, nearest = 0.0, math.inf
+    direction = np.empty(3)
+    farthest = 0.0
     o = m.head[p]
+    if o < 0:
+        return
     while o >= 0:
         slot, feature = o // capacity, o % capacity
         c = m.camera_from_world[m.slot_keyframe[slot]]
         length = 0.0
-        direction = np.empty(3)
         for a in range(3):
             centre = -(c[0, a] * c[0, 3] + c[1, a] * c[1, 3] + c[2, a] * c[2, 3])
             direction[a] = centre - m.position[p, a]
@@ -238,27 +241,36 @@ def refresh_point(m: MapColumns, p: int, scales: NDArray[np.float64]) -> None:
         length = math.sqrt(length) + 1e-12
         for a in range(3):
             normal[a] += direction[a] / length
-        scale = scales[m.octave[slot, feature]]
-        farthest = max(farthest, length * scale)
-        nearest = min(nearest, length * scale)
-        if n < limit:
-            seen[n] = m.descriptor[slot, feature]
-            n += 1
+        farthest = max(farthest, length * scales[m.octave[slot, feature]])
         o = m.next_observation[slot, feature]
-    if n == 0:
-        return
     length = math.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2) + 1e-12
     for a in range(3):
         m.normal[p, a] = normal[a] / length
     m.distance_range[p, 1] = farthest
-    m.distance_range[p, 0] = nearest / scales[-1]
+    m.distance_range[p, 0] = farthest / scales[-1]
+
+
+@njit(cache=True, nogil=True)
+def refresh_descriptor(m: MapColumns, p: int) -> None:
+    """Give a point its most typical descriptor: the one whose median Hamming distance to the others is least."""
+    capacity = m.point.shape[1]
+    seen = np.empty((_DESCRIPTORS_COMPARED, 4), np.uint64)
+    distances = np.empty(_DESCRIPTORS_COMPARED)
+    n = 0
+    o = m.head[p]
+    while o >= 0 and n < _DESCRIPTORS_COMPARED:
+        slot, feature = o // capacity, o % capacity
+        seen[n] = m.descriptor[slot, feature]
+        n += 1
+        o = m.next_observation[slot, feature]
+    if n == 0:
+        return
     best, best_median = 0, 257.0
     if n > 2:
-        distances = np.empty(n)
         for i in range(n):
             for j in range(n):
                 distances[j] = hamming(seen[i], seen[j])
-            median = np.median(distances)
+            median = np.median(distances[:n])
             if median < best_median:
                 best, best_median = i, median
     m.point_descriptor[p] = seen[best]
@@ -266,10 +278,26 @@ def refresh_point(m: MapColumns, p: int, scales: NDArray[np.float64]) -> None:
 
 @njit(cache=True, nogil=True)
 def refresh_points(m: MapColumns, points: NDArray[np.int32], scales: NDArray[np.float64]) -> None:
-    """`refresh_point` for many rows."""
+    """Derive what follows from the observations of many points (rows; -1 ignored)."""
     for p in points:
         if p >= 0 and m.point_alive[p]:
-            refresh_point(m, p, scales)
+            refresh_view(m, p, scales)
+            refresh_descriptor(m, p)
+
+
+@njit(cache=True, nogil=True)
+def link_all(m: MapColumns, points: NDArray[np.int32], slot: int) -> None:
+    """Make the keypoints of a slot observations of their points ((n,) rows, -1 for none), each point once."""
+    for feature in range(points.shape[0]):
+        if points[feature] >= 0 and not observed_in(m, points[feature], slot):
+            link(m, points[feature], slot, feature)
+
+
+@njit(cache=True, nogil=True)
+def remove_points(m: MapColumns, points: NDArray[np.int32]) -> None:
+    """`remove_point` for many rows."""
+    for p in points:
+        remove_point(m, p)
 
 
 @njit(cache=True, nogil=True)
@@ -400,7 +428,7 @@ def apply_bundle(
                 unlink(m, o // capacity, o % capacity)
                 dropped += 1
         if m.point_alive[p]:
-            refresh_point(m, p, scales)
+            refresh_view(m, p, scales)
     return dropped
 
 
