@@ -209,7 +209,7 @@ class MappingConfig(_Section):
     """Local mapping beside tracking."""
 
     covisible_points: int = 15  # shared points that make two keyframes covisible
-    neighbours: int = 10  # best covisible keyframes for fusing, and as many of theirs
+    neighbours: int = 10  # best covisible keyframes for fusing; some of theirs come on top
     fuse_radius: float = 3.0  # pixels at the finest level
     adjusted_keyframes: int = 20  # most covisible keyframes that a local adjustment frees
     first_iterations: int = 5  # of local adjustment, before outliers go

@@ -22,7 +22,7 @@ class Sign:
         letter_height: metres, of `text`.
         double_sided: whether its back shows the same; the back's ink is the front's, turned about the vertical axis.
         face: row of the sign's front in the scene, for visibility tests; the back is the next row.
-        readable_frames: in how many frames a person could read it; see `visibility.readable_frames`.
+        readable_frames: in how many frames a person could read it; see `visibility.is_readable`.
     """
 
     id: int

@@ -434,7 +434,7 @@ def apply_bundle(
 
 @njit(cache=True, nogil=True)
 def redundant_share(m: MapColumns, keyframe: int, min_observers: int, max_depth: float) -> float:
-    """Share of a keyframe's close points that enough others see at the same or a finer level (ORB-SLAM2).
+    """Share of a keyframe's close points that enough others see at most one level coarser (ORB-SLAM2, III-C).
 
     Args:
         m: columns.

@@ -34,8 +34,8 @@ def optimise_pose(
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], NDArray[np.float64]]:
     """Camera pose that minimises the robust reprojection error of fixed points.
 
-    Rounds of Gauss-Newton from the same first information, each judging outliers anew; the last round runs without the
-    robust kernel. A reading of depth is judged apart from its pixel: on an edge the one is wrong and the other right.
+    Rounds of Gauss-Newton, each from the pose that the last one found and judging outliers anew; the last round runs
+    without the robust kernel. A reading of depth is judged apart from its pixel: on an edge the one is wrong and the other right.
 
     Args:
         camera_from_world: 4×4 first guess.
