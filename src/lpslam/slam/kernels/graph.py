@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from lpslam.slam.kernels.bundle import BundleProblem
 from lpslam.slam.kernels.geometry import hamming
 
-
 _DESCRIPTORS_COMPARED = 16
 """Observations whose descriptors compete to be a point's; the newest ones, for the point looks as it did last."""
 

@@ -35,7 +35,8 @@ def optimise_pose(
     """Camera pose that minimises the robust reprojection error of fixed points.
 
     Rounds of Gauss-Newton, each from the pose that the last one found and judging outliers anew; the last round runs
-    without the robust kernel. A reading of depth is judged apart from its pixel: on an edge the one is wrong and the other right.
+    without the robust kernel. A reading of depth is judged apart from its pixel: on an edge the one is wrong and the
+    other right.
 
     Args:
         camera_from_world: 4×4 first guess.
