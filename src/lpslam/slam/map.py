@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from lpslam.camera import inverse_transform
 from lpslam.slam.features import Features
+from lpslam.slam.integrity import refuse_broken_columns
 from lpslam.slam.kernels import graph
 from lpslam.slam.kernels.graph import MapColumns
 
@@ -109,14 +110,14 @@ class SlamMap:
         parent: int,
     ) -> int:
         """Append a keyframe with its keypoints, none of them linked to a point yet; returns its id."""
+        count = features.rows
+        if count > self._capacity:
+            raise ValueError(f"{count} keypoints do not fit a slot of {self._capacity}")
         keyframe = self.keyframe_count
         self.keyframe_count += 1
         self._reserve(_KEYFRAME_COLUMNS, self.keyframe_count, _KEYFRAME_COLUMNS)
         slot = self._take_slot()
         a = self._arrays
-        count = features.rows
-        if count > self._capacity:
-            raise ValueError(f"{count} keypoints do not fit a slot of {self._capacity}")
         a["camera_from_world"][keyframe] = camera_from_world
         a["keyframe_slot"][keyframe] = slot
         a["timestamp"][keyframe] = timestamp
@@ -133,7 +134,13 @@ class SlamMap:
         return keyframe
 
     def remove_keyframe(self, keyframe: int) -> None:
-        """Drop a redundant keyframe: its observations go, its parent takes its children and carries its pose."""
+        """Drop a redundant keyframe: its observations go, its parent takes its children and carries its pose.
+
+        Raises:
+            ValueError: it is the first keyframe, which holds the world frame, or it was removed before.
+        """
+        if keyframe == 0 or not self.is_alive(keyframe):
+            raise ValueError(f"keyframe {keyframe} cannot be removed: it is the first, or gone")
         a = self._arrays
         slot, parent = int(a["keyframe_slot"][keyframe]), int(a["parent"][keyframe])
         for feature in np.flatnonzero(a["point"][slot, : a["feature_count"][slot]] >= 0):
@@ -173,8 +180,10 @@ class SlamMap:
         return self._arrays["timestamp"][: self.keyframe_count]
 
     def covisible(self, keyframe: int, least: int) -> NDArray[np.int32]:
-        """Keyframes that share at least `least` points with one, most shared first."""
+        """Keyframes that share at least `least` points with one, most shared first; none with a removed one."""
         slot = int(self._arrays["keyframe_slot"][keyframe])
+        if slot < 0:
+            return np.empty(0, np.int32)
         counts = graph.count_shared_points(self.columns, self._arrays["point"][slot], self.keyframe_count)
         counts[keyframe] = 0
         order = np.argsort(-counts, kind="stable").astype(np.int32)
@@ -225,17 +234,20 @@ class SlamMap:
             **dict.fromkeys((*_FEATURE_COLUMNS, "slot_keyframe", "feature_count"), self._slot_count),
         }
         arrays = {name: self._arrays[name][:count].copy() for name, count in rows.items()}
-        return {**arrays, "scales": self.scales, "free_slots": np.array(self._free_slots, np.int32)}
+        return {**arrays, "scales": self.scales.copy(), "free_slots": np.array(self._free_slots, np.int32)}
 
     @classmethod
     def from_arrays(cls, arrays: dict[str, NDArray[Any]]) -> "SlamMap":
         """Rebuild a map from `to_arrays`.
 
         Raises:
-            KeyError, ValueError: a column is missing or has another shape.
+            KeyError, ValueError: a column is missing, has another shape, or does not fit the others.
         """
+        if arrays["point"].ndim != 2 or arrays["scales"].ndim != 1 or arrays["free_slots"].ndim != 1:
+            raise ValueError("columns point, scales or free_slots have another shape")
         slam_map = cls(int(arrays["point"].shape[1]), arrays["scales"])
-        for table in (_KEYFRAME_COLUMNS, _POINT_COLUMNS, _FEATURE_COLUMNS):
+        slot_columns = (*_FEATURE_COLUMNS, "slot_keyframe", "feature_count")
+        for table in (tuple(_KEYFRAME_COLUMNS), tuple(_POINT_COLUMNS), slot_columns):
             lengths = {len(arrays[name]) for name in table}
             if len(lengths) != 1:
                 raise ValueError(f"columns {', '.join(table)} differ in length")
@@ -251,5 +263,6 @@ class SlamMap:
             grown = np.full((max(len(saved), len(old)), *old.shape[1:]), fill, old.dtype)
             grown[: len(saved)] = saved
             slam_map._arrays[name] = grown
+        refuse_broken_columns(arrays)
         slam_map._columns = None
         return slam_map

@@ -60,7 +60,19 @@ class Trajectory:
 
     @classmethod
     def from_arrays(cls, arrays: dict[str, NDArray[Any]]) -> "Trajectory":
-        """The inverse of `to_arrays`."""
+        """The inverse of `to_arrays`.
+
+        Raises:
+            KeyError, ValueError: a column is missing, has another shape, or names a state that does not exist.
+        """
+        count = len(arrays["index"])
+        for name in ("index", "timestamp", "state", "keyframe"):
+            if arrays[name].shape != (count,):
+                raise ValueError(f"trajectory column {name} has shape {arrays[name].shape}, not {(count,)}")
+        if arrays["keyframe_from_camera"].shape != (count, 4, 4):
+            raise ValueError(f"trajectory column keyframe_from_camera is not {(count, 4, 4)}")
+        if not ((arrays["state"] >= 0) & (arrays["state"] < len(_STATES))).all():
+            raise ValueError("trajectory column state names a state that does not exist")
         trajectory = cls()
         trajectory._indices = arrays["index"].tolist()
         trajectory._timestamps = arrays["timestamp"].tolist()
