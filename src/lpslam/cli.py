@@ -1,5 +1,6 @@
 """The command line: parse, call, print."""
 
+import io
 import json
 import os
 import sys
@@ -31,17 +32,31 @@ ConfigFile = Annotated[
     Path | None, typer.Option("--config", metavar="FILE", help="YAML overrides of thresholds; see 'lpslam config'.")
 ]
 
+_INTERRUPTED = 130
+"""Exit code after Ctrl-C, as shells have it."""
+
 
 def main() -> None:
     """Run the command line; a user's mistake is one line on standard error and exit code 2."""
     # Kernels, OpenCV and the reading engine share two cores best with one thread each.
     for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ.setdefault(variable, "1")
+    # A terminal or a pipe that lacks a letter of some sign shows its number instead.
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     try:
         app()
     except LpSlamError as error:
-        print(f"lpslam: {error}", file=sys.stderr)
+        _say(str(error))
         raise SystemExit(2) from None
+    except SystemExit as end:
+        if end.code != _INTERRUPTED:
+            raise
+        # The reading engine may be at work in its thread: tearing it down meanwhile would crash.
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(_INTERRUPTED)
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         raise SystemExit(1) from None
@@ -56,7 +71,10 @@ def _options(version: Annotated[bool, typer.Option("--version", help="Print the 
 
 @app.command()
 def run(
-    source: Annotated[Path, typer.Argument(help="Folder of a recording: TUM RGB-D or 7-Scenes.", show_default=False)],
+    source: Annotated[
+        Path,
+        typer.Argument(metavar="SOURCE", help="Folder of a recording: TUM RGB-D or 7-Scenes.", show_default=False),
+    ],
     output: Annotated[Path, typer.Option("--output", "-o", metavar="MAP.lpmap", help="Where the map goes.")],
     camera: Annotated[
         Path | None, typer.Option("--camera", metavar="FILE", help="Calibration to use instead of the recording's.")
@@ -71,16 +89,20 @@ def run(
     as_json: Json = False,
 ) -> None:
     """Map a recording: track the camera, read the scene's text, remember it and place it."""
-    from lpslam import pipeline
     from lpslam.language.registry import language_model
     from lpslam.mapfile.container import refuse_foreign_file
     from lpslam.sources.open import open_source
-    from lpslam.views.run_progress import InterruptFlag, RunProgress, prepare
 
+    # A mistake shows before anything slow is loaded.
     refuse_foreign_file(output)
     settings = _config(config)
     frames = open_source(source, camera, max_frames)
     language = language_model(llm, settings.language)
+
+    from lpslam import pipeline
+    from lpslam.views.notes import run_notes
+    from lpslam.views.run_progress import InterruptFlag, RunProgress, prepare
+
     prepare()
     with InterruptFlag() as interrupted, RunProgress(len(frames)) as progress:
         world = pipeline.run(
@@ -92,12 +114,16 @@ def run(
             on_progress=progress.update,
             should_stop=interrupted.is_set,
         )
+        if not world.trajectory.tracked_count:
+            _say("interrupted before anything was mapped; nothing is written")
+            raise typer.Exit(_INTERRUPTED)
         world.save(output)
-    _report_faults(frames.faults)
-    _print(_facts(world, output), as_json)
+    for note in run_notes(world, frames.faults, progress.first_untracked, language.model):
+        _say(note)
+    _print_facts(world, output, as_json)
     if interrupted.is_set():
-        print(f"lpslam: interrupted; the map so far is in {output}", file=sys.stderr)
-        raise typer.Exit(130)
+        _say(f"interrupted; the map so far is in {output}")
+        raise typer.Exit(_INTERRUPTED)
 
 
 @app.command()
@@ -107,24 +133,30 @@ def distill(
         "Is this a shop?"
     ),
     llm: Llm = None,
+    config: ConfigFile = None,
     as_json: Json = False,
 ) -> None:
     """Name and judge the map's texts; the judgements are kept in the map."""
     from lpslam import pipeline
     from lpslam.language.registry import language_model
     from lpslam.mapfile.language_map import LanguageMap
+    from lpslam.views.notes import judging_notes, naming_notes
 
     world = LanguageMap.load(map_file)
-    landmarks = pipeline.distill(world, judge, language=language_model(llm))
+    language = language_model(llm, _config(config).language)
+    landmarks = pipeline.distill(world, judge, language=language)
     world.save(map_file)
+    for note in naming_notes(world, language.model) + judging_notes(landmarks, judge, language.model):
+        _say(note)
     _print_landmarks(landmarks, judge, as_json)
 
 
 @app.command()
 def ask(
     map_file: MapFile,
-    question: Annotated[str, typer.Argument(help="In any language.", show_default=False)],
+    question: Annotated[str, typer.Argument(metavar="QUESTION", help="In any language.", show_default=False)],
     llm: Llm = None,
+    config: ConfigFile = None,
     as_json: Json = False,
 ) -> None:
     """Ask the map for a place: 'Where can I eat pizza?'."""
@@ -133,7 +165,8 @@ def ask(
     from lpslam.mapfile.language_map import LanguageMap
     from lpslam.views.answers import answer_record, answer_text
 
-    answer = pipeline.ask(LanguageMap.load(map_file), question, language=language_model(llm))
+    language = language_model(llm, _config(config).language)
+    answer = pipeline.ask(LanguageMap.load(map_file), question, language=language)
     print(json.dumps(answer_record(answer), ensure_ascii=False, indent=1) if as_json else answer_text(answer))
 
 
@@ -143,12 +176,11 @@ def info(map_file: MapFile, as_json: Json = False) -> None:
     from lpslam.mapfile.language_map import LanguageMap
 
     world = LanguageMap.load(map_file)
-    facts = _facts(world, map_file)
     if as_json:
-        _print({**facts, "statistics": world.statistics, **_landmark_records(world.landmarks())}, as_json)
+        _print_json({**_facts(world, map_file), "statistics": world.statistics, **_landmark_records(world.landmarks())})
     else:
-        _print(facts, as_json)
-        _print_landmarks(world.landmarks(), "Landmarks", as_json)
+        _print_facts(world, map_file, as_json)
+        _print_landmarks(world.landmarks(), "Texts in long-term memory", as_json)
 
 
 @app.command()
@@ -162,7 +194,7 @@ def export(
     from lpslam.mapfile.language_map import LanguageMap
 
     written = export_map(LanguageMap.load(map_file), folder)
-    _print({"written": [str(path) for path in written]}, as_json)
+    _print_written(written, as_json)
 
 
 @app.command()
@@ -180,13 +212,18 @@ def draw(
 
     world = LanguageMap.load(map_file)
     (draw_score_histories if memory else draw_language_map)(world, output)
-    _print({"written": str(output)}, as_json)
+    _print_written([output], as_json)
 
 
 @app.command(name="eval")
 def evaluate(
     map_file: MapFile,
-    sequence: Annotated[Path, typer.Argument(help="The recording, with its ground truth.", show_default=False)],
+    sequence: Annotated[
+        Path, typer.Argument(metavar="SEQUENCE", help="The recording, with its ground truth.", show_default=False)
+    ],
+    camera: Annotated[
+        Path | None, typer.Option("--camera", metavar="FILE", help="As given to 'lpslam run', if it was.")
+    ] = None,
     config: ConfigFile = None,
     as_json: Json = False,
 ) -> None:
@@ -195,8 +232,11 @@ def evaluate(
     from lpslam.mapfile.language_map import LanguageMap
     from lpslam.views.scores import score_facts, score_record
 
-    scores = evaluate_recording(LanguageMap.load(map_file), sequence, _config(config).evaluation)
-    _print(score_record(scores) if as_json else score_facts(scores), as_json)
+    scores = evaluate_recording(LanguageMap.load(map_file), sequence, _config(config).evaluation, camera)
+    if as_json:
+        _print_json(score_record(scores))
+    else:
+        _print_table(score_facts(scores))
 
 
 @app.command()
@@ -214,9 +254,10 @@ def simulate(
 ) -> None:
     """Render a mock mall: a recording in TUM layout with camera.yaml, groundtruth.txt and signs.json."""
     from lpslam.simulation.source import MallSource
-    from lpslam.simulation.writer import write_sequence
+    from lpslam.simulation.writer import refuse_recording, write_sequence
     from lpslam.views.run_progress import counting
 
+    refuse_recording(folder)
     given = {
         "layout": layout,
         "loop_length": loop_length,
@@ -229,7 +270,11 @@ def simulate(
     with counting("building the mall") as progress:
         source = MallSource(seed, frames, options=options.simulation)
         write_sequence(source, folder, progress)
-    _print({"written": str(folder), "frames": len(source), "signs": len(source.signs)}, as_json)
+    written = {"written": str(folder), "frames": len(source), "signs": len(source.signs)}
+    if as_json:
+        _print_json(written)
+    else:
+        _print_table({what: str(value) for what, value in written.items()})
 
 
 @app.command()
@@ -245,7 +290,7 @@ def demo(
 
     report = run_demo(output, seed=seed, frames=frames, llm=llm, quiet=as_json)
     if as_json:
-        _print(report, as_json)
+        _print_json(report)
 
 
 @app.command(name="config")
@@ -273,21 +318,46 @@ def _config(path: Path | None, overrides: dict[str, Any] | None = None) -> Any:
         raise UserError(f"option --{str(first['loc'][-1]).replace('_', '-')}: {first['msg']}") from error
 
 
+def _say(line: str) -> None:
+    """One line on standard error; what it quotes of a recording cannot steer the terminal."""
+    from lpslam.views.drawable import printable
+
+    print(f"lpslam: {printable(line, longest=1000)}", file=sys.stderr)
+
+
+def _print_json(value: dict[str, Any]) -> None:
+    print(json.dumps(value, ensure_ascii=False, indent=1))
+
+
+def _print_table(facts: dict[str, str]) -> None:
+    from rich.console import Console
+
+    from lpslam.views.tables import facts_table
+
+    Console().print(facts_table(facts))
+
+
 def _facts(world: Any, path: Path) -> dict[str, Any]:
     from lpslam.views.facts import map_facts
 
     return {"map": str(path), **map_facts(world)}
 
 
-def _print(facts: dict[str, Any], as_json: bool) -> None:
+def _print_facts(world: Any, path: Path, as_json: bool) -> None:
+    from lpslam.views.facts import fact_lines
+
+    facts = _facts(world, path)
     if as_json:
-        print(json.dumps(facts, ensure_ascii=False, indent=1))
-        return
-    from rich.console import Console
+        _print_json(facts)
+    else:
+        _print_table({"map": str(path), **fact_lines(facts)})
 
-    from lpslam.views.tables import facts_table
 
-    Console().print(facts_table({key.replace("_", " "): str(value) for key, value in facts.items()}))
+def _print_written(paths: list[Path], as_json: bool) -> None:
+    if as_json:
+        _print_json({"written": [str(path) for path in paths]})
+    else:
+        print(*(f"written: {path}" for path in paths), sep="\n")
 
 
 def _landmark_records(landmarks: Any) -> dict[str, Any]:
@@ -298,16 +368,13 @@ def _landmark_records(landmarks: Any) -> dict[str, Any]:
 
 def _print_landmarks(landmarks: Any, title: str, as_json: bool) -> None:
     if as_json:
-        print(json.dumps(_landmark_records(landmarks), ensure_ascii=False, indent=1))
+        _print_json(_landmark_records(landmarks))
+        return
+    if not landmarks:
+        print("No text is in this map's long-term memory.")
         return
     from rich.console import Console
 
     from lpslam.views.tables import landmark_table
 
     Console().print(landmark_table(landmarks, title))
-
-
-def _report_faults(faults: Any) -> None:
-    if faults:
-        first = faults[0]
-        print(f"lpslam: {len(faults)} frames skipped; the first, frame {first.index}: {first.reason}", file=sys.stderr)

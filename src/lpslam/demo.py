@@ -14,6 +14,7 @@ from lpslam.evaluation.report import evaluate
 from lpslam.evaluation.signs import TrueSign
 from lpslam.evaluation.trajectory import StampedPoses
 from lpslam.language.registry import language_model
+from lpslam.mapfile.container import refuse_foreign_file
 from lpslam.simulation.signs import Sign
 from lpslam.simulation.source import MallSource
 from lpslam.views.answers import answer_record, answer_text
@@ -48,14 +49,15 @@ def run_demo(
         UserError: the folder cannot be written, or the language model is not known.
     """
     say: Callable[[str], None] = (lambda line: None) if quiet else print
+    started = time.perf_counter()
     config = Config(simulation=SimulationConfig(featured=PAPER_SIGNS))
     language = language_model(llm, config.language)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise UserError(f"{folder} cannot be made ({error.strerror}); choose another folder") from error
+    refuse_foreign_file(folder / "map.lpmap")
 
-    started = time.perf_counter()
     say("Building a mock mall, and walking through it with a simulated RGB-D camera ...")
     prepare()
     source = MallSource(seed, frames, options=config.simulation)
@@ -63,6 +65,8 @@ def run_demo(
         world = pipeline.run(
             source, config, language=language, on_progress=progress.update, should_stop=interrupted.is_set
         )
+    if interrupted.is_set():
+        say("Stopped early; here is what the map so far gives.")
     pipeline.distill(world, language=language)
     world.save(folder / "map.lpmap")
 
@@ -78,7 +82,6 @@ def run_demo(
     seconds = time.perf_counter() - started
     lines = [f"{key}: {value}" for key, value in score_facts(scores).items()]
     asked = [f"{answer.question}\n{answer_text(answer)}" for answer in answers]
-    _write_report(folder, source.name, lines, asked, str(language_score), seconds)
     report = {
         "map": map_facts(world),
         "scores": score_record(scores),
@@ -86,7 +89,13 @@ def run_demo(
         "language": str(language_score),
         "seconds": round(seconds, 1),
     }
-    (folder / "report.json").write_text(json.dumps(report, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
+    try:
+        _write_report(folder, source.name, lines, asked, str(language_score), seconds)
+        (folder / "report.json").write_text(json.dumps(report, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
+    except OSError as error:
+        raise UserError(
+            f"the report cannot be written to {folder} ({error.strerror}); choose another folder"
+        ) from error
 
     say("\n".join(["", *lines, "", *asked, "", f"language, on the paper's own examples: {language_score}"]))
     say(f"\nWritten to {folder}/ in {seconds:.0f} s: map.lpmap, map.png, memory.png, trajectory.png, report.md")

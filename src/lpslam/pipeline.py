@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from lpslam.camera import PinholeCamera
 from lpslam.config import Config
 from lpslam.errors import UserError
 from lpslam.frames import FrameSource
@@ -21,6 +22,7 @@ from lpslam.text.distilling import DEFAULT_QUESTION, distil
 from lpslam.text.mapper import TextMapper
 from lpslam.text.reading_thread import ReadingThread
 from lpslam.text.spotting import PaddleSpotter
+from lpslam.text.text_map import TextMap
 from lpslam.text.types import Landmark
 
 
@@ -77,54 +79,64 @@ def run(
         should_stop: asked before every frame; the map so far is returned when it says yes.
 
     Raises:
-        UserError: no frame of the source can be used.
+        UserError: not one frame of the source can be used, or tracked.
     """
     config = config or Config()
-    slam = RgbdSlam(source.camera, config.slam)
-    mapper = TextMapper(source.camera, PaddleSpotter(config.text.spotting), config.text, language or OfflineModel())
-    reader = ReadingThread(mapper, config.text.reading.queue_size)
+    slam, text_map = RgbdSlam(source.camera, config.slam), TextMap(config.text)
+    mapper = _text_mapper(source.camera, config, language, text_map) if text else None
+    reader = ReadingThread(mapper, config.text.reading.queue_size) if mapper is not None and not sequential else None
+    reading = reader or mapper
     frames = Prefetched(source)
     started, seconds_tracking, count = time.perf_counter(), 0.0, 0
-    with nullcontext() if sequential or not text else reader:
+    is_stopped, reason = False, "it gave none"
+    with reader or nullcontext():
         for frame in frames:
-            if should_stop():
+            if is_stopped := should_stop():
                 break
             before = time.perf_counter()
             tracked = slam.process(frame)
             seconds_tracking += time.perf_counter() - before
-            if text:
-                (mapper if sequential else reader).observe(frame, tracked)
-            count += 1
+            if reading is not None:
+                reading.observe(frame, tracked)
+            count, reason = count + 1, tracked.reason
             on_progress(
                 Progress(
                     tracked,
                     count,
                     count / (time.perf_counter() - started),
                     slam.map.keyframe_count,
-                    len(mapper.text_map.memory.long_term),
+                    len(text_map.memory.long_term),
                 )
             )
-    if count == 0 and frames.faults:
-        raise UserError(f"{source.name}: none of {len(frames.faults)} frames can be used ({frames.faults[0].reason})")
+    if not is_stopped and slam.trajectory.tracked_count == 0:
+        raise UserError(
+            f"{source.name}: none of {count} frames can be tracked ({reason}); check its depth images and depth scale"
+        )
     slam.finish()
     return LanguageMap(
         camera=source.camera,
         slam=slam.map,
         trajectory=slam.trajectory,
-        text=mapper.text_map,
+        text=text_map,
         source=source.name,
         statistics={
             "run": {
                 "frames": count,
                 "frames_tracked": slam.trajectory.tracked_count,
                 "frames_skipped": len(frames.faults),
-                "frames_unread_for_lack_of_time": reader.dropped,
+                "frames_unread_for_lack_of_time": reader.dropped if reader is not None else 0,
                 "seconds": time.perf_counter() - started,
                 "seconds_tracking_and_mapping": seconds_tracking,
             },
-            "reading": asdict(mapper.statistics),
+            "reading": asdict(mapper.statistics) if mapper is not None else {},
         },
     )
+
+
+def _text_mapper(
+    camera: PinholeCamera, config: Config, language: LanguageModel | None, text_map: TextMap
+) -> TextMapper:
+    return TextMapper(camera, PaddleSpotter(config.text.spotting), config.text, language or OfflineModel(), text_map)
 
 
 def distill(
@@ -134,7 +146,12 @@ def distill(
 
     Returns:
         All landmarks of the map; `is_landmark` holds the judgement.
+
+    Raises:
+        UserError: the question is empty.
     """
+    if not question.strip():
+        raise UserError("the question is empty; ask what makes a text a landmark, as in: Is this a shop?")
     return distil(world.text, world.slam.world_from_keyframe, language or OfflineModel(), question).landmarks
 
 

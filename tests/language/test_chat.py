@@ -273,3 +273,15 @@ def test_a_missing_key_names_the_variable(monkeypatch: pytest.MonkeyPatch) -> No
 def test_an_unknown_specification_says_what_there_is(spec: str) -> None:
     with pytest.raises(UserError, match="use offline, openai:MODEL"):
         language_model(spec)
+
+
+def test_a_server_that_stays_silent_is_asked_once_a_request_until_it_answers(server: Server) -> None:
+    model = model_at(server, attempts=3)
+    server.replies = [fails(503)]
+    for requests in (3, 4):
+        assert model.choose("pizza?", MARKS).model.startswith("offline (instead of")
+        assert len(server.requests) == requests
+    server.replies = [says({"landmark": 8, "alternatives": [], "confidence": 0.9, "evidence": "pizza"}), fails(503)]
+    assert model.choose("pizza?", MARKS).landmark == 8
+    model.choose("pizza?", MARKS)
+    assert len(server.requests) == 8, "an answer restores the patience"

@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from lpslam.config import EvaluationConfig
 from lpslam.errors import UserError
 from lpslam.evaluation.landmarks import LandmarkScore, score_landmarks
@@ -20,14 +22,15 @@ class Evaluation:
 
     Attributes:
         ate: absolute trajectory error after rigid alignment without scale.
-        path_length: metres, of the true trajectory.
-        frames, frames_tracked: in the recording, and with a pose.
+        path_length: metres, of the true trajectory over the time that is compared.
+        frames, frames_mapped, frames_tracked: in the recording, seen by the run that made the map, and with a pose.
         landmarks: against the true signs; None where the recording lists none.
     """
 
     ate: AteResult
     path_length: float
     frames: int
+    frames_mapped: int
     frames_tracked: int
     landmarks: LandmarkScore | None
 
@@ -37,16 +40,25 @@ class Evaluation:
         return self.frames_tracked / max(self.frames, 1)
 
 
-def evaluate_recording(world: LanguageMap, folder: Path, config: EvaluationConfig | None = None) -> Evaluation:
+def evaluate_recording(
+    world: LanguageMap, folder: Path, config: EvaluationConfig | None = None, camera_file: Path | None = None
+) -> Evaluation:
     """Score a map against the ground truth in a recording's folder.
+
+    Args:
+        world: the map.
+        folder: the recording that it was made of.
+        config: when an estimate counts as right.
+        camera_file: the calibration, for a recording without one.
 
     Raises:
         UserError: the recording cannot be opened or has no ground truth.
     """
+    frames = len(open_source(folder, camera_file))
     truth = read_ground_truth(folder)
     if truth is None:
         raise UserError(f"{folder} has no ground truth; looked for groundtruth.txt or frame-NNNNNN.pose.txt")
-    return evaluate(world, truth, read_signs(folder), len(open_source(folder)), config)
+    return evaluate(world, truth, read_signs(folder), frames, config)
 
 
 def evaluate(
@@ -59,10 +71,18 @@ def evaluate(
     """Score a map against true camera poses and, if there are any, true signs in the same frame.
 
     Raises:
-        UserError: the trajectories have too few frames in common.
+        UserError: the map has fewer than three poses, or they and the true ones have too few frames in common.
     """
     config = config or EvaluationConfig()
     estimate = world.frame_poses()
+    if len(estimate) < 3:
+        raise UserError(f"map of {world.source}: {len(estimate)} tracked frames; the trajectory error needs at least 3")
     ate = absolute_trajectory_error(truth, estimate, config.association_tolerance)
     scored = None if signs is None else score_landmarks(world.landmarks(), signs, ate.truth_from_estimate, config)
-    return Evaluation(ate, truth.path_length, frames, len(estimate), scored)
+    return Evaluation(ate, _path_length(truth, ate), frames, len(world.trajectory), len(estimate), scored)
+
+
+def _path_length(truth: StampedPoses, ate: AteResult) -> float:
+    """Metres walked between the first and the last pose that were compared."""
+    first, last = np.argmin(np.abs(truth.timestamps[:, None] - ate.timestamps[[0, -1]]), axis=0)
+    return StampedPoses(truth.timestamps[first : last + 1], truth.world_from_camera[first : last + 1]).path_length

@@ -67,6 +67,7 @@ class Chat:
         self.endpoint = endpoint
         self._config = config
         self._takes_schema = True
+        self._is_silent = False
 
     def complete(self, system: str, user: str, schema: Mapping[str, Any]) -> str:
         """Send one system and one user message; ask for `schema` as long as the server takes that."""
@@ -93,10 +94,14 @@ class Chat:
             raise NoAnswerError("the server's answer is no chat completion") from error
 
     def _post(self, body: Mapping[str, Any]) -> "httpx.Response":
-        """Post with patience: a busy or failing server is asked again, a little later each time."""
+        """Post with patience: a busy or failing server is asked again, a little later each time.
+
+        One that stayed silent through all of it is asked once a request from then on, until it answers: a whole map of
+        names must not wait for a server that is down.
+        """
         headers = {"Authorization": f"Bearer {self.endpoint.key}"} if self.endpoint.key else {}
         failure = "no attempt was made"
-        for attempt in range(self._config.attempts):
+        for attempt in range(1 if self._is_silent else self._config.attempts):
             if attempt:
                 time.sleep(self._config.backoff_s * 2.0 ** (attempt - 1))
             try:
@@ -112,9 +117,11 @@ class Chat:
                 failure = f"{self.endpoint.base_url} cannot be reached ({type(error).__name__})"
                 continue
             if response.status_code != 429 and response.status_code < 500:
+                self._is_silent = False
                 return response
             failure = f"the server answered {response.status_code}"
             time.sleep(_asked_wait(response.headers.get("Retry-After")))
+        self._is_silent = True
         raise NoAnswerError(failure)
 
 

@@ -14,6 +14,12 @@ from lpslam.errors import UserError
 from lpslam.simulation.source import MallSource
 
 
+def refuse_recording(folder: Path) -> None:
+    """Raise a `UserError` if `folder` holds a recording that was not rendered: it could not be made again."""
+    if (folder / "rgb.txt").exists() and not (folder / "signs.json").exists():
+        raise UserError(f"simulation: {folder} holds a recording that is not overwritten; choose another folder")
+
+
 def write_sequence(source: MallSource, folder: Path, on_progress: Callable[[int, int], None] | None = None) -> None:
     """Render every frame into a folder.
 

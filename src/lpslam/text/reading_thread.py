@@ -9,11 +9,15 @@ from lpslam.frames import RgbdFrame
 from lpslam.slam.state import TrackedFrame
 from lpslam.text.mapper import TextMapper
 
+_PATIENCE = 1.0
+"""Seconds that an exception on its way waits for the frame that is being read."""
+
 
 class ReadingThread:
     """Feeds a `TextMapper` from a thread; offering it a frame never waits.
 
     Use it as a context manager: leaving reads what is still queued, or abandons it when an exception is on its way.
+    An error of the mapper is raised by the next `observe`, or on leaving.
 
     Attributes:
         dropped: frames that were worth reading but came faster than they could be read.
@@ -31,6 +35,9 @@ class ReadingThread:
 
     def observe(self, frame: RgbdFrame, tracked: TrackedFrame) -> None:
         """Queue a frame if it is worth reading."""
+        # Nobody would take the frames: going on would lose every text in silence.
+        if self._error is not None:
+            raise self._error
         if not self._mapper.wants(frame, tracked):
             return
         with self._changed:
@@ -52,7 +59,8 @@ class ReadingThread:
             if kind is not None:
                 self._queue.clear()
             self._changed.notify()
-        self._thread.join()
+        # Whoever is in a hurry does not wait for a frame that is being read, or for a language model's answer.
+        self._thread.join(_PATIENCE if kind is not None else None)
         if self._error is not None and kind is None:
             raise self._error
 

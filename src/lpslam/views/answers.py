@@ -12,13 +12,13 @@ def answer_text(answer: Answer) -> str:
     """A few lines: where to go, how far it is, why, and what else there is."""
     others = ", ".join(printable(mark.name) for mark in answer.alternatives)
     if answer.landmark is None:
-        lines = [f"Nothing in this map serves that. {answer.choice.evidence}"]
+        lines = [f"Nothing in this map serves that: {printable(answer.choice.evidence, longest=300)}"]
     else:
         x, y, z = answer.landmark.position
         lines = [
             f"{printable(answer.landmark.name)} at ({x:.2f}, {y:.2f}, {z:.2f}), {answer.distance:.1f} m away",
-            f"  because: {printable(answer.choice.evidence, longest=200)} "
-            f"(confidence {answer.choice.confidence:.2f}, {answer.choice.model})",
+            f"  because: {printable(answer.choice.evidence, longest=300)} "
+            f"(confidence {answer.choice.confidence:.2f}, {printable(answer.choice.model, longest=100)})",
         ]
     return "\n".join([*lines, f"  or: {others}"] if others else lines)
 

@@ -1,4 +1,4 @@
-"""A map in a few facts."""
+"""A map in a few facts, as JSON and as lines for the terminal."""
 
 from typing import Any
 
@@ -16,13 +16,33 @@ def map_facts(world: LanguageMap) -> dict[str, Any]:
         "frames": len(world.trajectory),
         "frames_tracked": world.trajectory.tracked_count,
         "frames_skipped": int(run.get("frames_skipped", 0)),
+        "frames_read": int(world.statistics.get("reading", {}).get("frames_read", 0)),
+        "frames_unread_for_lack_of_time": int(run.get("frames_unread_for_lack_of_time", 0)),
         "path_length_m": round(poses.path_length, 2),
         "keyframes": len(world.slam.living_keyframes()),
         "points": len(world.slam.living_points()),
-        "landmarks": len(landmarks),
+        "landmark_count": len(landmarks),
         "judged_as_landmark": sum(mark.is_landmark is True for mark in landmarks),
         "question": world.text.question,
-        "frames_read": int(world.statistics.get("reading", {}).get("frames_read", 0)),
         "seconds": round(seconds, 1),
         "frames_per_second": round(len(world.trajectory) / seconds, 1) if seconds else None,
+    }
+
+
+def fact_lines(facts: dict[str, Any]) -> dict[str, str]:
+    """The facts of `map_facts` in words, with their units."""
+    unread, skipped = facts["frames_unread_for_lack_of_time"], facts["frames_skipped"]
+    judged = f"{facts['judged_as_landmark']} by the question “{facts['question']}”" if facts["question"] else "not yet"
+    return {
+        "source": facts["source"],
+        "frames": f"{facts['frames']}, of which {facts['frames_tracked']} tracked"
+        + (f"; {skipped} more skipped" if skipped else ""),
+        "read": f"{facts['frames_read']} frames" + (f"; {unread} more for lack of time not" if unread else ""),
+        "path": f"{facts['path_length_m']:.2f} m",
+        "keyframes": str(facts["keyframes"]),
+        "points": str(facts["points"]),
+        "texts": f"{facts['landmark_count']} in long-term memory",
+        "judged landmarks": judged,
+        "time": f"{facts['seconds']:.1f} s"
+        + (f", {facts['frames_per_second']:.1f} frames/s" if facts["frames_per_second"] else ""),
     }

@@ -13,13 +13,18 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 if TYPE_CHECKING:
     from lpslam.pipeline import Progress as RunState
+    from lpslam.slam.state import TrackedFrame
 
 _COMPILED_AFTER = 3.0
 """Seconds: loading kernels from the cache is quicker, compiling them is slower."""
 
 
 class RunProgress:
-    """A bar with frames a second, tracking state, keyframes and landmarks; on standard error, only in a terminal."""
+    """A bar with frames a second, tracking state, keyframes and landmarks; on standard error, only in a terminal.
+
+    Attributes:
+        first_untracked: the first frame without a pose, which says why; None while there is none.
+    """
 
     def __init__(self, total: int, quiet: bool = False) -> None:
         self._bar = Progress(
@@ -32,9 +37,12 @@ class RunProgress:
             disable=quiet or not sys.stderr.isatty(),
         )
         self._task = self._bar.add_task("frames", total=total, state="starting", rate="")
+        self.first_untracked: TrackedFrame | None = None
 
     def update(self, progress: "RunState") -> None:
         """Show where the run stands."""
+        if self.first_untracked is None and not progress.frame.is_tracked:
+            self.first_untracked = progress.frame
         self._bar.update(
             self._task,
             completed=progress.frames,

@@ -4,6 +4,7 @@ from dataclasses import asdict
 from typing import Any
 
 from lpslam.evaluation.report import Evaluation
+from lpslam.views.drawable import printable
 
 
 def score_record(scores: Evaluation) -> dict[str, Any]:
@@ -17,6 +18,7 @@ def score_record(scores: Evaluation) -> dict[str, Any]:
         "poses_compared": ate.count,
         "path_length_m": scores.path_length,
         "frames": scores.frames,
+        "frames_mapped": scores.frames_mapped,
         "frames_tracked": scores.frames_tracked,
         "share_tracked": scores.share_tracked,
         "landmarks": None if scores.landmarks is None else asdict(scores.landmarks),
@@ -24,11 +26,12 @@ def score_record(scores: Evaluation) -> dict[str, Any]:
 
 
 def score_facts(scores: Evaluation) -> dict[str, str]:
-    """The scores in a few lines."""
+    """The scores in a few lines; names from the world are made fit to be printed."""
     ate = scores.ate
+    mapped = f"; the map was made of {scores.frames_mapped}" if scores.frames_mapped < scores.frames else ""
     facts = {
         "ATE RMSE": f"{ate.rmse:.4f} m (max {ate.max:.4f} m, {ate.count} poses, path {scores.path_length:.1f} m)",
-        "frames tracked": f"{scores.frames_tracked} of {scores.frames} ({scores.share_tracked:.1%})",
+        "frames tracked": f"{scores.frames_tracked} of {scores.frames} ({scores.share_tracked:.1%}){mapped}",
     }
     if (score := scores.landmarks) is None:
         return facts
@@ -39,8 +42,8 @@ def score_facts(scores: Evaluation) -> dict[str, str]:
         "median position error": "none matched"
         if score.median_position_error is None
         else f"{score.median_position_error:.3f} m",
-        "missed": ", ".join(sign.text for sign in score.misses) or "none",
-        "false or double": ", ".join(stray.name for stray in score.strays) or "none",
+        "missed": ", ".join(printable(sign.text) for sign in score.misses) or "none",
+        "false or double": ", ".join(printable(stray.name) for stray in score.strays) or "none",
     }
     return facts
 

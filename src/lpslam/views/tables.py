@@ -8,17 +8,20 @@ from rich.text import Text
 from lpslam.text.types import Landmark
 from lpslam.views.drawable import printable
 
-_VERDICTS = {True: ("landmark", "blue"), False: ("text", "magenta"), None: ("not judged", "dim")}
+_VERDICTS = {True: ("landmark", "blue"), False: ("text", "magenta"), None: ("–", "dim")}
 
 
 def landmark_table(landmarks: Sequence[Landmark], title: str = "Landmarks") -> Table:
-    """One row a landmark: those judged to be one first, then by how often they were seen."""
+    """One row a landmark: those judged to be one first, then by how often they were seen.
+
+    The columns: place and spread in metres, observations, confidence of the reading, judgement (– while there is none).
+    """
     table = Table(title=Text(title), title_justify="left")
     table.add_column("id", justify="right", no_wrap=True)
-    table.add_column("name", min_width=16, overflow="fold")
+    table.add_column("name", min_width=10, overflow="fold")
     table.add_column(Text("x y z [m]"), justify="right", no_wrap=True)
-    for heading in ("spread", "seen", "sure"):
-        table.add_column(heading, justify="right", no_wrap=True)
+    for heading in ("± m", "seen", "sure"):
+        table.add_column(Text(heading), justify="right", no_wrap=True)
     table.add_column("judged", no_wrap=True)
     for mark in sorted(landmarks, key=lambda mark: (mark.is_landmark is not True, -mark.observations, mark.id)):
         verdict, style = _VERDICTS[mark.is_landmark]

@@ -1,0 +1,80 @@
+"""A walk past a few shops, rendered once, and the map of it: what the tests of the whole path share."""
+
+import shutil
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import pytest
+
+from lpslam import pipeline
+from lpslam.config import SimulationConfig
+from lpslam.frames import RgbdFrame
+from lpslam.mapfile.language_map import LanguageMap
+from lpslam.simulation.source import GroundTruth, MallSource
+from lpslam.simulation.writer import write_sequence
+from lpslam.sources.open import open_source
+
+FRAMES = 120
+
+
+class _EverySecondFrame:
+    """Half of a walk's frames: drawing them is what costs the time."""
+
+    faults = ()
+
+    def __init__(self, walk: MallSource) -> None:
+        self._walk = walk
+        self.name, self.camera, self.signs = walk.name, walk.camera, walk.signs
+        truth = walk.ground_truth
+        self.ground_truth = GroundTruth(truth.timestamps[::2], truth.world_from_camera[::2])
+
+    def __len__(self) -> int:
+        return len(self.ground_truth.timestamps)
+
+    def __iter__(self) -> Iterator[RgbdFrame]:
+        for index in range(len(self)):
+            yield replace(self._walk.frame(2 * index), index=index)
+
+
+@pytest.fixture(scope="session")
+def walk(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A TUM folder with ground truth and signs: eight seconds in a mock mall, 15 frames a second. Not to be changed."""
+    folder = tmp_path_factory.mktemp("recording") / "walk"
+    cv2.setNumThreads(1)
+    write_sequence(_EverySecondFrame(MallSource(7, 2 * FRAMES, options=SimulationConfig(loop_length=26.0))), folder)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def walked(walk: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The map file of `walk`, mapped in sequential mode and not distilled. Not to be changed."""
+    path = tmp_path_factory.mktemp("map") / "walk.lpmap"
+    pipeline.run(open_source(walk)).save(path)
+    return path
+
+
+@pytest.fixture
+def world(walked: Path) -> LanguageMap:
+    """The map of `walk`, fresh from disk."""
+    return LanguageMap.load(walked)
+
+
+@pytest.fixture
+def clip(walk: Path, tmp_path: Path) -> Callable[[int], Path]:
+    """Copies the first frames of `walk` to a folder that a test may damage."""
+
+    def copy(frames: int) -> Path:
+        folder = tmp_path / "clip"
+        for name in ("rgb", "depth"):
+            (folder / name).mkdir(parents=True)
+            listed = [line for line in (walk / f"{name}.txt").read_text().splitlines() if not line.startswith("#")]
+            (folder / f"{name}.txt").write_text("\n".join(listed[:frames]) + "\n")
+            for line in listed[:frames]:
+                shutil.copy(walk / line.split()[1], folder / name)
+        for name in ("camera.yaml", "groundtruth.txt", "signs.json"):
+            shutil.copy(walk / name, folder)
+        return folder
+
+    return copy
