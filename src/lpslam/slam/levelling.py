@@ -13,6 +13,9 @@ _STRIDE = 8
 _BAND = 7
 """Samples: wider than the slab of tolerance looks where it cuts an upright wall, at any distance."""
 
+_HOLE = 5
+"""Samples: holes narrower than this are closed where readings all around agree."""
+
 _REFINEMENTS = 3
 """Times the plane is fitted anew to the samples that agree with it."""
 
@@ -67,9 +70,13 @@ def floor_normal(
         normal, offset = _fit_plane(below[inlier], 1.0 / tolerance[inlier])
         normal, offset = (normal, offset) if normal @ up > 0 else (-normal, -offset)
     # A slanted plane cuts walls and shelves in bands, thin for how far they are; a floor is whole.
-    grid[rows[is_below][inlier], columns[is_below][inlier]] = True
+    # Small holes are the sensor's, and no evidence against one.
+    floor = rows[is_below][inlier], columns[is_below][inlier]
+    grid[floor] = True
+    closed = ndimage.binary_closing(grid, np.ones((_HOLE, _HOLE), np.bool_))
+    closed[rows, columns] = grid[rows, columns]
     upright, across = np.ones((_BAND, 1), np.bool_), np.ones((1, _BAND), np.bool_)
-    whole = ndimage.binary_erosion(grid, upright) & ndimage.binary_erosion(grid, across)
+    whole = (ndimage.binary_erosion(closed, upright) & ndimage.binary_erosion(closed, across))[floor]
     if whole.sum() < config.min_whole_share * inlier.sum():
         return None
     return normal if normal @ up > np.cos(config.max_tilt) else None
@@ -90,10 +97,10 @@ def _sample(
     depth: NDArray[np.float32], camera: PinholeCamera
 ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]]:
     """(n, 3) points in the camera frame of a coarse grid of pixels, with their rows and columns in it."""
-    z = depth[::_STRIDE, ::_STRIDE].astype(np.float64)
+    z = np.nan_to_num(depth[::_STRIDE, ::_STRIDE].astype(np.float64), nan=0.0, posinf=0.0, neginf=0.0)
     v, u = np.mgrid[0 : depth.shape[0] : _STRIDE, 0 : depth.shape[1] : _STRIDE]
     points = np.stack([(u - camera.cx) / camera.fx * z, (v - camera.cy) / camera.fy * z, z], axis=-1)
-    rows, columns = np.nonzero(np.isfinite(z) & (z > 0))
+    rows, columns = np.nonzero(z > 0)
     return points[rows, columns], rows, columns
 
 
