@@ -6,25 +6,33 @@ Defaults live here; a YAML file may override any of them (`Config.from_yaml`). U
 from pathlib import Path
 from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 
 from lpslam.errors import UserError
 
 
 class _Section(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    @field_validator("*")
+    @classmethod
+    def _refuse_negative(cls, value: Any) -> Any:
+        """None of the thresholds means anything below nought."""
+        if isinstance(value, int | float) and value < 0:
+            raise ValueError("must not be negative")
+        return value
 
 
 class FeatureConfig(_Section):
     """ORB features and their depth."""
 
-    count: int = 1000  # keypoints a frame; fewer lose accuracy in poor texture, more cost time
-    levels: int = 8  # pyramid levels
-    scale_factor: float = 1.2  # size of a level over the next
+    count: int = Field(default=1000, ge=1)  # keypoints a frame; fewer lose accuracy in poor texture, more cost time
+    levels: int = Field(default=8, ge=2, le=16)  # pyramid levels
+    scale_factor: float = Field(default=1.2, gt=1)  # size of a level over the next
     fast_threshold: int = 20  # grey values a corner's arc must differ by
     fast_threshold_in_empty_cell: int = 7  # grey values, where the first threshold finds nothing
-    cell_pixels: int = 35  # side of the cells in which the threshold adapts
-    virtual_baseline: float = 0.08  # metres; scales u_r only, weights come from the depth noise model
+    cell_pixels: int = Field(default=35, ge=1)  # side of the cells in which the threshold adapts
+    virtual_baseline: float = Field(default=0.08, gt=0)  # metres; scales u_r only, weights come from the noise model
     min_depth: float = 0.3  # metres; structured-light and stereo sensors are blind below
     max_depth: float = 8.0  # metres; beyond, the noise of consumer sensors exceeds 15 cm
     depth_edge_radius: int = 2  # pixels of the neighbourhood in which a depth must agree
@@ -164,8 +172,8 @@ class TextConfig(_Section):
 class SensorNoiseConfig(_Section):
     """How far keypoints and depth readings stray: the weights of every adjustment."""
 
-    pixel_sigma: float = 1.0  # pixels at the finest level; a level's sigma grows with its scale
-    depth_sigma: float = 0.003  # metres, at any distance: registration and rounding
+    pixel_sigma: float = Field(default=1.0, gt=0)  # pixels at the finest level; a level's sigma grows with its scale
+    depth_sigma: float = Field(default=0.003, gt=0)  # metres, at any distance: registration and rounding
     depth_sigma_quadratic: float = 0.0035  # metres a square metre: disparity noise of structured light and stereo
 
 
@@ -184,7 +192,7 @@ class TrackingConfig(_Section):
     min_recovery_inliers: int = 50  # to leave the lost state; stricter, since a wrong place ruins the map
     weak_inliers: int = 60  # fewer is reported as weak
     local_keyframes: int = 60  # most covisible keyframes whose points are searched
-    pose_rounds: int = 4  # rounds of outlier judgement
+    pose_rounds: int = Field(default=4, ge=1)  # rounds of outlier judgement
     pose_iterations: int = 10  # Gauss-Newton steps a round at most
     recovery_keyframes: int = 12  # newest and nearest keyframes tried when lost
     blur_ratio: float = 0.35  # share of the usual gradient energy below which a frame is called blurred
@@ -201,7 +209,7 @@ class KeyframeConfig(_Section):
     close_tracked: int = 100  # fewer close points tracked, and ...
     close_untracked: int = 70  # ... more close keypoints without a point: a keyframe is wanted
     point_depth: float = 5.0  # metres; nearer keypoints become points, weighted by their depth's noise
-    min_new_points: int = 100  # nearest keypoints that become points even if they are farther
+    points_in_view: int = 500  # map points a keyframe should see; farther keypoints become points until it does
     min_start_depths: int = 150  # keypoints with depth that the first keyframe needs
 
 
@@ -325,6 +333,8 @@ class Config(_Section):
             return cls.model_validate(tree)
         except OSError as error:
             raise UserError(f"configuration {path} cannot be read ({error.strerror})") from error
+        except UnicodeDecodeError as error:
+            raise UserError(f"configuration {path} is not a text file; write it as YAML in UTF-8") from error
         except yaml.YAMLError as error:
             raise UserError(f"configuration {path} is not YAML: {' '.join(str(error).split())}") from error
         except ValidationError as error:

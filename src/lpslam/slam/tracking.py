@@ -379,7 +379,8 @@ class Tracker:
         free = np.flatnonzero(features.has_depth & (estimate.points < 0))
         nearest = free[np.argsort(features.depth[free], kind="stable")]
         wanted = len(nearest) if everything else int((features.depth[nearest] < config.point_depth).sum())
-        chosen = nearest[: max(wanted, config.min_new_points)].astype(np.int32)
+        held = int((estimate.points >= 0).sum())
+        chosen = nearest[: max(wanted, config.points_in_view - held)].astype(np.int32)
         in_camera = self._sensor.back_project(features.pixels[chosen], features.depth[chosen])
         world_from_camera = inverse_transform(estimate.camera_from_world)
         first = slam_map.add_points(
