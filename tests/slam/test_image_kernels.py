@@ -170,7 +170,7 @@ def directions(picture: np.ndarray, corners: list[tuple[int, int]]) -> np.ndarra
 
 def describe(picture: np.ndarray, corners: np.ndarray, angles: np.ndarray) -> np.ndarray:
     extractor = FeatureExtractor(
-        PinholeCamera(picture.shape[1], picture.shape[0], 500, 500, 0, 0), FeatureConfig(levels=1)
+        PinholeCamera(picture.shape[1], picture.shape[0], 500, 500, 0, 0), FeatureConfig(levels=2)
     )
     descriptors = np.empty((len(corners), 4), np.uint64)
     blurred = np.asarray(cv2.GaussianBlur(picture, (7, 7), 2.0))
