@@ -257,7 +257,7 @@ def test_a_lens_with_distortion_is_as_good_once_it_is_stated(walk: Walk) -> None
             rgb=np.asarray(cv2.remap(frame.rgb, ideal, None, cv2.INTER_LINEAR)),
             depth=np.asarray(cv2.remap(frame.depth, ideal, None, cv2.INTER_NEAREST)),
         )
-        for frame in walk.frames
+        for frame in walk.frames[:36]
     ]
     slam, tracked = run(camera, frames)
     assert all(frame.is_tracked for frame in tracked)
