@@ -8,6 +8,7 @@ from pathlib import Path
 import cv2
 import pytest
 
+from command_line import Command, command_line
 from lpslam import pipeline
 from lpslam.config import SimulationConfig
 from lpslam.frames import RgbdFrame
@@ -78,3 +79,9 @@ def clip(walk: Path, tmp_path: Path) -> Callable[[int], Path]:
         return folder
 
     return copy
+
+
+@pytest.fixture
+def lpslam(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Command:
+    """The command line: `lpslam("info", map)`."""
+    return command_line(monkeypatch, capsys)

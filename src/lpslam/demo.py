@@ -18,7 +18,9 @@ from lpslam.mapfile.container import refuse_foreign_file
 from lpslam.simulation.signs import Sign
 from lpslam.simulation.source import MallSource
 from lpslam.views.answers import answer_record, answer_text
-from lpslam.views.facts import map_facts
+from lpslam.views.drawable import printable
+from lpslam.views.facts import fact_lines, map_facts
+from lpslam.views.notes import run_notes
 from lpslam.views.pictures import draw_language_map, draw_score_histories
 from lpslam.views.run_progress import InterruptFlag, RunProgress, prepare
 from lpslam.views.scores import score_facts, score_record
@@ -67,6 +69,8 @@ def run_demo(
         )
     if interrupted.is_set():
         say("Stopped early; here is what the map so far gives.")
+    for note in run_notes(world, source.faults, progress.first_untracked, language.model):
+        say(f"Note: {printable(note, longest=1000)}")
     pipeline.distill(world, language=language)
     world.save(folder / "map.lpmap")
 
@@ -80,10 +84,11 @@ def run_demo(
     answers = [pipeline.ask(world, case.question, language=language) for case in cases.choosing]
     language_score = score_language(language, cases)
     seconds = time.perf_counter() - started
-    lines = [f"{key}: {value}" for key, value in score_facts(scores).items()]
+    facts = map_facts(world)
+    lines = [f"{key}: {value}" for key, value in {**fact_lines(facts), **score_facts(scores)}.items()]
     asked = [f"{answer.question}\n{answer_text(answer)}" for answer in answers]
     report = {
-        "map": map_facts(world),
+        "map": facts,
         "scores": score_record(scores),
         "answers": [answer_record(answer) for answer in answers],
         "language": str(language_score),

@@ -7,14 +7,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
+from lpslam.config import MemoryConfig
 from lpslam.errors import UserError
 from lpslam.evaluation.trajectory import absolute_trajectory_error
 from lpslam.poses import StampedPoses
+from lpslam.text.memory import LongShortTermMemory
 from lpslam.text.types import BoxFate, FrameReading, SpottedText
 from lpslam.views.labels import place_labels
 from lpslam.views.map_picture import draw_map
 from lpslam.views.memory_plot import ScoreHistory, draw_memory
 from lpslam.views.overlay import draw_boxes, draw_reading
+from lpslam.views.pictures import score_histories
 from lpslam.views.trajectory_plot import draw_trajectories
 
 
@@ -165,3 +168,14 @@ def test_labels_of_boxes_stay_in_the_image_and_may_be_hostile() -> None:
     out = draw_boxes(image, boxes, [True] * len(boxes), ["STAR", "FAR", "NAN", *HOSTILE], border_margin=0.05)
     assert near(out, (40, 200, 80)).any()
     assert (draw_boxes(image, np.zeros((0, 4, 2)), [], []) == 0).all()
+
+
+def test_what_is_remembered_is_shown_fading_until_now() -> None:
+    memory = LongShortTermMemory(MemoryConfig())
+    for second in range(4):
+        memory.forget(float(second))
+        memory.sight("STARBUCKS", 0.9, float(second))
+    memory.forget(9.0)
+    (history,) = score_histories(memory)
+    assert history.is_long_term
+    assert history.samples[-1] == (9.0, pytest.approx(history.samples[-2][1] - 6 * 30 * memory.config.forgetting))

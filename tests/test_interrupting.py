@@ -1,0 +1,53 @@
+"""Ctrl-C while a run goes on, in a process of its own."""
+
+import json
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from lpslam.mapfile.language_map import LanguageMap
+
+pytestmark = pytest.mark.slow
+
+# The run presses its own keys, so that the tests know when.
+SCRIPT = """
+import os, signal, sys
+from lpslam import cli
+from lpslam.views.run_progress import RunProgress
+show = RunProgress.update
+def show_and_press(self, progress):
+    show(self, progress)
+    if progress.frames == 5:
+        for _ in range(PRESSES):
+            os.kill(os.getpid(), signal.SIGINT)
+RunProgress.update = show_and_press
+cli.main()
+"""
+
+
+def pressed(presses: int, recording: Path, output: Path) -> subprocess.CompletedProcess[str]:
+    script = SCRIPT.replace("PRESSES", str(presses))
+    words = [sys.executable, "-c", script, "run", str(recording), "-o", str(output), "--json"]
+    return subprocess.run(words, capture_output=True, text=True, timeout=180, check=False)
+
+
+def test_ctrl_c_saves_the_map_so_far(clip: Callable[[int], Path], tmp_path: Path) -> None:
+    done = pressed(1, clip(30), tmp_path / "map.lpmap")
+    assert done.returncode == 130
+    assert json.loads(done.stdout)["frames"] == 5
+    assert f"interrupted; the map so far is in {tmp_path / 'map.lpmap'}" in done.stderr
+    assert "Traceback" not in done.stderr
+    world = LanguageMap.load(tmp_path / "map.lpmap")
+    assert world.trajectory.tracked_count == 5
+
+
+def test_a_second_ctrl_c_ends_at_once(clip: Callable[[int], Path], tmp_path: Path) -> None:
+    done = pressed(2, clip(30), tmp_path / "map.lpmap")
+    assert done.returncode == 130
+    assert done.stdout == ""
+    assert "Traceback" not in done.stderr
+    assert "terminate" not in done.stderr, "the reading engine is not torn down at work"
+    assert not list(tmp_path.glob("*map.lpmap*"))
