@@ -1,3 +1,6 @@
+import os
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -161,6 +164,15 @@ def test_names_from_the_world_cannot_steer_the_terminal(lpslam: Command, world: 
         assert done.code == 0
         assert not {"\x1b", "\x07", "\x9b", "\u202e"} & set(done.out + done.err)
     assert "[red]SALE[/red]" in outputs[0].out, "no markup is taken away either"
+
+
+def test_a_terminal_without_chinese_shows_numbers_and_no_traceback(walked: Path) -> None:
+    script = "from lpslam.cli import main; main()"
+    environment = {**os.environ, "PYTHONIOENCODING": "ascii"}
+    for words in (["info", walked], ["info", walked, "--json"]):
+        done = subprocess.run([sys.executable, "-c", script, *words], capture_output=True, env=environment, check=True)
+        assert b"\\u6d17" in done.stdout
+        assert done.stderr == b""
 
 
 def test_simulate_writes_a_recording_but_not_over_one_that_was_recorded(
