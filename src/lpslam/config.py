@@ -181,7 +181,10 @@ class TrackingConfig(_Section):
     """From frame to pose."""
 
     motion_radius: float = 15.0  # pixels at the finest level around the prediction by constant velocity
-    local_map_radius: float = 4.0  # pixels at the finest level; 2.5 where seen from nearly the same side
+    local_map_radius: float = 4.0  # pixels at the finest level around a local map point's projection
+    local_map_radius_frontal: float = 2.5  # the same where the point is seen from nearly the side it was seen from ...
+    frontal_cosine: float = 0.998  # ... by the cosine between the two viewing directions
+    min_view_cosine: float = 0.5  # the same; a patch seen from more than 60° aside looks different
     hamming_loose: int = 100  # bits; where a window limits the search
     hamming_strict: int = 50  # bits; where nothing but the descriptor decides
     ratio_local_map: float = 0.8  # best over second best on the same level
@@ -217,7 +220,9 @@ class MappingConfig(_Section):
     """Local mapping beside tracking."""
 
     covisible_points: int = 15  # shared points that make two keyframes covisible
-    neighbours: int = 10  # best covisible keyframes for fusing; some of theirs come on top
+    neighbours: int = 10  # best covisible keyframes for fusing, ...
+    second_neighbours: int = 2  # ... and of each of them its own best ones
+    fuse_hamming: int = 50  # bits; a fused point must look the same
     fuse_radius: float = 3.0  # pixels at the finest level
     adjusted_keyframes: int = 20  # most covisible keyframes that a local adjustment frees
     first_iterations: int = 5  # of local adjustment, before outliers go

@@ -19,7 +19,7 @@ from slam_scenes import (
 
 from lpslam.camera import inverse_transform, transform_points
 from lpslam.slam.features import Features
-from lpslam.slam.kernels import bundle, fusing, graph
+from lpslam.slam.kernels import bundle, fusing, graph, local_bundle
 from lpslam.slam.map import SlamMap
 
 FEATURES = 12
@@ -187,7 +187,7 @@ def test_a_bundle_gathers_free_keyframes_first_and_holds_what_it_must() -> None:
     lonely = slam_map.add_points(3, np.empty(0, np.int32), np.empty((0, 3)))
     assert lonely == len(ids)
     free = np.array([2, 0], np.int32)
-    problem, keyframes, points = graph.gather_bundle(
+    problem, keyframes, points = local_bundle.gather_bundle(
         slam_map.columns, free, slam_map.keyframe_count, slam_map.point_count, SENSOR.pixel_information, 0
     )
     assert problem.free_count == 1
@@ -226,12 +226,12 @@ def test_an_adjustment_through_the_graph_mends_the_map_and_takes_lone_points_alo
     wrong = int(m.keyframe_slot[1]), 5
     m.pixels[wrong] += 60.0
     m.position[ids] += np.random.default_rng(4).normal(0, 0.02, (len(ids), 3))
-    problem, keyframes, points = graph.gather_bundle(
+    problem, keyframes, points = local_bundle.gather_bundle(
         m, np.array([3], np.int32), slam_map.keyframe_count, slam_map.point_count, SENSOR.pixel_information, 0
     )
     assert first not in points  # seen once: nothing to adjust by
     poses, positions, inlier = bundle.adjust_bundle(problem, SENSOR.intrinsics, 20, 20, np.zeros(1, np.bool_))
-    dropped = graph.apply_bundle(m, problem, keyframes, points, poses, positions, inlier, SENSOR.scales)
+    dropped = local_bundle.apply_bundle(m, problem, keyframes, points, poses, positions, inlier, SENSOR.scales)
     assert dropped == 1
     assert m.point[wrong] == -1
     assert m.observations[ids[5]] == 3

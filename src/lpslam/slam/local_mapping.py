@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.config import SlamConfig
-from lpslam.slam.kernels import bundle, fusing, graph
+from lpslam.slam.kernels import bundle, fusing, graph, local_bundle
 from lpslam.slam.map import SlamMap
 from lpslam.slam.sensor import SensorModel
 
@@ -47,7 +47,9 @@ class LocalMapper:
 
     def _neighbours(self, keyframe: int) -> NDArray[np.int32]:
         first = self._map.covisible(keyframe, 1)[: self._config.neighbours]
-        second = [self._map.covisible(int(k), self._config.covisible_points)[:3] for k in first[:5]]
+        second = [
+            self._map.covisible(int(k), self._config.covisible_points)[: self._config.second_neighbours] for k in first
+        ]
         everyone = np.concatenate([first, *second]) if len(first) else first
         unique, where = np.unique(everyone, return_index=True)
         in_order = unique[np.argsort(where)]
@@ -63,7 +65,7 @@ class LocalMapper:
             sensor.scales,
             sensor.pixel_information,
             self._config.fuse_radius,
-            50,
+            self._config.fuse_hamming,
         )
         own = graph.points_of(slam_map.columns, np.array([keyframe], np.int32), slam_map.point_count)
         for neighbour in neighbours:
@@ -78,7 +80,7 @@ class LocalMapper:
         slam_map, config = self._map, self._config
         covisible = slam_map.covisible(keyframe, config.covisible_points)[: config.adjusted_keyframes - 1]
         free = np.concatenate([np.array([keyframe], np.int32), covisible])
-        problem, keyframes, points = graph.gather_bundle(
+        problem, keyframes, points = local_bundle.gather_bundle(
             slam_map.columns,
             free,
             slam_map.keyframe_count,
@@ -91,7 +93,9 @@ class LocalMapper:
         poses, positions, inlier = bundle.adjust_bundle(
             problem, self._sensor.intrinsics, config.first_iterations, config.iterations, self._stop
         )
-        graph.apply_bundle(slam_map.columns, problem, keyframes, points, poses, positions, inlier, slam_map.scales)
+        local_bundle.apply_bundle(
+            slam_map.columns, problem, keyframes, points, poses, positions, inlier, slam_map.scales
+        )
 
     def _cull_keyframes(self, keyframe: int) -> None:
         """Remove covisible keyframes whose close points others see as well."""

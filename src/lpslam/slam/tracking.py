@@ -16,6 +16,7 @@ from lpslam.frames import RgbdFrame
 from lpslam.slam.features import FeatureExtractor, Features
 from lpslam.slam.kernels import graph, matching, pose
 from lpslam.slam.kernels.geometry import orthonormalise
+from lpslam.slam.keyframes import KeyframePolicy
 from lpslam.slam.map import SlamMap
 from lpslam.slam.sensor import SensorModel
 from lpslam.slam.state import TrackedFrame, TrackingState
@@ -54,8 +55,7 @@ class Tracker:
         self._last: _Estimate | None = None
         self._last_from_reference: _Matrix | None = None
         self._current_from_last: _Matrix | None = None
-        self._last_keyframe_time = -np.inf
-        self._most_matches = 0
+        self._policy = KeyframePolicy(config.keyframes)
         self._usual_sharpness = 0.0
 
     def track(self, frame: RgbdFrame) -> TrackedFrame:
@@ -112,7 +112,7 @@ class Tracker:
         reason = f"{matches} map points matched" if weak else ""
         if not weak:
             self._remember_sharpness(frame)
-        wanted = self._wants_keyframe(frame, features, estimate)
+        wanted = self._policy.wants(frame.timestamp, features, estimate.points >= 0)
         if wanted:
             estimate = self._add_keyframe(frame, features, estimate, everything=False)
         return self._commit(frame, features, estimate, wanted, reason)
@@ -299,9 +299,10 @@ class Tracker:
             sensor.image_size,
             len(sensor.scales),
             sensor.log_scale,
-            0.5,
+            config.min_view_cosine,
         )
-        radius = np.where(cosines > 0.998, 2.5 / 4.0, 1.0) * config.local_map_radius
+        frontal = cosines > config.frontal_cosine
+        radius = np.where(frontal, config.local_map_radius_frontal, config.local_map_radius)
         match = matching.search_windows(
             projections,
             (radius * sensor.scales[levels]).astype(np.float32),
@@ -343,26 +344,6 @@ class Tracker:
 
     # Keyframes ---------------------------------------------------------------------------------------------------
 
-    def _wants_keyframe(self, frame: RgbdFrame, features: Features, estimate: _Estimate) -> bool:
-        """New keyframes where the view has moved on or close points are missing, not more often than useful.
-
-        How far the view has moved is the share of matches left of the most since the last keyframe.
-        """
-        config = self._keyframe_config
-        held = estimate.points >= 0
-        matches = int(held.sum())
-        self._most_matches = max(self._most_matches, matches)
-        elapsed = frame.timestamp - self._last_keyframe_time
-        if elapsed < config.min_interval:
-            return False
-        close = features.has_depth & (features.depth < config.close_depth)
-        needs_close = (
-            int((close & held).sum()) < config.close_tracked and int((close & ~held).sum()) > config.close_untracked
-        )
-        thinned = matches < config.tracked_share * self._most_matches
-        due = elapsed >= config.max_interval and matches < config.due_share * self._most_matches
-        return thinned or needs_close or due
-
     def _add_keyframe(self, frame: RgbdFrame, features: Features, estimate: _Estimate, everything: bool) -> _Estimate:
         """Put the frame into the map and make points of its keypoints with depth."""
         slam_map, config = self._map, self._keyframe_config
@@ -389,8 +370,7 @@ class Tracker:
         points = estimate.points.copy()
         points[chosen] = np.arange(first, first + len(chosen))
         self._reference = keyframe
-        self._last_keyframe_time = frame.timestamp
-        self._most_matches = 0
+        self._policy.made(frame.timestamp)
         return replace(estimate, points=points)
 
     def _remember_sharpness(self, frame: RgbdFrame) -> None:

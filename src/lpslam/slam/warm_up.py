@@ -10,7 +10,7 @@ import numpy as np
 from lpslam.camera import PinholeCamera
 from lpslam.config import KeyframeConfig, SlamConfig
 from lpslam.frames import RgbdFrame
-from lpslam.slam.kernels import bundle, fusing, graph, image, matching, pose
+from lpslam.slam.kernels import bundle, fusing, image, local_bundle, matching, pose
 from lpslam.slam.system import RgbdSlam
 
 _ENTRY_POINTS = (
@@ -19,7 +19,7 @@ _ENTRY_POINTS = (
     matching.search_windows,
     matching.match_brute_force,
     pose.optimise_pose,
-    graph.gather_bundle,
+    local_bundle.gather_bundle,
     bundle.adjust_bundle,
     fusing.fuse_points,
 )
@@ -35,7 +35,7 @@ def warm_up(announce: Callable[[str], None]) -> float:
         Seconds that it took.
     """
     if not _is_cached():
-        announce("Compiling numeric kernels: once after installing, for half a minute to a minute")
+        announce("Compiling numeric kernels: once after installing, for about a minute")
     started = time.perf_counter()
     camera = PinholeCamera(width=320, height=240, fx=300.0, fy=300.0, cx=160.0, cy=120.0)
     every_frame = KeyframeConfig(min_interval=0.0, tracked_share=2.0, min_start_depths=50)

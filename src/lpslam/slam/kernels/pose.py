@@ -63,6 +63,7 @@ def optimise_pose(
     for turn in range(rounds):
         robust = turn < rounds - 1
         previous = math.inf
+        before_step = pose
         for _ in range(iterations):
             hessian[:] = 0.0
             gradient[:] = 0.0
@@ -116,9 +117,13 @@ def optimise_pose(
             for a in range(6):
                 for b in range(a):
                     hessian[a, b] = hessian[b, a]
+            if cost > previous:
+                pose = before_step
+                break
             if cost > previous * (1.0 - 1e-5):
                 break
             previous = cost
+            before_step = pose
             damped = hessian.copy()
             for a in range(6):
                 damped[a, a] += 1e-9 * hessian[a, a] + 1e-9
