@@ -224,9 +224,9 @@ class MappingConfig(_Section):
     second_neighbours: int = 2  # ... and of each of them its own best ones
     fuse_hamming: int = 50  # bits; a fused point must look the same
     fuse_radius: float = 3.0  # pixels at the finest level
-    adjusted_keyframes: int = 20  # most covisible keyframes that a local adjustment frees
-    first_iterations: int = 5  # of local adjustment, before outliers go
-    iterations: int = 5  # after
+    adjusted_keyframes: int = 16  # most covisible keyframes that a local adjustment frees
+    first_iterations: int = 4  # of local adjustment, before outliers go
+    iterations: int = 3  # after
     min_found_share: float = 0.25  # of the frames that should see a new point and do
     min_observations: int = 2  # keyframes that must see a point two keyframes after its birth
     redundant_share: float = 0.9  # of a keyframe's close points seen by others: it goes
@@ -244,7 +244,7 @@ class LevellingConfig(_Section):
     hypotheses: int = 600  # planes tried; a tenth of the samples on the floor gives one good one in two hundred
     thickness: float = 0.015  # metres off the plane that still agree at the camera, ...
     thickness_quadratic: float = 0.003  # ... and metres a square metre more with depth
-    max_views: int = 40  # keyframes whose floors are averaged
+    max_views: int = 15  # keyframes whose floors are averaged
 
 
 class SlamConfig(_Section):

@@ -70,7 +70,7 @@ class FeatureExtractor:
                 continue
             angle = kernels.orientations(level_image, corner)
             descriptor = np.empty((len(corner), 4), np.uint64)
-            blurred = as_gray(cv2.GaussianBlur(level_image, (7, 7), 2.0))
+            blurred = as_gray(cv2.blur(level_image, (5, 5)))
             kernels.describe(blurred, corner, angle, self._steered[level], descriptor)
             # Each level was rounded to whole pixels: scale by its true size, corner to corner of the pixel grid.
             scale = np.array([self.camera.width / size[0], self.camera.height / size[1]], np.float32)
