@@ -75,7 +75,7 @@ def run_demo(
     world.save(folder / "map.lpmap")
 
     truth = StampedPoses(source.ground_truth.timestamps, source.ground_truth.world_from_camera)
-    scores = evaluate(world, truth, [_true_sign(sign) for sign in source.signs], len(source), config.evaluation)
+    scores = evaluate(world, truth, true_signs(source), len(source), config.evaluation)
     draw_language_map(world, folder / "map.png")
     draw_score_histories(world, folder / "memory.png")
     draw_trajectories(folder / "trajectory.png", truth, world.frame_poses(), scores.ate, title=source.name)
@@ -105,6 +105,11 @@ def run_demo(
     say("\n".join(["", *lines, "", *asked, "", f"language, on the paper's own examples: {language_score}"]))
     say(f"\nWritten to {folder}/ in {seconds:.0f} s: map.lpmap, map.png, memory.png, trajectory.png, report.md")
     return report
+
+
+def true_signs(mall: MallSource) -> list[TrueSign]:
+    """The signs of a mall as its signs.json would list them."""
+    return [_true_sign(sign) for sign in mall.signs]
 
 
 def _true_sign(sign: Sign) -> TrueSign:
