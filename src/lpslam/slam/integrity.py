@@ -44,10 +44,15 @@ def _check_keyframes(a: dict[str, NDArray[Any]]) -> None:
     )
     _require(np.array_equal(np.sort(free), np.flatnonzero(keyframe_of < 0)), "free_slots are not the unused slots")
     _require(_within(a["feature_count"], 0, capacity + 1), "feature_count exceeds the room of a slot")
-    # A parent is older than its child, so that every chain of removed keyframes ends at the first.
-    ids = np.arange(keyframes)
-    _require((a["parent"] < ids).all() and (a["parent"][1:] >= 0).all(), "parent is no earlier keyframe")
-    _require((a["parent"][:1] == -1).all() and (slot_of[:1] >= 0).all(), "the first keyframe must live, without parent")
+    # A parent is older than its child, so that every chain of removed keyframes ends at a living root.
+    ids, parent, submap = np.arange(keyframes), a["parent"], a["submap"]
+    roots = np.flatnonzero(parent < 0)
+    _require((parent < ids).all() and (parent >= -1).all(), "parent is no earlier keyframe")
+    _require((parent[:1] == -1).all() and (slot_of[roots] >= 0).all(), "a root of the spanning tree was removed")
+    _require((submap >= 0).all(), "submap is negative")
+    children = np.flatnonzero(parent >= 0)
+    _require((submap[children] == submap[parent[children]]).all(), "a keyframe and its parent differ in their sub-map")
+    _require(a["home"].shape == (1,) and (keyframes == 0 or a["home"][0] in submap), "home is no sub-map")
 
 
 def _check_observations(a: dict[str, NDArray[Any]]) -> None:

@@ -1,5 +1,6 @@
 """The map by columns: keyframes, points and observations as growing arrays with ids as row numbers."""
 
+import threading
 from typing import Any
 
 import numpy as np
@@ -42,6 +43,7 @@ _KEYFRAME_COLUMNS: dict[str, tuple[tuple[int, ...], Any, float]] = {
     "frame_index": ((), np.int64, -1),
     "parent": ((), np.int32, -1),
     "keyframe_from_parent": ((4, 4), np.float64, 0),
+    "submap": ((), np.int32, 0),
 }
 
 
@@ -50,12 +52,23 @@ class SlamMap:
 
     Keyframe and point ids are row numbers and are never used again. Keypoints live in slots, which are: a keyframe that
     is removed gives its slot back, and its pose lives on relative to its parent.
+
+    What was mapped after tracking had been lost for long is a sub-map with a world frame of its own, until it is merged
+    (ORB-SLAM3's atlas). Each has one root, a keyframe without parent; the world frame of the map is that of `home`.
+
+    Attributes:
+        lock: held by whoever reads or changes the map while other threads may change it.
+        version: rises with every change of a world frame; what was computed from an older version does not fit.
+        home: the sub-map whose frame is the map's.
     """
 
     def __init__(self, features_per_keyframe: int, scales: NDArray[np.float64]) -> None:
         self.scales = np.asarray(scales, dtype=np.float64)
         self.keyframe_count = 0
         self.point_count = 0
+        self.lock = threading.RLock()
+        self.version = 0
+        self.home = 0
         self._capacity = features_per_keyframe
         self._arrays: dict[str, NDArray[Any]] = {}
         for table, rows in ((_KEYFRAME_COLUMNS, 64), (_POINT_COLUMNS, 8192)):
@@ -109,7 +122,10 @@ class SlamMap:
         frame_index: int,
         parent: int,
     ) -> int:
-        """Append a keyframe with its keypoints, none of them linked to a point yet; returns its id."""
+        """Append a keyframe with its keypoints, none of them linked to a point yet; returns its id.
+
+        Without a parent (-1) it is the root of a new sub-map.
+        """
         count = features.rows
         if count > self._capacity:
             raise ValueError(f"{count} keypoints do not fit a slot of {self._capacity}")
@@ -124,6 +140,7 @@ class SlamMap:
         a["frame_index"][keyframe] = frame_index
         a["parent"][keyframe] = parent
         a["keyframe_from_parent"][keyframe] = np.eye(4)
+        a["submap"][keyframe] = a["submap"][parent] if parent >= 0 else a["submap"][:keyframe].max(initial=-1) + 1
         a["slot_keyframe"][slot] = keyframe
         a["feature_count"][slot] = count
         for name in ("pixels", "u_right", "depth", "has_depth", "octave", "angle", "descriptor"):
@@ -137,11 +154,11 @@ class SlamMap:
         """Drop a redundant keyframe: its observations go, its parent takes its children and carries its pose.
 
         Raises:
-            ValueError: it is the first keyframe, which holds the world frame, or it was removed before.
+            ValueError: it is a root, which holds the world frame of its sub-map, or it was removed before.
         """
-        if keyframe == 0 or not self.is_alive(keyframe):
-            raise ValueError(f"keyframe {keyframe} cannot be removed: it is the first, or gone")
         a = self._arrays
+        if a["parent"][keyframe] < 0 or not self.is_alive(keyframe):
+            raise ValueError(f"keyframe {keyframe} cannot be removed: it is the first of its sub-map, or gone")
         slot, parent = int(a["keyframe_slot"][keyframe]), int(a["parent"][keyframe])
         for feature in np.flatnonzero(a["point"][slot, : a["feature_count"][slot]] >= 0):
             graph.unlink(self.columns, slot, int(feature))
@@ -174,6 +191,14 @@ class SlamMap:
     def world_from_keyframe(self, keyframe: int) -> NDArray[np.float64]:
         """4×4, the inverse of `camera_from_world`."""
         return inverse_transform(self.camera_from_world(keyframe))
+
+    def submaps(self) -> NDArray[np.int32]:
+        """(K,) the sub-map of every keyframe by id, removed ones too."""
+        return self._arrays["submap"][: self.keyframe_count]
+
+    def is_home(self, keyframe: int) -> bool:
+        """Whether a keyframe's world frame is the map's."""
+        return bool(self._arrays["submap"][keyframe] == self.home)
 
     def timestamps(self) -> NDArray[np.float64]:
         """(K,) seconds, of all keyframes by id."""
@@ -210,21 +235,24 @@ class SlamMap:
         return np.flatnonzero(self._arrays["point_alive"][: self.point_count]).astype(np.int32)
 
     def point_positions(self) -> NDArray[np.float64]:
-        """(n, 3) world frame, of the living points."""
-        return np.asarray(self._arrays["position"][self.living_points()])
+        """(n, 3) map frame, of the living points of the home sub-map."""
+        points = self.living_points()
+        at_home = self.submaps()[self._arrays["first_keyframe"][points]] == self.home
+        return np.asarray(self._arrays["position"][points[at_home]])
 
     # The whole ---------------------------------------------------------------------------------------------------
 
-    def transform(self, new_from_old_world: NDArray[np.float64]) -> None:
-        """Change the world frame of everything (4×4, rigid)."""
+    def transform(self, new_from_old_world: NDArray[np.float64], submap: int | None = None) -> None:
+        """Change the world frame (4×4, rigid) of one sub-map, the home one without; removed keyframes follow."""
         a = self._arrays
-        old_from_new = inverse_transform(new_from_old_world)
-        poses = a["camera_from_world"][: self.keyframe_count]
-        poses[:] = poses @ old_from_new
-        positions = a["position"][: self.point_count]
-        positions[:] = positions @ new_from_old_world[:3, :3].T + new_from_old_world[:3, 3]
-        normals = a["normal"][: self.point_count]
-        normals[:] = (normals @ new_from_old_world[:3, :3].T).astype(np.float32)
+        submap = self.home if submap is None else submap
+        keyframes = np.flatnonzero(self.submaps() == submap)
+        a["camera_from_world"][keyframes] = a["camera_from_world"][keyframes] @ inverse_transform(new_from_old_world)
+        points = np.flatnonzero(self.submaps()[a["first_keyframe"][: self.point_count]] == submap)
+        rotation, shift = new_from_old_world[:3, :3], new_from_old_world[:3, 3]
+        a["position"][points] = a["position"][points] @ rotation.T + shift
+        a["normal"][points] = (a["normal"][points] @ rotation.T).astype(np.float32)
+        self.version += 1
 
     def to_arrays(self) -> dict[str, NDArray[Any]]:
         """Everything needed to rebuild the map, as named arrays."""
@@ -234,7 +262,12 @@ class SlamMap:
             **dict.fromkeys((*_FEATURE_COLUMNS, "slot_keyframe", "feature_count"), self._slot_count),
         }
         arrays = {name: self._arrays[name][:count].copy() for name, count in rows.items()}
-        return {**arrays, "scales": self.scales.copy(), "free_slots": np.array(self._free_slots, np.int32)}
+        return {
+            **arrays,
+            "scales": self.scales.copy(),
+            "free_slots": np.array(self._free_slots, np.int32),
+            "home": np.array([self.home], np.int32),
+        }
 
     @classmethod
     def from_arrays(cls, arrays: dict[str, NDArray[Any]]) -> "SlamMap":
@@ -252,6 +285,7 @@ class SlamMap:
             if len(lengths) != 1:
                 raise ValueError(f"columns {', '.join(table)} differ in length")
         slam_map.keyframe_count = len(arrays["keyframe_slot"])
+        slam_map.home = int(arrays["home"].item())
         slam_map.point_count = len(arrays["head"])
         slam_map._slot_count = len(arrays["slot_keyframe"])
         slam_map._free_slots = [int(slot) for slot in arrays["free_slots"]]
