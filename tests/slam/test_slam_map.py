@@ -269,7 +269,7 @@ def test_a_missing_or_misshapen_column_is_refused(name: str) -> None:
         ("first_keyframe", 4, 6),
         ("parent", 3, 3),  # its own parent: the chain of a removed keyframe would not end
         ("parent", 3, 4),
-        ("parent", 3, -1),
+        ("parent", 3, -2),
         ("free_slots", 0, 2),
         ("free_slots", 0, 6),
         ("scales", 3, 0.0),
