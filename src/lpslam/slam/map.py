@@ -277,8 +277,8 @@ class SlamMap:
             KeyError, ValueError: a column is missing, has another shape, or does not fit the others.
         """
         shapes = (arrays["point"].ndim, arrays["scales"].ndim, arrays["free_slots"].ndim, arrays["home"].shape)
-        if shapes != (2, 1, 1, (1,)):
-            raise ValueError("columns point, scales, free_slots or home have another shape")
+        if shapes != (2, 1, 1, (1,)) or arrays["home"].dtype != np.int32:
+            raise ValueError("columns point, scales, free_slots or home have another shape or type")
         slam_map = cls(int(arrays["point"].shape[1]), arrays["scales"])
         slot_columns = (*_FEATURE_COLUMNS, "slot_keyframe", "feature_count")
         for table in (tuple(_KEYFRAME_COLUMNS), tuple(_POINT_COLUMNS), slot_columns):
