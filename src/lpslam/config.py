@@ -233,6 +233,25 @@ class MappingConfig(_Section):
     redundant_observers: int = 3  # how many others must see each
 
 
+class LocatingConfig(_Section):
+    """Finding the pose of a view from its appearance alone: after loss, for loops and for merging."""
+
+    matched_keyframes: int = Field(default=4, ge=1)  # the candidate and its best covisible ones, matched by descriptor
+    guided_keyframes: int = Field(default=15, ge=1)  # the same, whose points are then searched by projection
+    min_matches: int = Field(default=15, ge=4)  # by descriptor; fewer are chance
+    trials: int = Field(default=300, ge=1)  # RANSAC hypotheses at most; half wrong matches need about 100
+    trial_pixels: float = Field(default=8.0, gt=0)  # reprojection error of a hypothesis' inliers, pixels
+    min_trial_inliers: int = Field(default=12, ge=4)  # fewer agree by chance
+    wide_search: float = Field(default=3.0, ge=1)  # factor on the tracking windows in the first guided search
+    min_inliers: int = Field(default=50, ge=10)  # map points that must agree in the end; a wrong place ruins the map
+    hidden_share: float = Field(default=0.1, gt=0, lt=1)  # nearer by this share of the depth hides a map point
+    depth_tolerance: float = Field(default=0.06, gt=0)  # share of the depth by which map and sensor may differ
+    min_depth_agreement: float = Field(default=0.7, ge=0, le=1)  # share of the inliers that must agree in depth
+    min_seen_share: float = Field(default=0.25, ge=0, le=1)  # of the points that should be seen from there
+    spread_cells: int = Field(default=4, ge=1)  # rows and columns of the image by which spread is judged ...
+    min_spread: int = Field(default=6, ge=1)  # ... and how many of the cells must hold an inlier
+
+
 class LevellingConfig(_Section):
     """Levelling the map by the floor."""
 
@@ -253,6 +272,7 @@ class SlamConfig(_Section):
     features: FeatureConfig = FeatureConfig()
     noise: SensorNoiseConfig = SensorNoiseConfig()
     tracking: TrackingConfig = TrackingConfig()
+    locating: LocatingConfig = LocatingConfig()
     keyframes: KeyframeConfig = KeyframeConfig()
     mapping: MappingConfig = MappingConfig()
     levelling: LevellingConfig = LevellingConfig()

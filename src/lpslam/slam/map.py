@@ -192,6 +192,18 @@ class SlamMap:
         """4×4, the inverse of `camera_from_world`."""
         return inverse_transform(self.camera_from_world(keyframe))
 
+    def features(self, keyframe: int) -> Features:
+        """The keypoints of a living keyframe, as views that are valid until the map grows.
+
+        Raises:
+            ValueError: the keyframe was removed.
+        """
+        slot = int(self._arrays["keyframe_slot"][keyframe])
+        if slot < 0:
+            raise ValueError(f"keyframe {keyframe} was removed and has no keypoints")
+        count = int(self._arrays["feature_count"][slot])
+        return Features(*(self._arrays[name][slot, :count] for name in Features._fields))
+
     def submaps(self) -> NDArray[np.int32]:
         """(K,) the sub-map of every keyframe by id, removed ones too."""
         return self._arrays["submap"][: self.keyframe_count]

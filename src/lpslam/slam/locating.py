@@ -1,0 +1,178 @@
+"""Where in the map a view could have been taken: for relocalising, closing loops and merging (ORB-SLAM, V-E, VII-B)."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.config import LocatingConfig, TrackingConfig
+from lpslam.slam.association import Associator, Estimate, View
+from lpslam.slam.features import Features
+from lpslam.slam.kernels import graph, matching
+from lpslam.slam.map import SlamMap
+from lpslam.slam.sensor import SensorModel
+
+_Matrix = NDArray[np.float64]
+_Rows = NDArray[np.int32]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Located:
+    """A place in the map that explains a view.
+
+    Attributes:
+        keyframe: the candidate that was looked at.
+        camera_from_world: 4×4 of the view, in the world frame of the candidate's sub-map.
+        points: (n,) the map point that each keypoint sees, or -1.
+        inliers: how many do.
+        predicted: how many map points should be seen from there, where nothing hides them.
+        depth_agreement: share of the inliers with a depth whose depth agrees with the map.
+    """
+
+    keyframe: int
+    camera_from_world: _Matrix
+    points: _Rows
+    inliers: int
+    predicted: int
+    depth_agreement: float
+
+    @property
+    def seen_share(self) -> float:
+        """Share of the map points that should be seen and are."""
+        return self.inliers / max(self.predicted, 1)
+
+
+class Locator:
+    """Finds the pose of a view from appearance alone, and accepts it only where much of the map agrees."""
+
+    def __init__(
+        self, slam_map: SlamMap, sensor: SensorModel, tracking: TrackingConfig, config: LocatingConfig
+    ) -> None:
+        self._map = slam_map
+        self._sensor = sensor
+        self._config = config
+        self._hamming, self._ratio = tracking.hamming_strict, tracking.ratio_brute_force
+        self._associator = Associator(slam_map, sensor, tracking)
+
+    def locate(self, features: Features, candidate: int, allowed: NDArray[np.bool_] | None = None) -> Located | None:
+        """Match by appearance, PnP RANSAC, then guided matching in windows that narrow.
+
+        Args:
+            features: the view's keypoints.
+            candidate: a keyframe that may show the same place.
+            allowed: (K,) keyframes whose points may be used; all without.
+        """
+        config, view = self._config, View.of(features, self._sensor)
+        group = self._group(candidate, config.matched_keyframes, allowed)
+        estimate = self._from_appearance(features, group)
+        if estimate is None:
+            return None
+        points = graph.points_of(
+            self._map.columns, self._group(candidate, config.guided_keyframes, allowed), self._map.point_count
+        )
+        for widening in (config.wide_search, 1.0):
+            predicted = self._associator.predict(points, estimate.camera_from_world)
+            matched = self._associator.match_predicted(view, predicted, np.zeros(features.rows, np.bool_), widening)
+            refined = self._associator.optimise_on_map(features, estimate.camera_from_world, matched)
+            if refined is None:
+                return None
+            estimate = refined
+        if estimate.matches < config.min_inliers:
+            return None
+        located = self._judge(features, candidate, estimate, points)
+        return located if self._is_certain(features, located) else None
+
+    def _group(self, candidate: int, size: int, allowed: NDArray[np.bool_] | None) -> _Rows:
+        covisible = self._map.covisible(candidate, 1)
+        if allowed is not None:
+            covisible = covisible[allowed[covisible]]
+        return np.concatenate([np.array([candidate], np.int32), covisible[: size - 1]])
+
+    def _from_appearance(self, features: Features, group: _Rows) -> Estimate | None:
+        """Pose by PnP in RANSAC over matches of descriptors with the group's points."""
+        slots, rows, points = self._appearances(group)
+        m = self._map.columns
+        match = matching.match_brute_force(m.descriptor[slots, rows], features.descriptor, self._hamming, self._ratio)
+        matching.keep_consistent_rotations(match, m.angle[slots, rows], features.angle)
+        keypoints = np.flatnonzero(match >= 0)
+        if len(keypoints) < self._config.min_matches:
+            return None
+        ids = points[match[keypoints]]
+        fx, fy, cx, cy, _ = self._sensor.intrinsics
+        found, turn, shift, inliers = cv2.solvePnPRansac(
+            m.position[ids],
+            features.pixels[keypoints].astype(np.float64),
+            np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1.0]]),
+            None,
+            iterationsCount=self._config.trials,
+            reprojectionError=self._config.trial_pixels,
+            confidence=0.999,
+            flags=cv2.SOLVEPNP_AP3P,
+        )
+        if not found or inliers is None or len(inliers) < self._config.min_trial_inliers:
+            return None
+        guess = np.eye(4)
+        guess[:3, :3] = cv2.Rodrigues(turn)[0]
+        guess[:3, 3] = shift[:, 0]
+        held = np.full(features.rows, -1, np.int32)
+        kept = keypoints[inliers[:, 0]]
+        held[kept] = points[match[kept]]
+        return self._associator.optimise_on_map(features, guess, held)
+
+    def _appearances(self, group: _Rows) -> tuple[_Rows, _Rows, _Rows]:
+        """Slot, keypoint and id of each point of the group, as the first of its keyframes sees it."""
+        m = self._map.columns
+        slots, rows, points = [], [], []
+        for keyframe in group:
+            slot = m.keyframe_slot[keyframe]
+            seen = m.point[slot, : m.feature_count[slot]]
+            mapped = np.flatnonzero(seen >= 0).astype(np.int32)
+            slots.append(np.full(len(mapped), slot, np.int32))
+            rows.append(mapped)
+            points.append(seen[mapped])
+        ids, first = np.unique(np.concatenate(points), return_index=True)
+        return np.concatenate(slots)[first], np.concatenate(rows)[first], ids.astype(np.int32)
+
+    def _judge(self, features: Features, candidate: int, estimate: Estimate, points: _Rows) -> Located:
+        """Count what should be seen from the pose, except what the view's own depth shows to be hidden."""
+        predicted = self._associator.predict(points, estimate.camera_from_world)
+        expected = self._sensor.intrinsics[4] / (predicted.projections[:, 0] - predicted.projections[:, 2])
+        hidden = _nearest_depth(features, predicted.projections[:, :2]) < (1 - self._config.hidden_share) * expected
+        seeing = np.flatnonzero((estimate.points >= 0) & features.has_depth)
+        position = self._map.columns.position[estimate.points[seeing]]
+        pose = estimate.camera_from_world
+        z = position @ pose[2, :3] + pose[2, 3]
+        agrees = np.abs(z - features.depth[seeing]) < self._config.depth_tolerance * z
+        return Located(
+            candidate,
+            pose,
+            estimate.points,
+            estimate.matches,
+            int((~hidden).sum()),
+            float(agrees.mean()) if len(seeing) else 1.0,
+        )
+
+    def _is_certain(self, features: Features, located: Located) -> bool:
+        """Look-alike places share patches: believe only what fills the view and contradicts little of the map."""
+        config = self._config
+        pixels = features.pixels[located.points >= 0]
+        width, height = self._sensor.image_size
+        cells = np.floor(pixels / np.array([width, height]) * config.spread_cells).astype(int)
+        spread = len(np.unique(cells[:, 0] * config.spread_cells + cells[:, 1]))
+        return (
+            located.seen_share >= config.min_seen_share
+            and located.depth_agreement >= config.min_depth_agreement
+            and spread >= config.min_spread
+        )
+
+
+def _nearest_depth(features: Features, pixels: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Depth of the keypoint nearest to each pixel (m, 2); infinite where no keypoint has one."""
+    from scipy.spatial import cKDTree
+
+    measured = np.flatnonzero(features.has_depth)
+    if not len(measured) or not len(pixels):
+        return np.full(len(pixels), np.inf, np.float32)
+    _, nearest = cKDTree(features.pixels[measured]).query(pixels)
+    return features.depth[measured][nearest]
