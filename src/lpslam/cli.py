@@ -2,6 +2,7 @@
 
 import io
 import json
+import logging
 import os
 import sys
 from pathlib import Path
@@ -45,6 +46,7 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
+    logging.getLogger("lpslam").handlers = [_Spoken(logging.WARNING)]
     try:
         app()
     except LpSlamError as error:
@@ -96,7 +98,7 @@ def run(
     # A mistake shows before anything slow is loaded.
     refuse_foreign_file(output)
     settings = _config(config)
-    frames = open_source(source, camera, max_frames)
+    frames = open_source(source, camera, max_frames, settings.calibration)
     language = language_model(llm, settings.language)
 
     from lpslam import pipeline
@@ -316,6 +318,13 @@ def _config(path: Path | None, overrides: dict[str, Any] | None = None) -> Any:
     except ValidationError as error:
         first = error.errors()[0]
         raise UserError(f"option --{str(first['loc'][-1]).replace('_', '-')}: {first['msg']}") from error
+
+
+class _Spoken(logging.Handler):
+    """What the library warns of, as one line each on standard error."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        _say(record.getMessage())
 
 
 def _say(line: str) -> None:

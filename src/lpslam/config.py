@@ -199,6 +199,17 @@ class TrackingConfig(_Section):
     pose_iterations: int = 10  # Gauss-Newton steps a round at most
     recovery_keyframes: int = 12  # newest and nearest keyframes tried when lost
     blur_ratio: float = 0.35  # share of the usual gradient energy below which a frame is called blurred
+    followed_points: int = Field(default=250, ge=0)  # keypoints followed by optical flow between ORB frames; 0: never
+    flow_window: int = Field(default=15, ge=5)  # pixels; side of the patch that is followed
+    flow_levels: int = Field(default=2, ge=0)  # pyramid levels above the image: 2 reach 30 px beyond the prediction
+    flow_steps: int = Field(default=12, ge=1)  # iterations a level at most
+    flow_precision: float = Field(default=0.03, gt=0)  # pixels; a smaller step ends the iteration
+    min_followed: int = 60  # inliers; fewer, and the frame is matched with the map at once
+    min_followed_share: float = Field(default=0.7, ge=0, le=1)  # of those followed first, the same
+    anchor_interval: float = Field(default=0.12, ge=0)  # seconds after which a frame is matched with the map anyway
+    strict_seconds: float = 1.0  # after relocalising, in which `min_recovery_inliers` must be matched
+    recovery_candidates: int = Field(default=4, ge=1)  # places tried a frame when lost
+    submap_after: float = Field(default=1.0, ge=0)  # seconds of usable but unknown views after which a sub-map begins
 
 
 class KeyframeConfig(_Section):
@@ -250,6 +261,8 @@ class LocatingConfig(_Section):
     min_seen_share: float = Field(default=0.25, ge=0, le=1)  # of the points that should be seen from there
     spread_cells: int = Field(default=4, ge=1)  # rows and columns of the image by which spread is judged ...
     min_spread: int = Field(default=6, ge=1)  # ... and how many of the cells must hold an inlier
+    rival_share: float = Field(default=0.6, ge=0, le=1)  # of the best place's inliers that make another one a rival ...
+    rival_distance: float = Field(default=0.5, ge=0)  # ... if it is farther off than this, metres: neither is believed
 
 
 class LevellingConfig(_Section):
@@ -335,8 +348,52 @@ class LanguageConfig(_Section):
     name_similarity: float = Field(default=0.5, ge=0, le=1)
 
 
+class CalibrationCheckConfig(_Section):
+    """When a calibration is doubted: beyond what is usual is said, beyond what is possible is refused."""
+
+    # Degrees seen across the image's width: RGB-D cameras see 43 (telephoto) to 120 (wide).
+    usual_view: tuple[float, float] = (35.0, 125.0)
+    # The same; beyond it the focal length is in other units or of other images.
+    possible_view: tuple[float, float] = (10.0, 160.0)
+    # By which share fx and fy may differ: pixels are square within a few parts in a thousand.
+    aspect: float = Field(default=0.05, gt=0)
+    # Share of width or height that the principal point may be off the centre; lenses sit within 5 %.
+    centre_offset: float = Field(default=0.1, gt=0, lt=0.5)
+    # Median depth, metres: sensors are blind below 0.3 and rooms seldom wider than 10; half of a view beyond 8 is lost.
+    usual_median_depth: tuple[float, float] = (0.5, 8.0)
+    # Beyond this, metres, tracking has nothing to stand on.
+    possible_median_depth: tuple[float, float] = (0.1, 40.0)
+    # Metres beyond which a twentieth of the readings must not lie: consumer sensors end at 10.
+    usual_far_depth: float = Field(default=12.0, gt=0)
+    # Median depth, metres, that makes another depth scale worth proposing.
+    room_depth: tuple[float, float] = (0.7, 7.0)
+    # Frames, spread over the recording, whose depth is looked at: 50 ms in all.
+    depth_frames: int = Field(default=7, ge=1)
+    # Seconds between colour and depth; at 45 degrees a second 12 ms move the image by 5 pixels.
+    usual_lag: float = Field(default=0.012, gt=0)
+    # Seconds within which a lag between clocks keeps steady: cameras stamp to the millisecond.
+    steady_lag: float = Field(default=0.002, gt=0)
+    # Fewest frames from which a lag is judged.
+    timing_frames: int = Field(default=10, ge=3)
+
+
+class CameraMatchConfig(_Section):
+    """How far two calibrations of one camera may differ, for a recording to be used with a saved map."""
+
+    # Share of the focal length: calibrating the same camera twice gives as much.
+    focal_share: float = Field(default=0.01, gt=0)
+    # Pixels of the principal point, the same.
+    centre_pixels: float = Field(default=8.0, gt=0)
+    # Pixels by which two distortions may place the same ray apart, anywhere in the image.
+    distortion_pixels: float = Field(default=5.0, gt=0)
+
+
 class Config(_Section):
     """The whole tree."""
+
+    calibration: CalibrationCheckConfig = CalibrationCheckConfig()
+
+    same_camera: CameraMatchConfig = CameraMatchConfig()
 
     language: LanguageConfig = LanguageConfig()
 

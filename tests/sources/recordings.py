@@ -38,12 +38,12 @@ def write_tum(folder: Path, frames: int = 5, camera: str | None = CAMERA_YAML) -
     return folder
 
 
-def write_seven_scenes(folder: Path, frames: int = 4) -> Path:
+def write_seven_scenes(folder: Path, frames: int = 4, size: tuple[int, int] = (WIDTH, HEIGHT)) -> Path:
     """A 7-Scenes folder whose camera moves 0.1 m a frame along x."""
     folder.mkdir(parents=True)
     for i in range(frames):
-        cv2.imwrite(str(folder / f"frame-{i:06d}.color.png"), picture(i)[:, :, ::-1])
-        cv2.imwrite(str(folder / f"frame-{i:06d}.depth.png"), raw_depth(i))
+        cv2.imwrite(str(folder / f"frame-{i:06d}.color.png"), picture(i, *size)[:, :, ::-1])
+        cv2.imwrite(str(folder / f"frame-{i:06d}.depth.png"), raw_depth(i, *size))
         pose = np.eye(4)
         pose[0, 3] = 0.1 * i
         np.savetxt(folder / f"frame-{i:06d}.pose.txt", pose)

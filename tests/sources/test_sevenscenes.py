@@ -13,8 +13,8 @@ RED_KITCHEN = Path(__file__).parents[2] / ".." / "shared" / "data" / "redkitchen
 
 
 def test_frames_poses_and_times(tmp_path: Path) -> None:
-    folder = write_seven_scenes(tmp_path / "seq-01")
-    raw = raw_depth(2)
+    folder = write_seven_scenes(tmp_path / "seq-01", size=(640, 480))
+    raw = raw_depth(2, 640, 480)
     raw[10:20] = 65535
     cv2.imwrite(str(folder / "frame-000002.depth.png"), raw)
     source = open_source(folder)
@@ -43,6 +43,7 @@ def test_intrinsics_file_is_used_and_its_faults_named(tmp_path: Path) -> None:
 
 def test_missing_depth_is_a_fault_and_broken_poses_are_left_out(tmp_path: Path) -> None:
     folder = write_seven_scenes(tmp_path / "seq-01")
+    (folder / "camera-intrinsics.txt").write_text("60 0 31.5\n0 60 23.5\n0 0 1\n")
     (folder / "frame-000001.depth.png").unlink()
     (folder / "frame-000001.pose.txt").write_text("nan " * 16)
     (folder / "frame-000002.pose.txt").write_text("0 " * 16)

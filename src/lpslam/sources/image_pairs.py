@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera
 from lpslam.errors import UserError
@@ -44,10 +45,11 @@ class ImagePairSource:
         pairs: the frames; they are put in order of time.
         invalid_depths: raw values besides 0 that mean "no depth".
         notes: what was assumed because the recording does not say it; one sentence each.
+        listed_times: seconds of all colour and of all depth images, rising, where each kind has times of its own.
         max_frames: use only so many frames, from the first.
 
     Raises:
-        UserError: there are no frames, or all images have another size than the camera.
+        UserError: there are no frames, or all colour or all depth images have another size than the camera.
     """
 
     def __init__(
@@ -58,6 +60,7 @@ class ImagePairSource:
         *,
         invalid_depths: tuple[int, ...] = (),
         notes: tuple[str, ...] = (),
+        listed_times: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None,
         max_frames: int | None = None,
     ) -> None:
         if max_frames is not None and max_frames < 1:
@@ -70,7 +73,8 @@ class ImagePairSource:
         self._invalid_depths = invalid_depths
         self._faults: list[FrameFault] = []
         self.notes = notes
-        _refuse_other_size(name, camera, [pair.colour for pair in self._pairs])
+        self.listed_times = listed_times
+        _refuse_other_size(name, camera, self._pairs)
         for note in notes:
             logger.warning("%s: %s", name, note)
 
@@ -114,6 +118,17 @@ class ImagePairSource:
                 f"{self._name}: none of its {len(faults)} frames can be used; the first: {faults[0].reason}"
             )
 
+    def sample_depths(self, count: int) -> list[NDArray[np.float32]]:
+        """Depth images (height, width) in metres, spread over the recording; without those that cannot be read."""
+        usable = [pair.depth for pair in self._pairs if pair.depth is not None]
+        depths = []
+        for row in np.unique(np.linspace(0, len(usable) - 1, count).astype(int)) if usable else ():
+            try:
+                depths.append(read_depth(usable[row], self._camera.depth_scale, self._invalid_depths))
+            except BadImageError:
+                continue
+        return depths
+
     def _read(self, index: int, pair: ImagePair) -> RgbdFrame:
         if pair.depth is None or pair.fault:
             raise BadImageError(pair.fault or f"{pair.colour.name} has no depth image")
@@ -131,12 +146,27 @@ def first_image_size(paths: Sequence[Path]) -> tuple[int, int] | None:
     return next((size for size in map(image_size, paths[:100]) if size is not None), None)
 
 
-def _refuse_other_size(name: str, camera: PinholeCamera, paths: Sequence[Path]) -> None:
-    rows = np.unique(np.linspace(0, len(paths) - 1, _PROBES).astype(int))
-    sizes = {size for size in (image_size(paths[row]) for row in rows) if size is not None}
-    if sizes and (camera.width, camera.height) not in sizes:
-        width, height = sorted(sizes)[0]
+def _refuse_other_size(name: str, camera: PinholeCamera, pairs: Sequence[ImagePair]) -> None:
+    wanted = (camera.width, camera.height)
+    colours = _sizes([pair.colour for pair in pairs])
+    depths = _sizes([pair.depth for pair in pairs if pair.depth is not None])
+    if colours and depths and not colours & depths:
         raise UserError(
-            f"{name}: its images are {width}×{height}, its calibration is for {camera.width}×{camera.height}; "
+            f"{name}: its colour images are {_in_words(colours)}, its depth images {_in_words(depths)}; "
+            "register depth to colour, so that both have the same pixels"
+        )
+    if colours and wanted not in colours:
+        raise UserError(
+            f"{name}: its images are {_in_words(colours)}, its calibration is for {wanted[0]}×{wanted[1]}; "
             "give the calibration of these images"
         )
+
+
+def _sizes(paths: Sequence[Path]) -> set[tuple[int, int]]:
+    rows = np.unique(np.linspace(0, len(paths) - 1, _PROBES).astype(int)) if paths else ()
+    return {size for size in (image_size(paths[row]) for row in rows) if size is not None}
+
+
+def _in_words(sizes: set[tuple[int, int]]) -> str:
+    width, height = min(sizes)
+    return f"{width}×{height}"

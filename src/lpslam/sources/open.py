@@ -1,13 +1,18 @@
 """Opening a recording whatever its format, guessed from the path."""
 
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from lpslam.config import CalibrationCheckConfig
 from lpslam.errors import UserError
-from lpslam.frames import FrameSource
+from lpslam.sources.image_pairs import ImagePairSource
+from lpslam.sources.plausibility import Doubt, doubts_about_depth, doubts_about_intrinsics, doubts_about_timing
 from lpslam.sources.sevenscenes import looks_like_seven_scenes, open_seven_scenes
 from lpslam.sources.tum import looks_like_tum, open_tum
+
+logger = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,7 +21,7 @@ class _Format:
 
     sign: str
     is_at: Callable[[Path], bool]
-    open: Callable[[Path, Path | None, int | None], FrameSource]
+    open: Callable[[Path, Path | None, int | None], ImagePairSource]
 
 
 _FORMATS = (
@@ -25,16 +30,23 @@ _FORMATS = (
 )
 
 
-def open_source(path: Path | str, camera_file: Path | str | None = None, max_frames: int | None = None) -> FrameSource:
-    """Open the recording at `path`.
+def open_source(
+    path: Path | str,
+    camera_file: Path | str | None = None,
+    max_frames: int | None = None,
+    checks: CalibrationCheckConfig | None = None,
+) -> ImagePairSource:
+    """Open the recording at `path`; what is doubtful about its calibration is logged as a warning, one line each.
 
     Args:
         path: a folder in a known layout.
         camera_file: a calibration to use instead of the recording's own.
         max_frames: use only so many frames, from the first.
+        checks: when a calibration is doubted; defaults without.
 
     Raises:
-        UserError: nothing is there, the layout is not known, or the recording is malformed.
+        UserError: nothing is there, the layout is not known, the recording is malformed, or its calibration
+            cannot be that of its images.
     """
     folder = Path(path)
     if not folder.exists():
@@ -45,9 +57,23 @@ def open_source(path: Path | str, camera_file: Path | str | None = None, max_fra
         found = next((layout for layout in _FORMATS if layout.is_at(folder)), None)
         if found is None:
             raise UserError(f"{folder} is no recording that is known: looked for {_signs()}{_hint(folder)}")
-        return found.open(folder, Path(camera_file) if camera_file is not None else None, max_frames)
+        source = found.open(folder, Path(camera_file) if camera_file is not None else None, max_frames)
     except PermissionError as error:
         raise UserError(f"{error.filename or folder} cannot be read ({error.strerror})") from error
+    for doubt in _doubts(source, checks or CalibrationCheckConfig()):
+        if doubt.is_fatal:
+            raise UserError(f"{source.name}: {doubt.text}")
+        logger.warning("%s: %s", source.name, doubt.text)
+    return source
+
+
+def _doubts(source: ImagePairSource, checks: CalibrationCheckConfig) -> list[Doubt]:
+    """What refuses the recording first."""
+    doubts = doubts_about_intrinsics(source.camera, checks)
+    doubts += doubts_about_depth(source.sample_depths(checks.depth_frames), source.camera, checks)
+    if source.listed_times is not None:
+        doubts += doubts_about_timing(*source.listed_times, checks)
+    return sorted(doubts, key=lambda doubt: not doubt.is_fatal)
 
 
 def _signs() -> str:

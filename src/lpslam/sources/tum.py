@@ -43,12 +43,13 @@ def open_tum(
     """
     colours, depths = _read_list(folder / "rgb.txt"), _read_list(folder / "depth.txt")
     # A repeated timestamp is one moment: its first image takes the depth, the others are faults.
-    times, firsts = np.unique(_times(colours), return_index=True)
-    rows, columns = associate(times, _times(depths), tolerance)
+    colour_times, depth_times = _times(colours), _times(depths)
+    times, firsts = np.unique(colour_times, return_index=True)
+    rows, columns = associate(times, depth_times, tolerance)
     if not len(rows):
         raise UserError(
             f"{folder}: no image of rgb.txt has one in depth.txt within {tolerance * 1000:g} ms; "
-            "both lists must use the same clock"
+            f"they begin {abs(depth_times[0] - times[0]):.3f} s apart and must use the same clock"
         )
     depth_of = dict(zip(firsts[rows].tolist(), columns.tolist(), strict=True))
     pairs: list[ImagePair] = []
@@ -63,7 +64,14 @@ def open_tum(
             pairs.append(ImagePair(timestamp, path, None, fault))
         previous = timestamp
     camera, notes = _find_camera(folder, camera_file, [path for _, path in colours])
-    return ImagePairSource(folder.resolve().name, camera, pairs, notes=notes, max_frames=max_frames)
+    return ImagePairSource(
+        folder.resolve().name,
+        camera,
+        pairs,
+        notes=notes,
+        listed_times=(colour_times, depth_times),
+        max_frames=max_frames,
+    )
 
 
 def _find_camera(folder: Path, camera_file: Path | None, colours: list[Path]) -> tuple[PinholeCamera, tuple[str, ...]]:

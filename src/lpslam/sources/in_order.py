@@ -1,0 +1,77 @@
+"""Frames in order of time, each once, whatever a camera or a recording delivers."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from lpslam.camera import PinholeCamera
+from lpslam.errors import UserError
+from lpslam.frames import FrameFault, FrameSource, RgbdFrame
+
+
+class InOrder:
+    """A `FrameSource` that leaves out frames of another one that come late, twice, without a time or misshapen.
+
+    Tracking predicts from the frame before: time that runs backwards or stands still has no velocity. What is left out
+    is a fault like any other.
+
+    Args:
+        source: where the frames come from.
+    """
+
+    def __init__(self, source: FrameSource) -> None:
+        self.source = source
+        self._own_faults: list[FrameFault] = []
+
+    @property
+    def name(self) -> str:
+        """The source's name."""
+        return self.source.name
+
+    @property
+    def camera(self) -> PinholeCamera:
+        """The source's calibration."""
+        return self.source.camera
+
+    @property
+    def faults(self) -> list[FrameFault]:
+        """The source's faults and those found here, by index."""
+        return sorted([*self.source.faults, *self._own_faults], key=lambda fault: fault.index)
+
+    def __len__(self) -> int:
+        return len(self.source)
+
+    def __iter__(self) -> Iterator[RgbdFrame]:
+        """Yield the frames that follow the one before in time.
+
+        Raises:
+            UserError: at the end, if the source gave frames and not one could be used.
+        """
+        self._own_faults = faults = []
+        latest = -np.inf
+        for frame in self.source:
+            defect = self._shape_defect(frame) or _time_defect(frame.timestamp, latest)
+            if defect:
+                faults.append(FrameFault(frame.index, frame.timestamp, defect))
+                continue
+            latest = frame.timestamp
+            yield frame
+        if faults and latest == -np.inf:
+            raise UserError(f"{self.name}: none of its {len(faults)} frames can be used; the first: {faults[0].reason}")
+
+    def _shape_defect(self, frame: RgbdFrame) -> str:
+        wanted = (self.camera.height, self.camera.width)
+        for kind, found in (("colour", frame.rgb.shape[:2]), ("depth", frame.depth.shape)):
+            if found != wanted:
+                return f"its {kind} is {'×'.join(map(str, found[::-1]))}; the camera is {wanted[1]}×{wanted[0]}"
+        return ""
+
+
+def _time_defect(timestamp: float, latest: float) -> str:
+    if not np.isfinite(timestamp):
+        return f"its time is {timestamp}"
+    if timestamp == latest:
+        return f"it repeats the time {timestamp:.6f} s of the frame before"
+    if timestamp < latest:
+        return f"it comes {latest - timestamp:.3f} s too late: a frame of {latest:.6f} s was there before"
+    return ""

@@ -1,0 +1,68 @@
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from lpslam.camera import PinholeCamera
+from lpslam.errors import UserError
+from lpslam.frames import FrameFault, FrameSource, RgbdFrame
+from lpslam.sources.in_order import InOrder
+from lpslam.sources.prefetch import Prefetched
+
+CAMERA = PinholeCamera(4, 3, 4.0, 4.0, 1.5, 1.0)
+
+
+class Listed:
+    """Frames with the given times; None is one that cannot be decoded."""
+
+    name, camera = "listed", CAMERA
+
+    def __init__(self, times: list[float | None], shapes: dict[int, tuple[int, int]] | None = None) -> None:
+        self._times, self._shapes = times, shapes or {}
+        self.faults: list[FrameFault] = []
+
+    def __len__(self) -> int:
+        return len(self._times)
+
+    def __iter__(self) -> Iterator[RgbdFrame]:
+        self.faults = []
+        for index, time in enumerate(self._times):
+            if time is None:
+                self.faults.append(FrameFault(index, 0.0, "damaged"))
+                continue
+            shape = self._shapes.get(index, (3, 4))
+            yield RgbdFrame(index, time, np.zeros((3, 4, 3), np.uint8), np.ones(shape, np.float32))
+
+
+def test_frames_that_come_late_or_twice_are_faults_beside_the_sources_own() -> None:
+    source = InOrder(Listed([0.0, 0.1, 0.3, 0.2, None, 0.3, float("nan"), float("inf"), 0.4]))
+    assert isinstance(source, FrameSource)
+    for _ in range(2):
+        assert [frame.index for frame in source] == [0, 1, 2, 8]
+        assert len(source) == 9
+        assert [(fault.index, fault.reason) for fault in source.faults] == [
+            (3, "it comes 0.100 s too late: a frame of 0.300000 s was there before"),
+            (4, "damaged"),
+            (5, "it repeats the time 0.300000 s of the frame before"),
+            (6, "its time is nan"),
+            (7, "its time is inf"),
+        ]
+    assert (source.name, source.camera) == ("listed", CAMERA)
+
+
+def test_a_misshapen_frame_is_a_fault() -> None:
+    source = InOrder(Listed([0.0, 0.1, 0.2], {1: (6, 8)}))
+    assert [frame.index for frame in source] == [0, 2]
+    assert [fault.reason for fault in source.faults] == ["its depth is 8×6; the camera is 4×3"]
+
+
+def test_good_frames_pass_untouched_and_prefetched_alike() -> None:
+    times: list[float | None] = [0.0, 0.1, 0.2]
+    assert [frame.timestamp for frame in Prefetched(InOrder(Listed(times)))] == times
+    assert InOrder(Listed(times)).faults == []
+
+
+def test_no_usable_frame_is_one_line() -> None:
+    with pytest.raises(UserError, match="listed: none of its 2 frames can be used; the first: its time is nan"):
+        list(InOrder(Listed([float("nan"), float("nan")])))
+    assert list(InOrder(Listed([]))) == []
