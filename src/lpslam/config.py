@@ -265,6 +265,14 @@ class LocatingConfig(_Section):
     rival_distance: float = Field(default=0.5, ge=0)  # ... if it is farther off than this, metres: neither is believed
 
 
+class PlacesConfig(_Section):
+    """From scores of single keyframes to places."""
+
+    considered: int = Field(default=30, ge=1)  # best keyframes that may stand for a place
+    group: int = 10  # best covisible keyframes whose scores count with a keyframe's own
+    least_share: float = Field(default=0.75, ge=0, le=1)  # of the best place's score together that a place must have
+
+
 class LevellingConfig(_Section):
     """Levelling the map by the floor."""
 
@@ -285,6 +293,7 @@ class SlamConfig(_Section):
     features: FeatureConfig = FeatureConfig()
     noise: SensorNoiseConfig = SensorNoiseConfig()
     tracking: TrackingConfig = TrackingConfig()
+    places: PlacesConfig = PlacesConfig()
     locating: LocatingConfig = LocatingConfig()
     keyframes: KeyframeConfig = KeyframeConfig()
     mapping: MappingConfig = MappingConfig()
