@@ -17,6 +17,7 @@ from lpslam.language.offline import OfflineModel
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.slam.state import TrackedFrame
 from lpslam.slam.system import RgbdSlam
+from lpslam.sources.in_order import InOrder
 from lpslam.sources.prefetch import Prefetched
 from lpslam.text.distilling import DEFAULT_QUESTION, distil
 from lpslam.text.mapper import TextMapper
@@ -86,7 +87,7 @@ def run(
     mapper = _text_mapper(source.camera, config, language, text_map) if text else None
     reader = ReadingThread(mapper, config.text.reading.queue_size) if mapper is not None and not sequential else None
     reading = reader or mapper
-    frames = Prefetched(source)
+    frames = Prefetched(InOrder(source))
     started, seconds_tracking, count = time.perf_counter(), 0.0, 0
     is_stopped, reason = False, "it gave none"
     with reader or nullcontext():

@@ -1,4 +1,5 @@
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -17,8 +18,13 @@ class Listed:
 
     name, camera = "listed", CAMERA
 
-    def __init__(self, times: list[float | None], shapes: dict[int, tuple[int, int]] | None = None) -> None:
-        self._times, self._shapes = times, shapes or {}
+    def __init__(
+        self,
+        times: list[float | None],
+        shapes: dict[int, tuple[int, int]] | None = None,
+        shown: dict[int, int] | None = None,
+    ) -> None:
+        self._times, self._shapes, self._shown = times, shapes or {}, shown or {}
         self.faults: list[FrameFault] = []
 
     def __len__(self) -> int:
@@ -31,7 +37,9 @@ class Listed:
                 self.faults.append(FrameFault(index, 0.0, "damaged"))
                 continue
             shape = self._shapes.get(index, (3, 4))
-            yield RgbdFrame(index, time, np.zeros((3, 4, 3), np.uint8), np.ones(shape, np.float32))
+            rgb = np.full((3, 4, 3), self._shown.get(index, index), np.uint8)
+            rgb[0, 0] += 1
+            yield RgbdFrame(index, time, rgb, np.ones(shape, np.float32))
 
 
 def test_frames_that_come_late_or_twice_are_faults_beside_the_sources_own() -> None:
@@ -54,6 +62,23 @@ def test_a_misshapen_frame_is_a_fault() -> None:
     source = InOrder(Listed([0.0, 0.1, 0.2], {1: (6, 8)}))
     assert [frame.index for frame in source] == [0, 2]
     assert [fault.reason for fault in source.faults] == ["its depth is 8×6; the camera is 4×3"]
+
+
+def test_a_picture_that_is_repeated_is_a_camera_that_hangs() -> None:
+    source = InOrder(Listed([0.0, 0.1, 0.2, 0.3, 0.4], shown={2: 1, 3: 1}))
+    assert [frame.index for frame in source] == [0, 1, 4]
+    assert {fault.reason for fault in source.faults} == {
+        "its colour repeats the frame before, byte for byte: the camera hangs"
+    }
+
+
+def test_a_covered_lens_is_not_held_to_hang() -> None:
+    class Black(Listed):
+        def __iter__(self) -> Iterator[RgbdFrame]:
+            for frame in super().__iter__():
+                yield replace(frame, rgb=np.zeros_like(frame.rgb))
+
+    assert len(list(InOrder(Black([0.0, 0.1, 0.2])))) == 3
 
 
 def test_good_frames_pass_untouched_and_prefetched_alike() -> None:

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera
 from lpslam.errors import UserError
@@ -12,8 +13,9 @@ from lpslam.frames import FrameFault, FrameSource, RgbdFrame
 class InOrder:
     """A `FrameSource` that leaves out frames of another one that come late, twice, without a time or misshapen.
 
-    Tracking predicts from the frame before: time that runs backwards or stands still has no velocity. What is left out
-    is a fault like any other.
+    Tracking predicts from the frame before: time that runs backwards or stands still has no velocity. A colour picture
+    that is repeated byte for byte is a camera that hangs: no sensor is free of noise, and its pose would be that of a
+    moment gone by. What is left out is a fault like any other.
 
     Args:
         source: where the frames come from.
@@ -49,12 +51,15 @@ class InOrder:
         """
         self._own_faults = faults = []
         latest = -np.inf
+        shown: NDArray[np.uint8] | None = None
         for frame in self.source:
             defect = self._shape_defect(frame) or _time_defect(frame.timestamp, latest)
+            if not defect and shown is not None and _is_repeated(frame.rgb, shown):
+                defect = "its colour repeats the frame before, byte for byte: the camera hangs"
             if defect:
                 faults.append(FrameFault(frame.index, frame.timestamp, defect))
                 continue
-            latest = frame.timestamp
+            latest, shown = frame.timestamp, frame.rgb
             yield frame
         if faults and latest == -np.inf:
             raise UserError(f"{self.name}: none of its {len(faults)} frames can be used; the first: {faults[0].reason}")
@@ -65,6 +70,14 @@ class InOrder:
             if found != wanted:
                 return f"its {kind} is {'×'.join(map(str, found[::-1]))}; the camera is {wanted[1]}×{wanted[0]}"
         return ""
+
+
+def _is_repeated(rgb: NDArray[np.uint8], before: NDArray[np.uint8]) -> bool:
+    """Whether a picture is the one before; black or white all over, it may be a new one of a covered lens."""
+    sample = rgb[::16, ::16]
+    if not np.array_equal(sample, before[::16, ::16]) or np.ptp(sample) == 0:
+        return False
+    return np.array_equal(rgb, before)
 
 
 def _time_defect(timestamp: float, latest: float) -> str:
