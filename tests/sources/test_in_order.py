@@ -38,7 +38,7 @@ class Listed:
                 continue
             shape = self._shapes.get(index, (3, 4))
             rgb = np.full((3, 4, 3), self._shown.get(index, index), np.uint8)
-            rgb[0, 0] += 1
+            rgb[0, 0, 0] += 1
             yield RgbdFrame(index, time, rgb, np.ones(shape, np.float32))
 
 
