@@ -91,6 +91,18 @@ class PinholeCamera:
         undistorted = cv2.undistortPoints(raw, self.matrix, np.array(self.distortion), P=self.matrix)
         return np.asarray(undistorted, dtype=np.float64).reshape(-1, 2)
 
+    def distort(self, pixels: Points) -> Points:
+        """Move undistorted pixels (n, 2) to where the real lens shows them (Brown-Conrady)."""
+        if not self.is_distorted:
+            return pixels
+        k1, k2, p1, p2, k3 = self.distortion
+        x, y = (pixels[:, 0] - self.cx) / self.fx, (pixels[:, 1] - self.cy) / self.fy
+        r2 = x * x + y * y
+        radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
+        raw_x = x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x)
+        raw_y = y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y
+        return np.column_stack([self.fx * raw_x + self.cx, self.fy * raw_y + self.cy])
+
 
 def transform_points(to_from_frame: NDArray[np.float64], points: Points) -> Points:
     """Take (n, 3) points from one frame to another with the 4×4 `to_from_frame` (Eq. 4)."""

@@ -206,7 +206,7 @@ class TrackingConfig(_Section):
     flow_precision: float = Field(default=0.03, gt=0)  # pixels; a smaller step ends the iteration
     min_followed: int = 60  # inliers; fewer, and the frame is matched with the map at once
     min_followed_share: float = Field(default=0.7, ge=0, le=1)  # of those followed first, the same
-    anchor_interval: float = Field(default=0.12, ge=0)  # seconds after which a frame is matched with the map anyway
+    anchor_interval: float = Field(default=0.09, ge=0)  # seconds after which a frame is matched with the map anyway
     strict_seconds: float = 1.0  # after relocalising, in which `min_recovery_inliers` must be matched
     recovery_candidates: int = Field(default=4, ge=1)  # places tried a frame when lost
     submap_after: float = Field(default=1.0, ge=0)  # seconds of usable but unknown views after which a sub-map begins

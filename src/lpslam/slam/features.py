@@ -43,7 +43,7 @@ class Features(NamedTuple):
 
 
 class FeatureExtractor:
-    """Detects and describes the keypoints of RGB-D frames of one camera."""
+    """Detects and describes the keypoints of RGB-D images of one camera."""
 
     def __init__(self, camera: PinholeCamera, config: FeatureConfig) -> None:
         self.camera = camera
@@ -58,10 +58,10 @@ class FeatureExtractor:
         """The most keypoints that a frame can have."""
         return int(self._quotas.sum())
 
-    def extract(self, frame: RgbdFrame) -> Features:
-        """Keypoints of a frame, coarse levels last."""
+    def extract(self, frame: RgbdFrame, gray: NDArray[np.uint8] | None = None) -> Features:
+        """Keypoints of a frame, coarse levels last; `gray` are its grey values (h, w) where they are known."""
         corners, octaves, angles, descriptors = [], [], [], []
-        level_image = as_gray(cv2.cvtColor(frame.rgb, cv2.COLOR_RGB2GRAY))
+        level_image = gray_of(frame.rgb) if gray is None else gray
         for level, size in enumerate(self._sizes):
             if level > 0:
                 level_image = as_gray(cv2.resize(level_image, size, interpolation=cv2.INTER_LINEAR))
@@ -102,6 +102,12 @@ class FeatureExtractor:
             quota,
         )
 
+    def moved(
+        self, features: Features, rows: NDArray[np.int64], raw: NDArray[np.float32], depth: NDArray[np.float32]
+    ) -> Features:
+        """Some keypoints (rows) of an earlier image, seen at raw pixels (n, 2) of another one with its depth."""
+        return self._with_depth(raw, depth, features.octave[rows], features.angle[rows], features.descriptor[rows])
+
     def _with_depth(
         self,
         raw: NDArray[np.float32],
@@ -132,6 +138,11 @@ def _no_features() -> Features:
         column,
         np.empty((0, 4), np.uint64),
     )
+
+
+def gray_of(rgb: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """(h, w) grey values of an RGB image (h, w, 3)."""
+    return as_gray(cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY))
 
 
 def as_gray(image: object) -> NDArray[np.uint8]:

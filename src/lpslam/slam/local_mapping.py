@@ -10,7 +10,10 @@ from lpslam.slam.sensor import SensorModel
 
 
 class LocalMapper:
-    """Keeps the part of the map around the newest keyframe accurate and free of what does not hold."""
+    """Keeps the part of the map around the newest keyframe accurate and free of what does not hold.
+
+    Each step holds the map's lock for itself; the adjustment works on a copy without it.
+    """
 
     def __init__(self, slam_map: SlamMap, sensor: SensorModel, config: SlamConfig) -> None:
         self._map = slam_map
@@ -22,12 +25,19 @@ class LocalMapper:
 
     def process(self, keyframe: int) -> None:
         """Work a new keyframe into the map."""
-        self._cull_points(keyframe)
-        self._recent_points = np.concatenate([self._recent_points, self._born_in(keyframe)])
-        neighbours = self._neighbours(keyframe)
+        self._stop[0] = False
+        with self._map.lock:
+            self._cull_points(keyframe)
+            self._recent_points = np.concatenate([self._recent_points, self._born_in(keyframe)])
+            neighbours = self._neighbours(keyframe)
         self._fuse(keyframe, neighbours)
         self._adjust(keyframe)
-        self._cull_keyframes(keyframe)
+        with self._map.lock:
+            self._cull_keyframes(keyframe)
+
+    def hurry(self) -> None:
+        """End the running adjustment early: another keyframe waits. May be called from any thread."""
+        self._stop[0] = True
 
     def _born_in(self, keyframe: int) -> NDArray[np.int32]:
         points = graph.points_of(self._map.columns, np.array([keyframe], np.int32), self._map.point_count)
@@ -67,42 +77,52 @@ class LocalMapper:
             self._config.fuse_radius,
             self._config.fuse_hamming,
         )
-        own = graph.points_of(slam_map.columns, np.array([keyframe], np.int32), slam_map.point_count)
+        with slam_map.lock:
+            own = graph.points_of(slam_map.columns, np.array([keyframe], np.int32), slam_map.point_count)
         for neighbour in neighbours:
-            fusing.fuse_points(slam_map.columns, own, int(neighbour), *arguments)
-        theirs = graph.points_of(slam_map.columns, neighbours, slam_map.point_count)
-        fusing.fuse_points(slam_map.columns, theirs, keyframe, *arguments)
-        own = graph.points_of(slam_map.columns, np.array([keyframe], np.int32), slam_map.point_count)
-        graph.refresh_points(slam_map.columns, own, slam_map.scales)
+            with slam_map.lock:
+                if slam_map.is_alive(int(neighbour)):
+                    fusing.fuse_points(slam_map.columns, own, int(neighbour), *arguments)
+        with slam_map.lock:
+            theirs = graph.points_of(slam_map.columns, neighbours, slam_map.point_count)
+            fusing.fuse_points(slam_map.columns, theirs, keyframe, *arguments)
+            own = graph.points_of(slam_map.columns, np.array([keyframe], np.int32), slam_map.point_count)
+            graph.refresh_points(slam_map.columns, own, slam_map.scales)
 
     def _adjust(self, keyframe: int) -> None:
         """Local bundle adjustment: the keyframe and its best covisible ones, all others that see their points fixed."""
         slam_map, config = self._map, self._config
-        covisible = slam_map.covisible(keyframe, config.covisible_points)[: config.adjusted_keyframes - 1]
-        free = np.concatenate([np.array([keyframe], np.int32), covisible])
-        problem, keyframes, points = local_bundle.gather_bundle(
-            slam_map.columns,
-            free,
-            slam_map.keyframe_count,
-            slam_map.point_count,
-            self._sensor.pixel_information,
-            0,
-        )
+        with slam_map.lock:
+            covisible = slam_map.covisible(keyframe, config.covisible_points)[: config.adjusted_keyframes - 1]
+            free = np.concatenate([np.array([keyframe], np.int32), covisible])
+            roots = [k for k in free.tolist() if slam_map.is_root(k)]
+            problem, keyframes, points = local_bundle.gather_bundle(
+                slam_map.columns,
+                free,
+                slam_map.keyframe_count,
+                slam_map.point_count,
+                self._sensor.pixel_information,
+                roots[0] if roots else -1,
+            )
+            version = slam_map.version
         if problem.free_count == 0 or len(keyframes) < 2:
             return
         poses, positions, inlier = bundle.adjust_bundle(
             problem, self._sensor.intrinsics, config.first_iterations, config.iterations, self._stop
         )
-        local_bundle.apply_bundle(
-            slam_map.columns, problem, keyframes, points, poses, positions, inlier, slam_map.scales
-        )
+        with slam_map.lock:
+            # A loop has been closed meanwhile: this solution lies in the world as it was before.
+            if slam_map.version == version:
+                local_bundle.apply_bundle(
+                    slam_map.columns, problem, keyframes, points, poses, positions, inlier, slam_map.scales
+                )
 
     def _cull_keyframes(self, keyframe: int) -> None:
         """Remove covisible keyframes whose close points others see as well."""
-        config = self._config
-        for other in self._map.covisible(keyframe, config.covisible_points):
-            if other == 0 or other == keyframe:
+        config, slam_map = self._config, self._map
+        for other in slam_map.covisible(keyframe, config.covisible_points):
+            if slam_map.is_root(int(other)) or other == keyframe:
                 continue
-            share = graph.redundant_share(self._map.columns, int(other), config.redundant_observers, self._close_depth)
+            share = graph.redundant_share(slam_map.columns, int(other), config.redundant_observers, self._close_depth)
             if share > config.redundant_share:
-                self._map.remove_keyframe(int(other))
+                slam_map.remove_keyframe(int(other))

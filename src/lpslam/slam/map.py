@@ -157,7 +157,7 @@ class SlamMap:
             ValueError: it is a root, which holds the world frame of its sub-map, or it was removed before.
         """
         a = self._arrays
-        if a["parent"][keyframe] < 0 or not self.is_alive(keyframe):
+        if self.is_root(keyframe) or not self.is_alive(keyframe):
             raise ValueError(f"keyframe {keyframe} cannot be removed: it is the first of its sub-map, or gone")
         slot, parent = int(a["keyframe_slot"][keyframe]), int(a["parent"][keyframe])
         for feature in np.flatnonzero(a["point"][slot, : a["feature_count"][slot]] >= 0):
@@ -175,6 +175,10 @@ class SlamMap:
     def is_alive(self, keyframe: int) -> bool:
         """Whether a keyframe still has its keypoints."""
         return bool(self._arrays["keyframe_slot"][keyframe] >= 0)
+
+    def is_root(self, keyframe: int) -> bool:
+        """Whether a keyframe is the first of its sub-map: it holds the world frame and is never removed."""
+        return bool(self._arrays["parent"][keyframe] < 0)
 
     def living_keyframes(self) -> NDArray[np.int32]:
         """Ids of the keyframes that were not removed, rising."""
@@ -211,6 +215,16 @@ class SlamMap:
     def is_home(self, keyframe: int) -> bool:
         """Whether a keyframe's world frame is the map's."""
         return bool(self._arrays["submap"][keyframe] == self.home)
+
+    def settle(self) -> None:
+        """Make the sub-map with most keyframes home, the oldest of equals: its frame becomes the map's."""
+        living = self.living_keyframes()
+        if len(living):
+            self.home = int(np.bincount(self.submaps()[living]).argmax())
+
+    def frame_of(self, keyframe: int) -> tuple[int, float]:
+        """Index and timestamp in seconds of the frame that became a keyframe."""
+        return int(self._arrays["frame_index"][keyframe]), float(self._arrays["timestamp"][keyframe])
 
     def timestamps(self) -> NDArray[np.float64]:
         """(K,) seconds, of all keyframes by id."""

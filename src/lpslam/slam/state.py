@@ -16,6 +16,35 @@ class TrackingState(StrEnum):
     LOST = "lost"
 
 
+class EventKind(StrEnum):
+    """What can happen to tracking and to the map."""
+
+    INITIALISED = "initialised"
+    TRACKING = "tracking"
+    WEAK = "weak"
+    LOST = "lost"
+    RELOCALISED = "relocalised"
+    NEW_SUBMAP = "new sub-map"
+    LOOP = "loop"
+    MERGE = "merge"
+
+
+@dataclass(frozen=True, slots=True)
+class SlamEvent:
+    """A change of state, with its reason.
+
+    Attributes:
+        kind: what happened.
+        frame, timestamp: index of the frame and its time in seconds.
+        reason: why, in a few words with figures.
+    """
+
+    kind: EventKind
+    frame: int
+    timestamp: float
+    reason: str
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class TrackedFrame:
     """The result of tracking one frame.

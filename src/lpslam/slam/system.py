@@ -8,12 +8,16 @@ from numpy.typing import NDArray
 from lpslam.camera import PinholeCamera
 from lpslam.config import SlamConfig
 from lpslam.frames import RgbdFrame
+from lpslam.slam.back_end import BackEnd, Beside, InStep
 from lpslam.slam.features import FeatureExtractor
 from lpslam.slam.levelling import floor_normal, level_rotation
 from lpslam.slam.local_mapping import LocalMapper
+from lpslam.slam.locating import Locator
 from lpslam.slam.map import SlamMap
+from lpslam.slam.places import PlaceIndex
+from lpslam.slam.relocalising import Relocaliser
 from lpslam.slam.sensor import SensorModel
-from lpslam.slam.state import TrackedFrame
+from lpslam.slam.state import SlamEvent, TrackedFrame
 from lpslam.slam.tracking import Tracker
 from lpslam.slam.trajectory import Trajectory
 
@@ -21,18 +25,47 @@ from lpslam.slam.trajectory import Trajectory
 class RgbdSlam:
     """Tracks a camera and maps what it sees.
 
-    Frames are processed in the caller's thread, in order: the same frames give the same map, to the bit.
+    Frames are processed in the caller's thread, in order. In step, the same frames give the same map, to the bit; live,
+    mapping and loop closing have threads of their own beside it.
+
+    Args:
+        camera: of the frames.
+        config: thresholds; defaults without.
+        live: whether to map and close loops in threads.
+        base: a map to find the camera in; it grows, if the map `grows` at all.
+        grows: whether new places are mapped; without, `base` is only read (localisation mode).
+
+    Attributes:
+        map, trajectory: the result so far.
+        events: every change of state.
     """
 
-    def __init__(self, camera: PinholeCamera, config: SlamConfig | None = None) -> None:
+    def __init__(
+        self,
+        camera: PinholeCamera,
+        config: SlamConfig | None = None,
+        *,
+        live: bool = False,
+        base: SlamMap | None = None,
+        grows: bool = True,
+    ) -> None:
         config = config or SlamConfig()
         self.camera = camera
         self.sensor = SensorModel.of(camera, config)
-        extractor = FeatureExtractor(camera, config.features)
-        self.map = SlamMap(extractor.capacity, self.sensor.scales)
+        self.events: list[SlamEvent] = []
         self.trajectory = Trajectory()
-        self._tracker = Tracker(extractor, self.sensor, self.map, config)
-        self._local_mapper = LocalMapper(self.map, self.sensor, config)
+        extractor = FeatureExtractor(camera, config.features)
+        self.map = base if base is not None else SlamMap(extractor.capacity, self.sensor.scales)
+        self._is_new = base is None
+        places = PlaceIndex.of(self.map)
+        locator = Locator(self.map, self.sensor, config.tracking, config.locating)
+        relocaliser = Relocaliser(self.map, places, locator, config.tracking, config.locating)
+        self._tracker = Tracker(extractor, self.sensor, self.map, relocaliser, config, grows, self.events.append)
+        self._mapper = LocalMapper(self.map, self.sensor, config)
+        self._places = places
+        self._back_end: BackEnd = (
+            Beside(self._mapper, self._close_loops, lambda: None) if live else InStep(self._mapper, self._close_loops)
+        )
         self._levelling = config.levelling
         self._floor_views: list[tuple[int, NDArray[np.float64]]] = []
 
@@ -40,35 +73,43 @@ class RgbdSlam:
         """Track one frame and let the map grow with it."""
         tracked = self._tracker.track(frame)
         if tracked.is_keyframe:
-            self._local_mapper.process(tracked.keyframe)
-            self._tracker.after_map_change()
             self._look_for_floor(frame, tracked.keyframe)
-            world_from_camera = self.map.world_from_keyframe(tracked.keyframe)
-            tracked = replace(tracked, world_from_camera=world_from_camera)
+            self._back_end.take(tracked.keyframe)
+            with self.map.lock:
+                tracked = replace(tracked, world_from_camera=self.map.world_from_keyframe(tracked.keyframe))
         self.trajectory.append(tracked)
         return tracked
 
     def finish(self) -> None:
-        """Level the map by all views of the floor together; call when the last frame has been processed."""
-        if self._floor_views:
-            self._level(np.median([self.map.world_from_keyframe(k)[:3, :3] @ n for k, n in self._floor_views], axis=0))
+        """End all work and level the map by all views of the floor together; call after the last frame."""
+        self._back_end.finish()
+        if self._is_new:
+            self.map.settle()
+            views = [(k, normal) for k, normal in self._floor_views if self.map.is_home(k)]
+            if views:
+                self._level(np.median([self.map.world_from_keyframe(k)[:3, :3] @ n for k, n in views], axis=0))
+
+    def _close_loops(self, keyframe: int) -> None:
+        with self.map.lock:
+            if self.map.is_alive(keyframe):
+                self._places.add(keyframe, self.map.features(keyframe).descriptor)
 
     def _look_for_floor(self, frame: RgbdFrame, keyframe: int) -> None:
         """Turn the map so that z is up when the floor is first seen; later views serve `finish`."""
-        if len(self._floor_views) >= self._levelling.max_views:
+        if not self._is_new or len(self._floor_views) >= self._levelling.max_views:
             return
-        camera_from_world = self.map.camera_from_world(keyframe)
+        with self.map.lock:
+            camera_from_world = self.map.camera_from_world(keyframe)
         normal = floor_normal(frame.depth, self.camera, camera_from_world[:3, 2], self._levelling)
         if normal is None:
             return
         self._floor_views.append((keyframe, normal))
-        if len(self._floor_views) == 1:
+        if len(self._floor_views) == 1 and self.map.is_home(keyframe):
             self._level(camera_from_world[:3, :3].T @ normal)
 
     def _level(self, up_in_world: NDArray[np.float64]) -> None:
-        level_from_world = level_rotation(up_in_world)
-        self.map.transform(level_from_world)
-        self._tracker.change_world(level_from_world)
+        with self.map.lock:
+            self.map.transform(level_rotation(up_in_world))
 
     @property
     def is_levelled(self) -> bool:

@@ -1,9 +1,12 @@
 """Tracking: the pose of each frame against the map (ORB-SLAM, V; ORB-SLAM2, III).
 
-Motion model, else reference keyframe, then the local map; a frame that fits neither is lost, says why, and every
-further frame is tried against remembered keyframes until one fits.
+Between frames keypoints are followed by optical flow; every few frames, and whenever too few are left, new keypoints
+are matched with the local map, which keeps drift out and decides about keyframes. Where flow fails, the motion model
+and then the reference keyframe give the first guess. A frame that fits nothing is lost and says why; lost frames are
+looked for in the whole map, and after a while a new sub-map is begun.
 """
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import cv2
@@ -13,338 +16,373 @@ from numpy.typing import NDArray
 from lpslam.camera import inverse_transform
 from lpslam.config import SlamConfig
 from lpslam.frames import RgbdFrame
-from lpslam.slam.features import FeatureExtractor, Features
-from lpslam.slam.kernels import graph, matching, pose
+from lpslam.slam.association import Associator, Estimate, View
+from lpslam.slam.features import FeatureExtractor, Features, gray_of
+from lpslam.slam.following import choose_followed, follow_flow
+from lpslam.slam.kernels import graph
 from lpslam.slam.kernels.geometry import orthonormalise
 from lpslam.slam.keyframes import KeyframePolicy
 from lpslam.slam.map import SlamMap
+from lpslam.slam.relocalising import Relocaliser
 from lpslam.slam.sensor import SensorModel
-from lpslam.slam.state import TrackedFrame, TrackingState
+from lpslam.slam.state import EventKind, SlamEvent, TrackedFrame, TrackingState
 
 _Matrix = NDArray[np.float64]
 _Rows = NDArray[np.int32]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Estimate:
-    """A frame's pose with the map points that hold it.
+class _Last:
+    """The last frame with a pose: what the next one is predicted from.
 
     Attributes:
-        camera_from_world: 4×4.
-        points: (n,) the map point of each keypoint, or -1; inliers only.
-        inliers: how many keypoints agree with the pose, counting points that are not in the map.
+        gray: (h, w).
+        features, points: its keypoints (n rows) and the map point of each, or -1.
+        reference, camera_from_reference: its pose, which follows every correction of the map.
     """
+
+    timestamp: float
+    gray: NDArray[np.uint8]
+    features: Features
+    points: _Rows
+    reference: int
+    camera_from_reference: _Matrix
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Start:
+    """A first guess of a view's pose: what its keypoints are known to see, and map points that are near."""
 
     camera_from_world: _Matrix
     points: _Rows
-    inliers: int
+    near: _Rows
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Followed:
+    features: Features
+    estimate: Estimate
 
 
 class Tracker:
-    """Follows the camera through frames that come in order of time."""
+    """Follows the camera through frames that come in order of time.
 
-    def __init__(self, extractor: FeatureExtractor, sensor: SensorModel, slam_map: SlamMap, config: SlamConfig) -> None:
+    Args:
+        extractor, sensor: of the camera.
+        slam_map: where the frames are looked for; keyframes are added to it if the map `grows`.
+        relocaliser: finds lost frames.
+        config: all thresholds.
+        grows: whether new places are mapped; else the map is only read.
+        on_event: told every change of state.
+    """
+
+    def __init__(
+        self,
+        extractor: FeatureExtractor,
+        sensor: SensorModel,
+        slam_map: SlamMap,
+        relocaliser: Relocaliser,
+        config: SlamConfig,
+        grows: bool = True,
+        on_event: Callable[[SlamEvent], None] = lambda event: None,
+    ) -> None:
         self._map = slam_map
         self._sensor = sensor
         self._config = config.tracking
         self._keyframe_config = config.keyframes
         self._extractor = extractor
-        self.state = TrackingState.INITIALISING
-        self._reference = -1
-        self._features: Features | None = None
-        self._last: _Estimate | None = None
-        self._last_from_reference: _Matrix | None = None
-        self._current_from_last: _Matrix | None = None
+        self._associator = Associator(slam_map, sensor, config.tracking)
+        self._relocaliser = relocaliser
         self._policy = KeyframePolicy(config.keyframes)
+        self._grows = grows
+        self._on_event = on_event
+        self.state = TrackingState.INITIALISING if slam_map.keyframe_count == 0 else TrackingState.LOST
+        self._reference = slam_map.keyframe_count - 1
+        self._last: _Last | None = None
+        self._velocity = np.eye(4)
+        self._seconds_between = np.inf
+        self._anchored_at = -np.inf
+        self._followed_first = 0
+        self._strict_until = -np.inf
+        self._unknown_since: float | None = None
         self._usual_sharpness = 0.0
 
     def track(self, frame: RgbdFrame) -> TrackedFrame:
         """Find the pose of a frame; a frame that should become a keyframe is added to the map."""
-        features = self._extractor.extract(frame)
-        if self._map.keyframe_count == 0:
-            return self._initialise(frame, features)
-        if self.state is TrackingState.LOST:
-            estimate = self._recover(features)
-            needed = self._config.min_recovery_inliers
-        else:
-            estimate = self._follow_motion(features) or self._follow_reference(features, self._reference)
-            needed = self._config.min_inliers
-        if estimate is not None:
-            estimate = self._follow_local_map(features, estimate)
-        if estimate is None or int((estimate.points >= 0).sum()) < needed:
-            return self._lose(frame, features, estimate)
-        return self._accept(frame, features, estimate)
+        gray = gray_of(frame.rgb)
+        followed = self._follow(frame, gray)
+        if followed is not None and not self._must_match(frame, followed):
+            with self._map.lock:
+                return self._accept(frame, gray, followed.features, followed.estimate)
+        features = self._extractor.extract(frame, gray)
+        with self._map.lock:
+            if self.state is TrackingState.INITIALISING:
+                return self._initialise(frame, gray, features)
+            return self._match(frame, gray, View.of(features, self._sensor), followed)
 
-    # Beginning and end of tracking -------------------------------------------------------------------------------
+    # Between matches with the map: optical flow -----------------------------------------------------------------
 
-    def _initialise(self, frame: RgbdFrame, features: Features) -> TrackedFrame:
-        """The first frame with enough depth founds the map: every keypoint with depth is a point."""
-        depths = int(features.has_depth.sum())
-        if depths < self._keyframe_config.min_start_depths:
-            reason = f"waiting for a first view: {depths} of {features.rows} keypoints have depth, "
-            return self._without_pose(
-                frame, TrackingState.INITIALISING, reason + f"{self._keyframe_config.min_start_depths} needed"
+    def _follow(self, frame: RgbdFrame, gray: NDArray[np.uint8]) -> _Followed | None:
+        """Follow the last frame's keypoints, and optimise the pose on the points that they see."""
+        last, config = self._last, self._config
+        if last is None or last.gray.shape != gray.shape or config.followed_points == 0:
+            return None
+        with self._map.lock:
+            rows, points, positions = self._seen(last)
+            predicted = self._predict(last, frame.timestamp)
+        chosen = choose_followed(last.features.pixels[rows], last.features.octave[rows], config.followed_points)
+        rows, points, positions = rows[chosen], points[chosen], positions[chosen]
+        if len(rows) < config.min_followed:
+            return None
+        in_camera = positions @ predicted[:3, :3].T + predicted[:3, 3]
+        in_camera[:, 2] = np.maximum(in_camera[:, 2], 0.05)
+        expected = self._extractor.camera.project(in_camera).astype(np.float32)
+        flow = follow_flow(last.gray, gray, last.features.pixels[rows], expected, self._extractor.camera, config)
+        if self._anchored_at == last.timestamp:
+            self._followed_first = len(rows)
+        if len(flow.rows) < config.min_followed:
+            return None
+        features = self._extractor.moved(last.features, rows[flow.rows], flow.raw, frame.depth)
+        match = np.arange(len(flow.rows), dtype=np.int32)
+        estimate = self._associator.optimise(features, predicted, match, positions[flow.rows], points[flow.rows])
+        return None if estimate is None else _Followed(features, estimate)
+
+    def _must_match(self, frame: RgbdFrame, followed: _Followed) -> bool:
+        """Whether flow is not enough: too few points are left of those followed first, or it has gone on for long."""
+        config, left = self._config, followed.estimate.inliers
+        return (
+            left < max(config.min_followed, config.min_followed_share * self._followed_first)
+            or followed.estimate.matches < config.min_followed
+            or frame.timestamp - self._anchored_at >= config.anchor_interval
+            or self.state is not TrackingState.TRACKING
+        )
+
+    def _seen(self, last: _Last) -> tuple[NDArray[np.int64], _Rows, _Matrix]:
+        """Keypoints of the last frame whose place is known: rows, map points or -1, and positions (m, 3) in the world.
+
+        Keypoints without a map point stand where their depth puts them.
+        """
+        alive = self._map.columns.point_alive
+        points = np.where((last.points >= 0) & alive[last.points], last.points, -1).astype(np.int32)
+        rows = np.flatnonzero((points >= 0) | last.features.has_depth)
+        world_from_camera = inverse_transform(self._pose(last))
+        in_camera = self._sensor.back_project(last.features.pixels[rows], last.features.depth[rows])
+        positions = in_camera @ world_from_camera[:3, :3].T + world_from_camera[:3, 3]
+        mapped = points[rows] >= 0
+        positions[mapped] = self._map.columns.position[points[rows][mapped]]
+        return rows, points[rows], positions
+
+    def _pose(self, last: _Last) -> _Matrix:
+        """Camera from world of the last frame as the map has it now."""
+        return last.camera_from_reference @ self._map.camera_from_world(last.reference)
+
+    def _predict(self, last: _Last, timestamp: float) -> _Matrix:
+        """Constant velocity, also over frames that are missing."""
+        steps = round(min((timestamp - last.timestamp) / self._seconds_between, _MOST_STEPS_AHEAD))
+        predicted = np.linalg.matrix_power(self._velocity, max(steps, 0)) @ self._pose(last)
+        orthonormalise(predicted)
+        return predicted
+
+    # Matching with the map --------------------------------------------------------------------------------------
+
+    def _match(self, frame: RgbdFrame, gray: NDArray[np.uint8], view: View, followed: _Followed | None) -> TrackedFrame:
+        """Search the local map from the best first guess that leads to enough matches."""
+        lost = self.state is TrackingState.LOST
+        strict = lost or frame.timestamp < self._strict_until
+        needed = self._config.min_recovery_inliers if strict else self._config.min_inliers
+        best: Estimate | None = None
+        for start in self._lost_starts(view) if lost else self._starts(frame, view, followed):
+            estimate = self._search_local_map(view, start)
+            if estimate is not None and (best is None or estimate.matches > best.matches):
+                best = estimate
+            if best is not None and best.matches >= needed:
+                break
+        if best is None or best.matches < needed:
+            return self._lose(frame, gray, view.features, best)
+        if lost:
+            self._strict_until = frame.timestamp + self._config.strict_seconds
+            self._tell(EventKind.RELOCALISED, frame, f"{best.matches} map points matched")
+        self._anchored_at = frame.timestamp
+        return self._accept(frame, gray, view.features, best, may_become_keyframe=True)
+
+    def _starts(self, frame: RgbdFrame, view: View, followed: _Followed | None) -> Iterator[_Start]:
+        if followed is not None:
+            near = followed.estimate.points
+            yield _Start(followed.estimate.camera_from_world, np.full(view.features.rows, -1, np.int32), near)
+        for estimate in (self._from_motion(frame, view), self._from_reference(view)):
+            if estimate is not None:
+                yield _Start(estimate.camera_from_world, estimate.points, estimate.points)
+
+    def _lost_starts(self, view: View) -> Iterator[_Start]:
+        located = self._relocaliser.find(view.features, self._reference)
+        if located is not None:
+            yield _Start(located.camera_from_world, located.points, located.points)
+
+    def _from_motion(self, frame: RgbdFrame, view: View) -> Estimate | None:
+        """Constant velocity, then the last frame's points in windows around where they should appear."""
+        last, config = self._last, self._config
+        if last is None:
+            return None
+        predicted = self._predict(last, frame.timestamp)
+        rows, points, positions = self._seen(last)
+        fx, fy, cx, cy, bf = self._sensor.intrinsics
+        x, y, z = (positions @ predicted[:3, :3].T + predicted[:3, 3]).T
+        width, height = self._sensor.image_size
+        with np.errstate(divide="ignore", invalid="ignore"):
+            u, v = fx * x / z + cx, fy * y / z + cy
+            kept = np.flatnonzero((z > 0.05) & (u >= 0) & (u < width) & (v >= 0) & (v < height))
+            projections = np.column_stack([u, v, u - bf / z])[kept].astype(np.float32)
+        before = rows[kept]
+        octaves = last.features.octave[before].astype(np.int32)
+        for radius in (config.motion_radius, 2 * config.motion_radius):
+            match = self._associator.match_windows(
+                view, projections, octaves, last.features.descriptor[before], last.features.angle[before], radius
             )
-        self._remember_sharpness(frame)
-        start = _Estimate(inverse_transform(_FIRST_WORLD_FROM_CAMERA), np.full(features.rows, -1, np.int32), depths)
-        self.state = TrackingState.TRACKING
-        return self._commit(frame, features, self._add_keyframe(frame, features, start, everything=True), True, "")
+            if np.count_nonzero(match >= 0) >= config.min_motion_matches:
+                return self._associator.optimise(view.features, predicted, match, positions[kept], points[kept])
+        return None
 
-    def _lose(self, frame: RgbdFrame, features: Features, estimate: _Estimate | None) -> TrackedFrame:
-        matches = 0 if estimate is None else int((estimate.points >= 0).sum())
-        parts = [f"{matches} map points matched", f"{features.rows} keypoints"]
+    def _from_reference(self, view: View) -> Estimate | None:
+        """Match descriptors against the reference keyframe, wherever they are in the image."""
+        points = self._associator.match_descriptors(view, self._reference)
+        if np.count_nonzero(points >= 0) < self._config.min_motion_matches:
+            return None
+        guess = self._pose(self._last) if self._last is not None else self._map.camera_from_world(self._reference)
+        return self._associator.optimise_on_map(view.features, guess, points)
+
+    def _search_local_map(self, view: View, start: _Start) -> Estimate | None:
+        """Search the points of covisible keyframes near their projections, and optimise with all matches."""
+        slam_map, associator = self._map, self._associator
+        m = slam_map.columns
+        local = associator.around(start.near, self._config.local_keyframes)
+        if not len(local):
+            return None
+        candidates = graph.points_of(m, local, slam_map.point_count)
+        held = start.points[start.points >= 0]
+        is_held = np.zeros(slam_map.point_count, np.bool_)
+        is_held[held] = True
+        predicted = associator.predict(candidates[~is_held[candidates]], start.camera_from_world)
+        found = associator.match_predicted(view, predicted, start.points >= 0)
+        points = np.where(found >= 0, found, start.points)
+        refined = associator.optimise_on_map(view.features, start.camera_from_world, points)
+        if self._grows:
+            m.visible[predicted.points] += 1
+            m.visible[held] += 1
+            if refined is not None:
+                m.found[refined.points[refined.points >= 0]] += 1
+        if refined is not None:
+            self._reference = int(local[0])
+        return refined
+
+    # What becomes of the frame ----------------------------------------------------------------------------------
+
+    def _initialise(self, frame: RgbdFrame, gray: NDArray[np.uint8], features: Features) -> TrackedFrame:
+        """The first frame with enough depth founds the map."""
+        depths, needed = int(features.has_depth.sum()), self._keyframe_config.min_start_depths
+        if depths < needed:
+            return self._without_pose(
+                frame, f"waiting for a first view: {depths} of {features.rows} keypoints have depth, {needed} needed"
+            )
+        self._tell(EventKind.INITIALISED, frame, f"{depths} keypoints with depth")
+        return self._found(frame, gray, features, inverse_transform(_FIRST_WORLD_FROM_CAMERA))
+
+    def _found(
+        self, frame: RgbdFrame, gray: NDArray[np.uint8], features: Features, camera_from_world: _Matrix
+    ) -> TrackedFrame:
+        """Begin a map or sub-map: every keypoint with depth is a point."""
+        self.state, self._unknown_since, self._reference = TrackingState.TRACKING, None, -1
+        self._remember_sharpness(frame)
+        nothing_seen = Estimate(camera_from_world, np.full(features.rows, -1, np.int32), 0)
+        estimate = self._add_keyframe(frame, features, nothing_seen, everything=True)
+        self._anchored_at = frame.timestamp
+        return self._commit(frame, gray, features, estimate, is_keyframe=True, reason="")
+
+    def _lose(
+        self, frame: RgbdFrame, gray: NDArray[np.uint8], features: Features, estimate: Estimate | None
+    ) -> TrackedFrame:
+        """Say why; after usable but unknown views for long, begin a sub-map where the camera was last known to be."""
+        depths = int(features.has_depth.sum())
+        parts = [f"{0 if estimate is None else estimate.matches} map points matched", f"{features.rows} keypoints"]
         if features.rows:
-            parts.append(f"{features.has_depth.mean():.0%} of them with depth")
+            parts.append(f"{depths / features.rows:.0%} of them with depth")
         sharpness = _sharpness(frame)
         if self._usual_sharpness > 0 and sharpness < self._config.blur_ratio * self._usual_sharpness:
             parts.append(f"blurred (sharpness {sharpness / self._usual_sharpness:.0%} of the usual)")
-        self.state = TrackingState.LOST
-        self._last, self._features, self._current_from_last = None, None, None
-        return self._without_pose(frame, TrackingState.LOST, ", ".join(parts))
+        reason = ", ".join(parts)
+        if self.state is not TrackingState.LOST:
+            self._tell(EventKind.LOST, frame, reason)
+        self.state, self._last, self._velocity = TrackingState.LOST, None, np.eye(4)
+        if depths < self._keyframe_config.min_start_depths or not self._grows:
+            self._unknown_since = None
+        elif self._unknown_since is None:
+            self._unknown_since = frame.timestamp
+        elif frame.timestamp - self._unknown_since >= self._config.submap_after:
+            self._tell(EventKind.NEW_SUBMAP, frame, f"unknown for {self._config.submap_after:g} s ({reason})")
+            return self._found(frame, gray, features, self._map.camera_from_world(self._reference))
+        return self._without_pose(frame, reason)
 
-    def _without_pose(self, frame: RgbdFrame, state: TrackingState, reason: str) -> TrackedFrame:
-        return TrackedFrame(frame.index, frame.timestamp, state, self._reference, None, None, 0, False, reason)
+    def _without_pose(self, frame: RgbdFrame, reason: str) -> TrackedFrame:
+        return TrackedFrame(frame.index, frame.timestamp, self.state, self._reference, None, None, 0, False, reason)
 
-    def _accept(self, frame: RgbdFrame, features: Features, estimate: _Estimate) -> TrackedFrame:
-        matches = int((estimate.points >= 0).sum())
-        weak = matches < self._config.weak_inliers
-        self.state = TrackingState.WEAK if weak else TrackingState.TRACKING
-        reason = f"{matches} map points matched" if weak else ""
-        if not weak:
+    def _accept(
+        self,
+        frame: RgbdFrame,
+        gray: NDArray[np.uint8],
+        features: Features,
+        estimate: Estimate,
+        may_become_keyframe: bool = False,
+    ) -> TrackedFrame:
+        weak = estimate.matches < self._config.weak_inliers
+        reason = f"{estimate.matches} map points matched" if weak else ""
+        if weak != (self.state is TrackingState.WEAK):
+            self._tell(EventKind.WEAK if weak else EventKind.TRACKING, frame, reason)
+        self.state, self._unknown_since = TrackingState.WEAK if weak else TrackingState.TRACKING, None
+        if may_become_keyframe and not weak:
             self._remember_sharpness(frame)
-        wanted = self._policy.wants(frame.timestamp, features, estimate.points >= 0)
-        if wanted:
+        is_keyframe = (
+            may_become_keyframe and self._grows and self._policy.wants(frame.timestamp, features, estimate.points >= 0)
+        )
+        if is_keyframe:
             estimate = self._add_keyframe(frame, features, estimate, everything=False)
-        return self._commit(frame, features, estimate, wanted, reason)
+        return self._commit(frame, gray, features, estimate, is_keyframe, reason)
 
     def _commit(
-        self, frame: RgbdFrame, features: Features, estimate: _Estimate, is_keyframe: bool, reason: str
+        self,
+        frame: RgbdFrame,
+        gray: NDArray[np.uint8],
+        features: Features,
+        estimate: Estimate,
+        is_keyframe: bool,
+        reason: str,
     ) -> TrackedFrame:
         """Keep the frame as the one that the next is predicted from."""
         world_from_camera = inverse_transform(estimate.camera_from_world)
-        if self._last is not None:
-            self._current_from_last = estimate.camera_from_world @ inverse_transform(self._last.camera_from_world)
         reference_from_world = self._map.camera_from_world(self._reference)
-        self._features, self._last = features, estimate
-        self._last_from_reference = estimate.camera_from_world @ inverse_transform(reference_from_world)
+        if self._last is not None and frame.timestamp > self._last.timestamp:
+            self._velocity = estimate.camera_from_world @ inverse_transform(self._pose(self._last))
+            self._seconds_between = frame.timestamp - self._last.timestamp
+        keyframe_from_camera = reference_from_world @ world_from_camera
+        self._last = _Last(
+            frame.timestamp, gray, features, estimate.points, self._reference, inverse_transform(keyframe_from_camera)
+        )
         return TrackedFrame(
             frame.index,
             frame.timestamp,
             self.state,
             self._reference,
-            reference_from_world @ world_from_camera,
+            keyframe_from_camera,
             world_from_camera,
-            int((estimate.points >= 0).sum()),
+            estimate.matches,
             is_keyframe,
             reason,
         )
 
-    def after_map_change(self) -> None:
-        """Move the last frame with its reference keyframe after mapping has adjusted the map."""
-        if self._last is None or self._last_from_reference is None:
-            return
-        moved = self._last_from_reference @ self._map.camera_from_world(self._reference)
-        alive = self._map.columns.point_alive
-        points = np.where((self._last.points >= 0) & alive[self._last.points], self._last.points, -1)
-        self._last = replace(self._last, camera_from_world=moved, points=points.astype(np.int32))
-
-    def change_world(self, new_from_old_world: _Matrix) -> None:
-        """Follow a change of the map's world frame (4×4)."""
-        if self._last is not None:
-            pose = self._last.camera_from_world @ inverse_transform(new_from_old_world)
-            self._last = replace(self._last, camera_from_world=pose)
-
-    # Finding the pose --------------------------------------------------------------------------------------------
-
-    def _follow_motion(self, features: Features) -> _Estimate | None:
-        """Constant velocity, then the last frame's points in windows around where they should appear."""
-        if self._last is None or self._features is None or self._current_from_last is None:
-            return None
-        last, config = self._features, self._config
-        predicted = self._current_from_last @ self._last.camera_from_world
-        orthonormalise(predicted)
-        mapped = self._last.points >= 0
-        rows = np.flatnonzero(mapped | last.has_depth).astype(np.int32)
-        if len(rows) < config.min_pose_inliers:
-            return None
-        points = self._last.points[rows]
-        in_camera = self._sensor.back_project(last.pixels[rows], last.depth[rows])
-        world_from_last = inverse_transform(self._last.camera_from_world)
-        positions = in_camera @ world_from_last[:3, :3].T + world_from_last[:3, 3]
-        is_mapped = points >= 0
-        positions[is_mapped] = self._map.columns.position[points[is_mapped]]
-        for radius in (config.motion_radius, 2 * config.motion_radius):
-            match = self._search_last_frame(features, last, rows, positions, predicted, radius)
-            if np.count_nonzero(match >= 0) >= config.min_motion_matches:
-                return self._optimise(features, predicted, match, positions, points)
-        return None
-
-    def _search_last_frame(
-        self,
-        features: Features,
-        last: Features,
-        rows: _Rows,
-        positions: _Matrix,
-        camera_from_world: _Matrix,
-        radius: float,
-    ) -> _Rows:
-        """(n,) for each keypoint the row of `positions` that it sees, or -1."""
-        fx, fy, cx, cy, bf = self._sensor.intrinsics
-        x, y, z = (positions @ camera_from_world[:3, :3].T + camera_from_world[:3, 3]).T
-        width, height = self._sensor.image_size
-        with np.errstate(divide="ignore", invalid="ignore"):
-            u, v = fx * x / z + cx, fy * y / z + cy
-            ok = (z > 0.05) & (u >= 0) & (u < width) & (v >= 0) & (v < height)
-            projections = np.column_stack([u, v, u - bf / z])[ok].astype(np.float32)
-        kept = np.flatnonzero(ok)
-        octave = last.octave[rows[kept]].astype(np.int32)
-        radii = (radius * self._sensor.scales[octave]).astype(np.float32)
-        match = matching.search_windows(
-            projections,
-            radii,
-            octave - 1,
-            octave + 1,
-            last.descriptor[rows[kept]],
-            self._keypoints(features),
-            np.zeros(features.rows, np.bool_),
-            self._config.hamming_loose,
-            1.0,
-        )
-        matching.keep_consistent_rotations(match, last.angle[rows[kept]], features.angle)
-        return np.where(match >= 0, kept[match], -1).astype(np.int32)
-
-    def _keypoints(self, features: Features) -> matching.Keypoints:
-        starts, order, size = matching.build_grid(features.pixels, *self._sensor.image_size)
-        return matching.Keypoints(
-            features.pixels, features.u_right, features.has_depth, features.octave, features.descriptor,
-            starts, order, size,
-        )  # fmt: skip
-
-    def _optimise(
-        self, features: Features, guess: _Matrix, match: _Rows, positions: _Matrix, points: _Rows
-    ) -> _Estimate | None:
-        """Pose from matches; `match` (n,) gives the row of `positions` and of `points` for each keypoint."""
-        keypoints = np.flatnonzero(match >= 0)
-        rows = match[keypoints]
-        depth = features.depth[keypoints]
-        camera_from_world, inlier, _, _ = pose.optimise_pose(
-            guess,
-            positions[rows],
-            features.pixels[keypoints],
-            features.pixels[keypoints, 0] - features.u_right[keypoints],
-            features.has_depth[keypoints],
-            self._sensor.pixel_information[features.octave[keypoints]],
-            self._sensor.disparity_information(depth),
-            self._sensor.intrinsics,
-            self._config.pose_rounds,
-            self._config.pose_iterations,
-        )
-        inliers = int(inlier.sum())
-        if inliers < self._config.min_pose_inliers:
-            return None
-        held = np.full(features.rows, -1, np.int32)
-        held[keypoints[inlier]] = points[rows[inlier]]
-        return _Estimate(camera_from_world, held, inliers)
-
-    def _follow_reference(self, features: Features, keyframe: int) -> _Estimate | None:
-        """Match descriptors against a keyframe's points, wherever they are in the image."""
-        m = self._map.columns
-        slot = int(m.keyframe_slot[keyframe])
-        if slot < 0:
-            return None
-        rows = np.flatnonzero(m.point[slot, : m.feature_count[slot]] >= 0).astype(np.int32)
-        match = matching.match_brute_force(
-            m.descriptor[slot, rows], features.descriptor, self._config.hamming_strict, self._config.ratio_brute_force
-        )
-        matching.keep_consistent_rotations(match, m.angle[slot, rows], features.angle)
-        if np.count_nonzero(match >= 0) < self._config.min_motion_matches:
-            return None
-        points = m.point[slot, rows]
-        guess = self._last.camera_from_world if self._last is not None else m.camera_from_world[keyframe].copy()
-        return self._optimise(features, guess, match, m.position[points], points)
-
-    def _recover(self, features: Features) -> _Estimate | None:
-        """Try the newest keyframes and those around the place where tracking was lost."""
-        m = self._map.columns
-        living = self._map.living_keyframes()
-        near = self._map.covisible(self._reference, 1) if self._map.is_alive(self._reference) else living[:0]
-        half = self._config.recovery_keyframes // 2
-        tried = dict.fromkeys([self._reference, *living[::-1][:half].tolist(), *near[:half].tolist()])
-        best: _Estimate | None = None
-        for keyframe in tried:
-            estimate = self._follow_reference(features, keyframe) if m.keyframe_slot[keyframe] >= 0 else None
-            if estimate is not None and (best is None or estimate.inliers > best.inliers):
-                best = estimate
-        return best
-
-    def _follow_local_map(self, features: Features, estimate: _Estimate) -> _Estimate | None:
-        """Search the points of covisible keyframes near their projections, and optimise with all matches."""
-        slam_map, sensor, config = self._map, self._sensor, self._config
-        m = slam_map.columns
-        local = self._local_keyframes(estimate.points)
-        if not len(local):
-            return estimate
-        self._reference = int(local[0])
-        candidates = graph.points_of(m, local, slam_map.point_count)
-        held = estimate.points[estimate.points >= 0]
-        is_held = np.zeros(slam_map.point_count, np.bool_)
-        is_held[held] = True
-        kept, projections, levels, cosines = matching.project_candidates(
-            candidates[~is_held[candidates]],
-            m.position,
-            m.normal,
-            m.distance_range,
-            estimate.camera_from_world,
-            sensor.intrinsics,
-            sensor.image_size,
-            len(sensor.scales),
-            sensor.log_scale,
-            config.min_view_cosine,
-        )
-        frontal = cosines > config.frontal_cosine
-        radius = np.where(frontal, config.local_map_radius_frontal, config.local_map_radius)
-        match = matching.search_windows(
-            projections,
-            (radius * sensor.scales[levels]).astype(np.float32),
-            levels - 1,
-            levels,
-            m.point_descriptor[kept],
-            self._keypoints(features),
-            estimate.points >= 0,
-            config.hamming_loose,
-            config.ratio_local_map,
-        )
-        points = np.where(match >= 0, kept[match] if len(kept) else -1, estimate.points).astype(np.int32)
-        rows = np.flatnonzero(points >= 0)
-        numbering = np.full(features.rows, -1, np.int32)
-        numbering[rows] = np.arange(len(rows))
-        refined = self._optimise(
-            features, estimate.camera_from_world, numbering, m.position[points[rows]], points[rows]
-        )
-        m.visible[kept] += 1
-        m.visible[held] += 1
-        if refined is not None:
-            m.found[refined.points[refined.points >= 0]] += 1
-        return refined
-
-    def _local_keyframes(self, points: _Rows) -> _Rows:
-        """Keyframes that share points with the frame, most first, then those that share points with them."""
-        slam_map, limit = self._map, self._config.local_keyframes
-        counts = graph.count_shared_points(slam_map.columns, points, slam_map.keyframe_count)
-        order = np.argsort(-counts, kind="stable").astype(np.int32)
-        first = order[: min(int(np.count_nonzero(counts)), limit)]
-        if len(first) in (0, limit):
-            return first
-        around = graph.points_of(slam_map.columns, first, slam_map.point_count)
-        counts = graph.count_shared_points(slam_map.columns, around, slam_map.keyframe_count)
-        counts[first] = 0
-        order = np.argsort(-counts, kind="stable").astype(np.int32)
-        second = order[: min(int(np.count_nonzero(counts)), limit - len(first))]
-        return np.concatenate([first, second])
+    def _tell(self, kind: EventKind, frame: RgbdFrame, reason: str) -> None:
+        self._on_event(SlamEvent(kind, frame.index, frame.timestamp, reason))
 
     # Keyframes ---------------------------------------------------------------------------------------------------
 
-    def _add_keyframe(self, frame: RgbdFrame, features: Features, estimate: _Estimate, everything: bool) -> _Estimate:
+    def _add_keyframe(self, frame: RgbdFrame, features: Features, estimate: Estimate, everything: bool) -> Estimate:
         """Put the frame into the map and make points of its keypoints with depth."""
         slam_map, config = self._map, self._keyframe_config
         keyframe = slam_map.add_keyframe(
@@ -360,8 +398,7 @@ class Tracker:
         free = np.flatnonzero(features.has_depth & (estimate.points < 0))
         nearest = free[np.argsort(features.depth[free], kind="stable")]
         wanted = len(nearest) if everything else int((features.depth[nearest] < config.point_depth).sum())
-        held = int((estimate.points >= 0).sum())
-        chosen = nearest[: max(wanted, config.points_in_view - held)].astype(np.int32)
+        chosen = nearest[: max(wanted, config.points_in_view - estimate.matches)].astype(np.int32)
         in_camera = self._sensor.back_project(features.pixels[chosen], features.depth[chosen])
         world_from_camera = inverse_transform(estimate.camera_from_world)
         first = slam_map.add_points(
@@ -380,6 +417,9 @@ class Tracker:
 
 _FIRST_WORLD_FROM_CAMERA = np.array([[0.0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
 """The map frame starts at the first camera with REP-103 axes: x forward, y left, z up."""
+
+_MOST_STEPS_AHEAD = 5
+"""Frames that may be missing for constant velocity to be believed."""
 
 
 def _sharpness(frame: RgbdFrame) -> float:

@@ -1,4 +1,7 @@
-"""Where the camera was: every frame kept relative to its reference keyframe, so that each correction reaches it."""
+"""Where the camera was: every frame kept relative to its reference keyframe, so that each correction reaches it.
+
+A map may grow over several recordings, whose times may overlap: each is a session of its own.
+"""
 
 from typing import Any
 
@@ -20,28 +23,45 @@ class Trajectory:
         self._states: list[int] = []
         self._keyframes: list[int] = []
         self._poses: list[NDArray[np.float64]] = []
+        self._sessions: list[int] = []
+        self.session = 0
 
     def __len__(self) -> int:
         return len(self._indices)
+
+    def begin_session(self) -> None:
+        """What is appended from now on belongs to another recording."""
+        self.session += 1
 
     def append(self, tracked: TrackedFrame) -> None:
         """Add one frame, tracked or not."""
         self._indices.append(tracked.index)
         self._timestamps.append(tracked.timestamp)
         self._states.append(_STATES.index(tracked.state))
+        self._sessions.append(self.session)
         has_pose = tracked.keyframe_from_camera is not None
         self._keyframes.append(tracked.keyframe if has_pose else -1)
         self._poses.append(tracked.keyframe_from_camera if tracked.keyframe_from_camera is not None else np.eye(4))
 
     @property
     def tracked_count(self) -> int:
-        """Number of frames with a pose."""
-        return sum(keyframe >= 0 for keyframe in self._keyframes)
+        """Number of frames of the newest session with a pose, in whichever sub-map."""
+        return sum(k >= 0 and s == self.session for k, s in zip(self._keyframes, self._sessions, strict=True))
 
-    def world_from_camera(self, slam_map: SlamMap) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Timestamps (n,) and poses (n, 4, 4) of the tracked frames as the map has them now."""
+    def world_from_camera(
+        self, slam_map: SlamMap, session: int | None = None
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Timestamps (n,) and poses (n, 4, 4) of a session's tracked frames as the map has them now.
+
+        Frames in sub-maps that were never merged have no pose in the map frame and are left out.
+
+        Args:
+            slam_map: the map that they were tracked in.
+            session: number of the recording; the newest without.
+        """
         keyframes = np.array(self._keyframes, dtype=np.int64)
-        tracked = keyframes >= 0
+        at_home = np.append(slam_map.submaps() == slam_map.home, False)[keyframes]
+        tracked = at_home & (np.array(self._sessions) == (self.session if session is None else session))
         relative = np.array(self._poses).reshape(-1, 4, 4)[tracked]
         used, rows = np.unique(keyframes[tracked], return_inverse=True)
         world_from_keyframe = np.array([slam_map.world_from_keyframe(int(k)) for k in used]).reshape(-1, 4, 4)
@@ -56,6 +76,7 @@ class Trajectory:
             "state": np.array(self._states, np.uint8),
             "keyframe": np.array(self._keyframes, np.int32),
             "keyframe_from_camera": np.array(self._poses, np.float64).reshape(-1, 4, 4),
+            "session": np.array(self._sessions, np.int32),
         }
 
     @classmethod
@@ -66,7 +87,7 @@ class Trajectory:
             KeyError, ValueError: a column is missing, has another shape, or names a state that does not exist.
         """
         count = len(arrays["index"])
-        for name in ("index", "timestamp", "state", "keyframe"):
+        for name in ("index", "timestamp", "state", "keyframe", "session"):
             if arrays[name].shape != (count,):
                 raise ValueError(f"trajectory column {name} has shape {arrays[name].shape}, not {(count,)}")
         if arrays["keyframe_from_camera"].shape != (count, 4, 4):
@@ -79,4 +100,6 @@ class Trajectory:
         trajectory._states = arrays["state"].tolist()
         trajectory._keyframes = arrays["keyframe"].tolist()
         trajectory._poses = list(arrays["keyframe_from_camera"])
+        trajectory._sessions = arrays["session"].tolist()
+        trajectory.session = max(trajectory._sessions, default=0)
         return trajectory

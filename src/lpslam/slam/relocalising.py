@@ -1,0 +1,66 @@
+"""Finding a lost view in the whole map (ORB-SLAM, V-B)."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from lpslam.camera import inverse_transform
+from lpslam.config import LocatingConfig, TrackingConfig
+from lpslam.slam.features import Features
+from lpslam.slam.locating import Located, Locator
+from lpslam.slam.map import SlamMap
+from lpslam.slam.places import PlaceIndex, group_candidates
+
+
+class Relocaliser:
+    """Asks place recognition for candidates and believes one that holds, unless another holds as well elsewhere."""
+
+    def __init__(
+        self,
+        slam_map: SlamMap,
+        places: PlaceIndex,
+        locator: Locator,
+        tracking: TrackingConfig,
+        locating: LocatingConfig,
+    ) -> None:
+        self._map = slam_map
+        self._places = places
+        self._locator = locator
+        self._candidates = tracking.recovery_candidates
+        self._config = locating
+
+    def find(self, features: Features, last_reference: int) -> Located | None:
+        """The place of a view, or None; the caller holds the map's lock.
+
+        Args:
+            features: the view's keypoints.
+            last_reference: the keyframe by which the camera was last seen, tried first.
+        """
+        found = [
+            located
+            for candidate in self._likely(features, last_reference)
+            if (located := self._locator.locate(features, candidate)) is not None
+        ]
+        if not found:
+            return None
+        best = max(found, key=lambda located: located.inliers)
+        rivals = [other for other in found if other.inliers > self._config.rival_share * best.inliers]
+        return None if any(self._is_elsewhere(best, other) for other in rivals) else best
+
+    def _likely(self, features: Features, last_reference: int) -> Iterator[int]:
+        tried = {last_reference}
+        if last_reference >= 0 and self._map.is_alive(last_reference):
+            yield last_reference
+        scores = self._places.query(features.descriptor)
+        for candidate in group_candidates(scores, self._map.covisible, self._candidates):
+            if candidate not in tried and self._map.is_alive(candidate):
+                tried.add(candidate)
+                yield candidate
+
+    def _is_elsewhere(self, one: Located, other: Located) -> bool:
+        """Whether two places contradict each other; in different sub-maps both may be the same place."""
+        submaps = self._map.submaps()
+        if submaps[one.keyframe] != submaps[other.keyframe]:
+            return False
+        apart = inverse_transform(one.camera_from_world)[:3, 3] - inverse_transform(other.camera_from_world)[:3, 3]
+        return float(np.linalg.norm(apart)) > self._config.rival_distance
