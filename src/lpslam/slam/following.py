@@ -22,20 +22,22 @@ class Flow:
     raw: NDArray[np.float32]
 
 
-def choose_followed(pixels: NDArray[np.float32], octave: NDArray[np.uint8], limit: int) -> NDArray[np.int64]:
-    """Rows of at most `limit` keypoints (n, 2), spread over the image; fine levels first, whose flow is sharpest."""
+def choose_followed(
+    pixels: NDArray[np.float32], octave: NDArray[np.uint8], is_mapped: NDArray[np.bool_], limit: int
+) -> NDArray[np.int64]:
+    """Rows of at most `limit` keypoints (n, 2): those in the map first, spread over the image, fine levels first."""
     if len(pixels) <= limit:
         return np.arange(len(pixels))
-    order = np.lexsort((np.arange(len(pixels)), octave))
-    side = _CELL
-    cell = np.floor(pixels[order] / side).astype(np.int64) @ np.array([1, 1000])
+    order = np.lexsort((octave, ~is_mapped))
+    cell = np.floor(pixels[order] / _CELL).astype(np.int64) @ np.array([1, 1000])
     # Rank within the cell: the first of every cell is taken before the second of any.
     by_cell = np.argsort(cell, kind="stable")
     starts = np.flatnonzero(np.r_[True, np.diff(cell[by_cell]) != 0])
     lengths = np.diff(np.r_[starts, len(cell)])
     rank = np.empty(len(cell), np.int64)
     rank[by_cell] = np.arange(len(cell)) - np.repeat(starts, lengths)
-    chosen: NDArray[np.int64] = np.sort(order[np.argsort(rank, kind="stable")[:limit]])
+    preferred = np.lexsort((rank, ~is_mapped[order]))
+    chosen: NDArray[np.int64] = np.sort(order[preferred[:limit]])
     return chosen
 
 

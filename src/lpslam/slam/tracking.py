@@ -130,7 +130,9 @@ class Tracker:
         with self._map.lock:
             rows, points, positions = self._seen(last)
             predicted = self._predict(last, frame.timestamp)
-        chosen = choose_followed(last.features.pixels[rows], last.features.octave[rows], config.followed_points)
+        chosen = choose_followed(
+            last.features.pixels[rows], last.features.octave[rows], points >= 0, config.followed_points
+        )
         rows, points, positions = rows[chosen], points[chosen], positions[chosen]
         if len(rows) < config.min_followed:
             return None
