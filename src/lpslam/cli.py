@@ -77,10 +77,24 @@ def run(
         Path,
         typer.Argument(metavar="SOURCE", help="Folder of a recording: TUM RGB-D or 7-Scenes.", show_default=False),
     ],
-    output: Annotated[Path, typer.Option("--output", "-o", metavar="MAP.lpmap", help="Where the map goes.")],
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="MAP.lpmap", help="Where the map goes.")
+    ] = None,
+    continued: Annotated[
+        Path | None, typer.Option("--continue", metavar="MAP", help="Let this map grow; it is read, not overwritten.")
+    ] = None,
+    localize: Annotated[
+        Path | None, typer.Option("--localize", metavar="MAP", help="Map nothing: find the camera in this map.")
+    ] = None,
+    trajectory: Annotated[
+        Path | None, typer.Option("--trajectory", metavar="OUT.txt", help="Write the camera's poses (TUM format).")
+    ] = None,
     camera: Annotated[
         Path | None, typer.Option("--camera", metavar="FILE", help="Calibration to use instead of the recording's.")
     ] = None,
+    live: Annotated[
+        bool, typer.Option("--live", help="At the recording's pace, as from a camera: drops frames when late.")
+    ] = False,
     sequential: Annotated[
         bool, typer.Option("--sequential", help="Read in step with tracking: slower, the same map every time.")
     ] = False,
@@ -90,15 +104,31 @@ def run(
     config: ConfigFile = None,
     as_json: Json = False,
 ) -> None:
-    """Map a recording: track the camera, read the scene's text, remember it and place it."""
+    """Map a recording: track the camera, read the scene's text, remember it and place it.
+
+    With --continue a map grows by another recording of the same camera; with --localize it is only read.
+    """
+    from lpslam.errors import UserError
     from lpslam.language.registry import language_model
     from lpslam.mapfile.container import refuse_foreign_file
     from lpslam.sources.open import open_source
 
     # A mistake shows before anything slow is loaded.
-    refuse_foreign_file(output)
+    if localize is not None:
+        _refuse_with_localize(output, continued, live, trajectory)
+    elif output is None:
+        raise UserError("where should the map go? give --output MAP.lpmap (or --localize MAP to use one as it is)")
+    else:
+        refuse_foreign_file(output)
+    if trajectory is not None:
+        _refuse_unwritable(trajectory)
     settings = _config(config)
     frames = open_source(source, camera, max_frames, settings.calibration)
+    base = _map_for(localize or continued, frames.camera)
+    if localize is not None and trajectory is not None:
+        _localise(frames, base, settings, localize, trajectory, as_json)
+        return
+    assert output is not None
     language = language_model(llm, settings.language)
 
     from lpslam import pipeline
@@ -113,6 +143,8 @@ def run(
             language=language,
             text=not no_text,
             sequential=sequential,
+            live=live,
+            base=base,
             on_progress=progress.update,
             should_stop=interrupted.is_set,
         )
@@ -122,10 +154,67 @@ def run(
         world.save(output)
     for note in run_notes(world, frames.faults, progress.first_untracked, language.model):
         _say(note)
+    if trajectory is not None:
+        world.frame_poses().to_tum_file(trajectory, ["camera optical frame in the map frame"])
     _print_facts(world, output, as_json)
     if interrupted.is_set():
         _say(f"interrupted; the map so far is in {output}")
         raise typer.Exit(_INTERRUPTED)
+
+
+def _localise(frames: Any, world: Any, settings: Any, map_file: Path, trajectory: Path, as_json: bool) -> None:
+    from lpslam import pipeline
+    from lpslam.views.notes import event_notes
+    from lpslam.views.run_progress import InterruptFlag, RunProgress, prepare
+
+    prepare()
+    with InterruptFlag() as interrupted, RunProgress(len(frames)) as progress:
+        found = pipeline.localise(frames, world, settings, on_progress=progress.update, should_stop=interrupted.is_set)
+        found.poses.to_tum_file(trajectory, [f"camera optical frame in the frame of {map_file.name}"])
+    for note in event_notes(found.events):
+        _say(note)
+    facts = {
+        "map": str(map_file),
+        "trajectory": str(trajectory),
+        "frames": found.frames,
+        "frames_localised": len(found.poses),
+        "milliseconds_a_frame": round(1000 * found.seconds_tracking / max(found.frames, 1), 1),
+    }
+    if as_json:
+        _print_json(facts)
+    else:
+        _print_table({what.replace("_", " "): str(value) for what, value in facts.items()})
+    if interrupted.is_set():
+        raise typer.Exit(_INTERRUPTED)
+
+
+def _refuse_with_localize(output: Path | None, continued: Path | None, live: bool, trajectory: Path | None) -> None:
+    from lpslam.errors import UserError
+
+    for given, option in ((output, "--output"), (continued, "--continue"), (live, "--live")):
+        if given:
+            raise UserError(f"--localize and {option} exclude each other: the map is only read")
+    if trajectory is None:
+        raise UserError("where should the poses go? give --trajectory OUT.txt with --localize")
+
+
+def _refuse_unwritable(path: Path) -> None:
+    from lpslam.errors import UserError
+
+    if path.is_dir() or not path.absolute().parent.is_dir():
+        raise UserError(f"{path} cannot be written: {'it is a folder' if path.is_dir() else 'its folder is missing'}")
+
+
+def _map_for(path: Path | None, camera: Any) -> Any:
+    """The saved map of a recording with the same camera; None without one."""
+    from lpslam.mapfile.compatibility import refuse_other_camera
+    from lpslam.mapfile.language_map import LanguageMap
+
+    if path is None:
+        return None
+    world = LanguageMap.load(path)
+    refuse_other_camera(world.camera, camera, path)
+    return world
 
 
 @app.command()
@@ -175,11 +264,15 @@ def ask(
 @app.command()
 def info(map_file: MapFile, as_json: Json = False) -> None:
     """Say what a map holds."""
+    from dataclasses import asdict
+
     from lpslam.mapfile.language_map import LanguageMap
 
     world = LanguageMap.load(map_file)
     if as_json:
-        _print_json({**_facts(world, map_file), "statistics": world.statistics, **_landmark_records(world.landmarks())})
+        events = [asdict(event) for event in world.events]
+        record = {**_facts(world, map_file), "statistics": world.statistics, "events": events}
+        _print_json({**record, **_landmark_records(world.landmarks())})
     else:
         _print_facts(world, map_file, as_json)
         _print_landmarks(world.landmarks(), "Texts in long-term memory", as_json)

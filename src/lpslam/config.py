@@ -197,6 +197,10 @@ class TrackingConfig(_Section):
     local_keyframes: int = 60  # most covisible keyframes whose points are searched
     pose_rounds: int = Field(default=4, ge=1)  # rounds of outlier judgement
     pose_iterations: int = 10  # Gauss-Newton steps a round at most
+    doubtful_share: float = Field(default=0.7, ge=0, le=1)  # of the matches; fewer agree, and a majority is looked for
+    majority_trials: int = Field(default=100, ge=1)  # RANSAC hypotheses at most; half wrong matches need about 70
+    most_trust: int = Field(default=5, ge=1)  # observations by keyframes, of which more do not count more
+    majority_pixels: float = Field(default=4.0, gt=0)  # reprojection error of those who agree, before refinement
     recovery_keyframes: int = 12  # newest and nearest keyframes tried when lost
     blur_ratio: float = 0.35  # share of the usual gradient energy below which a frame is called blurred
     followed_points: int = Field(default=250, ge=0)  # keypoints followed by optical flow between ORB frames; 0: never
@@ -204,6 +208,7 @@ class TrackingConfig(_Section):
     flow_levels: int = Field(default=2, ge=0)  # pyramid levels above the image: 2 reach 30 px beyond the prediction
     flow_steps: int = Field(default=12, ge=1)  # iterations a level at most
     flow_precision: float = Field(default=0.03, gt=0)  # pixels; a smaller step ends the iteration
+    min_flow_agreement: float = Field(default=0.5, ge=0, le=1)  # share of the flow that one motion must explain
     min_followed: int = 60  # inliers; fewer, and the frame is matched with the map at once
     min_followed_share: float = Field(default=0.7, ge=0, le=1)  # of those followed first, the same
     anchor_interval: float = Field(default=0.09, ge=0)  # seconds after which a frame is matched with the map anyway
@@ -273,6 +278,33 @@ class PlacesConfig(_Section):
     least_share: float = Field(default=0.75, ge=0, le=1)  # of the best place's score together that a place must have
 
 
+class LoopConfig(_Section):
+    """Knowing again a place that was mapped before, and making the map one there."""
+
+    min_keyframes_apart: int = Field(default=10, ge=1)  # keyframes; nearer ones are the way just walked, not a return
+    pause: int = 10  # keyframes after closing a loop in which none is looked for: what was fused must settle
+    covisible_points: int = Field(default=15, ge=1)  # shared points of keyframes that belong to one place
+    candidates: int = Field(default=3, ge=1)  # most places tried a keyframe; each costs a brute-force matching
+    votes: int = Field(default=3, ge=1)  # keyframes that must find the same correction, each by its own keypoints
+    vote_neighbours: int = 4  # covisible keyframes asked at once; else the next keyframes are waited for
+    vote_distance: float = 0.1  # metres between keyframes that vote, or ...
+    vote_turn: float = 4.0  # ... degrees: the same picture twice is no second witness
+    patience: int = 2  # keyframes that may fail to see a place before its votes are forgotten
+    agreement_distance: float = Field(default=0.08, gt=0)  # metres by which votes may differ: noise at 4 m and drift
+    agreement_turn: float = Field(default=1.5, gt=0)  # degrees, the same
+    drift_allowance: float = 0.3  # metres that a correction may measure however short the way, ...
+    drift_share: float = 0.04  # ... and more by this share of it: RGB-D drifts by one or two per cent
+    turn_allowance: float = 5.0  # degrees, the same, ...
+    turn_rate: float = 0.5  # ... and degrees a metre
+    seam_keyframes: int = Field(default=15, ge=1)  # on either side of the seam, between which duplicates are fused
+    essential_points: int = Field(default=100, ge=1)  # shared points that make two keyframes an edge of the pose graph
+    loop_weight: float = Field(default=100.0, gt=0)  # of a verified tie over a metre walked: drift belongs to the way
+    lever: float = Field(default=3.0, gt=0)  # metres that a radian counts as: the distance of what is seen
+    iterations: int = Field(default=20, ge=1)  # of the pose graph at most; it takes three or four
+    first_adjusting: int = 4  # iterations of the full adjustment before outliers go, ...
+    adjusting: int = 6  # ... and after
+
+
 class LevellingConfig(_Section):
     """Levelling the map by the floor."""
 
@@ -297,6 +329,7 @@ class SlamConfig(_Section):
     locating: LocatingConfig = LocatingConfig()
     keyframes: KeyframeConfig = KeyframeConfig()
     mapping: MappingConfig = MappingConfig()
+    loops: LoopConfig = LoopConfig()
     levelling: LevellingConfig = LevellingConfig()
 
 

@@ -15,9 +15,11 @@ from lpslam.frames import FrameSource
 from lpslam.language.model import Candidate, Choice, LanguageModel
 from lpslam.language.offline import OfflineModel
 from lpslam.mapfile.language_map import LanguageMap
-from lpslam.slam.state import TrackedFrame
+from lpslam.poses import StampedPoses
+from lpslam.slam.state import SlamEvent, TrackedFrame
 from lpslam.slam.system import RgbdSlam
 from lpslam.sources.in_order import InOrder
+from lpslam.sources.pacing import Paced
 from lpslam.sources.prefetch import Prefetched
 from lpslam.text.distilling import DEFAULT_QUESTION, distil
 from lpslam.text.mapper import TextMapper
@@ -57,6 +59,23 @@ class Answer:
     alternatives: tuple[Landmark, ...] = ()
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Localised:
+    """Where the camera was in a saved map.
+
+    Attributes:
+        poses: of the frames that were found, in the map's frame.
+        frames: how many were tried.
+        events: what happened to tracking.
+        seconds_tracking: of processor and waiting time.
+    """
+
+    poses: StampedPoses
+    frames: int
+    events: list[SlamEvent]
+    seconds_tracking: float
+
+
 def run(
     source: FrameSource,
     config: Config | None = None,
@@ -64,6 +83,8 @@ def run(
     language: LanguageModel | None = None,
     text: bool = True,
     sequential: bool = True,
+    live: bool = False,
+    base: LanguageMap | None = None,
     on_progress: Callable[[Progress], None] = lambda progress: None,
     should_stop: Callable[[], bool] = lambda: False,
 ) -> LanguageMap:
@@ -76,6 +97,9 @@ def run(
         text: whether to read at all.
         sequential: read in step with tracking, the same map every time; else in a thread beside it, which drops
             frames when it falls behind.
+        live: take the frames at the pace at which they were recorded, as from a camera: mapping has threads of its own,
+            and frames that come while tracking is busy are dropped. Implies that reading is not sequential.
+        base: a map of an earlier recording that this one continues; it is changed and returned.
         on_progress: called after every frame.
         should_stop: asked before every frame; the map so far is returned when it says yes.
 
@@ -83,17 +107,26 @@ def run(
         UserError: not one frame of the source can be used, or tracked.
     """
     config = config or Config()
-    slam, text_map = RgbdSlam(source.camera, config.slam), TextMap(config.text)
+    slam = RgbdSlam(source.camera, config.slam, live=live, base=base.slam if base else None)
+    text_map = base.text if base else TextMap(config.text)
     mapper = _text_mapper(source.camera, config, language, text_map) if text else None
-    reader = ReadingThread(mapper, config.text.reading.queue_size) if mapper is not None and not sequential else None
+    first_index = 0
+    if base is not None:
+        slam.trajectory, first_index = base.trajectory, base.trajectory.begin_session()
+        if mapper is not None:
+            mapper.resume(base.world_from_keyframe)
+    beside = mapper is not None and (live or not sequential)
+    reader = ReadingThread(mapper, config.text.reading.queue_size) if mapper is not None and beside else None
     reading = reader or mapper
-    frames = Prefetched(InOrder(source))
+    decoded = Prefetched(InOrder(source))
+    frames = Paced(decoded) if live else decoded
     started, seconds_tracking, count = time.perf_counter(), 0.0, 0
     is_stopped, reason = False, "it gave none"
     with reader or nullcontext():
-        for frame in frames:
+        for given in frames:
             if is_stopped := should_stop():
                 break
+            frame = replace(given, index=first_index + given.index) if first_index else given
             before = time.perf_counter()
             tracked = slam.process(frame)
             seconds_tracking += time.perf_counter() - before
@@ -109,11 +142,11 @@ def run(
                     len(text_map.memory.long_term),
                 )
             )
+        slam.finish()
     if not is_stopped and slam.trajectory.tracked_count == 0:
         raise UserError(
             f"{source.name}: none of {count} frames can be tracked ({reason}); check its depth images and depth scale"
         )
-    slam.finish()
     return LanguageMap(
         camera=source.camera,
         slam=slam.map,
@@ -125,13 +158,50 @@ def run(
                 "frames": count,
                 "frames_tracked": slam.trajectory.tracked_count,
                 "frames_skipped": len(frames.faults),
+                "frames_dropped": frames.dropped if isinstance(frames, Paced) else 0,
                 "frames_unread_for_lack_of_time": reader.dropped if reader is not None else 0,
                 "seconds": time.perf_counter() - started,
                 "seconds_tracking_and_mapping": seconds_tracking,
             },
             "reading": asdict(mapper.statistics) if mapper is not None else {},
         },
+        events=slam.events,
     )
+
+
+def localise(
+    source: FrameSource,
+    world: LanguageMap,
+    config: Config | None = None,
+    *,
+    on_progress: Callable[[Progress], None] = lambda progress: None,
+    should_stop: Callable[[], bool] = lambda: False,
+) -> Localised:
+    """Localisation: find every frame in a saved map, which is only read.
+
+    Args:
+        source: RGB-D frames in order of time, of the camera that made the map.
+        world: the map.
+        config: thresholds; defaults without.
+        on_progress: called after every frame.
+        should_stop: asked before every frame; what was found so far is returned when it says yes.
+    """
+    config = config or Config()
+    slam = RgbdSlam(source.camera, config.slam, base=world.slam, grows=False)
+    started, seconds_tracking, count = time.perf_counter(), 0.0, 0
+    landmarks = len(world.text.memory.long_term)
+    for frame in Prefetched(InOrder(source)):
+        if should_stop():
+            break
+        before = time.perf_counter()
+        tracked = slam.process(frame)
+        seconds_tracking += time.perf_counter() - before
+        count += 1
+        rate = count / (time.perf_counter() - started)
+        on_progress(Progress(tracked, count, rate, slam.map.keyframe_count, landmarks))
+    slam.finish()
+    poses = StampedPoses(*slam.trajectory.world_from_camera(slam.map))
+    return Localised(poses, count, slam.events, seconds_tracking)
 
 
 def _text_mapper(
@@ -153,7 +223,7 @@ def distill(
     """
     if not question.strip():
         raise UserError("the question is empty; ask what makes a text a landmark, as in: Is this a shop?")
-    return distil(world.text, world.slam.world_from_keyframe, language or OfflineModel(), question).landmarks
+    return distil(world.text, world.world_from_keyframe, language or OfflineModel(), question).landmarks
 
 
 def ask(

@@ -13,6 +13,7 @@ from lpslam.errors import UserError
 from lpslam.mapfile.container import read_map_file, write_map_file
 from lpslam.poses import StampedPoses
 from lpslam.slam.map import SlamMap
+from lpslam.slam.state import EventKind, SlamEvent
 from lpslam.slam.trajectory import Trajectory
 from lpslam.text.text_map import TextMap
 from lpslam.text.types import Landmark
@@ -29,6 +30,7 @@ class LanguageMap:
         text: what was read and remembered.
         source: name of the recording.
         statistics: counts and times of the run that made it, by part.
+        events: what happened to tracking and to the map in that run.
     """
 
     camera: PinholeCamera
@@ -37,10 +39,18 @@ class LanguageMap:
     text: TextMap
     source: str = ""
     statistics: dict[str, dict[str, float]] = field(default_factory=dict)
+    events: list[SlamEvent] = field(default_factory=list)
 
     def landmarks(self) -> list[Landmark]:
-        """Every text in long-term memory, at every place where it stands, whatever its judgement."""
-        return self.text.landmarks(self.slam.world_from_keyframe)
+        """Every text in long-term memory, at every place where it stands, whatever its judgement.
+
+        Texts seen only from sub-maps that were never merged have no place in the map frame and are left out.
+        """
+        return self.text.landmarks(self.world_from_keyframe)
+
+    def world_from_keyframe(self, keyframe: int) -> NDArray[np.float64] | None:
+        """4×4 pose of a keyframe in the map frame; None in a sub-map that was never merged."""
+        return self.slam.world_from_keyframe(keyframe) if self.slam.is_home(keyframe) else None
 
     def frame_poses(self) -> StampedPoses:
         """Camera poses of all tracked frames in the map frame, after all corrections."""
@@ -48,8 +58,8 @@ class LanguageMap:
 
     def keyframe_poses(self) -> StampedPoses:
         """Camera poses of the keyframes in the map frame."""
-        living = self.slam.living_keyframes()
-        poses = [self.slam.world_from_keyframe(int(keyframe)) for keyframe in living]
+        living = [k for k in self.slam.living_keyframes().tolist() if self.slam.is_home(k)]
+        poses = [self.slam.world_from_keyframe(keyframe) for keyframe in living]
         return StampedPoses(self.slam.timestamps()[living], np.array(poses).reshape(-1, 4, 4))
 
     def cloud(self) -> NDArray[np.float64]:
@@ -67,7 +77,7 @@ class LanguageMap:
         documents = {
             "camera": asdict(self.camera),
             "text": self.text.to_document(),
-            "run": {"source": self.source, "statistics": self.statistics},
+            "run": {"source": self.source, "statistics": self.statistics, "events": [asdict(e) for e in self.events]},
         }
         write_map_file(path, documents, arrays, created=datetime.now(UTC).isoformat(timespec="seconds"))
 
@@ -90,6 +100,7 @@ class LanguageMap:
                 text=TextMap.from_document(contents.documents["text"]),
                 source=str(run["source"]),
                 statistics=dict(run["statistics"]),
+                events=[SlamEvent(**{**event, "kind": EventKind(event["kind"])}) for event in run["events"]],
             )
         except (KeyError, TypeError, ValueError, IndexError) as error:
             raise UserError(f"{path} is damaged: {' '.join(str(error).split())}; map the recording again") from error

@@ -50,6 +50,7 @@ def follow_flow(
     now: NDArray[np.uint8],
     pixels: NDArray[np.float32],
     predicted: NDArray[np.float32],
+    levels: int,
     camera: PinholeCamera,
     config: TrackingConfig,
 ) -> Flow:
@@ -59,8 +60,9 @@ def follow_flow(
         before, now: (h, w) grey values.
         pixels: (n, 2) undistorted, in the first image.
         predicted: (n, 2) undistorted, where they are expected in the second.
+        levels: pyramid levels above the image.
         camera: of both.
-        config: window and pyramid.
+        config: window and precision.
     """
     height, width = now.shape
     start = camera.distort(predicted.astype(np.float64)).astype(np.float32)
@@ -75,7 +77,7 @@ def follow_flow(
         raw_before,
         start[asked].copy(),
         winSize=(config.flow_window, config.flow_window),
-        maxLevel=config.flow_levels,
+        maxLevel=levels,
         criteria=(cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, config.flow_steps, config.flow_precision),
         flags=cv2.OPTFLOW_USE_INITIAL_FLOW,
     )

@@ -54,7 +54,8 @@ class TrackedFrame:
         state: how far the pose can be trusted.
         keyframe: id of the reference keyframe; -1 before the first.
         keyframe_from_camera: 4×4, this frame's camera in its reference keyframe's; None unless tracked.
-        world_from_camera: 4×4 as known now; later corrections move it through its keyframe. None unless tracked.
+        world_from_camera: 4×4 in the map frame as known now; later corrections move it through its keyframe. None
+            unless tracked, and in a sub-map that has not been joined to the map.
         matches: map points matched and kept by the pose optimisation.
         is_keyframe: whether this frame became a keyframe (then `keyframe` is its own id).
         reason: why the state is what it is, in a few words with figures; empty when all is well.
@@ -72,5 +73,5 @@ class TrackedFrame:
 
     @property
     def is_tracked(self) -> bool:
-        """Whether the frame has a pose."""
-        return self.world_from_camera is not None
+        """Whether the frame has a pose, if only in a sub-map."""
+        return self.keyframe_from_camera is not None

@@ -76,7 +76,8 @@ class RgbdSlam:
             self._look_for_floor(frame, tracked.keyframe)
             self._back_end.take(tracked.keyframe)
             with self.map.lock:
-                tracked = replace(tracked, world_from_camera=self.map.world_from_keyframe(tracked.keyframe))
+                if self.map.is_home(tracked.keyframe):
+                    tracked = replace(tracked, world_from_camera=self.map.world_from_keyframe(tracked.keyframe))
         self.trajectory.append(tracked)
         return tracked
 

@@ -99,7 +99,7 @@ class Tracker:
         self.state = TrackingState.INITIALISING if slam_map.keyframe_count == 0 else TrackingState.LOST
         self._reference = slam_map.keyframe_count - 1
         self._last: _Last | None = None
-        self._velocity = np.eye(4)
+        self._velocity: _Matrix | None = None
         self._seconds_between = np.inf
         self._anchored_at = -np.inf
         self._followed_first = 0
@@ -139,7 +139,10 @@ class Tracker:
         in_camera = positions @ predicted[:3, :3].T + predicted[:3, 3]
         in_camera[:, 2] = np.maximum(in_camera[:, 2], 0.05)
         expected = self._extractor.camera.project(in_camera).astype(np.float32)
-        flow = follow_flow(last.gray, gray, last.features.pixels[rows], expected, self._extractor.camera, config)
+        levels = config.flow_levels + (_LEVELS_FOR_UNKNOWN_MOTION if self._velocity is None else 0)
+        flow = follow_flow(
+            last.gray, gray, last.features.pixels[rows], expected, levels, self._extractor.camera, config
+        )
         if self._anchored_at == last.timestamp:
             self._followed_first = len(rows)
         if len(flow.rows) < config.min_followed:
@@ -147,7 +150,9 @@ class Tracker:
         features = self._extractor.moved(last.features, rows[flow.rows], flow.raw, frame.depth)
         match = np.arange(len(flow.rows), dtype=np.int32)
         estimate = self._associator.optimise(features, predicted, match, positions[flow.rows], points[flow.rows])
-        return None if estimate is None else _Followed(features, estimate)
+        if estimate is None or estimate.inliers < config.min_flow_agreement * len(flow.rows):
+            return None
+        return _Followed(features, estimate)
 
     def _must_match(self, frame: RgbdFrame, followed: _Followed) -> bool:
         """Whether flow is not enough: too few points are left of those followed first, or it has gone on for long."""
@@ -180,6 +185,8 @@ class Tracker:
 
     def _predict(self, last: _Last, timestamp: float) -> _Matrix:
         """Constant velocity, also over frames that are missing."""
+        if self._velocity is None:
+            return self._pose(last)
         steps = round(min((timestamp - last.timestamp) / self._seconds_between, _MOST_STEPS_AHEAD))
         predicted = np.linalg.matrix_power(self._velocity, max(steps, 0)) @ self._pose(last)
         orthonormalise(predicted)
@@ -313,7 +320,7 @@ class Tracker:
         reason = ", ".join(parts)
         if self.state is not TrackingState.LOST:
             self._tell(EventKind.LOST, frame, reason)
-        self.state, self._last, self._velocity = TrackingState.LOST, None, np.eye(4)
+        self.state, self._last, self._velocity = TrackingState.LOST, None, None
         if depths < self._keyframe_config.min_start_depths or not self._grows:
             self._unknown_since = None
         elif self._unknown_since is None:
@@ -367,16 +374,19 @@ class Tracker:
         self._last = _Last(
             frame.timestamp, gray, features, estimate.points, self._reference, inverse_transform(keyframe_from_camera)
         )
+        is_home = self._map.is_home(self._reference)
         return TrackedFrame(
             frame.index,
             frame.timestamp,
             self.state,
             self._reference,
             keyframe_from_camera,
-            world_from_camera,
+            world_from_camera if is_home else None,
             estimate.matches,
             is_keyframe,
-            reason,
+            reason
+            if is_home
+            else ", ".join(part for part in (reason, "in a sub-map not joined to the map yet") if part),
         )
 
     def _tell(self, kind: EventKind, frame: RgbdFrame, reason: str) -> None:
@@ -419,6 +429,9 @@ class Tracker:
 
 _FIRST_WORLD_FROM_CAMERA = np.array([[0.0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
 """The map frame starts at the first camera with REP-103 axes: x forward, y left, z up."""
+
+_LEVELS_FOR_UNKNOWN_MOTION = 2
+"""Pyramid levels more for flow from a frame whose motion is not known: four times the reach."""
 
 _MOST_STEPS_AHEAD = 5
 """Frames that may be missing for constant velocity to be believed."""

@@ -29,9 +29,10 @@ class Trajectory:
     def __len__(self) -> int:
         return len(self._indices)
 
-    def begin_session(self) -> None:
-        """What is appended from now on belongs to another recording."""
+    def begin_session(self) -> int:
+        """What is appended from now on belongs to another recording; returns a frame index that is free from here."""
         self.session += 1
+        return max(self._indices, default=-1) + 1
 
     def append(self, tracked: TrackedFrame) -> None:
         """Add one frame, tracked or not."""

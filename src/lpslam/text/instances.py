@@ -13,8 +13,8 @@ from lpslam.text.types import TextObservation
 Array = NDArray[np.float64]
 
 # Takes a keyframe's id to the 4×4 `world_from_keyframe` as the map knows it now. It is asked for every keyframe that a
-# text was hung on, also one that the map has culled since.
-KeyframePoses = Callable[[int], Array]
+# text was hung on, also one that the map has culled since. None is a keyframe whose place in the map is not known.
+KeyframePoses = Callable[[int], Array | None]
 
 
 def trimmed_position(positions: Array, rounds: int, drop_share: float) -> tuple[Array, NDArray[np.intp]]:
@@ -101,7 +101,11 @@ def _distance_within_frames(features: Array, frames: Array) -> float | None:
 def world_placements(
     observations: Sequence[TextObservation], world_from_keyframe: KeyframePoses
 ) -> tuple[Array, Array, Array]:
-    """Positions, normals and baselines of observations in the world, each (n, 3), by their keyframes' present poses."""
+    """Positions, normals and baselines of observations in the world, each (n, 3), by their keyframes' present poses.
+
+    Raises:
+        ValueError: the place of a keyframe is not known.
+    """
     keyframes = np.array([each.keyframe for each in observations], dtype=np.int64)
     local = np.array(
         [(each.placement.position, each.placement.normal, each.placement.baseline) for each in observations],
@@ -111,6 +115,8 @@ def world_placements(
     for keyframe in np.unique(keyframes):
         rows = keyframes == keyframe
         pose = world_from_keyframe(int(keyframe))
+        if pose is None:
+            raise ValueError(f"keyframe {keyframe} has no place in the map")
         world[rows, 0] = transform_points(pose, local[rows, 0])
         world[rows, 1:] = local[rows, 1:] @ pose[:3, :3].T
     return world[:, 0], world[:, 1], world[:, 2]

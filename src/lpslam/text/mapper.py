@@ -14,6 +14,7 @@ from lpslam.config import ReadingConfig, TextConfig
 from lpslam.frames import RgbdFrame
 from lpslam.language.model import LanguageModel
 from lpslam.slam.state import TrackedFrame
+from lpslam.text.instances import KeyframePoses
 from lpslam.text.memory import Pool, TextClass
 from lpslam.text.naming import name_class, needs_name
 from lpslam.text.placement import PlacementFault, place_text
@@ -52,6 +53,15 @@ class TextMapper:
         self._gate = ReadingGate(config.reading)
         self._spots = Spots()
 
+    def resume(self, world_from_keyframe: KeyframePoses) -> None:
+        """Go on with a text map of an earlier recording: its clock stands still, and its texts are where they were."""
+        self.text_map.memory.clock = None
+        for text_class in self.text_map.memory.classes:
+            for each in text_class.observations:
+                pose = world_from_keyframe(each.keyframe)
+                if pose is not None:
+                    self._spots.add(text_class.id, each.placement, pose)
+
     def observe(self, frame: RgbdFrame, tracked: TrackedFrame) -> FrameReading | None:
         """Take one frame: let memory fade, and read the frame if its turn has come.
 
@@ -84,14 +94,17 @@ class TextMapper:
 
     def read(self, frame: RgbdFrame, tracked: TrackedFrame) -> FrameReading | None:
         """Read a frame and remember what it says; None when it has no pose or the reader failed."""
-        if tracked.keyframe_from_camera is None or tracked.world_from_camera is None:
+        if tracked.keyframe_from_camera is None:
             return None
         self.text_map.memory.forget(frame.timestamp)
         reading = self._read(frame, tracked.keyframe_from_camera)
         if reading is None:
             return None
         started = perf_counter()
-        world_from_keyframe = tracked.world_from_camera @ inverse_transform(tracked.keyframe_from_camera)
+        # In a sub-map that is not joined to the map yet, where a text stands is no evidence.
+        world_from_keyframe = None
+        if tracked.world_from_camera is not None:
+            world_from_keyframe = tracked.world_from_camera @ inverse_transform(tracked.keyframe_from_camera)
         observations = []
         for text, placement in zip(reading.texts, reading.placements, strict=True):
             text_class = self._remember(text, placement, frame.timestamp, world_from_keyframe)
@@ -148,11 +161,11 @@ class TextMapper:
         )
 
     def _remember(
-        self, text: SpottedText, placement: Placement | None, timestamp: float, world_from_keyframe: Array
+        self, text: SpottedText, placement: Placement | None, timestamp: float, world_from_keyframe: Array | None
     ) -> TextClass:
         """Classify a text by what it says and where it stands, and strengthen its class (III-C, III-D)."""
         memory = self.text_map.memory
-        if placement is None:
+        if placement is None or world_from_keyframe is None:
             return memory.sight(text.text, text.confidence, timestamp)
         here = self._spots.classes_at(placement, world_from_keyframe)
         text_class = memory.sight(text.text, text.confidence, timestamp, here)

@@ -69,7 +69,7 @@ def places_of_class(text_class: TextClass, world_from_keyframe: KeyframePoses, c
 
     A place seen but once is a slip of depth or of reading, unless the class has no other.
     """
-    observations = text_class.observations
+    observations = [each for each in text_class.observations if world_from_keyframe(each.keyframe) is not None]
     if not observations:
         return []
     positions, normals, baselines = world_placements(observations, world_from_keyframe)

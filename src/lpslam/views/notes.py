@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 
 from lpslam.frames import FrameFault
 from lpslam.mapfile.language_map import LanguageMap
-from lpslam.slam.state import TrackedFrame
+from lpslam.slam.state import EventKind, SlamEvent, TrackedFrame
 from lpslam.text.types import Landmark
 
 
@@ -30,7 +30,19 @@ def run_notes(
     unread = int(world.statistics["run"]["frames_unread_for_lack_of_time"])
     if unread:
         notes.append(f"{_frames(unread)} not read for lack of time; --sequential reads all that are due")
-    return notes + naming_notes(world, model)
+    return notes + event_notes(world.events) + naming_notes(world, model)
+
+
+_WORTH_SAYING = {EventKind.LOST, EventKind.RELOCALISED, EventKind.NEW_SUBMAP, EventKind.MERGE}
+_MOST_EVENTS = 8
+
+
+def event_notes(events: Sequence[SlamEvent]) -> list[str]:
+    """What happened to tracking and to the map that its user should know; the first few, and how many more."""
+    said = [event for event in events if event.kind in _WORTH_SAYING]
+    notes = [f"frame {event.frame}: {event.kind}, {event.reason}" for event in said[:_MOST_EVENTS]]
+    more = len(said) - len(notes)
+    return [*notes, f"{more} more such events; 'lpslam info MAP --json' lists all"] if more > 0 else notes
 
 
 def naming_notes(world: LanguageMap, model: str) -> list[str]:
