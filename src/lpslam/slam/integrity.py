@@ -52,6 +52,9 @@ def _check_keyframes(a: dict[str, NDArray[Any]]) -> None:
     _require((submap >= 0).all(), "submap is negative")
     children = np.flatnonzero(parent >= 0)
     _require((submap[children] == submap[parent[children]]).all(), "a keyframe and its parent differ in their sub-map")
+    loops = a["loop_edges"]
+    _require(_within(loops, 0, keyframes), "loop_edges names a keyframe that does not exist")
+    _require((submap[loops[:, 0]] == submap[loops[:, 1]]).all(), "a loop ties different sub-maps")
     _require(a["home"].shape == (1,) and (keyframes == 0 or a["home"][0] in submap), "home is no sub-map")
 
 

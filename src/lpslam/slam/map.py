@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from lpslam.camera import inverse_transform
 from lpslam.slam.features import Features
 from lpslam.slam.integrity import refuse_broken_columns
-from lpslam.slam.kernels import graph
+from lpslam.slam.kernels import carrying, graph
 from lpslam.slam.kernels.graph import MapColumns
 
 _FEATURE_COLUMNS: dict[str, tuple[tuple[int, ...], Any, float]] = {
@@ -60,6 +60,7 @@ class SlamMap:
         lock: held by whoever reads or changes the map while other threads may change it.
         version: rises with every change of a world frame; what was computed from an older version does not fit.
         home: the sub-map whose frame is the map's.
+        loop_edges: pairs of keyframes between which a loop was closed or sub-maps were joined.
     """
 
     def __init__(self, features_per_keyframe: int, scales: NDArray[np.float64]) -> None:
@@ -69,6 +70,7 @@ class SlamMap:
         self.lock = threading.RLock()
         self.version = 0
         self.home = 0
+        self.loop_edges: list[tuple[int, int]] = []
         self._capacity = features_per_keyframe
         self._arrays: dict[str, NDArray[Any]] = {}
         for table, rows in ((_KEYFRAME_COLUMNS, 64), (_POINT_COLUMNS, 8192)):
@@ -222,6 +224,16 @@ class SlamMap:
         if len(living):
             self.home = int(np.bincount(self.submaps()[living]).argmax())
 
+    def parents(self) -> NDArray[np.int32]:
+        """(K,) the parent of every keyframe in the spanning tree by id, -1 of roots; older than its child."""
+        return self._arrays["parent"][: self.keyframe_count]
+
+    def living_ancestor(self, keyframe: int) -> int:
+        """The keyframe itself, or the nearest of its ancestors that was not removed."""
+        while not self.is_alive(keyframe):
+            keyframe = int(self._arrays["parent"][keyframe])
+        return keyframe
+
     def frame_of(self, keyframe: int) -> tuple[int, float]:
         """Index and timestamp in seconds of the frame that became a keyframe."""
         return int(self._arrays["frame_index"][keyframe]), float(self._arrays["timestamp"][keyframe])
@@ -280,6 +292,36 @@ class SlamMap:
         a["normal"][points] = (a["normal"][points] @ rotation.T).astype(np.float32)
         self.version += 1
 
+    def carry(self, keyframes: NDArray[np.int32], camera_from_world: NDArray[np.float64]) -> None:
+        """Give keyframes new poses (n, 4, 4); others follow their parents, points their first keyframe."""
+        a, count = self._arrays, self.keyframe_count
+        poses = a["camera_from_world"][:count]
+        new_from_old = carrying.corrections(poses, self.parents(), keyframes, camera_from_world)
+        carrying.carry_keyframes(poses, new_from_old)
+        first = a["first_keyframe"][: self.point_count]
+        carrying.carry_points(a["position"], a["normal"], first, new_from_old)
+        self.version += 1
+
+    def join(self, kept: int, gone: int, near: int) -> None:
+        """Make one sub-map of two whose world frames are the same already.
+
+        The younger root becomes the child of an older keyframe of the other sub-map.
+
+        Args:
+            kept, gone: sub-maps; the second one's keyframes become the first one's.
+            near: the keyframe that should be the parent, if it is older than the root and of the other sub-map.
+        """
+        a, count = self._arrays, self.keyframe_count
+        parts = [np.flatnonzero(self.submaps() == part) for part in (kept, gone)]
+        older, younger = sorted(parts, key=lambda ids: int(ids[0]))
+        root = int(younger[0])
+        possible = older[(older < root) & (a["keyframe_slot"][older] >= 0)]
+        a["parent"][root] = near if near in possible else possible[-1]
+        a["submap"][:count][parts[1]] = kept
+        if self.home == gone:
+            self.home = kept
+        self.version += 1
+
     def to_arrays(self) -> dict[str, NDArray[Any]]:
         """Everything needed to rebuild the map, as named arrays."""
         rows = {
@@ -293,6 +335,7 @@ class SlamMap:
             "scales": self.scales.copy(),
             "free_slots": np.array(self._free_slots, np.int32),
             "home": np.array([self.home], np.int32),
+            "loop_edges": np.array(self.loop_edges, np.int32).reshape(-1, 2),
         }
 
     @classmethod
@@ -305,6 +348,8 @@ class SlamMap:
         shapes = (arrays["point"].ndim, arrays["scales"].ndim, arrays["free_slots"].ndim, arrays["home"].shape)
         if shapes != (2, 1, 1, (1,)) or arrays["home"].dtype != np.int32:
             raise ValueError("columns point, scales, free_slots or home have another shape or type")
+        if arrays["loop_edges"].shape[1:] != (2,) or arrays["loop_edges"].dtype != np.int32:
+            raise ValueError("column loop_edges has another shape or type")
         slam_map = cls(int(arrays["point"].shape[1]), arrays["scales"])
         slot_columns = (*_FEATURE_COLUMNS, "slot_keyframe", "feature_count")
         for table in (tuple(_KEYFRAME_COLUMNS), tuple(_POINT_COLUMNS), slot_columns):
@@ -313,6 +358,7 @@ class SlamMap:
                 raise ValueError(f"columns {', '.join(table)} differ in length")
         slam_map.keyframe_count = len(arrays["keyframe_slot"])
         slam_map.home = int(arrays["home"].item())
+        slam_map.loop_edges = [(int(a), int(b)) for a, b in arrays["loop_edges"]]
         slam_map.point_count = len(arrays["head"])
         slam_map._slot_count = len(arrays["slot_keyframe"])
         slam_map._free_slots = [int(slot) for slot in arrays["free_slots"]]

@@ -109,3 +109,16 @@ def fuse_points(
             merge_points(m, other, p)
         fused += 1
     return fused
+
+
+@njit(cache=True, nogil=True)
+def replace_points(m: MapColumns, slot: int, points: NDArray[np.int32]) -> None:
+    """Make the keypoints of a slot see other points (n ids, -1 for none); what they saw is merged into those."""
+    for feature in range(points.shape[0]):
+        p, own = points[feature], m.point[slot, feature]
+        if p < 0 or p == own or not m.point_alive[p]:
+            continue
+        if own >= 0:
+            merge_points(m, own, p)
+        elif not observed_in(m, p, slot):
+            link(m, p, slot, feature)

@@ -1,0 +1,360 @@
+"""Knowing again a place that was mapped before (ORB-SLAM, VII; ORB-SLAM3, VI): to close loops and to merge sub-maps.
+
+A wrong loop ruins a map. So a place is believed only when several keyframes, each by its own keypoints, are located in
+the old part of the map at poses that ask for the same correction, when the old part is found from the new one as well,
+when no other place explains the view, and when the correction is no more than the way since may have drifted.
+"""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.camera import inverse_transform
+from lpslam.config import SlamConfig
+from lpslam.slam.locating import Located, Locator
+from lpslam.slam.loop_correction import LoopCorrector, Tie
+from lpslam.slam.map import SlamMap
+from lpslam.slam.places import PlaceIndex, group_candidates
+from lpslam.slam.sensor import SensorModel
+from lpslam.slam.state import EventKind
+
+_Matrix = NDArray[np.float64]
+
+
+class LoopAdvisor(Protocol):
+    """Who knows places by something else than keypoints: text, for one."""
+
+    def propose(self, keyframe: int) -> Sequence[int]:
+        """Older keyframes that may show the same place, likeliest first."""
+        ...
+
+    def vetoes(self, keyframe: int, candidate: int) -> str | None:
+        """Why two keyframes cannot show the same place, or None."""
+        ...
+
+
+class _NoAdvice:
+    def propose(self, keyframe: int) -> Sequence[int]:
+        return ()
+
+    def vetoes(self, keyframe: int, candidate: int) -> str | None:
+        return None
+
+
+NO_ADVICE: LoopAdvisor = _NoAdvice()
+
+
+@dataclass(frozen=True, slots=True)
+class LoopEvent:
+    """A loop that was closed, or two sub-maps that became one.
+
+    Attributes:
+        kind: `LOOP` or `MERGE`.
+        keyframe, candidate: ids of the new keyframe and of the old one that shows the same place.
+        inliers: map points of the old part that the new keyframe sees.
+        metres, degrees: by how much the new keyframe was off, as the old part has the world.
+        reason: all that in a few words.
+    """
+
+    kind: EventKind
+    keyframe: int
+    candidate: int
+    inliers: int
+    metres: float
+    degrees: float
+    reason: str
+
+
+@dataclass(slots=True)
+class _Hypothesis:
+    """A place that was found again, and the keyframes that say so.
+
+    Attributes:
+        ties: of the keyframes that agree, the newest first.
+        inliers: of the newest.
+        version: of the map in which they were located.
+        missed: keyframes since that did not see the place.
+    """
+
+    ties: list[Tie]
+    inliers: int
+    version: int
+    missed: int = 0
+
+
+@dataclass(slots=True)
+class LoopCounts:
+    """What became of keyframes: how many were looked at, loops and merges, and why candidates were rejected."""
+
+    keyframes: int = 0
+    closed: int = 0
+    merged: int = 0
+    rejected: Counter[str] = field(default_factory=Counter)
+
+
+class LoopCloser:
+    """Looks at each new keyframe for a place that was mapped before, and corrects the map.
+
+    Args:
+        slam_map: is changed; its lock is taken by each step that touches it.
+        sensor: of the camera.
+        places: every keyframe that is processed is added to it.
+        locator: verifies candidates.
+        config: all thresholds.
+        advisor: proposes and vetoes candidates by other means.
+    """
+
+    def __init__(
+        self,
+        slam_map: SlamMap,
+        sensor: SensorModel,
+        places: PlaceIndex,
+        locator: Locator,
+        config: SlamConfig,
+        advisor: LoopAdvisor = NO_ADVICE,
+    ) -> None:
+        self._map = slam_map
+        self._places = places
+        self._locator = locator
+        self._config = config.loops
+        self._advisor = advisor
+        self._corrector = LoopCorrector(slam_map, sensor, config.loops, config.mapping)
+        self._stop = np.zeros(1, np.bool_)
+        self._hypothesis: _Hypothesis | None = None
+        self._last_closed = -config.loops.pause
+        self._indexed: list[int] = slam_map.living_keyframes().tolist()
+        self.counts = LoopCounts()
+
+    def process(self, keyframe: int) -> LoopEvent | None:
+        """Look for the place of a keyframe in older parts of the map; correct the map if it is found."""
+        with self._map.lock:
+            if not self._map.is_alive(keyframe):
+                return None
+            self._index(keyframe)
+        self.counts.keyframes += 1
+        if keyframe - self._last_closed < self._config.pause:
+            return None
+        hypothesis = self._detect(keyframe)
+        if hypothesis is None:
+            return None
+        self._hypothesis = None
+        event = self._correct(hypothesis)
+        if event is not None:
+            self._last_closed = keyframe
+        return event
+
+    def interrupt(self) -> None:
+        """End a running correction early. May be called from any thread; no loop is closed afterwards."""
+        self._stop[0] = True
+
+    def _index(self, keyframe: int) -> None:
+        """Add a keyframe to the index, and take those out that were removed from the map."""
+        gone = [k for k in self._indexed if not self._map.is_alive(k)]
+        for removed in gone:
+            self._places.remove(removed)
+        if gone:
+            self._indexed = [k for k in self._indexed if self._map.is_alive(k)]
+        if keyframe not in self._places:
+            self._places.add(keyframe, self._map.features(keyframe).descriptor)
+            self._indexed.append(keyframe)
+
+    # Finding -----------------------------------------------------------------------------------------------------
+
+    def _detect(self, keyframe: int) -> _Hypothesis | None:
+        """A place that enough keyframes agree on; else what was found waits for the next keyframes."""
+        with self._map.lock:
+            if not self._map.is_alive(keyframe):
+                return None
+            old = self._old_part(keyframe)
+            candidates = self._candidates(keyframe, old)
+            found = self._find(keyframe, candidates, old)
+        if found is None:
+            self._miss()
+            return None
+        tie, inliers = found
+        with self._map.lock:
+            hypothesis = self._join_votes(tie, inliers)
+            self._ask_neighbours(hypothesis, old)
+            self._hypothesis = hypothesis
+            if len(hypothesis.ties) < self._config.votes:
+                return None
+            if not self._is_mutual(hypothesis):
+                self._reject("not found from the other side")
+                return None
+        return hypothesis
+
+    def _old_part(self, keyframe: int) -> NDArray[np.bool_]:
+        """(K,) keyframes in which a place found again would be news."""
+        slam_map, count = self._map, self._map.keyframe_count
+        old = slam_map.columns.keyframe_slot[:count] >= 0
+        near = np.arange(count) > keyframe - self._config.min_keyframes_apart
+        old[near & (slam_map.submaps() == slam_map.submaps()[keyframe])] = False
+        old[slam_map.covisible(keyframe, 1)] = False
+        old[keyframe] = False
+        return old
+
+    def _candidates(self, keyframe: int, old: NDArray[np.bool_]) -> list[int]:
+        """Old keyframes that look more like this one than its covisible ones at worst do, and those proposed."""
+        slam_map, config = self._map, self._config
+        proposed = [k for k in self._advisor.propose(keyframe) if 0 <= k < len(old) and old[k]]
+        scores = self._places.query_keyframe(keyframe)
+        covisible = slam_map.covisible(keyframe, config.covisible_points)
+        covisible = covisible[covisible < len(scores)]
+        indexed = covisible[scores[covisible] > 0]
+        floor = float(scores[indexed].min()) if len(indexed) else 0.0
+        count = min(len(scores), len(old))
+        scores[:count][~old[:count]] = 0
+        scores[count:] = 0
+        likely = group_candidates(scores, slam_map.covisible, config.candidates, floor=floor)
+        return list(dict.fromkeys([*proposed[: config.candidates], *likely]))
+
+    def _find(self, keyframe: int, candidates: Sequence[int], old: NDArray[np.bool_]) -> tuple[Tie, int] | None:
+        """The one place of the old part that explains the keyframe and may be true."""
+        found: list[Located] = []
+        for candidate in candidates:
+            reason = self._advisor.vetoes(keyframe, candidate)
+            if reason is not None:
+                self._reject(reason)
+                continue
+            located = self._locator.locate(self._map.features(keyframe), candidate, old)
+            if located is None:
+                self._reject("does not fit")
+            elif not self._is_possible(keyframe, located):
+                self._reject("more than drift")
+            else:
+                found.append(located)
+        if not found:
+            return None
+        best = max(found, key=lambda located: located.inliers)
+        submaps = self._map.submaps()
+        for other in found:
+            same_world = submaps[other.keyframe] == submaps[best.keyframe]
+            if same_world and not self._agree(best.camera_from_world, other.camera_from_world):
+                self._reject("ambiguous")
+                return None
+        return Tie(keyframe, best.keyframe, best.camera_from_world, best.points), best.inliers
+
+    def _is_possible(self, keyframe: int, located: Located) -> bool:
+        """Whether the way since can have drifted so far; between sub-maps nothing is known."""
+        slam_map, config = self._map, self._config
+        if slam_map.submaps()[keyframe] != slam_map.submaps()[located.keyframe]:
+            return True
+        first, last = sorted((keyframe, located.keyframe))
+        way = [k for k in slam_map.living_keyframes().tolist() if first <= k <= last]
+        poses = slam_map.columns.camera_from_world[way]
+        centres = -np.einsum("nji,nj->ni", poses[:, :3, :3], poses[:, :3, 3])
+        length = float(np.linalg.norm(np.diff(centres, axis=0), axis=1).sum())
+        metres, degrees = _apart(slam_map.camera_from_world(keyframe), located.camera_from_world)
+        return (
+            metres <= config.drift_allowance + config.drift_share * length
+            and degrees <= config.turn_allowance + config.turn_rate * length
+        )
+
+    # Believing ---------------------------------------------------------------------------------------------------
+
+    def _join_votes(self, tie: Tie, inliers: int) -> _Hypothesis:
+        """Add a keyframe to those that found the same correction before; another correction begins anew."""
+        pending = self._hypothesis
+        version = self._map.version
+        if (
+            pending is None
+            or pending.version != version
+            or not all(self._same_correction(tie, other) for other in pending.ties)
+        ):
+            return _Hypothesis([tie], inliers, version)
+        others = [other for other in pending.ties if self._map.is_alive(other.keyframe)]
+        kept = [other for other in others if self._is_another_view(tie.keyframe, other.keyframe)]
+        return _Hypothesis([tie, *kept], inliers, version)
+
+    def _ask_neighbours(self, hypothesis: _Hypothesis, old: NDArray[np.bool_]) -> None:
+        """Locate covisible keyframes too: quicker than to wait for the next ones."""
+        slam_map, config, first = self._map, self._config, hypothesis.ties[0]
+        asked = 0
+        for neighbour in slam_map.covisible(first.keyframe, config.covisible_points).tolist():
+            if len(hypothesis.ties) >= config.votes or asked >= config.vote_neighbours:
+                return
+            if not all(self._is_another_view(neighbour, tie.keyframe) for tie in hypothesis.ties):
+                continue
+            asked += 1
+            located = self._locator.locate(slam_map.features(neighbour), first.candidate, old)
+            if located is None:
+                continue
+            tie = Tie(neighbour, located.keyframe, located.camera_from_world, located.points)
+            if not self._same_correction(first, tie):
+                self._reject("neighbours disagree")
+                return
+            hypothesis.ties.append(tie)
+
+    def _is_mutual(self, hypothesis: _Hypothesis) -> bool:
+        """Whether the old keyframe is located in the new part as well, at the pose that follows."""
+        slam_map, tie = self._map, hypothesis.ties[0]
+        new = np.zeros(slam_map.keyframe_count, np.bool_)
+        new[slam_map.covisible(tie.keyframe, 1)] = True
+        new[[other.keyframe for other in hypothesis.ties]] = True
+        located = self._locator.locate(slam_map.features(tie.candidate), tie.keyframe, new)
+        if located is None:
+            return False
+        expected = slam_map.camera_from_world(tie.candidate) @ tie.old_from_new_world(slam_map)
+        return self._agree(located.camera_from_world, expected)
+
+    def _same_correction(self, one: Tie, other: Tie) -> bool:
+        """Whether two keyframes ask for the same correction, judged where the first one stands."""
+        slam_map = self._map
+        submaps = slam_map.submaps()
+        if submaps[one.candidate] != submaps[other.candidate] or submaps[one.keyframe] != submaps[other.keyframe]:
+            return False
+        moved = slam_map.camera_from_world(one.keyframe) @ inverse_transform(other.old_from_new_world(slam_map))
+        return self._agree(one.camera_from_world, moved)
+
+    def _agree(self, one: _Matrix, other: _Matrix) -> bool:
+        metres, degrees = _apart(one, other)
+        return metres <= self._config.agreement_distance and degrees <= self._config.agreement_turn
+
+    def _is_another_view(self, keyframe: int, other: int) -> bool:
+        slam_map, config = self._map, self._config
+        metres, degrees = _apart(slam_map.camera_from_world(keyframe), slam_map.camera_from_world(other))
+        return keyframe != other and (metres >= config.vote_distance or degrees >= config.vote_turn)
+
+    def _miss(self) -> None:
+        if self._hypothesis is not None:
+            self._hypothesis.missed += 1
+            if self._hypothesis.missed > self._config.patience:
+                self._hypothesis = None
+
+    def _reject(self, reason: str) -> None:
+        self.counts.rejected[reason] += 1
+
+    # Correcting --------------------------------------------------------------------------------------------------
+
+    def _correct(self, hypothesis: _Hypothesis) -> LoopEvent | None:
+        slam_map, tie = self._map, hypothesis.ties[0]
+        with slam_map.lock:
+            metres, degrees = _apart(slam_map.camera_from_world(tie.keyframe), tie.camera_from_world)
+            is_merge = bool(slam_map.submaps()[tie.keyframe] != slam_map.submaps()[tie.candidate])
+        correct = self._corrector.merge if is_merge else self._corrector.close
+        if not correct(hypothesis.ties, hypothesis.version, self._stop):
+            return None
+        self._corrector.adjust_fully(tie.keyframe, self._stop)
+        self.counts.merged += int(is_merge)
+        self.counts.closed += int(not is_merge)
+        where = f"keyframe {tie.candidate} seen again from {tie.keyframe}: {hypothesis.inliers} map points"
+        return LoopEvent(
+            EventKind.MERGE if is_merge else EventKind.LOOP,
+            tie.keyframe,
+            tie.candidate,
+            hypothesis.inliers,
+            metres,
+            degrees,
+            where if is_merge else f"{where}, {metres:.3f} m and {degrees:.2f} degrees off",
+        )
+
+
+def _apart(one: _Matrix, other: _Matrix) -> tuple[float, float]:
+    """Metres and degrees between two 4×4 poses of a camera."""
+    relative = one @ inverse_transform(other)
+    turn = np.arccos(np.clip((np.trace(relative[:3, :3]) - 1) / 2, -1, 1))
+    return float(np.linalg.norm(relative[:3, 3])), float(np.degrees(turn))
