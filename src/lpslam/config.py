@@ -199,7 +199,7 @@ class TrackingConfig(_Section):
     pose_iterations: int = 10  # Gauss-Newton steps a round at most
     doubtful_share: float = Field(default=0.7, ge=0, le=1)  # of the matches; fewer agree, and a majority is looked for
     majority_trials: int = Field(default=100, ge=1)  # RANSAC hypotheses at most; half wrong matches need about 70
-    most_trust: int = Field(default=5, ge=1)  # observations by keyframes, of which more do not count more
+    min_judges: int = Field(default=30, ge=4)  # points seen by two keyframes; from so many on only they make a majority
     majority_pixels: float = Field(default=4.0, gt=0)  # reprojection error of those who agree, before refinement
     recovery_keyframes: int = 12  # newest and nearest keyframes tried when lost
     blur_ratio: float = 0.35  # share of the usual gradient energy below which a frame is called blurred

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.config import TrackingConfig
+from lpslam.slam.consensus import largest_consensus
 from lpslam.slam.features import Features
 from lpslam.slam.kernels import graph, matching, pose
 from lpslam.slam.map import SlamMap
@@ -91,10 +92,28 @@ class Associator:
             points: (m,) ids of map points; -1 for positions that are not in the map.
         """
         keypoints = np.flatnonzero(match >= 0)
-        rows = match[keypoints]
+        seen = positions[match[keypoints]]
+        camera_from_world, agreeing = self._refine(features, keypoints, guess, seen)
+        judges = self._judges(points[match[keypoints]])
+        heard = np.count_nonzero(judges[agreeing])
+        if heard < self._config.doubtful_share * np.count_nonzero(judges):
+            # Least squares is pulled by what moves near the camera, and by a guess that is far off; a majority is not.
+            majority = self._majority(features, keypoints, seen, np.flatnonzero(judges))
+            if majority is not None and np.count_nonzero(judges[majority[1]]) > heard:
+                camera_from_world, agreeing = majority
+        if len(agreeing) < self._config.min_pose_inliers:
+            return None
+        held = np.full(features.rows, -1, np.int32)
+        held[keypoints[agreeing]] = points[match[keypoints[agreeing]]]
+        return Estimate(camera_from_world, held, len(agreeing))
+
+    def _refine(
+        self, features: Features, keypoints: NDArray[np.int64], guess: _Matrix, seen: _Matrix
+    ) -> tuple[_Matrix, NDArray[np.int64]]:
+        """Robust least squares from a guess; the pose, and the rows of `keypoints` and `seen` (m, 3) that agree."""
         camera_from_world, inlier, _, _ = pose.optimise_pose(
             guess,
-            positions[rows],
+            seen,
             features.pixels[keypoints],
             features.pixels[keypoints, 0] - features.u_right[keypoints],
             features.has_depth[keypoints],
@@ -104,12 +123,32 @@ class Associator:
             self._config.pose_rounds,
             self._config.pose_iterations,
         )
-        inliers = int(inlier.sum())
-        if inliers < self._config.min_pose_inliers:
+        return camera_from_world, np.flatnonzero(inlier)
+
+    def _judges(self, points: _Rows) -> NDArray[np.bool_]:
+        """Whose word counts: points that a second keyframe confirmed, for what moves seldom is; all where few were."""
+        confirmed: NDArray[np.bool_] = (points >= 0) & (self._map.columns.observations[points] > 1)
+        return confirmed if np.count_nonzero(confirmed) >= self._config.min_judges else np.ones(len(points), np.bool_)
+
+    def _majority(
+        self, features: Features, keypoints: NDArray[np.int64], seen: _Matrix, judges: NDArray[np.int64]
+    ) -> tuple[_Matrix, NDArray[np.int64]] | None:
+        """The pose on which most of the judges agree (rows of `keypoints` and `seen`), and all who agree with it."""
+        config = self._config
+        pixels = features.pixels[keypoints]
+        found = largest_consensus(
+            seen[judges], pixels[judges], self._sensor.intrinsics, config.majority_trials, config.majority_pixels
+        )
+        if found is None or len(found.rows) < config.min_motion_matches:
             return None
-        held = np.full(features.rows, -1, np.int32)
-        held[keypoints[inlier]] = points[rows[inlier]]
-        return Estimate(camera_from_world, held, inliers)
+        rows = judges[found.rows]
+        camera_from_world, _ = self._refine(features, keypoints[rows], found.camera_from_world, seen[rows])
+        fx, fy, cx, cy, _ = self._sensor.intrinsics
+        x, y, z = (seen @ camera_from_world[:3, :3].T + camera_from_world[:3, 3]).T
+        projected = np.column_stack([fx * x, fy * y]) / np.maximum(z, 1e-3)[:, None] + [cx, cy]
+        near = np.flatnonzero(np.linalg.norm(projected - pixels, axis=1) < config.majority_pixels)
+        refined, agreeing = self._refine(features, keypoints[near], camera_from_world, seen[near])
+        return refined, near[agreeing]
 
     def optimise_on_map(self, features: Features, guess: _Matrix, points: _Rows) -> Estimate | None:
         """Pose from the map points (n,) that the keypoints see, -1 for none."""

@@ -2,12 +2,12 @@
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.config import LocatingConfig, TrackingConfig
 from lpslam.slam.association import Associator, Estimate, View
+from lpslam.slam.consensus import largest_consensus
 from lpslam.slam.features import Features
 from lpslam.slam.kernels import graph, matching
 from lpslam.slam.map import SlamMap
@@ -99,26 +99,19 @@ class Locator:
         if len(keypoints) < self._config.min_matches:
             return None
         ids = points[match[keypoints]]
-        fx, fy, cx, cy, _ = self._sensor.intrinsics
-        found, turn, shift, inliers = cv2.solvePnPRansac(
+        found = largest_consensus(
             m.position[ids],
-            features.pixels[keypoints].astype(np.float64),
-            np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1.0]]),
-            None,
-            iterationsCount=self._config.trials,
-            reprojectionError=self._config.trial_pixels,
-            confidence=0.999,
-            flags=cv2.SOLVEPNP_AP3P,
+            features.pixels[keypoints],
+            self._sensor.intrinsics,
+            self._config.trials,
+            self._config.trial_pixels,
         )
-        if not found or inliers is None or len(inliers) < self._config.min_trial_inliers:
+        if found is None or len(found.rows) < self._config.min_trial_inliers:
             return None
-        guess = np.eye(4)
-        guess[:3, :3] = cv2.Rodrigues(turn)[0]
-        guess[:3, 3] = shift[:, 0]
         held = np.full(features.rows, -1, np.int32)
-        kept = keypoints[inliers[:, 0]]
+        kept = keypoints[found.rows]
         held[kept] = points[match[kept]]
-        return self._associator.optimise_on_map(features, guess, held)
+        return self._associator.optimise_on_map(features, found.camera_from_world, held)
 
     def _appearances(self, group: _Rows) -> tuple[_Rows, _Rows, _Rows]:
         """Slot, keypoint and id of each point of the group, as the first of its keyframes sees it."""
