@@ -13,6 +13,7 @@ from lpslam.slam.features import FeatureExtractor
 from lpslam.slam.levelling import floor_normal, level_rotation
 from lpslam.slam.local_mapping import LocalMapper
 from lpslam.slam.locating import Locator
+from lpslam.slam.loop_closing import NO_ADVICE, LoopAdvisor, LoopCloser
 from lpslam.slam.map import SlamMap
 from lpslam.slam.places import PlaceIndex
 from lpslam.slam.relocalising import Relocaliser
@@ -34,6 +35,7 @@ class RgbdSlam:
         live: whether to map and close loops in threads.
         base: a map to find the camera in; it grows, if the map `grows` at all.
         grows: whether new places are mapped; without, `base` is only read (localisation mode).
+        advisor: what is known of places beyond their keypoints.
 
     Attributes:
         map, trajectory: the result so far.
@@ -48,6 +50,7 @@ class RgbdSlam:
         live: bool = False,
         base: SlamMap | None = None,
         grows: bool = True,
+        advisor: LoopAdvisor = NO_ADVICE,
     ) -> None:
         config = config or SlamConfig()
         self.camera = camera
@@ -62,9 +65,11 @@ class RgbdSlam:
         relocaliser = Relocaliser(self.map, places, locator, config.tracking, config.locating)
         self._tracker = Tracker(extractor, self.sensor, self.map, relocaliser, config, grows, self.events.append)
         self._mapper = LocalMapper(self.map, self.sensor, config)
-        self._places = places
+        self._loop_closer = LoopCloser(self.map, self.sensor, places, locator, config, advisor)
         self._back_end: BackEnd = (
-            Beside(self._mapper, self._close_loops, lambda: None) if live else InStep(self._mapper, self._close_loops)
+            Beside(self._mapper, self._close_loops, self._loop_closer.interrupt)
+            if live
+            else InStep(self._mapper, self._close_loops)
         )
         self._levelling = config.levelling
         self._floor_views: list[tuple[int, NDArray[np.float64]]] = []
@@ -91,9 +96,10 @@ class RgbdSlam:
                 self._level(np.median([self.map.world_from_keyframe(k)[:3, :3] @ n for k, n in views], axis=0))
 
     def _close_loops(self, keyframe: int) -> None:
-        with self.map.lock:
-            if self.map.is_alive(keyframe):
-                self._places.add(keyframe, self.map.features(keyframe).descriptor)
+        event = self._loop_closer.process(keyframe)
+        if event is not None:
+            frame, timestamp = self.map.frame_of(keyframe)
+            self.events.append(SlamEvent(event.kind, frame, timestamp, event.reason))
 
     def _look_for_floor(self, frame: RgbdFrame, keyframe: int) -> None:
         """Turn the map so that z is up when the floor is first seen; later views serve `finish`."""
