@@ -24,11 +24,13 @@ class Estimate:
         camera_from_world: 4×4.
         points: (n,) the map point of each keypoint, or -1; inliers only.
         inliers: how many keypoints agree with the pose, counting points that are not in the map.
+        agreement: share of the points whose word counts that agree.
     """
 
     camera_from_world: _Matrix
     points: _Rows
     inliers: int
+    agreement: float = 1.0
 
     @property
     def matches(self) -> int:
@@ -105,7 +107,8 @@ class Associator:
             return None
         held = np.full(features.rows, -1, np.int32)
         held[keypoints[agreeing]] = points[match[keypoints[agreeing]]]
-        return Estimate(camera_from_world, held, len(agreeing))
+        agreement = float(judges[agreeing].sum() / judges.sum())
+        return Estimate(camera_from_world, held, len(agreeing), agreement)
 
     def _refine(
         self, features: Features, keypoints: NDArray[np.int64], guess: _Matrix, seen: _Matrix

@@ -150,7 +150,7 @@ class Tracker:
         features = self._extractor.moved(last.features, rows[flow.rows], flow.raw, frame.depth)
         match = np.arange(len(flow.rows), dtype=np.int32)
         estimate = self._associator.optimise(features, predicted, match, positions[flow.rows], points[flow.rows])
-        if estimate is None or estimate.inliers < config.min_flow_agreement * len(flow.rows):
+        if estimate is None or estimate.agreement < config.min_flow_agreement:
             return None
         return _Followed(features, estimate)
 
