@@ -99,8 +99,10 @@ class LoopCounts:
 class LoopCloser:
     """Looks at each new keyframe for a place that was mapped before, and corrects the map.
 
+    The map's lock is held for a few milliseconds at a time.
+
     Args:
-        slam_map: is changed; its lock is taken by each step that touches it.
+        slam_map: is changed.
         sensor: of the camera.
         places: every keyframe that is processed is added to it.
         locator: verifies candidates.
@@ -126,7 +128,7 @@ class LoopCloser:
         self._stop = np.zeros(1, np.bool_)
         self._hypothesis: _Hypothesis | None = None
         self._last_closed = -config.loops.pause
-        self._indexed: list[int] = slam_map.living_keyframes().tolist()
+        self._indexed = slam_map.living_keyframes()
         self.counts = LoopCounts()
 
     def process(self, keyframe: int) -> LoopEvent | None:
@@ -153,38 +155,33 @@ class LoopCloser:
 
     def _index(self, keyframe: int) -> None:
         """Add a keyframe to the index, and take those out that were removed from the map."""
-        gone = [k for k in self._indexed if not self._map.is_alive(k)]
-        for removed in gone:
+        alive = self._map.columns.keyframe_slot[self._indexed] >= 0
+        for removed in self._indexed[~alive].tolist():
             self._places.remove(removed)
-        if gone:
-            self._indexed = [k for k in self._indexed if self._map.is_alive(k)]
+        self._indexed = self._indexed[alive]
         if keyframe not in self._places:
             self._places.add(keyframe, self._map.features(keyframe).descriptor)
-            self._indexed.append(keyframe)
+            self._indexed = np.append(self._indexed, np.int32(keyframe))
 
     # Finding -----------------------------------------------------------------------------------------------------
 
     def _detect(self, keyframe: int) -> _Hypothesis | None:
         """A place that enough keyframes agree on; else what was found waits for the next keyframes."""
         with self._map.lock:
-            if not self._map.is_alive(keyframe):
-                return None
-            old = self._old_part(keyframe)
-            candidates = self._candidates(keyframe, old)
-            found = self._find(keyframe, candidates, old)
+            version = self._map.version
+            candidates = self._candidates(keyframe)
+        found = self._find(keyframe, candidates)
         if found is None:
             self._miss()
             return None
-        tie, inliers = found
         with self._map.lock:
-            hypothesis = self._join_votes(tie, inliers)
-            self._ask_neighbours(hypothesis, old)
-            self._hypothesis = hypothesis
-            if len(hypothesis.ties) < self._config.votes:
-                return None
-            if not self._is_mutual(hypothesis):
-                self._reject("not found from the other side")
-                return None
+            hypothesis = self._hypothesis = self._join_votes(*found, version)
+        self._ask_neighbours(hypothesis)
+        if len(hypothesis.ties) < self._config.votes:
+            return None
+        if not any(self._is_mutual(tie) for tie in hypothesis.ties[: self._config.votes]):
+            self._reject("not found from the other side")
+            return None
         return hypothesis
 
     def _old_part(self, keyframe: int) -> NDArray[np.bool_]:
@@ -197,9 +194,12 @@ class LoopCloser:
         old[keyframe] = False
         return old
 
-    def _candidates(self, keyframe: int, old: NDArray[np.bool_]) -> list[int]:
+    def _candidates(self, keyframe: int) -> list[int]:
         """Old keyframes that look more like this one than its covisible ones at worst do, and those proposed."""
         slam_map, config = self._map, self._config
+        if not slam_map.is_alive(keyframe):
+            return []
+        old = self._old_part(keyframe)
         proposed = [k for k in self._advisor.propose(keyframe) if 0 <= k < len(old) and old[k]]
         scores = self._places.query_keyframe(keyframe)
         covisible = slam_map.covisible(keyframe, config.covisible_points)
@@ -212,7 +212,14 @@ class LoopCloser:
         likely = group_candidates(scores, slam_map.covisible, config.candidates, floor=floor)
         return list(dict.fromkeys([*proposed[: config.candidates], *likely]))
 
-    def _find(self, keyframe: int, candidates: Sequence[int], old: NDArray[np.bool_]) -> tuple[Tie, int] | None:
+    def _locate(self, view: int, candidate: int, keyframe: int) -> Located | None:
+        """Locate the keypoints of one keyframe around another, in what is old for a third."""
+        with self._map.lock:
+            if not (self._map.is_alive(view) and self._map.is_alive(candidate)):
+                return None
+            return self._locator.locate(self._map.features(view), candidate, self._old_part(keyframe))
+
+    def _find(self, keyframe: int, candidates: Sequence[int]) -> tuple[Tie, int] | None:
         """The one place of the old part that explains the keyframe and may be true."""
         found: list[Located] = []
         for candidate in candidates:
@@ -220,7 +227,7 @@ class LoopCloser:
             if reason is not None:
                 self._reject(reason)
                 continue
-            located = self._locator.locate(self._map.features(keyframe), candidate, old)
+            located = self._locate(keyframe, candidate, keyframe)
             if located is None:
                 self._reject("does not fit")
             elif not self._is_possible(keyframe, located):
@@ -241,14 +248,17 @@ class LoopCloser:
     def _is_possible(self, keyframe: int, located: Located) -> bool:
         """Whether the way since can have drifted so far; between sub-maps nothing is known."""
         slam_map, config = self._map, self._config
-        if slam_map.submaps()[keyframe] != slam_map.submaps()[located.keyframe]:
-            return True
-        first, last = sorted((keyframe, located.keyframe))
-        way = [k for k in slam_map.living_keyframes().tolist() if first <= k <= last]
-        poses = slam_map.columns.camera_from_world[way]
+        with slam_map.lock:
+            submaps = slam_map.submaps()
+            if submaps[keyframe] != submaps[located.keyframe]:
+                return True
+            first, last = sorted((keyframe, located.keyframe))
+            living = slam_map.living_keyframes()
+            way = living[(living >= first) & (living <= last) & (submaps[living] == submaps[keyframe])]
+            poses = slam_map.columns.camera_from_world[way]
+            metres, degrees = _apart(slam_map.camera_from_world(keyframe), located.camera_from_world)
         centres = -np.einsum("nji,nj->ni", poses[:, :3, :3], poses[:, :3, 3])
         length = float(np.linalg.norm(np.diff(centres, axis=0), axis=1).sum())
-        metres, degrees = _apart(slam_map.camera_from_world(keyframe), located.camera_from_world)
         return (
             metres <= config.drift_allowance + config.drift_share * length
             and degrees <= config.turn_allowance + config.turn_rate * length
@@ -256,10 +266,9 @@ class LoopCloser:
 
     # Believing ---------------------------------------------------------------------------------------------------
 
-    def _join_votes(self, tie: Tie, inliers: int) -> _Hypothesis:
+    def _join_votes(self, tie: Tie, inliers: int, version: int) -> _Hypothesis:
         """Add a keyframe to those that found the same correction before; another correction begins anew."""
         pending = self._hypothesis
-        version = self._map.version
         if (
             pending is None
             or pending.version != version
@@ -270,17 +279,19 @@ class LoopCloser:
         kept = [other for other in others if self._is_another_view(tie.keyframe, other.keyframe)]
         return _Hypothesis([tie, *kept], inliers, version)
 
-    def _ask_neighbours(self, hypothesis: _Hypothesis, old: NDArray[np.bool_]) -> None:
+    def _ask_neighbours(self, hypothesis: _Hypothesis) -> None:
         """Locate covisible keyframes too: quicker than to wait for the next ones."""
         slam_map, config, first = self._map, self._config, hypothesis.ties[0]
         asked = 0
-        for neighbour in slam_map.covisible(first.keyframe, config.covisible_points).tolist():
+        with slam_map.lock:
+            neighbours = slam_map.covisible(first.keyframe, config.covisible_points).tolist()
+        for neighbour in neighbours:
             if len(hypothesis.ties) >= config.votes or asked >= config.vote_neighbours:
                 return
             if not all(self._is_another_view(neighbour, tie.keyframe) for tie in hypothesis.ties):
                 continue
             asked += 1
-            located = self._locator.locate(slam_map.features(neighbour), first.candidate, old)
+            located = self._locate(neighbour, first.candidate, first.keyframe)
             if located is None:
                 continue
             tie = Tie(neighbour, located.keyframe, located.camera_from_world, located.points)
@@ -289,25 +300,26 @@ class LoopCloser:
                 return
             hypothesis.ties.append(tie)
 
-    def _is_mutual(self, hypothesis: _Hypothesis) -> bool:
+    def _is_mutual(self, tie: Tie) -> bool:
         """Whether the old keyframe is located in the new part as well, at the pose that follows."""
-        slam_map, tie = self._map, hypothesis.ties[0]
-        new = np.zeros(slam_map.keyframe_count, np.bool_)
-        new[slam_map.covisible(tie.keyframe, 1)] = True
-        new[[other.keyframe for other in hypothesis.ties]] = True
-        located = self._locator.locate(slam_map.features(tie.candidate), tie.keyframe, new)
-        if located is None:
-            return False
-        expected = slam_map.camera_from_world(tie.candidate) @ tie.old_from_new_world(slam_map)
-        return self._agree(located.camera_from_world, expected)
+        slam_map = self._map
+        with slam_map.lock:
+            if not (slam_map.is_alive(tie.keyframe) and slam_map.is_alive(tie.candidate)):
+                return False
+            new = np.zeros(slam_map.keyframe_count, np.bool_)
+            new[slam_map.covisible(tie.keyframe, 1)] = True
+            located = self._locator.locate(slam_map.features(tie.candidate), tie.keyframe, new)
+            expected = slam_map.camera_from_world(tie.candidate) @ tie.old_from_new_world(slam_map)
+        return located is not None and self._agree(located.camera_from_world, expected)
 
     def _same_correction(self, one: Tie, other: Tie) -> bool:
         """Whether two keyframes ask for the same correction, judged where the first one stands."""
         slam_map = self._map
-        submaps = slam_map.submaps()
-        if submaps[one.candidate] != submaps[other.candidate] or submaps[one.keyframe] != submaps[other.keyframe]:
-            return False
-        moved = slam_map.camera_from_world(one.keyframe) @ inverse_transform(other.old_from_new_world(slam_map))
+        with slam_map.lock:
+            submaps = slam_map.submaps()
+            if submaps[one.candidate] != submaps[other.candidate] or submaps[one.keyframe] != submaps[other.keyframe]:
+                return False
+            moved = slam_map.camera_from_world(one.keyframe) @ inverse_transform(other.old_from_new_world(slam_map))
         return self._agree(one.camera_from_world, moved)
 
     def _agree(self, one: _Matrix, other: _Matrix) -> bool:
@@ -316,7 +328,8 @@ class LoopCloser:
 
     def _is_another_view(self, keyframe: int, other: int) -> bool:
         slam_map, config = self._map, self._config
-        metres, degrees = _apart(slam_map.camera_from_world(keyframe), slam_map.camera_from_world(other))
+        with slam_map.lock:
+            metres, degrees = _apart(slam_map.camera_from_world(keyframe), slam_map.camera_from_world(other))
         return keyframe != other and (metres >= config.vote_distance or degrees >= config.vote_turn)
 
     def _miss(self) -> None:
