@@ -199,3 +199,22 @@ def test_names_of_files_in_a_recording_cannot_steer_the_terminal(lpslam: Command
     done = lpslam("run", recording, "-o", tmp_path / "map.lpmap", "--no-text")
     assert "1 frame skipped" in done.err
     assert "\x1b" not in done.err
+
+
+def test_a_doubtful_calibration_is_said_and_used_and_an_impossible_one_refused(
+    lpslam: Command, clip: Clip, tmp_path: Path
+) -> None:
+    recording = clip(3)
+    camera = recording / "camera.yaml"
+    calibration = camera.read_text()
+    camera.write_text(calibration.replace("depth_scale: 5000.0", "depth_scale: 1000.0"))
+    done = lpslam("run", recording, "-o", tmp_path / "map.lpmap", "--no-text")
+    first = done.err.splitlines()[0]
+    assert first.startswith("lpslam: clip: at depth_scale 1000 the median depth is ")
+    assert "depth_scale 5000 in the calibration would make it" in first
+    camera.write_text(calibration.replace("depth_scale: 5000.0", "depth_scale: 1.0"))
+    assert "clip: at depth_scale 1 the median depth is" in refused(lpslam, recording)
+    for path in images(recording, "depth"):
+        cv2.imwrite(str(path), np.full((240, 320), 9000, np.uint16))
+    camera.write_text(calibration)
+    assert "clip: its colour images are 640×480, its depth images 320×240; register" in refused(lpslam, recording)
