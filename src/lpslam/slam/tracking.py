@@ -60,8 +60,11 @@ class _Start:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Followed:
+    """Keypoints that were followed, and the pose that they give in the world of one version of the map."""
+
     features: Features
     estimate: Estimate
+    version: int
 
 
 class Tracker:
@@ -113,12 +116,15 @@ class Tracker:
         followed = self._follow(frame, gray)
         if followed is not None and not self._must_match(frame, followed):
             with self._map.lock:
-                return self._accept(frame, gray, followed.features, followed.estimate)
+                if followed.version == self._map.version:
+                    return self._accept(frame, gray, followed.features, followed.estimate)
         features = self._extractor.extract(frame, gray)
         with self._map.lock:
             if self.state is TrackingState.INITIALISING:
                 return self._initialise(frame, gray, features)
-            return self._match(frame, gray, View.of(features, self._sensor), followed)
+            # A loop was closed while the frame was followed: its pose lies in the world as it was before.
+            fits = followed is not None and followed.version == self._map.version
+            return self._match(frame, gray, View.of(features, self._sensor), followed if fits else None)
 
     # Between matches with the map: optical flow -----------------------------------------------------------------
 
@@ -128,6 +134,7 @@ class Tracker:
         if last is None or last.gray.shape != gray.shape or config.followed_points == 0:
             return None
         with self._map.lock:
+            version = self._map.version
             rows, points, positions = self._seen(last)
             predicted = self._predict(last, frame.timestamp)
         chosen = choose_followed(
@@ -152,7 +159,7 @@ class Tracker:
         estimate = self._associator.optimise(features, predicted, match, positions[flow.rows], points[flow.rows])
         if estimate is None or estimate.agreement < config.min_flow_agreement:
             return None
-        return _Followed(features, estimate)
+        return _Followed(features, estimate, version)
 
     def _must_match(self, frame: RgbdFrame, followed: _Followed) -> bool:
         """Whether flow is not enough: too few points are left of those followed first, or it has gone on for long."""
