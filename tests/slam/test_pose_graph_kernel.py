@@ -5,16 +5,15 @@ from scipy.optimize import least_squares
 from slam_scenes import pose_error, rigid, rotation_angle, twists
 
 from lpslam.camera import inverse_transform
-from lpslam.slam.kernels import carrying, pose_graph
+from lpslam.slam import carrying
+from lpslam.slam.kernels import pose_graph
 from lpslam.slam.kernels.geometry import exponential
 
 LEVER = 3.0
 
 
 def logarithm(transform: np.ndarray) -> np.ndarray:
-    twist = np.empty(6)
-    pose_graph.logarithm(transform, twist)
-    return twist
+    return np.asarray(pose_graph.logarithms(transform[None])[0])
 
 
 def ring(seed: int, poses: int, drift: float, reach: int = 3) -> tuple[np.ndarray, pose_graph.PoseGraph]:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from lpslam.camera import inverse_transform
 from lpslam.config import LoopConfig, MappingConfig
+from lpslam.slam.carrying import inverses
 from lpslam.slam.kernels import bundle, fusing, graph, local_bundle, pose_graph
 from lpslam.slam.map import SlamMap
 from lpslam.slam.sensor import SensorModel
@@ -160,7 +161,7 @@ class LoopCorrector:
         known = row[np.concatenate([gathered.tree, covisible, gathered.loops])]
         pairs = np.unique(np.sort(known[(known >= 0).all(axis=1)], axis=1), axis=0)
         poses = gathered.camera_from_world[keyframes]
-        a_from_b = poses[pairs[:, 0]] @ _inverses(poses[pairs[:, 1]])
+        a_from_b = poses[pairs[:, 0]] @ inverses(poses[pairs[:, 1]])
         # Drift grows with the way: an edge is the weaker, the longer it is.
         apart = np.maximum(np.linalg.norm(a_from_b[:, :3, 3], axis=1), _SHORTEST_EDGE)
         is_fixed = np.zeros(len(keyframes), np.bool_)
@@ -303,11 +304,3 @@ class _Bundle:
 
 _SHORTEST_EDGE = 0.1
 """Metres; keyframes nearer to each other stray by noise, not by drift."""
-
-
-def _inverses(transforms: _Matrix) -> _Matrix:
-    """Inverses of rigid transforms (n, 4, 4)."""
-    result = np.tile(np.eye(4), (len(transforms), 1, 1))
-    result[:, :3, :3] = transforms[:, :3, :3].transpose(0, 2, 1)
-    result[:, :3, 3] = -np.einsum("nij,nj->ni", result[:, :3, :3], transforms[:, :3, 3])
-    return result

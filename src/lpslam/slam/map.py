@@ -7,9 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.camera import inverse_transform
+from lpslam.slam import carrying
 from lpslam.slam.features import Features
 from lpslam.slam.integrity import refuse_broken_columns
-from lpslam.slam.kernels import carrying, graph
+from lpslam.slam.kernels import graph
 from lpslam.slam.kernels.graph import MapColumns
 
 _FEATURE_COLUMNS: dict[str, tuple[tuple[int, ...], Any, float]] = {
@@ -299,7 +300,7 @@ class SlamMap:
         new_from_old = carrying.corrections(poses, self.parents(), keyframes, camera_from_world)
         carrying.carry_keyframes(poses, new_from_old)
         first = a["first_keyframe"][: self.point_count]
-        carrying.carry_points(a["position"], a["normal"], first, new_from_old)
+        carrying.carry_points(a["position"][: self.point_count], a["normal"][: self.point_count], first, new_from_old)
         self.version += 1
 
     def join(self, kept: int, gone: int, near: int) -> None:

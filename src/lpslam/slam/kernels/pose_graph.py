@@ -1,15 +1,20 @@
-"""Pose graph: keyframe poses that agree best with measured relative poses (ORB-SLAM, VII-D, on SE(3))."""
+"""Pose graph: keyframe poses that agree best with measured relative poses (ORB-SLAM, VII-D, on SE(3)).
 
-import math
+All edges at once in numpy: a few thousand of them take milliseconds, and nothing is to be compiled.
+"""
+
 from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from scipy.sparse import bsr_array
+from scipy.sparse import bsr_array, csc_array
 from scipy.sparse.linalg import splu
 
-from lpslam.slam.kernels.geometry import exponential, inverse, orthonormalise
+from lpslam.slam.carrying import inverses
+from lpslam.slam.kernels.geometry import exponential, orthonormalise
+
+_Matrix = NDArray[np.float64]
 
 
 class PoseGraph(NamedTuple):
@@ -23,133 +28,60 @@ class PoseGraph(NamedTuple):
         weights: (e,) how much each edge counts.
     """
 
-    camera_from_world: NDArray[np.float64]
+    camera_from_world: _Matrix
     is_fixed: NDArray[np.bool_]
     pairs: NDArray[np.int32]
-    a_from_b: NDArray[np.float64]
+    a_from_b: _Matrix
     weights: NDArray[np.float64]
 
 
-@njit(cache=True, nogil=True)
-def logarithm(transform: NDArray[np.float64], twist: NDArray[np.float64]) -> None:
-    """Write the twist (translation, rotation vector) of a rigid 4×4 transform: the inverse of `exponential`.
+def logarithms(transforms: _Matrix) -> _Matrix:
+    """(n, 6) twists (translation, rotation vector) of rigid transforms (n, 4, 4): the inverse of `exponential`.
 
     Turns are those of at most half a revolution; near it the axis loses its sign.
     """
-    t = transform
-    x, y, z = 0.5 * (t[2, 1] - t[1, 2]), 0.5 * (t[0, 2] - t[2, 0]), 0.5 * (t[1, 0] - t[0, 1])
-    sine = math.sqrt(x * x + y * y + z * z)
-    cosine = 0.5 * (t[0, 0] + t[1, 1] + t[2, 2] - 1.0)
-    theta = math.atan2(sine, cosine)
-    if sine > 1e-9:
-        factor = theta / sine
-        # The coefficient of the squared rotation vector in the inverse of the left Jacobian.
-        rest = (1.0 - 0.5 * theta * sine / (1.0 - cosine)) / (theta * theta) if theta > 1e-3 else 1.0 / 12.0
-    else:
-        factor, rest = 1.0, 1.0 / 12.0
-    x, y, z = factor * x, factor * y, factor * z
-    twist[3], twist[4], twist[5] = x, y, z
-    # ω × t and ω × (ω × t).
-    p, q, r = t[0, 3], t[1, 3], t[2, 3]
-    cx, cy, cz = y * r - z * q, z * p - x * r, x * q - y * p
-    twist[0] = p - 0.5 * cx + rest * (y * cz - z * cy)
-    twist[1] = q - 0.5 * cy + rest * (z * cx - x * cz)
-    twist[2] = r - 0.5 * cz + rest * (x * cy - y * cx)
+    r, t = transforms[:, :3, :3], transforms[:, :3, 3]
+    axis = 0.5 * np.column_stack([r[:, 2, 1] - r[:, 1, 2], r[:, 0, 2] - r[:, 2, 0], r[:, 1, 0] - r[:, 0, 1]])
+    sine = np.linalg.norm(axis, axis=1)
+    cosine = 0.5 * (np.trace(r, axis1=1, axis2=2) - 1.0)
+    theta = np.arctan2(sine, cosine)
+    turns, large = sine > 1e-9, theta > 1e-3
+    omega = axis * np.where(turns, theta / np.where(turns, sine, 1.0), 1.0)[:, None]
+    # The coefficient of the squared rotation vector in the inverse of the left Jacobian; 1/12 in the limit.
+    exact = (1.0 - 0.5 * theta * sine / np.where(large, 1.0 - cosine, 1.0)) / np.where(large, theta, 1.0) ** 2
+    rest = np.where(large, exact, 1.0 / 12.0)
+    once = np.cross(omega, t)
+    return np.column_stack([t - 0.5 * once + rest[:, None] * np.cross(omega, once), omega])
 
 
-@njit(cache=True, nogil=True)
-def _adjoint(transform: NDArray[np.float64]) -> NDArray[np.float64]:
-    """6×6 matrix that carries a twist (translation, rotation) over a transform."""
-    result = np.zeros((6, 6))
-    x, y, z = transform[0, 3], transform[1, 3], transform[2, 3]
-    for a in range(3):
-        r0, r1, r2 = transform[0, a], transform[1, a], transform[2, a]
-        for b in range(3):
-            result[b, a] = transform[b, a]
-            result[3 + b, 3 + a] = transform[b, a]
-        result[0, 3 + a] = y * r2 - z * r1
-        result[1, 3 + a] = z * r0 - x * r2
-        result[2, 3 + a] = x * r1 - y * r0
+def _skew(vectors: _Matrix) -> _Matrix:
+    """(n, 3, 3) matrices that take the cross product with vectors (n, 3) from the left."""
+    x, y, z = vectors.T
+    nought = np.zeros_like(x)
+    return np.stack([nought, -z, y, z, nought, -x, -y, x, nought], axis=1).reshape(-1, 3, 3)
+
+
+def _adjoints(transforms: _Matrix) -> _Matrix:
+    """(n, 6, 6) matrices that carry twists over transforms."""
+    result = np.zeros((len(transforms), 6, 6))
+    turns = transforms[:, :3, :3]
+    result[:, :3, :3] = result[:, 3:, 3:] = turns
+    result[:, :3, 3:] = _skew(transforms[:, :3, 3]) @ turns
     return result
 
 
-@njit(cache=True, nogil=True)
-def _half_bracket(e: NDArray[np.float64]) -> NDArray[np.float64]:
-    """6×6 inverse left Jacobian of SE(3) to first order: one minus half the bracket with e."""
-    result = np.eye(6)
-    for block in range(2):
-        for half in range(2):
-            # Rows: translation, rotation; the translation part enters only above the rotation's columns.
-            if block == 1 and half == 0:
-                continue
-            v = e[3:] if block == half else e[:3]
-            row, column = 3 * block, 3 * half
-            result[row, column + 1] += 0.5 * v[2]
-            result[row, column + 2] -= 0.5 * v[1]
-            result[row + 1, column] -= 0.5 * v[2]
-            result[row + 1, column + 2] += 0.5 * v[0]
-            result[row + 2, column] += 0.5 * v[1]
-            result[row + 2, column + 1] -= 0.5 * v[0]
+def _inverse_jacobians(twists: _Matrix) -> _Matrix:
+    """(n, 6, 6) inverse left Jacobians of SE(3) to first order: one minus half the bracket with each twist."""
+    result = np.tile(np.eye(6), (len(twists), 1, 1))
+    turns = 0.5 * _skew(twists[:, 3:])
+    result[:, :3, :3] -= turns
+    result[:, 3:, 3:] -= turns
+    result[:, :3, 3:] -= 0.5 * _skew(twists[:, :3])
     return result
 
 
-@njit(cache=True, nogil=True)
-def _error(graph: PoseGraph, poses: NDArray[np.float64], edge: int, twist: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Write by how much an edge is off, as a twist in camera a; returns camera a from camera b as the poses have it."""
-    now: NDArray[np.float64] = poses[graph.pairs[edge, 0]] @ inverse(poses[graph.pairs[edge, 1]])
-    logarithm(now @ inverse(graph.a_from_b[edge]), twist)
-    return now
-
-
-@njit(cache=True, nogil=True)
-def _cost(graph: PoseGraph, poses: NDArray[np.float64], scales: NDArray[np.float64]) -> float:
-    twist = np.empty(6)
-    cost = 0.0
-    for edge in range(graph.pairs.shape[0]):
-        _error(graph, poses, edge, twist)
-        for a in range(6):
-            cost += graph.weights[edge] * scales[a] * twist[a] ** 2
-    return cost
-
-
-@njit(cache=True, nogil=True)
-def _linearise(
-    graph: PoseGraph, poses: NDArray[np.float64], scales: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Normal equations in blocks: poses (n, 6, 6), edges (e, 6, 6) for rows of a and columns of b, gradient (n, 6)."""
-    nodes, edges = poses.shape[0], graph.pairs.shape[0]
-    diagonal, off, gradient = np.zeros((nodes, 6, 6)), np.zeros((edges, 6, 6)), np.zeros((nodes, 6))
-    twist = np.empty(6)
-    for edge in range(edges):
-        a, b = graph.pairs[edge, 0], graph.pairs[edge, 1]
-        now = _error(graph, poses, edge, twist)
-        of_a = _half_bracket(twist)
-        of_b = -(of_a @ _adjoint(now))
-        for k in range(6):
-            weight = graph.weights[edge] * scales[k]
-            for i in range(6):
-                gradient[a, i] -= weight * of_a[k, i] * twist[k]
-                gradient[b, i] -= weight * of_b[k, i] * twist[k]
-                for j in range(6):
-                    diagonal[a, i, j] += weight * of_a[k, i] * of_a[k, j]
-                    diagonal[b, i, j] += weight * of_b[k, i] * of_b[k, j]
-                    off[edge, i, j] += weight * of_a[k, i] * of_b[k, j]
-    return diagonal, off, gradient
-
-
-@njit(cache=True, nogil=True)
-def _moved(poses: NDArray[np.float64], rows: NDArray[np.int64], twists: NDArray[np.float64]) -> NDArray[np.float64]:
-    moved = poses.copy()
-    for i in range(rows.shape[0]):
-        moved[rows[i]] = exponential(twists[i]) @ poses[rows[i]]
-        orthonormalise(moved[rows[i]])
-    return moved
-
-
-def optimise_poses(
-    graph: PoseGraph, iterations: int, lever: float, stop: NDArray[np.bool_] | None = None
-) -> NDArray[np.float64]:
-    """Gauss-Newton on all poses that are not fixed, by sparse Cholesky-like factors; the GIL is released in them.
+def optimise_poses(graph: PoseGraph, iterations: int, lever: float, stop: NDArray[np.bool_] | None = None) -> _Matrix:
+    """Gauss-Newton on all poses that are not fixed, by sparse factors; the GIL is released while they are found.
 
     Args:
         graph: see `PoseGraph`; it is not changed.
@@ -161,37 +93,60 @@ def optimise_poses(
         (n, 4, 4) camera from world.
     """
     poses = graph.camera_from_world.copy()
-    rows = np.flatnonzero(~graph.is_fixed)
-    column_of = np.full(len(poses), -1, np.int64)
-    column_of[rows] = np.arange(len(rows))
-    between = np.flatnonzero((column_of[graph.pairs] >= 0).all(axis=1))
-    a, b = column_of[graph.pairs[between]].T
-    block_rows, block_columns = (
-        np.concatenate([np.arange(len(rows)), a, b]),
-        np.concatenate([np.arange(len(rows)), b, a]),
-    )
-    order = np.lexsort((block_columns, block_rows))
-    starts = np.searchsorted(block_rows[order], np.arange(len(rows) + 1))
-    scales = np.array([1.0, 1.0, 1.0, lever**2, lever**2, lever**2])
-    cost = _cost(graph, poses, scales)
-    for _ in range(iterations if len(rows) else 0):
+    free = np.flatnonzero(~graph.is_fixed)
+    row_of = np.full(len(poses), -1, np.int64)
+    row_of[free] = np.arange(len(free))
+    a, b = graph.pairs.T
+    weights = graph.weights[:, None] * np.array([1.0, 1.0, 1.0, lever**2, lever**2, lever**2])
+    b_from_a = inverses(graph.a_from_b)
+
+    def errors(poses: _Matrix) -> tuple[_Matrix, _Matrix]:
+        """Camera a from camera b as the poses have it, and by how much that is off, as a twist in camera a."""
+        now = poses[a] @ inverses(poses[b])
+        return now, logarithms(now @ b_from_a)
+
+    now, twists = errors(poses)
+    cost = float((weights * twists**2).sum())
+    for _ in range(iterations if len(free) else 0):
         if stop is not None and stop[0]:
             break
-        diagonal, off, gradient = _linearise(graph, poses, scales)
-        blocks = np.concatenate([diagonal[rows], off[between], off[between].transpose(0, 2, 1)])[order]
-        size = 6 * len(rows)
-        system = bsr_array((blocks, block_columns[order], starts), shape=(size, size)).tocsc()
-        system.sum_duplicates()
-        factors = splu(system, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-        twists = factors.solve(gradient[rows].reshape(-1)).reshape(-1, 6)
-        moved = _moved(poses, rows, twists)
-        new_cost = _cost(graph, moved, scales)
+        of_a = _inverse_jacobians(twists)
+        of_b = -of_a @ _adjoints(now)
+        weighed = [(weights[:, :, None] * jacobian).transpose(0, 2, 1) for jacobian in (of_a, of_b)]
+        blocks = np.concatenate([left @ right for left in weighed for right in (of_a, of_b)])
+        rows, columns = row_of[np.concatenate([a, a, b, b])], row_of[np.concatenate([a, b, a, b])]
+        gradient = np.zeros((len(poses), 6))
+        for end, left in ((a, weighed[0]), (b, weighed[1])):
+            np.add.at(gradient, end, -(left @ twists[:, :, None])[:, :, 0])
+        factors = splu(
+            _sparse(blocks, rows, columns, len(free)),
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
+        steps = factors.solve(gradient[free].reshape(-1)).reshape(-1, 6)
+        moved = poses.copy()
+        for row, step in zip(free, steps, strict=True):
+            moved[row] = exponential(step) @ poses[row]
+            orthonormalise(moved[row])
+        now, twists = errors(moved)
+        new_cost = float((weights * twists**2).sum())
         if not new_cost < cost:
             break
         gained, cost, poses = cost - new_cost, new_cost, moved
         if gained < 1e-3 * cost:
             break
     return poses
+
+
+def _sparse(blocks: _Matrix, rows: NDArray[np.int64], columns: NDArray[np.int64], count: int) -> csc_array:
+    """Sum of 6×6 blocks (m, 6, 6) at rows and columns of blocks; those at -1 are left out."""
+    inside = np.flatnonzero((rows >= 0) & (columns >= 0))
+    order = inside[np.lexsort((columns[inside], rows[inside]))]
+    starts = np.searchsorted(rows[order], np.arange(count + 1))
+    system = bsr_array((blocks[order], columns[order], starts), shape=(6 * count, 6 * count)).tocsc()
+    system.sum_duplicates()
+    return system
 
 
 @njit(cache=True, nogil=True)
