@@ -8,7 +8,7 @@ from slam_scenes import BASELINE_FX, CAMERA, SENSOR, points_ahead, pose_error, r
 from lpslam.camera import inverse_transform, transform_points
 from lpslam.slam.kernels.bundle import BundleProblem, adjust_bundle
 from lpslam.slam.kernels.geometry import exponential
-from lpslam.slam.kernels.pose import CHI2_DEPTH, CHI2_PIXEL
+from lpslam.slam.kernels.reprojection import CHI2_DEPTH, CHI2_PIXEL
 
 NEVER = np.zeros(1, np.bool_)
 

@@ -7,7 +7,8 @@ from slam_scenes import BASELINE_FX, CAMERA, SENSOR, disparities, points_ahead, 
 
 from lpslam.camera import inverse_transform, transform_points
 from lpslam.slam.kernels.geometry import exponential
-from lpslam.slam.kernels.pose import CHI2_DEPTH, CHI2_PIXEL, optimise_pose
+from lpslam.slam.kernels.pose import optimise_pose
+from lpslam.slam.kernels.reprojection import CHI2_DEPTH, CHI2_PIXEL
 
 
 class View:

@@ -1,18 +1,37 @@
 """Bundle adjustment with the Schur complement: poses and points that agree best with all their observations.
 
-Residuals and weights are those of `pose.py`: (u, v) by the keypoint's sigma, disparity by the depth sensor's, each
-under its own Huber kernel. Levenberg-Marquardt; points are eliminated, the reduced camera system is dense.
+Residuals and weights are those of `reprojection.py`. Levenberg-Marquardt; points are eliminated. The reduced system of
+the keyframes has a block for each two that share a point: few keyframes are solved for directly, many, where most
+blocks are empty, by conjugate gradients.
 """
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from lpslam.slam.kernels.geometry import exponential, orthonormalise
-from lpslam.slam.kernels.pose import CHI2_DEPTH, CHI2_PIXEL
+from lpslam.slam.kernels.geometry import moved
+from lpslam.slam.kernels.reduced_system import (
+    block_pattern,
+    eliminate_points,
+    invert_points,
+    moved_points,
+    solve_reduced,
+)
+from lpslam.slam.kernels.reprojection import (
+    CHI2_DEPTH,
+    CHI2_PIXEL,
+    MIN_DEPTH,
+    UNSEEN_COST,
+    add_pose_terms,
+    errors,
+    in_camera_terms,
+    robust_cost,
+)
+
+_DENSE = 150
+"""Free keyframes up to which the reduced system is solved directly."""
 
 
 class BundleProblem(NamedTuple):
@@ -44,47 +63,42 @@ class BundleProblem(NamedTuple):
     observation: NDArray[np.int64]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath={"contract"})
 def _total_cost(
-    problem: BundleProblem,
+    measured: NDArray[np.float64],
+    keyframe: NDArray[np.int32],
+    starts: NDArray[np.int64],
     poses: NDArray[np.float64],
     points: NDArray[np.float64],
-    use: NDArray[np.bool_],
-    use_depth: NDArray[np.bool_],
     intrinsics: NDArray[np.float64],
 ) -> float:
-    fx, fy, cx, cy, bf = intrinsics
+    """Robust cost of all observations that count; `measured` is (o, 5): u, v, disparity and the information of each."""
     cost = 0.0
     for j in range(points.shape[0]):
-        p = points[j]
-        for o in range(problem.starts[j], problem.starts[j + 1]):
-            if not use[o]:
+        p, q, r = points[j, 0], points[j, 1], points[j, 2]
+        for o in range(starts[j], starts[j + 1]):
+            if measured[o, 3] == 0.0:
                 continue
-            c = poses[problem.keyframe[o]]
-            z = c[2, 0] * p[0] + c[2, 1] * p[1] + c[2, 2] * p[2] + c[2, 3]
-            if z < 0.05:
-                cost += 1e4
+            k = keyframe[o]
+            z = poses[k, 2, 0] * p + poses[k, 2, 1] * q + poses[k, 2, 2] * r + poses[k, 2, 3]
+            if z < MIN_DEPTH:
+                cost += UNSEEN_COST
                 continue
-            x = c[0, 0] * p[0] + c[0, 1] * p[1] + c[0, 2] * p[2] + c[0, 3]
-            y = c[1, 0] * p[0] + c[1, 1] * p[1] + c[1, 2] * p[2] + c[1, 3]
-            eu = problem.pixels[o, 0] - (fx * x / z + cx)
-            ev = problem.pixels[o, 1] - (fy * y / z + cy)
-            chi2 = (eu * eu + ev * ev) * problem.pixel_information[o]
-            cost += chi2 if chi2 <= CHI2_PIXEL else 2.0 * math.sqrt(CHI2_PIXEL * chi2) - CHI2_PIXEL
-            if use_depth[o]:
-                ed = problem.disparity[o] - bf / z
-                chi2 = ed * ed * problem.disparity_information[o]
-                cost += chi2 if chi2 <= CHI2_DEPTH else 2.0 * math.sqrt(CHI2_DEPTH * chi2) - CHI2_DEPTH
+            x = poses[k, 0, 0] * p + poses[k, 0, 1] * q + poses[k, 0, 2] * r + poses[k, 0, 3]
+            y = poses[k, 1, 0] * p + poses[k, 1, 1] * q + poses[k, 1, 2] * r + poses[k, 1, 3]
+            off, depth_off = errors(x, y, z, measured[o, 0], measured[o, 1], measured[o, 2], intrinsics)
+            cost += robust_cost(off * measured[o, 3], CHI2_PIXEL)
+            cost += robust_cost(depth_off * measured[o, 4], CHI2_DEPTH)
     return cost
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath={"contract"})
 def _linearise(
-    problem: BundleProblem,
+    measured: NDArray[np.float64],
+    keyframe: NDArray[np.int32],
+    starts: NDArray[np.int64],
     poses: NDArray[np.float64],
     points: NDArray[np.float64],
-    use: NDArray[np.bool_],
-    use_depth: NDArray[np.bool_],
     intrinsics: NDArray[np.float64],
     pose_hessian: NDArray[np.float64],
     pose_gradient: NDArray[np.float64],
@@ -92,217 +106,114 @@ def _linearise(
     point_gradient: NDArray[np.float64],
     cross: NDArray[np.float64],
 ) -> None:
-    """Normal equations in blocks: poses (k, 6, 6), points (p, 3, 3), and pose-point per observation (o, 6, 3)."""
-    fx, fy, cx, cy, bf = intrinsics
+    """Normal equations in blocks.
+
+    Poses (free, 6, 6), upper half; points (p, 6): 00, 01, 02, 11, 12, 22; point-pose of each observation (o, 3, 6).
+    """
+    free = pose_gradient.shape[0]
     pose_hessian[:] = 0.0
     pose_gradient[:] = 0.0
-    jacobian_pose = np.zeros((3, 6))
-    jacobian_point = np.empty((3, 3))
-    error = np.empty(3)
-    weights = np.empty(3)
     for j in range(points.shape[0]):
-        p = points[j]
-        for a in range(3):
-            point_gradient[j, a] = 0.0
-            for b in range(3):
-                point_hessian[j, a, b] = 0.0
-        for o in range(problem.starts[j], problem.starts[j + 1]):
-            if not use[o]:
+        p, q, r = points[j, 0], points[j, 1], points[j, 2]
+        h00 = h01 = h02 = h11 = h12 = h22 = b0 = b1 = b2 = 0.0
+        for o in range(starts[j], starts[j + 1]):
+            if measured[o, 3] == 0.0:
                 continue
-            k = problem.keyframe[o]
-            c = poses[k]
-            z = c[2, 0] * p[0] + c[2, 1] * p[1] + c[2, 2] * p[2] + c[2, 3]
-            if z < 0.05:
-                for a in range(6):
-                    for b in range(3):
-                        cross[o, a, b] = 0.0
+            k = int(keyframe[o])
+            r20, r21, r22 = poses[k, 2, 0], poses[k, 2, 1], poses[k, 2, 2]
+            z = r20 * p + r21 * q + r22 * r + poses[k, 2, 3]
+            if z < MIN_DEPTH:
+                cross[o] = 0.0
                 continue
-            x = c[0, 0] * p[0] + c[0, 1] * p[1] + c[0, 2] * p[2] + c[0, 3]
-            y = c[1, 0] * p[0] + c[1, 1] * p[1] + c[1, 2] * p[2] + c[1, 3]
-            w = 1.0 / z
-            w2 = w * w
-            error[0] = problem.pixels[o, 0] - (fx * x * w + cx)
-            error[1] = problem.pixels[o, 1] - (fy * y * w + cy)
-            weight = np.float64(problem.pixel_information[o])
-            chi2 = (error[0] * error[0] + error[1] * error[1]) * weight
-            if chi2 > CHI2_PIXEL:
-                weight *= math.sqrt(CHI2_PIXEL / chi2)
-            weights[0] = weights[1] = weight
-            rows = 2
-            if use_depth[o]:
-                error[2] = problem.disparity[o] - bf * w
-                weight = np.float64(problem.disparity_information[o])
-                chi2 = error[2] * error[2] * weight
-                if chi2 > CHI2_DEPTH:
-                    weight *= math.sqrt(CHI2_DEPTH / chi2)
-                weights[2] = weight
-                rows = 3
-            jacobian_pose[0, 0], jacobian_pose[0, 2] = fx * w, -fx * x * w2
-            jacobian_pose[0, 3], jacobian_pose[0, 4] = -fx * x * y * w2, fx * (1.0 + x * x * w2)
-            jacobian_pose[0, 5] = -fx * y * w
-            jacobian_pose[1, 1], jacobian_pose[1, 2] = fy * w, -fy * y * w2
-            jacobian_pose[1, 3], jacobian_pose[1, 4] = -fy * (1.0 + y * y * w2), fy * x * y * w2
-            jacobian_pose[1, 5] = fy * x * w
-            jacobian_pose[2, 2], jacobian_pose[2, 3], jacobian_pose[2, 4] = -bf * w2, -bf * y * w2, bf * x * w2
-            for b in range(3):
-                jacobian_point[0, b] = fx * w * c[0, b] - fx * x * w2 * c[2, b]
-                jacobian_point[1, b] = fy * w * c[1, b] - fy * y * w2 * c[2, b]
-                jacobian_point[2, b] = -bf * w2 * c[2, b]
-            for a in range(3):
-                for b in range(a, 3):
-                    total = 0.0
-                    for r in range(rows):
-                        total += weights[r] * jacobian_point[r, a] * jacobian_point[r, b]
-                    point_hessian[j, a, b] += total
-                total = 0.0
-                for r in range(rows):
-                    total += weights[r] * jacobian_point[r, a] * error[r]
-                point_gradient[j, a] += total
-            if k < problem.free_count:
-                for a in range(6):
-                    for b in range(a, 6):
-                        total = 0.0
-                        for r in range(rows):
-                            total += weights[r] * jacobian_pose[r, a] * jacobian_pose[r, b]
-                        pose_hessian[k, a, b] += total
-                    for b in range(3):
-                        total = 0.0
-                        for r in range(rows):
-                            total += weights[r] * jacobian_pose[r, a] * jacobian_point[r, b]
-                        cross[o, a, b] = total
-                    total = 0.0
-                    for r in range(rows):
-                        total += weights[r] * jacobian_pose[r, a] * error[r]
-                    pose_gradient[k, a] += total
-        for a in range(3):
-            for b in range(a):
-                point_hessian[j, a, b] = point_hessian[j, b, a]
-    for k in range(problem.free_count):
-        for a in range(6):
-            for b in range(a):
-                pose_hessian[k, a, b] = pose_hessian[k, b, a]
-
-
-@njit(cache=True, nogil=True)
-def _invert3(m: NDArray[np.float64], damping: float, out: NDArray[np.float64]) -> bool:
-    a, d, f = m[0, 0] * (1 + damping) + 1e-9, m[1, 1] * (1 + damping) + 1e-9, m[2, 2] * (1 + damping) + 1e-9
-    b, c, e = m[0, 1], m[0, 2], m[1, 2]
-    i00, i01, i02 = d * f - e * e, c * e - b * f, b * e - c * d
-    determinant = a * i00 + b * i01 + c * i02
-    if not determinant > 1e-30:
-        return False
-    s = 1.0 / determinant
-    out[0, 0], out[0, 1], out[0, 2] = i00 * s, i01 * s, i02 * s
-    out[1, 0], out[1, 1], out[1, 2] = i01 * s, (a * f - c * c) * s, (b * c - a * e) * s
-    out[2, 0], out[2, 1], out[2, 2] = i02 * s, out[1, 2], (a * d - b * b) * s
-    return True
-
-
-@njit(cache=True, nogil=True)
-def _solve_step(
-    problem: BundleProblem,
-    use: NDArray[np.bool_],
-    damping: float,
-    pose_hessian: NDArray[np.float64],
-    pose_gradient: NDArray[np.float64],
-    point_hessian: NDArray[np.float64],
-    point_gradient: NDArray[np.float64],
-    cross: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """One damped step: (k, 6) twists and (p, 3) shifts."""
-    free = problem.free_count
-    points = problem.points.shape[0]
-    reduced = np.zeros((6 * free, 6 * free))
-    right = pose_gradient[:free].copy().reshape(-1)
-    for k in range(free):
-        for a in range(6):
-            for b in range(6):
-                reduced[6 * k + a, 6 * k + b] = pose_hessian[k, a, b]
-            reduced[6 * k + a, 6 * k + a] += damping * pose_hessian[k, a, a] + 1e-6
-    inverse = np.zeros((points, 3, 3))
-    half = np.empty((6, 3))
-    for j in range(points):
-        if not _invert3(point_hessian[j], damping, inverse[j]):
-            continue
-        m, g = inverse[j], point_gradient[j]
-        for o in range(problem.starts[j], problem.starts[j + 1]):
-            k = problem.keyframe[o]
-            if not use[o] or k >= free:
+            r00, r01, r02 = poses[k, 0, 0], poses[k, 0, 1], poses[k, 0, 2]
+            r10, r11, r12 = poses[k, 1, 0], poses[k, 1, 1], poses[k, 1, 2]
+            x = r00 * p + r01 * q + r02 * r + poses[k, 0, 3]
+            y = r10 * p + r11 * q + r12 * r + poses[k, 1, 3]
+            m00, m02, m11, m12, m22, g0, g1, g2, _ = in_camera_terms(
+                x, y, z, measured[o, 0], measured[o, 1], measured[o, 2], measured[o, 3], measured[o, 4],
+                CHI2_PIXEL, CHI2_DEPTH, intrinsics,
+            )  # fmt: skip
+            n00, n01, n02 = m00 * r00 + m02 * r20, m00 * r01 + m02 * r21, m00 * r02 + m02 * r22
+            n10, n11, n12 = m11 * r10 + m12 * r20, m11 * r11 + m12 * r21, m11 * r12 + m12 * r22
+            n20 = m02 * r00 + m12 * r10 + m22 * r20
+            n21 = m02 * r01 + m12 * r11 + m22 * r21
+            n22 = m02 * r02 + m12 * r12 + m22 * r22
+            h00 += r00 * n00 + r10 * n10 + r20 * n20
+            h01 += r00 * n01 + r10 * n11 + r20 * n21
+            h02 += r00 * n02 + r10 * n12 + r20 * n22
+            h11 += r01 * n01 + r11 * n11 + r21 * n21
+            h12 += r01 * n02 + r11 * n12 + r21 * n22
+            h22 += r02 * n02 + r12 * n12 + r22 * n22
+            b0 += r00 * g0 + r10 * g1 + r20 * g2
+            b1 += r01 * g0 + r11 * g1 + r21 * g2
+            b2 += r02 * g0 + r12 * g1 + r22 * g2
+            if k >= free:
                 continue
-            for a in range(6):
-                for b in range(3):
-                    half[a, b] = cross[o, a, 0] * m[0, b] + cross[o, a, 1] * m[1, b] + cross[o, a, 2] * m[2, b]
-                right[6 * k + a] -= half[a, 0] * g[0] + half[a, 1] * g[1] + half[a, 2] * g[2]
-            for q in range(problem.starts[j], problem.starts[j + 1]):
-                l = problem.keyframe[q]  # noqa: E741
-                if not use[q] or l >= free or l < k:
-                    continue
-                for a in range(6):
-                    for b in range(6):
-                        reduced[6 * k + a, 6 * l + b] -= (
-                            half[a, 0] * cross[q, b, 0] + half[a, 1] * cross[q, b, 1] + half[a, 2] * cross[q, b, 2]
-                        )
-    for a in range(6 * free):
-        for b in range(a):
-            reduced[a, b] = reduced[b, a]
-    twists: NDArray[np.float64] = np.linalg.solve(reduced, right).reshape(free, 6)  # type: ignore[assignment]
-    shifts = np.zeros((points, 3))
-    rest = np.empty(3)
-    for j in range(points):
-        for a in range(3):
-            rest[a] = point_gradient[j, a]
-        for o in range(problem.starts[j], problem.starts[j + 1]):
-            k = problem.keyframe[o]
-            if use[o] and k < free:
-                for a in range(3):
-                    for b in range(6):
-                        rest[a] -= cross[o, b, a] * twists[k, b]
-        for a in range(3):
-            shifts[j, a] = inverse[j, a, 0] * rest[0] + inverse[j, a, 1] * rest[1] + inverse[j, a, 2] * rest[2]
-    return twists, shifts
+            cross[o, 0, 0], cross[o, 0, 1], cross[o, 0, 2] = n00, n10, n20
+            cross[o, 1, 0], cross[o, 1, 1], cross[o, 1, 2] = n01, n11, n21
+            cross[o, 2, 0], cross[o, 2, 1], cross[o, 2, 2] = n02, n12, n22
+            cross[o, 0, 3], cross[o, 0, 4], cross[o, 0, 5] = y * n20 - z * n10, z * n00 - x * n20, x * n10 - y * n00
+            cross[o, 1, 3], cross[o, 1, 4], cross[o, 1, 5] = y * n21 - z * n11, z * n01 - x * n21, x * n11 - y * n01
+            cross[o, 2, 3], cross[o, 2, 4], cross[o, 2, 5] = y * n22 - z * n12, z * n02 - x * n22, x * n12 - y * n02
+            add_pose_terms(x, y, z, m00, m02, m11, m12, m22, g0, g1, g2, k, pose_hessian, pose_gradient)
+        point_hessian[j, 0], point_hessian[j, 1], point_hessian[j, 2] = h00, h01, h02
+        point_hessian[j, 3], point_hessian[j, 4], point_hessian[j, 5] = h11, h12, h22
+        point_gradient[j, 0], point_gradient[j, 1], point_gradient[j, 2] = b0, b1, b2
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath={"contract"})
 def _optimise(
-    problem: BundleProblem,
+    measured: NDArray[np.float64],
+    keyframe: NDArray[np.int32],
+    starts: NDArray[np.int64],
+    pattern: tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]],
     poses: NDArray[np.float64],
     points: NDArray[np.float64],
-    use: NDArray[np.bool_],
-    use_depth: NDArray[np.bool_],
     intrinsics: NDArray[np.float64],
+    dense: int,
     iterations: int,
     stop: NDArray[np.bool_],
 ) -> None:
-    observations = problem.keyframe.shape[0]
-    free = problem.free_count
+    """Levenberg-Marquardt; poses and points are changed in place."""
+    block_of, rows, columns = pattern
+    free, count = block_of.shape[0], points.shape[0]
     pose_hessian, pose_gradient = np.empty((free, 6, 6)), np.empty((free, 6))
-    point_hessian, point_gradient = np.empty((points.shape[0], 3, 3)), np.empty((points.shape[0], 3))
-    cross = np.zeros((observations, 6, 3))
+    point_hessian, point_gradient, inverse = np.empty((count, 6)), np.empty((count, 3)), np.empty((count, 6))
+    cross = np.empty((keyframe.shape[0], 3, 6))
+    blocks, right = np.empty((rows.shape[0], 6, 6)), np.empty((free, 6))
     damping = 1e-5
-    cost = _total_cost(problem, poses, points, use, use_depth, intrinsics)
+    cost = _total_cost(measured, keyframe, starts, poses, points, intrinsics)
     for _ in range(iterations):
         if stop[0]:
             return
         _linearise(
-            problem, poses, points, use, use_depth, intrinsics,
+            measured, keyframe, starts, poses, points, intrinsics,
             pose_hessian, pose_gradient, point_hessian, point_gradient, cross,
         )  # fmt: skip
-        improved = False
+        new_cost, new_poses, new_points = cost, poses, points
         for _ in range(6):
-            twists, shifts = _solve_step(
-                problem, use, damping, pose_hessian, pose_gradient, point_hessian, point_gradient, cross
-            )
+            blocks[:] = 0.0
+            right[:] = pose_gradient
+            for k in range(free):
+                block = blocks[block_of[k, k]]
+                for a in range(6):
+                    for b in range(a, 6):
+                        block[a, b] = block[b, a] = pose_hessian[k, a, b]
+                    block[a, a] += damping * pose_hessian[k, a, a] + 1e-6
+            invert_points(point_hessian, damping, inverse)
+            eliminate_points(measured, keyframe, starts, inverse, point_gradient, cross, block_of, blocks, right)
+            twists = solve_reduced(blocks, rows, columns, right, dense, stop)
+            if stop[0]:
+                return
             new_poses = poses.copy()
             for k in range(free):
-                new_poses[k] = exponential(twists[k]) @ poses[k]
-                orthonormalise(new_poses[k])
-            new_points = points + shifts
-            new_cost = _total_cost(problem, new_poses, new_points, use, use_depth, intrinsics)
+                new_poses[k] = moved(poses[k], twists[k])
+            new_points = moved_points(measured, keyframe, starts, inverse, point_gradient, cross, twists, points)
+            new_cost = _total_cost(measured, keyframe, starts, new_poses, new_points, intrinsics)
             if new_cost < cost:
-                improved = True
                 break
             damping *= 10.0
-        if not improved:
+        if not new_cost < cost:
             return
         converged = cost - new_cost < 1e-3 * cost
         poses[:] = new_poses
@@ -313,42 +224,42 @@ def _optimise(
             return
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath={"contract"})
 def _judge(
     problem: BundleProblem,
     poses: NDArray[np.float64],
     points: NDArray[np.float64],
     intrinsics: NDArray[np.float64],
-    use: NDArray[np.bool_],
-    use_depth: NDArray[np.bool_],
+    measured: NDArray[np.float64],
 ) -> None:
-    fx, fy, cx, cy, bf = intrinsics
+    """Let only those observations count that agree within the gates."""
+    pixel_information, disparity_information = problem.pixel_information, problem.disparity_information
+    keyframe, starts, has_depth = problem.keyframe, problem.starts, problem.has_depth
     for j in range(points.shape[0]):
-        p = points[j]
-        for o in range(problem.starts[j], problem.starts[j + 1]):
-            c = poses[problem.keyframe[o]]
-            z = c[2, 0] * p[0] + c[2, 1] * p[1] + c[2, 2] * p[2] + c[2, 3]
-            if z < 0.05:
-                use[o] = False
-                use_depth[o] = False
+        p, q, r = points[j, 0], points[j, 1], points[j, 2]
+        for o in range(starts[j], starts[j + 1]):
+            c = poses[keyframe[o]]
+            z = c[2, 0] * p + c[2, 1] * q + c[2, 2] * r + c[2, 3]
+            measured[o, 3] = measured[o, 4] = 0.0
+            if z < MIN_DEPTH:
                 continue
-            x = c[0, 0] * p[0] + c[0, 1] * p[1] + c[0, 2] * p[2] + c[0, 3]
-            y = c[1, 0] * p[0] + c[1, 1] * p[1] + c[1, 2] * p[2] + c[1, 3]
-            eu = problem.pixels[o, 0] - (fx * x / z + cx)
-            ev = problem.pixels[o, 1] - (fy * y / z + cy)
-            use[o] = (eu * eu + ev * ev) * problem.pixel_information[o] <= CHI2_PIXEL
-            ed = problem.disparity[o] - bf / z
-            agrees = ed * ed * problem.disparity_information[o] <= CHI2_DEPTH
-            use_depth[o] = problem.has_depth[o] and use[o] and agrees
+            x = c[0, 0] * p + c[0, 1] * q + c[0, 2] * r + c[0, 3]
+            y = c[1, 0] * p + c[1, 1] * q + c[1, 2] * r + c[1, 3]
+            off, depth_off = errors(x, y, z, measured[o, 0], measured[o, 1], measured[o, 2], intrinsics)
+            if off * pixel_information[o] <= CHI2_PIXEL:
+                measured[o, 3] = pixel_information[o]
+                if has_depth[o] and depth_off * disparity_information[o] <= CHI2_DEPTH:
+                    measured[o, 4] = disparity_information[o]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath={"contract"})
 def adjust_bundle(
     problem: BundleProblem,
     intrinsics: NDArray[np.float64],
     first_iterations: int,
     iterations: int,
     stop: NDArray[np.bool_],
+    dense: int = _DENSE,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
     """Adjust free keyframes and points: a first robust pass, outliers out, a second pass without them.
 
@@ -356,19 +267,29 @@ def adjust_bundle(
         problem: see `BundleProblem`; it is not changed.
         intrinsics: (fx, fy, cx, cy, b·fx).
         first_iterations, iterations: Levenberg-Marquardt steps of the two passes at most.
-        stop: (1,) set to True from another thread to end after the running step.
+        stop: (1,) set to True from another thread to end within the running step.
+        dense: free keyframes up to which the reduced system is solved directly.
 
     Returns:
         camera_from_world (k, 4, 4), points (p, 3) and which observations are inliers (o,).
     """
     poses = problem.camera_from_world.copy()
     points = problem.points.copy()
-    use = np.ones(problem.keyframe.shape[0], np.bool_)
-    use_depth = problem.has_depth.copy()
+    keyframe, starts = problem.keyframe, problem.starts
+    measured = np.empty((keyframe.shape[0], 5))
+    for o in range(keyframe.shape[0]):
+        measured[o, 0], measured[o, 1] = problem.pixels[o, 0], problem.pixels[o, 1]
+        measured[o, 2] = problem.disparity[o] if problem.has_depth[o] else 0.0
+        measured[o, 3] = problem.pixel_information[o]
+        measured[o, 4] = problem.disparity_information[o] if problem.has_depth[o] else 0.0
     if problem.free_count > 0 and points.shape[0] > 0:
-        _optimise(problem, poses, points, use, use_depth, intrinsics, first_iterations, stop)
-        _judge(problem, poses, points, intrinsics, use, use_depth)
+        pattern = block_pattern(keyframe, starts, problem.free_count)
+        _optimise(measured, keyframe, starts, pattern, poses, points, intrinsics, dense, first_iterations, stop)
+        _judge(problem, poses, points, intrinsics, measured)
         if not stop[0] and iterations > 0:
-            _optimise(problem, poses, points, use, use_depth, intrinsics, iterations, stop)
-            _judge(problem, poses, points, intrinsics, use, use_depth)
-    return poses, points, use
+            _optimise(measured, keyframe, starts, pattern, poses, points, intrinsics, dense, iterations, stop)
+            _judge(problem, poses, points, intrinsics, measured)
+    inlier = np.empty(keyframe.shape[0], np.bool_)
+    for o in range(keyframe.shape[0]):
+        inlier[o] = measured[o, 3] > 0.0
+    return poses, points, inlier

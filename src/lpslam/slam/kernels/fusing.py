@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from lpslam.slam.kernels.geometry import hamming
 from lpslam.slam.kernels.graph import MapColumns, link, merge_points, observed_in
 from lpslam.slam.kernels.matching import GRID_CELL, build_grid
-from lpslam.slam.kernels.pose import CHI2_DEPTH, CHI2_PIXEL
+from lpslam.slam.kernels.reprojection import CHI2_DEPTH, CHI2_PIXEL
 
 
 @njit(cache=True, nogil=True)

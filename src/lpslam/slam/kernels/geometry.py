@@ -30,38 +30,65 @@ def hamming(a: NDArray[np.uint64], b: NDArray[np.uint64]) -> int:
 
 
 @njit(cache=True, nogil=True)
+def multiply(left: NDArray[np.float64], right: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Product of two rigid 4×4 transforms."""
+    result = np.empty((4, 4))
+    for i in range(3):
+        for j in range(4):
+            result[i, j] = left[i, 0] * right[0, j] + left[i, 1] * right[1, j] + left[i, 2] * right[2, j]
+        result[i, 3] += left[i, 3]
+        result[3, i] = 0.0
+    result[3, 3] = 1.0
+    return result
+
+
+@njit(cache=True, nogil=True)
 def exponential(twist: NDArray[np.float64]) -> NDArray[np.float64]:
     """The rigid 4×4 transform of a twist (translation, rotation vector): the exponential map of SE(3)."""
-    rho, omega = twist[:3], twist[3:]
-    theta2 = omega[0] ** 2 + omega[1] ** 2 + omega[2] ** 2
+    p, q, r, x, y, z = twist
+    theta2 = x * x + y * y + z * z
     theta = math.sqrt(theta2)
     if theta < 1e-6:
         a, b, c = 1.0 - theta2 / 6.0, 0.5 - theta2 / 24.0, 1.0 / 6.0 - theta2 / 120.0
     else:
         a, b = math.sin(theta) / theta, (1.0 - math.cos(theta)) / theta2
         c = (1.0 - a) / theta2
-    skew = np.zeros((3, 3))
-    skew[0, 1], skew[0, 2], skew[1, 2] = -omega[2], omega[1], -omega[0]
-    skew[1, 0], skew[2, 0], skew[2, 1] = omega[2], -omega[1], omega[0]
-    square = skew @ skew
-    transform = np.eye(4)
-    transform[:3, :3] += a * skew + b * square
-    transform[:3, 3] = rho + b * (skew @ rho) + c * (square @ rho)
+    transform = np.zeros((4, 4))
+    transform[0, 0], transform[0, 1], transform[0, 2] = 1.0 - b * (y * y + z * z), b * x * y - a * z, b * x * z + a * y
+    transform[1, 0], transform[1, 1], transform[1, 2] = b * x * y + a * z, 1.0 - b * (x * x + z * z), b * y * z - a * x
+    transform[2, 0], transform[2, 1], transform[2, 2] = b * x * z - a * y, b * y * z + a * x, 1.0 - b * (x * x + y * y)
+    # ω × ρ and ω × (ω × ρ).
+    u, v, w = y * r - z * q, z * p - x * r, x * q - y * p
+    transform[0, 3] = p + b * u + c * (y * w - z * v)
+    transform[1, 3] = q + b * v + c * (z * u - x * w)
+    transform[2, 3] = r + b * w + c * (x * v - y * u)
+    transform[3, 3] = 1.0
     return transform
 
 
 @njit(cache=True, nogil=True)
 def orthonormalise(transform: NDArray[np.float64]) -> None:
     """Pull the rotation of a 4×4 transform back onto SO(3), in place; products drift off it by rounding."""
-    r = transform[:3, :3]
-    x = r[0] / math.sqrt(r[0, 0] ** 2 + r[0, 1] ** 2 + r[0, 2] ** 2)
-    y = r[1] - (x[0] * r[1, 0] + x[1] * r[1, 1] + x[2] * r[1, 2]) * x
-    y = y / math.sqrt(y[0] ** 2 + y[1] ** 2 + y[2] ** 2)
-    transform[0, :3] = x
-    transform[1, :3] = y
-    transform[2, 0] = x[1] * y[2] - x[2] * y[1]
-    transform[2, 1] = x[2] * y[0] - x[0] * y[2]
-    transform[2, 2] = x[0] * y[1] - x[1] * y[0]
+    m = transform
+    x, y, z = m[0, 0], m[0, 1], m[0, 2]
+    s = 1.0 / math.sqrt(x * x + y * y + z * z)
+    x, y, z = x * s, y * s, z * s
+    u, v, w = m[1, 0], m[1, 1], m[1, 2]
+    s = x * u + y * v + z * w
+    u, v, w = u - s * x, v - s * y, w - s * z
+    s = 1.0 / math.sqrt(u * u + v * v + w * w)
+    u, v, w = u * s, v * s, w * s
+    m[0, 0], m[0, 1], m[0, 2] = x, y, z
+    m[1, 0], m[1, 1], m[1, 2] = u, v, w
+    m[2, 0], m[2, 1], m[2, 2] = y * w - z * v, z * u - x * w, x * v - y * u
+
+
+@njit(cache=True, nogil=True)
+def moved(transform: NDArray[np.float64], twist: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A 4×4 transform moved by a twist in the frame that it leads to."""
+    result = multiply(exponential(twist), transform)
+    orthonormalise(result)
+    return result
 
 
 @njit(cache=True, nogil=True)

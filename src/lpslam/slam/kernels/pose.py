@@ -1,7 +1,6 @@
 """Pose-only robust optimisation (motion-only bundle adjustment; ORB-SLAM2, III-C).
 
-A residual is (u, v, u_r) against a point held fixed. u and u_r share the keypoint's noise, and u − u_r = b·fx / z
-carries the depth sensor's alone, so the third component is whitened as the disparity u − u_r with a sigma of its own.
+Residuals and their weights are those of `reprojection.py`, against points held fixed.
 """
 
 import math
@@ -10,16 +9,19 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from lpslam.slam.kernels.geometry import exponential, orthonormalise
+from lpslam.slam.kernels.geometry import moved
+from lpslam.slam.kernels.linear import solve_positive
+from lpslam.slam.kernels.reprojection import (
+    CHI2_DEPTH,
+    CHI2_PIXEL,
+    MIN_DEPTH,
+    add_pose_terms,
+    errors,
+    in_camera_terms,
+)
 
-CHI2_PIXEL = 5.991
-"""95 % of the χ² distribution with two degrees of freedom."""
 
-CHI2_DEPTH = 3.841
-"""95 % of the χ² distribution with one degree of freedom; pixel and depth apart replace 7.815 for the three."""
-
-
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath={"contract"})
 def optimise_pose(
     camera_from_world: NDArray[np.float64],
     points: NDArray[np.float64],
@@ -53,15 +55,13 @@ def optimise_pose(
         matrix of the pose (translation, rotation; left perturbation in the camera frame).
     """
     n = points.shape[0]
-    fx, fy, cx, cy, bf = intrinsics
     pose = camera_from_world.copy()
     inlier = np.ones(n, np.bool_)
     depth_inlier = has_depth.copy()
-    hessian = np.zeros((6, 6))
-    gradient = np.zeros(6)
-    ju, jv, jd = np.zeros(6), np.zeros(6), np.zeros(6)
+    hessians, gradients, damped = np.zeros((1, 6, 6)), np.zeros((1, 6)), np.empty((6, 6))
+    hessian, gradient = hessians[0], gradients[0]
     for turn in range(rounds):
-        robust = turn < rounds - 1
+        pixel_gate, depth_gate = (CHI2_PIXEL, CHI2_DEPTH) if turn < rounds - 1 else (math.inf, math.inf)
         previous = math.inf
         before_step = pose
         for _ in range(iterations):
@@ -72,46 +72,20 @@ def optimise_pose(
             for i in range(n):
                 if not inlier[i]:
                     continue
-                p = points[i]
-                x = pose[0, 0] * p[0] + pose[0, 1] * p[1] + pose[0, 2] * p[2] + pose[0, 3]
-                y = pose[1, 0] * p[0] + pose[1, 1] * p[1] + pose[1, 2] * p[2] + pose[1, 3]
-                z = pose[2, 0] * p[0] + pose[2, 1] * p[1] + pose[2, 2] * p[2] + pose[2, 3]
-                if z < 0.05:
+                p, q, r = points[i, 0], points[i, 1], points[i, 2]
+                z = pose[2, 0] * p + pose[2, 1] * q + pose[2, 2] * r + pose[2, 3]
+                if z < MIN_DEPTH:
                     continue
+                x = pose[0, 0] * p + pose[0, 1] * q + pose[0, 2] * r + pose[0, 3]
+                y = pose[1, 0] * p + pose[1, 1] * q + pose[1, 2] * r + pose[1, 3]
                 used += 1
-                w = 1.0 / z
-                w2 = w * w
-                eu = pixels[i, 0] - (fx * x * w + cx)
-                ev = pixels[i, 1] - (fy * y * w + cy)
-                weight = np.float64(pixel_information[i])
-                chi2 = (eu * eu + ev * ev) * weight
-                if robust and chi2 > CHI2_PIXEL:
-                    cost += 2.0 * math.sqrt(CHI2_PIXEL * chi2) - CHI2_PIXEL
-                    weight *= math.sqrt(CHI2_PIXEL / chi2)
-                else:
-                    cost += chi2
-                ju[0], ju[1], ju[2] = fx * w, 0.0, -fx * x * w2
-                ju[3], ju[4], ju[5] = -fx * x * y * w2, fx * (1.0 + x * x * w2), -fx * y * w
-                jv[0], jv[1], jv[2] = 0.0, fy * w, -fy * y * w2
-                jv[3], jv[4], jv[5] = -fy * (1.0 + y * y * w2), fy * x * y * w2, fy * x * w
-                for a in range(6):
-                    gradient[a] += weight * (ju[a] * eu + jv[a] * ev)
-                    for b in range(a, 6):
-                        hessian[a, b] += weight * (ju[a] * ju[b] + jv[a] * jv[b])
-                if depth_inlier[i]:
-                    ed = disparity[i] - bf * w
-                    weight = np.float64(disparity_information[i])
-                    chi2 = ed * ed * weight
-                    if robust and chi2 > CHI2_DEPTH:
-                        cost += 2.0 * math.sqrt(CHI2_DEPTH * chi2) - CHI2_DEPTH
-                        weight *= math.sqrt(CHI2_DEPTH / chi2)
-                    else:
-                        cost += chi2
-                    jd[2], jd[3], jd[4] = -bf * w2, -bf * y * w2, bf * x * w2
-                    for a in range(2, 5):
-                        gradient[a] += weight * jd[a] * ed
-                        for b in range(a, 5):
-                            hessian[a, b] += weight * jd[a] * jd[b]
+                m00, m02, m11, m12, m22, g0, g1, g2, own_cost = in_camera_terms(
+                    x, y, z, np.float64(pixels[i, 0]), np.float64(pixels[i, 1]), np.float64(disparity[i]),
+                    np.float64(pixel_information[i]), disparity_information[i] if depth_inlier[i] else 0.0,
+                    pixel_gate, depth_gate, intrinsics,
+                )  # fmt: skip
+                add_pose_terms(x, y, z, m00, m02, m11, m12, m22, g0, g1, g2, 0, hessians, gradients)
+                cost += own_cost
             if used < 3:
                 return pose, np.zeros(n, np.bool_), np.zeros(n, np.bool_), hessian
             for a in range(6):
@@ -124,46 +98,28 @@ def optimise_pose(
                 break
             previous = cost
             before_step = pose
-            damped = hessian.copy()
+            damped[:] = hessian
+            largest = 0.0
             for a in range(6):
                 damped[a, a] += 1e-9 * hessian[a, a] + 1e-9
-            step: NDArray[np.float64] = np.linalg.solve(damped, gradient)  # type: ignore[assignment]
-            pose = exponential(step) @ pose
-            if np.abs(step).max() < 1e-7:
+            if not solve_positive(damped, gradient):
                 break
-        orthonormalise(pose)
-        _judge(
-            pose, points, pixels, disparity, has_depth, pixel_information, disparity_information, intrinsics,
-            inlier, depth_inlier,
-        )  # fmt: skip
+            for a in range(6):
+                largest = max(largest, abs(gradient[a]))
+            pose = moved(pose, gradient)
+            if largest < 1e-7:
+                break
+        for i in range(n):
+            p, q, r = points[i, 0], points[i, 1], points[i, 2]
+            z = pose[2, 0] * p + pose[2, 1] * q + pose[2, 2] * r + pose[2, 3]
+            inlier[i] = depth_inlier[i] = False
+            if z >= MIN_DEPTH:
+                x = pose[0, 0] * p + pose[0, 1] * q + pose[0, 2] * r + pose[0, 3]
+                y = pose[1, 0] * p + pose[1, 1] * q + pose[1, 2] * r + pose[1, 3]
+                off, depth_off = errors(
+                    x, y, z, np.float64(pixels[i, 0]), np.float64(pixels[i, 1]), np.float64(disparity[i]), intrinsics
+                )
+                inlier[i] = off * pixel_information[i] <= CHI2_PIXEL
+                agrees = depth_off * disparity_information[i] <= CHI2_DEPTH
+                depth_inlier[i] = has_depth[i] and inlier[i] and agrees
     return pose, inlier, depth_inlier, hessian
-
-
-@njit(cache=True, nogil=True)
-def _judge(
-    pose: NDArray[np.float64],
-    points: NDArray[np.float64],
-    pixels: NDArray[np.float32],
-    disparity: NDArray[np.float32],
-    has_depth: NDArray[np.bool_],
-    pixel_information: NDArray[np.float32],
-    disparity_information: NDArray[np.float32],
-    intrinsics: NDArray[np.float64],
-    inlier: NDArray[np.bool_],
-    depth_inlier: NDArray[np.bool_],
-) -> None:
-    fx, fy, cx, cy, bf = intrinsics
-    for i in range(points.shape[0]):
-        p = points[i]
-        x = pose[0, 0] * p[0] + pose[0, 1] * p[1] + pose[0, 2] * p[2] + pose[0, 3]
-        y = pose[1, 0] * p[0] + pose[1, 1] * p[1] + pose[1, 2] * p[2] + pose[1, 3]
-        z = pose[2, 0] * p[0] + pose[2, 1] * p[1] + pose[2, 2] * p[2] + pose[2, 3]
-        if z < 0.05:
-            inlier[i] = False
-            depth_inlier[i] = False
-            continue
-        eu = pixels[i, 0] - (fx * x / z + cx)
-        ev = pixels[i, 1] - (fy * y / z + cy)
-        inlier[i] = (eu * eu + ev * ev) * pixel_information[i] <= CHI2_PIXEL
-        ed = disparity[i] - bf / z
-        depth_inlier[i] = has_depth[i] and inlier[i] and ed * ed * disparity_information[i] <= CHI2_DEPTH
