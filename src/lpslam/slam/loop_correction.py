@@ -237,14 +237,17 @@ class LoopCorrector:
                 self._apply_bundle(gathered, *solved)
 
     def adjust_fully(self, keyframe: int, stop: NDArray[np.bool_]) -> bool:
-        """Bundle adjustment of the whole sub-map of a keyframe; False if it was abandoned.
+        """Bundle adjustment of the whole sub-map of a keyframe; False if it was abandoned, or the sub-map is too large.
 
         What came to the map meanwhile is carried along with its parents.
         """
         slam_map = self._map
         with slam_map.lock:
             living = slam_map.living_keyframes()
-            gathered = self._gather_bundle(living[slam_map.submaps()[living] == slam_map.submaps()[keyframe]])
+            free = living[slam_map.submaps()[living] == slam_map.submaps()[keyframe]]
+            if len(free) > _MOST_ADJUSTED:
+                return False
+            gathered = self._gather_bundle(free)
         solved = self._solve_bundle(gathered, self._config.first_adjusting, self._config.adjusting, stop)
         with slam_map.lock:
             if solved is None or slam_map.version != gathered.version:
@@ -304,3 +307,6 @@ class _Bundle:
 
 _SHORTEST_EDGE = 0.1
 """Metres; keyframes nearer to each other stray by noise, not by drift."""
+
+_MOST_ADJUSTED = 500
+"""Keyframes up to which a full adjustment is worth its time, which grows with their cube; the pose graph's is not."""
