@@ -83,6 +83,29 @@ def _expose(colour: Picture, gain: float, noise: Picture, vignette: Picture) -> 
     return out
 
 
+def measure_again(
+    rng: np.random.Generator,
+    rgb: NDArray[np.uint8],
+    depth: NDArray[np.float32],
+    noise: NoiseFields,
+    share: float,
+) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
+    """Put a share of the sensor's noise on top of what is in a measured pair already.
+
+    Args:
+        rng: decides the noise.
+        rgb: (height, width, 3).
+        depth: (height, width) metres, 0 where there is none, which stays so.
+        noise: fields for images of this size.
+        share: of the sensor's own noise; with 1 the variance doubles.
+    """
+    height, width = depth.shape
+    grain = np.rint(share * 1.6 * _shifted(rng, noise.white, width, height)).astype(np.int16)
+    error = _shifted(rng, noise.smooth, width, height) * (NOISE_FLOOR + NOISE_SLOPE * depth * depth)
+    colour = cv2.add(rgb.astype(np.int16), grain, dtype=cv2.CV_8U)
+    return np.asarray(colour, np.uint8), np.where(depth > 0, depth + np.float32(share) * error, 0).astype(np.float32)
+
+
 def vignette_of(camera: PinholeCamera, strength: float) -> NDArray[np.float32]:
     """(height, width) brightness factors, 1 in the middle and 1 - strength in the corners."""
     x = (np.arange(camera.width) - camera.cx) / camera.width

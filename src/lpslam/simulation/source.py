@@ -42,20 +42,26 @@ class MallSource:
         seed: of the world, the walk and the noise.
         frames: how many; None for once around the route and three metres more.
         options: size, layout, light, languages.
+        visit: which walk through that world with that camera; each begins elsewhere and goes at its own pace.
 
     Raises:
-        UserError: `frames` is not positive or `seed` is negative.
+        UserError: `frames` is not positive, or `seed` or `visit` is negative.
     """
 
-    def __init__(self, seed: int = 0, frames: int | None = None, *, options: SimulationConfig | None = None) -> None:
+    def __init__(
+        self, seed: int = 0, frames: int | None = None, *, options: SimulationConfig | None = None, visit: int = 0
+    ) -> None:
         if frames is not None and frames < 1:
             raise UserError(f"simulation: frames is {frames}; it must be at least 1")
         if seed < 0:
             raise UserError(f"simulation: seed is {seed}; it must be 0 or more")
+        if visit < 0:
+            raise UserError(f"simulation: visit is {visit}; it must be 0 or more")
         self._seed = seed
+        self._visit = visit
         self._options = options or SimulationConfig()
         self._mall = build_mall(seed, self._options)
-        self._walk = stroll(seed, self._mall.layout, self._mall.signs, self._options, frames)
+        self._walk = stroll(seed, self._mall.layout, self._mall.signs, self._options, frames, visit)
         rng = np.random.default_rng([seed, 3])
         focal = float(rng.uniform(525.0, 612.0))
         cx, cy = 319.5 + rng.uniform(-6, 6), 239.5 + rng.uniform(-6, 6)
@@ -119,14 +125,14 @@ class MallSource:
                 for future in pending:
                     future.cancel()
 
-    def frame(self, index: int) -> RgbdFrame:
-        """Draw one frame."""
+    def frame(self, index: int, noise: int = 0) -> RgbdFrame:
+        """Draw one frame; each number of `noise` is another measurement by the same sensor from the same place."""
         world_from_camera = self._walk.pose(self._instant(index))
         opened, closed = self._shutter(index)
         scene, camera = self._mall.scene, self._camera
         colour, depth, seen = render(scene, camera, world_from_camera, self._mall.polish)
         gain = self._gain(index)
-        rng = np.random.default_rng([self._seed, 13, index])
+        rng = np.random.default_rng([self._seed, 13, index, *([self._visit, noise] if self._visit or noise else [])])
         if self._options.sensor_noise:
             normals = scene.normal @ world_from_camera[:3, :3]
             measured = sensor.measure_depth(rng, depth, seen, colour, normals, scene.gloss, camera, self._noise)

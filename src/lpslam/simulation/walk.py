@@ -55,7 +55,9 @@ def _pose(position: NDArray[np.float64], heading: float, pitch: float, roll: flo
     return world_from_camera
 
 
-def stroll(seed: int, layout: Layout, signs: tuple[Sign, ...], options: SimulationConfig, frames: int | None) -> Walk:
+def stroll(
+    seed: int, layout: Layout, signs: tuple[Sign, ...], options: SimulationConfig, frames: int | None, visit: int = 0
+) -> Walk:
     """Walk the route of a layout.
 
     Args:
@@ -64,8 +66,9 @@ def stroll(seed: int, layout: Layout, signs: tuple[Sign, ...], options: Simulati
         signs: what there is to look at.
         options: the bound on turning.
         frames: how many frames; None for once around and a little more.
+        visit: another number is another walk along the same route.
     """
-    rng = np.random.default_rng([seed, 11])
+    rng = np.random.default_rng([seed, 11, *([visit] if visit else [])])
     path = _rounded(layout.route, radius=1.3)
     lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
     around = float(lengths[-1])
