@@ -1,76 +1,78 @@
-"""Accuracy and speed of tracking and mapping alone, on recordings or rendered malls.
+"""What SLAM reaches alone: accuracy, finding the way back, long runs, a camera's pace.
 
-    python benchmarks/slam.py FOLDER [FOLDER ...]        recordings with ground truth
-    python benchmarks/slam.py --mall 31 --mall 32        malls rendered in memory, by seed
+    python benchmarks/slam.py accuracy --cache DIR            malls that nothing was tuned on, and the red kitchen
+    python benchmarks/slam.py accuracy FOLDER...              recordings with ground truth
+    python benchmarks/slam.py recovery --cache DIR            blanked and carried elsewhere; parts not mapped yet
+    python benchmarks/slam.py scale --cache DIR --minutes 30  around the same mall again and again
+    python benchmarks/slam.py large --cache DIR               a map of 2,000 keyframes
+    python benchmarks/slam.py live --cache DIR                30 frames a second, mapping beside tracking
+    python benchmarks/slam.py render --cache DIR              only the recordings that the others need
 
-Frames are decoded before the clock runs; processor time is the tracking thread's own, on one core.
+Every figure comes as a line of JSON, and all of them as a table at the end; `--out DIR` gets the lines and pictures of
+each trajectory over the truth. Malls are rendered into the cache once; rendering goes on where it was ended. OpenCV,
+OpenMP and BLAS have one thread each, processor time is that of the thread which calls `RgbdSlam.process`, and frames
+are decoded before the clock runs.
 """
 
 import argparse
-import json
-import time
-from collections.abc import Iterable
+import os
 from pathlib import Path
-from typing import Any
 
-import cv2
-import numpy as np
-
-from lpslam.camera import PinholeCamera
-from lpslam.evaluation.trajectory import StampedPoses, absolute_trajectory_error
-from lpslam.frames import RgbdFrame
-from lpslam.simulation.source import MallSource
-from lpslam.slam.system import RgbdSlam
-from lpslam.slam.warm_up import warm_up
-from lpslam.sources.ground_truth import read_ground_truth
-from lpslam.sources.open import open_source
-from lpslam.sources.prefetch import Prefetched
-
-
-def measure(name: str, camera: PinholeCamera, frames: Iterable[RgbdFrame], truth: StampedPoses) -> dict[str, Any]:
-    slam = RgbdSlam(camera)
-    all_ms, tracking_ms = [], []
-    for frame in frames:
-        before = time.thread_time()
-        tracked = slam.process(frame)
-        spent = 1000.0 * (time.thread_time() - before)
-        all_ms.append(spent)
-        if not tracked.is_keyframe:
-            tracking_ms.append(spent)
-    slam.finish()
-    ate = absolute_trajectory_error(truth, StampedPoses(*slam.trajectory.world_from_camera(slam.map)))
-    return {
-        "recording": name,
-        "frames": len(slam.trajectory),
-        "tracked": slam.trajectory.tracked_count,
-        "path_m": round(truth.path_length, 1),
-        "ate_rmse_m": round(ate.rmse, 4),
-        "ate_share_of_path": round(ate.rmse / truth.path_length, 5),
-        "tracking_median_ms": round(float(np.median(tracking_ms)), 1),
-        "tracking_p95_ms": round(float(np.percentile(tracking_ms, 95)), 1),
-        "all_mean_ms": round(float(np.mean(all_ms)), 1),
-        "frames_per_second": round(1000.0 / float(np.mean(all_ms)), 1),
-        "keyframes": len(slam.map.living_keyframes()),
-        "points": len(slam.map.living_points()),
-    }
+KITCHEN = Path(__file__).parents[2] / "shared" / "data" / "redkitchen"
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("recordings", nargs="*", type=Path)
-    parser.add_argument("--mall", action="append", default=[], type=int, help="seed of a mall to render")
-    arguments = parser.parse_args()
+    parser.add_argument("what", choices=["accuracy", "recovery", "scale", "large", "live", "render"])
+    parser.add_argument("folders", nargs="*", type=Path, help="recordings with ground truth instead of the malls")
+    parser.add_argument("--cache", type=Path, help="where rendered malls are kept")
+    parser.add_argument("--kind", action="append", choices=["loop", "figure-eight", "dark"], help="only these malls")
+    parser.add_argument("--malls", type=int, default=5, help="how many of each kind (default 5)")
+    parser.add_argument("--processes", type=int, default=2, help="that render (default 2)")
+    parser.add_argument("--runs", type=int, default=5, help="accuracy: runs of each recording (default 5)")
+    parser.add_argument("--trials", type=int, default=20, help="recovery: random places (default 20)")
+    parser.add_argument("--minutes", type=float, default=30.0, help="scale: length of the run (default 30)")
+    parser.add_argument("--keyframes", type=int, default=2000, help="large: size of the map (default 2000)")
+    parser.add_argument("--out", type=Path, help="folder for results.jsonl and pictures")
+    given = parser.parse_args()
+    # Before numpy loads: its threads would hide processor time from the thread that is measured.
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+        os.environ[name] = "1"
+    import cv2
+
+    import slam_accuracy
+    import slam_large
+    import slam_live
+    import slam_recovery
+    import slam_scale
+    from lpslam.slam.warm_up import warm_up
+    from slam_recordings import Recording, rendered
+    from slam_report import Report
+
     cv2.setNumThreads(1)
-    print(f"kernels ready in {warm_up(print):.1f} s")
-    for folder in arguments.recordings:
-        source, truth = open_source(folder), read_ground_truth(folder)
-        if truth is None:
-            raise SystemExit(f"{folder} has no ground truth")
-        print(json.dumps(measure(source.name, source.camera, Prefetched(source), truth)), flush=True)
-    for seed in arguments.mall:
-        mall = MallSource(seed)
-        truth = StampedPoses(mall.ground_truth.timestamps, mall.ground_truth.world_from_camera)
-        print(json.dumps(measure(mall.name, mall.camera, mall, truth)), flush=True)
+    if not given.folders and given.cache is None:
+        parser.error("name recordings, or a folder for rendered malls: --cache DIR")
+    kinds = given.kind or {"recovery": ["loop"], "scale": ["loop"], "large": ["loop"]}.get(given.what)
+    recordings = [Recording.at(folder) for folder in given.folders]
+    if not recordings:
+        recordings = rendered(given.cache, kinds, given.malls, given.processes)
+        if given.what in ("accuracy", "live") and given.kind is None and KITCHEN.is_dir():
+            recordings.append(Recording("redkitchen", "red kitchen", KITCHEN))
+    if given.what == "render":
+        return
+    print(f"kernels ready in {warm_up(print):.1f} s; load average {os.getloadavg()[0]:.1f}")
+    report = Report(given.out)
+    match given.what:
+        case "accuracy":
+            slam_accuracy.measure(recordings, given.runs, report)
+        case "recovery":
+            slam_recovery.measure(recordings, given.trials, report)
+        case "scale":
+            slam_scale.measure(recordings[0], given.minutes, report)
+        case "large":
+            slam_large.measure(recordings, given.keyframes, report)
+        case "live":
+            slam_live.measure(recordings, report)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,99 @@
+"""The recordings of the SLAM benchmark: malls rendered once into a folder, and what is on disk."""
+
+import multiprocessing
+import shutil
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+from lpslam.config import SimulationConfig
+from lpslam.poses import StampedPoses
+from lpslam.simulation.source import MallSource
+from lpslam.simulation.writer import write_sequence
+from lpslam.sources.ground_truth import read_ground_truth
+from lpslam.sources.image_pairs import ImagePairSource
+from lpslam.sources.open import open_source
+
+
+@dataclass(frozen=True)
+class MallKind:
+    """Malls alike, of seeds on which nothing is tuned."""
+
+    options: SimulationConfig
+    first_seed: int
+
+
+KINDS = {
+    "loop": MallKind(SimulationConfig(), 51),
+    "figure-eight": MallKind(SimulationConfig(layout="figure-eight", loop_length=90.0), 61),
+    "dark": MallKind(SimulationConfig(light=0.3, max_turn_rate=134.0), 71),
+}
+
+
+@dataclass(frozen=True)
+class Recording:
+    """A folder that can be opened as a source, with a ground truth."""
+
+    name: str
+    kind: str
+    folder: Path
+
+    @classmethod
+    def at(cls, folder: Path) -> "Recording":
+        """A folder named by kind and seed is known as such a mall, any other is just a recording."""
+        kind = folder.name.rpartition("-")[0]
+        return cls(folder.name, kind if kind in KINDS else "recording", folder)
+
+    def open(self) -> ImagePairSource:
+        """Its frames, decoded as they are asked for."""
+        return open_source(self.folder)
+
+    @property
+    def truth(self) -> StampedPoses:
+        """The true poses."""
+        truth = read_ground_truth(self.folder)
+        if truth is None:
+            raise SystemExit(f"{self.folder} has no ground truth")
+        return truth
+
+    def mall(self, visit: int = 0) -> MallSource:
+        """The mall of which this is a recording, to be walked again."""
+        if self.kind not in KINDS:
+            raise SystemExit(f"{self.name} is no mall of the benchmark: its places cannot be drawn anew")
+        return MallSource(int(self.name.rsplit("-", 1)[1]), options=KINDS[self.kind].options, visit=visit)
+
+
+def rendered(cache: Path, kinds: Sequence[str] | None, count: int, processes: int) -> list[Recording]:
+    """So many malls of each kind; those that are not in the cache yet are rendered.
+
+    Args:
+        cache: a folder to a recording, named by kind and seed.
+        kinds: names in `KINDS`; all without.
+        count: malls of each kind.
+        processes: that render at the same time.
+    """
+    recordings = [
+        Recording(f"{kind}-{seed}", kind, cache / f"{kind}-{seed}")
+        for kind in kinds or KINDS
+        for seed in range(KINDS[kind].first_seed, KINDS[kind].first_seed + count)
+    ]
+    missing = [recording for recording in recordings if not _is_complete(recording.folder)]
+    if missing:
+        print(f"rendering {len(missing)} malls into {cache}: two to eight minutes each", flush=True)
+        # Spawned, not forked: the parent may have threads already.
+        with ProcessPoolExecutor(processes, multiprocessing.get_context("spawn")) as pool:
+            for recording in pool.map(_render, missing):
+                print(f"rendered {recording.name}", flush=True)
+    return recordings
+
+
+def _is_complete(folder: Path) -> bool:
+    return (folder / "depth.txt").is_file()  # written last
+
+
+def _render(recording: Recording) -> Recording:
+    if recording.folder.exists():
+        shutil.rmtree(recording.folder)
+    write_sequence(recording.mall(), recording.folder)
+    return recording
