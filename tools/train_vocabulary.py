@@ -9,6 +9,7 @@ materials and words. The same command gives the same files, to the byte.
 
 import argparse
 from collections.abc import Callable, Iterator, Sequence
+from itertools import chain
 from pathlib import Path
 
 import cv2
@@ -21,14 +22,23 @@ from lpslam.frames import RgbdFrame
 from lpslam.simulation import lexicon, textures
 from lpslam.simulation.lettering import paint_board
 from lpslam.simulation.source import MallSource
-from lpslam.slam.features import FeatureExtractor
+from lpslam.slam.features import FeatureExtractor, as_gray, gray_of
+from lpslam.slam.kernels import image as kernels
 from lpslam.slam.vocabulary import Vocabulary
 
 ASSETS = Path(__file__).parents[1] / "src" / "lpslam" / "slam" / "assets"
 FIRST_SEED = 900
+IMAGERY = {"pairs": (6, 14, 60), "vocabulary": (10, 24, 100)}  # malls, frames of each, generated pictures
 BRANCHES, LEVELS = 10, 4
 
+CAMERA = PinholeCamera(width=640, height=480, fx=560.0, fy=560.0, cx=320.0, cy=240.0)
+PATCHES, TESTS, SAMPLE = 20_000, 100_000, 250_000  # patches compared, tests tried, descriptors clustered
+# From 0.4 the chosen tests are too fine to survive a change of view as well, from 0.7 they say the same too often.
+START_CORRELATION = 0.5
+PATCH_LEVELS = 4  # of a pyramid, each 1.44 times smaller
+
 Gray = NDArray[np.uint8]
+Patches = NDArray[np.uint8]
 Bits = NDArray[np.uint64]
 
 
@@ -99,13 +109,99 @@ def _seen_aside(rng: np.random.Generator, picture: NDArray[np.uint8]) -> NDArray
     return np.clip(noisy, 0, 255).astype(np.uint8)
 
 
+# Test pairs -------------------------------------------------------------------------------------------------------
+
+
+def reachable_points() -> NDArray[np.float64]:
+    """Whole pixels (n, 2) that a patch may reach in every direction."""
+    reach = np.arange(-kernels.BORDER, kernels.BORDER + 1)
+    x, y = (axis.ravel() for axis in np.meshgrid(reach, reach))
+    return np.column_stack([x, y])[np.hypot(x, y) <= kernels.BORDER - 3.5].astype(float)
+
+
+def patches_in_two_views(rng: np.random.Generator, picture: NDArray[np.uint8], points: NDArray[np.float64]) -> Patches:
+    """Grey values (2, n, points) about the corners of a picture, turned upright, and the same after a turn."""
+    extractor = FeatureExtractor(CAMERA, FeatureConfig())
+    level = gray_of(picture)
+    found: list[Patches] = []
+    for _ in range(PATCH_LEVELS):
+        height, width = level.shape
+        corners = extractor._detect(level, 120).astype(float)
+        turn, grow = float(rng.uniform(0, 360)), float(rng.uniform(0.85, 1.18))
+        warp = cv2.getRotationMatrix2D((width / 2, height / 2), turn, grow)
+        warp[:, :2] += rng.normal(0, 0.06, (2, 2))  # a view from aside
+        warp[:, 2] += (width / 2, height / 2) - warp @ (width / 2, height / 2, 1)
+        other = cv2.warpAffine(level, warp, (width, height), borderMode=cv2.BORDER_REFLECT).astype(float)
+        other = cv2.GaussianBlur(other, (0, 0), rng.uniform(0.3, 0.9)) * rng.uniform(0.7, 1.1)
+        other = np.clip(other + rng.normal(0, rng.uniform(1, 5), other.shape), 0, 255).astype(np.uint8)
+        # Found again, a corner lies about a pixel off.
+        moved = corners @ warp[:, :2].T + warp[:, 2] + rng.normal(0, 0.6, corners.shape)
+        margin = kernels.BORDER + 1
+        inside = ((moved > margin) & (moved < (width - margin, height - margin))).all(axis=1)
+        views = ((level, corners[inside]), (as_gray(other), moved[inside]))
+        found.append(np.stack([_upright(image, places, points) for image, places in views]))
+        level = as_gray(cv2.resize(level, None, fx=1 / 1.44, fy=1 / 1.44, interpolation=cv2.INTER_LINEAR))
+    return np.concatenate(found, axis=1)
+
+
+def _upright(image: Gray, places: NDArray[np.float64], points: NDArray[np.float64]) -> Gray:
+    """Grey values (n, points) about corners (n, 2), as the descriptor samples them: smoothed, turned, nearest pixel."""
+    corners = np.rint(places).astype(np.int32)
+    angles = kernels.orientations(image, corners)
+    x, y = points.T
+    columns = corners[:, :1] + np.rint(np.cos(angles)[:, None] * x - np.sin(angles)[:, None] * y).astype(int)
+    rows = corners[:, 1:] + np.rint(np.sin(angles)[:, None] * x + np.cos(angles)[:, None] * y).astype(int)
+    return as_gray(as_gray(cv2.blur(image, (5, 5)))[rows, columns])
+
+
+def choose_pairs(
+    rng: np.random.Generator, patches: Patches, points: NDArray[np.float64], tests: int
+) -> NDArray[np.int8]:
+    """256 tests (512, 2) that tell patches apart, stay the same for a patch, and depend on each other little.
+
+    ORB's choice (Rublee et al. 2011, 4.3) prefers tests whose mean is near a half; here those are preferred that differ
+    between two patches by as much more as they can than between two views of one. As there, the best test is taken
+    whose correlation with all taken so far is low enough, and what is low enough rises until all are found.
+    """
+    first, second = rng.integers(0, len(points), (2, tests))
+    one, other = (np.ascontiguousarray(view.T) for view in patches)
+    count = one.shape[1]
+    bits = np.empty((tests, -(-count // 64)), np.uint64)
+    score, mean = np.zeros(tests), np.zeros(tests)
+    for test in range(tests):
+        outcome = one[first[test]] < one[second[test]]
+        changed = float((outcome != (other[first[test]] < other[second[test]])).mean())
+        mean[test] = outcome.mean()
+        differs = 2 * mean[test] * (1 - mean[test])
+        score[test] = (differs - changed) / np.sqrt(differs * (1 - differs) + changed * (1 - changed) + 1e-9)
+        padded = np.zeros(bits.shape[1] * 8, np.uint8)
+        padded[: -(-count // 8)] = np.packbits(outcome)
+        bits[test] = padded.view(np.uint64)
+    spread = np.sqrt(mean * (1 - mean))
+    most = np.where(spread > 0.1, 0.0, np.inf)
+    taken: list[int] = []
+    allowed = START_CORRELATION
+    while len(taken) < 256:
+        free = np.flatnonzero(most < allowed)
+        if not len(free):
+            allowed += 0.01
+            continue
+        best = int(free[score[free].argmax()])
+        taken.append(best)
+        apart = np.bitwise_count(bits ^ bits[best]).sum(axis=1) / count
+        both = (mean + mean[best] - apart) / 2
+        most = np.maximum(most, np.abs(both - mean * mean[best]) / np.maximum(spread * spread[best], 1e-9))
+        most[best] = np.inf
+    print(f"correlation at most {allowed:.2f}")
+    return np.stack([points[first[taken]], points[second[taken]]], axis=1).reshape(512, 2).astype(np.int8)
+
+
 # Words ------------------------------------------------------------------------------------------------------------
 
 
 def describe(pictures: Iterator[NDArray[np.uint8]]) -> list[Bits]:
     """Descriptors (n, 4) of each picture."""
-    camera = PinholeCamera(width=640, height=480, fx=560.0, fy=560.0, cx=320.0, cy=240.0)
-    extractor = FeatureExtractor(camera, FeatureConfig())
+    extractor = FeatureExtractor(CAMERA, FeatureConfig())
     blind = np.zeros((480, 640), np.float32)
     return [extractor.extract(RgbdFrame(0, 0.0, picture, blind)).descriptor for picture in pictures]
 
@@ -179,16 +275,20 @@ def train_vocabulary(pictures: Sequence[Bits], branches: int, levels: int, sampl
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=("vocabulary",))
-    parser.add_argument("--malls", type=int, default=12)
-    parser.add_argument("--frames", type=int, default=24, help="of each mall")
-    parser.add_argument("--pictures", type=int, default=120, help="generated ones")
+    parser.add_argument("what", choices=("pairs", "vocabulary"))
+    parser.add_argument("--out", type=Path, default=ASSETS)
     arguments = parser.parse_args()
     cv2.setNumThreads(1)
-    pictures = describe(mall_frames(arguments.malls, arguments.frames))
-    pictures += describe(generated_pictures(arguments.pictures))
-    vocabulary = train_vocabulary(pictures, BRANCHES, LEVELS, 250_000)
-    path = ASSETS / "vocabulary.npz"
+    malls, frames, generated = IMAGERY[arguments.what]
+    pictures = chain(mall_frames(malls, frames), generated_pictures(generated))
+    if arguments.what == "pairs":
+        rng, points = np.random.default_rng(FIRST_SEED), reachable_points()
+        patches = np.concatenate([patches_in_two_views(rng, each, points) for each in pictures], axis=1)
+        patches = patches[:, np.sort(rng.permutation(patches.shape[1])[:PATCHES])]
+        np.save(arguments.out / "test_pairs.npy", choose_pairs(rng, patches, points, TESTS))
+        return
+    vocabulary = train_vocabulary(describe(pictures), BRANCHES, LEVELS, SAMPLE)
+    path = arguments.out / "vocabulary.npz"
     np.savez(path, tree=vocabulary.tree, branches=vocabulary.branches, rarity=vocabulary.rarity.astype(np.float16))
     print(f"{path}: {vocabulary.size} words, {path.stat().st_size} bytes")
 

@@ -1,6 +1,7 @@
 """ORB features spread over the image, each with a virtual right coordinate from depth (ORB-SLAM2, III-A)."""
 
 from functools import lru_cache
+from importlib.resources import files
 from typing import NamedTuple, cast
 
 import cv2
@@ -159,15 +160,13 @@ def _level_quotas(config: FeatureConfig) -> NDArray[np.int64]:
 
 @lru_cache(maxsize=1)
 def _test_pairs() -> NDArray[np.float64]:
-    """The 256 BRIEF test pairs, (512, 2) x, y in pixels from the corner.
+    """The 256 test pairs, (512, 2) x, y in pixels from the corner; `tools/train_vocabulary.py` learned them.
 
-    Gaussian with a spread of a fifth of the patch, as BRIEF's best arrangement (Calonder et al. 2010), cut off at the
-    radius that a rotated patch may reach.
+    Learned as ORB's are (Rublee et al. 2011, 4.3). Random pairs depend on each other: at the distance that lets four of
+    five true matches pass, they let five to seven times as many wrong ones pass.
     """
-    random = np.random.default_rng(20230301)
-    points = random.normal(0.0, 31 / 5.0, (4096, 2))
-    inside: NDArray[np.float64] = points[np.hypot(*points.T) <= kernels.BORDER - 3.5]
-    return inside[:512]
+    with (files("lpslam.slam") / "assets" / "test_pairs.npy").open("rb") as stream:
+        return np.asarray(np.load(stream), np.float64)
 
 
 @lru_cache(maxsize=32)

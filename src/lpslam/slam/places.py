@@ -16,7 +16,7 @@ class PlaceIndex:
     """An inverted index: for every word the keyframes that show it.
 
     May be used from several threads: each call holds a lock of its own for about a millisecond, and takes no other
-    meanwhile. Takes about 15 KB a keyframe of 1000 keypoints.
+    meanwhile. Takes about 20 KB for a keyframe of 1000 different words, and 5 MB at least.
 
     Args:
         vocabulary: the words; those that travel with the package without.
@@ -53,6 +53,13 @@ class PlaceIndex:
         """Whether a keyframe is indexed."""
         with self._lock:
             return self._holds(keyframe)
+
+    @property
+    def nbytes(self) -> int:
+        """Memory taken by postings and by the words of every keyframe, bytes."""
+        with self._lock:
+            shown = sum(each[0].nbytes + each[1].nbytes for each in self._shown if each is not None)
+            return shown + sum(column.nbytes for column in self._postings)
 
     def add(self, keyframe: int, descriptors: NDArray[np.uint64]) -> None:
         """Index a keyframe by its descriptors (n, 4).

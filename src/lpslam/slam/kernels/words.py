@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from lpslam.slam.kernels.geometry import popcount
 
-BLOCK = 16
-"""Postings that are stored together: two cache lines of them."""
+BLOCK = 64
+"""Postings that are stored together: enough that reading them on hides the wait for the next block."""
 
 
 class Postings(NamedTuple):
@@ -122,6 +122,8 @@ def add_scores(
         weight = weights[i]
         block, count = postings.head[words[i]], postings.fill[words[i]]
         while block >= 0:
+            keyframes, others = postings.keyframe[block], postings.weight[block]
             for k in range(count):
-                scores[postings.keyframe[block, k]] += min(weight, postings.weight[block, k])
+                # Unsigned, for which no test of a negative index is compiled in.
+                scores[np.uint32(keyframes[k])] += min(weight, others[k])
             block, count = postings.next_block[block], np.int32(BLOCK)
