@@ -238,6 +238,11 @@ class MappingConfig(_Section):
     covisible_points: int = 15  # shared points that make two keyframes covisible
     neighbours: int = 10  # best covisible keyframes for fusing, ...
     second_neighbours: int = 2  # ... and of each of them its own best ones
+    triangulated_neighbours: int = 10  # best covisible keyframes searched for new points without near depth; 0: none
+    triangulation_ratio: float = Field(default=0.8, gt=0)  # best over second best along an epipolar line, same level
+    max_depth_uncertainty: float = Field(default=0.1, gt=0)  # share of its depth to which a new point must be known
+    scale_tolerance: float = Field(default=1.8, ge=1)  # factor between ratios of distances and of pyramid levels
+    min_triangulated_observations: int = 3  # keyframes; as `min_observations`, for points that two rays alone made
     fuse_hamming: int = 50  # bits; a fused point must look the same
     fuse_radius: float = 3.0  # pixels at the finest level
     adjusted_keyframes: int = 16  # most covisible keyframes that a local adjustment frees

@@ -7,6 +7,7 @@ from lpslam.config import SlamConfig
 from lpslam.slam.kernels import bundle, fusing, graph, local_bundle
 from lpslam.slam.map import SlamMap
 from lpslam.slam.sensor import SensorModel
+from lpslam.slam.triangulation import Triangulator
 
 
 class LocalMapper:
@@ -20,7 +21,9 @@ class LocalMapper:
         self._sensor = sensor
         self._config = config.mapping
         self._close_depth = config.keyframes.close_depth
+        self._triangulator = Triangulator(slam_map, sensor, self._config)
         self._recent_points = np.empty(0, np.int32)
+        self._observations_needed = np.empty(0, np.int32)
         self._stop = np.zeros(1, np.bool_)
 
     def process(self, keyframe: int) -> None:
@@ -28,7 +31,9 @@ class LocalMapper:
         self._stop[0] = False
         with self._map.lock:
             self._cull_points(keyframe)
-            self._recent_points = np.concatenate([self._recent_points, self._born_in(keyframe)])
+            self._remember(self._born_in(keyframe), self._config.min_observations)
+        self._remember(self._triangulator.process(keyframe), self._config.min_triangulated_observations)
+        with self._map.lock:
             neighbours = self._neighbours(keyframe)
         self._fuse(keyframe, neighbours)
         self._adjust(keyframe)
@@ -44,16 +49,25 @@ class LocalMapper:
         born: NDArray[np.int32] = points[self._map.columns.first_keyframe[points] == keyframe]
         return born
 
+    def _remember(self, points: NDArray[np.int32], observations: int) -> None:
+        """Watch new points until so many keyframes have seen them."""
+        self._recent_points = np.concatenate([self._recent_points, points])
+        self._observations_needed = np.concatenate(
+            [self._observations_needed, np.full(len(points), observations, np.int32)]
+        )
+
     def _cull_points(self, keyframe: int) -> None:
         """Points must earn their place within three keyframes of their birth."""
         m = self._map.columns
-        points = self._recent_points[m.point_alive[self._recent_points]]
+        alive = m.point_alive[self._recent_points]
+        points, needed = self._recent_points[alive], self._observations_needed[alive]
         age = keyframe - m.first_keyframe[points]
         rarely_found = m.found[points] < self._config.min_found_share * m.visible[points]
-        unconfirmed = (age >= 2) & (m.observations[points] < self._config.min_observations)
+        unconfirmed = (age >= 2) & (m.observations[points] < needed)
         drop = rarely_found | unconfirmed
         graph.remove_points(m, points[drop])
-        self._recent_points = points[~drop & (age < 3)]
+        watched = ~drop & (age < 3)
+        self._recent_points, self._observations_needed = points[watched], needed[watched]
 
     def _neighbours(self, keyframe: int) -> NDArray[np.int32]:
         first = self._map.covisible(keyframe, 1)[: self._config.neighbours]
