@@ -172,7 +172,8 @@ class TextConfig(_Section):
 class SensorNoiseConfig(_Section):
     """How far keypoints and depth readings stray: the weights of every adjustment."""
 
-    pixel_sigma: float = Field(default=1.0, gt=0)  # pixels at the finest level; a level's sigma grows with its scale
+    pixel_sigma: float = Field(default=0.7, gt=0)  # pixels, at any level: blur, rolling shutter, depth registration
+    level_pixel_sigma: float = Field(default=0.5, gt=0)  # pixels of the level at which a corner is found: its rounding
     depth_sigma: float = Field(default=0.003, gt=0)  # metres, at any distance: registration and rounding
     depth_sigma_quadratic: float = 0.0035  # metres a square metre: disparity noise of structured light and stereo
 
@@ -201,7 +202,6 @@ class TrackingConfig(_Section):
     majority_trials: int = Field(default=100, ge=1)  # RANSAC hypotheses at most; half wrong matches need about 70
     min_judges: int = Field(default=30, ge=4)  # points seen by two keyframes; from so many on only they make a majority
     majority_pixels: float = Field(default=4.0, gt=0)  # reprojection error of those who agree, before refinement
-    recovery_keyframes: int = 12  # newest and nearest keyframes tried when lost
     blur_ratio: float = 0.35  # share of the usual gradient energy below which a frame is called blurred
     followed_points: int = Field(default=250, ge=0)  # keypoints followed by optical flow between ORB frames; 0: never
     flow_window: int = Field(default=15, ge=5)  # pixels; side of the patch that is followed
@@ -213,6 +213,7 @@ class TrackingConfig(_Section):
     min_followed_share: float = Field(default=0.7, ge=0, le=1)  # of those followed first, the same
     anchor_interval: float = Field(default=0.09, ge=0)  # seconds after which a frame is matched with the map anyway
     strict_seconds: float = 1.0  # after relocalising, in which `min_recovery_inliers` must be matched
+    long_gap: float = Field(default=0.3, gt=0)  # seconds without frames after which the same: nothing was predicted
     recovery_candidates: int = Field(default=4, ge=1)  # places tried a frame when lost
     submap_after: float = Field(default=1.0, ge=0)  # seconds of usable but unknown views after which a sub-map begins
 

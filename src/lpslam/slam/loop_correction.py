@@ -245,8 +245,6 @@ class LoopCorrector:
         with slam_map.lock:
             living = slam_map.living_keyframes()
             free = living[slam_map.submaps()[living] == slam_map.submaps()[keyframe]]
-            if len(free) > _MOST_ADJUSTED:
-                return False
             gathered = self._gather_bundle(free)
         solved = self._solve_bundle(gathered, self._config.first_adjusting, self._config.adjusting, stop)
         with slam_map.lock:
@@ -307,6 +305,3 @@ class _Bundle:
 
 _SHORTEST_EDGE = 0.1
 """Metres; keyframes nearer to each other stray by noise, not by drift."""
-
-_MOST_ADJUSTED = 500
-"""Keyframes up to which a full adjustment is worth its time, which grows with their cube; the pose graph's is not."""

@@ -39,7 +39,9 @@ class SensorModel:
             ),
             image_size=(camera.width, camera.height),
             scales=scales,
-            pixel_information=(1.0 / (config.noise.pixel_sigma * scales) ** 2).astype(np.float32),
+            pixel_information=(
+                1.0 / (config.noise.pixel_sigma**2 + (config.noise.level_pixel_sigma * scales) ** 2)
+            ).astype(np.float32),
             log_scale=float(np.log(config.features.scale_factor)),
             depth_sigma=config.noise.depth_sigma,
             depth_sigma_quadratic=config.noise.depth_sigma_quadratic,

@@ -204,7 +204,8 @@ class Tracker:
     def _match(self, frame: RgbdFrame, gray: NDArray[np.uint8], view: View, followed: _Followed | None) -> TrackedFrame:
         """Search the local map from the best first guess that leads to enough matches."""
         lost = self.state is TrackingState.LOST
-        strict = lost or frame.timestamp < self._strict_until
+        gap = 0.0 if self._last is None else frame.timestamp - self._last.timestamp
+        strict = lost or frame.timestamp < self._strict_until or gap > self._config.long_gap
         needed = self._config.min_recovery_inliers if strict else self._config.min_inliers
         best: Estimate | None = None
         for start in self._lost_starts(view) if lost else self._starts(frame, view, followed):
