@@ -1,5 +1,8 @@
+import importlib.util
 import threading
 import time
+from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -7,6 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from lpslam.config import FeatureConfig
+from lpslam.simulation.source import MallSource
+from lpslam.slam.features import FeatureExtractor
 from lpslam.slam.places import PlaceIndex, group_candidates
 from lpslam.slam.vocabulary import Vocabulary
 
@@ -201,3 +207,60 @@ def test_candidates_below_the_floor_are_none_and_those_of_an_older_map_are_no_ne
     scores[[4, 19]] = 0.1, 0.2
     assert group_candidates(scores, chain, 5, floor=0.2) == []
     assert group_candidates(scores, chain, 5, floor=0.15) == [19]
+
+
+@pytest.mark.slow
+def test_frames_of_a_mall_find_the_keyframes_beside_them() -> None:
+    mall = MallSource(951)
+    extractor = FeatureExtractor(mall.camera, FeatureConfig())
+    index = PlaceIndex()
+    keyframes = np.arange(20, 900, 80)
+    for number, frame in enumerate(keyframes.tolist()):
+        index.add(number, extractor.extract(mall.frame(frame)).descriptor)
+    queries = [extractor.extract(mall.frame(frame + 8)).descriptor for frame in keyframes.tolist()]
+    scores = np.array([index.query(query) for query in queries])
+    right, rivals = np.diag(scores), np.where(np.eye(len(scores)), 0, scores).max(axis=1)
+    assert (scores.argmax(axis=1) == np.arange(len(scores))).all()
+    assert np.median(right / rivals) > 1.5
+
+
+@pytest.fixture(scope="module")
+def trainer() -> ModuleType:
+    path = Path(__file__).parents[2] / "tools" / "train_vocabulary.py"
+    spec = importlib.util.spec_from_file_location("train_vocabulary", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_training_twice_gives_the_same_words_and_they_hold_clusters_together(trainer: ModuleType) -> None:
+    random = np.random.default_rng(0)
+    centres = random.integers(0, 2, (9, 256))
+    members = centres[np.arange(360) % 9] ^ (random.random((360, 256)) < 0.05)
+    bits = np.packbits(members.astype(np.uint8), axis=1).view(np.uint64)
+    pictures = [bits[:180], bits[180:]]
+    one, other = (trainer.train_vocabulary(pictures, 3, 2, 360) for _ in range(2))
+    np.testing.assert_array_equal(one.tree, other.tree)
+    np.testing.assert_array_equal(one.rarity, other.rarity)
+    words = one.words(bits)
+    pure = sum(np.bincount(np.arange(360)[words == word] % 9).max() for word in np.unique(words))
+    assert pure / 360 > 0.9
+
+
+def test_chosen_test_pairs_differ_between_patches_and_depend_on_each_other_little(trainer: ModuleType) -> None:
+    random = np.random.default_rng(0)
+    points = trainer.reachable_points()
+    first = random.integers(0, 256, (1500, len(points)), np.uint8)
+    second = np.clip(first + random.normal(0, 10, first.shape), 0, 255).astype(np.uint8)
+    patches = np.stack([first, second])
+    one, other = (trainer.choose_pairs(np.random.default_rng(2), patches, points, 600) for _ in range(2))
+    np.testing.assert_array_equal(one, other)
+    assert one.shape == (512, 2)
+    assert one.dtype == np.int8
+    row_of = {tuple(point): row for row, point in enumerate(points.astype(int).tolist())}
+    rows = np.array([row_of[tuple(point)] for point in one.tolist()])
+    outcome = first[:, rows[::2]] < first[:, rows[1::2]]
+    assert np.abs(outcome.mean(axis=0) - 0.5).max() < 0.1
+    assert np.abs(np.corrcoef(outcome.T) - np.eye(256)).max() < 0.7
