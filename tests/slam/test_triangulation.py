@@ -1,0 +1,348 @@
+"""Points from two views: geometry, matching along epipolar lines, and what they are worth where depth ends early."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from slam_scenes import (
+    CAMERA,
+    SENSOR,
+    add_view,
+    check_graph,
+    descriptors_of,
+    features_at,
+    flip_bits,
+    hamming_table,
+    observations_of,
+    points_ahead,
+    rigid,
+)
+
+from lpslam.camera import transform_points
+from lpslam.config import MappingConfig, SlamConfig
+from lpslam.evaluation.trajectory import AteResult, absolute_trajectory_error
+from lpslam.frames import RgbdFrame
+from lpslam.poses import StampedPoses
+from lpslam.simulation.source import MallSource
+from lpslam.slam.features import Features
+from lpslam.slam.kernels import graph
+from lpslam.slam.kernels.triangulation import match_along_lines
+from lpslam.slam.map import SlamMap
+from lpslam.slam.system import RgbdSlam
+from lpslam.slam.triangulation import Triangulator, intersect_rays
+
+seeds = st.integers(0, 2**32 - 1)
+SIDEWAYS = rigid([-0.5, 0.05, 0.1], [0.02, -0.06, 0.03])
+"""camera from world of a second camera, half a metre to the right of a first one that stands in the origin."""
+
+
+# Rays --------------------------------------------------------------------------------------------------------------
+
+
+@given(seeds)
+def test_rays_meet_at_the_point_that_they_were_drawn_to(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    points = points_ahead(random, 50)
+    centres = random.uniform(-1, 1, (50, 3))
+    away = np.linalg.norm(np.cross(points, centres), axis=1) > 0.05
+    points, centres = points[away], centres[away]
+    first, second = random.uniform(0.3, 3, (2, len(points), 1))
+    meeting = intersect_rays(points / first, (points - centres) / second, centres)
+    np.testing.assert_allclose(meeting.points, points, atol=1e-8)
+    np.testing.assert_allclose(meeting.first, first[:, 0], rtol=1e-6)
+    np.testing.assert_allclose(meeting.second, second[:, 0], rtol=1e-6)
+    to_points, to_centres = points, points - centres
+    cosines = (to_points * to_centres).sum(axis=1) / np.linalg.norm(to_points, axis=1)
+    cosines /= np.linalg.norm(to_centres, axis=1)
+    np.testing.assert_allclose(meeting.sine**2 + cosines**2, 1, atol=1e-9)
+
+
+def test_skew_rays_meet_halfway_between_them() -> None:
+    meeting = intersect_rays(np.array([[0.0, 0.0, 1.0]]), np.array([[-1.0, 0.0, 1.0]]), np.array([[2.0, 0.1, 0.0]]))
+    np.testing.assert_allclose(meeting.points, [[0, 0.05, 2]], atol=1e-12)
+    np.testing.assert_allclose([meeting.first, meeting.second], [[2], [2]])
+
+
+def test_rays_that_part_meet_behind_the_camera_and_parallel_ones_nowhere() -> None:
+    forward, outward = np.array([[0.0, 0.0, 1.0]]), np.array([[0.2, 0.0, 1.0]])
+    beside = np.array([[0.5, 0.0, 0.0]])
+    parting = intersect_rays(forward, outward, beside)
+    assert parting.first[0] < 0
+    parallel = intersect_rays(forward, forward, beside)
+    assert parallel.sine[0] == 0
+    assert not np.isfinite(parallel.points).all()
+
+
+# Epipolar lines ----------------------------------------------------------------------------------------------------
+
+
+def matched_by_definition(
+    lines: np.ndarray,
+    line_gates: np.ndarray,
+    descriptors: np.ndarray,
+    pixels: np.ndarray,
+    pixel_gates: np.ndarray,
+    octaves: np.ndarray,
+    others: np.ndarray,
+    max_distance: int,
+    ratio: float,
+) -> np.ndarray:
+    table = hamming_table(descriptors, others)
+    off = lines[:, :2] @ pixels.astype(np.float64).T + lines[:, 2:]
+    match, distances = np.full(len(pixels), -1), np.full(len(pixels), max_distance + 1)
+    for i in range(len(lines)):
+        near = np.flatnonzero(off[i] ** 2 <= line_gates[i] + pixel_gates)
+        ranked = near[np.argsort(table[i, near], kind="stable")]
+        if not len(ranked) or table[i, ranked[0]] >= distances[ranked[0]]:
+            continue
+        rivals = len(ranked) > 1 and octaves[ranked[0]] == octaves[ranked[1]]
+        if rivals and table[i, ranked[0]] > ratio * table[i, ranked[1]]:
+            continue
+        match[ranked[0]], distances[ranked[0]] = i, table[i, ranked[0]]
+    return match
+
+
+@given(seeds, st.integers(0, 40), st.integers(0, 60), st.sampled_from([10, 50, 256]), st.sampled_from([0.6, 0.8, 1.0]))
+def test_matches_along_lines_are_those_of_the_definition(
+    seed: int, count: int, other_count: int, max_distance: int, ratio: float
+) -> None:
+    random = np.random.default_rng(seed)
+    angles = random.uniform(0, 2 * np.pi, count)
+    lines = np.column_stack([np.cos(angles), np.sin(angles), random.uniform(-400, 400, count)])
+    # Alike descriptors and wide gates: so that candidates compete.
+    common = np.repeat(descriptors_of(random, 1), count + other_count, axis=0)
+    descriptors = flip_bits(random, common, 15)
+    arguments = (
+        lines,
+        random.uniform(0, 900, count),
+        descriptors[:count],
+        random.uniform(0, 640, (other_count, 2)).astype(np.float32),
+        random.uniform(0, 900, other_count),
+        random.integers(0, 3, other_count).astype(np.uint8),
+        descriptors[count:],
+        max_distance,
+        ratio,
+    )
+    np.testing.assert_array_equal(match_along_lines(*arguments), matched_by_definition(*arguments))
+
+
+# Points in the map -------------------------------------------------------------------------------------------------
+
+
+class Pair:
+    """Two keyframes, covisible by near points with depth, that also see far points without."""
+
+    def __init__(self, seed: int, second_from_world: np.ndarray = SIDEWAYS, far: tuple[float, float] = (3, 6)) -> None:
+        self.random = np.random.default_rng(seed)
+        self.second_from_world = second_from_world
+        near = points_ahead(self.random, 60, 1, 2.5)
+        beyond = points_ahead(self.random, 400, *far)
+        seen = CAMERA.project(transform_points(second_from_world, beyond))
+        inside = ((seen > 5) & (seen < [CAMERA.width - 5, CAMERA.height - 5])).all(axis=1)
+        self.far = beyond[inside][:120]
+        self.near_count = len(near)
+        self.points = np.concatenate([near, self.far])
+        self.descriptors = descriptors_of(self.random, len(self.points))
+        self.views = [self.view(np.eye(4)), self.view(second_from_world)]
+
+    def view(self, camera_from_world: np.ndarray) -> Features:
+        in_camera = transform_points(camera_from_world, self.points)
+        depths = np.where(np.arange(len(self.points)) < self.near_count, in_camera[:, 2], 0)
+        return features_at(CAMERA.project(in_camera), depths, flip_bits(self.random, self.descriptors, 5))
+
+    def triangulate(self, config: MappingConfig | None = None) -> tuple[SlamMap, np.ndarray]:
+        slam_map = SlamMap(len(self.points), SENSOR.scales)
+        add_view(slam_map, np.eye(4), self.views[0], -1)
+        add_view(slam_map, self.second_from_world, self.views[1], 0)
+        rows = np.arange(self.near_count, dtype=np.int32)
+        slam_map.add_points(0, rows, self.points[rows])
+        shared = np.full(len(self.points), -1, np.int32)
+        shared[rows] = rows
+        graph.link_all(slam_map.columns, shared, 1)
+        made = Triangulator(slam_map, SENSOR, config or MappingConfig()).process(1)
+        check_graph(slam_map)
+        return slam_map, made
+
+    def errors(self, slam_map: SlamMap, made: np.ndarray) -> np.ndarray:
+        """Metres between new points and the truth; each must be seen by the two keypoints of one true point."""
+        m = slam_map.columns
+        features = []
+        for point in made.tolist():
+            seen = list(observations_of(m, point))
+            assert sorted(slot for slot, _ in seen) == [0, 1]
+            assert len({feature for _, feature in seen}) == 1, f"point {point} was matched wrongly"
+            features.append(seen[0][1])
+        return np.asarray(np.linalg.norm(m.position[made] - self.points[features], axis=1))
+
+
+@given(seeds)
+def test_what_two_keyframes_see_without_depth_becomes_points_where_they_stand(seed: int) -> None:
+    pair = Pair(seed)
+    slam_map, made = pair.triangulate()
+    assert len(made) > 0.9 * len(pair.far)
+    assert pair.errors(slam_map, made).max() < 1e-3
+    m = slam_map.columns
+    assert (m.observations[made] == 2).all()
+    assert (m.first_keyframe[made] == 1).all()
+    np.testing.assert_allclose(np.linalg.norm(m.normal[made], axis=1), 1, rtol=1e-5)
+
+
+def test_noise_of_half_a_pixel_moves_points_by_no_more_than_the_rays_allow() -> None:
+    pair = Pair(4)
+    for view in pair.views:
+        view.pixels[:] += pair.random.normal(0, 0.5, view.pixels.shape)
+    slam_map, made = pair.triangulate()
+    assert len(made) > 0.75 * len(pair.far)
+    errors = pair.errors(slam_map, made)
+    depths = np.linalg.norm(slam_map.columns.position[made], axis=1)
+    # Half a pixel in both views over 0.5 m of baseline: z² σ √2 / (f b).
+    expected = depths**2 * 0.5 * np.sqrt(2) / (525 * 0.5)
+    assert 0.4 < np.sqrt(np.mean((errors / expected) ** 2)) < 1.6
+
+
+def test_points_too_far_for_the_baseline_are_not_made() -> None:
+    pair = Pair(5, far=(40, 60))
+    assert len(pair.triangulate()[1]) == 0
+    # Half a degree of parallax is enough for whoever believes it.
+    assert len(pair.triangulate(MappingConfig(max_depth_uncertainty=1.0))[1]) > 0.8 * len(pair.far)
+
+
+def test_a_camera_that_turned_on_the_spot_makes_no_points() -> None:
+    pair = Pair(6, second_from_world=rigid([0.01, 0.0, 0.0], [0.0, 0.15, 0.0]))
+    assert len(pair.triangulate()[1]) == 0
+
+
+def test_none_are_made_where_the_configuration_says_so() -> None:
+    assert len(Pair(7).triangulate(MappingConfig(triangulated_neighbours=0))[1]) == 0
+
+
+def test_a_far_reading_serves_where_the_rays_are_nearly_parallel() -> None:
+    pair = Pair(8, second_from_world=rigid([-0.1, 0.0, 0.0], [0.0, 0.0, 0.0]), far=(5, 7))
+    assert len(pair.triangulate()[1]) == 0
+    read = pair.points[:, 2].astype(np.float32)
+    disparity = (SENSOR.intrinsics[4] / read).astype(np.float32)
+    first = pair.views[0]
+    pair.views[0] = first._replace(
+        depth=read, has_depth=np.ones(len(read), np.bool_), u_right=first.pixels[:, 0] - disparity
+    )
+    slam_map, made = pair.triangulate()
+    assert len(made) > 0.9 * len(pair.far)
+    assert pair.errors(slam_map, made).max() < 1e-3
+
+
+def test_a_reading_that_contradicts_the_rays_refuses_the_point() -> None:
+    pair = Pair(9)
+    first = pair.views[0]
+    wrong = np.where(first.has_depth, first.depth, 0.7 * pair.points[:, 2]).astype(np.float32)
+    disparity = (SENSOR.intrinsics[4] / wrong).astype(np.float32)
+    pair.views[0] = first._replace(
+        depth=wrong, has_depth=np.ones(len(wrong), np.bool_), u_right=first.pixels[:, 0] - disparity
+    )
+    assert len(pair.triangulate()[1]) < 0.05 * len(pair.far)
+
+
+def test_keypoints_of_other_sizes_are_not_the_same_thing() -> None:
+    pair = Pair(10)
+    pair.views[0].octave[:] = 6
+    assert len(pair.triangulate()[1]) == 0
+    assert len(pair.triangulate(MappingConfig(scale_tolerance=5.0))[1]) > 0.5 * len(pair.far)
+
+
+def test_alike_keypoints_of_different_things_seldom_become_points() -> None:
+    """Every far keypoint looks like another thing's: only those that lie near the epipolar line by chance pass."""
+    pair = Pair(11)
+    shuffled = np.arange(len(pair.points))
+    shuffled[pair.near_count :] = pair.near_count + pair.random.permutation(len(pair.far))
+    second = pair.views[1]
+    pair.views[1] = second._replace(descriptor=np.ascontiguousarray(second.descriptor[shuffled]))
+    _, made = pair.triangulate()
+    assert len(made) < 0.05 * len(pair.far)
+
+
+def test_keypoints_that_turned_another_way_are_refused() -> None:
+    pair = Pair(12)
+    turned = pair.near_count + np.arange(0, len(pair.far), 4)
+    pair.views[1].angle[turned] += np.linspace(0.7, 5.5, len(turned), dtype=np.float32)
+    slam_map, made = pair.triangulate()
+    features = {feature for point in made.tolist() for _, feature in observations_of(slam_map.columns, point)}
+    assert len(features & set(turned.tolist())) < 0.15 * len(turned)
+    assert len(made) > 0.6 * len(pair.far)
+
+
+def test_points_of_a_world_that_was_corrected_meanwhile_are_thrown_away(monkeypatch: pytest.MonkeyPatch) -> None:
+    solve = Triangulator._intersect
+
+    def solve_while_a_loop_is_closed(self: Triangulator, *arguments: object) -> object:
+        self._map.version += 1
+        return solve(self, *arguments)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(Triangulator, "_intersect", solve_while_a_loop_is_closed)
+    slam_map, made = Pair(13).triangulate()
+    assert len(made) == 0
+    assert len(slam_map.living_points()) == 60
+
+
+# What they are worth -----------------------------------------------------------------------------------------------
+
+
+WALK = 60
+
+
+class Walk:
+    """Rendered frames with the true path; the nearest surfaces are two and a half metres off."""
+
+    def __init__(self) -> None:
+        source = MallSource(3, frames=WALK)
+        self.camera = source.camera
+        self.frames = list(source)
+        truth = source.ground_truth
+        self.truth = StampedPoses(truth.timestamps, truth.world_from_camera)
+
+    def seen_to(self, reach: float, after: int) -> list[RgbdFrame]:
+        """The frames without any depth beyond `reach` metres from some frame on."""
+        return [
+            frame
+            if frame.index < after
+            else replace(frame, depth=np.where(frame.depth < reach, frame.depth, 0).astype(np.float32))
+            for frame in self.frames
+        ]
+
+    def track(self, frames: list[RgbdFrame], neighbours: int) -> tuple[int, AteResult]:
+        """How many frames are tracked with so many neighbours searched for new points, and how well."""
+        config = SlamConfig(mapping=MappingConfig(triangulated_neighbours=neighbours))
+        slam = RgbdSlam(self.camera, config)
+        tracked = [slam.process(frame).is_tracked for frame in frames]
+        slam.finish()
+        check_graph(slam.map)
+        estimate = StampedPoses(*slam.trajectory.world_from_camera(slam.map))
+        return sum(tracked), absolute_trajectory_error(self.truth, estimate)
+
+
+@pytest.fixture(scope="module")
+def walk() -> Walk:
+    return Walk()
+
+
+def test_a_sensor_that_sees_three_metres_is_enough_with_triangulation_and_not_without(walk: Walk) -> None:
+    frames = walk.seen_to(3.0, after=1)
+    tracked, error = walk.track(frames, 10)
+    assert tracked == WALK
+    assert error.rmse < 0.012
+    assert error.max < 0.03
+    assert walk.track(frames, 0)[0] < 0.75 * WALK
+
+
+def test_when_depth_fails_for_good_the_map_goes_on_growing(walk: Walk) -> None:
+    tracked, error = walk.track(walk.seen_to(0.0, after=10), 10)
+    assert tracked == WALK
+    assert error.rmse < 0.02
+    assert error.max < 0.05
+
+
+def test_where_depth_is_good_triangulation_does_no_harm(walk: Walk) -> None:
+    tracked, error = walk.track(walk.frames, 10)
+    assert tracked == WALK
+    assert error.rmse < 0.008
+    assert error.max < 0.02
