@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from slam_scenes import SENSOR
 
 from lpslam.slam.kernels.bundle import BundleProblem, adjust_bundle
-from lpslam.slam.kernels.geometry import exponential, inverse, moved, multiply, orthonormalise
+from lpslam.slam.kernels.geometry import exponential, inverse, median, move, multiply, orthonormalise
 from lpslam.slam.kernels.linear import solve_blocks, solve_positive
 
 NEVER = np.zeros(1, np.bool_)
@@ -71,7 +71,9 @@ def test_transforms_form_a_group(values: list[float]) -> None:
     np.testing.assert_allclose(multiply(a, b), a @ b, atol=1e-12)
     np.testing.assert_allclose(multiply(a, inverse(a)), np.eye(4), atol=1e-12)
     np.testing.assert_allclose(multiply(exponential(-np.array(values[:6])), a), np.eye(4), atol=1e-9)
-    np.testing.assert_allclose(moved(a, np.array(values[6:])), b @ a, atol=1e-12)
+    moved = a.copy()
+    move(moved, np.array(values[6:]))
+    np.testing.assert_allclose(moved, b @ a, atol=1e-12)
     drifted = a + 1e-6 * np.outer([1, -1, 1, 0], [1, 1, -1, 0])
     orthonormalise(drifted)
     np.testing.assert_allclose(drifted[:3, :3] @ drifted[:3, :3].T, np.eye(3), atol=1e-12)
@@ -154,3 +156,9 @@ def test_a_large_adjustment_ends_soon_after_it_is_told_to() -> None:
     timer.cancel()
     # Seconds of computing, so that a busy machine does not fail it.
     assert time.process_time() - started < 2.0
+
+
+@settings(deadline=None, max_examples=50)
+@given(values=st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=30))
+def test_the_median_is_numpys(values: list[float]) -> None:
+    assert median(np.array([*values, 0.0]), len(values)) == np.median(values)

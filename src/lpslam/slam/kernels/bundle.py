@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from lpslam.slam.kernels.geometry import moved
+from lpslam.slam.kernels.geometry import move
 from lpslam.slam.kernels.reduced_system import (
     block_pattern,
     eliminate_points,
@@ -173,8 +173,8 @@ def _optimise(
     dense: int,
     iterations: int,
     stop: NDArray[np.bool_],
-) -> None:
-    """Levenberg-Marquardt; poses and points are changed in place."""
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Levenberg-Marquardt: better poses and points."""
     block_of, rows, columns = pattern
     free, count = block_of.shape[0], points.shape[0]
     pose_hessian, pose_gradient = np.empty((free, 6, 6)), np.empty((free, 6))
@@ -185,7 +185,7 @@ def _optimise(
     cost = _total_cost(measured, keyframe, starts, poses, points, intrinsics)
     for _ in range(iterations):
         if stop[0]:
-            return
+            break
         _linearise(
             measured, keyframe, starts, poses, points, intrinsics,
             pose_hessian, pose_gradient, point_hessian, point_gradient, cross,
@@ -193,10 +193,10 @@ def _optimise(
         new_cost, new_poses, new_points = cost, poses, points
         for _ in range(6):
             blocks[:] = 0.0
-            right[:] = pose_gradient
             for k in range(free):
                 block = blocks[block_of[k, k]]
                 for a in range(6):
+                    right[k, a] = pose_gradient[k, a]
                     for b in range(a, 6):
                         block[a, b] = block[b, a] = pose_hessian[k, a, b]
                     block[a, a] += damping * pose_hessian[k, a, a] + 1e-6
@@ -204,37 +204,37 @@ def _optimise(
             eliminate_points(measured, keyframe, starts, inverse, point_gradient, cross, block_of, blocks, right)
             twists = solve_reduced(blocks, rows, columns, right, dense, stop)
             if stop[0]:
-                return
+                break
             new_poses = poses.copy()
             for k in range(free):
-                new_poses[k] = moved(poses[k], twists[k])
+                move(new_poses[k], twists[k])
             new_points = moved_points(measured, keyframe, starts, inverse, point_gradient, cross, twists, points)
             new_cost = _total_cost(measured, keyframe, starts, new_poses, new_points, intrinsics)
             if new_cost < cost:
                 break
             damping *= 10.0
         if not new_cost < cost:
-            return
+            break
         converged = cost - new_cost < 1e-3 * cost
-        poses[:] = new_poses
-        points[:] = new_points
-        cost = new_cost
+        poses, points, cost = new_poses, new_points, new_cost
         damping = max(damping * 0.2, 1e-9)
         if converged:
-            return
+            break
+    return poses, points
 
 
 @njit(cache=True, nogil=True, fastmath={"contract"})
 def _judge(
-    problem: BundleProblem,
+    pixel_information: NDArray[np.float32],
+    disparity_information: NDArray[np.float32],
+    keyframe: NDArray[np.int32],
+    starts: NDArray[np.int64],
     poses: NDArray[np.float64],
     points: NDArray[np.float64],
     intrinsics: NDArray[np.float64],
     measured: NDArray[np.float64],
 ) -> None:
     """Let only those observations count that agree within the gates."""
-    pixel_information, disparity_information = problem.pixel_information, problem.disparity_information
-    keyframe, starts, has_depth = problem.keyframe, problem.starts, problem.has_depth
     for j in range(points.shape[0]):
         p, q, r = points[j, 0], points[j, 1], points[j, 2]
         for o in range(starts[j], starts[j + 1]):
@@ -248,11 +248,10 @@ def _judge(
             off, depth_off = errors(x, y, z, measured[o, 0], measured[o, 1], measured[o, 2], intrinsics)
             if off * pixel_information[o] <= CHI2_PIXEL:
                 measured[o, 3] = pixel_information[o]
-                if has_depth[o] and depth_off * disparity_information[o] <= CHI2_DEPTH:
+                if depth_off * disparity_information[o] <= CHI2_DEPTH:
                     measured[o, 4] = disparity_information[o]
 
 
-@njit(cache=True, nogil=True, fastmath={"contract"})
 def adjust_bundle(
     problem: BundleProblem,
     intrinsics: NDArray[np.float64],
@@ -273,23 +272,22 @@ def adjust_bundle(
     Returns:
         camera_from_world (k, 4, 4), points (p, 3) and which observations are inliers (o,).
     """
-    poses = problem.camera_from_world.copy()
-    points = problem.points.copy()
+    poses, points = problem.camera_from_world.copy(), problem.points.copy()
     keyframe, starts = problem.keyframe, problem.starts
-    measured = np.empty((keyframe.shape[0], 5))
-    for o in range(keyframe.shape[0]):
-        measured[o, 0], measured[o, 1] = problem.pixels[o, 0], problem.pixels[o, 1]
-        measured[o, 2] = problem.disparity[o] if problem.has_depth[o] else 0.0
-        measured[o, 3] = problem.pixel_information[o]
-        measured[o, 4] = problem.disparity_information[o] if problem.has_depth[o] else 0.0
-    if problem.free_count > 0 and points.shape[0] > 0:
+    disparity_information = np.where(problem.has_depth, problem.disparity_information, np.float32(0.0))
+    disparity = np.where(problem.has_depth, problem.disparity, 0.0)
+    measured = np.empty((len(keyframe), 5))
+    measured[:, :2], measured[:, 2] = problem.pixels, disparity
+    measured[:, 3], measured[:, 4] = problem.pixel_information, disparity_information
+    if problem.free_count > 0 and len(points):
         pattern = block_pattern(keyframe, starts, problem.free_count)
-        _optimise(measured, keyframe, starts, pattern, poses, points, intrinsics, dense, first_iterations, stop)
-        _judge(problem, poses, points, intrinsics, measured)
-        if not stop[0] and iterations > 0:
-            _optimise(measured, keyframe, starts, pattern, poses, points, intrinsics, dense, iterations, stop)
-            _judge(problem, poses, points, intrinsics, measured)
-    inlier = np.empty(keyframe.shape[0], np.bool_)
-    for o in range(keyframe.shape[0]):
-        inlier[o] = measured[o, 3] > 0.0
-    return poses, points, inlier
+        for steps in (first_iterations, iterations) if iterations > 0 else (first_iterations,):
+            poses, points = _optimise(
+                measured, keyframe, starts, pattern, poses, points, intrinsics, dense, steps, stop
+            )
+            _judge(
+                problem.pixel_information, disparity_information, keyframe, starts, poses, points, intrinsics, measured
+            )
+            if stop[0]:
+                break
+    return poses, points, measured[:, 3] > 0.0

@@ -30,6 +30,23 @@ def hamming(a: NDArray[np.uint64], b: NDArray[np.uint64]) -> int:
 
 
 @njit(cache=True, nogil=True)
+def median(values: NDArray[np.float64], count: int) -> float:
+    """Median of the first `count` values, which are sorted in place; for the few that a loop in a kernel has.
+
+    Compiles in a tenth of the time that `np.median` takes.
+    """
+    for i in range(1, count):
+        value = values[i]
+        j = i
+        while j > 0 and values[j - 1] > value:
+            values[j] = values[j - 1]
+            j -= 1
+        values[j] = value
+    middle: float = 0.5 * (values[(count - 1) // 2] + values[count // 2])
+    return middle
+
+
+@njit(cache=True, nogil=True)
 def multiply(left: NDArray[np.float64], right: NDArray[np.float64]) -> NDArray[np.float64]:
     """Product of two rigid 4×4 transforms."""
     result = np.empty((4, 4))
@@ -84,11 +101,13 @@ def orthonormalise(transform: NDArray[np.float64]) -> None:
 
 
 @njit(cache=True, nogil=True)
-def moved(transform: NDArray[np.float64], twist: NDArray[np.float64]) -> NDArray[np.float64]:
-    """A 4×4 transform moved by a twist in the frame that it leads to."""
+def move(transform: NDArray[np.float64], twist: NDArray[np.float64]) -> None:
+    """Move a 4×4 transform, in place, by a twist in the frame that it leads to."""
     result = multiply(exponential(twist), transform)
     orthonormalise(result)
-    return result
+    for i in range(3):
+        for j in range(4):
+            transform[i, j] = result[i, j]
 
 
 @njit(cache=True, nogil=True)

@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from lpslam.slam.kernels.geometry import hamming
+from lpslam.slam.kernels.geometry import hamming, median
 
 _DESCRIPTORS_COMPARED = 16
 """Observations whose descriptors compete to be a point's; the newest ones, for the point looks as it did last."""
@@ -203,7 +203,10 @@ def add_points(
     slot = m.keyframe_slot[keyframe]
     for i in range(features.shape[0]):
         p = first + i
-        m.position[p] = positions[i]
+        for a in range(3):
+            m.position[p, a] = positions[i, a]
+        for word in range(4):
+            m.point_descriptor[p, word] = m.descriptor[slot, features[i], word]
         m.visible[p] = 1
         m.found[p] = 1
         m.head[p] = -1
@@ -212,7 +215,6 @@ def add_points(
         m.point_alive[p] = True
         link(m, p, slot, features[i])
         refresh_view(m, p, scales)
-        m.point_descriptor[p] = m.descriptor[slot, features[i]]
 
 
 @njit(cache=True, nogil=True)
@@ -258,7 +260,8 @@ def refresh_descriptor(m: MapColumns, p: int) -> None:
     o = m.head[p]
     while o >= 0 and n < _DESCRIPTORS_COMPARED:
         slot, feature = o // capacity, o % capacity
-        seen[n] = m.descriptor[slot, feature]
+        for word in range(4):
+            seen[n, word] = m.descriptor[slot, feature, word]
         n += 1
         o = m.next_observation[slot, feature]
     if n == 0:
@@ -268,10 +271,11 @@ def refresh_descriptor(m: MapColumns, p: int) -> None:
         for i in range(n):
             for j in range(n):
                 distances[j] = hamming(seen[i], seen[j])
-            median = np.median(distances[:n])
-            if median < best_median:
-                best, best_median = i, median
-    m.point_descriptor[p] = seen[best]
+            middle = median(distances, n)
+            if middle < best_median:
+                best, best_median = i, middle
+    for word in range(4):
+        m.point_descriptor[p, word] = seen[best, word]
 
 
 @njit(cache=True, nogil=True)

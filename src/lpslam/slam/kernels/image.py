@@ -10,6 +10,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from lpslam.slam.kernels.geometry import median
+
 PATCH_RADIUS = 15
 """Radius in pixels of the disc whose intensity centroid gives a corner its direction."""
 
@@ -180,7 +182,8 @@ def _spread(
     starts = np.zeros(257, np.int64)
     for i in range(count):
         starts[256 - np.int64(scores[corners[i, 1], corners[i, 0]])] += 1
-    starts = np.cumsum(starts)
+    for rest in range(1, 257):
+        starts[rest] += starts[rest - 1]
     order = np.empty(count, np.int64)
     for i in range(count):
         key = 255 - np.int64(scores[corners[i, 1], corners[i, 0]])
@@ -208,7 +211,7 @@ def _spread(
         if rank[i] < full or (rank[i] == full and spare > 0):
             if rank[i] == full:
                 spare -= 1
-            kept[n] = corners[i]
+            kept[n, 0], kept[n, 1] = corners[i, 0], corners[i, 1]
             n += 1
     return kept[:n]
 
@@ -284,7 +287,7 @@ def sample_depth(
     readings around it by more than `tolerance` (a share of the depth), the pixel lies on an edge and has no depth.
     """
     height, width = depth.shape
-    values = np.empty((2 * radius + 1) ** 2, np.float32)
+    values = np.empty((2 * radius + 1) * (2 * radius + 1))
     result = np.zeros(pixels.shape[0], np.float32)
     for i in range(pixels.shape[0]):
         x, y = int(pixels[i, 0] + 0.5), int(pixels[i, 1] + 0.5)
@@ -302,9 +305,7 @@ def sample_depth(
                     values[count] = value
                     near, far = min(near, value), max(far, value)
                     count += 1
-        if far - near > 2.0 * tolerance * centre:
-            median = np.median(values[:count])
-            if abs(median - centre) > tolerance * centre:
-                continue
+        if far - near > 2.0 * tolerance * centre and abs(median(values, count) - centre) > tolerance * centre:
+            continue
         result[i] = centre
     return result

@@ -93,7 +93,8 @@ def solve_blocks(
                 column[:] = 0.0
                 column[a] = 1.0
                 solve_positive(blocks[i].copy(), column)
-                scale[rows[i], a] = column
+                for b in range(6):
+                    scale[rows[i], a, b] = column[b]
     x, residual, product = np.zeros((n, 6)), right.copy(), np.empty((n, 6))
     scaled, direction = np.zeros((n, 6)), np.zeros((n, 6))
     before, goal = 0.0, 0.0

@@ -61,7 +61,8 @@ def gather_bundle(
     observation = np.empty(total, np.int64)
     positions = np.empty((n, 3))
     for j in range(n):
-        positions[j] = m.position[points[j]]
+        for a in range(3):
+            positions[j, a] = m.position[points[j], a]
         i = starts[j]
         o = m.head[points[j]]
         while o >= 0:
@@ -72,7 +73,7 @@ def gather_bundle(
                 keyframes[count] = k
                 count += 1
             keyframe[i] = row[k]
-            pixels[i] = m.pixels[slot, f]
+            pixels[i, 0], pixels[i, 1] = m.pixels[slot, f, 0], m.pixels[slot, f, 1]
             disparity[i] = m.pixels[slot, f, 0] - m.u_right[slot, f]
             has_depth[i] = m.has_depth[slot, f]
             information[i] = pixel_information[m.octave[slot, f]]
@@ -82,7 +83,9 @@ def gather_bundle(
             o = m.next_observation[slot, f]
     poses = np.empty((count, 4, 4))
     for k in range(count):
-        poses[k] = m.camera_from_world[keyframes[k]]
+        for a in range(4):
+            for b in range(4):
+                poses[k, a, b] = m.camera_from_world[keyframes[k], a, b]
     problem = BundleProblem(
         poses, free_count, positions, starts, keyframe, pixels, disparity, has_depth,
         information, disparity_information, observation,
@@ -112,7 +115,9 @@ def apply_bundle(
         if slot < 0:
             continue
         old = m.camera_from_world[k].copy()
-        m.camera_from_world[k] = poses[row]
+        for a in range(4):
+            for b in range(4):
+                m.camera_from_world[k, a, b] = poses[row, a, b]
         for f in range(m.feature_count[slot]):
             p = m.point[slot, f]
             if p >= 0 and m.observations[p] == 1:
@@ -129,7 +134,8 @@ def apply_bundle(
         p = points[j]
         if not m.point_alive[p]:
             continue
-        m.position[p] = positions[j]
+        for a in range(3):
+            m.position[p, a] = positions[j, a]
         for i in range(problem.starts[j], problem.starts[j + 1]):
             o = problem.observation[i]
             if not inlier[i] and m.point[o // capacity, o % capacity] == p:

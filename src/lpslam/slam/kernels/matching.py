@@ -254,12 +254,18 @@ def keep_consistent_rotations(
             turn = (angles[match[j]] - frame_angles[j]) / (2.0 * math.pi)
             bins[j] = int((turn - math.floor(turn)) * _ROTATION_BINS + 0.5) % _ROTATION_BINS
             histogram[bins[j]] += 1
-    order = np.argsort(-histogram)
     keep = np.zeros(_ROTATION_BINS, np.bool_)
-    for k in range(3):
+    most = 0
+    for _ in range(3):
+        commonest, count = -1, -1
+        for b in range(_ROTATION_BINS):
+            if not keep[b] and histogram[b] > count:
+                commonest, count = b, histogram[b]
+        most = max(most, count)
         # A bin with less than a tenth of the commonest is noise, not a second motion.
-        if histogram[order[k]] * 10 >= histogram[order[0]]:
-            keep[order[k]] = True
+        if count * 10 < most:
+            break
+        keep[commonest] = True
     for j in range(match.shape[0]):
         if match[j] >= 0 and not keep[bins[j]]:
             match[j] = -1

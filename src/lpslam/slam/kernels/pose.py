@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from lpslam.slam.kernels.geometry import moved
+from lpslam.slam.kernels.geometry import move
 from lpslam.slam.kernels.linear import solve_positive
 from lpslam.slam.kernels.reprojection import (
     CHI2_DEPTH,
@@ -98,15 +98,17 @@ def optimise_pose(
                 break
             previous = cost
             before_step = pose
-            damped[:] = hessian
             largest = 0.0
             for a in range(6):
+                for b in range(a, 6):
+                    damped[a, b] = hessian[a, b]
                 damped[a, a] += 1e-9 * hessian[a, a] + 1e-9
             if not solve_positive(damped, gradient):
                 break
             for a in range(6):
                 largest = max(largest, abs(gradient[a]))
-            pose = moved(pose, gradient)
+            pose = before_step.copy()
+            move(pose, gradient)
             if largest < 1e-7:
                 break
         for i in range(n):
