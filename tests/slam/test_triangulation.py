@@ -28,10 +28,10 @@ from lpslam.poses import StampedPoses
 from lpslam.simulation.source import MallSource
 from lpslam.slam.features import Features
 from lpslam.slam.kernels import graph
-from lpslam.slam.kernels.triangulation import match_along_lines
+from lpslam.slam.kernels.triangulation import match_lines
 from lpslam.slam.map import SlamMap
 from lpslam.slam.system import RgbdSlam
-from lpslam.slam.triangulation import Triangulator, intersect_rays
+from lpslam.slam.triangulation import Triangulator, epipolar_windows, intersect_rays
 
 seeds = st.integers(0, 2**32 - 1)
 SIDEWAYS = rigid([-0.5, 0.05, 0.1], [0.02, -0.06, 0.03])
@@ -79,53 +79,88 @@ def test_rays_that_part_meet_behind_the_camera_and_parallel_ones_nowhere() -> No
 
 
 def matched_by_definition(
-    lines: np.ndarray,
-    line_gates: np.ndarray,
-    descriptors: np.ndarray,
     pixels: np.ndarray,
     pixel_gates: np.ndarray,
+    descriptors: np.ndarray,
+    lines: np.ndarray,
+    line_gates: np.ndarray,
     octaves: np.ndarray,
-    others: np.ndarray,
+    line_descriptors: np.ndarray,
+    candidates: np.ndarray,
+    first: np.ndarray,
+    last: np.ndarray,
     max_distance: int,
     ratio: float,
 ) -> np.ndarray:
-    table = hamming_table(descriptors, others)
-    off = lines[:, :2] @ pixels.astype(np.float64).T + lines[:, 2:]
-    match, distances = np.full(len(pixels), -1), np.full(len(pixels), max_distance + 1)
-    for i in range(len(lines)):
-        near = np.flatnonzero(off[i] ** 2 <= line_gates[i] + pixel_gates)
-        ranked = near[np.argsort(table[i, near], kind="stable")]
-        if not len(ranked) or table[i, ranked[0]] >= distances[ranked[0]]:
+    table = hamming_table(descriptors, line_descriptors)
+    off = pixels.astype(np.float64) @ lines[:, :2].T + lines[:, 2]
+    match = np.full(len(pixels), -1)
+    for j in range(len(pixels)):
+        rows = candidates[first[j] : last[j]]
+        near = rows[off[j, rows] ** 2 <= line_gates[rows] + pixel_gates[j]]
+        ranked = near[np.argsort(table[j, near], kind="stable")]
+        if not len(ranked) or table[j, ranked[0]] > max_distance:
             continue
         rivals = len(ranked) > 1 and octaves[ranked[0]] == octaves[ranked[1]]
-        if rivals and table[i, ranked[0]] > ratio * table[i, ranked[1]]:
+        if rivals and table[j, ranked[0]] > ratio * table[j, ranked[1]]:
             continue
-        match[ranked[0]], distances[ranked[0]] = i, table[i, ranked[0]]
+        owner = np.flatnonzero(match == ranked[0])
+        if len(owner) and table[owner[0], ranked[0]] <= table[j, ranked[0]]:
+            continue
+        match[owner] = -1
+        match[j] = ranked[0]
     return match
 
 
-@given(seeds, st.integers(0, 40), st.integers(0, 60), st.sampled_from([10, 50, 256]), st.sampled_from([0.6, 0.8, 1.0]))
-def test_matches_along_lines_are_those_of_the_definition(
-    seed: int, count: int, other_count: int, max_distance: int, ratio: float
+@given(seeds, st.integers(0, 60), st.integers(0, 40), st.sampled_from([10, 50, 256]), st.sampled_from([0.6, 0.8, 1.0]))
+def test_matches_with_lines_are_those_of_the_definition(
+    seed: int, count: int, line_count: int, max_distance: int, ratio: float
 ) -> None:
     random = np.random.default_rng(seed)
-    angles = random.uniform(0, 2 * np.pi, count)
-    lines = np.column_stack([np.cos(angles), np.sin(angles), random.uniform(-400, 400, count)])
+    angles = random.uniform(0, 2 * np.pi, line_count)
+    lines = np.column_stack([np.cos(angles), np.sin(angles), random.uniform(-400, 400, line_count)])
     # Alike descriptors and wide gates: so that candidates compete.
-    common = np.repeat(descriptors_of(random, 1), count + other_count, axis=0)
+    common = np.repeat(descriptors_of(random, 1), count + line_count, axis=0)
     descriptors = flip_bits(random, common, 15)
+    bounds = np.sort(random.integers(0, line_count + 1, (2, count)), axis=0)
     arguments = (
-        lines,
+        random.uniform(0, 640, (count, 2)).astype(np.float32),
         random.uniform(0, 900, count),
         descriptors[:count],
-        random.uniform(0, 640, (other_count, 2)).astype(np.float32),
-        random.uniform(0, 900, other_count),
-        random.integers(0, 3, other_count).astype(np.uint8),
+        lines,
+        random.uniform(0, 900, line_count),
+        random.integers(0, 3, line_count).astype(np.uint8),
         descriptors[count:],
+        random.permutation(line_count),
+        bounds[0],
+        bounds[1],
         max_distance,
         ratio,
     )
-    np.testing.assert_array_equal(match_along_lines(*arguments), matched_by_definition(*arguments))
+    np.testing.assert_array_equal(match_lines(*arguments), matched_by_definition(*arguments))
+
+
+@given(seeds, st.sampled_from(["sideways", "forward", "backward", "any"]))
+def test_windows_hold_every_ray_that_may_be_the_same_and_not_many_more(seed: int, way: str) -> None:
+    random = np.random.default_rng(seed)
+    motion = {"sideways": [1, 0, 0], "forward": [0, 0.02, 1], "backward": [0.02, 0, -1], "any": random.normal(size=3)}
+    centre = 0.5 * np.array(motion[way]) / np.linalg.norm(motion[way])
+    points = points_ahead(random, 300)
+    pixels = CAMERA.project(points)
+    reach = random.uniform(1, 5, 300)
+    # A pixel moved by less than its reach, in any direction, must still meet its point.
+    towards = random.normal(size=(300, 2))
+    moved = pixels + (random.uniform(0, 1, 300) * reach / np.linalg.norm(towards, axis=1))[:, None] * towards
+    other_rays = CAMERA.back_project(moved, np.ones(300))
+    shuffled = random.permutation(300)
+    candidates, first, last = epipolar_windows((points - centre)[shuffled], other_rays, centre, reach / 520)
+    sizes = []
+    for j in range(300):
+        rows = candidates[first[j] : last[j]]
+        assert len(set(rows.tolist())) == len(rows)
+        assert j in shuffled[rows], f"ray {j} does not meet its own point"
+        sizes.append(len(rows))
+    assert np.median(sizes) < 0.1 * 300
 
 
 # Points in the map -------------------------------------------------------------------------------------------------
@@ -187,6 +222,14 @@ def test_what_two_keyframes_see_without_depth_becomes_points_where_they_stand(se
     assert (m.observations[made] == 2).all()
     assert (m.first_keyframe[made] == 1).all()
     np.testing.assert_allclose(np.linalg.norm(m.normal[made], axis=1), 1, rtol=1e-5)
+
+
+@pytest.mark.parametrize("ahead", [0.6, -0.6])
+def test_walking_towards_things_makes_points_of_those_aside(ahead: float) -> None:
+    pair = Pair(14, second_from_world=rigid([0.0, 0.0, -ahead], [0.01, -0.01, 0.05]))
+    slam_map, made = pair.triangulate()
+    assert len(made) > 0.5 * len(pair.far)
+    assert pair.errors(slam_map, made).max() < 1e-2
 
 
 def test_noise_of_half_a_pixel_moves_points_by_no_more_than_the_rays_allow() -> None:
