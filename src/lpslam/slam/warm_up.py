@@ -1,32 +1,33 @@
 """Compiling the kernels before the first frame waits for them."""
 
+import subprocess
+import sys
 import time
-from collections.abc import Callable
-from pathlib import Path
+from collections.abc import Callable, Sequence
 
 import cv2
 import numpy as np
+from numba.core import event
 
 from lpslam.camera import PinholeCamera
 from lpslam.config import KeyframeConfig, SlamConfig
 from lpslam.frames import RgbdFrame
-from lpslam.slam.kernels import bundle, fusing, image, local_bundle, matching, pose
+from lpslam.slam.features import Features
+from lpslam.slam.kernels import bundle, graph
+from lpslam.slam.local_mapping import LocalMapper
+from lpslam.slam.map import SlamMap
+from lpslam.slam.sensor import SensorModel
 from lpslam.slam.system import RgbdSlam
 
-_ENTRY_POINTS = (
-    image.detect_corners,
-    image.describe,
-    matching.search_windows,
-    matching.match_brute_force,
-    pose.optimise_pose,
-    local_bundle.gather_bundle,
-    bundle.adjust_bundle,
-    fusing.fuse_points,
-)
+# What a second process runs, while this one compiles what tracking needs; a kernel that none of the runs below reaches
+# gets a line in one of them.
+_HELPER = "from lpslam.slam.warm_up import run_mapping; run_mapping()"
 
 
 def warm_up(announce: Callable[[str], None]) -> float:
     """Run every kernel once on made-up frames, so that each is compiled, or loaded from the cache of an earlier start.
+
+    Where something must be compiled, a second process compiles the kernels of mapping into the cache meanwhile.
 
     Args:
         announce: is told, in a line, when compiling is needed.
@@ -34,26 +35,131 @@ def warm_up(announce: Callable[[str], None]) -> float:
     Returns:
         Seconds that it took.
     """
-    if not _is_cached():
-        announce("Compiling numeric kernels: once after installing, for about a minute")
     started = time.perf_counter()
-    camera = PinholeCamera(width=320, height=240, fx=300.0, fy=300.0, cx=160.0, cy=120.0)
-    every_frame = KeyframeConfig(min_interval=0.0, tracked_share=2.0, min_start_depths=50)
-    slam = RgbdSlam(camera, SlamConfig(keyframes=every_frame))
-    picture = cv2.resize(np.random.default_rng(0).integers(0, 255, (64, 96, 3), np.uint8), (480, 320))
-    depth = np.full((240, 320), 2.0, np.float32)
-    # Sideways, then a hand over the lens, then back: so that losing and finding the way are compiled too.
-    for index, shift in enumerate((0, 6, 12, 18, 24, None, 24, 30)):
-        seen = np.zeros((240, 320, 3), np.uint8) if shift is None else picture[40:280, shift : shift + 320]
-        slam.process(RgbdFrame(index, index / 30.0, np.ascontiguousarray(seen), depth))
-    slam.finish()
+    first_compiled = FirstCompiled(announce)
+    with event.install_listener("numba:compile", first_compiled):
+        try:
+            run_adjustment()
+            run_tracking()
+            first_compiled.wait()
+            run_everything()
+        finally:
+            first_compiled.end()
     return time.perf_counter() - started
 
 
-def _is_cached() -> bool:
-    for kernel in _ENTRY_POINTS:
-        stem = f"{Path(kernel.py_func.__code__.co_filename).stem}.{kernel.py_func.__name__}-"
-        folder = Path(str(kernel.stats.cache_path))
-        if not folder.is_dir() or not any(found.name.startswith(stem) for found in folder.glob("*.nbi")):
-            return False
-    return True
+class FirstCompiled(event.Listener):
+    """When the first kernel is compiled rather than loaded: says so and starts the helper."""
+
+    def __init__(self, announce: Callable[[str], None]) -> None:
+        self._announce = announce
+        self._is_compiling = False
+        self._may_help = True
+        self._helper: subprocess.Popen[bytes] | None = None
+
+    def on_start(self, event: object) -> None:
+        """A kernel is about to be compiled (`event` says which)."""
+        if self._is_compiling:
+            return
+        self._is_compiling = True
+        self._announce("Compiling numeric kernels: once after installing, for about half a minute")
+        if self._may_help and sys.executable:
+            quiet = subprocess.DEVNULL
+            try:
+                self._helper = subprocess.Popen(
+                    [sys.executable, "-c", _HELPER], stdin=quiet, stdout=quiet, stderr=quiet
+                )
+            except OSError:
+                # This process then compiles everything itself.
+                self._helper = None
+
+    def on_end(self, event: object) -> None:
+        """A kernel was compiled: nothing follows from it."""
+
+    def wait(self) -> None:
+        """Until the helper is done; what is compiled from now on is compiled here."""
+        self._may_help = False
+        if self._helper is not None:
+            self._helper.wait()
+
+    def end(self) -> None:
+        """Leave no process behind, whatever has happened."""
+        if self._helper is not None and self._helper.poll() is None:
+            self._helper.terminate()
+            self._helper.wait()
+
+
+def run_adjustment() -> None:
+    """Adjust a point and a keyframe: much of what mapping needs, compiled here before the helper comes to it."""
+    problem = bundle.BundleProblem(
+        camera_from_world=np.tile(np.eye(4), (2, 1, 1)),
+        free_count=1,
+        points=np.array([[0.0, 0.0, 2.0]]),
+        starts=np.array([0, 2]),
+        keyframe=np.array([0, 1], np.int32),
+        pixels=np.full((2, 2), 150.0, np.float32),
+        disparity=np.full(2, 12.0, np.float32),
+        has_depth=np.ones(2, np.bool_),
+        pixel_information=np.ones(2, np.float32),
+        disparity_information=np.ones(2, np.float32),
+        observation=np.arange(2),
+    )
+    bundle.adjust_bundle(problem, SensorModel.of(_camera(), SlamConfig()).intrinsics, 1, 1, np.zeros(1, np.bool_))
+
+
+def run_tracking() -> None:
+    """Follow made-up frames with a map that hardly grows, and lose and find the way."""
+    _show(KeyframeConfig(min_start_depths=50), (0, 0, 6, None, 0, 6))
+
+
+def run_mapping() -> None:
+    """Work made-up keyframes that share points into a map."""
+    camera, config = _camera(), SlamConfig()
+    sensor = SensorModel.of(camera, config)
+    random = np.random.default_rng(0)
+    count, shared = 200, 100
+    pixels = random.uniform((40, 40), (280, 200), (count, 2)).astype(np.float32)
+    depth = random.uniform(1.0, 3.0, count).astype(np.float32)
+    positions = depth[:, None].astype(np.float64) * np.column_stack(
+        [(pixels - (camera.cx, camera.cy)) / (camera.fx, camera.fy), np.ones(count)]
+    )
+    features = Features(
+        pixels=pixels,
+        u_right=(pixels[:, 0] - sensor.intrinsics[4] / depth).astype(np.float32),
+        depth=depth,
+        has_depth=np.ones(count, np.bool_),
+        octave=np.zeros(count, np.uint8),
+        angle=np.zeros(count, np.float32),
+        descriptor=random.integers(0, 2**63, (count, 4), np.uint64),
+    )
+    slam_map = SlamMap(count, sensor.scales)
+    mapper = LocalMapper(slam_map, sensor, config)
+    for k in range(3):
+        keyframe = slam_map.add_keyframe(np.eye(4), features, sensor.disparity_information(depth), float(k), k, k - 1)
+        if k:
+            graph.link_all(slam_map.columns, np.arange(shared, dtype=np.int32), k)
+        own = np.arange(shared if k else 0, count if k else shared, dtype=np.int32)
+        slam_map.add_points(keyframe, own, positions[own])
+        mapper.process(keyframe)
+
+
+def run_everything() -> None:
+    """Track and map made-up frames: whatever is not compiled yet is compiled here."""
+    every_frame = KeyframeConfig(min_interval=0.0, tracked_share=2.0, min_start_depths=50)
+    # Sideways, then a hand over the lens, then back.
+    _show(every_frame, (0, 6, 12, 18, 24, None, 24, 30))
+
+
+def _camera() -> PinholeCamera:
+    return PinholeCamera(width=320, height=240, fx=300.0, fy=300.0, cx=160.0, cy=120.0)
+
+
+def _show(keyframes: KeyframeConfig, shifts: Sequence[int | None]) -> None:
+    """A textured wall from places side by side, at these pixels; None is a dark frame."""
+    slam = RgbdSlam(_camera(), SlamConfig(keyframes=keyframes))
+    picture = cv2.resize(np.random.default_rng(0).integers(0, 255, (64, 96, 3), np.uint8), (480, 320))
+    depth = np.full((240, 320), 2.0, np.float32)
+    for index, shift in enumerate(shifts):
+        seen = np.zeros((240, 320, 3), np.uint8) if shift is None else picture[40:280, shift : shift + 320]
+        slam.process(RgbdFrame(index, index / 30.0, np.ascontiguousarray(seen), depth))
+    slam.finish()
