@@ -74,18 +74,20 @@ class Beside:
 
     def finish(self) -> None:
         """Finish what is queued, or abandon it when that takes too long."""
-        deadline = time.monotonic() + _PATIENCE
         self._to_map.put(None)
-        for thread in self._threads:
-            thread.join(max(0.0, deadline - time.monotonic()))
+        self._wait()
         if any(thread.is_alive() for thread in self._threads):
             self._abandon = True
             self._mapper.hurry()
             self._interrupt()
-            for thread in self._threads:
-                thread.join(_PATIENCE)
+            self._wait()
         if self._error is not None:
             raise self._error
+
+    def _wait(self) -> None:
+        deadline = time.monotonic() + _PATIENCE
+        for thread in self._threads:
+            thread.join(max(0.0, deadline - time.monotonic()))
 
     def _map(self, keyframe: int) -> None:
         self._mapper.process(keyframe)
