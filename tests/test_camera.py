@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -82,6 +84,33 @@ def test_undistorting_takes_the_lens_away_to_a_fiftieth_of_a_pixel(camera: Pinho
     np.testing.assert_allclose(camera.undistort(raw[inside]), ideal[inside], atol=0.02)
 
 
+@pytest.mark.parametrize("camera", [CAMERA, FREIBURG1, FREIBURG2], ids=["rectified", "freiburg1", "freiburg2"])
+@given(seed=seeds)
+def test_distorting_is_the_definition_and_undistorting_its_inverse(camera: PinholeCamera, seed: int) -> None:
+    ideal = np.random.default_rng(seed).uniform([0, 0], [639, 479], (40, 2))
+    raw = camera.distort(ideal)
+    np.testing.assert_allclose(raw, distort(camera, ideal), atol=1e-9)
+    inside = ((raw >= 0) & (raw <= [639, 479])).all(axis=1)
+    np.testing.assert_allclose(camera.undistort(raw[inside]), ideal[inside], atol=0.05)
+    np.testing.assert_allclose(camera.distort(camera.undistort(raw[inside])), raw[inside], atol=0.05)
+
+
+mild_lenses = st.tuples(
+    st.floats(-0.3, 0.3), st.floats(-0.1, 0.1), st.floats(-0.005, 0.005), st.floats(-0.005, 0.005), st.just(0.0)
+)
+
+
+@given(mild_lenses, seeds)
+def test_any_usual_lens_is_put_on_and_taken_off_again(
+    distortion: tuple[float, float, float, float, float], seed: int
+) -> None:
+    camera = replace(CAMERA, distortion=distortion)
+    ideal = np.random.default_rng(seed).uniform([60, 45], [580, 435], (40, 2))
+    np.testing.assert_allclose(camera.undistort(camera.distort(ideal)), ideal, atol=0.1)
+    # The principal ray is where it was.
+    np.testing.assert_allclose(camera.distort(np.array([[camera.cx, camera.cy]])), [[camera.cx, camera.cy]], atol=1e-9)
+
+
 def test_a_rectified_camera_leaves_pixels_alone() -> None:
     pixels = np.array([[0.0, 0.0], [639.0, 479.0]])
     assert not CAMERA.is_distorted
@@ -93,6 +122,7 @@ def test_a_rectified_camera_leaves_pixels_alone() -> None:
 def test_no_points_are_no_trouble(camera: PinholeCamera) -> None:
     none = np.empty((0, 2))
     assert camera.undistort(none).shape == (0, 2)
+    assert camera.distort(none).shape == (0, 2)
     assert camera.back_project(none, np.empty(0)).shape == (0, 3)
     assert camera.project(np.empty((0, 3))).shape == (0, 2)
 
