@@ -15,7 +15,9 @@ from lpslam.frames import RgbdFrame
 from lpslam.slam.features import Features
 from lpslam.slam.kernels import bundle, graph
 from lpslam.slam.local_mapping import LocalMapper
+from lpslam.slam.loop_correction import LoopCorrector, Tie
 from lpslam.slam.map import SlamMap
+from lpslam.slam.places import PlaceIndex
 from lpslam.slam.sensor import SensorModel
 from lpslam.slam.system import RgbdSlam
 
@@ -42,6 +44,7 @@ def warm_up(announce: Callable[[str], None]) -> float:
             run_adjustment()
             run_tracking()
             first_compiled.wait()
+            run_mapping()
             run_everything()
         finally:
             first_compiled.end()
@@ -113,34 +116,43 @@ def run_tracking() -> None:
 
 
 def run_mapping() -> None:
-    """Work made-up keyframes that share points into a map."""
+    """Work made-up keyframes that share points into a map, close a loop of them and forget one."""
     camera, config = _camera(), SlamConfig()
     sensor = SensorModel.of(camera, config)
     random = np.random.default_rng(0)
-    count, shared = 200, 100
-    pixels = random.uniform((40, 40), (280, 200), (count, 2)).astype(np.float32)
-    depth = random.uniform(1.0, 3.0, count).astype(np.float32)
-    positions = depth[:, None].astype(np.float64) * np.column_stack(
-        [(pixels - (camera.cx, camera.cy)) / (camera.fx, camera.fy), np.ones(count)]
-    )
-    features = Features(
-        pixels=pixels,
-        u_right=(pixels[:, 0] - sensor.intrinsics[4] / depth).astype(np.float32),
-        depth=depth,
-        has_depth=np.ones(count, np.bool_),
-        octave=np.zeros(count, np.uint8),
-        angle=np.zeros(count, np.float32),
-        descriptor=random.integers(0, 2**63, (count, 4), np.uint64),
-    )
+    # Keypoints of a point that is shared, of one that each keyframe makes for itself, and without a point.
+    count, shared, made = 200, 100, 150
+    positions = random.uniform((-0.6, -0.6, 1.5), (0.6, 0.6, 3.0), (count, 3))
+    descriptor = random.integers(0, 2**63, (count, 4), np.uint64)
+    depth = positions[:, 2].astype(np.float32)
     slam_map = SlamMap(count, sensor.scales)
     mapper = LocalMapper(slam_map, sensor, config)
     for k in range(3):
-        keyframe = slam_map.add_keyframe(np.eye(4), features, sensor.disparity_information(depth), float(k), k, k - 1)
+        camera_from_world = np.eye(4)
+        camera_from_world[0, 3] = -0.1 * k
+        pixels = camera.project(positions + camera_from_world[:3, 3]).astype(np.float32)
+        features = Features(
+            pixels=pixels,
+            u_right=(pixels[:, 0] - sensor.intrinsics[4] / depth).astype(np.float32),
+            depth=depth,
+            has_depth=np.ones(count, np.bool_),
+            octave=np.zeros(count, np.uint8),
+            angle=np.zeros(count, np.float32),
+            descriptor=descriptor,
+        )
+        information = sensor.disparity_information(depth)
+        keyframe = slam_map.add_keyframe(camera_from_world, features, information, float(k), k, k - 1)
         if k:
             graph.link_all(slam_map.columns, np.arange(shared, dtype=np.int32), k)
-        own = np.arange(shared if k else 0, count if k else shared, dtype=np.int32)
+        own = np.arange(shared if k else 0, made if k else shared, dtype=np.int32)
         slam_map.add_points(keyframe, own, positions[own])
         mapper.process(keyframe)
+    tie = Tie(2, 0, slam_map.camera_from_world(2), np.arange(count, dtype=np.int32))
+    LoopCorrector(slam_map, sensor, config.loops, config.mapping).close([tie], slam_map.version, np.zeros(1, np.bool_))
+    places = PlaceIndex.of(slam_map)
+    gone = int(slam_map.living_keyframes()[-1])
+    places.remove(gone)
+    slam_map.remove_keyframe(gone)
 
 
 def run_everything() -> None:
