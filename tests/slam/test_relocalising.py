@@ -1,0 +1,128 @@
+"""Which of the places that could be a lost view's is believed."""
+
+from typing import cast
+
+import numpy as np
+import pytest
+from slam_scenes import SENSOR, add_view, descriptors_of, points_ahead, rigid, view_of
+
+from lpslam.camera import inverse_transform
+from lpslam.config import LocatingConfig, TrackingConfig
+from lpslam.slam.features import Features
+from lpslam.slam.locating import Located, Locator
+from lpslam.slam.map import SlamMap
+from lpslam.slam.places import PlaceIndex
+from lpslam.slam.relocalising import Relocaliser
+
+VIEW = view_of(np.eye(4), np.array([[0.0, 0.0, 2.0]]), np.zeros((1, 4), np.uint64))
+
+
+class Places:
+    """Place recognition with made-up scores."""
+
+    def __init__(self, scores: list[float]) -> None:
+        self.scores = np.array(scores, np.float32)
+
+    def query(self, descriptors: np.ndarray) -> np.ndarray:
+        return self.scores
+
+
+class Holding:
+    """A locator for which some keyframes hold, each with a pose and so many inliers; remembers whom it was asked."""
+
+    def __init__(self, holds: dict[int, tuple[float, int]]) -> None:
+        self.holds = holds
+        self.asked: list[int] = []
+
+    def locate(self, features: Features, candidate: int) -> Located | None:
+        self.asked.append(candidate)
+        if candidate not in self.holds:
+            return None
+        metres, inliers = self.holds[candidate]
+        pose = inverse_transform(rigid([metres, 0.0, 0.0], [0, 0, 0]))
+        return Located(candidate, pose, np.zeros(1, np.int32), inliers, 2 * inliers, 1.0)
+
+
+def places_apart(count: int, submaps: dict[int, int] | None = None) -> SlamMap:
+    """Keyframes that share no points; those named begin a sub-map."""
+    random = np.random.default_rng(0)
+    slam_map = SlamMap(20, SENSOR.scales)
+    for number in range(count):
+        points = points_ahead(random, 20)
+        parent = -1 if number == 0 or number in (submaps or {}) else number - 1
+        add_view(slam_map, np.eye(4), view_of(np.eye(4), points, descriptors_of(random, 20)), parent)
+        slam_map.add_points(number, np.arange(20, dtype=np.int32), points)
+    return slam_map
+
+
+def relocaliser(slam_map: SlamMap, scores: list[float], locator: Holding) -> Relocaliser:
+    return Relocaliser(
+        slam_map,
+        cast("PlaceIndex", Places(scores)),
+        cast("Locator", locator),
+        TrackingConfig(recovery_candidates=4),
+        LocatingConfig(rival_share=0.6, rival_distance=0.5),
+    )
+
+
+def test_where_nothing_holds_there_is_no_place() -> None:
+    locator = Holding({})
+    assert relocaliser(places_apart(5), [0.5, 0.5, 0.5, 0.5, 0.5], locator).find(VIEW, 4) is None
+    assert sorted(locator.asked) == [0, 1, 2, 3, 4]
+
+
+def test_the_place_that_most_of_the_view_agrees_with_is_believed() -> None:
+    locator = Holding({1: (0.0, 200), 3: (0.2, 240), 2: (9.0, 100)})
+    found = relocaliser(places_apart(5), [0.4, 0.5, 0.5, 0.5, 0.4], locator).find(VIEW, -1)
+    assert found is not None
+    assert (found.keyframe, found.inliers) == (3, 240)
+
+
+@pytest.mark.parametrize(
+    ("metres", "inliers", "believed"),
+    [(2.0, 190, False), (2.0, 125, False), (2.0, 115, True), (0.45, 190, True), (0.55, 190, False)],
+)
+def test_a_rival_elsewhere_makes_both_unbelievable(metres: float, inliers: int, believed: bool) -> None:
+    for order in ([0.5, 0.49], [0.49, 0.5]):
+        found = relocaliser(places_apart(2), order, Holding({0: (0.0, 200), 1: (metres, inliers)})).find(VIEW, -1)
+        assert (found is not None) == believed
+        assert found is None or found.keyframe == 0
+
+
+def test_the_same_view_in_two_submaps_is_no_contradiction() -> None:
+    """Before they are merged, the same place has two poses."""
+    slam_map = places_apart(4, submaps={2: 1})
+    assert slam_map.submaps().tolist() == [0, 0, 1, 1]
+    found = relocaliser(slam_map, [0.5, 0.1, 0.5, 0.1], Holding({0: (0.0, 150), 2: (7.0, 160)})).find(VIEW, -1)
+    assert found is not None
+    assert found.keyframe == 2
+
+
+def test_the_last_reference_is_tried_first_and_nobody_twice() -> None:
+    locator = Holding({})
+    relocaliser(places_apart(6), [0.5, 0.5, 0.1, 0.1, 0.1, 0.45], locator).find(VIEW, 5)
+    assert locator.asked[0] == 5
+    assert len(locator.asked) == len(set(locator.asked))
+    assert {0, 1, 5} <= set(locator.asked)
+
+
+def test_keyframes_that_are_gone_are_not_tried() -> None:
+    slam_map = places_apart(5)
+    slam_map.remove_keyframe(2)
+    slam_map.remove_keyframe(4)
+    locator = Holding({2: (0.0, 300), 4: (0.0, 300)})
+    assert relocaliser(slam_map, [0.4, 0.4, 0.5, 0.4, 0.5], locator).find(VIEW, 4) is None
+    assert {2, 4}.isdisjoint(locator.asked)
+
+
+def test_no_more_places_are_tried_than_configured() -> None:
+    locator = Holding({})
+    relocaliser(places_apart(12), [0.5] * 12, locator).find(VIEW, -1)
+    assert len(locator.asked) == 4
+
+
+def test_an_empty_map_has_no_place() -> None:
+    locator = Holding({})
+    slam_map = SlamMap(20, SENSOR.scales)
+    assert relocaliser(slam_map, [], locator).find(VIEW, -1) is None
+    assert locator.asked == []
