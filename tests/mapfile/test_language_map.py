@@ -86,5 +86,5 @@ def test_the_file_says_what_it_is(walked: Path) -> None:
     with zipfile.ZipFile(walked) as archive:
         assert archive.namelist()[0] == "manifest.json"
         manifest = json.loads(archive.read("manifest.json"))
-    assert (manifest["format"], manifest["format_version"]) == ("lpslam map", 1)
+    assert (manifest["format"], manifest["format_version"]) == ("lpslam map", 2)
     assert manifest["created"].endswith("+00:00")

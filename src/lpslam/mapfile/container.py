@@ -23,7 +23,9 @@ from lpslam._version import __version__
 from lpslam.errors import UserError
 
 FORMAT = "lpslam map"
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
+# Maps of version 1 have descriptors by other test pairs, and no sub-maps.
+_OLDEST_VERSION = 2
 
 _MANIFEST = "manifest.json"
 _DOCUMENTS, _ARRAYS = "documents/", "arrays/"
@@ -167,6 +169,10 @@ def _checked_manifest(path: Path, archive: zipfile.ZipFile) -> dict[str, Any]:
     if version > FORMAT_VERSION:
         raise UserError(
             f"map {path} is of format version {version}, this lpslam reads up to {FORMAT_VERSION}: update lpslam"
+        )
+    if version < _OLDEST_VERSION:
+        raise UserError(
+            f"map {path} is of format version {version}, whose keypoints this lpslam cannot compare: map it again"
         )
     return manifest
 

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from lpslam.camera import inverse_transform
 from lpslam.config import LoopConfig, MappingConfig
+from lpslam.slam import pose_graph
 from lpslam.slam.carrying import inverses
-from lpslam.slam.kernels import bundle, fusing, graph, local_bundle, pose_graph
+from lpslam.slam.kernels import bundle, fusing, graph, local_bundle
 from lpslam.slam.map import SlamMap
 from lpslam.slam.sensor import SensorModel
 
@@ -157,7 +158,7 @@ class LoopCorrector:
         config, keyframes = self._config, gathered.keyframes
         row = np.full(len(gathered.camera_from_world), -1, np.int32)
         row[keyframes] = np.arange(len(keyframes))
-        covisible = pose_graph.covisible_pairs(*gathered.links, config.essential_points)
+        covisible = graph.covisible_pairs(*gathered.links, config.essential_points)
         known = row[np.concatenate([gathered.tree, covisible, gathered.loops])]
         pairs = np.unique(np.sort(known[(known >= 0).all(axis=1)], axis=1), axis=0)
         poses = gathered.camera_from_world[keyframes]

@@ -332,3 +332,56 @@ def redundant_share(m: MapColumns, keyframe: int, min_observers: int, max_depth:
         if others >= min_observers:
             redundant += 1
     return redundant / max(counted, 1)
+
+
+@njit(cache=True, nogil=True)
+def covisible_pairs(
+    head: NDArray[np.int32],
+    point: NDArray[np.int32],
+    next_observation: NDArray[np.int32],
+    keyframe_slot: NDArray[np.int32],
+    slot_keyframe: NDArray[np.int32],
+    least: int,
+) -> NDArray[np.int32]:
+    """(e, 2) pairs of keyframes, the earlier first, that share at least so many points.
+
+    Args:
+        head: (P,) first observation of each point.
+        point, next_observation: (S, F) see `MapColumns`.
+        keyframe_slot: (K,).
+        slot_keyframe: (S,).
+        least: shared points.
+    """
+    capacity = point.shape[1]
+    keyframes = keyframe_slot.shape[0]
+    pairs = np.empty((max(8 * keyframes, 16), 2), np.int32)
+    count = 0
+    shared = np.zeros(keyframes, np.int32)
+    touched = np.empty(keyframes, np.int32)
+    for k in range(keyframes):
+        if keyframe_slot[k] < 0:
+            continue
+        n = 0
+        for f in range(capacity):
+            p = point[keyframe_slot[k], f]
+            o = head[p] if p >= 0 else -1
+            while o >= 0:
+                slot = o // capacity
+                other = slot_keyframe[slot]
+                if other > k:
+                    if shared[other] == 0:
+                        touched[n] = other
+                        n += 1
+                    shared[other] += 1
+                o = next_observation[slot, o % capacity]
+        for i in range(n):
+            other = touched[i]
+            if shared[other] >= least:
+                if count == pairs.shape[0]:
+                    grown = np.empty((2 * count, 2), np.int32)
+                    grown[:count] = pairs
+                    pairs = grown
+                pairs[count, 0], pairs[count, 1] = k, other
+                count += 1
+            shared[other] = 0
+    return pairs[:count].copy()

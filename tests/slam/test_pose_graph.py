@@ -5,9 +5,9 @@ from scipy.optimize import least_squares
 from slam_scenes import pose_error, rigid, rotation_angle, twists
 
 from lpslam.camera import inverse_transform
-from lpslam.slam import carrying
-from lpslam.slam.kernels import pose_graph
+from lpslam.slam import carrying, pose_graph
 from lpslam.slam.kernels.geometry import exponential
+from lpslam.slam.kernels.graph import covisible_pairs
 
 LEVER = 3.0
 
@@ -136,7 +136,7 @@ def test_covisible_pairs_are_those_that_share_enough(seed: int, least: int) -> N
             point[keyframe_slot[k], feature] = p
             following[keyframe_slot[k], feature] = head[p]
             head[p] = keyframe_slot[k] * capacity + feature
-    pairs = pose_graph.covisible_pairs(head, point, following, keyframe_slot, slot_keyframe, least)
+    pairs = covisible_pairs(head, point, following, keyframe_slot, slot_keyframe, least)
     expected = {(a, b) for a in seen for b in seen if a < b and len(seen[a] & seen[b]) >= least}
     assert {(int(a), int(b)) for a, b in pairs} == expected
     assert len(pairs) == len(expected)

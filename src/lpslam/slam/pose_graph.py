@@ -6,7 +6,6 @@ All edges at once in numpy: a few thousand of them take milliseconds, and nothin
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy.sparse import bsr_array, csc_array
 from scipy.sparse.linalg import splu
@@ -147,56 +146,3 @@ def _sparse(blocks: _Matrix, rows: NDArray[np.int64], columns: NDArray[np.int64]
     system = bsr_array((blocks[order], columns[order], starts), shape=(6 * count, 6 * count)).tocsc()
     system.sum_duplicates()
     return system
-
-
-@njit(cache=True, nogil=True)
-def covisible_pairs(
-    head: NDArray[np.int32],
-    point: NDArray[np.int32],
-    next_observation: NDArray[np.int32],
-    keyframe_slot: NDArray[np.int32],
-    slot_keyframe: NDArray[np.int32],
-    least: int,
-) -> NDArray[np.int32]:
-    """(e, 2) pairs of keyframes, the earlier first, that share at least so many points.
-
-    Args:
-        head: (P,) first observation of each point.
-        point, next_observation: (S, F) see `MapColumns`.
-        keyframe_slot: (K,).
-        slot_keyframe: (S,).
-        least: shared points.
-    """
-    capacity = point.shape[1]
-    keyframes = keyframe_slot.shape[0]
-    pairs = np.empty((max(8 * keyframes, 16), 2), np.int32)
-    count = 0
-    shared = np.zeros(keyframes, np.int32)
-    touched = np.empty(keyframes, np.int32)
-    for k in range(keyframes):
-        if keyframe_slot[k] < 0:
-            continue
-        n = 0
-        for f in range(capacity):
-            p = point[keyframe_slot[k], f]
-            o = head[p] if p >= 0 else -1
-            while o >= 0:
-                slot = o // capacity
-                other = slot_keyframe[slot]
-                if other > k:
-                    if shared[other] == 0:
-                        touched[n] = other
-                        n += 1
-                    shared[other] += 1
-                o = next_observation[slot, o % capacity]
-        for i in range(n):
-            other = touched[i]
-            if shared[other] >= least:
-                if count == pairs.shape[0]:
-                    grown = np.empty((2 * count, 2), np.int32)
-                    grown[:count] = pairs
-                    pairs = grown
-                pairs[count, 0], pairs[count, 1] = k, other
-                count += 1
-            shared[other] = 0
-    return pairs[:count].copy()
