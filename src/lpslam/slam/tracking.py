@@ -99,7 +99,8 @@ class Tracker:
         self._policy = KeyframePolicy(config.keyframes)
         self._grows = grows
         self._on_event = on_event
-        self.state = TrackingState.INITIALISING if slam_map.keyframe_count == 0 else TrackingState.LOST
+        founds = grows and slam_map.keyframe_count == 0
+        self.state = TrackingState.INITIALISING if founds else TrackingState.LOST
         self._reference = slam_map.keyframe_count - 1
         self._last: _Last | None = None
         self._velocity: _Matrix | None = None
