@@ -26,20 +26,18 @@ class FreeKeypoints:
         camera_from_world: 4×4.
         rows: (n,) which of its keypoints they are.
         pixels: (n, 2).
-        rays: (n, 3) their directions in the camera frame, with z = 1.
+        seen: their directions, octaves and descriptors.
         depth: (n,) metres, 0 where there is none.
-        octave, angle, descriptor: (n[, 4]) see `Features`.
+        angle: (n,) radians.
     """
 
     keyframe: int
     camera_from_world: _Matrix
     rows: NDArray[np.int64]
     pixels: NDArray[np.float32]
-    rays: _Matrix
+    seen: triangulation.Rays
     depth: NDArray[np.float32]
-    octave: NDArray[np.uint8]
     angle: NDArray[np.float32]
-    descriptor: NDArray[np.uint64]
 
     @classmethod
     def of(cls, slam_map: SlamMap, keyframe: int, ray_from_pixel: _Matrix) -> "FreeKeypoints":
@@ -48,11 +46,11 @@ class FreeKeypoints:
         rows = np.flatnonzero(m.point[slot, : m.feature_count[slot]] < 0)
         pixels = m.pixels[slot, rows]
         depth = np.where(m.has_depth[slot, rows], m.depth[slot, rows], 0).astype(np.float32)
-        return cls(
-            keyframe, m.camera_from_world[keyframe].copy(), rows, pixels,
-            pixels @ ray_from_pixel[:, :2].T + ray_from_pixel[:, 2], depth,
-            m.octave[slot, rows], m.angle[slot, rows], m.descriptor[slot, rows],
-        )  # fmt: skip
+        seen = triangulation.Rays(
+            pixels @ ray_from_pixel[:, :2].T + ray_from_pixel[:, 2], m.octave[slot, rows], m.descriptor[slot, rows]
+        )
+        pose = m.camera_from_world[keyframe].copy()
+        return cls(keyframe, pose, rows, pixels, seen, depth, m.angle[slot, rows])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,37 +105,6 @@ def intersect_rays(rays: _Matrix, other_rays: _Matrix, other_centres: _Matrix) -
     return Intersection(points, first, second, np.sqrt(determinant / (aa * bb)))
 
 
-def epipolar_windows(
-    rays: _Matrix, other_rays: _Matrix, centre: _Matrix, reach: _Matrix
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """Which rays of one camera may meet those of another: both lie in one half-plane about the way between them.
-
-    Args:
-        rays: (n, 3) of the one camera, turned into the frame of the other.
-        other_rays: (m, 3) in that frame.
-        centre: (3,) of the one camera in that frame, metres.
-        reach: (m,) pixels by which a ray may be off the plane, over the focal length.
-
-    Returns:
-        candidates, first, last: row j of `other_rays` may meet rows `candidates[first[j]:last[j]]` of `rays`.
-    """
-    axis = centre / np.linalg.norm(centre)
-    up = np.cross(axis, np.eye(3)[np.abs(axis).argmin()])
-    up /= np.linalg.norm(up)
-    across = np.column_stack([np.cross(up, axis), up])
-    (x, y), (other_x, other_y) = (rays @ across).T, (other_rays @ across).T
-    angles, other_angles = np.arctan2(y, x), np.arctan2(other_y, other_x)
-    order = np.argsort(angles, kind="stable")
-    # Angles go round: the same once more on either side.
-    unrolled = (angles[order] + np.array([-2 * np.pi, 0, 2 * np.pi])[:, None]).ravel()
-    # The nearer to the baseline a ray is, the less turning about it moves the ray.
-    sine = np.hypot(other_x, other_y) / np.sqrt(np.einsum("ni,ni->n", other_rays, other_rays))
-    turn = np.where(reach < sine, np.arcsin(np.minimum(reach / np.maximum(sine, 1e-12), 1)), np.pi - 1e-9)
-    first = np.searchsorted(unrolled, other_angles - turn)
-    last = np.searchsorted(unrolled, other_angles + turn, side="right")
-    return np.tile(order, 3), first, last
-
-
 class Triangulator:
     """Makes points of keypoints that two keyframes see and that depth alone did not make points of.
 
@@ -183,31 +150,18 @@ class Triangulator:
     # Solving -----------------------------------------------------------------------------------------------------
 
     def _match(self, own: FreeKeypoints, neighbours: list[FreeKeypoints]) -> Matches:
-        """Search the epipolar lines that one's own keypoints have in each neighbour for its keypoints."""
-        config = self._config
-        gates = CHI2_DEPTH * self._pixel_variance
-        own_gates = gates[own.octave]
+        """Match one's own keypoints with those of each neighbour."""
+        fx, fy = self._sensor.intrinsics[:2].tolist()
         pairs: list[NDArray[np.int64]] = []
         for number, other in enumerate(neighbours):
-            other_from_own = other.camera_from_world @ inverse_transform(own.camera_from_world)
-            rotation, (x, y, z) = other_from_own[:3, :3], other_from_own[:3, 3]
-            # A line is where the plane of the ray and the way between the cameras cuts the image.
-            essential = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]]) @ rotation
-            lines = own.rays @ essential.T @ self._ray_from_pixel
-            lines /= np.maximum(np.hypot(lines[:, 0], lines[:, 1]), 1e-12)[:, None]
-            other_gates = gates[other.octave]
-            reach = np.sqrt(other_gates + own_gates.max()) / self._sensor.intrinsics[:2].min()
-            match = triangulation.match_lines(
-                other.pixels,
-                other_gates,
-                other.descriptor,
-                lines,
-                own_gates,
-                own.octave,
-                own.descriptor,
-                *epipolar_windows(own.rays @ rotation.T, other.rays, other_from_own[:3, 3], reach),
-                config.fuse_hamming,
-                config.triangulation_ratio,
+            match = triangulation.match_epipolar(
+                own.seen,
+                other.seen,
+                other.camera_from_world @ inverse_transform(own.camera_from_world),
+                (fx, fy),
+                CHI2_DEPTH * self._pixel_variance,
+                self._config.fuse_hamming,
+                self._config.triangulation_ratio,
             )
             matching.keep_consistent_rotations(match, own.angle, other.angle)
             found = np.flatnonzero(match >= 0)
@@ -226,16 +180,16 @@ class Triangulator:
         for number, (other, (first, last)) in enumerate(zip(neighbours, pairwise(starts), strict=True)):
             rows, between = matches.other[first:last], slice(first, last)
             own_from_other[number] = own.camera_from_world @ inverse_transform(other.camera_from_world)
-            other_rays[between] = other.rays[rows] @ own_from_other[number, :3, :3].T
+            other_rays[between] = other.seen.direction[rows] @ own_from_other[number, :3, :3].T
             centres[between] = own_from_other[number, :3, 3]
             other_depths[between] = other.depth[rows]
             other_pixels[between] = other.pixels[rows]
-            variances[between] = self._pixel_variance[other.octave[rows]]
-            scales[between] = self._sensor.scales[other.octave[rows]]
-        rays = own.rays[matches.own]
+            variances[between] = self._pixel_variance[other.seen.octave[rows]]
+            scales[between] = self._sensor.scales[other.seen.octave[rows]]
+        rays = own.seen.direction[matches.own]
         depths = own.depth[matches.own].astype(np.float64)
-        own_variances = self._pixel_variance[own.octave[matches.own]]
-        own_scales = self._sensor.scales[own.octave[matches.own]]
+        own_variances = self._pixel_variance[own.seen.octave[matches.own]]
+        own_scales = self._sensor.scales[own.seen.octave[matches.own]]
 
         # Three witnesses of where along its ray a point lies: the rays' parallax and the two depth readings.
         meeting = intersect_rays(rays, other_rays, centres)
