@@ -120,8 +120,11 @@ def run(
         raise UserError("where should the map go? give --output MAP.lpmap (or --localize MAP to use one as it is)")
     else:
         refuse_foreign_file(output)
+    if live and sequential:
+        raise UserError("--live and --sequential exclude each other: a camera does not wait for reading")
     if trajectory is not None:
         _refuse_unwritable(trajectory)
+    _refuse_overwriting(output, trajectory, continued or localize)
     settings = _config(config)
     frames = open_source(source, camera, max_frames, settings.calibration)
     base = _map_for(localize or continued, frames.camera)
@@ -203,6 +206,18 @@ def _refuse_unwritable(path: Path) -> None:
 
     if path.is_dir() or not path.absolute().parent.is_dir():
         raise UserError(f"{path} cannot be written: {'it is a folder' if path.is_dir() else 'its folder is missing'}")
+
+
+def _refuse_overwriting(output: Path | None, trajectory: Path | None, base: Path | None) -> None:
+    """A map that is read is not written, and no two results go to one file."""
+    from lpslam.errors import UserError
+
+    places = {"--output": output, "--trajectory": trajectory}
+    for option, path in places.items():
+        if path is not None and base is not None and path.resolve() == base.resolve():
+            raise UserError(f"{option} {path} is the map that is read, which is not overwritten; choose another name")
+    if output is not None and trajectory is not None and output.resolve() == trajectory.resolve():
+        raise UserError(f"--output and --trajectory are both {output}; choose another name for one of them")
 
 
 def _map_for(path: Path | None, camera: Any) -> Any:

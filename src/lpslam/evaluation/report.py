@@ -79,7 +79,7 @@ def evaluate(
         raise UserError(f"map of {world.source}: {len(estimate)} tracked frames; the trajectory error needs at least 3")
     ate = absolute_trajectory_error(truth, estimate, config.association_tolerance)
     scored = None if signs is None else score_landmarks(world.landmarks(), signs, ate.truth_from_estimate, config)
-    return Evaluation(ate, _path_length(truth, ate), frames, len(world.trajectory), len(estimate), scored)
+    return Evaluation(ate, _path_length(truth, ate), frames, world.trajectory.frame_count, len(estimate), scored)
 
 
 def _path_length(truth: StampedPoses, ate: AteResult) -> float:

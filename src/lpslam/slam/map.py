@@ -86,6 +86,11 @@ class SlamMap:
         self._columns: MapColumns | None = None
 
     @property
+    def features_per_keyframe(self) -> int:
+        """The most keypoints that a keyframe can have."""
+        return self._capacity
+
+    @property
     def columns(self) -> MapColumns:
         """Views for kernels; valid until the map grows."""
         if self._columns is None:

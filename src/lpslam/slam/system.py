@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera
 from lpslam.config import SlamConfig
+from lpslam.errors import UserError
 from lpslam.frames import RgbdFrame
 from lpslam.slam.back_end import BackEnd, Beside, InStep
 from lpslam.slam.features import FeatureExtractor
@@ -37,6 +38,9 @@ class RgbdSlam:
         grows: whether new places are mapped; without, `base` is only read (localisation mode).
         advisor: what is known of places beyond their keypoints.
 
+    Raises:
+        UserError: the configured keypoints do not fit those of `base`.
+
     Attributes:
         map, trajectory: the result so far.
         events: every change of state.
@@ -58,6 +62,8 @@ class RgbdSlam:
         self.events: list[SlamEvent] = []
         self.trajectory = Trajectory()
         extractor = FeatureExtractor(camera, config.features)
+        if base is not None:
+            _refuse_other_features(base, extractor, grows)
         self.map = base if base is not None else SlamMap(extractor.capacity, self.sensor.scales)
         self._is_new = base is None
         places = PlaceIndex.of(self.map)
@@ -122,3 +128,17 @@ class RgbdSlam:
     def is_levelled(self) -> bool:
         """Whether the floor has been seen, so that z is up."""
         return bool(self._floor_views)
+
+
+def _refuse_other_features(base: SlamMap, extractor: FeatureExtractor, grows: bool) -> None:
+    """Keypoints are compared level by level, and a map that grows must have room for them."""
+    if len(base.scales) != len(extractor.scales) or not np.allclose(base.scales, extractor.scales):
+        raise UserError(
+            f"the map was made with {len(base.scales)} pyramid levels to {base.scales[-1]:.3g} times the pixel, the"
+            f" configuration has {len(extractor.scales)} to {extractor.scales[-1]:.3g}; use the map's configuration"
+        )
+    if grows and extractor.capacity > base.features_per_keyframe:
+        raise UserError(
+            f"the map has room for {base.features_per_keyframe} keypoints a frame, the configuration wants"
+            f" {extractor.capacity}; use the map's configuration"
+        )

@@ -45,6 +45,11 @@ class Trajectory:
         self._poses.append(tracked.keyframe_from_camera if tracked.keyframe_from_camera is not None else np.eye(4))
 
     @property
+    def frame_count(self) -> int:
+        """Number of frames of the newest session."""
+        return self._sessions.count(self.session)
+
+    @property
     def tracked_count(self) -> int:
         """Number of frames of the newest session with a pose, in whichever sub-map."""
         return sum(k >= 0 and s == self.session for k, s in zip(self._keyframes, self._sessions, strict=True))

@@ -13,7 +13,7 @@ def map_facts(world: LanguageMap) -> dict[str, Any]:
     seconds = run.get("seconds", 0.0)
     return {
         "source": world.source,
-        "frames": len(world.trajectory),
+        "frames": world.trajectory.frame_count,
         "frames_tracked": world.trajectory.tracked_count,
         "frames_skipped": int(run.get("frames_skipped", 0)),
         "frames_read": int(world.statistics.get("reading", {}).get("frames_read", 0)),
@@ -25,7 +25,7 @@ def map_facts(world: LanguageMap) -> dict[str, Any]:
         "judged_as_landmark": sum(mark.is_landmark is True for mark in landmarks),
         "question": world.text.question,
         "seconds": round(seconds, 1),
-        "frames_per_second": round(len(world.trajectory) / seconds, 1) if seconds else None,
+        "frames_per_second": round(world.trajectory.frame_count / seconds, 1) if seconds else None,
     }
 
 

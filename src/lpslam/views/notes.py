@@ -23,7 +23,7 @@ def run_notes(
     if faults:
         notes.append(f"{_frames(len(faults))} skipped; the first, frame {faults[0].index}: {faults[0].reason}")
     if first_untracked is not None:
-        untracked = len(world.trajectory) - world.trajectory.tracked_count
+        untracked = world.trajectory.frame_count - world.trajectory.tracked_count
         notes.append(
             f"{_frames(untracked)} not tracked; the first, frame {first_untracked.index}: {first_untracked.reason}"
         )
