@@ -187,7 +187,7 @@ class TrackingConfig(_Section):
     frontal_cosine: float = 0.998  # ... by the cosine between the two viewing directions
     min_view_cosine: float = 0.5  # the same; a patch seen from more than 60° aside looks different
     hamming_loose: int = 100  # bits; where a window limits the search
-    hamming_strict: int = 50  # bits; where nothing but the descriptor decides
+    hamming_strict: int = 60  # bits; where nothing but the descriptor decides: 80 % of true and 2 % of wrong pairs pass
     ratio_local_map: float = 0.8  # best over second best on the same level
     ratio_brute_force: float = 0.75  # best over second best in the whole image
     min_motion_matches: int = 20  # fewer, and the window is doubled, then the reference keyframe is tried
@@ -225,6 +225,9 @@ class KeyframeConfig(_Section):
     min_interval: float = 0.1  # seconds; denser ones see the same
     tracked_share: float = 0.8  # of the most matches since the last keyframe; fewer, and a keyframe is wanted
     due_share: float = 0.95  # the same, once `max_interval` has passed
+    known_matches: int = 150  # map points matched, from which a view may be known already ...
+    known_distance: float = 0.15  # ... where a keyframe is nearer than this, metres, ...
+    known_turn: float = 0.12  # ... and looks the same way within this angle, radians
     close_depth: float = 3.5  # metres; nearer points fix translation
     close_tracked: int = 100  # fewer close points tracked, and ...
     close_untracked: int = 70  # ... more close keypoints without a point: a keyframe is wanted
@@ -244,7 +247,7 @@ class MappingConfig(_Section):
     max_depth_uncertainty: float = Field(default=0.1, gt=0)  # share of its depth to which a new point must be known
     scale_tolerance: float = Field(default=1.8, ge=1)  # factor between ratios of distances and of pyramid levels
     min_triangulated_observations: int = 3  # keyframes; as `min_observations`, for points that two rays alone made
-    fuse_hamming: int = 50  # bits; a fused point must look the same
+    fuse_hamming: int = 60  # bits; a fused point must look the same
     fuse_radius: float = 3.0  # pixels at the finest level
     adjusted_keyframes: int = 16  # most covisible keyframes that a local adjustment frees
     first_iterations: int = 4  # of local adjustment, before outliers go

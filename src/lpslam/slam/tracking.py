@@ -7,7 +7,7 @@ looked for in the whole map, and after a while a new sub-map is begun.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -21,7 +21,7 @@ from lpslam.slam.features import FeatureExtractor, Features, gray_of
 from lpslam.slam.following import choose_followed, follow_flow
 from lpslam.slam.kernels import graph
 from lpslam.slam.kernels.geometry import orthonormalise
-from lpslam.slam.keyframes import KeyframePolicy
+from lpslam.slam.keyframes import Keyframes
 from lpslam.slam.map import SlamMap
 from lpslam.slam.relocalising import Relocaliser
 from lpslam.slam.sensor import SensorModel
@@ -96,7 +96,7 @@ class Tracker:
         self._extractor = extractor
         self._associator = Associator(slam_map, sensor, config.tracking)
         self._relocaliser = relocaliser
-        self._policy = KeyframePolicy(config.keyframes)
+        self._keyframes = Keyframes(slam_map, sensor, config.keyframes)
         self._grows = grows
         self._on_event = on_event
         founds = grows and slam_map.keyframe_count == 0
@@ -311,7 +311,7 @@ class Tracker:
         self.state, self._unknown_since, self._reference = TrackingState.TRACKING, None, -1
         self._remember_sharpness(frame)
         nothing_seen = Estimate(camera_from_world, np.full(features.rows, -1, np.int32), 0)
-        estimate = self._add_keyframe(frame, features, nothing_seen, everything=True)
+        estimate = self._add_keyframe(frame, features, nothing_seen)
         self._anchored_at = frame.timestamp
         return self._commit(frame, gray, features, estimate, is_keyframe=True, reason="")
 
@@ -358,10 +358,13 @@ class Tracker:
         if may_become_keyframe and not weak:
             self._remember_sharpness(frame)
         is_keyframe = (
-            may_become_keyframe and self._grows and self._policy.wants(frame.timestamp, features, estimate.points >= 0)
+            may_become_keyframe
+            and self._grows
+            and self._keyframes.wants(frame.timestamp, features, estimate.points >= 0)
+            and not self._keyframes.is_known_view(estimate, self._reference)
         )
         if is_keyframe:
-            estimate = self._add_keyframe(frame, features, estimate, everything=False)
+            estimate = self._add_keyframe(frame, features, estimate)
         return self._commit(frame, gray, features, estimate, is_keyframe, reason)
 
     def _commit(
@@ -401,35 +404,9 @@ class Tracker:
     def _tell(self, kind: EventKind, frame: RgbdFrame, reason: str) -> None:
         self._on_event(SlamEvent(kind, frame.index, frame.timestamp, reason))
 
-    # Keyframes ---------------------------------------------------------------------------------------------------
-
-    def _add_keyframe(self, frame: RgbdFrame, features: Features, estimate: Estimate, everything: bool) -> Estimate:
-        """Put the frame into the map and make points of its keypoints with depth."""
-        slam_map, config = self._map, self._keyframe_config
-        keyframe = slam_map.add_keyframe(
-            estimate.camera_from_world,
-            features,
-            self._sensor.disparity_information(features.depth),
-            frame.timestamp,
-            frame.index,
-            self._reference,
-        )
-        slot = int(slam_map.columns.keyframe_slot[keyframe])
-        graph.link_all(slam_map.columns, estimate.points, slot)
-        free = np.flatnonzero(features.has_depth & (estimate.points < 0))
-        nearest = free[np.argsort(features.depth[free], kind="stable")]
-        wanted = len(nearest) if everything else int((features.depth[nearest] < config.point_depth).sum())
-        chosen = nearest[: max(wanted, config.points_in_view - estimate.matches)].astype(np.int32)
-        in_camera = self._sensor.back_project(features.pixels[chosen], features.depth[chosen])
-        world_from_camera = inverse_transform(estimate.camera_from_world)
-        first = slam_map.add_points(
-            keyframe, chosen, in_camera @ world_from_camera[:3, :3].T + world_from_camera[:3, 3]
-        )
-        points = estimate.points.copy()
-        points[chosen] = np.arange(first, first + len(chosen))
-        self._reference = keyframe
-        self._policy.made(frame.timestamp)
-        return replace(estimate, points=points)
+    def _add_keyframe(self, frame: RgbdFrame, features: Features, estimate: Estimate) -> Estimate:
+        self._reference, estimate = self._keyframes.add(frame, features, estimate, self._reference)
+        return estimate
 
     def _remember_sharpness(self, frame: RgbdFrame) -> None:
         sharpness = _sharpness(frame)
