@@ -1,0 +1,194 @@
+"""What tracking says of itself: states, reasons and events; and maps that are only read."""
+
+import hashlib
+from collections.abc import Iterable
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from disturbances import Clip, Disturbed, gap, hand_over_lens
+from slam_scenes import pose_error
+
+from lpslam.config import SlamConfig, TrackingConfig
+from lpslam.frames import RgbdFrame
+from lpslam.slam.map import SlamMap
+from lpslam.slam.state import EventKind, SlamEvent, TrackedFrame, TrackingState
+from lpslam.slam.system import RgbdSlam
+
+pytestmark = pytest.mark.slow
+
+FRAMES = 60
+HIDDEN = range(22, 28)
+
+
+@pytest.fixture(scope="module")
+def clip(walk: Path) -> Clip:
+    return Clip(walk, range(FRAMES))
+
+
+def run(slam: RgbdSlam, frames: Iterable[RgbdFrame]) -> list[TrackedFrame]:
+    tracked = [slam.process(frame) for frame in frames]
+    slam.finish()
+    return tracked
+
+
+@pytest.fixture(scope="module")
+def covered(clip: Clip) -> tuple[RgbdSlam, list[TrackedFrame]]:
+    """The clip, with a hand over the lens for six frames."""
+    slam = RgbdSlam(clip.camera)
+    return slam, run(slam, Disturbed(clip, hand_over_lens(HIDDEN.start, HIDDEN.stop)))
+
+
+def fingerprint(slam_map: SlamMap) -> dict[str, str]:
+    """A hash of every column."""
+    return {
+        name: hashlib.sha256(array.tobytes()).hexdigest() + str(array.shape)
+        for name, array in slam_map.to_arrays().items()
+    }
+
+
+# Events ------------------------------------------------------------------------------------------------------------
+
+
+def test_waiting_for_a_first_view_is_no_event_and_the_beginning_is_one(clip: Clip) -> None:
+    slam = RgbdSlam(clip.camera)
+    frames = list(clip)[:6]
+    blind = [replace(frame, depth=np.where(frame.depth < 1.2, frame.depth, 0)) for frame in frames[:3]]
+    for frame, tracked in zip(frames[:3], [slam.process(frame) for frame in blind], strict=True):
+        assert tracked.state is TrackingState.INITIALISING
+        assert (tracked.index, tracked.timestamp) == (frame.index, frame.timestamp)
+        assert tracked.reason.startswith("waiting for a first view: ")
+        assert "of " in tracked.reason
+        assert tracked.reason.endswith("150 needed")
+    assert slam.events == []
+    tracked = slam.process(frames[3])
+    assert tracked.state is TrackingState.TRACKING
+    assert tracked.is_keyframe
+    (event,) = slam.events
+    assert (event.kind, event.frame, event.timestamp) == (EventKind.INITIALISED, 3, frames[3].timestamp)
+    assert event.reason.endswith(" keypoints with depth")
+    assert int(event.reason.split()[0]) >= 150
+
+
+def test_losing_and_finding_are_said_once_each_with_reasons(covered: tuple[RgbdSlam, list[TrackedFrame]]) -> None:
+    slam, tracked = covered
+    lost = [event for event in slam.events if event.kind is EventKind.LOST]
+    found = [event for event in slam.events if event.kind is EventKind.RELOCALISED]
+    assert [event.frame for event in lost] == [HIDDEN.start]
+    assert "map points matched" in lost[0].reason
+    assert "keypoints" in lost[0].reason
+    assert len(found) == 1
+    assert HIDDEN.stop <= found[0].frame <= HIDDEN.stop + 2
+    assert int(found[0].reason.split()[0]) >= TrackingConfig().min_recovery_inliers
+    assert [event.frame for event in slam.events] == sorted(event.frame for event in slam.events)
+    assert all("\n" not in event.reason for event in slam.events)
+    for frame in tracked[HIDDEN.start : HIDDEN.stop]:
+        assert frame.state is TrackingState.LOST
+        assert frame.reason
+        assert frame.matches == 0
+        assert not frame.is_tracked
+        assert frame.keyframe >= 0, "the last known reference"
+
+
+def test_every_change_of_state_has_its_event_and_no_event_is_without_one(
+    covered: tuple[RgbdSlam, list[TrackedFrame]],
+) -> None:
+    slam, tracked = covered
+    changed = [now.index for before, now in pairwise(tracked) if now.state is not before.state]
+    said = [event.frame for event in slam.events if event.kind not in (EventKind.INITIALISED, EventKind.LOOP)]
+    assert sorted(set(said)) == changed
+
+
+def test_few_matches_are_weak_and_said_so(clip: Clip) -> None:
+    config = SlamConfig(tracking=TrackingConfig(weak_inliers=100_000))
+    slam = RgbdSlam(clip.camera, config)
+    tracked = run(slam, list(clip)[:8])
+    assert [frame.state for frame in tracked] == [TrackingState.TRACKING] + [TrackingState.WEAK] * 7
+    assert all(frame.is_tracked and frame.reason.endswith("map points matched") for frame in tracked[1:])
+    assert [event.kind for event in slam.events] == [EventKind.INITIALISED, EventKind.WEAK]
+
+
+def test_poses_after_the_hand_are_those_without_it(clip: Clip, covered: tuple[RgbdSlam, list[TrackedFrame]]) -> None:
+    slam, _ = covered
+    plain = RgbdSlam(clip.camera)
+    run(plain, clip)
+    times, poses = slam.trajectory.world_from_camera(slam.map)
+    all_times, all_poses = plain.trajectory.world_from_camera(plain.map)
+    assert len(all_times) == FRAMES
+    assert len(times) >= FRAMES - len(HIDDEN) - 2
+    expected = all_poses[np.searchsorted(all_times, times - 1e-6)]
+    errors = np.array([pose_error(*pair) for pair in zip(poses, expected, strict=True)])
+    assert errors[:, 0].max() < 0.03
+    assert np.degrees(errors[:, 1].max()) < 1.0
+
+
+def test_a_gap_in_time_asks_for_more_matches(clip: Clip) -> None:
+    """After frames were missing, a view that fits by few points only could be anywhere."""
+    needs_all = TrackingConfig(min_recovery_inliers=100_000)
+    for missing, state in ((3, TrackingState.TRACKING), (8, TrackingState.LOST)):
+        slam = RgbdSlam(clip.camera, SlamConfig(tracking=needs_all))
+        tracked = run(slam, Disturbed(clip, gap(10, 10 + missing)))[:11]
+        assert tracked[10].index == 10 + missing
+        assert tracked[10].state is state
+
+
+# Maps that are only read ---------------------------------------------------------------------------------------------
+
+
+def test_localisation_changes_not_one_byte_and_finds_the_frames_where_they_were(clip: Clip) -> None:
+    mapping = RgbdSlam(clip.camera)
+    run(mapping, clip)
+    _, poses = mapping.trajectory.world_from_camera(mapping.map)
+    before, version = fingerprint(mapping.map), mapping.map.version
+    reading = RgbdSlam(clip.camera, base=mapping.map, grows=False)
+    # With a hand over the lens, and upside down for more than the time after which a sub-map would begin.
+    strange = [
+        replace(frame, index=FRAMES + n, timestamp=5.0 + n / 15, rgb=frame.rgb[::-1].copy(), depth=frame.depth[::-1])
+        for n, frame in enumerate(list(clip)[:24])
+    ]
+    tracked = run(reading, [*Disturbed(clip, hand_over_lens(HIDDEN.start, HIDDEN.stop)), *strange])
+    assert reading.map is mapping.map
+    assert fingerprint(mapping.map) == before
+    assert mapping.map.version == version
+    assert not any(frame.is_keyframe for frame in tracked)
+    assert {event.kind for event in reading.events} == {EventKind.LOST, EventKind.RELOCALISED}
+    found = [frame for frame in tracked[:FRAMES] if frame.is_tracked]
+    assert len(found) >= FRAMES - len(HIDDEN) - 4
+    assert not any(frame.is_tracked for frame in tracked[FRAMES + 2 :])
+    errors = np.array([pose_error(np.asarray(f.world_from_camera), poses[f.index]) for f in found])
+    assert np.median(errors[:, 0]) < 0.01
+    assert errors[:, 0].max() < 0.03
+    assert np.degrees(errors[:, 1].max()) < 1.0
+    # What was given frame by frame is what the trajectory holds.
+    at, given = reading.trajectory.world_from_camera(reading.map)
+    np.testing.assert_allclose(at, [frame.timestamp for frame in found], atol=0)
+    np.testing.assert_allclose(given, [frame.world_from_camera for frame in found], atol=1e-9)
+
+
+def test_a_map_of_nothing_that_is_only_read_stays_empty(clip: Clip) -> None:
+    empty = RgbdSlam(clip.camera).map
+    slam = RgbdSlam(clip.camera, base=empty, grows=False)
+    tracked = run(slam, list(clip)[:3])
+    assert empty.keyframe_count == 0
+    assert not any(frame.is_tracked for frame in tracked)
+    assert all(frame.reason for frame in tracked)
+
+
+def test_in_a_map_that_grows_the_first_frame_is_looked_for_before_anything_is_added(clip: Clip) -> None:
+    mapping = RgbdSlam(clip.camera)
+    run(mapping, list(clip)[:30])
+    keyframes = mapping.map.keyframe_count
+    going_on = RgbdSlam(clip.camera, base=mapping.map)
+    later = [replace(frame, index=100 + frame.index) for frame in list(clip)[20:]]
+    tracked = run(going_on, later)
+    assert going_on.events[0].kind is EventKind.RELOCALISED
+    assert going_on.events[0] == SlamEvent(
+        EventKind.RELOCALISED, 120, later[0].timestamp, f"{tracked[0].matches} map points matched"
+    )
+    assert all(frame.is_tracked for frame in tracked)
+    assert mapping.map.keyframe_count > keyframes
+    assert set(mapping.map.submaps().tolist()) == {0}
+    new = [mapping.map.frame_of(k)[0] for k in range(keyframes, mapping.map.keyframe_count)]
+    assert min(new) >= 120
