@@ -117,7 +117,9 @@ def zip_of(path: Path, members: dict[str, bytes]) -> Path:
 
 
 def manifest(**changes: object) -> bytes:
-    return json.dumps({"format": "lpslam map", "format_version": FORMAT_VERSION, "documents": [], "arrays": []} | changes).encode()
+    return json.dumps(
+        {"format": "lpslam map", "format_version": FORMAT_VERSION, "documents": [], "arrays": []} | changes
+    ).encode()
 
 
 def pickled() -> bytes:

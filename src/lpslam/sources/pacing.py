@@ -43,18 +43,28 @@ class Paced:
         """Yield frames at their times, counted from the first."""
         started: float | None = None
         waiting: RgbdFrame | None = None
-        for frame in self.source:
-            if started is None:
-                started = time.perf_counter() - frame.timestamp
+        frames = iter(self.source)
+        while True:
+            asked = time.perf_counter()
+            frame = next(frames, None)
+            if frame is None:
+                break
+            now = time.perf_counter()
+            started = now - frame.timestamp if started is None else started
             if waiting is not None:
-                # The next frame is there already: a camera would have overwritten this one.
-                if time.perf_counter() - started >= frame.timestamp:
+                # The next frame is there already: a camera would have overwritten this one. If it had to be waited for,
+                # it is the source that is late, and this one is the newest that there was.
+                if now - started >= frame.timestamp and now - asked < _AT_ONCE:
                     self.dropped += 1
                 else:
                     yield from _when_due(waiting, started)
             waiting = frame
         if waiting is not None and started is not None:
             yield from _when_due(waiting, started)
+
+
+_AT_ONCE = 0.002
+"""Seconds within which a source gives a frame that was ready."""
 
 
 def _when_due(frame: RgbdFrame, started: float) -> Iterator[RgbdFrame]:

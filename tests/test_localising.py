@@ -1,0 +1,323 @@
+"""A saved map used again: found in, continued, and mapped live; through the library and the command line."""
+
+import hashlib
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from command_line import Command
+from lpslam import pipeline
+from lpslam.config import Config
+from lpslam.errors import UserError
+from lpslam.evaluation.report import evaluate_recording
+from lpslam.evaluation.trajectory import absolute_trajectory_error
+from lpslam.frames import FrameSource, RgbdFrame
+from lpslam.mapfile.language_map import LanguageMap
+from lpslam.poses import StampedPoses
+from lpslam.simulation.replay import NoisyAgain
+from lpslam.slam.state import EventKind
+from lpslam.sources.ground_truth import read_ground_truth
+from lpslam.sources.open import open_source
+
+pytestmark = pytest.mark.slow
+
+FRAMES = 120
+
+
+def digest(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def again(walk: Path, frames: int = FRAMES) -> FrameSource:
+    """The recording as the sensor sees it another time."""
+    return NoisyAgain(open_source(walk, max_frames=frames), seed=4)
+
+
+def apart(poses: StampedPoses, reference: StampedPoses) -> np.ndarray:
+    """(n,) metres between poses and those of the same times, without any alignment."""
+    rows = np.abs(reference.timestamps[:, None] - poses.timestamps[None]).argmin(axis=0)
+    np.testing.assert_allclose(reference.timestamps[rows], poses.timestamps, atol=1e-3)
+    return np.linalg.norm(reference.positions[rows] - poses.positions, axis=1)
+
+
+def copy_of(walked: Path, folder: Path) -> Path:
+    path = folder / "base.lpmap"
+    path.write_bytes(walked.read_bytes())
+    return path
+
+
+@pytest.fixture(scope="module")
+def first_half(walk: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A map of the first half of the walk, without text."""
+    path = tmp_path_factory.mktemp("half") / "half.lpmap"
+    pipeline.run(open_source(walk, max_frames=FRAMES // 2), text=False).save(path)
+    return path
+
+
+# Finding the camera in a map ----------------------------------------------------------------------------------------
+
+
+def test_frames_are_found_in_the_maps_own_frame_to_two_centimetres(world: LanguageMap, walk: Path) -> None:
+    before = world.slam.to_arrays()
+    frames_before = len(world.trajectory)
+    found = pipeline.localise(again(walk), world)
+    assert found.frames == FRAMES
+    assert len(found.poses) >= FRAMES - 3
+    error = apart(found.poses, world.frame_poses())
+    assert np.median(error) < 0.01
+    assert error.max() < 0.04
+    assert found.events[0].kind is EventKind.RELOCALISED
+    assert found.seconds_tracking > 0
+    after = world.slam.to_arrays()
+    assert all(before[name].tobytes() == after[name].tobytes() for name in before)
+    assert len(world.trajectory) == frames_before
+
+
+def test_localising_twice_gives_the_same_poses(first_half: Path, walk: Path) -> None:
+    poses = [pipeline.localise(again(walk, 30), LanguageMap.load(first_half)).poses for _ in range(2)]
+    assert poses[0].world_from_camera.tobytes() == poses[1].world_from_camera.tobytes()
+
+
+def test_asked_to_stop_it_gives_what_it_has(world: LanguageMap, walk: Path) -> None:
+    seen: list[int] = []
+    found = pipeline.localise(
+        again(walk, 20),
+        world,
+        on_progress=lambda progress: seen.append(progress.frames),
+        should_stop=lambda: len(seen) >= 6,
+    )
+    assert seen == [1, 2, 3, 4, 5, 6]
+    assert found.frames == len(found.poses) == 6
+
+
+def test_localize_writes_poses_and_leaves_the_file_alone(
+    lpslam: Command, walked: Path, walk: Path, tmp_path: Path
+) -> None:
+    path, poses = copy_of(walked, tmp_path), tmp_path / "poses.txt"
+    before, files = digest(path), sorted(tmp_path.iterdir())
+    done = lpslam("run", walk, "--localize", path, "--trajectory", poses, "--max-frames", 40, "--json").json
+    assert digest(path) == before
+    assert sorted(tmp_path.iterdir()) == sorted([*files, poses])
+    written = StampedPoses.from_tum_file(poses)
+    assert done["frames"] == 40
+    assert done["frames_localised"] == len(written) >= 39
+    assert np.median(apart(written, LanguageMap.load(walked).frame_poses())) < 0.01
+    assert "camera optical frame in the frame of base.lpmap" in poses.read_text().splitlines()[0]
+    shown = lpslam("run", walk, "--localize", path, "--trajectory", poses, "--max-frames", 10)
+    assert shown.code == 0
+    assert "frames localised" in shown.out
+
+
+def test_where_nothing_is_found_it_says_so_and_writes_no_pose(
+    lpslam: Command, walked: Path, clip: Callable[[int], Path], tmp_path: Path
+) -> None:
+    import cv2
+
+    recording = clip(6)
+    for file in (recording / "rgb").iterdir():
+        image = cv2.imread(str(file))
+        assert image is not None
+        cv2.imwrite(str(file), np.random.default_rng(len(file.name)).integers(60, 70, image.shape, dtype=np.uint8))
+    done = lpslam("run", recording, "--localize", walked, "--trajectory", tmp_path / "none.txt", "--json")
+    assert done.json["frames_localised"] == 0
+    assert all(line.startswith("#") for line in (tmp_path / "none.txt").read_text().splitlines())
+
+
+# Letting a map grow --------------------------------------------------------------------------------------------------
+
+
+def test_a_continued_map_keeps_what_it_had_and_grows(first_half: Path, walk: Path, tmp_path: Path) -> None:
+    base = LanguageMap.load(first_half)
+    old = LanguageMap.load(first_half)
+    grown = pipeline.run(again(walk), text=False, base=base)
+    keyframes = old.slam.keyframe_count
+    assert grown.slam.keyframe_count > keyframes
+    assert set(grown.slam.submaps().tolist()) == {0}
+    np.testing.assert_array_equal(grown.slam.timestamps()[:keyframes], old.slam.timestamps())
+    # Old keyframes stay where they were, to what adjusting with new views may change.
+    kept = [k for k in old.slam.living_keyframes().tolist() if grown.slam.is_alive(k)]
+    assert len(kept) > 0.7 * len(old.slam.living_keyframes())
+    moved = [
+        np.linalg.norm((grown.slam.world_from_keyframe(k) - old.slam.world_from_keyframe(k))[:3, 3])
+        for k in range(keyframes)
+    ]
+    assert max(moved) < 0.03
+    # Each recording has its own frames.
+    assert (grown.trajectory.session, grown.trajectory.frame_count) == (1, FRAMES)
+    assert grown.trajectory.tracked_count >= FRAMES - 3
+    assert grown.statistics["run"]["frames_tracked"] == grown.trajectory.tracked_count
+    indices = grown.trajectory.to_arrays()["index"]
+    assert len(set(indices.tolist())) == len(indices) == FRAMES // 2 + FRAMES
+    first = StampedPoses(*grown.trajectory.world_from_camera(grown.slam, 0))
+    assert len(first) == FRAMES // 2
+    assert apart(first, old.frame_poses()).max() < 0.03
+    # Where both recordings went, they agree: for one is the other seen again.
+    both = StampedPoses(*(column[: FRAMES // 2 - 4] for column in grown.trajectory.world_from_camera(grown.slam)))
+    assert apart(both, first).max() < 0.03
+    scores = evaluate_recording(grown, walk)
+    assert (scores.frames, scores.frames_mapped) == (FRAMES, FRAMES)
+    assert scores.ate.rmse < 0.02
+    # And it is a map like any other.
+    grown.save(tmp_path / "grown.lpmap")
+    twice = LanguageMap.load(tmp_path / "grown.lpmap")
+    assert twice.trajectory.session == 1
+    np.testing.assert_array_equal(twice.frame_poses().world_from_camera, grown.frame_poses().world_from_camera)
+
+
+def test_continue_keeps_old_landmarks_and_its_input(
+    lpslam: Command, walked: Path, walk: Path, world: LanguageMap, tmp_path: Path
+) -> None:
+    base, output = copy_of(walked, tmp_path), tmp_path / "grown.lpmap"
+    before = digest(base)
+    words = ["run", walk, "--continue", base, "-o", output, "--no-text", "--max-frames", 40, "--json"]
+    done = lpslam(*words, "--trajectory", tmp_path / "poses.txt")
+    assert digest(base) == before
+    facts = done.json
+    assert facts["frames"] == 40
+    assert facts["frames_tracked"] >= 39
+    grown = LanguageMap.load(output)
+    old = {mark.id: mark for mark in world.landmarks()}
+    new = {mark.id: mark for mark in grown.landmarks()}
+    assert old.keys() <= new.keys()
+    for number, mark in old.items():
+        assert new[number].name == mark.name
+        assert np.linalg.norm(new[number].position - mark.position) < 0.05
+    assert len(StampedPoses.from_tum_file(tmp_path / "poses.txt")) == facts["frames_tracked"]
+
+
+def test_the_frames_that_were_not_tracked_are_counted_in_this_recording_only(
+    lpslam: Command, first_half: Path, clip: Callable[[int], Path], tmp_path: Path
+) -> None:
+    """Not among all that the map has ever seen."""
+    import cv2
+
+    recording = clip(24)
+    for file in sorted((recording / "rgb").iterdir())[10:14]:
+        cv2.imwrite(str(file), np.random.default_rng(int(file.stat().st_size)).integers(20, 24, (480, 640, 3)))
+    done = lpslam("run", recording, "--continue", first_half, "-o", tmp_path / "grown.lpmap", "--no-text", "--json")
+    untracked = done.json["frames"] - done.json["frames_tracked"]
+    assert done.json["frames"] == 24
+    assert 4 <= untracked <= 8
+    assert f"lpslam: {untracked} frames not tracked; the first, frame" in done.err
+
+
+# Mistakes -------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--localize", "MAP", "-o", "OUT", "--trajectory", "POSES"], "--localize and --output exclude each other"),
+        (["--localize", "MAP", "--continue", "MAP", "--trajectory", "POSES"], "--localize and --continue exclude"),
+        (["--localize", "MAP", "--live", "--trajectory", "POSES"], "--localize and --live exclude each other"),
+        (["--localize", "MAP"], "give --trajectory OUT.txt with --localize"),
+        (["--continue", "MAP"], "where should the map go?"),
+        ([], "where should the map go?"),
+        (["--continue", "MAP", "-o", "MAP"], "is the map that is read, which is not overwritten"),
+        (["--continue", "MAP", "-o", "OUT", "--trajectory", "MAP"], "is the map that is read"),
+        (["--localize", "MAP", "--trajectory", "MAP"], "--trajectory"),
+        (["--localize", "MAP", "--trajectory", "LINK"], "is the map that is read"),
+        (["-o", "OUT", "--trajectory", "OUT"], "--output and --trajectory are both"),
+        (["-o", "OUT", "--live", "--sequential"], "--live and --sequential exclude each other"),
+        (["--localize", "MAP", "--trajectory", "nowhere/poses.txt"], "its folder is missing"),
+        (["--localize", "MAP", "--trajectory", "."], "it is a folder"),
+        (["--localize", "missing.lpmap", "--trajectory", "POSES"], "missing.lpmap"),
+        (["--continue", "missing.lpmap", "-o", "OUT"], "missing.lpmap"),
+    ],
+)
+def test_options_that_contradict_each_other_are_refused_before_anything_is_done(
+    lpslam: Command,
+    first_half: Path,
+    walk: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    words: list[str],
+    said: str,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    base = copy_of(first_half, tmp_path)
+    (tmp_path / "link.txt").symlink_to(base)
+    before, files = digest(base), sorted(tmp_path.iterdir())
+    names = {"MAP": base, "OUT": tmp_path / "out.lpmap", "POSES": tmp_path / "poses.txt", "LINK": tmp_path / "link.txt"}
+    assert said in lpslam("run", walk, *[names.get(word, word) for word in words]).complaint
+    assert digest(base) == before
+    assert sorted(tmp_path.iterdir()) == files
+
+
+@pytest.mark.parametrize("option", ["--localize", "--continue"])
+def test_a_map_of_another_camera_is_refused(
+    lpslam: Command, first_half: Path, clip: Callable[[int], Path], tmp_path: Path, option: str
+) -> None:
+    recording = clip(3)
+    camera = yaml.safe_load((recording / "camera.yaml").read_text())
+    camera["cx"] += 14.0
+    (recording / "camera.yaml").write_text(yaml.safe_dump(camera))
+    result = tmp_path / "result"
+    where = ["--trajectory" if option == "--localize" else "-o", result]
+    complaint = lpslam("run", recording, option, first_half, *where).complaint
+    assert f"{first_half} was made with another camera: its cx is " in complaint
+    assert not result.exists()
+
+
+@pytest.mark.parametrize(
+    ("features", "said"), [({"count": 3000}, "keypoints a frame"), ({"levels": 6}, "pyramid levels")]
+)
+def test_keypoints_that_do_not_fit_the_map_are_refused(
+    lpslam: Command, first_half: Path, walk: Path, tmp_path: Path, features: dict[str, int], said: str
+) -> None:
+    config = tmp_path / "config.yaml"
+    config.write_text(yaml.safe_dump({"slam": {"features": features}}))
+    words = ["--continue", first_half, "-o", tmp_path / "grown.lpmap", "--no-text", "--config", config]
+    assert said in lpslam("run", walk, *words).err
+    settings = Config.model_validate({"slam": {"features": features}})
+    with pytest.raises(UserError, match=said):
+        pipeline.run(again(walk, 3), settings, text=False, base=LanguageMap.load(first_half))
+
+
+# Live ----------------------------------------------------------------------------------------------------------------
+
+
+class Slowly:
+    """A recording at half its pace, so that a busy machine can follow."""
+
+    def __init__(self, source: FrameSource) -> None:
+        self._source = source
+        self.name, self.camera, self.faults = source.name, source.camera, source.faults
+
+    def __len__(self) -> int:
+        return len(self._source)
+
+    def __iter__(self) -> Iterator[RgbdFrame]:
+        return (replace(frame, timestamp=2 * frame.timestamp) for frame in self._source)
+
+
+def test_a_live_run_tracks_what_it_is_given_and_counts_the_rest(walk: Path) -> None:
+    frames = 45
+    world = pipeline.run(Slowly(open_source(walk, max_frames=frames)), live=True, text=False)
+    run, seconds = world.statistics["run"], 2 * frames / 15
+    assert run["frames"] + run["frames_dropped"] == frames
+    assert run["frames"] >= frames / 3, "a machine on which this fails cannot map live"
+    assert run["frames_tracked"] >= 0.9 * run["frames"]
+    # It takes as long as the recording, and does not go on for much longer.
+    assert seconds - 0.2 < run["seconds"] < seconds + 4
+    truth = read_ground_truth(walk)
+    assert truth is not None
+    poses = world.frame_poses()
+    estimate = StampedPoses(poses.timestamps / 2, poses.world_from_camera)
+    assert absolute_trajectory_error(truth, estimate).rmse < 0.03
+    assert set(world.slam.submaps().tolist()) == {0}
+
+
+def test_live_on_the_command_line_with_a_map_to_continue(
+    lpslam: Command, first_half: Path, walk: Path, tmp_path: Path
+) -> None:
+    output = tmp_path / "live.lpmap"
+    words = ["run", walk, "--live", "--continue", first_half, "-o", output, "--no-text", "--max-frames", 30, "--json"]
+    facts = lpslam(*words).json
+    assert 5 <= facts["frames"] <= 30
+    assert facts["frames_tracked"] >= 0.8 * facts["frames"]
+    assert LanguageMap.load(output).trajectory.session == 1
