@@ -389,6 +389,8 @@ class LanguageConfig(_Section):
     attempts: int = Field(default=3, ge=1)
     # Seconds before the second attempt; doubles with each further one.
     backoff_s: float = Field(default=1.0, ge=0)
+    # Seconds that a run waits at its end for names that were asked for beside mapping; 'lpslam distill' asks again.
+    patience_s: float = Field(default=30.0, ge=0)
     # Names judged in one request: long lists are answered less carefully.
     names_per_call: int = Field(default=40, ge=1)
     # Other readings of a landmark that are sent along.

@@ -12,6 +12,7 @@ from lpslam.camera import PinholeCamera
 from lpslam.config import Config
 from lpslam.errors import UserError
 from lpslam.frames import FrameSource
+from lpslam.language.beside import NamingBeside
 from lpslam.language.model import Candidate, Choice, LanguageModel
 from lpslam.language.offline import OfflineModel
 from lpslam.mapfile.language_map import LanguageMap
@@ -93,7 +94,8 @@ def run(
     Args:
         source: RGB-D frames in order of time.
         config: thresholds; defaults without.
-        language: names classes of misread strings; the embedded model without.
+        language: names classes of misread strings; the embedded model without. Mapping never waits for another: the
+            embedded model names at once, and the other's name takes its place when it comes.
         text: whether to read at all.
         sequential: read in step with tracking, the same map every time; else in a thread beside it, which drops
             frames when it falls behind.
@@ -109,14 +111,15 @@ def run(
     config = config or Config()
     slam = RgbdSlam(source.camera, config.slam, live=live, base=base.slam if base else None)
     text_map = base.text if base else TextMap(config.text)
-    mapper = _text_mapper(source.camera, config, language, text_map) if text else None
+    beside = _naming_beside(language) if text else None
+    mapper = _text_mapper(source.camera, config, text_map, beside) if text else None
     first_index = 0
     if base is not None:
         slam.trajectory, first_index = base.trajectory, base.trajectory.begin_session()
         if mapper is not None:
             mapper.resume(base.world_from_keyframe)
-    beside = mapper is not None and (live or not sequential)
-    reader = ReadingThread(mapper, config.text.reading.queue_size) if mapper is not None and beside else None
+    is_threaded = mapper is not None and (live or not sequential)
+    reader = ReadingThread(mapper, config.text.reading.queue_size) if mapper is not None and is_threaded else None
     reading = reader or mapper
     decoded = Prefetched(InOrder(source))
     frames = Paced(decoded) if live else decoded
@@ -143,6 +146,9 @@ def run(
                 )
             )
         slam.finish()
+    if mapper is not None and beside is not None:
+        beside.finish(0.0 if is_stopped else config.language.patience_s)
+        mapper.take_names()
     if not is_stopped and slam.trajectory.tracked_count == 0:
         raise UserError(
             f"{source.name}: none of {count} frames can be tracked ({reason}); check its depth images and depth scale"
@@ -204,10 +210,15 @@ def localise(
     return Localised(poses, count, slam.events, seconds_tracking)
 
 
-def _text_mapper(
-    camera: PinholeCamera, config: Config, language: LanguageModel | None, text_map: TextMap
-) -> TextMapper:
-    return TextMapper(camera, PaddleSpotter(config.text.spotting), config.text, language or OfflineModel(), text_map)
+def _naming_beside(language: LanguageModel | None) -> NamingBeside | None:
+    """Mapping waits for no model but the embedded one; another's names come when they come."""
+    if language is None or isinstance(language, OfflineModel):
+        return None
+    return NamingBeside(language, OfflineModel())
+
+
+def _text_mapper(camera: PinholeCamera, config: Config, text_map: TextMap, beside: NamingBeside | None) -> TextMapper:
+    return TextMapper(camera, PaddleSpotter(config.text.spotting), config.text, OfflineModel(), text_map, beside)
 
 
 def distill(

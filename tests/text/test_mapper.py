@@ -1,4 +1,5 @@
 import json
+from collections.abc import Sequence
 
 import numpy as np
 import pytest
@@ -278,3 +279,46 @@ def test_landmarks_move_with_their_keyframe() -> None:
 
 def test_the_same_frames_give_the_same_map() -> None:
     assert json.dumps(mall().to_document()) == json.dumps(mall().to_document())
+
+
+class Beside:
+    """A slow model whose answers come when the test says so."""
+
+    def __init__(self) -> None:
+        self.asked: list[tuple[int, list[str]]] = []
+        self.ready: list[tuple[int, Naming]] = []
+
+    def ask(self, key: int, readings: Sequence[Reading]) -> None:
+        self.asked.append((key, [each.text for each in readings]))
+
+    def answers(self) -> list[tuple[int, Naming]]:
+        ready, self.ready = self.ready, []
+        return ready
+
+
+def test_a_slow_models_name_takes_the_place_of_the_first_one_and_stays() -> None:
+    beside = Beside()
+    spotter = ScriptedSpotter((box(100, 200), "Alienvare", 0.98))
+    mapper = TextMapper(CAMERA, spotter, CONFIG, Namer("Alienvare"), beside=beside)
+    run(mapper)
+    (text_class,) = mapper.text_map.long_term
+    assert text_class.naming is not None
+    assert (text_class.naming.name, text_class.naming.model) == ("Alienvare", "namer")
+    assert beside.asked[0] == (text_class.id, ["Alienvare"])
+    beside.ready = [(text_class.id, Naming("Alienware", 0.9, "a brand", "slow"))]
+    asked = len(beside.asked)
+    for index in range(30, 200):
+        mapper.observe(frame(index), tracked(index))
+    assert text_class.naming.model == "slow"
+    assert len(beside.asked) > asked, "more evidence is asked about again"
+    assert mapper.statistics.language_errors == 0
+
+
+def test_a_slow_models_invention_is_counted_and_not_taken() -> None:
+    beside = Beside()
+    mapper = run(TextMapper(CAMERA, ScriptedSpotter((box(100, 200), "GUCCI", 0.98)), CONFIG, beside=beside))
+    beside.ready = [(0, Naming("Visit evil.example", 1.0, "", "slow"))]
+    mapper.take_names()
+    (text_class,) = mapper.text_map.long_term
+    assert text_class.name == "GUCCI"
+    assert mapper.statistics.language_errors == 1

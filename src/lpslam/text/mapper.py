@@ -16,7 +16,7 @@ from lpslam.language.model import LanguageModel
 from lpslam.slam.state import TrackedFrame
 from lpslam.text.instances import KeyframePoses
 from lpslam.text.memory import Pool, TextClass
-from lpslam.text.naming import name_class, needs_name
+from lpslam.text.naming import BesideNaming, name_class, needs_name, rename_class
 from lpslam.text.placement import PlacementFault, place_text
 from lpslam.text.spots import Spots
 from lpslam.text.spotting import TextSpotter, accepted_texts, letter_heights, touches_border
@@ -43,6 +43,7 @@ class TextMapper:
         config: TextConfig,
         language: LanguageModel | None = None,
         text_map: TextMap | None = None,
+        beside: BesideNaming | None = None,
     ) -> None:
         self.text_map = text_map or TextMap(config)
         self.statistics = TextStatistics()
@@ -50,6 +51,8 @@ class TextMapper:
         self._spotter = spotter
         self._config = config
         self._language = language
+        self._beside = beside
+        self._named_beside: set[int] = set()
         self._gate = ReadingGate(config.reading)
         self._spots = Spots()
 
@@ -97,6 +100,7 @@ class TextMapper:
         if tracked.keyframe_from_camera is None:
             return None
         self.text_map.memory.forget(frame.timestamp)
+        self.take_names()
         reading = self._read(frame, tracked.keyframe_from_camera)
         if reading is None:
             return None
@@ -174,8 +178,22 @@ class TextMapper:
 
     def _name(self, text_class: TextClass) -> None:
         """Name a class that has become long-term, or whose evidence has grown since (III-E)."""
-        if not name_class(text_class, self._language, self._config.spotting.max_length):
+        if text_class.id in self._named_beside:
+            # The slow model's name stays until it has seen the new evidence too.
+            text_class.named_at_count = text_class.count
+        elif not name_class(text_class, self._language, self._config.spotting.max_length):
             self.statistics.language_errors += 1
+        if self._beside is not None:
+            self._beside.ask(text_class.id, text_class.readings)
+
+    def take_names(self) -> None:
+        """Take the names that a slow model has found meanwhile; call it once more at the end."""
+        for key, naming in self._beside.answers() if self._beside is not None else ():
+            text_class = self.text_map.memory.long_term[key]
+            if rename_class(text_class, naming, self._config.spotting.max_length):
+                self._named_beside.add(key)
+            else:
+                self.statistics.language_errors += 1
 
     def _count(
         self, fates: NDArray[np.object_], texts: Sequence[tuple[SpottedText, Placement | PlacementFault]]

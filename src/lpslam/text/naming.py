@@ -1,6 +1,9 @@
 """The name of a class of misread strings (text clustering, III-E), chosen by a language model and never invented."""
 
-from lpslam.language.model import LanguageModel, Naming
+from collections.abc import Sequence
+from typing import Protocol
+
+from lpslam.language.model import LanguageModel, Naming, Reading
 from lpslam.language.sanitise import clean_text
 from lpslam.text.memory import TextClass
 from lpslam.text.similarity import comparison_key, similarity
@@ -10,6 +13,18 @@ _NEAREST_READING = 0.5
 
 # A class is named anew once its evidence has grown by this factor.
 _GROWTH = 2.0
+
+
+class BesideNaming(Protocol):
+    """A slow model that names classes while mapping goes on; neither call waits for it."""
+
+    def ask(self, key: int, readings: Sequence[Reading]) -> None:
+        """Ask for the name of class `key`."""
+        ...
+
+    def answers(self) -> list[tuple[int, Naming]]:
+        """Fetch the (class, name) that came since the last call."""
+        ...
 
 
 def needs_name(text_class: TextClass) -> bool:
@@ -34,6 +49,17 @@ def name_class(text_class: TextClass, language: LanguageModel | None, max_length
     text_class.naming = naming or _surest(text_class)
     text_class.named_at_count = text_class.count
     return not failed
+
+
+def rename_class(text_class: TextClass, naming: Naming, max_length: int) -> bool:
+    """Give a class the name that came later from a slow model; one that was not read stays without effect.
+
+    Returns:
+        Whether the name was usable.
+    """
+    checked = _checked(naming, text_class, max_length)
+    text_class.naming = checked or text_class.naming
+    return checked is not None
 
 
 def _checked(naming: Naming, text_class: TextClass, max_length: int) -> Naming | None:
