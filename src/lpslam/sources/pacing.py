@@ -50,21 +50,19 @@ class Paced:
             if frame is None:
                 break
             now = time.perf_counter()
-            started = now - frame.timestamp if started is None else started
+            if started is None:
+                started = now - frame.timestamp
+            # What a source takes beyond a frame's time is not the consumer's delay: the clock waits for it.
+            started += max(0.0, now - max(asked, started + frame.timestamp))
             if waiting is not None:
-                # The next frame is there already: a camera would have overwritten this one. If it had to be waited for,
-                # it is the source that is late, and this one is the newest that there was.
-                if now - started >= frame.timestamp and now - asked < _AT_ONCE:
+                # The next frame is there already: a camera would have overwritten this one.
+                if asked - started >= frame.timestamp:
                     self.dropped += 1
                 else:
                     yield from _when_due(waiting, started)
             waiting = frame
         if waiting is not None and started is not None:
             yield from _when_due(waiting, started)
-
-
-_AT_ONCE = 0.002
-"""Seconds within which a source gives a frame that was ready."""
 
 
 def _when_due(frame: RgbdFrame, started: float) -> Iterator[RgbdFrame]:
