@@ -381,7 +381,7 @@ class EvaluationConfig(_Section):
 
 
 class LanguageConfig(_Section):
-    """How a chat model is asked; the embedded model needs none of it."""
+    """How a hosted or local chat model is asked; the embedded model needs none of it."""
 
     # Seconds to wait for one answer; a local model on a slow machine needs its time.
     timeout_s: float = Field(default=60.0, gt=0)
@@ -389,12 +389,30 @@ class LanguageConfig(_Section):
     attempts: int = Field(default=3, ge=1)
     # Seconds before the second attempt; doubles with each further one.
     backoff_s: float = Field(default=1.0, ge=0)
+    # Longest pause that a server may ask for, seconds; one that wants more is not waited for.
+    longest_wait_s: float = Field(default=20.0, ge=0)
+    # Seconds for which a server that failed in every attempt is left alone: a map of names must not wait for each.
+    rest_s: float = Field(default=30.0, ge=0)
+    # Questions put at the same time; more than this earns a 429 from most accounts.
+    at_once: int = Field(default=4, ge=1)
+    # Most calls of one process, retries included: thousands of signs must not cost more than was meant.
+    max_calls: int = Field(default=1000, ge=0)
+    # Most tokens of one process, in and out; the call that passes it is the last one.
+    max_tokens: int = Field(default=500_000, ge=0)
+    # Whether answers are kept on disk, in this user's cache folder: the same question is paid for once.
+    cache: bool = True
     # Seconds that a run waits at its end for names that were asked for beside mapping; 'lpslam distill' asks again.
     patience_s: float = Field(default=30.0, ge=0)
+    # Names of landmarks that a question is put with; of a larger map, those that fit best and one of every kind.
+    landmarks_sent: int = Field(default=60, ge=1, le=9000)
+    # Longest name sent with a question, code points; a place has a shorter one.
+    name_length: int = Field(default=60, ge=1)
+    # Other readings of a landmark that are sent along.
+    aliases_sent: int = Field(default=2, ge=0)
+    # Spellings of a sign that is to be named, surest first; rarer ones say nothing new.
+    readings_sent: int = Field(default=12, ge=1)
     # Names judged in one request: long lists are answered less carefully.
     names_per_call: int = Field(default=40, ge=1)
-    # Other readings of a landmark that are sent along.
-    aliases_sent: int = Field(default=4, ge=0)
     # Longest question sent, code points.
     question_length: int = Field(default=400, ge=1)
     # Eq. 3 similarity that a chosen name must have with some reading: a model chooses, it does not invent.
