@@ -26,7 +26,9 @@ MapFile = Annotated[
 ]
 Llm = Annotated[
     str | None,
-    typer.Option("--llm", metavar="MODEL", help="offline (default), openai:MODEL, ollama:MODEL or URL#MODEL."),
+    typer.Option(
+        "--llm", metavar="MODEL", help="offline (default), openai:, anthropic:, google: or ollama:MODEL, or URL#MODEL."
+    ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")]
 ConfigFile = Annotated[
@@ -157,12 +159,22 @@ def run(
         world.save(output)
     for note in run_notes(world, frames.faults, progress.first_untracked, language.model):
         _say(note)
+    _say_usage(language)
     if trajectory is not None:
         world.frame_poses().to_tum_file(trajectory, ["camera optical frame in the map frame"])
     _print_facts(world, output, as_json)
     if interrupted.is_set():
         _say(f"interrupted; the map so far is in {output}")
         raise typer.Exit(_INTERRUPTED)
+
+
+def _say_usage(language: Any) -> None:
+    """What a hosted model has cost; nothing of one that costs nothing."""
+    from lpslam.language.usage import usage_of
+
+    usage = usage_of(language)
+    if usage is not None and (usage.calls or usage.saved):
+        _say(f"{language.model}: {usage}")
 
 
 def _localise(frames: Any, world: Any, settings: Any, map_file: Path, trajectory: Path, as_json: bool) -> None:
@@ -254,6 +266,7 @@ def distill(
     world.save(map_file)
     for note in naming_notes(world, language.model) + judging_notes(landmarks, judge, language.model):
         _say(note)
+    _say_usage(language)
     _print_landmarks(landmarks, judge, as_json)
 
 
@@ -274,6 +287,7 @@ def ask(
     language = language_model(llm, _config(config).language)
     answer = pipeline.ask(LanguageMap.load(map_file), question, language=language)
     print(json.dumps(answer_record(answer), ensure_ascii=False, indent=1) if as_json else answer_text(answer))
+    _say_usage(language)
 
 
 @app.command()

@@ -411,8 +411,6 @@ class LanguageConfig(_Section):
     aliases_sent: int = Field(default=2, ge=0)
     # Spellings of a sign that is to be named, surest first; rarer ones say nothing new.
     readings_sent: int = Field(default=12, ge=1)
-    # Names judged in one request: long lists are answered less carefully.
-    names_per_call: int = Field(default=40, ge=1)
     # Longest question sent, code points.
     question_length: int = Field(default=400, ge=1)
     # Eq. 3 similarity that a chosen name must have with some reading: a model chooses, it does not invent.

@@ -1,52 +1,77 @@
-"""Any chat model behind an OpenAI-compatible endpoint, held to the ids and names it was given.
+"""Any hosted or local chat model, held to the ids and names it was given.
 
 The paper's “pre-training” (Figs. 3, 6 and 8), a task with examples, is one file a use in `prompts/`. What was read in
-the world goes into the user message alone, JSON-encoded in its own field. An answer that is not allowed is asked for
-once more; after that, and where the endpoint fails, the embedded model answers and the answer says so.
+the world goes into the user message alone, JSON-encoded in a field of its own, and only where it does not read like a
+command (`distrust.py`). Names are judged each in a request of its own, so that none can sway another. A choice among
+many names is taken where the embedded model agrees, or where the model says the same of that place alone. An answer
+that is not allowed is asked for once more; after that, and where the model fails, the embedded one answers and says so.
 """
 
+import hashlib
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
+import random
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import lru_cache
 from importlib.resources import files
 from typing import Any, TypeVar
 
 from rapidfuzz.distance import Levenshtein
 
 from lpslam.config import LanguageConfig
-from lpslam.language.endpoint import Chat, Endpoint, NoAnswerError
+from lpslam.language.answer_cache import AnswerCache, user_cache_folder
+from lpslam.language.distrust import commands
+from lpslam.language.endpoint import Endpoint
+from lpslam.language.exchange import Exchange, NoAnswerError, Question
 from lpslam.language.model import Candidate, Choice, Judgement, LanguageModel, Naming, Reading
 from lpslam.language.sanitise import clean_text
+from lpslam.language.shortlist import shortlist
+from lpslam.language.signs import load_sign_reader
+from lpslam.language.usage import Usage
 
-Answer = TypeVar("Answer")
+Given = TypeVar("Given", Naming, Judgement, Choice)
 
+_NONE = "none"
+_LABEL = re.compile(r"\bL\d{4}\b")
 _TEXT = {"type": "string"}
 _SURE = {"confidence": {"type": "number"}, "evidence": _TEXT}
+_EVIDENCE_LENGTH = 300
 
 
 class ChatModel:
-    """A `LanguageModel` over a chat endpoint, with another model to fall back on."""
+    """A `LanguageModel` over a chat endpoint, with the embedded model beside it."""
 
-    def __init__(self, endpoint: Endpoint, fallback: LanguageModel, config: LanguageConfig | None = None) -> None:
+    def __init__(self, endpoint: Endpoint, embedded: LanguageModel, config: LanguageConfig | None = None) -> None:
         self._config = config or LanguageConfig()
-        self._chat = Chat(endpoint, self._config)
-        self._fallback = fallback
+        cache = AnswerCache(user_cache_folder() / "answers" if self._config.cache else None)
+        self._exchange = Exchange(endpoint, self._config, cache)
+        self._embedded = embedded
 
     @property
     def model(self) -> str:
         """The specification this model was made from, such as "openai:gpt-4.1-mini"."""
-        return self._chat.endpoint.label
+        return self._exchange.endpoint.label
+
+    @property
+    def usage(self) -> Usage:
+        """Calls and tokens so far."""
+        return self._exchange.usage
 
     def name(self, readings: Sequence[Reading]) -> Naming:
         """Ask for the most reasonable name; one that is far from every reading is refused (III-E)."""
-        texts = [clean_text(reading.text) for reading in readings]
+        own = self._embedded.name(readings)
         sent = [
             {"text": text, "count": reading.count, "confidence": round(reading.confidence, 3)}
-            for text, reading in zip(texts, readings, strict=True)
-            if text
+            for reading in readings[: self._config.readings_sent]
+            if (text := clean_text(reading.text))
         ]
         if not sent:
-            return self._fallback.name(readings)
+            return own
+        if any(commands(reading.text) for reading in readings):
+            return self._instead(own, "it was not asked: the sign reads like a command")
+        texts = [clean_text(reading.text) for reading in readings]
 
         def read(tree: Mapping[str, Any]) -> Naming:
             name = clean_text(str(tree["name"]))
@@ -56,102 +81,180 @@ class ChatModel:
             return Naming(name, *_sureness(tree), self.model)
 
         schema = _object({"name": _TEXT, **_SURE})
-        answer, failure = self._ask("naming", {"readings": sent}, schema, read)
-        if answer is not None:
-            return answer
-        own = self._fallback.name(readings)
-        return Naming(own.name, own.confidence, self._because(own.evidence, failure), self._instead(own.model))
+        (answer,) = self._exchange.ask([Question(_task("naming"), {"readings": sent}, schema, read)])
+        return self._instead(own, str(answer)) if isinstance(answer, NoAnswerError) else answer
 
     def judge(self, names: Sequence[str], question: str) -> list[Judgement]:
-        """Ask the question for each name apart, some dozens of names at a time (III-G)."""
-        judgements: list[Judgement] = []
-        for start in range(0, len(names), self._config.names_per_call):
-            judgements += self._judge(names[start : start + self._config.names_per_call], question)
-        return judgements
+        """Ask the question for each name in a request of its own, a few of them at the same time (III-G)."""
+        asked = clean_text(question, self._config.question_length)
+        schema = _object({"answer": {"type": "boolean"}, **_SURE})
 
-    def _judge(self, names: Sequence[str], question: str) -> list[Judgement]:
-        ids = list(range(len(names)))
+        def read(tree: Mapping[str, Any]) -> Judgement:
+            return Judgement(question, _a_bool(tree["answer"]), *_sureness(tree), self.model)
 
-        def read(tree: Mapping[str, Any]) -> list[Judgement]:
-            by_id = {_an_id(answer["id"], ids): answer for answer in tree["answers"]}
-            if len(by_id) != len(names) or len(tree["answers"]) != len(names):
-                raise ValueError("not every name has one answer")
-            return [
-                Judgement(question, _a_bool(by_id[id_]["answer"]), *_sureness(by_id[id_]), self.model) for id_ in ids
-            ]
-
-        entry = _object({"id": {"type": "integer", "enum": ids}, "answer": {"type": "boolean"}, **_SURE})
-        sent = {
-            "question": clean_text(question, self._config.question_length),
-            "names": [{"id": id_, "text": clean_text(name)} for id_, name in enumerate(names)],
-        }
-        schema = _object({"answers": {"type": "array", "items": entry}})
-        answer, failure = self._ask("judging", sent, schema, read)
-        if answer is not None:
-            return answer
-        return [
-            Judgement(
-                question, own.answer, own.confidence, self._because(own.evidence, failure), self._instead(own.model)
+        trusted = [name for name in dict.fromkeys(names) if clean_text(name) and commands(name) is None]
+        answers = dict(
+            zip(
+                trusted,
+                self._exchange.ask(
+                    [
+                        Question(_task("judging"), {"question": asked, "sign": clean_text(name)}, schema, read)
+                        for name in trusted
+                    ]
+                ),
+                strict=True,
             )
-            for own in self._fallback.judge(names, question)
-        ]
+        )
+        untrusted = NoAnswerError("it was not asked: the sign reads like a command")
+        failed = {name: answer for name in names if isinstance(answer := answers.get(name, untrusted), NoAnswerError)}
+        own = dict(zip(failed, self._embedded.judge(list(failed), question), strict=True))
+        judged = {name: self._instead(own[name], str(failure)) for name, failure in failed.items()}
+        judged |= {name: answer for name, answer in answers.items() if isinstance(answer, Judgement)}
+        return [judged[name] for name in names]
 
     def choose(self, question: str, landmarks: Sequence[Candidate]) -> Choice:
-        """Ask for the landmark that serves the wish; an id that was not given is refused (III-I)."""
-        ids = [landmark.id for landmark in landmarks]
-        if not ids:
+        """Ask for the landmark that serves the wish, and look at the answer once more in another way (III-I)."""
+        asked = clean_text(question, self._config.question_length)
+        if not landmarks:
             return Choice(None, 1.0, "the map has no landmark", self.model)
+        if not asked:
+            return Choice(None, 0.0, "the question is empty", self.model)
+        own = _trusted_choice(self._embedded, asked, landmarks)
+        most = self._config.landmarks_sent
+        shown = [mark for mark in shortlist(asked, landmarks, most, self._embedded) if _may_be_shown(mark.name)]
+        if not shown:
+            return self._instead(own, "it was not asked: no sign here names a place")
+        first = self._choose(asked, shown)
+        if isinstance(first, NoAnswerError):
+            return self._instead(own, str(first))
+        return self._look_again(asked, first, own, {mark.id: mark for mark in landmarks})
+
+    def _choose(self, asked: str, shown: Sequence[Candidate]) -> Choice | NoAnswerError:
+        labels = _Labels(asked, shown)
 
         def read(tree: Mapping[str, Any]) -> Choice:
-            chosen = None if tree["landmark"] is None else _an_id(tree["landmark"], ids)
-            others = [_an_id(other, ids) for other in tree.get("alternatives") or []]
-            alternatives = tuple(other for other in dict.fromkeys(others) if other != chosen)
+            chosen = labels.landmark(tree["landmark"])
+            others = [labels.landmark(other) for other in tree.get("alternatives") or []]
+            alternatives = tuple(dict.fromkeys(other for other in others if other not in (chosen, None)))
             confidence, evidence = _sureness(tree)
-            return Choice(chosen, confidence, evidence, self.model, alternatives)
+            return Choice(chosen, confidence, labels.told(evidence), self.model, alternatives)
 
-        one = {"type": "integer", "enum": ids}
-        sent = {
-            "question": clean_text(question, self._config.question_length),
-            "landmarks": [
-                {
-                    "id": mark.id,
-                    "name": clean_text(mark.name),
-                    "aliases": [clean_text(alias) for alias in mark.aliases[: self._config.aliases_sent]],
-                }
-                for mark in landmarks
-            ],
-        }
-        schema = _object(
-            {"landmark": {"anyOf": [one, {"type": "null"}]}, "alternatives": {"type": "array", "items": one}, **_SURE}
+        ids = {"type": "string", "enum": [*labels.all, _NONE]}
+        schema = _object({"landmark": ids, "alternatives": {"type": "array", "items": ids}, **_SURE})
+        places = [{"id": label, **self._place(mark)} for label, mark in labels.shown]
+        given = {"question": asked, "landmarks": places}
+        return self._exchange.ask([Question(_task("choosing"), given, schema, read)])[0]
+
+    def _look_again(self, asked: str, first: Choice, own: Choice, by_id: Mapping[int, Candidate]) -> Choice:
+        """Take what two models chose; else ask about each of the two alone, where no other sign is read.
+
+        What swayed the choice among many (a sign that the rules of `distrust.py` missed) cannot sway this.
+        """
+        proposed = [by_id[id_] for id_ in (first.landmark, own.landmark) if id_ is not None]
+        if first.landmark == own.landmark or (len(proposed) == 2 and _is_same(*proposed)):
+            return first
+        refused = first.evidence
+        for landmark in proposed:
+            serves = self._serves(asked, landmark)
+            if isinstance(serves, NoAnswerError):
+                return self._instead(own, str(serves))
+            if serves.answer and landmark.id == first.landmark:
+                return first
+            if serves.answer:
+                others = dict.fromkeys((*first.alternatives, *own.alternatives))
+                rest = tuple(other for other in others if other != landmark.id)
+                return Choice(landmark.id, serves.confidence, serves.evidence, self.model, rest)
+            refused = serves.evidence
+        return Choice(None, first.confidence, refused, self.model, first.alternatives)
+
+    def _serves(self, asked: str, landmark: Candidate) -> Judgement | NoAnswerError:
+        def read(tree: Mapping[str, Any]) -> Judgement:
+            return Judgement(asked, _a_bool(tree["serves"]), *_sureness(tree), self.model)
+
+        schema = _object({"serves": {"type": "boolean"}, **_SURE})
+        given = {"question": asked, "place": self._place(landmark)}
+        return self._exchange.ask([Question(_task("confirming"), given, schema, read)])[0]
+
+    def _place(self, landmark: Candidate) -> dict[str, Any]:
+        name, longest = landmark.name, self._config.name_length
+        aliases = [
+            clean_text(alias, longest) for alias in landmark.aliases if alias != name and commands(alias) is None
+        ][: self._config.aliases_sent]
+        place: dict[str, Any] = {"name": clean_text(name, longest)}
+        return {**place, "aliases": aliases} if aliases else place
+
+    def _instead(self, own: Given, failure: str) -> Given:
+        """The embedded model's answer, with the reason why it is that one's."""
+        evidence = f"{own.evidence} [{self.model} did not answer: {clean_text(failure, _EVIDENCE_LENGTH)}]"
+        return replace(own, evidence=evidence, model=f"{own.model} (instead of {self.model})")
+
+
+class _Labels:
+    """Names for landmarks that no sign can know: which label stands for which landmark hangs on the whole question.
+
+    The labels themselves are always the same ones, so that a server need not learn a new schema for every question.
+    """
+
+    def __init__(self, asked: str, shown: Sequence[Candidate]) -> None:
+        seed = hashlib.sha256(json.dumps([asked, [mark.name for mark in shown]]).encode()).digest()
+        order = list(shown)
+        random.Random(seed).shuffle(order)
+        self.all = [f"L{1000 + number * 7919 % 9000}" for number in range(len(shown))]
+        self.shown = list(zip(self.all, order, strict=True))
+        self._by_label = dict(self.shown)
+
+    def landmark(self, label: Any) -> int | None:
+        """Take a label back to a landmark's id.
+
+        Raises:
+            ValueError: no landmark has it.
+        """
+        if label is None or label == _NONE:
+            return None
+        if not isinstance(label, str) or label not in self._by_label:
+            raise ValueError(f"id {clean_text(str(label), 20)} was not given")
+        return self._by_label[label].id
+
+    def told(self, evidence: str) -> str:
+        """Put names for the labels that an explanation mentions."""
+        return _LABEL.sub(
+            lambda found: self._by_label[found[0]].name if found[0] in self._by_label else found[0], evidence
         )
-        answer, failure = self._ask("choosing", sent, schema, read)
-        if answer is not None:
-            return answer
-        own = self._fallback.choose(question, landmarks)
-        evidence = self._because(own.evidence, failure)
-        return Choice(own.landmark, own.confidence, evidence, self._instead(own.model), own.alternatives)
 
-    def _ask(
-        self, use: str, sent: Mapping[str, Any], schema: Mapping[str, Any], read: Callable[[Mapping[str, Any]], Answer]
-    ) -> tuple[Answer | None, str]:
-        """Return the answer as `read` accepts it, or None and why there is none; asks a second time at most."""
-        system = (files("lpslam.language") / "prompts" / f"{use}.md").read_text(encoding="utf-8")
-        user = json.dumps(sent, ensure_ascii=False)
-        failure = ""
-        for _ in range(2):
-            try:
-                return read(_object_in(self._chat.complete(system, user, schema))), ""
-            except NoAnswerError as error:
-                return None, str(error)
-            except (ValueError, KeyError, TypeError, AttributeError) as error:
-                failure = f"its answer was refused: {error}"
-        return None, failure
 
-    def _because(self, evidence: str, failure: str) -> str:
-        return f"{evidence} [{self.model} did not answer: {clean_text(failure)}]"
+def _trusted_choice(model: LanguageModel, asked: str, landmarks: Sequence[Candidate]) -> Choice:
+    """Let a model choose, again without them where it names signs that read like commands."""
+    names = {mark.id: mark.name for mark in landmarks}
+    while True:
+        choice = model.choose(asked, [mark for mark in landmarks if mark.id in names])
+        hostile = {
+            id_
+            for id_ in (choice.landmark, *choice.alternatives)
+            if id_ is not None and id_ in names and commands(names[id_]) is not None
+        }
+        if not hostile:
+            return choice
+        names = {id_: name for id_, name in names.items() if id_ not in hostile}
 
-    def _instead(self, model: str) -> str:
-        return f"{model} (instead of {self.model})"
+
+def _may_be_shown(name: str) -> bool:
+    """Whether a sign may stand among others in a prompt: it names a place, and neither commands nor warns."""
+    return bool(clean_text(name)) and commands(name) is None and not _warns(name)
+
+
+def _warns(name: str) -> bool:
+    return any(kind == "sign/warning" for kind, _ in load_sign_reader().read(name).kinds)
+
+
+def _is_same(first: Candidate, second: Candidate) -> bool:
+    return clean_text(first.name).casefold() == clean_text(second.name).casefold()
+
+
+@lru_cache(maxsize=8)
+def _task(use: str) -> str:
+    """The task and its examples; the version line is for people, what counts for the cache is the wording."""
+    text = (files("lpslam.language") / "prompts" / f"{use}.md").read_text(encoding="utf-8")
+    return text.partition("\n\n")[2]
 
 
 def _object(properties: Mapping[str, Any]) -> dict[str, Any]:
@@ -162,23 +265,6 @@ def _object(properties: Mapping[str, Any]) -> dict[str, Any]:
         "required": list(properties),
         "additionalProperties": False,
     }
-
-
-def _object_in(text: str) -> Mapping[str, Any]:
-    """Read the JSON object in an answer; models without a schema like to wrap it in words or a code fence."""
-    start, end = text.find("{"), text.rfind("}")
-    if start < 0 or end < start:
-        raise ValueError("no JSON object in it")
-    tree = json.loads(text[start : end + 1])
-    if not isinstance(tree, dict):
-        raise ValueError("no JSON object in it")
-    return tree
-
-
-def _an_id(value: Any, ids: Sequence[int]) -> int:
-    if isinstance(value, bool) or not isinstance(value, int) or value not in ids:
-        raise ValueError(f"id {clean_text(str(value), 20)} was not given")
-    return value
 
 
 def _a_bool(value: Any) -> bool:
@@ -192,4 +278,4 @@ def _sureness(tree: Mapping[str, Any]) -> tuple[float, str]:
     confidence = float(tree.get("confidence", 0.5))
     if math.isnan(confidence):
         confidence = 0.5
-    return min(max(confidence, 0.0), 1.0), clean_text(str(tree.get("evidence", "")), 300)
+    return min(max(confidence, 0.0), 1.0), clean_text(str(tree.get("evidence", "")), _EVIDENCE_LENGTH)

@@ -1,33 +1,35 @@
-"""One chat endpoint that speaks the OpenAI protocol: where it is, its key, and one exchange with it."""
+"""What a specification of a hosted or local model means: which protocol, where, which model, which key."""
 
 import os
-import time
-from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Literal
+from urllib.parse import urlsplit
 
-from lpslam.config import LanguageConfig
-from lpslam.errors import LpSlamError, MissingExtraError, UserError
+from lpslam.errors import UserError
 
-if TYPE_CHECKING:
-    import httpx
+Protocol = Literal["openai", "anthropic", "google"]
 
-_LONGEST_WAIT = 20.0  # seconds; a server that asks for more is not waited for
-_USERS_MISTAKES = {
-    401: "the key was refused",
-    403: "the key may not use this model",
-    404: "there is no such model or address",
+EXTRAS: dict[Protocol, str] = {"openai": "llm", "anthropic": "anthropic", "google": "google"}
+"""The optional part of the package that speaks each protocol."""
+
+# Where each provider's key is looked for, and what may move the provider to another address.
+_KEYS: dict[Protocol, tuple[str, ...]] = {
+    "openai": ("OPENAI_API_KEY",),
+    "anthropic": ("ANTHROPIC_API_KEY",),
+    "google": ("GOOGLE_API_KEY", "GEMINI_API_KEY"),
 }
-
-
-class NoAnswerError(LpSlamError):
-    """The endpoint did not answer, or not with what was asked for."""
+_ADDRESSES: dict[Protocol, tuple[str, str]] = {
+    "openai": ("OPENAI_BASE_URL", "https://api.openai.com/v1"),
+    "anthropic": ("ANTHROPIC_BASE_URL", "https://api.anthropic.com"),
+    "google": ("GOOGLE_GEMINI_BASE_URL", "https://generativelanguage.googleapis.com"),
+}
 
 
 @dataclass(frozen=True, slots=True)
 class Endpoint:
-    """Address, model and key of a chat endpoint; `label` is how the model is reported."""
+    """Protocol, address, model and key of a chat endpoint; `label` is how the model is reported."""
 
+    protocol: Protocol
     base_url: str
     model: str
     label: str
@@ -35,100 +37,49 @@ class Endpoint:
 
     @classmethod
     def from_spec(cls, spec: str) -> "Endpoint | None":
-        """Read "openai:MODEL", "ollama:MODEL" or "URL#MODEL"; None where `spec` is none of them.
+        """Read "openai:MODEL", "anthropic:MODEL", "google:MODEL", "ollama:MODEL" or "URL#MODEL"; None for others.
 
-        Keys come from the environment alone: OPENAI_API_KEY, or LPSLAM_LLM_API_KEY (optional) for a URL.
+        Keys come from the environment alone, and a provider's key goes to that provider alone; a URL has
+        LPSLAM_LLM_API_KEY, where it wants one.
+
+        Raises:
+            UserError: the key is missing, or the address is none.
         """
         provider, _, model = spec.partition(":")
-        if provider == "openai" and model:
-            key = os.environ.get("OPENAI_API_KEY")
-            if not key:
-                raise UserError(f"language model {spec} needs a key: set the environment variable OPENAI_API_KEY")
-            return cls(os.environ.get("OPENAI_BASE_URL") or "https://api.openai.com/v1", model, spec, key)
+        hosted: dict[str, Protocol] = {"openai": "openai", "anthropic": "anthropic", "google": "google"}
+        if provider in hosted and model:
+            return cls._hosted(hosted[provider], model, spec)
         if provider == "ollama" and model:
             host = os.environ.get("OLLAMA_HOST") or "localhost:11434"
-            address = host if "://" in host else f"http://{host}"
-            return cls(f"{address.rstrip('/')}/v1", model, spec)
+            return cls._compatible(f"{host if '://' in host else f'http://{host}'}".rstrip("/") + "/v1", model, spec)
         url, _, model = spec.partition("#")
         if url.startswith(("http://", "https://")) and model:
-            return cls(url.rstrip("/"), model, spec, os.environ.get("LPSLAM_LLM_API_KEY") or None)
+            return cls._compatible(url.rstrip("/"), model, spec, os.environ.get("LPSLAM_LLM_API_KEY") or None)
         return None
 
+    @classmethod
+    def _hosted(cls, provider: Protocol, model: str, spec: str) -> "Endpoint":
+        key = next((os.environ[name] for name in _KEYS[provider] if os.environ.get(name)), None)
+        if key is None:
+            raise UserError(
+                f"language model {spec} needs a key: set the environment variable {_KEYS[provider][0]}, "
+                "or leave --llm out for the embedded model"
+            )
+        variable, usual = _ADDRESSES[provider]
+        address = _checked(os.environ.get(variable) or usual, spec)
+        return cls(provider, address, model, spec, key)
 
-class Chat:
-    """Exchanges with one endpoint: a JSON object as text comes back, or a `NoAnswerError`."""
-
-    def __init__(self, endpoint: Endpoint, config: LanguageConfig) -> None:
-        try:
-            import httpx
-        except ImportError as error:
-            raise MissingExtraError(f"language model {endpoint.label}", "llm") from error
-        self._httpx = httpx
-        self.endpoint = endpoint
-        self._config = config
-        self._takes_schema = True
-        self._is_silent = False
-
-    def complete(self, system: str, user: str, schema: Mapping[str, Any]) -> str:
-        """Send one system and one user message; ask for `schema` as long as the server takes that."""
-        body: dict[str, Any] = {
-            "model": self.endpoint.model,
-            "messages": [{"role": "system", "content": system}, {"role": "user", "content": user}],
-        }
-        if self._takes_schema:
-            structured = {"type": "json_schema", "json_schema": {"name": "answer", "schema": dict(schema)}}
-            response = self._post({**body, "response_format": structured})
-            if response.status_code in (400, 422):
-                # Not every server knows `response_format`; the prompt asks for JSON in words as well.
-                self._takes_schema = False
-        if not self._takes_schema:
-            response = self._post(body)
-        if response.status_code in _USERS_MISTAKES:
-            reason = _USERS_MISTAKES[response.status_code]
-            raise UserError(f"language model {self.endpoint.label}: {reason} ({response.status_code}); check both")
-        if response.status_code != 200:
-            raise NoAnswerError(f"the server answered {response.status_code}")
-        try:
-            return str(response.json()["choices"][0]["message"]["content"])
-        except (ValueError, KeyError, IndexError, TypeError) as error:
-            raise NoAnswerError("the server's answer is no chat completion") from error
-
-    def _post(self, body: Mapping[str, Any]) -> "httpx.Response":
-        """Post with patience: a busy or failing server is asked again, a little later each time.
-
-        One that stayed silent through all of it is asked once a request from then on, until it answers: a whole map of
-        names must not wait for a server that is down.
-        """
-        headers = {"Authorization": f"Bearer {self.endpoint.key}"} if self.endpoint.key else {}
-        failure = "no attempt was made"
-        for attempt in range(1 if self._is_silent else self._config.attempts):
-            if attempt:
-                time.sleep(self._config.backoff_s * 2.0 ** (attempt - 1))
-            try:
-                response = self._httpx.post(
-                    f"{self.endpoint.base_url}/chat/completions",
-                    json=dict(body),
-                    headers=headers,
-                    timeout=self._config.timeout_s,
-                )
-            except self._httpx.InvalidURL as error:
-                raise UserError(f"language model {self.endpoint.label}: the address is no URL") from error
-            except self._httpx.HTTPError as error:
-                failure = f"{self.endpoint.base_url} cannot be reached ({type(error).__name__})"
-                continue
-            if response.status_code != 429 and response.status_code < 500:
-                self._is_silent = False
-                return response
-            failure = f"the server answered {response.status_code}"
-            time.sleep(_asked_wait(response.headers.get("Retry-After")))
-        self._is_silent = True
-        raise NoAnswerError(failure)
+    @classmethod
+    def _compatible(cls, address: str, model: str, spec: str, key: str | None = None) -> "Endpoint":
+        return cls("openai", _checked(address, spec), model, spec, key)
 
 
-def _asked_wait(header: str | None) -> float:
-    """Seconds that a busy server asks to be left alone; 0 where it says nothing that can be met."""
+def _checked(address: str, spec: str) -> str:
     try:
-        wait = float(header or 0.0)
+        parts = urlsplit(address)
+        is_address = bool(parts.hostname) and parts.port != 0 and parts.scheme in ("http", "https")
     except ValueError:
-        return 0.0
-    return wait if 0.0 <= wait <= _LONGEST_WAIT else 0.0
+        is_address = False
+    if not is_address or any(ch.isspace() for ch in address):
+        raise UserError(f"language model {spec}: {address} is no address; it should look like http://HOST:PORT/v1")
+    return address.rstrip("/")

@@ -8,8 +8,11 @@ from lpslam.language.model import LanguageModel
 def language_model(spec: str | None = None, config: LanguageConfig | None = None) -> LanguageModel:
     """Return the model for `spec`.
 
-    None or "offline": the embedded model. "openai:MODEL", "ollama:MODEL" or "URL#MODEL": a chat model behind an
-    OpenAI-compatible endpoint, with the embedded model to fall back on. Raises `UserError` for anything else.
+    None or "offline": the embedded model. "openai:MODEL", "anthropic:MODEL", "google:MODEL", "ollama:MODEL" or
+    "URL#MODEL" (any OpenAI-compatible address): a hosted or local one, with the embedded model beside it.
+
+    Raises:
+        UserError: anything else, a key that is missing, or an optional part that is not installed.
     """
     from lpslam.language.offline import OfflineModel
 
@@ -21,7 +24,10 @@ def language_model(spec: str | None = None, config: LanguageConfig | None = None
 
     endpoint = Endpoint.from_spec(wanted)
     if endpoint is None:
-        raise UserError(f"language model '{wanted}' is not known: use offline, openai:MODEL, ollama:MODEL or URL#MODEL")
+        raise UserError(
+            f"language model '{wanted}' is not known: use offline, openai:MODEL, anthropic:MODEL, google:MODEL, "
+            "ollama:MODEL or URL#MODEL"
+        )
 
     from lpslam.language.chat import ChatModel
 
