@@ -13,6 +13,7 @@ from lpslam.config import Config
 from lpslam.errors import UserError
 from lpslam.frames import FrameSource
 from lpslam.language.beside import NamingBeside
+from lpslam.language.distrust import choose_trusted
 from lpslam.language.model import Candidate, Choice, LanguageModel
 from lpslam.language.offline import OfflineModel
 from lpslam.mapfile.language_map import LanguageMap
@@ -260,7 +261,7 @@ def ask(
     landmarks = world.landmarks()
     here = position if position is not None else _last_position(world)
     candidates = [Candidate(mark.id, mark.name, tuple(mark.variants)) for mark in landmarks]
-    choice = (language or OfflineModel()).choose(question, candidates)
+    choice = choose_trusted(language or OfflineModel(), question, candidates)
     by_id = {mark.id: mark for mark in landmarks}
     if choice.landmark is not None and choice.landmark not in by_id:
         choice = replace(choice, landmark=None, evidence=f"{choice.evidence} (no such landmark: {choice.landmark})")

@@ -22,7 +22,7 @@ from rapidfuzz.distance import Levenshtein
 
 from lpslam.config import LanguageConfig
 from lpslam.language.answer_cache import AnswerCache, user_cache_folder
-from lpslam.language.distrust import commands
+from lpslam.language.distrust import choose_trusted, commands
 from lpslam.language.endpoint import Endpoint
 from lpslam.language.exchange import Exchange, NoAnswerError, Question
 from lpslam.language.model import Candidate, Choice, Judgement, LanguageModel, Naming, Reading
@@ -119,7 +119,7 @@ class ChatModel:
             return Choice(None, 1.0, "the map has no landmark", self.model)
         if not asked:
             return Choice(None, 0.0, "the question is empty", self.model)
-        own = _trusted_choice(self._embedded, asked, landmarks)
+        own = choose_trusted(self._embedded, asked, landmarks)
         most = self._config.landmarks_sent
         shown = [mark for mark in shortlist(asked, landmarks, most, self._embedded) if _may_be_shown(mark.name)]
         if not shown:
@@ -220,21 +220,6 @@ class _Labels:
         return _LABEL.sub(
             lambda found: self._by_label[found[0]].name if found[0] in self._by_label else found[0], evidence
         )
-
-
-def _trusted_choice(model: LanguageModel, asked: str, landmarks: Sequence[Candidate]) -> Choice:
-    """Let a model choose, again without them where it names signs that read like commands."""
-    names = {mark.id: mark.name for mark in landmarks}
-    while True:
-        choice = model.choose(asked, [mark for mark in landmarks if mark.id in names])
-        hostile = {
-            id_
-            for id_ in (choice.landmark, *choice.alternatives)
-            if id_ is not None and id_ in names and commands(names[id_]) is not None
-        }
-        if not hostile:
-            return choice
-        names = {id_: name for id_, name in names.items() if id_ not in hostile}
 
 
 def _may_be_shown(name: str) -> bool:

@@ -13,6 +13,7 @@ from importlib.resources import files
 from itertools import groupby, product
 
 from lpslam.language.knowledge import load_knowledge
+from lpslam.language.model import Candidate, Choice, LanguageModel
 from lpslam.language.sanitise import clean_text
 from lpslam.language.words import is_unspaced
 
@@ -67,6 +68,18 @@ def commands(text: str) -> str | None:
     if any(_is_command(lexicon.groups_in(words)) for words in _spellings(clean)):
         return "speaks to a machine"
     return None
+
+
+def choose_trusted(model: LanguageModel, question: str, landmarks: Sequence[Candidate]) -> Choice:
+    """Let any model choose; again without them where it names signs that speak to a machine: they are no places."""
+    names = {landmark.id: landmark.name for landmark in landmarks}
+    while True:
+        choice = model.choose(question, [landmark for landmark in landmarks if landmark.id in names])
+        named = {id_ for id_ in (choice.landmark, *choice.alternatives) if id_ is not None}
+        hostile = {id_ for id_ in named if id_ in names and commands(names[id_]) is not None}
+        if not hostile:
+            return choice
+        names = {id_: name for id_, name in names.items() if id_ not in hostile}
 
 
 def _is_command(found: set[str]) -> bool:
