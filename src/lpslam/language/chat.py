@@ -120,8 +120,8 @@ class ChatModel:
         if not asked:
             return Choice(None, 0.0, "the question is empty", self.model)
         own = choose_trusted(self._embedded, asked, landmarks)
-        most = self._config.landmarks_sent
-        shown = [mark for mark in shortlist(asked, landmarks, most, self._embedded) if _may_be_shown(mark.name)]
+        nearest = shortlist(asked, landmarks, self._config.landmarks_sent, own)
+        shown = [mark for mark in nearest if _may_be_shown(mark.name)]
         if not shown:
             return self._instead(own, "it was not asked: no sign here names a place")
         first = self._choose(asked, shown)

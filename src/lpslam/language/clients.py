@@ -13,11 +13,13 @@ from pydantic_ai.models import Model, ModelRequestParameters
 from pydantic_ai.models.openai import OpenAIChatModel
 from pydantic_ai.output import OutputObjectDefinition
 from pydantic_ai.providers.openai import OpenAIProvider
+from pydantic_ai.settings import ModelSettings
 from pydantic_ai.tools import ToolDefinition
 
 from lpslam.language.endpoint import Endpoint
 
 _ANSWER = "answer"
+_MOST_ANSWERED = 4000  # tokens; an answer has about a hundred, a model that thinks first uses more
 
 
 class Mode(StrEnum):
@@ -41,7 +43,9 @@ async def connect(endpoint: Endpoint) -> AsyncIterator[Model]:
         from pydantic_ai.providers.anthropic import AnthropicProvider
 
         async with AsyncAnthropic(api_key=endpoint.key, base_url=endpoint.base_url, max_retries=0) as client:
-            yield AnthropicModel(endpoint.model, provider=AnthropicProvider(anthropic_client=client))
+            # Messages to Anthropic need a limit; without one the largest is sent, and the answer comes as a stream.
+            settings = ModelSettings(max_tokens=_MOST_ANSWERED)
+            yield AnthropicModel(endpoint.model, provider=AnthropicProvider(anthropic_client=client), settings=settings)
     elif endpoint.protocol == "google":
         from pydantic_ai.models.google import GoogleModel
         from pydantic_ai.providers.google import GoogleProvider

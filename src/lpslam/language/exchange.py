@@ -150,7 +150,7 @@ class Exchange:
                     tree = _object_in(text)
                     answer = question.read(tree)
                 except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
-                    refused = clean_text(str(error), 100)
+                    refused = clean_text(f"{error} is missing" if isinstance(error, KeyError) else str(error), 100)
                 else:
                     self._cache.keep(key, tree)
                     return answer

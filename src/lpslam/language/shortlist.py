@@ -1,74 +1,87 @@
 """The few landmarks of a large map that a question is put with: a question must not cost more in a larger mall."""
 
-from collections.abc import Sequence
-from itertools import zip_longest
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import chain, zip_longest
 
-from lpslam.language.model import Candidate, LanguageModel
+from lpslam.language.knowledge import Knowledge, load_knowledge
+from lpslam.language.model import Candidate, Choice
 from lpslam.language.sanitise import clean_text
-from lpslam.language.signs import load_sign_reader
 from lpslam.language.words import is_unspaced
 
-_ROUNDS = 4  # of the embedded model, which names its best six each time
 _FEW_LETTERS = 3  # shorter words of a spaced script say little
 
 
-def shortlist(question: str, landmarks: Sequence[Candidate], most: int, embedded: LanguageModel) -> list[Candidate]:
+def shortlist(question: str, landmarks: Sequence[Candidate], most: int, own: Choice) -> list[Candidate]:
     """Return at most `most` landmarks, in the order given: all of them where there are no more.
 
-    Of more, those that the question names, those that the embedded model finds fitting, and for a wish that it does
-    not understand one landmark of every kind in turn.
+    Of more, those that the question names, those that the embedded model chose (`own`) and others of their kinds; and
+    for a wish that the embedded model does not understand, one landmark of every kind in turn.
     """
     if len(landmarks) <= most:
         return list(landmarks)
-    by_name = _named(question, landmarks)[: most // 3]
-    fitting = _fitting(question, landmarks, embedded)[: most // 3]
-    chosen = dict.fromkeys(landmark.id for landmark in (*by_name, *fitting))
-    for landmark in _one_of_every_kind(landmarks):
-        if len(chosen) >= most:
-            break
-        chosen.setdefault(landmark.id)
+    kinds = _by_kind(landmarks)
+    chosen: dict[int, None] = {}
+    for share, found in (
+        (1, [id_ for id_ in (own.landmark, *own.alternatives) if id_ is not None]),
+        (2, _named(question, landmarks)),
+        (2, _of_the_kinds_of(own, kinds)),
+        (1, _in_turn(kinds.values())),
+    ):
+        for id_ in found:
+            if len(chosen) >= most // share:
+                break
+            chosen.setdefault(id_)
     return [landmark for landmark in landmarks if landmark.id in chosen]
 
 
-def _named(question: str, landmarks: Sequence[Candidate]) -> list[Candidate]:
+def _named(question: str, landmarks: Sequence[Candidate]) -> Iterable[int]:
     """Those whose names share words with the question, the largest share first."""
     asked = _pieces(question)
-    shares = [(_share(_pieces(landmark.name), asked), landmark) for landmark in landmarks]
-    return [landmark for share, landmark in sorted(shares, key=lambda each: -each[0]) if share > 0.0]
+    shares = [(_share(_pieces(landmark.name), asked), landmark.id) for landmark in landmarks]
+    return [id_ for share, id_ in sorted(shares, key=lambda each: -each[0]) if share > 0.0]
 
 
-def _fitting(question: str, landmarks: Sequence[Candidate], embedded: LanguageModel) -> list[Candidate]:
-    found: list[Candidate] = []
-    remaining = {landmark.id: landmark for landmark in landmarks}
-    for _ in range(_ROUNDS):
-        choice = embedded.choose(question, list(remaining.values()))
-        ids = [choice.landmark, *choice.alternatives]
-        new = [remaining.pop(id_) for id_ in ids if id_ is not None and id_ in remaining]
-        if not new:
-            break
-        found += new
-    return found
+def _of_the_kinds_of(own: Choice, kinds: dict[str, list[int]]) -> Iterator[int]:
+    best = {own.landmark, *own.alternatives}
+    return _in_turn(group for kind, group in kinds.items() if kind and not best.isdisjoint(group))
 
 
-def _one_of_every_kind(landmarks: Sequence[Candidate]) -> list[Candidate]:
-    """All landmarks, so ordered that their beginning holds as many kinds as there are; evenly over the map in each."""
-    reader = load_sign_reader()
-    kinds: dict[str, list[Candidate]] = {}
+def _by_kind(landmarks: Sequence[Candidate]) -> dict[str, list[int]]:
+    knowledge = load_knowledge()
+    kinds: dict[str, list[int]] = {}
     for landmark in landmarks:
-        meaning = reader.read(landmark.name).kinds
-        kinds.setdefault(meaning[0][0] if meaning else "", []).append(landmark)
-    turns = zip_longest(*(_spread(group) for group in kinds.values()))
-    return [landmark for turn in turns for landmark in turn if landmark is not None]
+        kinds.setdefault(_kind(landmark.name, knowledge), []).append(landmark.id)
+    return kinds
 
 
-def _spread(group: Sequence[Candidate]) -> list[Candidate]:
-    """The same landmarks with far ones first: every second, then those between, as in a ruler read by its marks."""
-    order: dict[int, None] = {}
+def _kind(name: str, knowledge: Knowledge) -> str:
+    """The kind that a name or one of its words is known for; quicker and coarser than reading the sign."""
+    clean = clean_text(name)
+    for text in (clean, *reversed(clean.split())):
+        key = knowledge.folder.key(text)
+        known, word = knowledge.known.get(key), knowledge.painted.get(key)
+        kinds = known.kinds if known is not None else word.concepts if word is not None else ()
+        if kinds:
+            return kinds[0][0]
+    return ""
+
+
+def _in_turn(groups: Iterable[Sequence[int]]) -> Iterator[int]:
+    """The first of every group, then the second of every group; in each, far ones first."""
+    turns = zip_longest(*(_spread(group) for group in groups))
+    return (id_ for id_ in chain.from_iterable(turns) if id_ is not None)
+
+
+def _spread(group: Sequence[int]) -> Iterator[int]:
+    """The same ids, every second one, then those between, as a ruler is read by its marks."""
+    seen: set[int] = set()
     step = len(group)
     while step >= 1:
-        order.update(dict.fromkeys(range(0, len(group), step)))
+        for at in range(0, len(group), step):
+            if at not in seen:
+                seen.add(at)
+                yield group[at]
         step //= 2
-    return [group[at] for at in order]
 
 
 def _share(name: frozenset[str], asked: frozenset[str]) -> float:
