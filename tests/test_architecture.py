@@ -27,7 +27,10 @@ ALLOWED: dict[str, set[str]] = {
     "demo": {"simulation", "language", "mapfile", "pipeline", "evaluation", "views"},
     "cli": {"sources", "simulation", "language", "mapfile", "pipeline", "evaluation", "views", "demo"},
 }
-HEAVY = ("cv2", "numba", "scipy", "matplotlib", "rapidocr", "openvino", "onnxruntime", "httpx")
+HEAVY = (
+    *("cv2", "numba", "scipy", "matplotlib", "rapidocr", "openvino", "onnxruntime"),
+    *("pydantic_ai", "openai", "anthropic", "google.genai", "httpx", "httpx2", "lpslam.language.exchange"),
+)
 
 FILES = sorted(path for path in PACKAGE.rglob("*.py") if path != PACKAGE / "__init__.py")
 

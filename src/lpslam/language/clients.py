@@ -1,11 +1,12 @@
 """The pydantic-ai model behind an endpoint, and one exchange with it. Imported when the first question is asked."""
 
+import ssl
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from enum import StrEnum
 from typing import Any
 
-from openai import AsyncOpenAI
+from openai import AsyncOpenAI, DefaultAsyncHttpxClient
 from openai.types import chat
 from pydantic_ai.direct import model_request
 from pydantic_ai.messages import ModelRequest, TextPart, ToolCallPart, UserPromptPart
@@ -55,11 +56,21 @@ async def connect(endpoint: Endpoint) -> AsyncIterator[Model]:
             yield google
     else:
         # Retrying is the exchange's own; a library that retries as well would multiply it.
-        async with AsyncOpenAI(api_key=endpoint.key or "none", base_url=endpoint.base_url, max_retries=0) as openai:
+        async with AsyncOpenAI(
+            api_key=endpoint.key or "none",
+            base_url=endpoint.base_url,
+            max_retries=0,
+            http_client=_plain_client() if endpoint.base_url.startswith("http://") else None,
+        ) as openai:
             if endpoint.label.partition(":")[0] != "openai":
                 # Set for OpenAI in the environment; no other server needs to know them.
                 openai.organization = openai.project = None
             yield _LenientChatModel(endpoint.model, provider=OpenAIProvider(openai_client=openai))
+
+
+def _plain_client() -> DefaultAsyncHttpxClient:
+    """For a server at home: reading the authorities of all the world takes longer than asking it; none is trusted."""
+    return DefaultAsyncHttpxClient(verify=ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT))
 
 
 async def put(model: Model, system: str, user: str, schema: Mapping[str, Any], mode: Mode) -> tuple[str, int]:

@@ -30,7 +30,8 @@ def run_notes(
     unread = int(world.statistics["run"]["frames_unread_for_lack_of_time"])
     if unread:
         notes.append(f"{_frames(unread)} not read for lack of time; --sequential reads all that are due")
-    return notes + event_notes(world.events) + naming_notes(world, model)
+    later = [f"{note}; 'lpslam distill' asks for names again" for note in naming_notes(world, model)]
+    return notes + event_notes(world.events) + later
 
 
 _WORTH_SAYING = {EventKind.LOST, EventKind.RELOCALISED, EventKind.NEW_SUBMAP, EventKind.MERGE}
