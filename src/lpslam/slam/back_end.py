@@ -1,6 +1,7 @@
 """What happens to a keyframe after tracking: at once, or in threads beside it."""
 
 import queue
+import sys
 import threading
 import time
 from collections.abc import Callable
@@ -61,6 +62,8 @@ class Beside:
                 ("loop closing", (self._to_close, close_loops)),
             )
         ]
+        self._switch_interval = sys.getswitchinterval()
+        sys.setswitchinterval(_SWITCH_INTERVAL)
         for thread in self._threads:
             thread.start()
 
@@ -74,6 +77,7 @@ class Beside:
 
     def finish(self) -> None:
         """Finish what is queued, or abandon it when that takes too long."""
+        sys.setswitchinterval(self._switch_interval)
         self._to_map.put(None)
         self._wait()
         if any(thread.is_alive() for thread in self._threads):
@@ -103,6 +107,10 @@ class Beside:
         if keyframes is self._to_map:
             self._to_close.put(None)
 
+
+_SWITCH_INTERVAL = 0.0005
+"""Seconds that a thread may keep the interpreter while tracking waits for it; the usual 5 ms would be paid at every
+kernel that tracking comes back from, and double its 95th percentile."""
 
 _PATIENCE = 1.0
 """Seconds that queued work is given at the end, and again to abandon what is under way."""

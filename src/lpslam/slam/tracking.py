@@ -132,7 +132,7 @@ class Tracker:
     def _follow(self, frame: RgbdFrame, gray: NDArray[np.uint8]) -> _Followed | None:
         """Follow the last frame's keypoints, and optimise the pose on the points that they see."""
         last, config = self._last, self._config
-        if last is None or last.gray.shape != gray.shape or config.followed_points == 0:
+        if last is None or last.gray.shape != gray.shape or config.followed_points == 0 or self._is_due(frame):
             return None
         with self._map.lock:
             version = self._map.version
@@ -168,8 +168,15 @@ class Tracker:
         return (
             left < max(config.min_followed, config.min_followed_share * self._followed_first)
             or followed.estimate.matches < config.min_followed
-            or frame.timestamp - self._anchored_at >= config.anchor_interval
             or self.state is not TrackingState.TRACKING
+        )
+
+    def _is_due(self, frame: RgbdFrame) -> bool:
+        """Whether a frame that is easy to predict will be matched with the map whatever flow would say."""
+        return (
+            self.state is TrackingState.TRACKING
+            and self._velocity is not None
+            and frame.timestamp - self._anchored_at >= self._config.anchor_interval
         )
 
     def _seen(self, last: _Last) -> tuple[NDArray[np.int64], _Rows, _Matrix]:
@@ -309,7 +316,7 @@ class Tracker:
     ) -> TrackedFrame:
         """Begin a map or sub-map: every keypoint with depth is a point."""
         self.state, self._unknown_since, self._reference = TrackingState.TRACKING, None, -1
-        self._remember_sharpness(frame)
+        self._usual_sharpness = _sharpness(frame)
         nothing_seen = Estimate(camera_from_world, np.full(features.rows, -1, np.int32), 0)
         estimate = self._add_keyframe(frame, features, nothing_seen)
         self._anchored_at = frame.timestamp
@@ -323,9 +330,9 @@ class Tracker:
         parts = [f"{0 if estimate is None else estimate.matches} map points matched", f"{features.rows} keypoints"]
         if features.rows:
             parts.append(f"{depths / features.rows:.0%} of them with depth")
-        sharpness = _sharpness(frame)
-        if self._usual_sharpness > 0 and sharpness < self._config.blur_ratio * self._usual_sharpness:
-            parts.append(f"blurred (sharpness {sharpness / self._usual_sharpness:.0%} of the usual)")
+        sharpness = self._sharpness_share(frame)
+        if sharpness < self._config.blur_ratio:
+            parts.append(f"blurred (sharpness {sharpness:.0%} of the usual)")
         reason = ", ".join(parts)
         if self.state is not TrackingState.LOST:
             self._tell(EventKind.LOST, frame, reason)
@@ -350,13 +357,20 @@ class Tracker:
         estimate: Estimate,
         may_become_keyframe: bool = False,
     ) -> TrackedFrame:
-        weak = estimate.matches < self._config.weak_inliers
-        reason = f"{estimate.matches} map points matched" if weak else ""
+        # Where a saved map goes on, its first frame is the only measure.
+        self._usual_sharpness = self._usual_sharpness or _sharpness(frame)
+        sharpness = self._sharpness_share(frame)
+        self._usual_sharpness *= 1.0 + (sharpness - 1.0) * _SHARPNESS_RATE
+        weak = True
+        if estimate.matches < self._config.weak_inliers:
+            reason = f"{estimate.matches} map points matched"
+        elif sharpness < self._config.blur_ratio:
+            reason = f"blurred (sharpness {sharpness:.0%} of the usual)"
+        else:
+            weak, reason = False, ""
         if weak != (self.state is TrackingState.WEAK):
             self._tell(EventKind.WEAK if weak else EventKind.TRACKING, frame, reason)
         self.state, self._unknown_since = TrackingState.WEAK if weak else TrackingState.TRACKING, None
-        if may_become_keyframe and not weak:
-            self._remember_sharpness(frame)
         is_keyframe = (
             may_become_keyframe
             and self._grows
@@ -408,9 +422,9 @@ class Tracker:
         self._reference, estimate = self._keyframes.add(frame, features, estimate, self._reference)
         return estimate
 
-    def _remember_sharpness(self, frame: RgbdFrame) -> None:
-        sharpness = _sharpness(frame)
-        self._usual_sharpness += (sharpness - self._usual_sharpness) * (0.1 if self._usual_sharpness else 1.0)
+    def _sharpness_share(self, frame: RgbdFrame) -> float:
+        """Sharpness of a frame as a share of the usual one of the frames tracked so far."""
+        return _sharpness(frame) / self._usual_sharpness if self._usual_sharpness else 1.0
 
 
 _FIRST_WORLD_FROM_CAMERA = np.array([[0.0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
@@ -418,6 +432,9 @@ _FIRST_WORLD_FROM_CAMERA = np.array([[0.0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0
 
 _LEVELS_FOR_UNKNOWN_MOTION = 2
 """Pyramid levels more for flow from a frame whose motion is not known: four times the reach."""
+
+_SHARPNESS_RATE = 0.03
+"""Share of its difference by which a frame changes the usual sharpness: a second's worth, longer than a jerk."""
 
 _MOST_STEPS_AHEAD = 5
 """Frames that may be missing for constant velocity to be believed."""
