@@ -22,7 +22,7 @@ from rapidfuzz.distance import Levenshtein
 
 from lpslam.config import LanguageConfig
 from lpslam.language.answer_cache import AnswerCache, user_cache_folder
-from lpslam.language.distrust import choose_trusted, commands
+from lpslam.language.distrust import choose_trusted, commands, is_sentence
 from lpslam.language.endpoint import Endpoint
 from lpslam.language.exchange import Exchange, NoAnswerError, Question
 from lpslam.language.model import Candidate, Choice, Judgement, LanguageModel, Naming, Reading
@@ -38,6 +38,7 @@ _LABEL = re.compile(r"\bL\d{4}\b")
 _TEXT = {"type": "string"}
 _SURE = {"confidence": {"type": "number"}, "evidence": _TEXT}
 _EVIDENCE_LENGTH = 300
+_FEW_WORDS, _FEW_UNSPACED = 3, 8  # letters of a script without spaces; a sign of a known place seldom says more
 
 
 class ChatModel:
@@ -148,11 +149,13 @@ class ChatModel:
     def _look_again(self, asked: str, first: Choice, own: Choice, by_id: Mapping[int, Candidate]) -> Choice:
         """Take what two models chose; else ask about each of the two alone, where no other sign is read.
 
-        What swayed the choice among many (a sign that the rules of `distrust.py` missed) cannot sway this.
+        What swayed the choice among many (a sign that the rules of `distrust.py` missed) cannot sway this; and a sign
+        that speaks for itself comes second to a place that is known for what it is.
         """
         proposed = [by_id[id_] for id_ in (first.landmark, own.landmark) if id_ is not None]
         if first.landmark == own.landmark or (len(proposed) == 2 and _is_same(*proposed)):
             return first
+        proposed.sort(key=lambda landmark: not _is_plainly_a_place(landmark.name))
         refused = first.evidence
         for landmark in proposed:
             serves = self._serves(asked, landmark)
@@ -224,7 +227,12 @@ class _Labels:
 
 def _may_be_shown(name: str) -> bool:
     """Whether a sign may stand among others in a prompt: it names a place, and neither commands nor warns."""
-    return bool(clean_text(name)) and commands(name) is None and not _warns(name)
+    return bool(clean_text(name)) and commands(name) is None and not is_sentence(name) and not _warns(name)
+
+
+def _is_plainly_a_place(name: str) -> bool:
+    """Whether a sign is known for a place and says little else."""
+    return load_sign_reader().read(name).is_place and not is_sentence(name, _FEW_WORDS, _FEW_UNSPACED)
 
 
 def _warns(name: str) -> bool:

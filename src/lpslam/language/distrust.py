@@ -18,6 +18,8 @@ from lpslam.language.sanitise import clean_text
 from lpslam.language.words import is_unspaced
 
 _MOST_LETTERS = 160  # a longer text is no name of a place, whatever it says
+_MOST_WORDS = 7
+_MOST_UNSPACED = 14  # letters of a script without spaces between words
 
 _NO_GROUP: frozenset[str] = frozenset()
 _LOOK_ALIKE = str.maketrans(
@@ -31,7 +33,7 @@ _MARKUP = re.compile(
     re.IGNORECASE,
 )
 _ROLE = re.compile(
-    r"(?:^|[\W_])(?:system|assistant|user|developer|human|tool|admin|ai|系统|系統|システム|시스템|助手|用户)\s*[:：]",
+    r"(?:^|[\W_])(?:system|assistant|user|developer|human|tool|admin|ai|prompt|instructions?|系统|系統|システム|시스템|助手|用户)\s*[:：]",
     re.IGNORECASE,
 )
 _NUMBERED = re.compile(
@@ -70,6 +72,20 @@ def commands(text: str) -> str | None:
     return None
 
 
+def is_sentence(text: str, most_words: int = _MOST_WORDS, most_unspaced: int = _MOST_UNSPACED) -> bool:
+    """Whether a text is too long for the name of a place, and not one that is known: what it tells is not for a list.
+
+    It may be a place all the same (a shop that paints its wares), so it is one for a model that is not swayed by words.
+    """
+    clean = clean_text(text)
+    knowledge = load_knowledge()
+    if knowledge.folder.key(clean) in knowledge.known:
+        return False
+    words = [word for word in _WORD.findall(clean) if not is_unspaced(word)]
+    unspaced = sum(ch.isalnum() and is_unspaced(ch) for ch in clean)
+    return len(words) > most_words or unspaced > most_unspaced
+
+
 def choose_trusted(model: LanguageModel, question: str, landmarks: Sequence[Candidate]) -> Choice:
     """Let any model choose; again without them where it names signs that speak to a machine: they are no places."""
     names = {landmark.id: landmark.name for landmark in landmarks}
@@ -86,7 +102,7 @@ def _is_command(found: set[str]) -> bool:
     if "order" in found or "act" in found:
         return True
     if "disregard" in found:
-        return bool(found & {"talk", "value", "machine"})
+        return bool(found & {"talk", "value", "machine", "address"})
     if "machine" in found:
         return bool(found & {"talk", "address"})
     return False
