@@ -4,24 +4,27 @@ It knows kinds of place, brands, makers, warnings and everyday wants in seven la
 and it rather chooses nothing than guesses.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from lpslam.language.knowledge import load_knowledge
+from lpslam.language.knowledge import Known, load_knowledge, load_words
 from lpslam.language.model import Candidate, Choice, Judgement, Naming, Reading
 from lpslam.language.naming import Vote, cased_like, painted_like, vote
-from lpslam.language.nearest import allowed_edits
 from lpslam.language.question import Wish, instead_of, read_question, spoken_key
 from lpslam.language.sanitise import clean_text
 from lpslam.language.signs import SignMeaning, load_sign_reader
+from lpslam.language.spelling import explanation_cost, weigh
+from lpslam.language.words import is_unspaced
 
 _YES = 0.5  # a sign is a kind when its words say so at least this surely
 _CHOICE_FLOOR = 0.45  # a landmark that serves the wish less than this is not offered
 _SPECIAL = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
 _NAME_GUESS = 0.55  # how sure we are that an unknown proper name in a mall is a shop
 _SIDE_REFUSED = 0.5  # a place that also serves what is refused
-_SETTLED = 0.6  # a spelling with more than this share of the readings is not corrected
-_SHARED = 0.3  # nor one with this share, of more than one reading, to a name that no reading spells
+# What a known name is ahead of an unknown one when readings are explained, a letter; less where none reads like it.
+_ADVANCE_LETTER, _ADVANCE_IDEOGRAPH, _ADVANCE_WORD, _ADVANCE_UNREAD = 1.2, 3.0, 1.0, 0.5
+_READINGS_WEIGHED = 24  # spellings, the commonest; what many readings explain, all do
+_READINGS_LOOKED_UP = 8  # spellings whose known neighbours are tried
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,41 +49,61 @@ class OfflineModel:
         return "offline"
 
     def name(self, readings: Sequence[Reading]) -> Naming:
-        """Vote letter by letter, then take a known name's spelling where the readings allow it (III-E)."""
+        """Take the spelling that explains the readings best, known names being likelier than others (III-E)."""
         voted = vote(readings)
         if not voted.text:
             return Naming("", 0.0, "no reading has a character in it", self.model)
-        by_vote = Naming(voted.text, voted.agreement, "letter by letter, most readings say so", self.model)
         fold = self._knowledge.folder
-        key = fold.key(voted.text)
-        nearest = self._signs.nearest(key)
-        if len(nearest) != 1:
-            return by_vote
-        distance, known = nearest[0]
-        known_key = fold.key(known.painted)
-        if key == known_key:
+        weights = weigh((fold.key(each.text), each.count, each.confidence) for each in readings)
+        letters_in_words = dict.fromkeys(weights, 0)
+        for each in readings:
+            if (own := fold.key(each.text)) in weights:
+                letters = sum(len(word) for word in fold.fold(each.text).split() if word in load_words())
+                letters_in_words[own] = max(letters_in_words[own], letters)
+        key, known = self._best_explanation(weights, letters_in_words, fold.key(voted.text))
+        if known is None:
+            name = self._painted(key, voted, readings)
+            return Naming(name, voted.agreement, "letter by letter, most readings say so", self.model)
+        if key == fold.key(voted.text):
             # Only spaces and punctuation may differ: a warning's words are set apart, a brand stays as it is painted.
             name = voted.text if known.source == "brand" else painted_like(known.painted, voted.text)
             return Naming(name, max(voted.agreement, 0.9), f"the readings agree on {known.painted}", self.model)
-        if distance > 0 and not self._may_correct(voted, key, known_key, distance):
-            return by_vote
-        name = cased_like(known.painted, voted.text)
+        name = self._painted(key, voted, readings) if key in weights else cased_like(known.painted, voted.text)
         return Naming(name, 0.7 * voted.agreement + 0.2, f"the readings are nearest to {known.painted}", self.model)
 
-    def _may_correct(self, voted: Vote, key: str, known_key: str, distance: int) -> bool:
-        """Whether the readings leave room for a known name that the vote did not give.
+    def _best_explanation(
+        self, weights: Mapping[str, float], letters_in_words: Mapping[str, int], voted: str
+    ) -> tuple[str, Known | None]:
+        """The key that explains the weighted readings at least cost, and the known name that it is."""
+        looks = self._knowledge.folder.skeleton
+        heaviest = sorted(weights.items(), key=lambda item: (-item[1], item[0]))[:_READINGS_WEIGHED]
+        candidates: dict[str, Known | None] = dict.fromkeys([voted, *(key for key, _ in heaviest)])
+        for key in list(candidates)[:_READINGS_LOOKED_UP]:
+            for _, known in self._signs.nearest(key) if key else []:
+                candidates[self._knowledge.folder.key(known.painted)] = known
+        seen = {looks(key) for key in weights}
 
-        A spelling that most readings share may be the name of another place; one that few share was misread.
-        """
+        def cost(key: str) -> float:
+            known = candidates[key]
+            advance = 0.0
+            if known is not None:
+                letter = _ADVANCE_IDEOGRAPH if is_unspaced(key[0]) else _ADVANCE_LETTER
+                advance = letter * len(key) * (1.0 if looks(key) in seen else _ADVANCE_UNREAD)
+            elif key in weights:
+                advance = _ADVANCE_WORD * letters_in_words[key]
+            return explanation_cost(key, heaviest, looks) - advance
+
+        # On a tie the vote stays.
+        best = min(candidates, key=lambda key: (cost(key), key != voted, key))
+        return best, candidates[best]
+
+    def _painted(self, key: str, voted: Vote, readings: Sequence[Reading]) -> str:
+        """The form with this key that was read most, or that the vote gave."""
         fold = self._knowledge.folder
-        weights = [(fold.key(text), weight) for text, weight in voted.readings]
-        total = sum(weight for _, weight in weights)
-        as_voted = sum(weight for text, weight in weights if text == key)
-        looks = fold.skeleton(known_key)
-        as_known = sum(weight for text, weight in weights if fold.skeleton(text) == looks)
-        if as_voted > _SETTLED * total or (as_known == 0.0 and as_voted > max(1.0, _SHARED * total)):
-            return False
-        return as_known > 0.0 or distance <= max(1, allowed_edits(known_key) // 2)
+        if fold.key(voted.text) == key:
+            return voted.text
+        same = [each for each in readings if fold.key(each.text) == key]
+        return clean_text(max(same, key=lambda each: (each.count * each.confidence, each.text)).text)
 
     def judge(self, names: Sequence[str], question: str) -> list[Judgement]:
         """Say for each name apart whether its words make it what the question asks for (III-G)."""
