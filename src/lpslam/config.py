@@ -143,6 +143,13 @@ class InstanceConfig(_Section):
     # Distance of their surfaces, metres, and angle between their normals, degrees, that lines of one board may have.
     line_offset: float = Field(default=0.08, ge=0)
     line_angle: float = Field(default=30.0, ge=0)
+    # Largest difference of their grounds' colours, as a share of the brighter: two books lie on one table.
+    line_ground_difference: float = Field(default=0.5, ge=0)
+    # Box height, pixels, at which a text must have been seen once to be a landmark: smaller Chinese reads as digits.
+    min_landmark_height: float = Field(default=14.0, ge=0)
+    # Texts that move faster than this, metres a second, over at least so many metres, are carried by someone.
+    carried_speed: float = Field(default=0.2, gt=0)
+    carried_distance: float = Field(default=0.4, gt=0)
 
 
 class ReadingConfig(_Section):
@@ -150,6 +157,10 @@ class ReadingConfig(_Section):
 
     # Seconds between frames that are read; a text needs three sightings while the camera passes.
     interval: float = Field(default=0.165, ge=0)
+    # The same while texts are in view that were read fewer times than follows: they may be gone soon.
+    new_text_interval: float = Field(default=0.095, ge=0)
+    # Readings of a text at its place after which it is only read again when it is seen better than before.
+    settled_sightings: int = Field(default=8, ge=1)
     # A frame is blurred when its variance of the Laplacian is below this share of the running median ...
     blur_share: float = Field(default=0.35, ge=0)
     # ... of so many frames; reading then waits for a sharper one, no longer than so many intervals.

@@ -111,7 +111,7 @@ def test_a_longer_text_read_once_in_a_while_does_not_replace_a_sure_one() -> Non
 
 def observations(text: str, x: float, count: int, first: int = 0) -> list[TextObservation]:
     placement = Placement((x, 0.0, 3.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0), 0.8, 0.2, 0.01)
-    return [TextObservation(first + number, 0.1 * number, 0, text, 0.9, placement) for number in range(count)]
+    return [TextObservation(first + number, 0.1 * number, 0, text, 0.9, placement, 24.0) for number in range(count)]
 
 
 def text_class(seen: list[TextObservation], name: str) -> TextClass:

@@ -87,7 +87,7 @@ def test_what_one_frame_shows_twice_stands_twice() -> None:
 
 def test_observations_move_with_their_keyframes() -> None:
     placement = Placement((0.0, 0.0, 2.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0), 0.5, 0.1, 0.01)
-    observations = [TextObservation(frame, 0.0, frame % 2, "EXIT", 0.9, placement) for frame in range(4)]
+    observations = [TextObservation(frame, 0.0, frame % 2, "EXIT", 0.9, placement, 24.0) for frame in range(4)]
     poses = {0: np.eye(4), 1: np.eye(4)}
     poses[1][:3, :3] = [[0, 0, 1], [0, 1, 0], [-1, 0, 0]]
     poses[1][:3, 3] = [5, 0, 0]

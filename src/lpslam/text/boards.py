@@ -8,6 +8,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from lpslam.config import InstanceConfig
+from lpslam.text.legibility import is_same_ground
 from lpslam.text.places import Place
 
 Array = NDArray[np.float64]
@@ -44,6 +45,8 @@ def _on_one_board(first: Place, second: Place, config: InstanceConfig) -> bool:
     ratio = max(first.height, second.height) / max(min(first.height, second.height), 1e-6)
     if out > config.line_offset or angle > config.line_angle or ratio > config.line_height_ratio:
         return False
+    if not _on_one_ground(first, second, config):
+        return False
     mean_height = (first.height + second.height) / 2.0
     shared_width = ((first.width + second.width) / 2.0 - right) / min(first.width, second.width)
     shared_height = (mean_height - down) / min(first.height, second.height)
@@ -54,6 +57,16 @@ def _on_one_board(first: Place, second: Place, config: InstanceConfig) -> bool:
         and right - (first.width + second.width) / 2.0 <= config.line_gap * mean_height
     )
     return stacked or side_by_side
+
+
+def _on_one_ground(first: Place, second: Place, config: InstanceConfig) -> bool:
+    """Whether most frames that saw both saw them on a ground of one colour; true where none saw both."""
+    common = sorted(first.grounds_by_frame.keys() & second.grounds_by_frame.keys())
+    same = [
+        is_same_ground(first.grounds_by_frame[frame], second.grounds_by_frame[frame], config.line_ground_difference)
+        for frame in common
+    ]
+    return 2 * sum(same) >= len(same)
 
 
 def _offset(first: Place, second: Place) -> Array:

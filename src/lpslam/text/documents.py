@@ -64,7 +64,8 @@ def _observation(document: Document) -> TextObservation:
         key: tuple(value) if isinstance(value, list | tuple) else value
         for key, value in fields.pop("placement").items()
     }
-    return TextObservation(placement=Placement(**placement), **fields)
+    ground = fields.pop("ground")
+    return TextObservation(placement=Placement(**placement), ground=tuple(ground) if ground else None, **fields)
 
 
 def _samples(history: list[list[float]]) -> list[tuple[float, float]]:

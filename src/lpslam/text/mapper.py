@@ -15,6 +15,7 @@ from lpslam.frames import RgbdFrame
 from lpslam.language.model import LanguageModel
 from lpslam.slam.state import TrackedFrame
 from lpslam.text.instances import KeyframePoses
+from lpslam.text.legibility import frontal_cosine, ground_colour, legibility
 from lpslam.text.memory import Pool, TextClass
 from lpslam.text.naming import BesideNaming, name_class, needs_name, rename_class
 from lpslam.text.placement import PlacementFault, place_text
@@ -63,7 +64,8 @@ class TextMapper:
             for each in text_class.observations:
                 pose = world_from_keyframe(each.keyframe)
                 if pose is not None:
-                    self._spots.add(text_class.id, each.placement, pose)
+                    seen = legibility(each.letter_height, frontal_cosine(each.placement, np.eye(4)))
+                    self._spots.add(text_class.id, each.placement, pose, seen)
 
     def observe(self, frame: RgbdFrame, tracked: TrackedFrame) -> FrameReading | None:
         """Take one frame: let memory fade, and read the frame if its turn has come.
@@ -101,31 +103,49 @@ class TextMapper:
             return None
         self.text_map.memory.forget(frame.timestamp)
         self.take_names()
-        reading = self._read(frame, tracked.keyframe_from_camera)
-        if reading is None:
-            return None
-        started = perf_counter()
         # In a sub-map that is not joined to the map yet, where a text stands is no evidence.
         world_from_keyframe = None
         if tracked.world_from_camera is not None:
             world_from_keyframe = tracked.world_from_camera @ inverse_transform(tracked.keyframe_from_camera)
+        reading = self._read(frame, tracked.keyframe_from_camera, world_from_keyframe)
+        if reading is None:
+            return None
+        started = perf_counter()
         observations = []
+        is_new = False
         for text, placement in zip(reading.texts, reading.placements, strict=True):
-            text_class = self._remember(text, placement, frame.timestamp, world_from_keyframe)
+            seen = 1.0
+            if placement is not None:
+                seen = legibility(text.letter_height, frontal_cosine(placement, tracked.keyframe_from_camera))
+            text_class = self._remember(text, placement, seen, frame.timestamp, world_from_keyframe)
+            is_new |= text_class.count < self._config.reading.settled_sightings
             if placement is not None:
                 observation = TextObservation(
-                    frame.index, frame.timestamp, tracked.keyframe, text.text, text.confidence, placement
+                    frame.index,
+                    frame.timestamp,
+                    tracked.keyframe,
+                    text.text,
+                    text.confidence,
+                    placement,
+                    text.letter_height,
+                    ground_colour(frame.rgb, text.box),
                 )
                 text_class.observations.append(observation)
                 observations.append(observation)
             if text_class.pool is Pool.LONG_TERM and needs_name(text_class):
                 self._name(text_class)
+        self._gate.has_new_text = is_new
         self.statistics.observations += len(observations)
         self.statistics.mapping_ms += 1000.0 * (perf_counter() - started)
         return replace(reading, observations=tuple(observations))
 
-    def _read(self, frame: RgbdFrame, keyframe_from_camera: Array) -> FrameReading | None:
-        """Detect (III-B), drop what is cut off or too small, place (III-F), recognise; None when the reader failed."""
+    def _read(
+        self, frame: RgbdFrame, keyframe_from_camera: Array, world_from_keyframe: Array | None
+    ) -> FrameReading | None:
+        """Detect (III-B), drop what is cut off or too small, place (III-F), recognise; None when the reader failed.
+
+        What stands where a text was read often enough, and no less legibly, is confirmed without being read again.
+        """
         self.statistics.frames_read += 1
         config = self._config.spotting
         # A reader may raise anything, on one image in a thousand; the map is worth more than that image.
@@ -143,6 +163,12 @@ class TextMapper:
                 for row in np.flatnonzero(fates == BoxFate.KEPT).tolist()
             }
             fates[[row for row, each in placements.items() if each is PlacementFault.HIDDEN]] = BoxFate.HIDDEN
+            heights = letter_heights(boxes)
+            for row, placement in placements.items():
+                if not isinstance(placement, PlacementFault) and world_from_keyframe is not None:
+                    seen = legibility(heights[row], frontal_cosine(placement, keyframe_from_camera))
+                    if self._is_known(placement, seen, frame.timestamp, world_from_keyframe):
+                        fates[row] = BoxFate.KNOWN
             self.statistics.mapping_ms += 1000.0 * (perf_counter() - started)
 
             started = perf_counter()
@@ -164,16 +190,29 @@ class TextMapper:
             placements=tuple(None if isinstance(each, PlacementFault) else each for _, each in texts),
         )
 
+    def _is_known(self, placement: Placement, seen: float, timestamp: float, world_from_keyframe: Array) -> bool:
+        """Whether what stands here is known so well that reading it again would tell nothing; it is confirmed then."""
+        settled = self._spots.settled_at(placement, world_from_keyframe, seen, self._config.reading.settled_sightings)
+        if settled is None:
+            return False
+        self.text_map.memory.confirm(settled, timestamp)
+        return True
+
     def _remember(
-        self, text: SpottedText, placement: Placement | None, timestamp: float, world_from_keyframe: Array | None
+        self,
+        text: SpottedText,
+        placement: Placement | None,
+        seen: float,
+        timestamp: float,
+        world_from_keyframe: Array | None,
     ) -> TextClass:
         """Classify a text by what it says and where it stands, and strengthen its class (III-C, III-D)."""
         memory = self.text_map.memory
         if placement is None or world_from_keyframe is None:
-            return memory.sight(text.text, text.confidence, timestamp)
+            return memory.sight(text.text, text.confidence, timestamp, legibility=seen)
         here = self._spots.classes_at(placement, world_from_keyframe)
-        text_class = memory.sight(text.text, text.confidence, timestamp, here)
-        self._spots.add(text_class.id, placement, world_from_keyframe)
+        text_class = memory.sight(text.text, text.confidence, timestamp, here, seen)
+        self._spots.add(text_class.id, placement, world_from_keyframe, seen)
         return text_class
 
     def _name(self, text_class: TextClass) -> None:
@@ -202,23 +241,30 @@ class TextMapper:
         self.statistics.boxes_at_border += int((fates == BoxFate.BORDER).sum())
         self.statistics.boxes_too_small += int((fates == BoxFate.SMALL).sum())
         self.statistics.boxes_hidden += int((fates == BoxFate.HIDDEN).sum())
+        self.statistics.boxes_known += int((fates == BoxFate.KNOWN).sum())
         self.statistics.texts_rejected += int((fates == BoxFate.UNREAD).sum())
         self.statistics.texts_read += len(texts)
         self.statistics.observations_without_depth += sum(isinstance(each, PlacementFault) for _, each in texts)
 
 
 class ReadingGate:
-    """Decides which frames are read: at a set interval, and rather a little later than blurred."""
+    """Decides which frames are read: at a set interval, sooner for new text, and rather a little later than blurred.
+
+    Attributes:
+        has_new_text: whether the last frame showed texts that are not read often enough yet.
+    """
 
     def __init__(self, config: ReadingConfig) -> None:
         self._config = config
+        self.has_new_text = False
         self._last_read: float | None = None
         self._sharpness: deque[float] = deque(maxlen=config.blur_window)
 
     def is_due(self, timestamp: float) -> bool:
         """Whether the interval since the last reading has passed."""
+        interval = self._config.new_text_interval if self.has_new_text else self._config.interval
         # Half a millisecond of grace: timestamps are rounded.
-        return self._last_read is None or timestamp - self._last_read >= self._config.interval - 5e-4
+        return self._last_read is None or timestamp - self._last_read >= interval - 5e-4
 
     def is_sharp(self, frame: RgbdFrame) -> bool:
         """Whether a frame is not blurred against those before it, or no sharper one has come for too long."""

@@ -134,7 +134,9 @@ class LongShortTermMemory:
             self.forgotten_count += 1
             self.forgotten.append(ForgottenClass(text_class.id, text_class.name, tuple(text_class.history)))
 
-    def sight(self, text: str, confidence: float, timestamp: float, here: Collection[int] = ()) -> TextClass:
+    def sight(
+        self, text: str, confidence: float, timestamp: float, here: Collection[int] = (), legibility: float = 1.0
+    ) -> TextClass:
         """Classify a reading by similarity (III-C) and strengthen its class; a text like no other founds one.
 
         Call `forget` with the same time first.
@@ -143,12 +145,22 @@ class LongShortTermMemory:
             text, confidence: as read.
             timestamp: seconds.
             here: ids of classes read before at the spot of this text; less similarity is asked of them.
+            legibility: 0 to 1; what the spelling weighs when the class is named.
         """
         text_class = self._classify(text, here) or self._found(timestamp)
         variant = text_class.variants.setdefault(text, Variant())
         variant.count += 1
-        variant.confidence += confidence
+        variant.confidence += confidence * legibility
+        self._strengthen(text_class, confidence, timestamp)
+        return text_class
 
+    def confirm(self, identifier: int, timestamp: float) -> None:
+        """Strengthen a class that was seen where it is known to be, without having been read again."""
+        text_class = self.long_term.get(identifier) or self.short_term.get(identifier)
+        if text_class is not None:
+            self._strengthen(text_class, 1.0, timestamp)
+
+    def _strengthen(self, text_class: TextClass, confidence: float, timestamp: float) -> None:
         # Sightings in quick succession are one look: their misreadings repeat, so they are not independent evidence.
         interval = timestamp - text_class.last_seen if text_class.history else self.config.full_sighting_interval
         weight = min(1.0, max(0.0, interval) / self.config.full_sighting_interval)
@@ -159,7 +171,6 @@ class LongShortTermMemory:
 
         if text_class.pool is Pool.SHORT_TERM and text_class.score >= self.config.promotion:
             self._promote(text_class, timestamp)
-        return text_class
 
     def _classify(self, text: str, here: Collection[int]) -> TextClass | None:
         known = {each.id: [reading.text for reading in each.readings[:_LEADING_SPELLINGS]] for each in self.classes}

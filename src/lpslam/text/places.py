@@ -19,8 +19,9 @@ from lpslam.text.similarity import comparison_key, is_fragment, similarity
 
 Array = NDArray[np.float64]
 
-# From this similarity on, what a place is mostly read as is taken for a slip in the name of its class.
-_SAME_NAME = 0.8
+# A place is named by what is mostly read there when all its readings are so much more similar to that, on average,
+# than to the name of its class.
+_OTHER_NAME = 0.15
 
 # A whole text is believed over its fragment with this share of the fragment's evidence: from near, pieces are read.
 _WHOLE_OVER_FRAGMENT = 0.25
@@ -39,6 +40,7 @@ class Place:
         spread: metres, root mean square distance of kept observations.
         width, height: metres.
         positions_by_frame: for each frame that saw it, the (3,) world position seen then.
+        grounds_by_frame: for each frame, the (red, green, blue) of the surface around it, where it is known.
         observations: number of sightings.
         evidence: sum of their confidences.
         confidence: 0 to 1, mean over the sightings of confidence times similarity to the name.
@@ -54,6 +56,7 @@ class Place:
     width: float
     height: float
     positions_by_frame: dict[int, Array]
+    grounds_by_frame: dict[int, tuple[int, int, int]]
     observations: int
     evidence: float
     confidence: float
@@ -80,7 +83,9 @@ def places_of_class(text_class: TextClass, world_from_keyframe: KeyframePoses, c
 
     places = []
     for number, rows in groups:
-        if len(rows) < enough:
+        if len(rows) < enough or max(observations[row].letter_height for row in rows) < config.min_landmark_height:
+            continue
+        if _is_carried(positions[rows], np.array([observations[row].timestamp for row in rows]), config):
             continue
         position, kept = trimmed_position(positions[rows], config.rounds, config.drop_share)
         seen = [observations[row] for row in rows]
@@ -101,6 +106,7 @@ def places_of_class(text_class: TextClass, world_from_keyframe: KeyframePoses, c
                 width=float(np.median([observations[row].placement.width for row in trusted])),
                 height=float(np.median([observations[row].placement.height for row in trusted])),
                 positions_by_frame={observations[row].frame: positions[row] for row in rows},
+                grounds_by_frame={each.frame: each.ground for each in seen if each.ground is not None},
                 observations=len(rows),
                 evidence=sum(each.confidence for each in seen),
                 confidence=float(
@@ -109,6 +115,24 @@ def places_of_class(text_class: TextClass, world_from_keyframe: KeyframePoses, c
             )
         )
     return places
+
+
+def _is_carried(positions: Array, timestamps: Array, config: InstanceConfig) -> bool:
+    """Whether positions (n, 3) move steadily on with time (n,) seconds: a text on someone who walks by.
+
+    Drift moves a text too, but slowly; noise moves it fast, but not far and not steadily.
+    """
+    elapsed = timestamps - timestamps.mean()
+    variance = float(elapsed @ elapsed)
+    if len(positions) < 3 or variance == 0.0:
+        return False
+    velocity = elapsed @ (positions - positions.mean(axis=0)) / variance
+    speed = float(np.linalg.norm(velocity))
+    distance = speed * float(np.ptp(timestamps))
+    strayed = float(
+        np.sqrt(np.mean(np.sum((positions - positions.mean(axis=0) - elapsed[:, None] * velocity) ** 2, 1)))
+    )
+    return speed > config.carried_speed and distance > config.carried_distance and strayed < 0.25 * distance
 
 
 def _on_the_side_seen_most(rows: NDArray[np.intp], normals: Array) -> NDArray[np.intp]:
@@ -126,8 +150,12 @@ def _mean_direction(directions: Array) -> Array:
 def _name_here(text_class: TextClass, counts: Counter[str]) -> str:
     """The class's name, unless another text stands here: WASHROOM and BATHROOM may share a class, never a door."""
     commonest = counts.most_common(1)[0][0]
-    same = similarity(comparison_key(commonest), comparison_key(text_class.name)) >= _SAME_NAME
-    return text_class.name if same or text_class.name in counts or counts.total() < 3 else commonest
+    by_class, by_count = (
+        sum(count * similarity(comparison_key(text), comparison_key(name)) for text, count in counts.items())
+        for name in (text_class.name, commonest)
+    )
+    is_its_own = by_count - by_class > _OTHER_NAME * counts.total()
+    return commonest if is_its_own and text_class.name not in counts and counts.total() >= 3 else text_class.name
 
 
 def without_overlaps(places: Sequence[Place], config: InstanceConfig) -> list[Place]:

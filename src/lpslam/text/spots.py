@@ -27,25 +27,46 @@ class Spots:
         self._classes = np.zeros(0, np.int64)
         self._positions = np.zeros((0, 3))
         self._sizes = np.zeros((0, 2))
+        self._legibility = np.zeros(0)
 
     def classes_at(self, placement: Placement, world_from_keyframe: Array) -> set[int]:
         """The classes read before where this text stands."""
+        return set(self._classes[self._here(placement, world_from_keyframe)].tolist())
+
+    def settled_at(
+        self, placement: Placement, world_from_keyframe: Array, legibility: float, sightings: int
+    ) -> int | None:
+        """The one class read here again and again, and at least as legibly as now; None where there is none.
+
+        Args:
+            placement, world_from_keyframe: of the text.
+            legibility: of the text as it is seen now.
+            sightings: how often it must have been read.
+        """
+        here = self._here(placement, world_from_keyframe)
+        classes, counts = np.unique(self._classes[here], return_counts=True)
+        if len(classes) != 1 or counts[0] < sightings or self._legibility[here].max() < legibility:
+            return None
+        return int(classes[0])
+
+    def _here(self, placement: Placement, world_from_keyframe: Array) -> NDArray[np.bool_]:
         position, baseline = _in_world(placement, world_from_keyframe)
         offsets = self._positions - position
         along = offsets @ baseline
         across = np.linalg.norm(offsets - along[:, None] * baseline, axis=1)
         lengths = np.maximum(self._sizes[:, 0], placement.width)
         heights = np.maximum(self._sizes[:, 1], placement.height)
-        here = (np.abs(along) < _ALONG_SHARE * lengths) & (across < _ACROSS_SHARE * heights)
-        return set(self._classes[here].tolist())
+        here: NDArray[np.bool_] = (np.abs(along) < _ALONG_SHARE * lengths) & (across < _ACROSS_SHARE * heights)
+        return here
 
-    def add(self, identifier: int, placement: Placement, world_from_keyframe: Array) -> None:
-        """Note a sighting of a class."""
+    def add(self, identifier: int, placement: Placement, world_from_keyframe: Array, legibility: float) -> None:
+        """Note a sighting of a class, and how legible it was."""
         position, _ = _in_world(placement, world_from_keyframe)
         size = [placement.width, placement.height]
         self._classes = np.append(self._classes, identifier)[-_CAPACITY:]
         self._positions = np.vstack([self._positions, position])[-_CAPACITY:]
         self._sizes = np.vstack([self._sizes, size])[-_CAPACITY:]
+        self._legibility = np.append(self._legibility, legibility)[-_CAPACITY:]
 
 
 def _in_world(placement: Placement, world_from_keyframe: Array) -> tuple[Array, Array]:

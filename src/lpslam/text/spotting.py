@@ -76,8 +76,12 @@ def letter_heights(boxes: Boxes) -> NDArray[np.float64]:
 
 def _without_logos(text: str) -> str:
     """Drop symbols around a text: a logo beside the name is read as ★ or ●."""
-    rim = {ch for ch in text if unicodedata.category(ch) == "So"}
+    rim = {ch for ch in text if unicodedata.category(ch) == "So" or ch in _LOGO_LIKE}
     return text.strip("".join(rim) + " ")
+
+
+_LOGO_LIKE = frozenset("*·•°~^_|<>=←↑→↓")
+"""What icons, arrows and edges beside a text are read as."""
 
 
 def accepted_texts(boxes: Boxes, readings: list[tuple[str, float]], config: SpottingConfig) -> list[SpottedText | None]:

@@ -36,6 +36,7 @@ class BoxFate(StrEnum):
     BORDER = "border"
     SMALL = "small"
     HIDDEN = "hidden"
+    KNOWN = "known"
     UNREAD = "unread"
 
 
@@ -90,6 +91,8 @@ class TextObservation:
         keyframe: id of the reference keyframe.
         text, confidence: as read.
         placement: in the frame of that keyframe's camera.
+        letter_height: pixels, as it was seen.
+        ground: (red, green, blue) of the surface around the letters, 0 to 255; None where it is not known.
     """
 
     frame: int
@@ -98,6 +101,8 @@ class TextObservation:
     text: str
     confidence: float
     placement: Placement
+    letter_height: float
+    ground: tuple[int, int, int] | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -144,6 +149,7 @@ class TextStatistics:
     boxes_at_border: int = 0
     boxes_too_small: int = 0
     boxes_hidden: int = 0
+    boxes_known: int = 0
     texts_rejected: int = 0
     texts_read: int = 0
     observations: int = 0
