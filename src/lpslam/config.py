@@ -53,6 +53,8 @@ class SpottingConfig(_Section):
     box_score: float = Field(default=0.5, ge=0, le=1)
     # By how much a region is grown back, times area over perimeter (the network learns shrunk regions).
     growth_ratio: float = Field(default=1.6, ge=0)
+    # Share of its smallest rectangle below which a region's own quadrilateral is used: text seen aslant is none.
+    slant_area: float = Field(default=0.9, ge=0, le=1)
     # Smallest side of a region in the probability map, pixels: smaller ones are specks.
     min_region_side: float = Field(default=3.0, ge=0)
     # Most boxes of one image; beyond it the image is texture, not text.
@@ -143,10 +145,13 @@ class InstanceConfig(_Section):
     # Distance of their surfaces, metres, and angle between their normals, degrees, that lines of one board may have.
     line_offset: float = Field(default=0.08, ge=0)
     line_angle: float = Field(default=30.0, ge=0)
-    # Largest difference of their grounds' colours, as a share of the brighter: two books lie on one table.
-    line_ground_difference: float = Field(default=0.5, ge=0)
-    # Box height, pixels, at which a text must have been seen once to be a landmark: smaller Chinese reads as digits.
-    min_landmark_height: float = Field(default=14.0, ge=0)
+    # Largest difference of their grounds' colours, as a share of the brighter (0.01 to 0.05 on one board): two books
+    # may lie on one table.
+    line_ground_difference: float = Field(default=0.15, ge=0)
+    # Box height, pixels, at which a text must have been seen once to be a landmark: letters of 10 pixels.
+    min_landmark_height: float = Field(default=15.0, ge=0)
+    # The same for texts without a Latin letter: Chinese that is smaller is misread, often as digits.
+    min_landmark_height_ideographs: float = Field(default=20.0, ge=0)
     # Texts that move faster than this, metres a second, over at least so many metres, are carried by someone.
     carried_speed: float = Field(default=0.2, gt=0)
     carried_distance: float = Field(default=0.4, gt=0)
@@ -157,8 +162,9 @@ class ReadingConfig(_Section):
 
     # Seconds between frames that are read; a text needs three sightings while the camera passes.
     interval: float = Field(default=0.165, ge=0)
-    # The same while texts are in view that were read fewer times than follows: they may be gone soon.
-    new_text_interval: float = Field(default=0.095, ge=0)
+    # The same after a text was seen that was read fewer times than follows, for so many seconds: it may be gone soon.
+    new_text_interval: float = Field(default=0.06, ge=0)
+    new_text_patience: float = Field(default=0.5, ge=0)
     # Readings of a text at its place after which it is only read again when it is seen better than before.
     settled_sightings: int = Field(default=8, ge=1)
     # A frame is blurred when its variance of the Laplacian is below this share of the running median ...
@@ -170,6 +176,42 @@ class ReadingConfig(_Section):
     queue_size: int = Field(default=64, ge=1)
 
 
+class AdviceConfig(_Section):
+    """What texts tell loop closing: which places to try, and which cannot be the same."""
+
+    # Whether loop closing is told at all.
+    enabled: bool = True
+    # Keyframes up to the newest whose texts stand for where the camera is, ...
+    recent_keyframes: int = Field(default=12, ge=1)
+    # ... in so many metres around it: farther ones are as uncertain as the way to them.
+    reach: float = Field(default=10.0, gt=0)
+    # Keyframes of the same sub-map nearer than this are the way just walked, not a return.
+    apart_keyframes: int = Field(default=30, ge=1)
+    # Readings of a text at its place that propose, and that veto: a slip comes once or twice.
+    min_sightings: int = Field(default=2, ge=1)
+    veto_sightings: int = Field(default=3, ge=1)
+    # Mean confidence of readings that veto, and the share of them that must say nearly the same.
+    veto_confidence: float = Field(default=0.85, ge=0, le=1)
+    veto_unanimity: float = Field(default=0.7, ge=0, le=1)
+    # Sightings of a class nearer than this, metres, are one text; texts nearer than this are one board and count once.
+    same_place: float = Field(default=0.6, gt=0)
+    board_size: float = Field(default=0.5, ge=0)
+    # Metres and degrees by which two texts may stand otherwise to one another than two texts read before.
+    distance_tolerance: float = Field(default=0.3, gt=0)
+    facing_tolerance: float = Field(default=25.0, gt=0, lt=90)
+    # A text that stands at n places counts 1/n; a constellation must count as much as this to propose.
+    min_rarity: float = Field(default=1.0, gt=0)
+    # Most keyframes proposed at a time, and how far, metres and degrees, they may be from where the texts say.
+    proposals: int = Field(default=2, ge=0)
+    view_distance: float = Field(default=3.0, gt=0)
+    view_turn: float = Field(default=45.0, gt=0)
+    # Eq. 3 similarity from which texts agree, and below which they contradict each other.
+    alike: float = Field(default=0.5, ge=0, le=1)
+    unlike: float = Field(default=0.35, ge=0, le=1)
+    # Texts in the same spot that must contradict each other, while none agrees, for a veto.
+    contradictions: int = Field(default=2, ge=2)
+
+
 class TextConfig(_Section):
     """Reading and remembering (III-B to III-H)."""
 
@@ -178,6 +220,7 @@ class TextConfig(_Section):
     memory: MemoryConfig = MemoryConfig()
     placement: PlacementConfig = PlacementConfig()
     instances: InstanceConfig = InstanceConfig()
+    advice: AdviceConfig = AdviceConfig()
 
 
 class SensorNoiseConfig(_Section):
@@ -372,6 +415,14 @@ class SimulationConfig(_Section):
     featured: tuple[str, ...] = ()
     # How many signs repeat the words of another one.
     duplicates: int = Field(default=0, ge=0)
+    # Signs that repeat another one's words and look about so many metres from it: one pair a number, if there is room.
+    duplicate_distances: tuple[float, ...] = ()
+    # Whether names that differ by one letter are shown for sure: GAP and GAO, EXIT and EXIT 2.
+    similar_names: bool = False
+    # Share of the shops with a double-sided sign that stands out of the wall.
+    projecting_share: float = Field(default=0.35, ge=0.0, le=1.0)
+    # Once around the route, or around it and back again: then double-sided signs are seen from both sides.
+    way: Literal["around", "there-and-back"] = "around"
     # Shutter time in good light, seconds; in the dark it doubles.
     exposure_time: float = Field(default=0.006, ge=0.0, le=0.03)
     # Noise, vignetting, exposure drift and depth errors; off for tests of geometry.

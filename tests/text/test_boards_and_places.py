@@ -42,6 +42,7 @@ def place(
         width=width,
         height=height,
         positions_by_frame={frame: position + shake[frame] for frame in (frames or range(count))},
+        grounds_by_frame={},
         observations=count,
         evidence=0.95 * count,
         confidence=0.95,
@@ -148,3 +149,45 @@ def test_another_word_at_another_place_keeps_its_own_name() -> None:
     seen = observations("WASHROOM", 0.0, 6) + observations("BATHROOM", 8.0, 4) + observations("WASHR0OM", 16.0, 4)
     found = places_of_class(text_class(seen, "WASHROOM"), world, CONFIG)
     assert [each.name for each in found] == ["WASHROOM", "BATHROOM", "WASHROOM"]
+
+
+def carried(speed: float, seconds: float = 2.0, count: int = 12) -> TextClass:
+    """A class read again and again while it moves along at `speed` metres a second."""
+    text_class = TextClass(0, 0.0, seconds)
+    rng = np.random.default_rng(4)
+    for number in range(count):
+        elapsed = seconds * number / (count - 1)
+        x, y, z = rng.normal([speed * elapsed, 0.0, 2.0], 0.02)
+        placement = Placement((x, y, z), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0), 0.4, 0.1, 0.01)
+        text_class.observations.append(TextObservation(number, elapsed, 0, "STAFF", 0.9, placement, 24.0))
+    text_class.variants["STAFF"] = Variant(count, 0.9 * count)
+    return text_class
+
+
+@pytest.mark.parametrize(("speed", "stands"), [(0.0, True), (0.8, False), (1.4, False)])
+def test_a_text_on_someone_who_walks_by_is_no_landmark(speed: float, stands: bool) -> None:
+    assert bool(places_of_class(carried(speed), lambda _: np.eye(4), InstanceConfig())) == stands
+
+
+def test_drift_over_a_minute_is_no_walk() -> None:
+    assert places_of_class(carried(0.01, 60.0), lambda _: np.eye(4), InstanceConfig())
+
+
+def test_lines_on_different_grounds_are_two_boards() -> None:
+    first, second = place(0, "COMPUTER", 0.0, 0.0), place(1000, "DAEDALUS", 0.0, 0.12)
+    assert len(boards([first, second], InstanceConfig())) == 1
+    black, purple = dict.fromkeys(range(9), (20, 20, 25)), dict.fromkeys(range(9), (130, 60, 140))
+    on_two = [replace(first, grounds_by_frame=black), replace(second, grounds_by_frame=purple)]
+    assert len(boards(on_two, InstanceConfig())) == 2
+
+
+def test_a_text_never_seen_large_enough_is_no_landmark() -> None:
+    text_class = carried(0.0)
+    text_class.observations = [replace(each, letter_height=12.0) for each in text_class.observations]
+    assert places_of_class(text_class, lambda _: np.eye(4), InstanceConfig()) == []
+    # What would do for Latin letters does not for digits, as which small Chinese is read.
+    of_digits = [replace(each, letter_height=17.0, text="80") for each in text_class.observations]
+    text_class.observations = [replace(each, letter_height=17.0) for each in text_class.observations]
+    assert places_of_class(text_class, lambda _: np.eye(4), InstanceConfig())
+    text_class.observations = of_digits
+    assert places_of_class(text_class, lambda _: np.eye(4), InstanceConfig()) == []

@@ -22,14 +22,14 @@ def standing(x: float, y: float, width: float = 1.0, height: float = 0.2) -> Pla
 )
 def test_a_spot_is_where_texts_overlap(placement: Placement, here: bool) -> None:
     spots = Spots()
-    spots.add(7, standing(0.0, 0.0), np.eye(4))
+    spots.add(7, standing(0.0, 0.0), np.eye(4), 1.0)
     assert spots.classes_at(placement, np.eye(4)) == ({7} if here else set())
 
 
 def test_spots_are_in_the_world() -> None:
     spots = Spots()
     assert spots.classes_at(standing(0.0, 0.0), np.eye(4)) == set()
-    spots.add(7, standing(0.0, 0.0), np.eye(4))
+    spots.add(7, standing(0.0, 0.0), np.eye(4), 1.0)
     # The next keyframe stands two metres to the right, and sees the same sign two metres to the left.
     world_from_keyframe = np.eye(4)
     world_from_keyframe[0, 3] = 2.0

@@ -13,7 +13,7 @@ from lpslam.language.naming import Vote, cased_like, painted_like, vote
 from lpslam.language.question import Wish, instead_of, read_question, spoken_key
 from lpslam.language.sanitise import clean_text
 from lpslam.language.signs import SignMeaning, load_sign_reader
-from lpslam.language.spelling import explanation_cost, weigh
+from lpslam.language.spelling import explanation_cost, respelled, weigh
 from lpslam.language.words import is_unspaced
 
 _YES = 0.5  # a sign is a kind when its words say so at least this surely
@@ -60,10 +60,22 @@ class OfflineModel:
             if (own := fold.key(each.text)) in weights:
                 letters = sum(len(word) for word in fold.fold(each.text).split() if word in load_words())
                 letters_in_words[own] = max(letters_in_words[own], letters)
+        own_words = sum(len(word) for word in fold.fold(voted.text).split() if word in load_words())
+        respellings = {fold.key(text): text for text in respelled(fold.fold(voted.text), load_words())}
+        for own, text in respellings.items():
+            gained = sum(len(word) for word in text.split() if word in load_words()) - own_words
+            letters_in_words.setdefault(own, int(own_words + _ADVANCE_UNREAD * gained))
+        letters_in_words.setdefault(fold.key(voted.text), own_words)
         key, known = self._best_explanation(weights, letters_in_words, fold.key(voted.text))
         if known is None:
-            name = self._painted(key, voted, readings)
-            return Naming(name, voted.agreement, "letter by letter, most readings say so", self.model)
+            if key in respellings and key not in weights and key != fold.key(voted.text):
+                name, evidence = (
+                    cased_like(respellings[key], voted.text),
+                    "most readings are a slip away from these words",
+                )
+            else:
+                name, evidence = self._painted(key, voted, readings), "letter by letter, most readings say so"
+            return Naming(name, voted.agreement, evidence, self.model)
         if key == fold.key(voted.text):
             # Only spaces and punctuation may differ: a warning's words are set apart, a brand stays as it is painted.
             name = voted.text if known.source == "brand" else painted_like(known.painted, voted.text)
@@ -77,7 +89,7 @@ class OfflineModel:
         """The key that explains the weighted readings at least cost, and the known name that it is."""
         looks = self._knowledge.folder.skeleton
         heaviest = sorted(weights.items(), key=lambda item: (-item[1], item[0]))[:_READINGS_WEIGHED]
-        candidates: dict[str, Known | None] = dict.fromkeys([voted, *(key for key, _ in heaviest)])
+        candidates: dict[str, Known | None] = dict.fromkeys([voted, *(key for key, _ in heaviest), *letters_in_words])
         for key in list(candidates)[:_READINGS_LOOKED_UP]:
             for _, known in self._signs.nearest(key) if key else []:
                 candidates[self._knowledge.folder.key(known.painted)] = known
@@ -89,8 +101,8 @@ class OfflineModel:
             if known is not None:
                 letter = _ADVANCE_IDEOGRAPH if is_unspaced(key[0]) else _ADVANCE_LETTER
                 advance = letter * len(key) * (1.0 if looks(key) in seen else _ADVANCE_UNREAD)
-            elif key in weights:
-                advance = _ADVANCE_WORD * letters_in_words[key]
+            else:
+                advance = _ADVANCE_WORD * letters_in_words.get(key, 0)
             return explanation_cost(key, heaviest, looks) - advance
 
         # On a tie the vote stays.

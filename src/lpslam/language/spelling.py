@@ -16,6 +16,8 @@ _LOOK_ALIKE = 1.5
 _BLURRED = "nm uv ce oc ao oe ae pr ij lt ft hn yv wv gq dq ec hk bh 38 56 68 17 kx 木本 大太 王玉 心必 未来 问间"
 # Confident wrong readings are mostly cut off: at a pillar, at the end of a box.
 _CUT_END, _CUT_LETTER = 2.0, 0.3
+# Letters of the shortest word that is replaced by a known one: shorter ones have too many neighbours.
+_LEAST_RESPELLED = 4
 # Repeated readings repeat their slips, the view being the same: n of them are worth n to this power.
 _REPETITION = 0.75
 
@@ -54,6 +56,32 @@ def misreading_cost(painted: str, read: str, looks: Callable[[str], str]) -> flo
         elif step.tag != "delete" or first <= step.src_pos <= last:
             cost += _WRONG_LETTER
     return min(cost, _LOOK_ALIKE) if looks(painted) == looks(read) else cost
+
+
+def respelled(text: str, words: frozenset[str]) -> list[str]:
+    """Texts in which one unknown word is replaced by a known one that is a single slip away.
+
+    Args:
+        text: without case and accents, words separated by spaces.
+        words: the known ones.
+    """
+    parts = text.split()
+    return [
+        " ".join([*parts[:at], known, *parts[at + 1 :]])
+        for at, word in enumerate(parts)
+        if len(word) >= _LEAST_RESPELLED and word.isascii() and word.isalpha() and word not in words
+        for known in sorted(_one_slip_from(word) & words)
+    ]
+
+
+def _one_slip_from(word: str) -> set[str]:
+    splits = [(word[:at], word[at:]) for at in range(len(word) + 1)]
+    letters = "abcdefghijklmnopqrstuvwxyz"
+    return (
+        {head + tail[1:] for head, tail in splits if tail}
+        | {head + letter + tail[1:] for head, tail in splits if tail for letter in letters}
+        | {head + letter + tail for head, tail in splits for letter in letters}
+    )
 
 
 def _is_alike(letter: str, other: str, looks: Callable[[str], str]) -> bool:

@@ -8,7 +8,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from lpslam.config import InstanceConfig
-from lpslam.text.legibility import is_same_ground
+from lpslam.text.legibility import ground_difference
 from lpslam.text.places import Place
 
 Array = NDArray[np.float64]
@@ -60,13 +60,10 @@ def _on_one_board(first: Place, second: Place, config: InstanceConfig) -> bool:
 
 
 def _on_one_ground(first: Place, second: Place, config: InstanceConfig) -> bool:
-    """Whether most frames that saw both saw them on a ground of one colour; true where none saw both."""
+    """Whether the frames that saw both saw them on a ground of one colour; true where none saw both."""
     common = sorted(first.grounds_by_frame.keys() & second.grounds_by_frame.keys())
-    same = [
-        is_same_ground(first.grounds_by_frame[frame], second.grounds_by_frame[frame], config.line_ground_difference)
-        for frame in common
-    ]
-    return 2 * sum(same) >= len(same)
+    differences = [ground_difference(first.grounds_by_frame[frame], second.grounds_by_frame[frame]) for frame in common]
+    return not differences or float(np.median(differences)) <= config.line_ground_difference
 
 
 def _offset(first: Place, second: Place) -> Array:

@@ -1,9 +1,11 @@
 """Scene text detection with DBNet (paper, III-B): a probability map, binarised, one rotated box a region."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import cv2
 import numpy as np
+from cv2.typing import MatLike
 from numpy.typing import NDArray
 
 from lpslam.config import SpottingConfig
@@ -75,9 +77,44 @@ def boxes_from_probability(
         if score < config.box_score:
             continue
         growth = 2.0 * (width * height * config.growth_ratio / (2.0 * (width + height)))
-        boxes.append(_ordered(_corners(centre, width + growth, height + growth, angle)))
+        rectangle = _ordered(_corners(centre, width + growth, height + growth, angle))
+        boxes.append(_as_seen_aslant(contour, rectangle, config))
         scores.append(score)
     return np.array(boxes, dtype=np.float64).reshape(-1, 4, 2), np.array(scores, dtype=np.float64)
+
+
+def _as_seen_aslant(contour: MatLike, rectangle: Boxes, config: SpottingConfig) -> Boxes:
+    """The quadrilateral (4, 2) around a region where that is much smaller than its `rectangle`; else the rectangle.
+
+    A line seen aslant is a trapezium or a slanted parallelogram: what a rectangle adds is not text.
+    """
+    shrunken = np.asarray(cv2.approxPolyN(contour, 4, ensure_convex=True), dtype=np.float64).reshape(-1, 2)
+    if len(shrunken) != 4:
+        return rectangle
+    area = float(cv2.contourArea(shrunken.astype(np.float32)))
+    perimeter = float(np.linalg.norm(shrunken - np.roll(shrunken, 1, axis=0), axis=1).sum())
+    quadrilateral = _ordered(_grown(shrunken, area * config.growth_ratio / max(perimeter, 1e-6)))
+    covered = float(cv2.contourArea(quadrilateral.astype(np.float32)))
+    is_convex = cv2.isContourConvex(quadrilateral.astype(np.float32))
+    whole = float(cv2.contourArea(rectangle.astype(np.float32)))
+    return quadrilateral if is_convex and covered < config.slant_area * whole else rectangle
+
+
+def _grown(polygon: Boxes, distance: float) -> Boxes:
+    """Move every side of a convex polygon (n, 2) outwards by `distance`."""
+    ahead = np.roll(polygon, -1, axis=0) - polygon
+    normals = np.column_stack([ahead[:, 1], -ahead[:, 0]])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-9)
+    # Outwards is away from the middle, whichever way the corners run.
+    outwards = np.sign(np.einsum("ij,ij->i", normals, polygon - polygon.mean(axis=0)))
+    normals *= outwards[:, None]
+    offsets = np.einsum("ij,ij->i", normals, polygon) + distance
+    before = np.roll(normals, 1, axis=0)
+    systems = np.stack([before, normals], axis=1)
+    if np.abs(np.linalg.det(systems)).min() < 1e-3:
+        return polygon
+    sides = np.column_stack([np.roll(offsets, 1), offsets])
+    return np.asarray(np.linalg.solve(systems, sides[:, :, None])[:, :, 0], dtype=np.float64)
 
 
 def _corners(centre: Sequence[float], width: float, height: float, angle: float) -> NDArray[np.float32]:
@@ -93,9 +130,9 @@ def _mean_inside(probability: NDArray[np.float32], corners: NDArray[np.float32])
     return float(cv2.mean(window, mask)[0])
 
 
-def _ordered(corners: NDArray[np.float32]) -> NDArray[np.float32]:
+def _ordered(corners: NDArray[np.floating[Any]]) -> Boxes:
     """Order a rectangle's corners top left, top right, bottom right, bottom left."""
     by_x = corners[np.argsort(corners[:, 0], kind="stable")]
     left = by_x[:2][np.argsort(by_x[:2, 1], kind="stable")]
     right = by_x[2:][np.argsort(by_x[2:, 1], kind="stable")]
-    return np.array([left[0], right[0], right[1], left[1]])
+    return np.array([left[0], right[0], right[1], left[1]], dtype=np.float64)

@@ -1,5 +1,6 @@
 """How a text is seen: how well it can be read, and on what ground it stands."""
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,8 +12,10 @@ Array = NDArray[np.float64]
 _FULL_HEIGHT = 28.0
 # What a reading is worth at least, seen from afar or aslant: it is evidence all the same.
 _LEAST = 0.4
-# How far inside the box's edge its ground is looked at, as a share of its sides: boxes are looser than letters.
-_EDGE = 0.04
+# How far beyond a box's long sides its ground is looked at too, as a share of its height.
+_BEYOND = 0.1
+# Brightness below which colours are mostly noise.
+_DARK = 40.0
 
 
 def frontal_cosine(placement: Placement, keyframe_from_camera: Array) -> float:
@@ -33,30 +36,24 @@ def legibility(letter_height: float, frontal: float) -> float:
 
 
 def ground_colour(rgb: NDArray[np.uint8], box: Array) -> tuple[int, int, int]:
-    """Colour of the surface around the letters: the median along the edge of the (4, 2) box, just inside."""
-    along = np.linspace(0.0, 1.0, 24)
-    edge = np.concatenate(
-        [
-            np.column_stack([along, np.full(24, _EDGE)]),
-            np.column_stack([along, np.full(24, 1.0 - _EDGE)]),
-            np.column_stack([np.full(8, _EDGE), along[::3]]),
-            np.column_stack([np.full(8, 1.0 - _EDGE), along[::3]]),
-        ]
-    )
-    u, v = edge[:, :1], edge[:, 1:]
-    top, bottom = box[0] + u * (box[1] - box[0]), box[3] + u * (box[2] - box[3])
+    """Colour of the surface around the letters in the (4, 2) box: of its bright and its dark part, that of the larger.
+
+    Letters cover less of a line than what they are written on.
+    """
+    across = np.linspace(-_BEYOND, 1.0 + _BEYOND, 24)[:, None, None]
+    along = np.linspace(0.0, 1.0, 64)[None, :, None]
+    top, bottom = box[0] + along * (box[1] - box[0]), box[3] + along * (box[2] - box[3])
     height, width = rgb.shape[:2]
-    pixels = np.clip(np.rint(top + v * (bottom - top)), 0, [width - 1, height - 1]).astype(int)
-    red, green, blue = np.median(rgb[pixels[:, 1], pixels[:, 0]], axis=0)
+    pixels = np.clip(np.rint(top + across * (bottom - top)), 0, [width - 1, height - 1]).astype(int)
+    colours = rgb[pixels[..., 1], pixels[..., 0]].reshape(-1, 3)
+    bright = colours.astype(np.float32).mean(axis=1).astype(np.uint8)
+    _, is_bright = cv2.threshold(bright, 0, 1, cv2.THRESH_BINARY | cv2.THRESH_OTSU)
+    larger = is_bright.ravel() == (2 * int(is_bright.sum()) >= len(bright))
+    red, green, blue = np.median(colours[larger], axis=0)
     return int(red), int(green), int(blue)
 
 
-def is_same_ground(first: tuple[int, int, int], second: tuple[int, int, int], difference: float) -> bool:
-    """Whether two colours may be one surface's, light falling off across it.
-
-    Args:
-        first, second: (red, green, blue), 0 to 255.
-        difference: largest difference of a channel, as a share of the brightest channel of both.
-    """
+def ground_difference(first: tuple[int, int, int], second: tuple[int, int, int]) -> float:
+    """Largest difference of a channel of two colours, 0 to 255, as a share of the brightest channel of both."""
     a, b = np.array(first, dtype=np.float64), np.array(second, dtype=np.float64)
-    return bool(np.abs(a - b).max() <= difference * max(a.max(), b.max(), 40.0))
+    return float(np.abs(a - b).max() / max(a.max(), b.max(), _DARK))

@@ -134,7 +134,8 @@ class TextMapper:
                 observations.append(observation)
             if text_class.pool is Pool.LONG_TERM and needs_name(text_class):
                 self._name(text_class)
-        self._gate.has_new_text = is_new
+        if is_new:
+            self._gate.hurry(frame.timestamp)
         self.statistics.observations += len(observations)
         self.statistics.mapping_ms += 1000.0 * (perf_counter() - started)
         return replace(reading, observations=tuple(observations))
@@ -248,21 +249,18 @@ class TextMapper:
 
 
 class ReadingGate:
-    """Decides which frames are read: at a set interval, sooner for new text, and rather a little later than blurred.
-
-    Attributes:
-        has_new_text: whether the last frame showed texts that are not read often enough yet.
-    """
+    """Decides which frames are read: at a set interval, sooner for new text, and rather a little later than blurred."""
 
     def __init__(self, config: ReadingConfig) -> None:
         self._config = config
-        self.has_new_text = False
+        self._hurries_until = -np.inf
         self._last_read: float | None = None
         self._sharpness: deque[float] = deque(maxlen=config.blur_window)
 
     def is_due(self, timestamp: float) -> bool:
         """Whether the interval since the last reading has passed."""
-        interval = self._config.new_text_interval if self.has_new_text else self._config.interval
+        hurries = timestamp <= self._hurries_until
+        interval = self._config.new_text_interval if hurries else self._config.interval
         # Half a millisecond of grace: timestamps are rounded.
         return self._last_read is None or timestamp - self._last_read >= interval - 5e-4
 
@@ -276,6 +274,10 @@ class ReadingGate:
             return True
         waited = frame.timestamp - (self._last_read or frame.timestamp)
         return waited >= (1.0 + self._config.blur_patience) * self._config.interval
+
+    def hurry(self, timestamp: float) -> None:
+        """Note that a text was seen that is not settled yet: it may be gone soon."""
+        self._hurries_until = timestamp + self._config.new_text_patience
 
     def taken(self, timestamp: float) -> None:
         """Note that a frame is read now."""

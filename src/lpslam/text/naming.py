@@ -11,8 +11,8 @@ from lpslam.text.similarity import comparison_key, similarity
 # A name less similar than this to everything that was read is the model's invention.
 _NEAREST_READING = 0.5
 
-# A class is named anew once its evidence has grown by this factor.
-_GROWTH = 2.0
+# A class is named anew once its evidence has grown by this factor: at five readings, and once it is settled.
+_GROWTH = 1.5
 
 
 class BesideNaming(Protocol):
@@ -28,7 +28,7 @@ class BesideNaming(Protocol):
 
 
 def needs_name(text_class: TextClass) -> bool:
-    """Whether a class has no name yet, or has twice the readings that its name was chosen from."""
+    """Whether a class has no name yet, or has half as many readings again as its name was chosen from."""
     return text_class.naming is None or text_class.count >= _GROWTH * text_class.named_at_count
 
 

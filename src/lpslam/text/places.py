@@ -16,6 +16,7 @@ from lpslam.config import InstanceConfig
 from lpslam.text.instances import KeyframePoses, split_places, trimmed_position, world_placements
 from lpslam.text.memory import TextClass
 from lpslam.text.similarity import comparison_key, is_fragment, similarity
+from lpslam.text.types import TextObservation
 
 Array = NDArray[np.float64]
 
@@ -83,7 +84,7 @@ def places_of_class(text_class: TextClass, world_from_keyframe: KeyframePoses, c
 
     places = []
     for number, rows in groups:
-        if len(rows) < enough or max(observations[row].letter_height for row in rows) < config.min_landmark_height:
+        if len(rows) < enough or not _is_large_enough([observations[row] for row in rows], config):
             continue
         if _is_carried(positions[rows], np.array([observations[row].timestamp for row in rows]), config):
             continue
@@ -115,6 +116,18 @@ def places_of_class(text_class: TextClass, world_from_keyframe: KeyframePoses, c
             )
         )
     return places
+
+
+def _is_large_enough(observations: Sequence[TextObservation], config: InstanceConfig) -> bool:
+    """Whether a text was once seen as large as it takes to be read right."""
+    latin = sum(any(ch.isalpha() and ch < _IDEOGRAPHS for ch in each.text) for each in observations)
+    is_latin = 2 * latin >= len(observations)
+    needed = config.min_landmark_height if is_latin else config.min_landmark_height_ideographs
+    return max(each.letter_height for each in observations) >= needed
+
+
+_IDEOGRAPHS = "\u2e80"
+"""The first character of the East Asian scripts."""
 
 
 def _is_carried(positions: Array, timestamps: Array, config: InstanceConfig) -> bool:
