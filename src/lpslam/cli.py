@@ -374,6 +374,12 @@ def simulate(
     max_turn_rate: Annotated[float | None, typer.Option(help="Degrees a second.")] = None,
     language: Annotated[str | None, typer.Option(help="mixed, chinese or english.")] = None,
     duplicates: Annotated[int | None, typer.Option(help="Signs that repeat another one's words.")] = None,
+    duplicate_distances: Annotated[
+        str | None, typer.Option(metavar="METRES,...", help="Signs that repeat another one so far from it: 3,15.")
+    ] = None,
+    similar_names: Annotated[bool, typer.Option(help="Show GAP and GAO, EXIT and EXIT 2, and more like them.")] = False,
+    projecting_share: Annotated[float | None, typer.Option(help="Of the shops: signs that stand out, 0 to 1.")] = None,
+    way: Annotated[str | None, typer.Option(help="around, or there-and-back: signs are seen from both sides.")] = None,
     as_json: Json = False,
 ) -> None:
     """Render a mock mall: a recording in TUM layout with camera.yaml, groundtruth.txt and signs.json."""
@@ -389,6 +395,10 @@ def simulate(
         "max_turn_rate": max_turn_rate,
         "language": language,
         "duplicates": duplicates,
+        "duplicate_distances": duplicate_distances.split(",") if duplicate_distances else None,
+        "similar_names": similar_names or None,
+        "projecting_share": projecting_share,
+        "way": way,
     }
     options = _config(None, {"simulation": {key: value for key, value in given.items() if value is not None}})
     with counting("building the mall") as progress:
@@ -439,7 +449,7 @@ def _config(path: Path | None, overrides: dict[str, Any] | None = None) -> Any:
         return Config.model_validate(overrides or {})
     except ValidationError as error:
         first = error.errors()[0]
-        raise UserError(f"option --{str(first['loc'][-1]).replace('_', '-')}: {first['msg']}") from error
+        raise UserError(f"option --{str(first['loc'][1]).replace('_', '-')}: {first['msg']}") from error
 
 
 class _Spoken(logging.Handler):

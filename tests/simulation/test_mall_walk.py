@@ -1,7 +1,5 @@
 """The walk and the world: size of the loop, turning, languages, duplicates, readable signs."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -13,7 +11,6 @@ from lpslam.simulation.layout import plan
 from lpslam.simulation.lettering import is_chinese
 from lpslam.simulation.mall import build_mall
 from lpslam.simulation.source import MallSource
-from lpslam.simulation.visibility import is_readable
 from lpslam.simulation.walk import Walk, stroll
 
 
@@ -89,33 +86,6 @@ def test_options_of_the_world() -> None:
         first_lines = [sign.text for sign in world.signs]
         assert len(first_lines) == len(set(first_lines))
         assert world.scene.texels.nbytes < 250e6
-
-
-@pytest.mark.slow
-def test_readable_means_near_frontal_sharp_whole_and_uncovered(mall: MallSource) -> None:
-    poses, scene, camera = mall.ground_truth.world_from_camera, mall._mall.scene, mall.camera
-    signs = mall.signs
-    assert sum(sign.readable_frames >= 10 for sign in signs) >= 5
-    sign = max(signs, key=lambda each: each.readable_frames)
-    seen = [i for i in range(len(mall)) if is_readable(sign, scene, camera, poses[i], *mall._shutter(i))]
-    assert len(seen) == sign.readable_frames
-    pose = poses[seen[0]]
-    assert is_readable(sign, scene, camera, pose, pose, pose)
-    turned = pose.copy()
-    turned[:3, :3] = pose[:3, :3] @ np.array([[0.0, 0, 1], [0, 1, 0], [-1, 0, 0]])
-    assert not is_readable(sign, scene, camera, turned, turned, turned)
-    shaken = pose.copy()
-    shaken[:3, 3] += 0.2 * pose[:3, 0]
-    assert not is_readable(sign, scene, camera, pose, shaken, pose)
-    tiny = replace(sign, letter_height=sign.letter_height / 20)
-    assert not is_readable(tiny, scene, camera, pose, pose, pose)
-    # A board between the eye and the sign: the scene's first face, moved there.
-    origin, edge_u, edge_v, normal = (each.copy() for each in (scene.origin, scene.edge_u, scene.edge_v, scene.normal))
-    middle = (pose[:3, 3] + sign.centre) / 2
-    edge_u[0], edge_v[0], normal[0] = pose[:3, 0] * 1.0, pose[:3, 1] * 1.0, -pose[:3, 2]
-    origin[0] = middle - edge_u[0] / 2 - edge_v[0] / 2
-    covered = replace(scene, origin=origin, edge_u=edge_u, edge_v=edge_v, normal=normal)
-    assert not is_readable(sign, covered, camera, pose, pose, pose)
 
 
 def test_a_user_learns_what_is_wrong() -> None:

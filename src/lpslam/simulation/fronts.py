@@ -1,6 +1,6 @@
 """Furnishes walls: each is cut into bays, and each bay becomes a shop front, a door, or a wall with posters."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,13 +21,13 @@ DOOR_HEIGHT = 2.1  # metres
 
 @dataclass(slots=True)
 class WallBuilder:
-    """Turns walls of a floor plan into faces and signs; heights in metres."""
+    """Turns walls of a floor plan into faces and signs; `height` metres, `projecting_share` of the shops."""
 
     rng: np.random.Generator
     builder: SceneBuilder
     painter: "SignPainter"
     height: float
-    _shops: int = field(default=0)
+    projecting_share: float
 
     def furnish(self, wall: Wall) -> None:
         """Cut a wall into bays and build each."""
@@ -158,7 +158,7 @@ class _Bay:
         self._skin(*pane, 0.0, sill, kind, base)
         self._skin(0.0, self.width, top, self.parent.height, kind, base)
         self._fascia(top)
-        if rng.random() < 0.35:
+        if rng.random() < self.parent.projecting_share:
             self._projecting_sign(top, at=pane[1] if door_left else pane[0])
 
     def _display(self, pane: tuple[float, float], sill: float, depth: float) -> None:
@@ -187,7 +187,8 @@ class _Bay:
         kind = "restaurant" if rng.random() < 0.38 else "shop"
         # Two lines with their margins are up to 3.6 letters high.
         letters = min(float(rng.uniform(0.2, 0.34)), space / 3.6)
-        board, kind = painter.paint(kind, "shop", letters, min(2.5, self.width - 0.3), 300.0)
+        middle = self._at(self.width / 2, top)
+        board, kind = painter.paint(kind, "shop", letters, min(2.5, self.width - 0.3), 300.0, middle)
         x = self.width / 2 + float(rng.uniform(-0.2, 0.2)) * (self.width - board.width) / 2
         z = top + 0.05 + board.height / 2 + max(0.0, space - board.height) * float(rng.uniform(0.0, 0.25))
         painter.hang(board, kind, self._at(x, z, 0.08), self._right, thickness=0.08, gloss=float(rng.choice([0, 0.5])))
@@ -195,7 +196,8 @@ class _Bay:
     def _projecting_sign(self, top: float, at: float) -> None:
         """A small double-sided sign that stands out of the wall."""
         rng, painter = self.parent.rng, self.parent.painter
-        board, kind = painter.paint("slogan" if rng.random() < 0.5 else "facility", "friendly", 0.1, 0.75, 420.0)
+        kind = "slogan" if rng.random() < 0.5 else "facility"
+        board, kind = painter.paint(kind, "friendly", 0.1, 0.75, 420.0, self._at(at, top))
         centre = self._at(at, top - 0.02 - board.height / 2, 0.26 + board.width / 2)
         painter.hang(board, kind, centre, self._normal, thickness=0.04, double_sided=True)
         iron = painter.builder.add_colour((40, 40, 42))
@@ -223,7 +225,8 @@ class _Bay:
         self._skin(0.0, x0, 0.0, DOOR_HEIGHT, kind, base)
         self._skin(x0 + leaf, self.width, 0.0, DOOR_HEIGHT, kind, base)
         self._skin(0.0, self.width, DOOR_HEIGHT, self.parent.height, kind, base)
-        board, sign_kind = painter.paint("facility", "plain", float(rng.uniform(0.1, 0.16)), self.width - 0.5, 420.0)
+        letters, middle = float(rng.uniform(0.1, 0.16)), self._at(x0 + leaf / 2, DOOR_HEIGHT)
+        board, sign_kind = painter.paint("facility", "plain", letters, self.width - 0.5, 420.0, middle)
         x = min(max(x0 + leaf / 2, board.width / 2 + 0.24), self.width - board.width / 2 - 0.24)
         painter.hang(
             board, sign_kind, self._at(x, DOOR_HEIGHT + 0.08 + board.height / 2, 0.03), self._right, thickness=0.03
@@ -231,11 +234,11 @@ class _Bay:
         room_right, room_left = self.width - (x0 + leaf), x0
         if max(room_right, room_left) > 0.75 and rng.random() < 0.75:
             span = max(room_right, room_left) - 0.12
-            middle = x0 + leaf + room_right / 2 if room_right > room_left else room_left / 2
-            board, sign_kind = painter.paint("warning", "plain", float(rng.uniform(0.085, 0.12)), span, 520.0)
-            painter.hang(
-                board, sign_kind, self._at(middle, float(rng.uniform(1.45, 1.6)), 0.015), self._right, thickness=0.015
-            )
+            x = x0 + leaf + room_right / 2 if room_right > room_left else room_left / 2
+            letters = float(rng.uniform(0.085, 0.12))
+            board, sign_kind = painter.paint("warning", "plain", letters, span, 520.0, self._at(x, 1.5))
+            centre = self._at(x, float(rng.uniform(1.45, 1.6)), 0.015)
+            painter.hang(board, sign_kind, centre, self._right, thickness=0.015)
 
     def posters(self) -> None:
         """Plain wall with framed posters, a slogan, or a bench before it."""
@@ -247,7 +250,8 @@ class _Bay:
             self._bench()
         if self.width > 1.2 and rng.random() < 0.7:
             sort = "slogan" if rng.random() < 0.7 else "warning"
-            board, sort = painter.paint(sort, "friendly", float(rng.uniform(0.12, 0.2)), self.width - 0.55, 380.0)
+            letters, middle = float(rng.uniform(0.12, 0.2)), self._at(self.width / 2, 1.95)
+            board, sort = painter.paint(sort, "friendly", letters, self.width - 0.55, 380.0, middle)
             painter.hang(
                 board, sort, self._at(self.width / 2, 1.95 + board.height / 2, 0.02), self._right, thickness=0.02
             )

@@ -226,7 +226,14 @@ WARNINGS = _parse(_WARNINGS, "warning")
 SLOGANS = _parse(_SLOGANS, "slogan")
 EVERYTHING = SHOPS + RESTAURANTS + FACILITIES + WARNINGS + SLOGANS
 
+SIMILAR = (
+    *_parse(["GAP|", "GAO|", "|晨光花店", "|星光花店"], "shop"),
+    *_parse(["|金龙小吃", "|金龙小炒", "Blue Harbor|", "Blue Arbor|"], "restaurant"),
+    *_parse(["EXIT|", "EXIT 2|", "MEETING ROOM 1|", "MEETING ROOM 2|"], "facility"),
+)
+"""Different places whose names differ by a letter or two."""
+
 
 def characters() -> str:
     """Every character that a sign may show, sorted: what the sign fonts must contain."""
-    return "".join(sorted({letter for wording in EVERYTHING for letter in wording.english + wording.chinese}))
+    return "".join(sorted({letter for wording in EVERYTHING + SIMILAR for letter in wording.english + wording.chinese}))

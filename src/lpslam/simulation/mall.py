@@ -1,5 +1,6 @@
 """Builds the mall: the floor plan's walls become shop fronts, doors and poster walls, with signs on them."""
 
+from copy import deepcopy
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,9 +13,11 @@ from lpslam.simulation.layout import Layout, Wall, plan
 from lpslam.simulation.lettering import Board, paint_board
 from lpslam.simulation.lexicon import Wording
 from lpslam.simulation.scene import Scene, SceneBuilder
-from lpslam.simulation.signs import Sign
+from lpslam.simulation.signs import Sign, SignLine
 
 FLOOR_CELL = 4.0  # metres; only cells that a corridor touches get a texture
+REPEATED_KINDS = ("shop", "restaurant", "facility")  # that a mall has more than one of
+DUPLICATE_SLACK = 0.25  # share by which a duplicate may hang nearer or farther than was asked for
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,25 +30,62 @@ class Mall:
     polish: float
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Dealt:
+    """What one sign says: the lines to paint, the most prominent first, and chance as it was before it was painted."""
+
+    wording: Wording
+    lines: tuple[str, ...]
+    place: NDArray[np.float64]
+    look: np.random.Generator
+
+
 @dataclass(slots=True)
 class _Vocabulary:
-    """Deals wordings so that none comes twice before `duplicates` are asked for."""
+    """Deals wordings so that none comes twice before duplicates are asked for."""
 
     rng: np.random.Generator
     options: SimulationConfig
     _piles: dict[str, list[Wording]] = field(default_factory=dict)
     _dealt: list[Wording] = field(default_factory=list)
+    _repeatable: list[_Dealt] = field(default_factory=list)
+    _distances: list[float] = field(init=False)
 
-    def deal(self, kind: str) -> tuple[Wording, tuple[str, ...]]:
-        """A wording of a kind and the lines to paint, the most prominent first."""
+    def __post_init__(self) -> None:
+        self._distances = list(self.options.duplicate_distances)
+
+    def deal(self, kind: str, place: NDArray[np.float64]) -> _Dealt:
+        """Say what a sign of a kind at a place (3,) metres shows: something new, unless it is due to repeat another."""
+        if (twin := self._twin(kind, place)) is not None:
+            return _Dealt(twin.wording, twin.lines, place, deepcopy(twin.look))
         wording = self._next(kind)
+        lines = self._lines(wording)
+        if not self._distances:
+            return _Dealt(wording, lines, place, self.rng)
+        self._repeatable.append(_Dealt(wording, lines, place, deepcopy(self.rng)))
+        return _Dealt(wording, lines, place, self.rng)
+
+    def _twin(self, kind: str, place: NDArray[np.float64]) -> _Dealt | None:
+        """A sign of that kind that hangs about as far from here as some duplicate should."""
+        if kind not in REPEATED_KINDS:
+            return None
+        for wanted in self._distances:
+            for other in self._repeatable:
+                off = abs(float(np.linalg.norm(other.place - place)) - wanted)
+                if other.wording.kind == kind and off <= DUPLICATE_SLACK * wanted:
+                    self._distances.remove(wanted)
+                    self._repeatable.remove(other)
+                    return other
+        return None
+
+    def _lines(self, wording: Wording) -> tuple[str, ...]:
         lines = wording.lines(self.options.language)
         if len(lines) == 2:
             choice = self.rng.random()
             lines = (
                 lines[:1] if choice < 0.3 else lines[1:] if choice < 0.5 else lines[::-1] if choice < 0.75 else lines
             )
-        return wording, lines
+        return lines
 
     def _next(self, kind: str) -> Wording:
         same = [wording for wording in self._dealt if wording.kind == kind]
@@ -54,18 +94,25 @@ class _Vocabulary:
             wording = same[int(self.rng.integers(len(same)))]
         else:
             if not self._piles:
-                usable = [w for w in lexicon.EVERYTHING if w.lines(self.options.language)]
-                # Piles are dealt from the end: what is featured comes before anything else of its kind.
-                featured = set(self.options.featured)
-                order = self.rng.permutation(len(usable))
-                for i in sorted(order, key=lambda i: bool(featured & {usable[i].english, usable[i].chinese})):
-                    self._piles.setdefault(usable[i].kind, []).append(usable[i])
+                self._stack()
             # A large mall has more doors than there are facilities: then take what is left of anything.
             pile = self._piles.get(kind) or max(self._piles.values(), key=len)
             wording = pile.pop()
             self._piles = {sort: rest for sort, rest in self._piles.items() if rest}
         self._dealt.append(wording)
         return wording
+
+    def _stack(self) -> None:
+        """Shuffle all wordings into piles by kind."""
+        similar = lexicon.SIMILAR if self.options.similar_names else ()
+        taken = {text for wording in similar for text in (wording.english, wording.chinese) if text}
+        plain = [w for w in lexicon.EVERYTHING if not taken & {w.english, w.chinese}]
+        usable = [w for w in (*plain, *similar) if w.lines(self.options.language)]
+        # Piles are dealt from the end: what is featured comes before anything else of its kind.
+        featured = set(self.options.featured) | taken
+        order = self.rng.permutation(len(usable))
+        for i in sorted(order, key=lambda i: bool(featured & {usable[i].english, usable[i].chinese})):
+            self._piles.setdefault(usable[i].kind, []).append(usable[i])
 
 
 @dataclass(slots=True)
@@ -78,11 +125,18 @@ class SignPainter:
     signs: list[Sign] = field(default_factory=list)
 
     def paint(
-        self, kind: str, style: str, letter_height: float, max_width: float, resolution: float
+        self,
+        kind: str,
+        style: str,
+        letter_height: float,
+        max_width: float,
+        resolution: float,
+        place: NDArray[np.float64],
     ) -> tuple[Board, str]:
-        """Paint the next wording of a kind; sizes in metres, resolution in pixels a metre."""
-        wording, lines = self.vocabulary.deal(kind)
-        return paint_board(self.rng, lines, kind, style, letter_height, max_width, resolution), wording.kind
+        """Paint the next wording of a kind, to hang near `place` (3,); metres, resolution in pixels a metre."""
+        dealt = self.vocabulary.deal(kind, place)
+        board = paint_board(dealt.look, dealt.lines, kind, style, letter_height, max_width, resolution)
+        return board, dealt.wording.kind
 
     def hang(
         self,
@@ -110,26 +164,38 @@ class SignPainter:
         self.builder.add_face(corner - normal * thickness, right * board.width, normal * thickness, rim)
         low = corner - up * board.height
         self.builder.add_face(low, right * board.width, -normal * thickness, rim)
+        lines = tuple(
+            SignLine(
+                line.text, _corners(corner, right, line.left, line.top, line.right, line.bottom), line.letter_height
+            )
+            for line in board.lines
+        )
         ink = [min(line.left for line in board.lines), min(line.top for line in board.lines)]
         ink += [max(line.right for line in board.lines), max(line.bottom for line in board.lines)]
-        spots = ((ink[0], ink[1]), (ink[2], ink[1]), (ink[2], ink[3]), (ink[0], ink[3]))
-        main = board.lines[0]
         texts = [line.text for line in board.lines]
         others = texts[1:] + ([" ".join(texts), " ".join(texts[::-1])] if len(texts) > 1 else [])
         self.signs.append(
             Sign(
                 id=len(self.signs),
-                text=main.text,
                 aliases=tuple(others),
                 kind=kind,
-                centre=corner + right * (main.left + main.right) / 2 - up * (main.top + main.bottom) / 2,
                 normal=normal,
-                corners=np.array([corner + right * x - up * y for x, y in spots]),
-                letter_height=main.letter_height,
+                corners=_corners(corner, right, *ink),
+                lines=lines,
+                thickness=thickness,
                 double_sided=double_sided,
                 face=face,
             )
         )
+
+
+def _corners(
+    origin: NDArray[np.float64], along: NDArray[np.float64], left: float, top: float, right: float, bottom: float
+) -> NDArray[np.float64]:
+    """(4, 3) of a box on an upright board with its upper left corner at `origin`: upper left first, clockwise."""
+    up = np.array([0.0, 0.0, 1.0])
+    spots = ((left, top), (right, top), (right, bottom), (left, bottom))
+    return np.array([origin + along * x - up * y for x, y in spots])
 
 
 def build_mall(seed: int, options: SimulationConfig) -> Mall:
@@ -142,7 +208,7 @@ def build_mall(seed: int, options: SimulationConfig) -> Mall:
     _lay_floor(rng, builder, layout)
     _hang_ceiling(rng, builder, layout, height)
     lamps = lighting.hang_lamps(rng, builder, layout, height)
-    front = WallBuilder(rng, builder, painter, height)
+    front = WallBuilder(rng, builder, painter, height, options.projecting_share)
     for wall in sorted(layout.walls, key=lambda each: -each.length):
         front.furnish(wall)
     _hang_overhead_signs(rng, painter, layout, height)
@@ -189,7 +255,8 @@ def _hang_overhead_signs(rng: np.random.Generator, painter: SignPainter, layout:
             continue
         along = (end - start) / span
         kind = "facility" if rng.random() < 0.8 else "slogan"
-        board, kind = painter.paint(kind, "plain", float(rng.uniform(0.14, 0.2)), 1.9, 320.0)
+        letters, middle = float(rng.uniform(0.14, 0.2)), np.append((start + end) / 2, 2.25)
+        board, kind = painter.paint(kind, "plain", letters, 1.9, 320.0, middle)
         place = start + along * span * rng.uniform(0.4, 0.6)
         centre = np.array([place[0], place[1], min(2.25 + board.height / 2, height - 0.1 - board.height / 2)])
         right = np.array([-along[1], along[0], 0.0])

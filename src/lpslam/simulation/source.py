@@ -17,7 +17,7 @@ from lpslam.simulation import sensor
 from lpslam.simulation.mall import build_mall
 from lpslam.simulation.render import render
 from lpslam.simulation.signs import Sign
-from lpslam.simulation.visibility import is_readable
+from lpslam.simulation.visibility import SignViews, views_of
 from lpslam.simulation.walk import FPS, stroll
 
 TARGET_BRIGHTNESS = 118.0  # mean grey value that the exposure aims at
@@ -97,13 +97,15 @@ class MallSource:
 
     @cached_property
     def signs(self) -> list[Sign]:
-        """All signs of the world with the number of frames in which each is readable."""
-        poses = [(self.ground_truth.world_from_camera[i], *self._shutter(i)) for i in range(len(self))]
-        scene = self._mall.scene
-        return [
-            replace(sign, readable_frames=sum(is_readable(sign, scene, self._camera, *pose) for pose in poses))
-            for sign in self._mall.signs
-        ]
+        """All signs of the world with the number of frames in which each is readable, and from when on."""
+        return [_as_seen(sign, views) for sign, views in zip(self._mall.signs, self.sign_views, strict=True)]
+
+    @cached_property
+    def sign_views(self) -> list[SignViews]:
+        """How each sign is seen in every frame."""
+        opened, closed = (np.array(poses) for poses in zip(*map(self._shutter, range(len(self))), strict=True))
+        middle = self.ground_truth.world_from_camera
+        return [views_of(sign, self._mall.scene, self._camera, middle, opened, closed) for sign in self._mall.signs]
 
     def __len__(self) -> int:
         """Number of frames."""
@@ -170,3 +172,15 @@ class MallSource:
             last = self._gains[-1] / self._options.light if self._gains else aim
             self._gains.append((last + EXPOSURE_LAG * (aim - last)) * self._options.light)
         return self._gains[index]
+
+
+def _as_seen(sign: Sign, views: SignViews) -> Sign:
+    readable = np.flatnonzero(views.readable())
+    return replace(
+        sign,
+        lines=tuple(
+            replace(line, readable_frames=int(views.readable(row).sum())) for row, line in enumerate(sign.lines)
+        ),
+        readable_frames=len(readable),
+        readable_from=float(readable[0]) / FPS if len(readable) else None,
+    )

@@ -1,7 +1,7 @@
 """The walking camera: along the route, bobbing, turning no faster than allowed, looking at signs as it passes."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numba import njit
@@ -16,6 +16,7 @@ OVERLAP = 4.0  # metres walked past the start, so that the loop is seen to close
 STEP = 1.0 / 240.0  # seconds between the computed poses
 TICK = 0.1  # seconds between decisions where to look
 DWELL = 0.6  # seconds for which a sign is looked at
+KEEP_RIGHT = 0.5  # metres off the middle of a corridor that is walked in both directions
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,12 +65,14 @@ def stroll(
         seed: decides pace, height, bob and the start on the route.
         layout: gives the route.
         signs: what there is to look at.
-        options: the bound on turning.
+        options: pace, the bound on turning, and whether to come back the same way.
         frames: how many frames; None for once around and a little more.
         visit: another number is another walk along the same route.
     """
     rng = np.random.default_rng([seed, 11, *([visit] if visit else [])])
     path = _rounded(layout.route, radius=1.3)
+    if options.way == "there-and-back":
+        path, signs = _there_and_back(path), _by_side(signs)
     lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
     around = float(lengths[-1])
     pace = options.speed
@@ -133,6 +136,26 @@ def _rounded(corners: NDArray[np.float64], radius: float) -> NDArray[np.float64]
     lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(ring, axis=0), axis=1))])
     even = np.linspace(0, lengths[-1], max(50, round(lengths[-1] / 0.05)))
     return np.column_stack([np.interp(even, lengths, ring[:, axis]) for axis in range(2)])
+
+
+def _there_and_back(ring: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A closed path around a ring and back again, on the right hand side of either direction."""
+    along = np.gradient(ring, axis=0)
+    along[[0, -1]] = (ring[1] - ring[-2]) / 2
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    aside = KEEP_RIGHT * np.column_stack([along[:, 1], -along[:, 0]])
+    turn = np.linspace(0, np.pi, 24)[1:-1, None]
+    # The turn swings out ahead, from the right of one direction to the right of the other.
+    last = ring[-1] + np.cos(turn) * aside[-1] + np.sin(turn) * KEEP_RIGHT * along[-1]
+    first = ring[0] - np.cos(turn) * aside[0] - np.sin(turn) * KEEP_RIGHT * along[0]
+    return np.vstack([ring + aside, last, (ring - aside)[::-1], first, ring[:1] + aside[:1]])
+
+
+def _by_side(signs: tuple[Sign, ...]) -> tuple[Sign, ...]:
+    """Signs of one side only: who comes back looks at the back too."""
+    fronts = [replace(sign, double_sided=False) for sign in signs]
+    backs = [replace(sign, double_sided=False, normal=-sign.normal) for sign in signs if sign.double_sided]
+    return (*fronts, *backs)
 
 
 def _along(

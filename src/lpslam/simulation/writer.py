@@ -1,7 +1,8 @@
 """Writes a rendered walk as a TUM RGB-D folder with its calibration, ground truth and signs."""
 
 import json
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import cv2
@@ -24,7 +25,8 @@ def write_sequence(source: MallSource, folder: Path, on_progress: Callable[[int,
     """Render every frame into a folder.
 
     The folder gets `rgb/`, `depth/` (16 bit, 5000 a metre), `rgb.txt`, `depth.txt`, `groundtruth.txt` (TUM format, the
-    camera's optical frame in the world), `camera.yaml` and `signs.json`.
+    camera's optical frame in the world), `camera.yaml`, `signs.json` and `readability.csv`: how each sign is seen in
+    every frame that shows some of it.
 
     Args:
         source: the walk.
@@ -53,6 +55,7 @@ def _write(source: MallSource, folder: Path, on_progress: Callable[[int, int], N
     )
     signs = {"signs": [sign.as_json() for sign in source.signs]}
     (folder / "signs.json").write_text(json.dumps(signs, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
+    (folder / "readability.csv").write_text("\n".join([_VIEW_COLUMNS, *_view_rows(source)]) + "\n", encoding="utf-8")
     listed: dict[str, list[str]] = {"rgb": [], "depth": []}
     for done, frame in enumerate(source, start=1):
         depth = np.clip(np.rint(frame.depth * source.camera.depth_scale), 0, 65535).astype(np.uint16)
@@ -65,6 +68,23 @@ def _write(source: MallSource, folder: Path, on_progress: Callable[[int, int], N
             on_progress(done, len(source))
     for name, entries in listed.items():
         _write_list(folder / f"{name}.txt", "timestamp filename", entries)
+
+
+_VIEW_COLUMNS = "frame,sign,letter_pixels,angle_degrees,distance_m,blur_pixels,seen_share,readable"
+
+
+def _view_rows(source: MallSource) -> Iterator[str]:
+    """A line for each frame and sign that it shows some of."""
+    views = source.sign_views
+    readable = [each.readable() for each in views]
+    for frame in range(len(source)):
+        for sign, each in zip(source.signs, views, strict=True):
+            if each.seen_share[frame] > 0:
+                yield (
+                    f"{frame},{sign.id},{each.letter_pixels[frame]:.1f},{math.degrees(each.angle[frame]):.1f},"
+                    f"{each.distance[frame]:.2f},{each.blur_pixels[frame]:.1f},{each.seen_share[frame]:.2f},"
+                    f"{int(readable[sign.id][frame])}"
+                )
 
 
 def _write_png(path: Path, picture: np.typing.NDArray[np.generic]) -> None:
