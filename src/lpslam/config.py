@@ -172,6 +172,8 @@ class ReadingConfig(_Section):
     # ... of so many frames; reading then waits for a sharper one, no longer than so many intervals.
     blur_window: int = Field(default=15, ge=1)
     blur_patience: float = Field(default=2.0, ge=0)
+    # Share of the time that live reading may take: on two cores, tracking, mapping and the camera need the rest.
+    live_share: float = Field(default=0.6, gt=0, le=1)
     # Frames worth reading that may wait beside tracking (2 MB each); the oldest is dropped when one more comes.
     queue_size: int = Field(default=64, ge=1)
 
@@ -440,6 +442,10 @@ class EvaluationConfig(_Section):
     landmark_distance: float = Field(default=1.0, gt=0)
     # Fewest frames in which a sign must be readable before it is expected in the map.
     readable_frames: int = Field(default=10, ge=0)
+    # Degrees between a landmark's normal and its sign's.
+    facing_angle: float = Field(default=10.0, gt=0)
+    # Metres from which two signs of the same words are two places.
+    duplicate_distance: float = Field(default=2.0, ge=0)
 
 
 class LanguageConfig(_Section):

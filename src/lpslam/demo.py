@@ -11,11 +11,10 @@ from lpslam.config import Config, SimulationConfig
 from lpslam.errors import UserError
 from lpslam.evaluation.language import paper_cases, score_language
 from lpslam.evaluation.report import evaluate
-from lpslam.evaluation.signs import TrueSign
+from lpslam.evaluation.signs import TrueSign, listed_signs
 from lpslam.evaluation.trajectory import StampedPoses
 from lpslam.language.registry import language_model
 from lpslam.mapfile.container import refuse_foreign_file
-from lpslam.simulation.signs import Sign
 from lpslam.simulation.source import MallSource
 from lpslam.views.answers import answer_record, answer_text
 from lpslam.views.drawable import printable
@@ -109,13 +108,7 @@ def run_demo(
 
 def true_signs(mall: MallSource) -> list[TrueSign]:
     """The signs of a mall as its signs.json would list them."""
-    return [_true_sign(sign) for sign in mall.signs]
-
-
-def _true_sign(sign: Sign) -> TrueSign:
-    x, y, z = (float(value) for value in sign.centre)
-    a, b, c = (float(value) for value in sign.normal)
-    return TrueSign(sign.id, sign.text, sign.aliases, sign.kind, (x, y, z), (a, b, c), sign.readable_frames)
+    return listed_signs([sign.as_json() for sign in mall.signs], mall.name)
 
 
 def _write_report(

@@ -1,5 +1,5 @@
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from lpslam.errors import UserError
 from lpslam.evaluation.landmarks import score_landmarks
-from lpslam.evaluation.signs import TrueSign, read_signs
+from lpslam.evaluation.signs import TrueLine, TrueSign, read_signs
 
 
 @dataclass(frozen=True)
@@ -16,16 +16,20 @@ class Mark:
     id: int
     name: str
     position: np.ndarray
+    normal: np.ndarray = field(default_factory=lambda: np.array([0.0, -1.0, 0.0]))
 
 
-def mark(identifier: int, name: str, *position: float) -> Mark:
-    return Mark(identifier, name, np.array(position, dtype=float))
+def mark(identifier: int, name: str, *position: float, turned: float = 0.0) -> Mark:
+    """A landmark that faces -y, or is turned from there by some degrees."""
+    radians = np.radians(turned)
+    normal = np.array([np.sin(radians), -np.cos(radians), 0.0])
+    return Mark(identifier, name, np.array(position, dtype=float), normal)
 
 
 def sign(
     identifier: int, text: str, *centre: float, aliases: tuple[str, ...] = (), frames: int | None = 50
 ) -> TrueSign:
-    return TrueSign(identifier, text, aliases, "shop", (centre[0], centre[1], centre[2]), None, frames)
+    return TrueSign(identifier, text, aliases, "shop", (centre[0], centre[1], centre[2]), (0.0, -1.0, 0.0), frames)
 
 
 SIGNS = [
@@ -70,6 +74,84 @@ def test_the_alignment_is_applied() -> None:
     assert score_landmarks(marks, SIGNS, np.eye(4)).recall == 0.0
 
 
+BOARD = replace(
+    sign(0, "HUAWEI", 2, 0, 2.1, aliases=("华为", "HUAWEI 华为", "华为 HUAWEI")),
+    lines=(TrueLine("HUAWEI", (2, 0, 2.1), 1.0, 0.2, 50), TrueLine("华为", (2, 0, 1.8), 0.4, 0.2, 20)),
+)
+
+
+@pytest.mark.parametrize(
+    ("name", "height", "whole"),
+    [("HUAWEI", 2.1, False), ("华为", 1.8, False), ("HUAWEI 华为", 1.95, True), ("华为 HUAWEl", 1.95, True)],
+)
+def test_a_landmark_belongs_to_the_middle_of_the_lines_that_it_says(name: str, height: float, whole: bool) -> None:
+    (match,) = score_landmarks([mark(0, name, 2, 0, height)], [BOARD], np.eye(4)).matches
+    assert match.distance == pytest.approx(0, abs=1e-9)
+    assert match.whole is whole
+    score = score_landmarks([mark(0, name, 2.03, 0.04, height)], [BOARD], np.eye(4))
+    assert score.median_position_error == pytest.approx(0.05)
+    assert score.whole_name_share == float(whole)
+    # A second line that nobody could read is not missed.
+    faint = replace(BOARD, lines=(BOARD.lines[0], replace(BOARD.lines[1], readable_frames=3)))
+    assert score_landmarks([mark(0, name, 2, 0, height)], [faint], np.eye(4)).whole_name_share is None
+
+
+def test_the_middle_of_lines_of_different_lengths_is_that_of_their_ink() -> None:
+    # Reading from the left, along +x for someone who looks at a face towards -y.
+    lines = (TrueLine("AB", (1.0, 0, 2.0), 2.0, 0.4), TrueLine("CD", (0.5, 0, 1.5), 1.0, 0.2))
+    two = replace(sign(0, "AB", 1.0, 0, 2.0, aliases=("CD", "AB CD")), lines=lines)
+    np.testing.assert_allclose(two.middle_of("AB CD"), [1.0, 0, (2.2 + 1.4) / 2])
+    turned = replace(two, normal=(0.0, 1.0, 0.0))
+    np.testing.assert_allclose(turned.middle_of("AB CD"), [1.0, 0, 1.8])
+    np.testing.assert_allclose(replace(two, lines=()).middle_of("AB CD"), [1.0, 0, 2.0])
+
+
+def test_facings_are_counted_within_ten_degrees() -> None:
+    marks = [
+        mark(0, "STARBUCKS", 0, 0, 2, turned=9),
+        mark(1, "WASHROOM", 5, 0, 2, turned=-11),
+        mark(2, "EXIT", 9, 0, 2),
+    ]
+    score = score_landmarks(marks, SIGNS, np.eye(4))
+    assert [match.angle for match in score.matches] == pytest.approx([9, 11, 0], abs=1e-5)
+    assert score.facing_share == pytest.approx(2 / 3)
+    unknown = [replace(each, normal=None) for each in SIGNS]
+    assert score_landmarks(marks, unknown, np.eye(4)).facing_share is None
+
+
+def test_a_sign_with_two_sides_is_right_from_either() -> None:
+    hung = replace(sign(0, "EXIT", 0, 0, 2), double_sided=True, thickness=0.06)
+    for depth, error in ((0.0, 0.0), (0.03, 0.0), (0.06, 0.0), (0.16, 0.1), (-0.1, 0.1)):
+        (match,) = score_landmarks([mark(0, "EXIT", 0, depth, 2, turned=180)], [hung], np.eye(4)).matches
+        assert match.distance == pytest.approx(error, abs=1e-9)
+        assert match.angle == pytest.approx(0, abs=1e-5)
+    (match,) = score_landmarks(
+        [mark(0, "EXIT", 0, 0.06, 2, turned=180)], [SIGNS[0], sign(1, "EXIT", 0, 0, 2)], np.eye(4)
+    ).matches
+    assert match.distance == pytest.approx(0.06)
+    assert match.angle == pytest.approx(180, abs=1e-5)
+
+
+def test_duplicates_are_apart_when_each_has_its_own_landmark() -> None:
+    exits = [sign(n, "EXIT", x, 0, 2) for n, x in enumerate((0.0, 3.0, 18.0))]
+    other = [sign(3, "EXIT 2", 6, 0, 2), sign(4, "EXIT", 30, 0, 2, frames=2), sign(5, "EXIT", 1.5, 0, 2, frames=0)]
+    near = sign(6, "exit", 19.5, 0, 2)
+    marks = [mark(0, "EXIT", 0, 0, 2), mark(1, "EXIT", 3, 0, 2)]
+    score = score_landmarks(marks, [*exits, *other], np.eye(4))
+    assert (score.duplicates, score.duplicates_apart) == (3, 1)
+    # Nearer than two metres is one place; 18 and 19.5 m are, and both are apart from the rest.
+    score = score_landmarks([*marks, mark(2, "EXIT", 19.0, 0, 2)], [*exits, *other, near], np.eye(4))
+    assert (score.duplicates, score.duplicates_apart) == (5, 3)
+    merged = score_landmarks([mark(0, "EXIT", 1.5, 0, 2)], exits, np.eye(4))
+    assert (merged.duplicates, merged.duplicates_apart) == (3, 0)
+
+
+def test_a_landmark_on_a_sign_that_nobody_could_read_is_right() -> None:
+    unread = [sign(0, "EXIT", 0, 0, 2, frames=0)]
+    score = score_landmarks([mark(0, "EXIT", 0, 0, 2)], unread, np.eye(4))
+    assert (score.recall, score.precision, score.strays) == (None, 1.0, ())
+
+
 def test_two_signs_of_the_same_words_are_matched_the_best_way_overall() -> None:
     signs = [sign(0, "EXIT", 0, 0, 0), sign(1, "EXIT", 0.8, 0, 0)]
     # The first landmark is nearer to sign 1, but only it can be sign 0 as well.
@@ -99,6 +181,9 @@ def test_signs_file(tmp_path: Path, bare: bool) -> None:
         {"id": 4, "text": "必胜客", "aliases": ["PIZZA HUT"], "kind": "restaurant", "centre": [1, 2, 3],
          "normal": [0, 1, 0], "width": 1, "height": 0.3, "readable_frames": 12},
         {"text": "EXIT", "center": [0, 0, 0]},
+        {"text": "ATM", "centre": [0, 0, 2], "double_sided": True, "thickness": 0.05, "readable_from": 3.5, "lines": [
+            {"text": "ATM", "centre": [0, 0, 2], "width": 0.4, "height": 0.1, "readable_frames": 7}]},
+        {"text": "TAXI", "centre": [0, 0, 2], "lines": [{"text": "TAXI"}]},
     ]  # fmt: skip
     path = tmp_path / "signs.json"
     path.write_text(json.dumps(listed if bare else {"signs": listed}), encoding="utf-8")
@@ -106,6 +191,7 @@ def test_signs_file(tmp_path: Path, bare: bool) -> None:
     assert signs is not None
     assert signs[0] == TrueSign(4, "必胜客", ("PIZZA HUT",), "restaurant", (1, 2, 3), (0, 1, 0), 12)
     assert (signs[1].id, signs[1].readable_frames, signs[1].normal) == (1, None, None)
+    assert (signs[1].lines, signs[1].double_sided, signs[1].readable_from) == ((), False, None)
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,8 @@
-"""How well a map's landmarks tell the signs of the scene: recall, precision and position error."""
+"""How well a map's landmarks tell the signs of the scene: recall, precision, names, places, facings."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Protocol
 
 import numpy as np
@@ -18,7 +19,7 @@ _DEFAULTS = EvaluationConfig()
 
 
 class NamedPlace(Protocol):
-    """What of a landmark is scored: `position` is (3,) metres in the map frame."""
+    """What of a landmark is scored: its name, place and facing in the map frame."""
 
     @property
     def id(self) -> int:
@@ -35,6 +36,11 @@ class NamedPlace(Protocol):
         """(3,) metres, map frame."""
         ...
 
+    @property
+    def normal(self) -> Array:
+        """(3,) unit, out of the text's surface, map frame."""
+        ...
+
 
 @dataclass(frozen=True, slots=True)
 class Match:
@@ -44,8 +50,10 @@ class Match:
         landmark, name: the landmark.
         sign, text: the sign.
         similarity: Eq. 3, of the name with the sign's text or an alias.
-        distance: metres.
+        distance: metres, to the middle of the line or lines of the sign that the name says.
         exact: whether the name is the text or an alias but for case and spaces.
+        angle: degrees between the normals; None where the sign's is not known.
+        whole: of a sign of several lines that could all be read, whether the name has them all; else None.
     """
 
     landmark: int
@@ -55,6 +63,8 @@ class Match:
     similarity: float
     distance: float
     exact: bool
+    angle: float | None
+    whole: bool | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +97,11 @@ class LandmarkScore:
         recall: share of the readable signs that have a landmark; None without readable signs.
         precision: share of the landmarks that are a sign of their own; None without landmarks.
         median_position_error: metres, over the matches; None without matches.
+        facing_share: share of the matches whose normal is right; None without any that is known.
         exact_name_share: share of the matches whose name is exact; None without matches.
+        whole_name_share: share of the matched boards of several readable lines whose name has them all; None without.
+        duplicates: pairs of expected signs of the same words that are far enough apart to be two places.
+        duplicates_apart: how many of these pairs have two landmarks.
         readable_signs: signs that were readable long enough to be expected.
         landmarks: landmarks scored.
         matches: each landmark that is a sign, with it.
@@ -98,7 +112,11 @@ class LandmarkScore:
     recall: float | None
     precision: float | None
     median_position_error: float | None
+    facing_share: float | None
     exact_name_share: float | None
+    whole_name_share: float | None
+    duplicates: int
+    duplicates_apart: int
     readable_signs: int
     landmarks: int
     matches: tuple[Match, ...]
@@ -123,9 +141,16 @@ def score_landmarks(
     positions = transform_points(
         truth_from_map, np.array([landmark.position for landmark in landmarks], dtype=np.float64).reshape(-1, 3)
     )
-    centres = np.array([sign.centre for sign in signs], dtype=np.float64).reshape(-1, 3)
-    distances = np.linalg.norm(positions[:, None] - centres[None], axis=2)
-    likeness = np.array([[_likeness(mark.name, sign) for sign in signs] for mark in landmarks]).reshape(distances.shape)
+    normals = [truth_from_map[:3, :3] @ landmark.normal for landmark in landmarks]
+    shape = (len(landmarks), len(signs))
+    said = [[_name_said(mark.name, sign) for sign in signs] for mark in landmarks]
+    likeness = np.array([[like for _, like in row] for row in said]).reshape(shape)
+    distances = np.array(
+        [
+            [sign.distance(name, position) for (name, _), sign in zip(row, signs, strict=True)]
+            for row, position in zip(said, positions, strict=True)
+        ]
+    ).reshape(shape)
     possible = (likeness >= thresholds.name_similarity) & (distances <= thresholds.landmark_distance)
 
     # As many matches as can be; among those, the likest names and the nearest places.
@@ -144,6 +169,8 @@ def score_landmarks(
             similarity=float(likeness[row, column]),
             distance=float(distances[row, column]),
             exact=bool(likeness[row, column] == 1.0),
+            angle=signs[column].angle(normals[row]),
+            whole=_is_whole(landmarks[row].name, signs[column], thresholds),
         )
         for row, column in sign_of.items()
     )
@@ -152,11 +179,22 @@ def score_landmarks(
         for row in range(len(landmarks))
         if row not in sign_of
     )
+    angles = [match.angle for match in matches if match.angle is not None]
+    wholes = [match.whole for match in matches if match.whole is not None]
+    twins = [
+        (first, second)
+        for first, second in combinations(expected, 2)
+        if _are_twins(signs[first], signs[second], thresholds.duplicate_distance)
+    ]
     return LandmarkScore(
         recall=_share(sum(column in taken for column in expected), len(expected)),
         precision=_share(len(matches), len(landmarks)),
         median_position_error=float(np.median([match.distance for match in matches])) if matches else None,
+        facing_share=_share(sum(angle <= thresholds.facing_angle for angle in angles), len(angles)),
         exact_name_share=_share(sum(match.exact for match in matches), len(matches)),
+        whole_name_share=_share(sum(wholes), len(wholes)),
+        duplicates=len(twins),
+        duplicates_apart=sum(first in taken and second in taken for first, second in twins),
         readable_signs=len(expected),
         landmarks=len(landmarks),
         matches=matches,
@@ -165,9 +203,26 @@ def score_landmarks(
     )
 
 
-def _likeness(name: str, sign: TrueSign) -> float:
+def _name_said(name: str, sign: TrueSign) -> tuple[str, float]:
+    """Which of a sign's names a landmark's name is likest to, and how much."""
     key = comparison_key(name)
-    return max(similarity(key, comparison_key(text)) for text in (sign.text, *sign.aliases)) if key else 0.0
+    if not key:
+        return sign.text, 0.0
+    return max(((text, similarity(key, comparison_key(text))) for text in sign.names), key=lambda each: each[1])
+
+
+def _is_whole(name: str, sign: TrueSign, thresholds: EvaluationConfig) -> bool | None:
+    """Whether a name has all lines of a sign; None where the sign has one line, or one that could not be read."""
+    if len(sign.lines) < 2 or any((line.readable_frames or 0) < thresholds.readable_frames for line in sign.lines):
+        return None
+    said, like = _name_said(name, sign)
+    return like >= thresholds.name_similarity and said not in {line.text for line in sign.lines}
+
+
+def _are_twins(first: TrueSign, second: TrueSign, distance: float) -> bool:
+    """Whether two signs say the same in two places."""
+    same = {comparison_key(name) for name in first.names} == {comparison_key(name) for name in second.names}
+    return same and float(np.linalg.norm(np.subtract(first.centre, second.centre))) >= distance
 
 
 def _is_expected(sign: TrueSign, readable_frames: int) -> bool:

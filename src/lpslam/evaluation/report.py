@@ -1,4 +1,4 @@
-"""How a map compares with what is known of its recording: trajectory error, share tracked, landmarks."""
+"""How a map compares with what is known of its recording: trajectory error, share tracked, landmarks, reading."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,6 +8,7 @@ import numpy as np
 from lpslam.config import EvaluationConfig
 from lpslam.errors import UserError
 from lpslam.evaluation.landmarks import LandmarkScore, score_landmarks
+from lpslam.evaluation.remembering import ReadingCost, reading_cost, remembering_delays
 from lpslam.evaluation.signs import TrueSign, read_signs
 from lpslam.evaluation.trajectory import AteResult, absolute_trajectory_error
 from lpslam.mapfile.language_map import LanguageMap
@@ -25,6 +26,9 @@ class Evaluation:
         path_length: metres, of the true trajectory over the time that is compared.
         frames, frames_mapped, frames_tracked: in the recording, seen by the run that made the map, and with a pose.
         landmarks: against the true signs; None where the recording lists none.
+        delays: seconds from when each expected sign could first be read to when it was remembered, by its id; None for
+            one that never was.
+        reading: what reading cost; None where nothing was read.
     """
 
     ate: AteResult
@@ -33,6 +37,14 @@ class Evaluation:
     frames_mapped: int
     frames_tracked: int
     landmarks: LandmarkScore | None
+    delays: dict[int | str, float | None]
+    reading: ReadingCost | None
+
+    @property
+    def median_delay(self) -> float | None:
+        """Seconds, over the signs that were remembered; None without."""
+        known = [delay for delay in self.delays.values() if delay is not None]
+        return float(np.median(known)) if known else None
 
     @property
     def share_tracked(self) -> float:
@@ -78,8 +90,22 @@ def evaluate(
     if len(estimate) < 3:
         raise UserError(f"map of {world.source}: {len(estimate)} tracked frames; the trajectory error needs at least 3")
     ate = absolute_trajectory_error(truth, estimate, config.association_tolerance)
-    scored = None if signs is None else score_landmarks(world.landmarks(), signs, ate.truth_from_estimate, config)
-    return Evaluation(ate, _path_length(truth, ate), frames, world.trajectory.frame_count, len(estimate), scored)
+    scored, delays = None, {}
+    if signs is not None:
+        scored = score_landmarks(world.landmarks(), signs, ate.truth_from_estimate, config)
+        long_term = world.text.long_term
+        delays = remembering_delays(long_term, world.world_from_keyframe, signs, ate.truth_from_estimate, config)
+    seconds = float(np.ptp(estimate.timestamps))
+    return Evaluation(
+        ate=ate,
+        path_length=_path_length(truth, ate),
+        frames=frames,
+        frames_mapped=world.trajectory.frame_count,
+        frames_tracked=len(estimate),
+        landmarks=scored,
+        delays=delays,
+        reading=reading_cost(world.statistics.get("reading", {}), seconds),
+    )
 
 
 def _path_length(truth: StampedPoses, ate: AteResult) -> float:
