@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import nullcontext
 from dataclasses import asdict, dataclass, replace
 
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera
-from lpslam.config import Config
+from lpslam.config import Config, ReadingConfig
 from lpslam.errors import UserError
 from lpslam.frames import FrameSource
 from lpslam.language.beside import NamingBeside
@@ -25,7 +26,7 @@ from lpslam.sources.pacing import Paced
 from lpslam.sources.prefetch import Prefetched
 from lpslam.text.distilling import DEFAULT_QUESTION, distil
 from lpslam.text.mapper import TextMapper
-from lpslam.text.reading_thread import ReadingThread
+from lpslam.text.reading_thread import ReadingThread, yield_to_others
 from lpslam.text.spotting import PaddleSpotter
 from lpslam.text.text_map import TextMap
 from lpslam.text.types import Landmark
@@ -113,14 +114,14 @@ def run(
     slam = RgbdSlam(source.camera, config.slam, live=live, base=base.slam if base else None)
     text_map = base.text if base else TextMap(config.text)
     beside = _naming_beside(language) if text else None
-    mapper = _text_mapper(source.camera, config, text_map, beside) if text else None
+    is_threaded = live or not sequential
+    mapper = _text_mapper(source.camera, config, text_map, beside, is_threaded) if text else None
     first_index = 0
     if base is not None:
         slam.trajectory, first_index = base.trajectory, base.trajectory.begin_session()
         if mapper is not None:
             mapper.resume(base.world_from_keyframe)
-    is_threaded = mapper is not None and (live or not sequential)
-    reader = ReadingThread(mapper, config.text.reading.queue_size) if mapper is not None and is_threaded else None
+    reader = _reading_thread(mapper, config.text.reading, live) if mapper is not None and is_threaded else None
     reading = reader or mapper
     decoded = Prefetched(InOrder(source))
     frames = Paced(decoded) if live else decoded
@@ -218,8 +219,18 @@ def _naming_beside(language: LanguageModel | None) -> NamingBeside | None:
     return NamingBeside(language, OfflineModel())
 
 
-def _text_mapper(camera: PinholeCamera, config: Config, text_map: TextMap, beside: NamingBeside | None) -> TextMapper:
-    return TextMapper(camera, PaddleSpotter(config.text.spotting), config.text, OfflineModel(), text_map, beside)
+def _reading_thread(mapper: TextMapper, config: ReadingConfig, live: bool) -> ReadingThread:
+    """Live, the newest frame is read; without a camera's pace, none is left out while the queue is not full."""
+    return ReadingThread(mapper, 1, config.live_share) if live else ReadingThread(mapper, config.queue_size)
+
+
+def _text_mapper(
+    camera: PinholeCamera, config: Config, text_map: TextMap, beside: NamingBeside | None, is_threaded: bool
+) -> TextMapper:
+    # The engine's own threads are as patient as the thread that loads it.
+    with ThreadPoolExecutor(1, initializer=yield_to_others if is_threaded else None) as loader:
+        spotter = loader.submit(PaddleSpotter, config.text.spotting).result()
+    return TextMapper(camera, spotter, config.text, OfflineModel(), text_map, beside)
 
 
 def distill(

@@ -1,7 +1,11 @@
 """Reading beside tracking: a thread of its own behind a bounded queue that drops the oldest frame."""
 
+import os
+import sys
 import threading
+import time
 from collections import deque
+from contextlib import suppress
 from types import TracebackType
 from typing import Self
 
@@ -23,8 +27,10 @@ class ReadingThread:
         dropped: frames that were worth reading but came faster than they could be read.
     """
 
-    def __init__(self, mapper: TextMapper, queue_size: int) -> None:
+    def __init__(self, mapper: TextMapper, queue_size: int, share: float = 1.0) -> None:
+        """Args: mapper; frames that may wait; `share` of the time, 0 to 1, that may be spent reading."""
         self._mapper = mapper
+        self._share = share
         self._queue: deque[tuple[RgbdFrame, TrackedFrame]] = deque()
         self._queue_size = queue_size
         self._changed = threading.Condition()
@@ -65,14 +71,30 @@ class ReadingThread:
             raise self._error
 
     def _work(self) -> None:
+        yield_to_others()
         while True:
             with self._changed:
                 self._changed.wait_for(lambda: self._queue or self._closing)
                 if not self._queue:
                     return
                 frame, tracked = self._queue.popleft()
+            before = time.perf_counter()
             try:
                 self._mapper.read(frame, tracked)
             except Exception as error:
                 self._error = error
                 return
+            taken = time.perf_counter() - before
+            with self._changed:
+                self._changed.wait_for(lambda: self._closing, taken * (1.0 / self._share - 1.0))
+
+
+def yield_to_others() -> None:
+    """Let the calling thread, and those that it starts, run where others leave processor time; on Linux alone."""
+    if sys.platform == "linux":
+        with suppress(OSError):
+            os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _NICENESS)
+
+
+_NICENESS = 10
+"""Of threads that read: tracking and mapping come first."""
