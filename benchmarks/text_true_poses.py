@@ -16,17 +16,17 @@ from lpslam.slam.map import SlamMap
 from lpslam.slam.state import TrackedFrame, TrackingState
 from lpslam.slam.trajectory import Trajectory
 from lpslam.text.mapper import TextMapper
-from lpslam.text.spotting import PaddleSpotter
+from lpslam.text.spotting import TextSpotter
 
 FRAMES_A_KEYFRAME = 30
 
 
-def map_with_true_poses(source: FrameSource, truth: StampedPoses, config: Config) -> LanguageMap:
+def map_with_true_poses(source: FrameSource, truth: StampedPoses, config: Config, spotter: TextSpotter) -> LanguageMap:
     """Map the texts of a recording in step, with a keyframe every second and nothing but its pose in it."""
     slam_map, trajectory, none = SlamMap(1, np.ones(1)), Trajectory(), np.zeros(0, np.float32)
     octave, descriptor = np.zeros(0, np.uint8), np.zeros((0, 4), np.uint64)
     features = Features(np.zeros((0, 2), np.float32), none, none, none > 0, octave, none, descriptor)
-    mapper = TextMapper(source.camera, PaddleSpotter(config.text.spotting), config.text, OfflineModel())
+    mapper = TextMapper(source.camera, spotter, config.text, OfflineModel())
     for count, frame in enumerate(source):
         world_from_camera = truth.world_from_camera[np.abs(truth.timestamps - frame.timestamp).argmin()]
         is_keyframe = count % FRAMES_A_KEYFRAME == 0

@@ -9,8 +9,7 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.camera import PinholeCamera
-from lpslam.config import Config, ReadingConfig
+from lpslam.config import Config, ReadingConfig, SpottingConfig
 from lpslam.errors import UserError
 from lpslam.frames import FrameSource
 from lpslam.language.beside import NamingBeside
@@ -27,7 +26,7 @@ from lpslam.sources.prefetch import Prefetched
 from lpslam.text.distilling import DEFAULT_QUESTION, distil
 from lpslam.text.mapper import TextMapper
 from lpslam.text.reading_thread import ReadingThread, yield_to_others
-from lpslam.text.spotting import PaddleSpotter
+from lpslam.text.spotting import PaddleSpotter, TextSpotter
 from lpslam.text.text_map import TextMap
 from lpslam.text.types import Landmark
 
@@ -84,6 +83,7 @@ def run(
     config: Config | None = None,
     *,
     language: LanguageModel | None = None,
+    spotter: TextSpotter | None = None,
     text: bool = True,
     sequential: bool = True,
     live: bool = False,
@@ -98,6 +98,7 @@ def run(
         config: thresholds; defaults without.
         language: names classes of misread strings; the embedded model without. Mapping never waits for another: the
             embedded model names at once, and the other's name takes its place when it comes.
+        spotter: finds and reads text; the networks of the configuration without.
         text: whether to read at all.
         sequential: read in step with tracking, the same map every time; else in a thread beside it, which drops
             frames when it falls behind.
@@ -115,7 +116,10 @@ def run(
     text_map = base.text if base else TextMap(config.text)
     beside = _naming_beside(language) if text else None
     is_threaded = live or not sequential
-    mapper = _text_mapper(source.camera, config, text_map, beside, is_threaded) if text else None
+    mapper = None
+    if text:
+        reader_of_text = spotter or _load_spotter(config.text.spotting, is_threaded)
+        mapper = TextMapper(source.camera, reader_of_text, config.text, OfflineModel(), text_map, beside)
     first_index = 0
     if base is not None:
         slam.trajectory, first_index = base.trajectory, base.trajectory.begin_session()
@@ -224,13 +228,10 @@ def _reading_thread(mapper: TextMapper, config: ReadingConfig, live: bool) -> Re
     return ReadingThread(mapper, 1, config.live_share) if live else ReadingThread(mapper, config.queue_size)
 
 
-def _text_mapper(
-    camera: PinholeCamera, config: Config, text_map: TextMap, beside: NamingBeside | None, is_threaded: bool
-) -> TextMapper:
+def _load_spotter(config: SpottingConfig, is_threaded: bool) -> PaddleSpotter:
     # The engine's own threads are as patient as the thread that loads it.
     with ThreadPoolExecutor(1, initializer=yield_to_others if is_threaded else None) as loader:
-        spotter = loader.submit(PaddleSpotter, config.text.spotting).result()
-    return TextMapper(camera, spotter, config.text, OfflineModel(), text_map, beside)
+        return loader.submit(PaddleSpotter, config).result()
 
 
 def distill(
