@@ -151,6 +151,13 @@ def test_another_word_at_another_place_keeps_its_own_name() -> None:
     assert [each.name for each in found] == ["WASHROOM", "BATHROOM", "WASHROOM"]
 
 
+def test_rooms_that_differ_in_a_digit_keep_their_numbers() -> None:
+    seen = observations("MEETING ROOM 2", 0.0, 6) + observations("MEETING ROOM 1", 8.0, 3)
+    seen += observations("MEETING ROOM!", 8.0, 2) + observations("MEETING ROOME", 8.0, 1)
+    found = places_of_class(text_class(seen, "MEETING ROOM 2"), world, CONFIG)
+    assert [each.name for each in found] == ["MEETING ROOM 2", "MEETING ROOM 1"]
+
+
 def carried(speed: float, seconds: float = 2.0, count: int = 12) -> TextClass:
     """A class read again and again while it moves along at `speed` metres a second."""
     text_class = TextClass(0, 0.0, seconds)

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.config import InstanceConfig
+from lpslam.language.spelling import explanation_cost, weigh
 from lpslam.text.instances import KeyframePoses, split_places, trimmed_position, world_placements
 from lpslam.text.memory import TextClass
 from lpslam.text.similarity import comparison_key, is_fragment, similarity
@@ -20,9 +21,8 @@ from lpslam.text.types import TextObservation
 
 Array = NDArray[np.float64]
 
-# A place is named by what is mostly read there when all its readings are so much more similar to that, on average,
-# than to the name of its class.
-_OTHER_NAME = 0.15
+# By how much a place's own readings must explain it better than the name of its class: a letter wrong twice.
+_OWN_NAME_COST = 5.0
 
 # A whole text is believed over its fragment with this share of the fragment's evidence: from near, pieces are read.
 _WHOLE_OVER_FRAGMENT = 0.25
@@ -93,7 +93,7 @@ def places_of_class(text_class: TextClass, world_from_keyframe: KeyframePoses, c
         trusted = _on_the_side_seen_most(rows[kept], normals)
         normal = _mean_direction(normals[trusted])
         baseline = _mean_direction(baselines[trusted])
-        name = _name_here(text_class, Counter(each.text for each in seen))
+        name = _name_here(text_class, seen, len(groups) > 1)
         key = comparison_key(name)
         places.append(
             Place(
@@ -160,15 +160,28 @@ def _mean_direction(directions: Array) -> Array:
     return np.asarray(mean / max(float(np.linalg.norm(mean)), 1e-12), dtype=np.float64)
 
 
-def _name_here(text_class: TextClass, counts: Counter[str]) -> str:
-    """The class's name, unless another text stands here: WASHROOM and BATHROOM may share a class, never a door."""
-    commonest = counts.most_common(1)[0][0]
-    by_class, by_count = (
-        sum(count * similarity(comparison_key(text), comparison_key(name)) for text, count in counts.items())
-        for name in (text_class.name, commonest)
-    )
-    is_its_own = by_count - by_class > _OTHER_NAME * counts.total()
-    return commonest if is_its_own and text_class.name not in counts and counts.total() >= 3 else text_class.name
+def _name_here(text_class: TextClass, readings: Sequence[TextObservation], stands_elsewhere: bool) -> str:
+    """The class's name, unless it stands elsewhere too and what was read here is explained better by a reading of here.
+
+    WASHROOM and BATHROOM, MEETING ROOM 1 and 2 may share a class, never a door.
+    """
+    if not stands_elsewhere:
+        return text_class.name
+    counts = Counter(each.text for each in readings)
+    weights = weigh((comparison_key(each.text), 1, each.confidence) for each in readings if comparison_key(each.text))
+    own = list(weights.items())
+    costs = {text: explanation_cost(comparison_key(text), own, _looks) for text, _ in counts.most_common()}
+    best = min(costs, key=lambda text: costs[text])
+    by_class = explanation_cost(comparison_key(text_class.name), own, _looks)
+    return best if costs[best] + _OWN_NAME_COST < by_class else text_class.name
+
+
+def _looks(text: str) -> str:
+    return text.translate(_ALIKE)
+
+
+_ALIKE = str.maketrans("015826", "olsbzg")
+"""Digits as which letters are read, and the other way round."""
 
 
 def without_overlaps(places: Sequence[Place], config: InstanceConfig) -> list[Place]:
