@@ -29,6 +29,8 @@ def draw_signs(
     """Write sheets OUT-1.png and so on: landmarks that are right in green, wrong ones in yellow, signs in white."""
     marks = world.landmarks()
     wrong = {stray.landmark for stray in score.strays}
+    two_sided = {sign.id for sign in signs if sign.double_sided}
+    from_both_sides = {match.landmark for match in score.matches if match.sign in two_sided}
     best = _best_frames(recording.folder)
     missed = {sign.id for sign in score.misses}
     wanted = [
@@ -48,7 +50,11 @@ def draw_signs(
     for index, title in wanted:
         frame = frames[index]
         row = int(np.abs(poses.timestamps - frame.timestamp).argmin())
-        picture = _with_landmarks(frame, world.camera, poses.world_from_camera[row], marks, wrong)
+        pose = poses.world_from_camera[row]
+        seen_marks = [
+            mark for mark in marks if mark.id in from_both_sides or (pose[:3, 3] - mark.position) @ mark.normal > 0
+        ]
+        picture = _with_landmarks(frame, world.camera, pose, seen_marks, wrong)
         _outline(picture, world.camera, recording, frame, signs)
         tiles.append(_titled(picture, f"{title} #{index}"))
     for sheet in range(0, len(tiles), COLUMNS * ROWS):
@@ -89,8 +95,7 @@ def _with_landmarks(
     boxes, kept, labels = [], [], []
     for mark in marks:
         corners = transform_points(inverse_transform(world_from_camera), _corners(mark))
-        way = world_from_camera[:3, 3] - mark.position
-        if corners[:, 2].min() < 0.3 or way @ mark.normal < 0 or np.linalg.norm(way) > FARTHEST:
+        if not 0.3 < corners[:, 2].min() < FARTHEST:
             continue
         box = camera.project(corners)
         u, v = np.rint(box.mean(axis=0)).astype(int)

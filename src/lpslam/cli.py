@@ -377,7 +377,7 @@ def simulate(
     duplicate_distances: Annotated[
         str | None, typer.Option(metavar="METRES,...", help="Signs that repeat another one so far from it: 3,15.")
     ] = None,
-    similar_names: Annotated[bool, typer.Option(help="Show GAP and GAO, EXIT and EXIT 2, and more like them.")] = False,
+    similar_names: Annotated[bool, typer.Option("--similar-names", help="Show GAP and GAO, EXIT and EXIT 2.")] = False,
     projecting_share: Annotated[float | None, typer.Option(help="Of the shops: signs that stand out, 0 to 1.")] = None,
     way: Annotated[str | None, typer.Option(help="around, or there-and-back: signs are seen from both sides.")] = None,
     as_json: Json = False,

@@ -6,7 +6,7 @@ Defaults live here; a YAML file may override any of them (`Config.from_yaml`). U
 from pathlib import Path
 from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
+from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, ValidationError, field_validator
 
 from lpslam.errors import UserError
 
@@ -418,7 +418,7 @@ class SimulationConfig(_Section):
     # How many signs repeat the words of another one.
     duplicates: int = Field(default=0, ge=0)
     # Signs that repeat another one's words and look about so many metres from it: one pair a number, if there is room.
-    duplicate_distances: tuple[float, ...] = ()
+    duplicate_distances: tuple[PositiveFloat, ...] = ()
     # Whether names that differ by one letter are shown for sure: GAP and GAO, EXIT and EXIT 2.
     similar_names: bool = False
     # Share of the shops with a double-sided sign that stands out of the wall.

@@ -1,0 +1,33 @@
+"""What `lpslam simulate` can be asked for."""
+
+from pathlib import Path
+
+import pytest
+
+from command_line import Command
+from lpslam.evaluation.signs import read_signs
+
+
+@pytest.mark.slow
+def test_a_mall_of_ones_own(lpslam: Command, tmp_path: Path) -> None:
+    options = ("--duplicate-distances", "3,15", "--similar-names", "--projecting-share", 1, "--way", "there-and-back")
+    done = lpslam("simulate", tmp_path / "mall", "--frames", 1, "--language", "english", "--json", *options)
+    assert (done.code, done.json["frames"]) == (0, 1)
+    signs = read_signs(tmp_path / "mall")
+    assert signs is not None
+    texts = [sign.text for sign in signs]
+    assert {"GAP", "GAO"} <= set(texts)
+    assert len(set(texts)) < len(texts)
+    assert sum(sign.double_sided for sign in signs) >= 5
+    assert all(sign.lines and sign.lines[0].text == sign.text for sign in signs)
+
+
+@pytest.mark.parametrize(
+    ("option", "value"),
+    [("--duplicate-distances", "3,near"), ("--duplicate-distances", "-3"), ("--projecting-share", "2"),
+     ("--way", "back")],
+)  # fmt: skip
+def test_what_no_mall_can_be_is_one_clear_line(lpslam: Command, tmp_path: Path, option: str, value: str) -> None:
+    complaint = lpslam("simulate", tmp_path / "mall", f"{option}={value}").complaint
+    assert complaint.startswith(f"option {option}: Input should")
+    assert not (tmp_path / "mall").exists()
