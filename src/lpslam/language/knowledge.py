@@ -1,40 +1,39 @@
 """What the embedded model knows, read from the tables in `data/`: kinds of place, brands, words, wants, warnings.
 
-The gazetteer comes from openly licensed indexes (`tools/build_gazetteer.py`); the lexicon is written by hand, one
-file a language. A further language is a further file, not further code.
+The gazetteer comes from openly licensed indexes (`tools/build_gazetteer.py`); the lexicon is written by hand: topics
+in all languages side by side, and one file a language for how it refuses, warns and turns a sentence. A further
+language or topic is a further file, not further code.
 """
 
 import json
 import lzma
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from importlib.resources import files
-from typing import Any
+from typing import Any, NamedTuple
 
 from lpslam.language.words import Folder
 
 HAND_WRITTEN = ("en", "zh", "ja", "ko", "es", "de", "fr")
-_ROLES = ("refuse_before", "refuse_after", "neutral", "break")
+TOPICS = ("food", "goods", "services", "facilities", "trades")
+_ROLES = ("context_before", "context_after", "refuse_before", "refuse_after", "neutral", "break")
 _SIGN_ROLES = {"sign_warning": "sign/warning", "sign_slogan": "sign/slogan"}
 
-# How sure a word makes us of a kind: written for this by hand, or a kind's own name in the index.
-_BY_HAND, _BY_NAME = 1.0, 0.95
-
+# How sure a word makes us of a kind: written for this by hand, a kind's own name in the index, or a search term.
+_BY_HAND, _BY_NAME, _BY_TERM = 1.0, 0.95, 0.8
 
 _SUBSTITUTE = 0.8
 
 
-@dataclass(frozen=True, slots=True)
-class Meaning:
+class Meaning(NamedTuple):
     """What a phrase says: a role in the sentence ("means" or a refusal) and, for "means", concepts by weight."""
 
     role: str
     concepts: tuple[tuple[str, float], ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class Known:
+class Known(NamedTuple):
     """A name known as it is painted: a brand, a maker, a warning or a word for a kind of place."""
 
     painted: str
@@ -43,14 +42,14 @@ class Known:
     identity: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Knowledge:
     """All tables, ready to look up. Phrase tables are keyed by `Folder.phrase`, `known` by `Folder.key`."""
 
     folder: Folder
-    spoken: Mapping[str, Mapping[str, Meaning]]
     painted: Mapping[str, Meaning]
     common: Mapping[str, frozenset[str]]
+    articles: frozenset[str]
     warning_starts: frozenset[str]
     known: Mapping[str, Known]
     general: frozenset[str]
@@ -58,8 +57,13 @@ class Knowledge:
     instead: Mapping[str, str]
     offers: Mapping[str, Mapping[str, float]]
     isa: Mapping[str, tuple[str, ...]]
+    _tables: "_SpokenTables"
     _above: dict[str, tuple[str, ...]] = field(default_factory=dict)
     _shares: dict[tuple[str, str], float] = field(default_factory=dict)
+
+    def spoken(self, language: str) -> Mapping[str, Meaning]:
+        """Return what the phrases of a language mean in a question; built when it is first asked for."""
+        return self._tables.of(language)
 
     def above(self, kind: str) -> tuple[str, ...]:
         """Return `kind` and every more general kind above it, the nearest first."""
@@ -89,61 +93,73 @@ class Knowledge:
         tables = [(1.0, self.offers[concept])] if concept in self.offers else []
         if concept.startswith("shop/"):
             # A shop asked for by its kind may be replaced by one that sells the same.
-            tables += [(_SUBSTITUTE, table) for table in self.offers.values() if next(iter(table)) == concept]
+            tables += [(_SUBSTITUTE, table) for table in self._goods_of.get(concept, ())]
         shares = [
             trust * next((table[above] for above in self.above(kind) if above in table), 0.0) for trust, table in tables
         ]
         return max(shares, default=0.0)
 
+    @cached_property
+    def _goods_of(self) -> Mapping[str, list[Mapping[str, float]]]:
+        """The offers whose first and best seller is a kind of shop."""
+        found: dict[str, list[Mapping[str, float]]] = {}
+        for table in self.offers.values():
+            if table:
+                found.setdefault(next(iter(table)), []).append(table)
+        return found
+
 
 @lru_cache(maxsize=1)
 def load_knowledge() -> Knowledge:
-    """Read every table of the package (about 0.3 s, once a process)."""
+    """Read the tables of the package (about 0.25 s, once a process)."""
     kinds = _read("lexicon/kinds.json")
     han = _read("lexicon/han.json")
     folder = Folder(han["traditional"], han["simplified"], han["lookalikes"])
-    lexicons = {language: _read(f"lexicon/{language}.json") for language in HAND_WRITTEN}
-    makers = _read("lexicon/makers.json")
+    lexicons = _lexicons()
     gazetteer = json.loads(lzma.decompress((files("lpslam.language") / "data" / "gazetteer.json.xz").read_bytes()))
-    named = _kind_phrases(folder, gazetteer["names"], kinds)
-    spoken: dict[str, Mapping[str, Meaning]] = {}
+    unpainted = frozenset(kinds["unpainted"])
     painted: dict[str, Meaning] = {}
-    for language, lexicon in lexicons.items():
-        by_hand = _concept_phrases(folder, lexicon["means"])
-        roles = {folder.phrase(text): Meaning(role) for role in _ROLES for text in _split(lexicon.get(role, ""))}
-        spoken[language] = {**named.get(language, {}), **by_hand, **roles}
-        signs = {
-            folder.phrase(text): Meaning("sign", ((kind, 1.0),))
-            for role, kind in _SIGN_ROLES.items()
-            for text in _split(lexicon.get(role, ""))
-        }
-        for phrase, meaning in (signs | by_hand).items():
-            painted.setdefault(phrase, signs.get(phrase, meaning))
+    known: dict[str, Known] = {}
+    for lexicon in lexicons.values():
+        _add_painted(lexicon, folder, unpainted, painted, known)
+    for joined, kinds_of in _read("lexicon/makers.json")["makers"].items():
+        names = joined.split("|")
+        for name in names:
+            known.setdefault(folder.key(name), Known(name, "brand", tuple(kinds_of.items()), names[0]))
+    _add_brands(gazetteer["brands"], kinds["cuisine_kinds"], known)
     joining = frozenset().union(*(_phrases(folder, lexicon.get("joining", "")) for lexicon in lexicons.values()))
-    for table in named.values():
-        for phrase, meaning in table.items():
-            # Without its accent, thé is an English article.
-            if phrase not in joining:
-                painted.setdefault(phrase, meaning)
+    _add_kinds(gazetteer["names"], kinds["cuisine_kinds"], joining, painted, known)
     return Knowledge(
         folder=folder,
-        spoken=spoken,
         painted=painted,
         common={language: _phrases(folder, lexicon.get("common", "")) for language, lexicon in lexicons.items()},
+        articles=frozenset().union(*(_phrases(folder, lexicon.get("article", "")) for lexicon in lexicons.values())),
         warning_starts=frozenset().union(
             *(_phrases(folder, lexicon.get("sign_warning_start", "")) for lexicon in lexicons.values())
         ),
-        known=_known_names(folder, lexicons.values(), makers, gazetteer, kinds),
+        known=known,
         general=frozenset(kinds["general"]),
         modifiers=frozenset(kinds["modifiers"]),
         instead=kinds["instead"],
         offers=kinds["offers"],
         isa={kind: tuple(parents) for kind, parents in kinds["isa"].items()},
+        _tables=_SpokenTables(folder, lexicons, gazetteer, kinds["cuisine_kinds"], frozenset(kinds["unspoken"])),
     )
 
 
 def _read(path: str) -> Any:
     return json.loads((files("lpslam.language") / "data" / path).read_text(encoding="utf-8"))
+
+
+def _lexicons() -> dict[str, dict[str, Any]]:
+    """The lexicon of each language, with what the topics say in it."""
+    lexicons: dict[str, dict[str, Any]] = {language: _read(f"lexicon/{language}.json") for language in HAND_WRITTEN}
+    for topic in TOPICS:
+        for concept, by_language in _read(f"lexicon/topics/{topic}.json").items():
+            for language, joined in by_language.items():
+                means = lexicons[language]["means"]
+                means[concept] = f"{means[concept]}|{joined}" if concept in means else joined
+    return lexicons
 
 
 def _split(joined: str) -> list[str]:
@@ -154,77 +170,143 @@ def _phrases(folder: Folder, joined: str) -> frozenset[str]:
     return frozenset(folder.phrase(text) for text in _split(joined))
 
 
-def _concept_phrases(folder: Folder, means: Mapping[str, str]) -> dict[str, Meaning]:
-    """Turn {concept: "phrase|phrase"} into {phrase: meaning}; a phrase under several concepts has them all."""
+def _add_painted(
+    lexicon: Mapping[str, Any],
+    folder: Folder,
+    unpainted: frozenset[str],
+    painted: dict[str, Meaning],
+    known: dict[str, Known],
+) -> None:
+    """Add what one language's signs are painted with; a warning or slogan goes before a place."""
     gathered: dict[str, dict[str, float]] = {}
-    for concept, joined in means.items():
-        for text in _split(joined):
-            gathered.setdefault(folder.phrase(text), {})[concept] = _BY_HAND
-    return {phrase: Meaning("means", tuple(found.items())) for phrase, found in gathered.items()}
+    for role, kind in _SIGN_ROLES.items():
+        for text in _split(lexicon.get(role, "")):
+            painted.setdefault(folder.phrase(text), Meaning("sign", ((kind, 1.0),)))
+            if kind == "sign/warning":
+                known.setdefault(folder.key(text), Known(text, "warning", ((kind, 1.0),), text))
+    for concept, joined in lexicon["means"].items():
+        if concept in unpainted:
+            continue
+        # Goods and wants are no names; kinds of place and of facility are what signs are painted with.
+        is_name = "/" in concept and not concept.startswith("sign")
+        word = ((concept, _BY_HAND),)
+        for text in dict.fromkeys(_split(joined)):
+            phrase, key = folder.phrase_and_key(text)
+            gathered.setdefault(phrase, {})[concept] = _BY_HAND
+            if is_name and len(key) > 1:
+                known.setdefault(key, Known(text, "word", word, text))
+    for phrase, found in gathered.items():
+        painted.setdefault(phrase, Meaning("means", tuple(found.items())))
 
 
-def _kind_phrases(
-    folder: Folder, by_language: Mapping[str, Mapping[str, str]], kinds: Mapping[str, Any]
-) -> dict[str, dict[str, Meaning]]:
-    """Names of kinds as phrase tables by language; Chinese of every region is one language."""
-    tables: dict[str, dict[str, Meaning]] = {}
-    for region, names in by_language.items():
-        table = tables.setdefault(region.partition("-")[0], {})
-        for kind, joined in names.items():
-            concepts = tuple((concept, _BY_NAME) for concept in _with_cuisine(kind, kinds))
-            for text in _split(joined):
-                phrase = folder.phrase(text)
-                # One letter or sign says nothing sure; the shorter kind id is the more general and comes first.
-                if len(phrase) > 1:
-                    table.setdefault(phrase, Meaning("means", concepts))
-    return tables
+def _add_brands(rows: Iterable[Any], cuisine_kinds: Mapping[str, str], known: dict[str, Known]) -> None:
+    """Add brands, as the index lists them: those of many names before their namesakes."""
+    for joined, keys, kinds_of, cuisines in rows:
+        names = joined.split("|")
+        found = dict.fromkeys([*kinds_of, *(cuisine_kinds.get(each, f"cuisine/{each}") for each in cuisines)], 1.0)
+        weighed = tuple(found.items())
+        for name, key in zip(names, keys.split("|"), strict=True):
+            if len(key) > 1 and key not in known:
+                known[key] = Known(name, "brand", weighed, names[0])
 
 
-def _with_cuisine(kind: str, kinds: Mapping[str, Any]) -> list[str]:
+def _add_kinds(
+    by_language: Mapping[str, Mapping[str, Any]],
+    cuisine_kinds: Mapping[str, str],
+    joining: frozenset[str],
+    painted: dict[str, Meaning],
+    known: dict[str, Known],
+) -> None:
+    """Add the names of kinds of place in every language; the shorter kind id is the more general and comes first."""
+    for names in by_language.values():
+        for kind, rows in names.items():
+            concepts = tuple((concept, _BY_NAME) for concept in _with_cuisine(kind, cuisine_kinds))
+            meaning = Meaning("means", concepts)
+            for text, phrase, key in rows:
+                # Without its accent, thé is an English article; one letter or sign says nothing sure.
+                if len(phrase) > 1 and phrase not in joining:
+                    painted.setdefault(phrase, meaning)
+                if len(key) > 1 and key not in known:
+                    known[key] = Known(text, "word", concepts, text)
+
+
+def _with_cuisine(kind: str, cuisine_kinds: Mapping[str, str]) -> list[str]:
     """A kind such as amenity/restaurant/pizza, followed by its cuisine where it has one."""
     top, _, last = kind.rpartition("/")
     if top not in ("amenity/restaurant", "amenity/fast_food", "amenity/cafe"):
         return [kind]
-    return [kind, kinds["cuisine_kinds"].get(last, f"cuisine/{last}")]
+    return [kind, cuisine_kinds.get(last, f"cuisine/{last}")]
 
 
-def _known_names(
-    folder: Folder,
-    lexicons: Iterable[Mapping[str, Any]],
-    makers: Mapping[str, Any],
-    gazetteer: Mapping[str, Any],
-    kinds: Mapping[str, Any],
-) -> dict[str, Known]:
-    """Names as painted, by key. By hand goes before the index; a brand of many names goes before its namesake."""
-    known: dict[str, Known] = {}
+class _SpokenTables:
+    """What phrases mean in a question, by language: what is written by hand goes before names, things and terms."""
 
-    def add(text: str, source: str, found: tuple[tuple[str, float], ...], identity: str) -> None:
-        key = folder.key(text)
-        if len(key) > 1:
-            known.setdefault(key, Known(text, source, found, identity))
+    def __init__(
+        self,
+        folder: Folder,
+        lexicons: Mapping[str, Mapping[str, Any]],
+        gazetteer: Mapping[str, Any],
+        cuisine_kinds: Mapping[str, str],
+        unspoken: frozenset[str],
+    ) -> None:
+        self._unspoken = unspoken
+        self._folder = folder
+        self._lexicons = lexicons
+        self._gazetteer = gazetteer
+        self._cuisine_kinds = cuisine_kinds
+        self._built: dict[str, dict[str, Meaning]] = {}
 
-    for lexicon in lexicons:
-        for text in _split(lexicon.get("sign_warning", "")):
-            add(text, "warning", (("sign/warning", 1.0),), text)
-        for kind, joined in lexicon["means"].items():
-            # Goods and wants are no names; kinds of place and of facility are what signs are painted with.
-            if "/" in kind and not kind.startswith("sign"):
-                for text in _split(joined):
-                    add(text, "word", ((kind, _BY_HAND),), text)
-    for joined, kinds_of in makers["makers"].items():
-        names = _split(joined)
-        for name in names:
-            add(name, "brand", tuple(kinds_of.items()), names[0])
-    for joined, kinds_of, cuisines in sorted(gazetteer["brands"], key=lambda row: -row[0].count("|")):
-        names = _split(joined)
-        found = [*kinds_of, *(kinds["cuisine_kinds"].get(cuisine, f"cuisine/{cuisine}") for cuisine in cuisines)]
-        for name in names:
-            add(name, "brand", tuple((kind, 1.0) for kind in dict.fromkeys(found)), names[0])
-    for by_kind in gazetteer["names"].values():
-        for kind, joined in by_kind.items():
-            for text in _split(joined):
-                add(text, "word", tuple((each, _BY_NAME) for each in _with_cuisine(kind, kinds)), text)
-    return known
+    def of(self, language: str) -> dict[str, Meaning]:
+        if language not in self._built:
+            self._built[language] = self._build(language)
+        return self._built[language]
+
+    def _build(self, language: str) -> dict[str, Meaning]:
+        lexicon = self._lexicons[language]
+        phrase = self._folder.phrase
+        common = self._common(language)
+        table: dict[str, Meaning] = {}
+        for role in _ROLES:
+            for text in _split(lexicon.get(role, "")):
+                key = phrase(text)
+                both = role == "refuse_after" and table.get(key) == Meaning("refuse_before")
+                table[key] = Meaning("refuse_either" if both else role)
+        by_hand: dict[str, dict[str, float]] = {}
+        for concept, joined in lexicon["means"].items():
+            for text in dict.fromkeys(_split(joined)) if concept not in self._unspoken else ():
+                by_hand.setdefault(phrase(text), {})[concept] = _BY_HAND
+        for key, found in by_hand.items():
+            table.setdefault(key, Meaning("means", tuple(_named_itself(found).items())))
+        # Chinese of every region is one language.
+        regions = [region for region in self._gazetteer["names"] if region.partition("-")[0] == language]
+        for region in regions:
+            for kind, rows in self._gazetteer["names"][region].items():
+                self._add(table, kind, _BY_NAME, (row[1] for row in rows if row[1] not in common))
+        for source, sure in (("things", _BY_NAME), ("terms", _BY_TERM)):
+            for region, by_concept in self._gazetteer[source].items():
+                if region.partition("-")[0] == language:
+                    for concept, joined in by_concept.items():
+                        self._add(table, concept, sure, (each for each in joined.split("|") if each not in common))
+        return table
+
+    def _common(self, language: str) -> frozenset[str]:
+        return _phrases(self._folder, self._lexicons[language].get("common", ""))
+
+    def _add(self, table: dict[str, Meaning], kind: str, sure: float, phrases: Iterable[str]) -> None:
+        meaning = Meaning("means", tuple((each, sure) for each in _with_cuisine(kind, self._cuisine_kinds)))
+        for phrase in phrases:
+            if len(phrase) > 1:
+                table.setdefault(phrase, meaning)
+
+
+def _named_itself(found: Mapping[str, float]) -> Mapping[str, float]:
+    """Who asks for a dentist by that word wants no pharmacy: the kind of place goes before the want."""
+    kinds = {
+        concept: sure
+        for concept, sure in found.items()
+        if "/" in concept and not concept.startswith(("shop/", "cuisine/"))
+    }
+    return kinds or found
 
 
 @lru_cache(maxsize=1)

@@ -1,26 +1,42 @@
-"""What a question wants and what it refuses (judging, III-G; choosing, III-I)."""
+"""What a question wants and what it refuses (judging, III-G; choosing, III-I).
+
+A question is cut into units, phrases that mean something are found in them, and the words between them tell what is
+refused, what is only said by the way ("on the train", 看电影前) and where one thought ends.
+"""
 
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
+from lpslam.language.inflection import known_form
 from lpslam.language.knowledge import Knowledge, Meaning
 from lpslam.language.sanitise import clean_text
+from lpslam.language.unknown_things import asks_for_unknown
 from lpslam.language.words import Span, is_mark, is_unspaced, longest_phrases
 
 _KANA = re.compile(r"[\u3040-\u30ff]")
 _HANGUL = re.compile(r"[\uac00-\ud7af]")
 _HAN = re.compile(r"[\u4e00-\u9fff]")
+_LATIN = ("en", "es", "de", "fr")
+# Letters and turns that one language of Latin script has and the others do not.
+_OWN_LETTERS = {
+    "es": re.compile(r"[¿¡ñ]"),
+    "de": re.compile(r"[ßäöü]", re.IGNORECASE),
+    "fr": re.compile(r"[çœêèàùâîôë]|\b[jldnmtsc]['’]|\bqu['’]", re.IGNORECASE),
+}
 _BREAKING_MARKS = frozenset(",.;:!?，。；：！？、…")
 _QUESTION_LENGTH = 400
-_MODIFIER, _GENERAL = 0.6, 0.3
+_MAIN, _MODIFIER, _GENERAL, _ASIDE = 1.0, 0.6, 0.3, 0.2
+_NEXT_TO = 3  # units between “before” and what it speaks of
 
 
 @dataclass(frozen=True, slots=True)
 class Wish:
     """Concepts wanted and refused, by weight; `language` is None where the question could not be read.
 
-    `wanted_names` and `refused_names` hold the values of the names that were passed in and mentioned.
+    `wanted_names`, `refused_names` and `near_names` hold the values of the names that were passed in and mentioned;
+    `unknown` says that something is asked for whose word is not known.
     """
 
     wanted: tuple[tuple[str, float], ...]
@@ -28,53 +44,132 @@ class Wish:
     wanted_names: tuple[str, ...]
     refused_names: tuple[str, ...]
     language: str | None
+    near_names: tuple[str, ...] = ()
+    unknown: bool = False
+
+    @property
+    def main(self) -> tuple[str, ...]:
+        """The concepts that a place must serve: the weightiest sort of those that are wanted."""
+        heaviest = max((weight for _, weight in self.wanted), default=0.0)
+        floor = 0.9 * _MAIN if heaviest >= 0.7 * _MAIN else 0.9 * _MODIFIER if heaviest >= 0.5 else 0.0
+        least = min(floor, heaviest)
+        return tuple(concept for concept, weight in self.wanted if weight >= 0.7 * least)
+
+
+def languages_of(text: str, knowledge: Knowledge) -> tuple[str, ...]:
+    """Return the languages that a question may be in, likeliest first; none where it cannot be read.
+
+    By script, and where that is Latin by the commonest words and letters; a question of a few words may be in any.
+    """
+    if _KANA.search(text):
+        return ("ja",)
+    if _HANGUL.search(text):
+        return ("ko",)
+    if _HAN.search(text):
+        return ("zh", "ja")
+    words = [unit for unit in knowledge.folder.units(text) if not is_mark(unit)]
+    hits = {language: float(sum(word in knowledge.common[language] for word in words)) for language in _LATIN}
+    for language, letters in _OWN_LETTERS.items():
+        if hits[language] and letters.search(text):
+            hits[language] += 1.5
+    ranked = sorted(_LATIN, key=lambda language: -hits[language])
+    if hits[ranked[0]] >= 2 or (hits[ranked[0]] and len(words) <= 3):
+        return tuple(language for language in ranked if hits[language] >= 0.5 * hits[ranked[0]])
+    # A few words carry no grammar that could turn their meaning round; a whole sentence might.
+    return tuple(ranked) if len(words) <= 3 else tuple(language for language in ranked[:1] if hits[language])
 
 
 def language_of(text: str, knowledge: Knowledge) -> str | None:
-    """Return the language of a question by its script, or by its commonest words where the script is Latin."""
-    if _KANA.search(text):
-        return "ja"
-    if _HANGUL.search(text):
-        return "ko"
-    if _HAN.search(text):
-        return "zh"
-    words = [unit for unit in knowledge.folder.units(text) if not is_mark(unit)]
-    hits = {language: sum(word in common for word in words) for language, common in knowledge.common.items() if common}
-    best = max(hits, key=lambda language: hits[language])
-    if hits[best]:
-        return best
-    # A word or two carry no grammar that could turn their meaning round; a whole sentence might.
-    return "en" if len(words) <= 2 and text.isascii() else None
+    """Return the likeliest language of a question; None where it cannot be told."""
+    wish = read_question(text, knowledge)
+    return wish.language
 
 
-def read_question(question: str, knowledge: Knowledge, names: Mapping[str, str] | None = None) -> Wish:
-    """Read a question; `names` maps phrases (see `Folder.phrase`) to what is reported when they are mentioned."""
+def read_question(question: str, knowledge: Knowledge, names: Mapping[str, Meaning] | None = None) -> Wish:
+    """Read a question; `names` maps phrases (see `Folder.phrase`) to names that are reported when mentioned.
+
+    It is read in the likeliest language in which it says something.
+    """
     text = clean_text(question, _QUESTION_LENGTH)
-    language = language_of(text, knowledge)
-    if language is None:
-        return Wish((), (), (), (), None)
-    mentioned = {phrase: Meaning("name", ((value, 1.0),)) for phrase, value in (names or {}).items()}
-    tables = [mentioned, knowledge.spoken[language]]
+    first: Wish | None = None
+    for language in languages_of(text, knowledge):
+        wish = _read_in(text, language, knowledge, names or {})
+        if wish.wanted or wish.refused or wish.wanted_names or wish.refused_names:
+            return wish
+        first = first or wish
+    if first is None or (first.language not in (None, "en") and not _is_short(text)):
+        return first or Wish((), (), (), (), None)
+    return first
+
+
+def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str, Meaning]) -> Wish:
+    tables = [names, knowledge.spoken(language)]
     if language != "en":
-        tables.append(knowledge.spoken["en"])
+        tables.append(knowledge.spoken("en"))
     units = knowledge.folder.units(text)
+    spans = longest_phrases(units, tables)
+    spoken = _with_known_forms(units, spans, language, knowledge)
+    if spoken != units:
+        units, spans = spoken, longest_phrases(spoken, tables)
     wanted: dict[str, float] = {}
     refused: list[str] = []
-    wanted_names: list[str] = []
-    refused_names: list[str] = []
-    for clause in _clauses(units, longest_phrases(units, tables)):
+    mentioned: dict[str, list[str]] = {"wanted": [], "refused": [], "near": []}
+    asides = _asides(spans)
+    has_main = any(
+        span.value.role == "means" and span.start not in asides and not _is_general(span, knowledge) for span in spans
+    )
+    for clause in _clauses(units, spans):
         for span, is_refused in _told(clause, knowledge):
+            is_aside = span.start in asides
             for concept, weight in span.value.concepts:
                 if span.value.role == "name":
-                    (refused_names if is_refused else wanted_names).append(concept)
+                    mentioned["refused" if is_refused else "near" if is_aside else "wanted"].append(concept)
                 elif is_refused:
                     refused.append(concept)
                 else:
-                    weight *= _importance(concept, knowledge)
+                    weight *= _ASIDE if is_aside and has_main else _importance(concept, knowledge)
                     wanted[concept] = max(weight, wanted.get(concept, 0.0))
     for concept in refused:
         wanted.pop(concept, None)
-    return Wish(tuple(wanted.items()), tuple(refused), tuple(wanted_names), tuple(refused_names), language)
+    main = [concept for concept, weight in wanted.items() if weight > _GENERAL]
+    return Wish(
+        tuple(wanted.items()),
+        tuple(dict.fromkeys(refused)),
+        tuple(dict.fromkeys(mentioned["wanted"])),
+        tuple(dict.fromkeys(mentioned["refused"])),
+        language,
+        tuple(dict.fromkeys(mentioned["near"])),
+        not main and asks_for_unknown(units, spans, language, knowledge),
+    )
+
+
+def _is_short(text: str) -> bool:
+    return len(text.split()) <= 3
+
+
+def _with_known_forms(
+    units: Sequence[str], spans: Sequence[Span[Meaning]], language: str, knowledge: Knowledge
+) -> list[str]:
+    """Replace words that no table has by a known form of them: inflected, compounded or mistyped."""
+    covered = {at for span in spans for at in range(span.start, span.end)}
+    return [
+        unit
+        if at in covered or is_mark(unit) or is_unspaced(unit) or unit in knowledge.common[language]
+        else known_form(unit, language, knowledge) or unit
+        for at, unit in enumerate(units)
+    ]
+
+
+def _asides(spans: Sequence[Span[Meaning]]) -> set[int]:
+    """Starts of the phrases that are only said by the way: after “before my”, before の前に."""
+    asides: set[int] = set()
+    for before, after in pairwise(spans):
+        is_close = after.start - before.end <= _NEXT_TO
+        if is_close and before.value.role == "context_before" and after.value.role in ("means", "name"):
+            asides.add(after.start)
+        if is_close and after.value.role == "context_after" and before.value.role in ("means", "name"):
+            asides.add(before.start)
+    return asides
 
 
 def _clauses(units: Sequence[str], spans: Sequence[Span[Meaning]]) -> list[list[Span[Meaning]]]:
@@ -102,9 +197,14 @@ def _told(clause: Sequence[Span[Meaning]], knowledge: Knowledge) -> list[tuple[S
     ahead = False
     since = 0
     for at, span in enumerate(clause):
-        if span.value.role == "refuse_before" or (span.value.role == "refuse_after" and at == since):
+        role = span.value.role
+        if role == "refuse_either":
+            # 火锅不要 refuses what stands before, 不要火锅 what comes after.
+            follows = at + 1 < len(clause) and clause[at + 1].start - span.end <= 1
+            role = "refuse_before" if follows else "refuse_after"
+        if role == "refuse_before" or (role == "refuse_after" and at == since):
             ahead = True
-        elif span.value.role == "refuse_after":
+        elif role == "refuse_after":
             refused[since:at] = [True] * (at - since)
             since, ahead = at, False
         refused[at] = refused[at] or ahead
@@ -121,7 +221,7 @@ def _is_general(span: Span[Meaning], knowledge: Knowledge) -> bool:
 def _importance(concept: str, knowledge: Knowledge) -> float:
     if concept in knowledge.general:
         return _GENERAL
-    return _MODIFIER if concept in knowledge.modifiers else 1.0
+    return _MODIFIER if concept in knowledge.modifiers else _MAIN
 
 
 def instead_of(refused: Sequence[str], knowledge: Knowledge) -> tuple[tuple[str, float], ...]:

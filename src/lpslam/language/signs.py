@@ -3,10 +3,11 @@
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 from lpslam.language.knowledge import Knowledge, Known, Meaning, load_knowledge
 from lpslam.language.nearest import NearestNames, allowed_edits
+from lpslam.language.question import languages_of
 from lpslam.language.sanitise import clean_text
 from lpslam.language.words import Span, is_mark, is_unspaced, longest_phrases
 
@@ -38,21 +39,31 @@ class SignReader:
     def __init__(self, knowledge: Knowledge) -> None:
         self._knowledge = knowledge
         self._fold = knowledge.folder
-        self._nearest = NearestNames(knowledge.known)
-        self._skeletons: dict[str, Known] = {}
-        for key, known in knowledge.known.items():
-            self._skeletons.setdefault(self._fold.skeleton(key), known)
         self._starts = tuple(
             start.replace(" ", "") for start in knowledge.warning_starts if len(start) >= 6 or is_unspaced(start)
         )
         self._glued = {phrase.replace(" ", ""): phrase for phrase in knowledge.painted if " " in phrase}
+        self.read = lru_cache(maxsize=65536)(self._read)
+        self.phrase = lru_cache(maxsize=65536)(lambda name: self._fold.phrase(clean_text(name)))
+
+    @cached_property
+    def _nearest(self) -> NearestNames:
+        return NearestNames(self._knowledge.known)
+
+    @cached_property
+    def _skeletons(self) -> dict[str, Known]:
+        found: dict[str, Known] = {}
+        for key, known in self._knowledge.known.items():
+            found.setdefault(self._fold.skeleton(key), known)
+        return found
+
+    @cached_property
+    def _names(self) -> dict[str, list[str]]:
         names: dict[str, list[str]] = {}
-        for known in knowledge.known.values():
+        for known in self._knowledge.known.values():
             if known.source == "brand":
                 names.setdefault(known.identity, []).append(known.painted)
-        self._names = {identity: tuple(painted) for identity, painted in names.items()}
-        self.read = lru_cache(maxsize=4096)(self._read)
-        self.phrase = lru_cache(maxsize=4096)(lambda name: self._fold.phrase(clean_text(name)))
+        return names
 
     def _read(self, name: str) -> SignMeaning:
         """Return the meaning of one painted name; brackets and dashes part it, a warning in any part decides."""
@@ -64,11 +75,12 @@ class SignReader:
 
     def names_of(self, identity: str) -> tuple[str, ...]:
         """Return every name under which a brand is known."""
-        return self._names.get(identity, ())
+        return tuple(self._names.get(identity, ()))
 
     def brands_in(self, question: str) -> dict[str, str]:
         """Return {phrase: identity} of the brands that a question mentions; a plain word of the language is none."""
-        fold, spoken = self._fold, self._knowledge.spoken
+        fold = self._fold
+        spoken = [self._knowledge.spoken(language) for language in languages_of(question, self._knowledge)[:1]]
         units = fold.units(question)
         capital = {unit for word in question.split()[1:] if word[:1].isupper() for unit in fold.units(word)}
         found: dict[str, str] = {}
@@ -78,7 +90,11 @@ class SignReader:
                 if (is_unspaced(key) and len(key) < 3) or (not is_unspaced(key) and units[at] not in capital):
                     continue
                 known = self._known_brand(key)
-                if known is not None and not any(phrase in table for table in spoken.values()):
+                if (
+                    known is not None
+                    and phrase not in self._knowledge.painted
+                    and not any(phrase in table for table in spoken)
+                ):
                     found[phrase] = known.identity
         return found
 

@@ -1,0 +1,139 @@
+"""Choosing the landmark that serves a question (navigation, III-I) among any number of landmarks."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from lpslam.language.knowledge import Knowledge, Meaning
+from lpslam.language.model import Candidate, Choice
+from lpslam.language.question import Wish, instead_of, read_question, spoken_key
+from lpslam.language.sanitise import clean_text
+from lpslam.language.serving import FITS, Kinds, Served, likeness, merged, serve
+from lpslam.language.signs import SignMeaning, SignReader
+
+_YES = 0.5  # a place is a kind when its words say so at least this surely
+_SPECIAL = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
+_ALTERNATIVES = 5
+
+
+class LandmarkIndex:
+    """Landmarks by what their signs mean, judged once however many mean the same, and by their names."""
+
+    def __init__(self, landmarks: Sequence[Candidate], signs: SignReader, knowledge: Knowledge) -> None:
+        self.landmarks = list(landmarks)
+        self.groups: dict[Kinds, list[int]] = {}
+        self.signs: dict[int, SignMeaning] = {}
+        by_phrase: dict[str, dict[int, None]] = {}
+        for landmark in landmarks:
+            sign = _sign_of(landmark, signs)
+            self.signs[landmark.id] = sign
+            self.groups.setdefault(sign.kinds, []).append(landmark.id)
+            if sign.kinds and not sign.is_place:
+                continue
+            other_names = signs.names_of(sign.identity) if sign.identity else ()
+            for text in (landmark.name, *other_names):
+                phrase = signs.phrase(text)
+                if spoken_key(phrase) and (sign.identity or phrase not in knowledge.painted):
+                    by_phrase.setdefault(phrase, {})[landmark.id] = None
+        self.ids_of = {phrase: tuple(ids) for phrase, ids in by_phrase.items()}
+        self.names = {phrase: Meaning("name", ((phrase, 1.0),)) for phrase in by_phrase}
+
+    def is_of(self, landmarks: Sequence[Candidate]) -> bool:
+        """Whether the index was made of just these landmarks."""
+        return len(landmarks) == len(self.landmarks) and self.landmarks == list(landmarks)
+
+
+def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge, model: str) -> Choice:
+    """Choose the landmark whose kinds serve the wish best; none rather than one that does not."""
+    wish = understand(question, index, signs, knowledge)
+    if wish.language is None:
+        return Choice(None, 0.0, "the question is in no language that the embedded model reads", model)
+    refused = {id_ for name in wish.refused_names for id_ in index.ids_of.get(name, ())}
+    named = [id_ for name in wish.wanted_names for id_ in index.ids_of.get(name, ()) if id_ not in refused]
+    if named:
+        return Choice(named[0], 0.95, "the question names it", model, tuple(named[1 : 1 + _ALTERNATIVES]))
+    if not wish.wanted:
+        others = [*wish.refused, *(kind for id_ in refused for kind, _ in index.signs[id_].kinds)]
+        wish = replace(wish, wanted=instead_of(others, knowledge))
+    wanted = dict(wish.wanted)
+    if wish.wanted_names and not any(weight >= _SPECIAL for weight in wanted.values()):
+        # A brand was asked for that is not here; another of its kind may do, but that is for the asker to say.
+        return _without_brand(wish.wanted_names[0], index, signs, knowledge, model)
+    if not wanted:
+        return Choice(None, 0.0, "the question names nothing that a known kind of place offers", model)
+    if set(wanted) == {"shop"} or wish.unknown:
+        return Choice(None, 0.5, "the question asks for something that is not known", model)
+    return _best(wish, index, refused, knowledge, model)
+
+
+def understand(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge) -> Wish:
+    """Read a question that may mention landmarks by name, and brands that are not here."""
+    brands = {
+        phrase: Meaning("name", ((identity, 1.0),))
+        for phrase, identity in signs.brands_in(clean_text(question)).items()
+        if phrase not in index.names
+    }
+    return read_question(question, knowledge, _Both(brands, index.names) if brands else index.names)
+
+
+class _Both(dict[str, Meaning]):
+    """A few names before many, without copying the many."""
+
+    def __init__(self, few: Mapping[str, Meaning], many: Mapping[str, Meaning]) -> None:
+        super().__init__(few)
+        self._many = many
+
+    def get(self, key: str, default: Meaning | None = None) -> Meaning | None:  # type: ignore[override]
+        return super().get(key) or self._many.get(key, default)
+
+
+def _best(wish: Wish, index: LandmarkIndex, refused: set[int], knowledge: Knowledge, model: str) -> Choice:
+    served = [(serve(wish, kinds, knowledge), group) for kinds, group in index.groups.items()]
+    ranked = sorted((each for each in served if each[0].score > 0.0), key=lambda each: (-each[0].score, each[1][0]))
+    asked = ", ".join(concept for concept, _ in wish.wanted)
+    fitting = [(each, group) for each, group in ranked if each.best >= FITS]
+    ids = _first_ids(fitting, refused)
+    if not ids:
+        return Choice(
+            None,
+            0.6,
+            f"asked for {asked}: nothing on this map offers it",
+            model,
+            tuple(_first_ids(ranked, refused)[:3]),
+        )
+    chosen = next(each for each, group in fitting if ids[0] in group)
+    evidence = f"asked for {asked}; {index.signs[ids[0]].evidence} ({', '.join(chosen.reasons)})"
+    return Choice(ids[0], round(min(chosen.best, 0.99), 3), evidence, model, tuple(ids[1:]))
+
+
+def _first_ids(ranked: Sequence[tuple[Served, list[int]]], refused: set[int]) -> list[int]:
+    """The first few ids of the best groups, by score and then by id."""
+    found: list[tuple[float, int]] = []
+    for served, group in ranked:
+        if len(found) > _ALTERNATIVES and served.score < found[-1][0]:
+            break
+        left = [id_ for id_ in group if id_ not in refused][: _ALTERNATIVES + 1]
+        found.extend((served.score, id_) for id_ in left)
+    return [id_ for _, id_ in sorted(found, key=lambda each: (-each[0], each[1]))[: _ALTERNATIVES + 1]]
+
+
+def _without_brand(identity: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge, model: str) -> Choice:
+    kinds = signs.read(identity).kinds
+    alike = {
+        group[0]: max((weight * likeness(kind, each, knowledge) for kind, weight in kinds), default=0.0)
+        for each, group in index.groups.items()
+    }
+    others = sorted((id_ for id_ in alike if alike[id_] >= _YES), key=lambda id_: (-alike[id_], id_))
+    return Choice(None, 0.8, f"{identity} is not on this map", model, tuple(others[:_ALTERNATIVES]))
+
+
+def _sign_of(landmark: Candidate, signs: SignReader) -> SignMeaning:
+    sign = signs.read(landmark.name)
+    if sign.kinds:
+        return sign
+    # The name says nothing: another reading of the same sign may.
+    return next((other for alias in landmark.aliases if (other := signs.read(alias)).kinds), sign)
+
+
+def kinds_of(ids: Sequence[int], index: LandmarkIndex) -> Kinds:
+    """All kinds of some landmarks."""
+    return merged([index.signs[id_].kinds for id_ in ids if id_ in index.signs])
