@@ -274,7 +274,10 @@ class _SpokenTables:
         by_hand: dict[str, dict[str, float]] = {}
         for concept, joined in lexicon["means"].items():
             for text in dict.fromkeys(_split(joined)) if concept not in self._unspoken else ():
-                by_hand.setdefault(phrase(text), {})[concept] = _BY_HAND
+                key = phrase(text)
+                # Without its accent, uña is a Spanish article.
+                if key not in common or key == text.casefold():
+                    by_hand.setdefault(key, {})[concept] = _BY_HAND
         for key, found in by_hand.items():
             table.setdefault(key, Meaning("means", tuple(_named_itself(found).items())))
         # Chinese of every region is one language.

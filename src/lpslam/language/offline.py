@@ -116,11 +116,13 @@ class OfflineModel:
         sign = self._signs.read(name)
         if not wish.wanted and not wish.refused:
             return Judgement(question, False, 0.0, "the question names no kind of place that is known", self.model)
+        # “A place to eat” asks for more than a place.
+        asked = [concept for concept in wish.main if concept != "place"] or wish.main
         refused = any(likeness(concept, sign.kinds, self._knowledge) >= _YES for concept in wish.refused)
-        best = max((match(concept, sign.kinds, self._knowledge) for concept in wish.main), default=1.0)
+        best = max((match(concept, sign.kinds, self._knowledge) for concept in asked), default=1.0)
         if refused:
             return Judgement(question, False, 0.8, sign.evidence, self.model)
-        general = any(concept in ("business", "shop", "place") for concept in wish.main)
+        general = any(concept in ("business", "shop", "place") for concept in asked)
         if best < _YES and general and sign.name_like and likeness("facility", sign.kinds, self._knowledge) < _YES:
             return Judgement(question, True, _NAME_GUESS, sign.evidence, self.model)
         sure = best if best >= _YES else 1.0 - best if sign.kinds else 0.6

@@ -1,0 +1,24 @@
+"""Little words that look like something one could want, and wants that stand beside little words."""
+
+import pytest
+
+from lpslam.language.offline import OfflineModel
+
+
+@pytest.mark.parametrize(
+    ("question", "shop", "other"),
+    [
+        ("¿Es una tienda?", "Fnac", "Toilet"),  # una is no uña
+        ("여기는 물건을 파는 가게예요?", "UNIQLO", "화장실"),  # 물건 is no 물
+        ("Ist das ein Geschäft?", "Saturn", "Ausgang"),
+    ],
+)
+def test_a_shop_is_asked_for_whatever_little_words_look_like(question: str, shop: str, other: str) -> None:
+    yes, no = OfflineModel().judge([shop, other], question)
+    assert (yes.answer, no.answer) == (True, False)
+
+
+@pytest.mark.parametrize("question", ["這是吃東西的地方嗎？", "Kann man hier essen gehen?", "Is this a place to eat?"])
+def test_a_place_to_eat_is_more_than_a_place(question: str) -> None:
+    pizza, gap, gate = OfflineModel().judge(["Pizza Hut", "GAP", "Gate 12"], question)
+    assert (pizza.answer, gap.answer, gate.answer) == (True, False, False)
