@@ -2,6 +2,7 @@
 
 import pytest
 
+from lpslam.language.model import Candidate
 from lpslam.language.offline import OfflineModel
 
 
@@ -22,3 +23,18 @@ def test_a_shop_is_asked_for_whatever_little_words_look_like(question: str, shop
 def test_a_place_to_eat_is_more_than_a_place(question: str) -> None:
     pizza, gap, gate = OfflineModel().judge(["Pizza Hut", "GAP", "Gate 12"], question)
     assert (pizza.answer, gap.answer, gate.answer) == (True, False, False)
+
+
+@pytest.mark.parametrize(
+    "question",
+    [
+        "Starbucks is packed, is there another café?",
+        "スターバックス以外のカフェはありますか",
+        "Starbucks ist zu voll, gibt es ein anderes Café?",
+        "除了星巴克还有别的咖啡店吗",
+    ],
+)
+def test_another_one_is_not_the_one_that_is_named(question: str) -> None:
+    names = ["Starbucks", "Costa Coffee", "Foot Locker"]
+    choice = OfflineModel().choose(question, [Candidate(at, name) for at, name in enumerate(names)])
+    assert choice.landmark == 1

@@ -1,5 +1,6 @@
 """Choosing the landmark that serves a question (navigation, III-I) among any number of landmarks."""
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -42,12 +43,26 @@ class LandmarkIndex:
         return len(landmarks) == len(self.landmarks) and self.landmarks == list(landmarks)
 
 
+_ANOTHER = re.compile(
+    r"\b(another|other|else|instead|alternatives?|besides|otr[oa]s?|en vez|autres?|ailleurs|plutôt|ander(e[nrms]?)"
+    r"|stattdessen|sonst|lieber)\b|别的|別的|其他|其它|另外|另一|换一|換一|別の|ほか|他の|以外|다른|말고|대신",
+    re.IGNORECASE,
+)
+"""Words that ask for something beside what is named."""
+
+
 def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge, model: str) -> Choice:
     """Choose the landmark whose kinds serve the wish best; none rather than one that does not."""
     wish = understand(question, index, signs, knowledge)
     if wish.language is None:
         return Choice(None, 0.0, "the question is in no language that the embedded model reads", model)
     refused = {id_ for name in wish.refused_names for id_ in index.ids_of.get(name, ())}
+    if _ANOTHER.search(question):
+        # “Starbucks is full, another café?” names what is not wanted.
+        refused |= {id_ for name in wish.wanted_names for id_ in index.ids_of.get(name, ())}
+        if refused and wish.refused and not wish.wanted:
+            # “除了星巴克还有别的咖啡店吗”: the name is refused, and its kind is what is asked for.
+            wish = replace(wish, wanted=tuple((kind, 1.0) for kind in wish.refused), refused=())
     named = [id_ for name in wish.wanted_names for id_ in index.ids_of.get(name, ()) if id_ not in refused]
     if named:
         return Choice(named[0], 0.95, "the question names it", model, tuple(named[1 : 1 + _ALTERNATIVES]))
