@@ -47,8 +47,13 @@ def test_a_name_stays_close_to_a_reading(readings: list[Reading]) -> None:
 
 @given(LETTERS.filter(str.strip), st.integers(1, 20))
 @settings(deadline=None)
-def test_more_of_the_same_reading_does_not_change_the_name(text: str, count: int) -> None:
-    assert MODEL.name([Reading(text, count, 0.9)]).name == MODEL.name([Reading(text, 1, 0.9)]).name
+def test_more_of_the_same_reading_makes_it_surer_and_no_other(text: str, count: int) -> None:
+    # Read once, it may be a slip of a known name; read often, it is what is painted, and stays that.
+    once, often, always = (MODEL.name([Reading(text, times, 0.9)]).name for times in (1, count, 1000))
+    assert often in (once, always)
+    assert "".join(always.casefold().split()) == "".join(
+        MODEL.name([Reading(always, 1000, 0.9)]).name.casefold().split()
+    )
 
 
 @given(READINGS)
