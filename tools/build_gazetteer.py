@@ -118,6 +118,9 @@ def read_terms(folder: Path, kinds: list[str], fold: Folder) -> dict[str, dict[s
         translated = tree[language]["presets"]["presets"]
         owners: dict[str, list[str]] = defaultdict(list)
         for kind in kinds:
+            # Their terms are parts of the body and ailments: words with which other things are wanted too.
+            if kind.startswith(("amenity/doctors", "healthcare")):
+                continue
             for term in translated.get(kind, {}).get("terms", []):
                 phrase = fold.phrase(term)
                 if len(phrase) > 2 and phrase.count(" ") < 8 and kind not in owners[phrase]:

@@ -35,6 +35,11 @@ def known_form(unit: str, language: str, knowledge: Knowledge) -> str | None:
     if language not in _ENDINGS or not unit.isalpha():
         return None
     table = knowledge.spoken(language)
+    for ending in _ENDINGS[language]:
+        if unit.endswith(ending) and len(unit) - len(ending) >= _SHORTEST_STEM:
+            meaning = table.get(unit[: -len(ending)])
+            if meaning is not None and meaning.role == "means":
+                return unit[: -len(ending)]
     stem = _stem(unit, language)
     if len(stem) >= _SHORTEST_STEM:
         form = _stems(language, knowledge).get(stem)

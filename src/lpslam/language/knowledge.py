@@ -13,10 +13,12 @@ from functools import cached_property, lru_cache
 from importlib.resources import files
 from typing import Any, NamedTuple
 
+from lpslam.language.states import StateTables
 from lpslam.language.words import Folder
 
 HAND_WRITTEN = ("en", "zh", "ja", "ko", "es", "de", "fr")
 TOPICS = ("food", "goods", "services", "facilities", "trades")
+SAID_ONLY = ("needs",)  # topics of which nothing is painted on a sign
 _ROLES = ("context_before", "context_after", "refuse_before", "refuse_after", "neutral", "break")
 _SIGN_ROLES = {"sign_warning": "sign/warning", "sign_slogan": "sign/slogan"}
 
@@ -54,6 +56,7 @@ class Knowledge:
     known: Mapping[str, Known]
     general: frozenset[str]
     modifiers: frozenset[str]
+    treatments: frozenset[str]
     instead: Mapping[str, str]
     offers: Mapping[str, Mapping[str, float]]
     isa: Mapping[str, tuple[str, ...]]
@@ -64,6 +67,10 @@ class Knowledge:
     def spoken(self, language: str) -> Mapping[str, Meaning]:
         """Return what the phrases of a language mean in a question; built when it is first asked for."""
         return self._tables.of(language)
+
+    def states(self, language: str) -> StateTables:
+        """Return the things and states of a language."""
+        return self._tables.states_of(language)
 
     def above(self, kind: str) -> tuple[str, ...]:
         """Return `kind` and every more general kind above it, the nearest first."""
@@ -140,6 +147,7 @@ def load_knowledge() -> Knowledge:
         known=known,
         general=frozenset(kinds["general"]),
         modifiers=frozenset(kinds["modifiers"]),
+        treatments=frozenset(kinds["treatments"]),
         instead=kinds["instead"],
         offers=kinds["offers"],
         isa={kind: tuple(parents) for kind, parents in kinds["isa"].items()},
@@ -154,10 +162,10 @@ def _read(path: str) -> Any:
 def _lexicons() -> dict[str, dict[str, Any]]:
     """The lexicon of each language, with what the topics say in it."""
     lexicons: dict[str, dict[str, Any]] = {language: _read(f"lexicon/{language}.json") for language in HAND_WRITTEN}
-    for topic in TOPICS:
+    for topic in (*TOPICS, *SAID_ONLY):
         for concept, by_language in _read(f"lexicon/topics/{topic}.json").items():
             for language, joined in by_language.items():
-                means = lexicons[language]["means"]
+                means = lexicons[language].setdefault("said" if topic in SAID_ONLY else "means", {})
                 means[concept] = f"{means[concept]}|{joined}" if concept in means else joined
     return lexicons
 
@@ -255,11 +263,30 @@ class _SpokenTables:
         self._gazetteer = gazetteer
         self._cuisine_kinds = cuisine_kinds
         self._built: dict[str, dict[str, Meaning]] = {}
+        self._states: dict[str, StateTables] = {}
 
     def of(self, language: str) -> dict[str, Meaning]:
         if language not in self._built:
             self._built[language] = self._build(language)
         return self._built[language]
+
+    def states_of(self, language: str) -> StateTables:
+        if language not in self._states:
+            tree = _read("lexicon/states.json")
+            self._states[language] = StateTables(
+                self._names(tree["things"], language),
+                self._names(tree["states"], language),
+                _phrases(self._folder, tree["at_home"][language]),
+                {(pair.split("+")[0], pair.split("+")[1]): want for pair, want in tree["together"].items()},
+            )
+        return self._states[language]
+
+    def _names(self, by_name: Mapping[str, Mapping[str, str]], language: str) -> dict[str, tuple[str, ...]]:
+        found: dict[str, list[str]] = {}
+        for name, by_language in by_name.items():
+            for text in _split(by_language[language]):
+                found.setdefault(self._folder.phrase(text), []).append(name)
+        return {phrase: tuple(names) for phrase, names in found.items()}
 
     def _build(self, language: str) -> dict[str, Meaning]:
         lexicon = self._lexicons[language]
@@ -272,7 +299,7 @@ class _SpokenTables:
                 both = role == "refuse_after" and table.get(key) == Meaning("refuse_before")
                 table[key] = Meaning("refuse_either" if both else role)
         by_hand: dict[str, dict[str, float]] = {}
-        for concept, joined in lexicon["means"].items():
+        for concept, joined in (*lexicon["means"].items(), *lexicon["said"].items()):
             for text in dict.fromkeys(_split(joined)) if concept not in self._unspoken else ():
                 key = phrase(text)
                 # Without its accent, uña is a Spanish article.

@@ -12,6 +12,7 @@ from itertools import pairwise
 from lpslam.language.inflection import known_form
 from lpslam.language.knowledge import Knowledge, Meaning
 from lpslam.language.sanitise import clean_text
+from lpslam.language.states import Trouble, troubles_in
 from lpslam.language.unknown_things import asks_for_unknown
 from lpslam.language.words import Span, is_mark, is_unspaced, longest_phrases
 
@@ -28,6 +29,7 @@ _OWN_LETTERS = {
 _BREAKING_MARKS = frozenset(",.;:!?，。；：！？、…")
 _QUESTION_LENGTH = 400
 _MAIN, _MODIFIER, _GENERAL, _ASIDE = 1.0, 0.6, 0.3, 0.2
+_THING = 0.7  # a wanted concept of this weight is a thing of its own
 _NEXT_TO = 3  # units between “before” and what it speaks of
 
 
@@ -50,10 +52,12 @@ class Wish:
     @property
     def main(self) -> tuple[str, ...]:
         """The concepts that a place must serve: the weightiest sort of those that are wanted."""
+        things = tuple(concept for concept, weight in self.wanted if weight >= _THING)
+        meals = tuple(concept for concept, _ in self.wanted if concept in ("food", "drink"))
+        if things or meals:
+            return things or meals
         heaviest = max((weight for _, weight in self.wanted), default=0.0)
-        floor = 0.9 * _MAIN if heaviest >= 0.7 * _MAIN else 0.9 * _MODIFIER if heaviest >= 0.5 else 0.0
-        least = min(floor, heaviest)
-        return tuple(concept for concept, weight in self.wanted if weight >= 0.7 * least)
+        return tuple(concept for concept, weight in self.wanted if weight >= 0.9 * heaviest)
 
 
 def languages_of(text: str, knowledge: Knowledge) -> tuple[str, ...]:
@@ -111,11 +115,13 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
     spoken = _with_known_forms(units, spans, language, knowledge)
     if spoken != units:
         units, spans = spoken, longest_phrases(spoken, tables)
-    wanted: dict[str, float] = {}
+    troubles = troubles_in(units, knowledge.states(language))
+    spans = [span for span in spans if span.value.role in ("means", "name") or not _is_part(span, troubles)]
+    wanted = {trouble.concept: _MAIN for trouble in troubles}
     refused: list[str] = []
     mentioned: dict[str, list[str]] = {"wanted": [], "refused": [], "near": []}
-    asides = _asides(spans)
-    has_main = any(
+    asides = _asides(spans) | {span.start for span in spans if _is_part(span, troubles)}
+    has_main = bool(troubles) or any(
         span.value.role == "means" and span.start not in asides and not _is_general(span, knowledge) for span in spans
     )
     for clause in _clauses(units, spans):
@@ -131,6 +137,7 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
                     wanted[concept] = max(weight, wanted.get(concept, 0.0))
     for concept in refused:
         wanted.pop(concept, None)
+    wanted = _as_treated(wanted, knowledge)
     main = [concept for concept, weight in wanted.items() if weight > _GENERAL]
     return Wish(
         tuple(wanted.items()),
@@ -141,6 +148,21 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
         tuple(dict.fromkeys(mentioned["near"])),
         not main and asks_for_unknown(units, spans, language, knowledge),
     )
+
+
+def _is_part(span: Span[Meaning], troubles: Sequence[Trouble]) -> bool:
+    return any(not trouble.units.isdisjoint(range(span.start, span.end)) for trouble in troubles)
+
+
+def _as_treated(wanted: dict[str, float], knowledge: Knowledge) -> dict[str, float]:
+    """Who wants a suit cleaned wants no suit: beside what is done to a thing, the thing is said by the way."""
+    treatments = {concept for concept, weight in wanted.items() if weight >= _MAIN and concept in knowledge.treatments}
+    if not treatments or "shop" in wanted:
+        return wanted
+    return {
+        concept: weight if concept in treatments or "/" in concept else min(weight, _ASIDE)
+        for concept, weight in wanted.items()
+    }
 
 
 def _is_short(text: str) -> bool:
