@@ -9,7 +9,7 @@ demo: $(VENV)/.demo-ready
 	$(BIN)/lpslam demo --output demo
 
 test: $(VENV)/.dev-ready
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist worksteal
 
 lint: $(VENV)/.dev-ready
 	$(BIN)/ruff check .

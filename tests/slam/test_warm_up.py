@@ -1,5 +1,7 @@
+import os
 import subprocess
 import sys
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -16,31 +18,64 @@ def test_what_was_compiled_once_is_only_loaded() -> None:
     assert not said
 
 
-def test_compiling_is_announced_once_and_leaves_no_process_behind(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(warm_up, "_HELPER", "import time; time.sleep(600)")
+def test_compiling_is_announced_once() -> None:
+    said: list[str] = []
+    first_compiled = warm_up.FirstCompiled(said.append)
+    first_compiled.on_start(None)
+    first_compiled.on_start(None)
+    assert len(said) == 1
+    assert first_compiled.is_compiling
+
+
+def test_what_is_missing_is_compiled_beside_and_kept(tmp_path: Path) -> None:
+    script = (
+        "from lpslam.slam import warm_up\n"
+        "warm_up._HELPERS = ('from lpslam.slam.warm_up import run_adjustment; run_adjustment()',)\n"
+        "for run in ('run_tracking', 'run_mapping', 'run_everything'):\n"
+        "    setattr(warm_up, run, lambda: None)\n"
+        "print(warm_up.warm_up(print))\n"
+    )
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+
+    def start() -> str:
+        run = subprocess.run(
+            [sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=True
+        )
+        return run.stdout
+
+    assert start().startswith("Compiling")
+    kept = {path.name: path.stat().st_mtime_ns for path in tmp_path.rglob("*.nbc")}
+    assert any(name.startswith("bundle.") for name in kept)
+    assert not start().startswith("Compiling")
+    assert {path.name: path.stat().st_mtime_ns for path in tmp_path.rglob("*.nbc")} == kept
+
+
+def test_no_process_is_left_behind_when_waiting_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(warm_up, "_HELPERS", ("import time; time.sleep(600)",) * 2)
     started: list[subprocess.Popen[bytes]] = []
     popen = subprocess.Popen
 
-    def start(*arguments: Any, **options: Any) -> "subprocess.Popen[bytes]":
-        started.append(popen(*arguments, **options))
-        return started[-1]
+    class Interrupted(popen):  # type: ignore[misc, type-arg, valid-type]
+        def __init__(self, *arguments: Any, **options: Any) -> None:
+            super().__init__(*arguments, **options)
+            started.append(self)
+            self.waits = 0
 
-    monkeypatch.setattr(subprocess, "Popen", start)
-    said: list[str] = []
-    compiling = warm_up.FirstCompiled(said.append)
-    compiling.on_start(None)
-    compiling.on_start(None)
-    assert len(said) == len(started) == 1
-    assert started[0].poll() is None
-    compiling.end()
-    assert started[0].poll() is not None
+        def wait(self, timeout: float | None = None) -> int:
+            if self is started[0] and not self.waits:
+                self.waits = 1
+                raise KeyboardInterrupt
+            return int(super().wait(timeout))
+
+    monkeypatch.setattr(subprocess, "Popen", Interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        warm_up.compile_beside()
+    assert len(started) == 2
+    assert all(each.poll() is not None for each in started)
 
 
-def test_a_helper_that_cannot_start_or_fails_is_done_without(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_processes_that_cannot_start_or_fail_are_done_without(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(warm_up, "_HELPERS", ("raise SystemExit(1)",))
     for executable in ("/nonexistent/python", "", sys.executable):
         monkeypatch.setattr(sys, "executable", executable)
-        monkeypatch.setattr(warm_up, "_HELPER", "raise SystemExit(1)")
-        compiling = warm_up.FirstCompiled(lambda line: None)
-        compiling.on_start(None)
-        compiling.wait()
-        compiling.end()
+        warm_up.compile_beside()

@@ -1,5 +1,6 @@
 """Compiling the kernels before the first frame waits for them."""
 
+import os
 import subprocess
 import sys
 import time
@@ -14,6 +15,7 @@ from lpslam.config import KeyframeConfig, SlamConfig
 from lpslam.frames import RgbdFrame
 from lpslam.slam.features import Features
 from lpslam.slam.kernels import bundle, graph
+from lpslam.slam.kernels.geometry import median
 from lpslam.slam.local_mapping import LocalMapper
 from lpslam.slam.loop_correction import LoopCorrector, Tie
 from lpslam.slam.map import SlamMap
@@ -21,15 +23,21 @@ from lpslam.slam.places import PlaceIndex
 from lpslam.slam.sensor import SensorModel
 from lpslam.slam.system import RgbdSlam
 
-# What a second process runs, while this one compiles what tracking needs; a kernel that none of the runs below reaches
-# gets a line in one of them.
-_HELPER = "from lpslam.slam.warm_up import run_mapping; run_mapping()"
+# What two more processes run, each on its core; a kernel that none of these runs reaches is compiled here, afterwards.
+_HELPERS = (
+    "from lpslam.slam.warm_up import run_adjustment, run_tracking; run_adjustment(); run_tracking()",
+    "from lpslam.slam.warm_up import run_mapping; run_mapping()",
+)
+
+# LLVM's level of optimisation: the first compiles in two thirds of the time of the third, and the kernels, written as
+# plain loops over scalars, run as fast and give the same bits.
+_LEVEL = "1"
 
 
 def warm_up(announce: Callable[[str], None]) -> float:
     """Run every kernel once on made-up frames, so that each is compiled, or loaded from the cache of an earlier start.
 
-    Where something must be compiled, a second process compiles the kernels of mapping into the cache meanwhile.
+    Where nothing is in the cache yet, two processes compile into it, with settings that are theirs alone.
 
     Args:
         announce: is told, in a line, when compiling is needed.
@@ -40,60 +48,59 @@ def warm_up(announce: Callable[[str], None]) -> float:
     started = time.perf_counter()
     first_compiled = FirstCompiled(announce)
     with event.install_listener("numba:compile", first_compiled):
-        try:
-            run_adjustment()
-            run_tracking()
-            first_compiled.wait()
-            run_mapping()
-            run_everything()
-        finally:
-            first_compiled.end()
+        median(np.ones(3), 3)
+        if first_compiled.is_compiling:
+            compile_beside()
+        run_adjustment()
+        run_tracking()
+        run_mapping()
+        run_everything()
     return time.perf_counter() - started
 
 
 class FirstCompiled(event.Listener):
-    """When the first kernel is compiled rather than loaded: says so and starts the helper."""
+    """Says so when the first kernel is compiled rather than loaded."""
 
     def __init__(self, announce: Callable[[str], None]) -> None:
         self._announce = announce
-        self._is_compiling = False
-        self._may_help = True
-        self._helper: subprocess.Popen[bytes] | None = None
+        self.is_compiling = False
 
     def on_start(self, event: object) -> None:
         """A kernel is about to be compiled (`event` says which)."""
-        if self._is_compiling:
-            return
-        self._is_compiling = True
-        self._announce("Compiling numeric kernels: once after installing, for about half a minute")
-        if self._may_help and sys.executable:
-            quiet = subprocess.DEVNULL
-            try:
-                self._helper = subprocess.Popen(
-                    [sys.executable, "-c", _HELPER], stdin=quiet, stdout=quiet, stderr=quiet
-                )
-            except OSError:
-                # This process then compiles everything itself.
-                self._helper = None
+        if not self.is_compiling:
+            self.is_compiling = True
+            self._announce("Compiling numeric kernels: once after installing, for about half a minute")
 
     def on_end(self, event: object) -> None:
         """A kernel was compiled: nothing follows from it."""
 
-    def wait(self) -> None:
-        """Until the helper is done; what is compiled from now on is compiled here."""
-        self._may_help = False
-        if self._helper is not None:
-            self._helper.wait()
 
-    def end(self) -> None:
-        """Leave no process behind, whatever has happened."""
-        if self._helper is not None and self._helper.poll() is None:
-            self._helper.terminate()
-            self._helper.wait()
+def compile_beside() -> None:
+    """Compile into the cache in processes of their own; leaves none behind, whatever happens."""
+    if not sys.executable:
+        return
+    quiet = subprocess.DEVNULL
+    environment = {"NUMBA_OPT": _LEVEL, **os.environ}
+    helpers: list[subprocess.Popen[bytes]] = []
+    try:
+        helpers.extend(
+            subprocess.Popen([sys.executable, "-c", code], stdin=quiet, stdout=quiet, stderr=quiet, env=environment)
+            for code in _HELPERS
+        )
+        for helper in helpers:
+            helper.wait()
+    except OSError:
+        # No process can be started: this one then compiles everything itself.
+        pass
+    finally:
+        for helper in helpers:
+            if helper.poll() is None:
+                helper.terminate()
+                helper.wait()
 
 
 def run_adjustment() -> None:
-    """Adjust a point and a keyframe: much of what mapping needs, compiled here before the helper comes to it."""
+    """Adjust a point and a keyframe: much of what mapping needs, compiled before the other process comes to it."""
     problem = bundle.BundleProblem(
         camera_from_world=np.tile(np.eye(4), (2, 1, 1)),
         free_count=1,
