@@ -1,3 +1,5 @@
+from concurrent.futures import ThreadPoolExecutor
+
 import cv2
 import numpy as np
 import pytest
@@ -361,3 +363,15 @@ def test_extraction_is_the_same_to_the_bit_each_time() -> None:
     depth = np.full((480, 640), 2.0, np.float32)
     for first, second in zip(extract(rgb, depth), extract(rgb, depth), strict=True):
         np.testing.assert_array_equal(first, second)
+
+
+def test_keypoints_found_in_two_threads_are_the_same() -> None:
+    random = np.random.default_rng(3)
+    rgb = cv2.resize(random.integers(0, 255, (60, 80, 3), np.uint8), (640, 480), interpolation=cv2.INTER_CUBIC)
+    frame = RgbdFrame(0, 0.0, rgb, np.full((480, 640), 2.0, np.float32))
+    alone = FeatureExtractor(CAMERA, FeatureConfig()).extract(frame)
+    with ThreadPoolExecutor(1) as beside:
+        together = FeatureExtractor(CAMERA, FeatureConfig(), beside).extract(frame)
+    assert alone.rows > 500
+    for one, other in zip(alone, together, strict=True):
+        np.testing.assert_array_equal(one, other)

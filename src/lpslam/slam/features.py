@@ -1,5 +1,7 @@
 """ORB features spread over the image, each with a virtual right coordinate from depth (ORB-SLAM2, III-A)."""
 
+from collections.abc import Sequence
+from concurrent.futures import Executor
 from functools import lru_cache
 from importlib.resources import files
 from typing import NamedTuple, cast
@@ -14,6 +16,11 @@ from lpslam.frames import RgbdFrame
 from lpslam.slam.kernels import image as kernels
 
 _STEERING_BINS = 60
+
+# Levels that stay when another thread takes the rest: with six pixels in five to a level, about half of all pixels.
+_HERE = (0, 2)
+
+_LevelKeypoints = tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.float32], NDArray[np.uint64]]
 
 
 class Features(NamedTuple):
@@ -44,15 +51,22 @@ class Features(NamedTuple):
 
 
 class FeatureExtractor:
-    """Detects and describes the keypoints of RGB-D images of one camera."""
+    """Detects and describes the keypoints of RGB-D images of one camera.
 
-    def __init__(self, camera: PinholeCamera, config: FeatureConfig) -> None:
+    Args:
+        camera: of the images.
+        config: how many keypoints, on which pyramid.
+        beside: takes about half of every image's work, for those who wait for the result; which does not change by it.
+    """
+
+    def __init__(self, camera: PinholeCamera, config: FeatureConfig, beside: Executor | None = None) -> None:
         self.camera = camera
         self.config = config
         self.scales = config.scale_factor ** np.arange(config.levels)
         self._sizes = [(max(round(camera.width / s), 1), max(round(camera.height / s), 1)) for s in self.scales]
         self._quotas = _level_quotas(config)
         self._steered = [_steered_offsets(width) for width, _ in self._sizes]
+        self._beside = beside
 
     @property
     def capacity(self) -> int:
@@ -61,33 +75,38 @@ class FeatureExtractor:
 
     def extract(self, frame: RgbdFrame, gray: NDArray[np.uint8] | None = None) -> Features:
         """Keypoints of a frame, coarse levels last; `gray` are its grey values (h, w) where they are known."""
-        corners, octaves, angles, descriptors = [], [], [], []
-        level_image = gray_of(frame.rgb) if gray is None else gray
-        for level, size in enumerate(self._sizes):
-            if level > 0:
-                level_image = as_gray(cv2.resize(level_image, size, interpolation=cv2.INTER_LINEAR))
-            corner = self._detect(level_image, int(self._quotas[level]))
-            if not len(corner):
-                continue
-            angle = kernels.orientations(level_image, corner)
-            descriptor = np.empty((len(corner), 4), np.uint64)
-            blurred = as_gray(cv2.blur(level_image, (5, 5)))
-            kernels.describe(blurred, corner, angle, self._steered[level], descriptor)
-            # Each level was rounded to whole pixels: scale by its true size, corner to corner of the pixel grid.
-            scale = np.array([self.camera.width / size[0], self.camera.height / size[1]], np.float32)
-            corners.append((corner.astype(np.float32) + 0.5) * scale - 0.5)
-            octaves.append(np.full(len(corner), level, np.uint8))
-            angles.append(angle)
-            descriptors.append(descriptor)
-        if not corners:
+        images = [gray_of(frame.rgb) if gray is None else gray]
+        for size in self._sizes[1:]:
+            images.append(as_gray(cv2.resize(images[-1], size, interpolation=cv2.INTER_LINEAR)))
+        found = [keypoints for keypoints in self._of_levels(images) if len(keypoints[0])]
+        if not found:
             return _no_features()
-        return self._with_depth(
-            np.concatenate(corners),
-            frame.depth,
-            np.concatenate(octaves),
-            np.concatenate(angles),
-            np.concatenate(descriptors),
-        )
+        raw, octave, angle, descriptor = (np.concatenate(column) for column in zip(*found, strict=True))
+        return self._with_depth(raw, frame.depth, octave, angle, descriptor)
+
+    def _of_levels(self, images: Sequence[NDArray[np.uint8]]) -> list[_LevelKeypoints]:
+        """The keypoints of each level."""
+        everything = range(len(images))
+        if self._beside is None:
+            return [self._of_level(images[level], level) for level in everything]
+        here = [level for level in everything if level in _HERE]
+        there = [level for level in everything if level not in _HERE]
+        others = self._beside.submit(lambda: [self._of_level(images[level], level) for level in there])
+        by_level = dict(zip(here, [self._of_level(images[level], level) for level in here], strict=True))
+        by_level.update(zip(there, others.result(), strict=True))
+        return [by_level[level] for level in everything]
+
+    def _of_level(self, image: NDArray[np.uint8], level: int) -> _LevelKeypoints:
+        """Raw pixels, octaves, angles and descriptors of the keypoints of one level (h, w)."""
+        corners = self._detect(image, int(self._quotas[level]))
+        angles = kernels.orientations(image, corners)
+        descriptors = np.empty((len(corners), 4), np.uint64)
+        kernels.describe(as_gray(cv2.blur(image, (5, 5))), corners, angles, self._steered[level], descriptors)
+        # Each level was rounded to whole pixels: scale by its true size, corner to corner of the pixel grid.
+        width, height = self._sizes[level]
+        scale = np.array([self.camera.width / width, self.camera.height / height], np.float32)
+        raw = (corners.astype(np.float32) + 0.5) * scale - 0.5
+        return raw, np.full(len(corners), level, np.uint8), angles, descriptors
 
     def _detect(self, image: NDArray[np.uint8], quota: int) -> NDArray[np.int32]:
         high, low = self.config.fast_threshold, self.config.fast_threshold_in_empty_cell

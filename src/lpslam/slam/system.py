@@ -1,5 +1,6 @@
 """RGB-D visual SLAM: frame in, pose out."""
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -28,12 +29,12 @@ class RgbdSlam:
     """Tracks a camera and maps what it sees.
 
     Frames are processed in the caller's thread, in order. In step, the same frames give the same map, to the bit; live,
-    mapping and loop closing have threads of their own beside it.
+    mapping and loop closing have threads of their own beside it, and another helps to find keypoints.
 
     Args:
         camera: of the frames.
         config: thresholds; defaults without.
-        live: whether to map and close loops in threads.
+        live: whether to map, close loops and find half of the keypoints in threads.
         base: a map to find the camera in; it grows, if the map `grows` at all.
         grows: whether new places are mapped; without, `base` is only read (localisation mode).
         advisor: what is known of places beyond their keypoints.
@@ -61,7 +62,8 @@ class RgbdSlam:
         self.sensor = SensorModel.of(camera, config)
         self.events: list[SlamEvent] = []
         self.trajectory = Trajectory()
-        extractor = FeatureExtractor(camera, config.features)
+        self._keypoints = ThreadPoolExecutor(1, thread_name_prefix="keypoints") if live else None
+        extractor = FeatureExtractor(camera, config.features, self._keypoints)
         if base is not None:
             _refuse_other_features(base, extractor, grows)
         self.map = base if base is not None else SlamMap(extractor.capacity, self.sensor.scales)
@@ -95,6 +97,8 @@ class RgbdSlam:
     def finish(self) -> None:
         """End all work and level the map by all views of the floor together; call after the last frame."""
         self._back_end.finish()
+        if self._keypoints is not None:
+            self._keypoints.shutdown()
         if self._is_new:
             self.map.settle()
             views = [(k, normal) for k, normal in self._floor_views if self.map.is_home(k)]

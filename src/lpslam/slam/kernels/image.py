@@ -69,7 +69,7 @@ def _find_corners(
 ) -> int:
     """Write the FAST score of every corner in a rectangle and append its x, y to `corners`; returns the new count.
 
-    Any arc of nine on the circle of sixteen holds one of each opposite pair: a vectorised pass over four pairs leaves
+    Any arc of nine on the circle of sixteen holds one of each opposite pair: a vectorised pass over the pairs leaves
     a few per cent of the pixels for the full test. `above` and `below` are the image ± the threshold, saturated.
     """
     x0, x1, y0, y1 = rectangle
@@ -83,12 +83,20 @@ def _find_corners(
         e, w = image[y, x0 + 3 : x1 + 3], image[y, x0 - 3 : x1 - 3]
         ne, sw = image[y - 2, x0 + 2 : x1 + 2], image[y + 2, x0 - 2 : x1 - 2]
         se, nw = image[y + 2, x0 + 2 : x1 + 2], image[y - 2, x0 - 2 : x1 - 2]
+        nne, ssw = image[y - 3, x0 + 1 : x1 + 1], image[y + 3, x0 - 1 : x1 - 1]
+        ene, wsw = image[y - 1, x0 + 3 : x1 + 3], image[y + 1, x0 - 3 : x1 - 3]
+        sse, nnw = image[y + 3, x0 + 1 : x1 + 1], image[y - 3, x0 - 1 : x1 - 1]
+        ese, wnw = image[y + 1, x0 + 3 : x1 + 3], image[y - 1, x0 - 3 : x1 - 3]
         for i in range(width):
             h, d = hi[i], lo[i]
             bright = ((n[i] > h) | (s[i] > h)) & ((e[i] > h) | (w[i] > h))
             bright &= ((ne[i] > h) | (sw[i] > h)) & ((se[i] > h) | (nw[i] > h))
             dark = ((n[i] < d) | (s[i] < d)) & ((e[i] < d) | (w[i] < d))
             dark &= ((ne[i] < d) | (sw[i] < d)) & ((se[i] < d) | (nw[i] < d))
+            bright &= ((nne[i] > h) | (ssw[i] > h)) & ((ene[i] > h) | (wsw[i] > h))
+            bright &= ((sse[i] > h) | (nnw[i] > h)) & ((ese[i] > h) | (wnw[i] > h))
+            dark &= ((nne[i] < d) | (ssw[i] < d)) & ((ene[i] < d) | (wsw[i] < d))
+            dark &= ((sse[i] < d) | (nnw[i] < d)) & ((ese[i] < d) | (wnw[i] < d))
             flags[i] = bright | dark
         for i in range(width):
             if flags[i]:
