@@ -23,7 +23,16 @@ ALLOWED: dict[str, set[str]] = {
     "mapfile": {"slam", "text"},
     "pipeline": {"sources", "slam", "language", "text", "mapfile"},
     "evaluation": {"sources", "language", "text", "mapfile"},
-    "views": {"slam", "text", "mapfile", "pipeline", "evaluation"},
+    "views": {
+        "slam",
+        "language.model",
+        "language.phrasing",
+        "language.follow_up",
+        "text",
+        "mapfile",
+        "pipeline",
+        "evaluation",
+    },
     "demo": {"simulation", "language", "mapfile", "pipeline", "evaluation", "views"},
     "cli": {"sources", "simulation", "language", "mapfile", "pipeline", "evaluation", "views", "demo"},
 }

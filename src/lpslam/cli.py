@@ -273,20 +273,49 @@ def distill(
 @app.command()
 def ask(
     map_file: MapFile,
-    question: Annotated[str, typer.Argument(metavar="QUESTION", help="In any language.", show_default=False)],
+    question: Annotated[
+        str | None,
+        typer.Argument(metavar="QUESTION", help="In any language; a prompt without.", show_default=False),
+    ] = None,
+    place: Annotated[
+        str | None,
+        typer.Option(
+            "--from", metavar="X,Y[,HEADING]", help="Where the robot is: metres, degrees from x; else the last frame's."
+        ),
+    ] = None,
     llm: Llm = None,
     config: ConfigFile = None,
     as_json: Json = False,
 ) -> None:
-    """Ask the map for a place: 'Where can I eat pizza?'."""
-    from lpslam import pipeline
+    """Ask the map for a place: 'Where can I eat pizza?'; without a question, at a prompt.
+
+    At the prompt, or from a pipe with a question a line, "and another one?" means what was asked before.
+    """
+    from lpslam.errors import UserError
     from lpslam.language.registry import language_model
     from lpslam.mapfile.language_map import LanguageMap
-    from lpslam.views.answers import answer_record, answer_text
+    from lpslam.views.answers import answer_record
+    from lpslam.views.dialogue import Dialogue, parsed_place, questions
 
-    language = language_model(llm, _config(config).language)
-    answer = pipeline.ask(LanguageMap.load(map_file), question, language=language)
-    print(json.dumps(answer_record(answer), ensure_ascii=False, indent=1) if as_json else answer_text(answer))
+    position, heading = parsed_place(place) if place is not None else (None, None)
+    settings = _config(config)
+    language = language_model(llm, settings.language)
+    dialogue = Dialogue(LanguageMap.load(map_file), language, position, heading)
+    longest = settings.language.question_length
+    for text in questions() if question is None else (question,):
+        if len(text) > longest:
+            _say(f"the question has {len(text):,} letters; its first {longest} are read")
+        try:
+            answer = dialogue.ask(text)
+        except UserError as error:
+            if question is not None:
+                raise
+            _say(str(error))
+            continue
+        if as_json:
+            print(json.dumps(answer_record(answer), ensure_ascii=False, indent=1 if question is not None else None))
+        else:
+            print(dialogue.said(answer), flush=True)
     _say_usage(language)
 
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from lpslam.language.knowledge import Knowledge, Meaning
 from lpslam.language.model import Candidate, Choice
+from lpslam.language.phrasing import Phrases, answer_language, phrases_in
 from lpslam.language.question import Wish, instead_of, read_question, spoken_key
 from lpslam.language.sanitise import clean_text
 from lpslam.language.serving import FITS, Kinds, Served, likeness, merged, serve
@@ -21,6 +22,7 @@ class LandmarkIndex:
 
     def __init__(self, landmarks: Sequence[Candidate], signs: SignReader, knowledge: Knowledge) -> None:
         self.landmarks = list(landmarks)
+        self.name_of = {landmark.id: clean_text(landmark.name) for landmark in landmarks}
         self.groups: dict[Kinds, list[int]] = {}
         self.signs: dict[int, SignMeaning] = {}
         by_phrase: dict[str, dict[int, None]] = {}
@@ -52,10 +54,16 @@ _ANOTHER = re.compile(
 
 
 def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge, model: str) -> Choice:
-    """Choose the landmark whose kinds serve the wish best; none rather than one that does not."""
+    """Choose the landmark whose kinds serve the wish best; none rather than one that does not.
+
+    The evidence is in the language of the question.
+    """
     wish = understand(question, index, signs, knowledge)
+    phrases = phrases_in(answer_language(question) if wish.language is not None else "en")
+    if not index.landmarks:
+        return Choice(None, 1.0, phrases.say("empty_map"), model)
     if wish.language is None:
-        return Choice(None, 0.0, "the question is in no language that the embedded model reads", model)
+        return Choice(None, 0.0, phrases.say("unread"), model)
     refused = {id_ for name in wish.refused_names for id_ in index.ids_of.get(name, ())}
     if _ANOTHER.search(question):
         # “Starbucks is full, another café?” names what is not wanted.
@@ -65,19 +73,19 @@ def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Kn
             wish = replace(wish, wanted=tuple((kind, 1.0) for kind in wish.refused), refused=())
     named = [id_ for name in wish.wanted_names for id_ in index.ids_of.get(name, ()) if id_ not in refused]
     if named:
-        return Choice(named[0], 0.95, "the question names it", model, tuple(named[1 : 1 + _ALTERNATIVES]))
+        return Choice(named[0], 0.95, phrases.say("named"), model, tuple(named[1 : 1 + _ALTERNATIVES]))
     if not wish.wanted:
         others = [*wish.refused, *(kind for id_ in refused for kind, _ in index.signs[id_].kinds)]
         wish = replace(wish, wanted=instead_of(others, knowledge))
     wanted = dict(wish.wanted)
     if wish.wanted_names and not any(weight >= _SPECIAL for weight in wanted.values()):
         # A brand was asked for that is not here; another of its kind may do, but that is for the asker to say.
-        return _without_brand(wish.wanted_names[0], index, signs, knowledge, model)
+        return _without_brand(wish.wanted_names[0], index, signs, knowledge, model, phrases)
     if not wanted:
-        return Choice(None, 0.0, "the question names nothing that a known kind of place offers", model)
+        return Choice(None, 0.0, phrases.say("no_kind"), model)
     if set(wanted) == {"shop"} or wish.unknown:
-        return Choice(None, 0.5, "the question asks for something that is not known", model)
-    return _best(wish, index, refused, knowledge, model)
+        return Choice(None, 0.5, phrases.say("unknown"), model)
+    return _best(wish, index, refused, knowledge, model, phrases)
 
 
 def understand(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge) -> Wish:
@@ -101,22 +109,30 @@ class _Both(dict[str, Meaning]):
         return super().get(key) or self._many.get(key, default)
 
 
-def _best(wish: Wish, index: LandmarkIndex, refused: set[int], knowledge: Knowledge, model: str) -> Choice:
+def _best(
+    wish: Wish, index: LandmarkIndex, refused: set[int], knowledge: Knowledge, model: str, phrases: Phrases
+) -> Choice:
     served = [(serve(wish, kinds, knowledge), group) for kinds, group in index.groups.items()]
     ranked = sorted((each for each in served if each[0].score > 0.0), key=lambda each: (-each[0].score, each[1][0]))
-    asked = ", ".join(concept for concept, _ in wish.wanted)
+    asked = phrases.say("wanted", things=phrases.things([concept for concept, _ in wish.wanted]))
     fitting = [(each, group) for each, group in ranked if each.best >= FITS]
     ids = _first_ids(fitting, refused)
     if not ids:
         return Choice(
             None,
             0.6,
-            f"asked for {asked}: nothing on this map offers it",
+            phrases.say("nothing_offers", wanted=asked),
             model,
             tuple(_first_ids(ranked, refused)[:3]),
         )
     chosen = next(each for each, group in fitting if ids[0] in group)
-    evidence = f"asked for {asked}; {index.signs[ids[0]].evidence} ({', '.join(chosen.reasons)})"
+    evidence = phrases.say(
+        "serves",
+        wanted=asked,
+        name=index.name_of[ids[0]],
+        sign=index.signs[ids[0]].evidence,
+        things=phrases.things(chosen.reasons),
+    )
     return Choice(ids[0], round(min(chosen.best, 0.99), 3), evidence, model, tuple(ids[1:]))
 
 
@@ -131,14 +147,16 @@ def _first_ids(ranked: Sequence[tuple[Served, list[int]]], refused: set[int]) ->
     return [id_ for _, id_ in sorted(found, key=lambda each: (-each[0], each[1]))[: _ALTERNATIVES + 1]]
 
 
-def _without_brand(identity: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge, model: str) -> Choice:
+def _without_brand(
+    identity: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge, model: str, phrases: Phrases
+) -> Choice:
     kinds = signs.read(identity).kinds
     alike = {
         group[0]: max((weight * likeness(kind, each, knowledge) for kind, weight in kinds), default=0.0)
         for each, group in index.groups.items()
     }
     others = sorted((id_ for id_ in alike if alike[id_] >= _YES), key=lambda id_: (-alike[id_], id_))
-    return Choice(None, 0.8, f"{identity} is not on this map", model, tuple(others[:_ALTERNATIVES]))
+    return Choice(None, 0.8, phrases.say("no_brand", name=identity), model, tuple(others[:_ALTERNATIVES]))
 
 
 def _sign_of(landmark: Candidate, signs: SignReader) -> SignMeaning:

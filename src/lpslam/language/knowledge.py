@@ -72,6 +72,10 @@ class Knowledge:
         """Return the things and states of a language."""
         return self._tables.states_of(language)
 
+    def word_for(self, concept: str, language: str) -> str | None:
+        """Return how a language calls a concept; None where no table says so. "zh-Hant" is traditional Chinese."""
+        return self._tables.word_for(concept, language)
+
     def above(self, kind: str) -> tuple[str, ...]:
         """Return `kind` and every more general kind above it, the nearest first."""
         if kind not in self._above:
@@ -121,7 +125,7 @@ def load_knowledge() -> Knowledge:
     """Read the tables of the package (about 0.25 s, once a process)."""
     kinds = _read("lexicon/kinds.json")
     han = _read("lexicon/han.json")
-    folder = Folder(han["traditional"], han["simplified"], han["lookalikes"])
+    folder = Folder(han["traditional"], han["simplified"], han["lookalikes"], han["both"])
     lexicons = _lexicons()
     gazetteer = json.loads(lzma.decompress((files("lpslam.language") / "data" / "gazetteer.json.xz").read_bytes()))
     unpainted = frozenset(kinds["unpainted"])
@@ -280,6 +284,17 @@ class _SpokenTables:
                 {(pair.split("+")[0], pair.split("+")[1]): want for pair, want in tree["together"].items()},
             )
         return self._states[language]
+
+    def word_for(self, concept: str, language: str) -> str | None:
+        spoken, _, script = language.partition("-")
+        for region, names in self._gazetteer["names"].items():
+            if region == language or (not script and region.partition("-")[0] == spoken):
+                for row in names.get(concept, ()):
+                    return str(row[0])
+        words = _split(self._lexicons[spoken]["means"].get(concept, "")) if spoken in self._lexicons else []
+        if not words:
+            return None
+        return self._folder.traditional(words[0]) if script == "Hant" else words[0]
 
     def _names(self, by_name: Mapping[str, Mapping[str, str]], language: str) -> dict[str, tuple[str, ...]]:
         found: dict[str, list[str]] = {}

@@ -34,12 +34,16 @@ class Span(Generic[Value]):
 class Folder:
     """Folds case, accents, width and traditional characters away; holds the tables of characters.
 
-    `lookalikes` are pairs of letters that readers of signs confuse, separated by spaces ("0o 1l").
+    `lookalikes` are pairs of letters that readers of signs confuse, separated by spaces ("0o 1l"); `both` are
+    characters that are simplified forms of some traditional ones and traditional themselves.
     """
 
-    def __init__(self, traditional: str = "", simplified: str = "", lookalikes: str = "") -> None:
+    def __init__(self, traditional: str = "", simplified: str = "", lookalikes: str = "", both: str = "") -> None:
         apostrophes = dict.fromkeys(map(ord, "’‘`´ʼ"), "'")
         self._plain = str.maketrans(traditional, simplified) | apostrophes
+        self._traditional = {old: new for old, new in zip(traditional, simplified, strict=True) if old != new}
+        # Of several traditional characters that became one, the commonest is listed first.
+        self._simplified = {new: old for old, new in reversed(self._traditional.items()) if new not in both}
         self._alike = {ord(pair[0]): pair[1] for pair in lookalikes.split()}
 
     def fold(self, text: str) -> str:
@@ -48,6 +52,14 @@ class Folder:
             return text.casefold()
         bare = _ACCENT.sub("", unicodedata.normalize("NFKD", text))
         return unicodedata.normalize("NFC", bare).translate(self._plain).casefold()
+
+    def is_traditional(self, text: str) -> bool:
+        """Whether a Chinese text is written in traditional characters: it has some, and none that is simplified."""
+        return any(ch in self._traditional for ch in text) and not any(ch in self._simplified for ch in text)
+
+    def traditional(self, text: str) -> str:
+        """Return a simplified text in traditional characters, letter by letter."""
+        return "".join(self._simplified.get(ch, ch) for ch in text)
 
     def key(self, text: str) -> str:
         """Return the letters and digits of `text` alone: what stays when spaces and punctuation were misread."""

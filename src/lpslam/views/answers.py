@@ -1,34 +1,75 @@
-"""Answers to questions, as text and as JSON."""
+"""Answers to questions, as text in the language of the question and as JSON."""
 
 from dataclasses import asdict
 from typing import Any
 
+from lpslam.language.phrasing import Phrases, answer_language, phrases_in
 from lpslam.mapfile.export import landmark_record
 from lpslam.pipeline import Answer
+from lpslam.text.types import Landmark
 from lpslam.views.drawable import printable
 
+_INSTEAD = " (instead of "
 
-def answer_text(answer: Answer) -> str:
-    """A few lines: where to go, how far it is, why, and what else there is."""
-    others = ", ".join(printable(mark.name) for mark in answer.alternatives)
+
+def answer_text(answer: Answer, language: str | None = None, *, is_further: bool = False) -> str:
+    """A few lines: where to go, how far and in which direction it is, why, and what else there is.
+
+    Args:
+        answer: to say.
+        language: tag of the language to say it in; the question's without.
+        is_further: whether something else was named before.
+    """
+    phrases = phrases_in(language or answer_language(answer.question))
+    why = printable(answer.choice.evidence, longest=300)
+    others = phrases.join([_other(mark, answer, phrases) for mark in answer.alternatives])
+    embedded, _, absent = answer.choice.model.partition(_INSTEAD)
     if answer.landmark is None:
-        lines = [f"Nothing in this map serves that: {printable(answer.choice.evidence, longest=300)}"]
+        nothing = phrases.say("no_further") if is_further else phrases.say("nothing", why=why)
+        lines = [nothing]
+        more = "nothing_near"
     else:
-        x, y, z = answer.landmark.position
-        lines = [
-            f"{printable(answer.landmark.name)} at ({x:.2f}, {y:.2f}, {z:.2f}), {answer.distance:.1f} m away",
-            f"  because: {printable(answer.choice.evidence, longest=300)} "
-            f"(confidence {answer.choice.confidence:.2f}, {printable(answer.choice.model, longest=100)})",
-        ]
-    return "\n".join([*lines, f"  or: {others}"] if others else lines)
+        x, y, z = (f"{value:.2f}" for value in answer.landmark.position)
+        direction = _direction(answer.landmark, answer, phrases)
+        name = printable(answer.landmark.name)
+        lines = [phrases.say("found", name=name, x=x, y=y, z=z, distance=f"{answer.distance:.1f}", direction=direction)]
+        if answer.same_name > 1:
+            lines.append("  " + phrases.say("same_name", count=answer.same_name))
+        sure = phrases.say("confidence", sure=f"{answer.choice.confidence:.2f}", model=printable(embedded, longest=100))
+        lines.append(f"  {phrases.say('because', why=why)} ({sure})")
+        more = "alternatives"
+    if absent:
+        lines.append("  " + phrases.say("instead", model=printable(absent.removesuffix(")"), longest=100)))
+    return "\n".join([*lines, "  " + phrases.say(more, others=others)] if others else lines)
+
+
+def _other(mark: Landmark, answer: Answer, phrases: Phrases) -> str:
+    return phrases.say(
+        "near",
+        name=printable(mark.name),
+        distance=f"{answer.distance_to(mark):.1f}",
+        direction=_direction(mark, answer, phrases),
+    )
+
+
+def _direction(mark: Landmark, answer: Answer, phrases: Phrases) -> str:
+    degrees = answer.direction_to(mark)
+    return (
+        phrases.direction(degrees) if answer.heading is not None else phrases.say("bearing", degrees=f"{degrees:.0f}")
+    )
 
 
 def answer_record(answer: Answer) -> dict[str, Any]:
-    """The answer as JSON can hold it."""
+    """The answer as JSON can hold it; metres, degrees counter-clockwise."""
+    is_relative = answer.heading is not None
     return {
         "question": answer.question,
         "landmark": landmark_record(answer.landmark) if answer.landmark is not None else None,
         "distance": answer.distance,
+        "direction": round(answer.direction_to(answer.landmark), 1) if answer.landmark is not None else None,
+        "direction_is_from": "heading" if is_relative else "map x axis",
+        "asked_from": [round(float(value), 4) for value in answer.here],
         "choice": asdict(answer.choice),
         "alternatives": [mark.name for mark in answer.alternatives],
+        "alternative_ids": [mark.id for mark in answer.alternatives],
     }
