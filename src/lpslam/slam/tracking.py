@@ -9,7 +9,6 @@ looked for in the whole map, and after a while a new sub-map is begun.
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,9 +19,9 @@ from lpslam.slam.association import Associator, Estimate, View
 from lpslam.slam.features import FeatureExtractor, Features, gray_of
 from lpslam.slam.following import choose_followed, follow_flow
 from lpslam.slam.kernels import graph
-from lpslam.slam.kernels.geometry import orthonormalise
 from lpslam.slam.keyframes import Keyframes
 from lpslam.slam.map import SlamMap
+from lpslam.slam.motion import ConstantVelocity, UsualSharpness
 from lpslam.slam.relocalising import Relocaliser
 from lpslam.slam.sensor import SensorModel
 from lpslam.slam.state import EventKind, SlamEvent, TrackedFrame, TrackingState
@@ -103,13 +102,12 @@ class Tracker:
         self.state = TrackingState.INITIALISING if founds else TrackingState.LOST
         self._reference = slam_map.keyframe_count - 1
         self._last: _Last | None = None
-        self._velocity: _Matrix | None = None
-        self._seconds_between = np.inf
+        self._motion = ConstantVelocity()
         self._anchored_at = -np.inf
         self._followed_first = 0
         self._strict_until = -np.inf
         self._unknown_since: float | None = None
-        self._usual_sharpness = 0.0
+        self._sharpness = UsualSharpness()
 
     def track(self, frame: RgbdFrame) -> TrackedFrame:
         """Find the pose of a frame; a frame that should become a keyframe is added to the map."""
@@ -137,7 +135,7 @@ class Tracker:
         with self._map.lock:
             version = self._map.version
             rows, points, positions = self._seen(last)
-            predicted = self._predict(last, frame.timestamp)
+            predicted = self._motion.ahead(self._pose(last), frame.timestamp - last.timestamp)
         chosen = choose_followed(
             last.features.pixels[rows], last.features.octave[rows], points >= 0, config.followed_points
         )
@@ -147,7 +145,7 @@ class Tracker:
         in_camera = positions @ predicted[:3, :3].T + predicted[:3, 3]
         in_camera[:, 2] = np.maximum(in_camera[:, 2], 0.05)
         expected = self._extractor.camera.project(in_camera).astype(np.float32)
-        levels = config.flow_levels + (_LEVELS_FOR_UNKNOWN_MOTION if self._velocity is None else 0)
+        levels = config.flow_levels + (0 if self._motion.is_known else _LEVELS_FOR_UNKNOWN_MOTION)
         flow = follow_flow(
             last.gray, gray, last.features.pixels[rows], expected, levels, self._extractor.camera, config
         )
@@ -175,7 +173,7 @@ class Tracker:
         """Whether a frame that is easy to predict will be matched with the map whatever flow would say."""
         return (
             self.state is TrackingState.TRACKING
-            and self._velocity is not None
+            and self._motion.is_known
             and frame.timestamp - self._anchored_at >= self._config.anchor_interval
         )
 
@@ -197,15 +195,6 @@ class Tracker:
     def _pose(self, last: _Last) -> _Matrix:
         """Camera from world of the last frame as the map has it now."""
         return last.camera_from_reference @ self._map.camera_from_world(last.reference)
-
-    def _predict(self, last: _Last, timestamp: float) -> _Matrix:
-        """Constant velocity, also over frames that are missing."""
-        if self._velocity is None:
-            return self._pose(last)
-        steps = round(min((timestamp - last.timestamp) / self._seconds_between, _MOST_STEPS_AHEAD))
-        predicted = np.linalg.matrix_power(self._velocity, max(steps, 0)) @ self._pose(last)
-        orthonormalise(predicted)
-        return predicted
 
     # Matching with the map --------------------------------------------------------------------------------------
 
@@ -248,7 +237,7 @@ class Tracker:
         last, config = self._last, self._config
         if last is None:
             return None
-        predicted = self._predict(last, frame.timestamp)
+        predicted = self._motion.ahead(self._pose(last), frame.timestamp - last.timestamp)
         rows, points, positions = self._seen(last)
         fx, fy, cx, cy, bf = self._sensor.intrinsics
         x, y, z = (positions @ predicted[:3, :3].T + predicted[:3, 3]).T
@@ -316,7 +305,7 @@ class Tracker:
     ) -> TrackedFrame:
         """Begin a map or sub-map: every keypoint with depth is a point."""
         self.state, self._unknown_since, self._reference = TrackingState.TRACKING, None, -1
-        self._usual_sharpness = _sharpness(frame)
+        self._sharpness.begin(frame)
         nothing_seen = Estimate(camera_from_world, np.full(features.rows, -1, np.int32), 0)
         estimate = self._add_keyframe(frame, features, nothing_seen)
         self._anchored_at = frame.timestamp
@@ -330,13 +319,14 @@ class Tracker:
         parts = [f"{0 if estimate is None else estimate.matches} map points matched", f"{features.rows} keypoints"]
         if features.rows:
             parts.append(f"{depths / features.rows:.0%} of them with depth")
-        sharpness = self._sharpness_share(frame)
+        sharpness = self._sharpness.share(frame)
         if sharpness < self._config.blur_ratio:
             parts.append(f"blurred (sharpness {sharpness:.0%} of the usual)")
         reason = ", ".join(parts)
         if self.state is not TrackingState.LOST:
             self._tell(EventKind.LOST, frame, reason)
-        self.state, self._last, self._velocity = TrackingState.LOST, None, None
+        self.state, self._last = TrackingState.LOST, None
+        self._motion.forget()
         if depths < self._keyframe_config.min_start_depths or not self._grows:
             self._unknown_since = None
         elif self._unknown_since is None:
@@ -357,10 +347,7 @@ class Tracker:
         estimate: Estimate,
         may_become_keyframe: bool = False,
     ) -> TrackedFrame:
-        # Where a saved map goes on, its first frame is the only measure.
-        self._usual_sharpness = self._usual_sharpness or _sharpness(frame)
-        sharpness = self._sharpness_share(frame)
-        self._usual_sharpness *= 1.0 + (sharpness - 1.0) * _SHARPNESS_RATE
+        sharpness = self._sharpness.note(frame)
         weak = True
         if estimate.matches < self._config.weak_inliers:
             reason = f"{estimate.matches} map points matched"
@@ -394,8 +381,8 @@ class Tracker:
         world_from_camera = inverse_transform(estimate.camera_from_world)
         reference_from_world = self._map.camera_from_world(self._reference)
         if self._last is not None and frame.timestamp > self._last.timestamp:
-            self._velocity = estimate.camera_from_world @ inverse_transform(self._pose(self._last))
-            self._seconds_between = frame.timestamp - self._last.timestamp
+            seconds = frame.timestamp - self._last.timestamp
+            self._motion.note(self._pose(self._last), estimate.camera_from_world, seconds)
         keyframe_from_camera = reference_from_world @ world_from_camera
         self._last = _Last(
             frame.timestamp, gray, features, estimate.points, self._reference, inverse_transform(keyframe_from_camera)
@@ -422,25 +409,9 @@ class Tracker:
         self._reference, estimate = self._keyframes.add(frame, features, estimate, self._reference)
         return estimate
 
-    def _sharpness_share(self, frame: RgbdFrame) -> float:
-        """Sharpness of a frame as a share of the usual one of the frames tracked so far."""
-        return _sharpness(frame) / self._usual_sharpness if self._usual_sharpness else 1.0
-
 
 _FIRST_WORLD_FROM_CAMERA = np.array([[0.0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
 """The map frame starts at the first camera with REP-103 axes: x forward, y left, z up."""
 
 _LEVELS_FOR_UNKNOWN_MOTION = 2
 """Pyramid levels more for flow from a frame whose motion is not known: four times the reach."""
-
-_SHARPNESS_RATE = 0.03
-"""Share of its difference by which a frame changes the usual sharpness: a second's worth, longer than a jerk."""
-
-_MOST_STEPS_AHEAD = 5
-"""Frames that may be missing for constant velocity to be believed."""
-
-
-def _sharpness(frame: RgbdFrame) -> float:
-    """Mean squared difference of neighbouring grey values at half resolution; falls with blur."""
-    green = frame.rgb[::2, ::2, 1]
-    return float(np.square(cv2.subtract(green[:, 1:], green[:, :-1]), dtype=np.float32).mean())

@@ -1,0 +1,77 @@
+"""What the frames before say about the next one: where it will be, and how sharp it should be."""
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.camera import inverse_transform
+from lpslam.frames import RgbdFrame
+from lpslam.slam.kernels.geometry import orthonormalise
+
+_Matrix = NDArray[np.float64]
+
+_MOST_STEPS_AHEAD = 5
+"""Frames that may be missing for constant velocity to be believed."""
+
+_SHARPNESS_RATE = 0.03
+"""Share of its difference by which a frame changes the usual sharpness: a second's worth, longer than a jerk."""
+
+
+class ConstantVelocity:
+    """The motion model: the camera goes on as it did from the last frame but one to the last (ORB-SLAM, V-B)."""
+
+    def __init__(self) -> None:
+        self._step: _Matrix | None = None
+        self._seconds = np.inf
+
+    @property
+    def is_known(self) -> bool:
+        """Whether two frames in a row had poses."""
+        return self._step is not None
+
+    def forget(self) -> None:
+        """The camera was lost."""
+        self._step = None
+
+    def note(self, before: _Matrix, now: _Matrix, seconds: float) -> None:
+        """Take the camera from world (4×4) of two frames, as the map has them now, so many seconds apart."""
+        self._step, self._seconds = now @ inverse_transform(before), seconds
+
+    def ahead(self, camera_from_world: _Matrix, seconds: float) -> _Matrix:
+        """Camera from world so many seconds after a pose, also over frames that are missing."""
+        if self._step is None:
+            return camera_from_world
+        steps = round(min(seconds / self._seconds, _MOST_STEPS_AHEAD))
+        predicted: _Matrix = np.linalg.matrix_power(self._step, max(steps, 0)) @ camera_from_world
+        orthonormalise(predicted)
+        return predicted
+
+
+class UsualSharpness:
+    """How sharp frames are here, slowly forgotten: by which a blurred one is known."""
+
+    def __init__(self) -> None:
+        self._usual = 0.0
+
+    def begin(self, frame: RgbdFrame) -> None:
+        """Take a first frame for the measure."""
+        self._usual = _sharpness(frame)
+
+    def share(self, frame: RgbdFrame) -> float:
+        """Sharpness of a frame as a share of the usual one; 1 where that is not known yet."""
+        return _sharpness(frame) / self._usual if self._usual else 1.0
+
+    def note(self, frame: RgbdFrame) -> float:
+        """Take a frame that was tracked, and return its share."""
+        if not self._usual:
+            # Where a saved map goes on, its first frame is the only measure.
+            self.begin(frame)
+        share = self.share(frame)
+        self._usual *= 1.0 + (share - 1.0) * _SHARPNESS_RATE
+        return share
+
+
+def _sharpness(frame: RgbdFrame) -> float:
+    """Mean squared difference of neighbouring grey values at half resolution; falls with blur."""
+    green = frame.rgb[::2, ::2, 1]
+    return float(np.square(cv2.subtract(green[:, 1:], green[:, :-1]), dtype=np.float32).mean())
