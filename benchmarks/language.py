@@ -3,16 +3,26 @@
 python benchmarks/language.py                      # the embedded model
 python benchmarks/language.py --llm ollama:qwen3:4b
 python benchmarks/language.py --misses             # every wrong answer in a line
+python benchmarks/language.py --speed              # processor time of the first answers and of the next ones
 """
 
 import argparse
+import json
+import statistics
+import subprocess
+import sys
 import time
 from pathlib import Path
 
-from lpslam.evaluation.language import read_cases, score_language
-from lpslam.language.model import Candidate
+from lpslam.language.model import Candidate, LanguageModel
 from lpslam.language.registry import language_model
 
+QUESTIONS = {
+    "en": ("I'm thirsty", "Where can I eat pizza?", "My phone screen is cracked", "another café instead of Starbucks"),
+    "zh": ("我想买手机", "我饿了", "除了肯德基还有什么吃的", "哪里可以理发"),
+    "ja": ("ピアノを買いたい", "お腹が空いた", "ラーメン以外のレストラン", "薬がほしい"),
+    "de": ("Ich habe Hunger", "Wo gibt es Schuhe?", "Ich mag keine Pizza", "Mein Handy ist kaputt"),
+}
 SETS = ("paper", "development", "second", "third", "fourth")
 
 
@@ -21,7 +31,18 @@ def main() -> None:
     parser.add_argument("--llm", help="offline (the default), openai:MODEL, ollama:MODEL or URL#MODEL")
     parser.add_argument("--set", choices=SETS, action="append", help="which sets; all of them unless given")
     parser.add_argument("--misses", action="store_true", help="show every wrong answer")
+    parser.add_argument("--speed", action="store_true", help="time the embedded model in fresh processes instead")
+    parser.add_argument("--time-answers", type=int, metavar="LANDMARKS", help=argparse.SUPPRESS)
     given = parser.parse_args()
+    if given.time_answers:
+        time_answers(given.time_answers)
+        return
+    if given.speed:
+        for landmarks in (25, 400, 10_000):
+            subprocess.run([sys.executable, __file__, "--time-answers", str(landmarks)], check=True)
+        return
+    from lpslam.evaluation.language import read_cases, score_language
+
     start = time.process_time()
     model = language_model(given.llm)
     print(f"{model.model}: ready after {time.process_time() - start:.2f} s of processor time")
@@ -30,23 +51,33 @@ def main() -> None:
         print(f"{name}: {score}")
         if given.misses:
             print(*score.misses, sep="\n")
-    if given.llm is None:
-        print(f"choosing among 400 landmarks: {1e3 * seconds_a_choice(400):.1f} ms")
 
 
-def seconds_a_choice(landmarks: int) -> float:
-    """Processor time of one answer once the signs have been read, median of five questions."""
-    cases = read_cases(Path(__file__).parent / "language" / "development.json")
-    names = [name for case in cases.judging for name in case.expected]
+def time_answers(landmarks: int) -> None:
+    """Print the processor time from the start of this process to its first answer, and that of further ones."""
+    tree = json.loads((Path(__file__).parent / "language" / "development.json").read_text(encoding="utf-8"))
+    names = [name for case in tree["judging"] for name in case["expected"]]
     marks = [Candidate(at, f"{names[at % len(names)]} {at // len(names) or ''}") for at in range(landmarks)]
     model = language_model()
     model.choose("Where is the toilet?", marks)
-    seconds = []
-    for question in ("I'm thirsty", "我想买手机", "ピアノを買いたい", "Where can I eat pizza?", "Ich habe Hunger"):
-        start = time.process_time()
-        model.choose(question, marks)
-        seconds.append(time.process_time() - start)
-    return sorted(seconds)[2]
+    first = time.process_time()
+    new_language, further = [], []
+    for questions in QUESTIONS.values():
+        spent = [seconds(model, question, marks) for question in questions]
+        new_language.append(spent[0])
+        further += spent[1:]
+    print(
+        f"{landmarks:,} landmarks: first answer after {first:.2f} s of processor time, the first in a further language "
+        f"{1e3 * max(new_language):.0f} ms at most, others {1e3 * statistics.median(further):.1f} ms in the median, "
+        f"{1e3 * max(further):.0f} ms at most"
+    )
+
+
+def seconds(model: LanguageModel, question: str, marks: list[Candidate]) -> float:
+    """Processor time of one answer."""
+    start = time.process_time()
+    model.choose(question, marks)
+    return time.process_time() - start
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ class LandmarkIndex:
 
     def __init__(self, landmarks: Sequence[Candidate], signs: SignReader, knowledge: Knowledge) -> None:
         self.landmarks = list(landmarks)
-        self.name_of = {landmark.id: clean_text(landmark.name) for landmark in landmarks}
+        self.name_of = {landmark.id: landmark.name for landmark in landmarks}
         self.groups: dict[Kinds, list[int]] = {}
         self.signs: dict[int, SignMeaning] = {}
         by_phrase: dict[str, dict[int, None]] = {}
@@ -129,7 +129,7 @@ def _best(
     evidence = phrases.say(
         "serves",
         wanted=asked,
-        name=index.name_of[ids[0]],
+        name=clean_text(index.name_of[ids[0]]),
         sign=index.signs[ids[0]].evidence,
         things=phrases.things(chosen.reasons),
     )

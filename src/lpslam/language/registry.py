@@ -1,11 +1,16 @@
 """Which language model a specification means; a new kind of model is a few lines here and a file of its own."""
 
-from lpslam.config import LanguageConfig
+from typing import TYPE_CHECKING
+
 from lpslam.errors import UserError
 from lpslam.language.model import LanguageModel
 
+if TYPE_CHECKING:
+    # What the embedded model does without is half of its start.
+    from lpslam.config import LanguageConfig
 
-def language_model(spec: str | None = None, config: LanguageConfig | None = None) -> LanguageModel:
+
+def language_model(spec: str | None = None, config: "LanguageConfig | None" = None) -> LanguageModel:
     """Return the model for `spec`.
 
     None or "offline": the embedded model. "openai:MODEL", "anthropic:MODEL", "google:MODEL", "ollama:MODEL" or

@@ -16,8 +16,13 @@ def clean_text(text: str, limit: int = 200) -> str:
     punctuation stay as painted. The function is idempotent; the result may be empty.
     """
     head = text[: max(limit, 0) * _READ_AHEAD]
-    seen = "".join(
-        " " if ch.isspace() else ch for ch in head if ch.isspace() or unicodedata.category(ch) not in _UNSEEN
+    # Nearly every string is printable as it is.
+    seen = (
+        head
+        if head.isprintable()
+        else "".join(
+            " " if ch.isspace() else ch for ch in head if ch.isspace() or unicodedata.category(ch) not in _UNSEEN
+        )
     )
     composed = " ".join(unicodedata.normalize("NFKC", seen).split())
     return composed[: max(limit, 0)].strip()

@@ -194,6 +194,8 @@ class SignReader:
             phrase = " ".join(units[:end])
             if phrase in self._knowledge.warning_starts and (len(units) > end or end > 1):
                 return phrase.replace(" ", "") if is_unspaced(phrase) else phrase
+        if not key.startswith(self._starts):
+            return None
         return next((start for start in self._starts if key.startswith(start) and key != start), None)
 
     def _phrases(self, key: str, units: Sequence[str]) -> list[Span[Meaning]]:
