@@ -37,6 +37,15 @@ def test_floors(model: OfflineModel, name: str) -> None:
     assert chosen >= 0.95, score.misses
 
 
+def test_names_of_rendered_signs_as_the_recogniser_reads_them(model: OfflineModel) -> None:
+    groups = read_cases(SETS / "readings.json").naming
+    assert len(groups) >= 60
+    right = score_language(model, LanguageCases(naming=groups)).naming[0]
+    commonest = sum(max(group.readings, key=lambda each: each.count).text in group.expected for group in groups)
+    assert right >= 0.85 * len(groups)
+    assert right > commonest, "naming is worth something"
+
+
 def test_what_nothing_serves_is_answered_with_none(model: OfflineModel, cases: LanguageCases) -> None:
     unserved = [case for case in cases.choosing if not case.expected]
     score = score_language(model, LanguageCases(choosing=tuple(unserved)))

@@ -28,7 +28,7 @@ def test_a_cut_end_is_cheaper_than_the_same_letters_lost_inside() -> None:
 
 
 def test_letters_that_look_alike_are_cheaper_to_confuse() -> None:
-    assert misreading_cost("room", "r0om", looks) == misreading_cost("restroom", "restroon", looks)
+    assert misreading_cost("room", "r0om", looks) == misreading_cost("restroom", "restrocm", looks)
     assert misreading_cost("room", "r0om", looks) < misreading_cost("room", "rxom", looks)
 
 
@@ -58,3 +58,13 @@ def test_repetition_counts_for_less_than_variety() -> None:
 )
 def test_names(readings: list[tuple[str, int, float]], name: str) -> None:
     assert OfflineModel().name([Reading(*each) for each in readings]).name == name
+
+
+@pytest.mark.parametrize(("one", "other"), ["未末", "土士", "人入", "ce", "oq", "8b"])
+def test_letters_that_look_alike_from_afar_are_cheap_to_confuse(one: str, other: str) -> None:
+    assert misreading_cost(one, other, looks) == misreading_cost(other, one, looks) < misreading_cost(one, "x", looks)
+
+
+def test_a_mark_of_a_brand_that_was_read_once_is_kept() -> None:
+    readings = [Reading("WENDYS", 5, 0.95), Reading("WENDY'S", 1, 0.9)]
+    assert OfflineModel().name(readings).name == "WENDY'S"

@@ -67,8 +67,10 @@ class OfflineModel:
                 name, evidence = self._painted(key, voted, readings), "letter by letter, most readings say so"
             return Naming(name, voted.agreement, evidence, self.model)
         if key == fold.key(voted.text):
-            # Only spaces and punctuation may differ: a warning's words are set apart, a brand stays as it is painted.
-            name = voted.text if known.source == "brand" else painted_like(known.painted, voted.text)
+            # Only spaces and punctuation may differ: a warning's words are set apart, a brand stays as it is painted;
+            # a mark that it has, and that was read even once, was there.
+            marked = [each.text for each in readings if each.text.casefold() == known.painted.casefold()]
+            name = (marked or [voted.text])[0] if known.source == "brand" else painted_like(known.painted, voted.text)
             return Naming(name, max(voted.agreement, 0.9), f"the readings agree on {known.painted}", self.model)
         name = self._painted(key, voted, readings) if key in weights else cased_like(known.painted, voted.text)
         return Naming(name, 0.7 * voted.agreement + 0.2, f"the readings are nearest to {known.painted}", self.model)

@@ -6,23 +6,20 @@ those costs, the longer it is the more, since few unknown names come so near to 
 """
 
 from collections.abc import Callable, Iterable, Sequence
+from functools import lru_cache
+from importlib.resources import files
 
 from rapidfuzz.distance import Levenshtein
 
 # Costs of a reader's slips, in natural logarithms of how much rarer they are than a right letter.
 _WRONG_LETTER = 3.0
 _LOOK_ALIKE = 1.5
-# Pairs of letters, beside those that look the same, that blur and distance turn into each other.
-_BLURRED = "nm uv ce oc ao oe ae pr ij lt ft hn yv wv gq dq ec hk bh 38 56 68 17 kx 木本 大太 王玉 心必 未来 问间"
 # Confident wrong readings are mostly cut off: at a pillar, at the end of a box.
 _CUT_END, _CUT_LETTER = 2.0, 0.3
 # Letters of the shortest word that is replaced by a known one: shorter ones have too many neighbours.
 _LEAST_RESPELLED = 4
 # Repeated readings repeat their slips, the view being the same: n of them are worth n to this power.
 _REPETITION = 0.75
-
-
-_NEAR = frozenset(pair for both in _BLURRED.split() for pair in (both, both[::-1]))
 
 
 def weigh(readings: Iterable[tuple[str, int, float]]) -> dict[str, float]:
@@ -85,7 +82,17 @@ def _one_slip_from(word: str) -> set[str]:
 
 
 def _is_alike(letter: str, other: str, looks: Callable[[str], str]) -> bool:
-    return letter + other in _NEAR or looks(letter) == looks(other)
+    return letter + other in _near() or looks(letter) == looks(other)
+
+
+@lru_cache(maxsize=1)
+def _near() -> frozenset[str]:
+    """Pairs of letters, beside those that look the same, that blur and distance turn into each other; both ways.
+
+    They are found by drawing every letter small (`tools/build_lookalikes.py`).
+    """
+    table = (files("lpslam.language") / "data" / "lookalikes.txt").read_text(encoding="utf-8")
+    return frozenset(pair for both in table.split() for pair in (both, both[::-1]))
 
 
 def explanation_cost(painted: str, weights: Sequence[tuple[str, float]], looks: Callable[[str], str]) -> float:
