@@ -28,12 +28,12 @@ def test_the_sets_are_large_enough_to_mean_something(cases: LanguageCases) -> No
     assert sum(not case.expected for case in cases.choosing) >= 12
 
 
-@pytest.mark.parametrize("name", ["development", "second", "third", "fourth"])
+@pytest.mark.parametrize("name", ["development", "second", "third", "fourth", "fifth", "sixth"])
 def test_floors(model: OfflineModel, name: str) -> None:
     score = score_language(model, read_cases(SETS / f"{name}.json"))
     named, judged, chosen = (right / max(total, 1) for right, total in (score.naming, score.judging, score.choosing))
     assert named >= 0.9 or score.naming[1] == 0, score.misses
-    assert judged >= 0.95, score.misses
+    assert judged >= 0.95 or score.judging[1] == 0, score.misses
     assert chosen >= 0.95, score.misses
 
 

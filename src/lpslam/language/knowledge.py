@@ -19,7 +19,7 @@ from lpslam.language.words import Folder
 HAND_WRITTEN = ("en", "zh", "ja", "ko", "es", "de", "fr")
 TOPICS = ("food", "goods", "services", "facilities", "trades")
 SAID_ONLY = ("needs",)  # topics of which nothing is painted on a sign
-_ROLES = ("context_before", "context_after", "refuse_before", "refuse_after", "neutral", "break")
+_ROLES = ("context_before", "context_after", "past", "refuse_before", "refuse_after", "neutral", "break")
 _SIGN_ROLES = {"sign_warning": "sign/warning", "sign_slogan": "sign/slogan"}
 
 # How sure a word makes us of a kind: written for this by hand, a kind's own name in the index, or a search term.
@@ -58,6 +58,7 @@ class Knowledge:
     modifiers: frozenset[str]
     treatments: frozenset[str]
     instead: Mapping[str, str]
+    instead_of: Mapping[str, str]
     offers: Mapping[str, Mapping[str, float]]
     isa: Mapping[str, tuple[str, ...]]
     _tables: "_SpokenTables"
@@ -153,6 +154,7 @@ def load_knowledge() -> Knowledge:
         modifiers=frozenset(kinds["modifiers"]),
         treatments=frozenset(kinds["treatments"]),
         instead=kinds["instead"],
+        instead_of=kinds["instead_of"],
         offers=kinds["offers"],
         isa={kind: tuple(parents) for kind, parents in kinds["isa"].items()},
         _tables=_SpokenTables(folder, lexicons, gazetteer, kinds["cuisine_kinds"], frozenset(kinds["unspoken"])),

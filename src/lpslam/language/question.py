@@ -137,6 +137,9 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
                     wanted[concept] = max(weight, wanted.get(concept, 0.0))
     for concept in refused:
         wanted.pop(concept, None)
+    if refused and all(concept in knowledge.instead_of for concept in refused):
+        # Who eats no meat wants a kitchen without.
+        wanted |= {knowledge.instead_of[concept]: _MAIN for concept in refused}
     wanted = _as_treated(wanted, knowledge)
     main = [concept for concept, weight in wanted.items() if weight > _GENERAL]
     return Wish(
@@ -146,7 +149,8 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
         tuple(dict.fromkeys(mentioned["refused"])),
         language,
         tuple(dict.fromkeys(mentioned["near"])),
-        not main and asks_for_unknown(units, spans, language, knowledge),
+        # After a refusal, what else may be eaten is left open.
+        not main and not refused and asks_for_unknown(units, spans, language, knowledge),
     )
 
 
@@ -230,10 +234,19 @@ def _told(clause: Sequence[Span[Meaning]], knowledge: Knowledge) -> list[tuple[S
             refused[since:at] = [True] * (at - since)
             since, ahead = at, False
         refused[at] = refused[at] or ahead
+    if any(span.value.role == "past" for span in clause):
+        # What was eaten yesterday is not what is wanted today.
+        refused = [no or _is_meal(span, knowledge) for span, no in zip(clause, refused, strict=True)]
     told = [(span, no) for span, no in zip(clause, refused, strict=True) if span.value.role in ("means", "name")]
     if any(no and not _is_general(span, knowledge) for span, no in told):
         told = [(span, no and not _is_general(span, knowledge)) for span, no in told]
     return told
+
+
+def _is_meal(span: Span[Meaning], knowledge: Knowledge) -> bool:
+    return span.value.role == "means" and any(
+        above in knowledge.instead for concept, _ in span.value.concepts for above in knowledge.above(concept)
+    )
 
 
 def _is_general(span: Span[Meaning], knowledge: Knowledge) -> bool:
