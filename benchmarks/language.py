@@ -3,6 +3,7 @@
 python benchmarks/language.py                      # the embedded model
 python benchmarks/language.py --llm ollama:qwen3:4b
 python benchmarks/language.py --misses             # every wrong answer in a line
+python benchmarks/language.py --set paper --show   # the paper's dialogues, question by question
 python benchmarks/language.py --speed              # processor time of the first answers and of the next ones
 """
 
@@ -13,9 +14,13 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from lpslam.language.model import Candidate, LanguageModel
 from lpslam.language.registry import language_model
+
+if TYPE_CHECKING:
+    from lpslam.evaluation.language import LanguageCases
 
 QUESTIONS = {
     "en": ("I'm thirsty", "Where can I eat pizza?", "My phone screen is cracked", "another café instead of Starbucks"),
@@ -31,6 +36,7 @@ def main() -> None:
     parser.add_argument("--llm", help="offline (the default), openai:MODEL, ollama:MODEL or URL#MODEL")
     parser.add_argument("--set", choices=SETS, action="append", help="which sets; all of them unless given")
     parser.add_argument("--misses", action="store_true", help="show every wrong answer")
+    parser.add_argument("--show", action="store_true", help="show every question with its answer, and why")
     parser.add_argument("--speed", action="store_true", help="time the embedded model in fresh processes instead")
     parser.add_argument("--time-answers", type=int, metavar="LANDMARKS", help=argparse.SUPPRESS)
     given = parser.parse_args()
@@ -47,10 +53,28 @@ def main() -> None:
     model = language_model(given.llm)
     print(f"{model.model}: ready after {time.process_time() - start:.2f} s of processor time")
     for name in given.set or SETS:
-        score = score_language(model, read_cases(Path(__file__).parent / "language" / f"{name}.json"))
+        cases = read_cases(Path(__file__).parent / "language" / f"{name}.json")
+        if given.show:
+            show(model, cases)
+        score = score_language(model, cases)
         print(f"{name}: {score}")
         if given.misses:
             print(*score.misses, sep="\n")
+
+
+def show(model: LanguageModel, cases: "LanguageCases") -> None:
+    """Print what a model is asked and what it says."""
+    for group in cases.naming:
+        named = model.name(group.readings)
+        print(f"{' / '.join(reading.text for reading in group.readings)}\n  {named.name}: {named.evidence}")
+    for case in cases.judging:
+        for name, judged in zip(case.expected, model.judge(list(case.expected), case.question), strict=True):
+            print(f"{case.question} {name}\n  {'yes' if judged.answer else 'no'}: {judged.evidence}")
+    for asked in cases.choosing:
+        marks = [Candidate(at, name) for at, name in enumerate(asked.landmarks)]
+        choice = model.choose(asked.question, marks)
+        chosen = "nothing here" if choice.landmark is None else asked.landmarks[choice.landmark]
+        print(f"{asked.question}\n  {chosen}: {choice.evidence}")
 
 
 def time_answers(landmarks: int) -> None:

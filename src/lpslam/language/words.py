@@ -71,8 +71,7 @@ class Folder:
 
     def units(self, text: str) -> list[str]:
         """Return the units of `text` in order; punctuation marks are units of their own."""
-        folded = self.fold(text).replace("n't", " not").replace("cannot", "can not").replace("&", " and ")
-        return [_stem(unit) for unit in _UNIT.findall(folded) if unit != "'"]
+        return _units(self.fold(text))
 
     def sign_units(self, text: str) -> list[str]:
         """Return the units of a sign: where the reader lost a space, a capital inside a word begins a new one."""
@@ -89,7 +88,16 @@ class Folder:
         if _LETTERS_UNSPACED.fullmatch(text):
             folded = self.fold(text)
             return " ".join(folded), folded
-        return self.phrase(text), self.key(text)
+        folded = self.fold(text)
+        return " ".join(unit for unit in _units(folded) if not is_mark(unit)), _NOT_LETTER.sub("", folded)
+
+
+def _units(folded: str) -> list[str]:
+    if folded.isalpha() and folded.isascii() and "cannot" not in folded:
+        return [_stem(folded)]
+    if "'" in folded or "&" in folded or "cannot" in folded:
+        folded = folded.replace("n't", " not").replace("cannot", "can not").replace("&", " and ")
+    return [_stem(unit) for unit in _UNIT.findall(folded) if unit != "'"]
 
 
 def is_mark(unit: str) -> bool:
