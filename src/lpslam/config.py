@@ -114,11 +114,14 @@ class PlacementConfig(_Section):
     # Share of the depths that must agree with the plane; below it the median depth is used instead.
     min_inlier_share: float = Field(default=0.5, gt=0, le=1)
     # What lies beyond an end of the text, and nearer than its surface by more than so many metres plus so large a share
-    # of the depth, hides the rest of it; steps less than that are frames and mouldings.
+    # of the depth, hides the rest of it; steps less than that are frames and mouldings. Half of the pixels must agree,
+    # so the noise of one, 10 cm at 6 m, is no reason for more.
     hiding_step: float = Field(default=0.1, ge=0)
-    hiding_step_share: float = Field(default=0.05, ge=0)
+    hiding_step_share: float = Field(default=0.01, ge=0)
     # Share of the pixels beyond an end that must be nearer.
     hiding_share: float = Field(default=0.5, gt=0, le=1)
+    # Share of the pixels of an end of the text that must lie off its plane, by as much, for it to be two texts.
+    stepping_share: float = Field(default=0.7, gt=0, le=1)
     # Steepest view of a surface that is believed, degrees between ray and normal.
     max_view_angle: float = Field(default=80.0, gt=0, lt=90)
 

@@ -42,6 +42,7 @@ def place(
         width=width,
         height=height,
         positions_by_frame={frame: position + shake[frame] for frame in (frames or range(count))},
+        normals_by_frame={frame: np.array(normal) for frame in (frames or range(count))},
         grounds_by_frame={},
         observations=count,
         evidence=0.95 * count,
@@ -198,3 +199,28 @@ def test_a_text_never_seen_large_enough_is_no_landmark() -> None:
     assert places_of_class(text_class, lambda _: np.eye(4), InstanceConfig())
     text_class.observations = of_digits
     assert places_of_class(text_class, lambda _: np.eye(4), InstanceConfig()) == []
+
+
+def test_lines_of_a_sign_with_two_sides_are_one_board_whichever_side_showed_them_more() -> None:
+    back = (0.0, 0.0, 1.0)
+    cashier = place(0, "CASHIER", 0, 0.22, height=0.18, frames=range(20, 33))
+    # From the front only the second line could be read; from behind both.
+    cashier = replace(
+        cashier,
+        normals_by_frame={frame: np.array([0.0, 0.0, 1.0 if frame >= 28 else -1.0]) for frame in range(20, 33)},
+    )
+    chinese = place(1000, "收银台", 0.0, 0.0, height=0.25, frames=range(28, 45), z=3.07, normal=back)
+    chinese = replace(chinese, baseline=-chinese.baseline)
+    assert names(boards([cashier, chinese], CONFIG)) == [["收银台", "CASHIER"]]
+    never_from_behind = place(0, "CASHIER", 0, 0.22, height=0.18, frames=range(20, 28))
+    assert names(boards([never_from_behind, chinese], CONFIG)) == [["CASHIER"], ["收银台"]]
+
+
+def test_a_sign_read_in_one_line_with_its_neighbour_keeps_its_number() -> None:
+    seen = observations("MEETING ROOM 2", 0.0, 6) + observations("MEETING ROOM 1", 8.0, 3, first=20)
+    slips = ["MEETING ROOM!", "MEETING ROOM E", "MEETING ROOME"]
+    joined = ["Enjoy Every Day[MEETING ROOM ]", "Enjoy Every Da MEETING ROOM", "Every Day MEETING ROOM!"]
+    for number, text in enumerate(slips + joined):
+        seen += observations(text, 8.0, 1, first=30 + number)
+    found = places_of_class(text_class(seen, "MEETING ROOM 2"), world, CONFIG)
+    assert [each.name for each in found] == ["MEETING ROOM 2", "MEETING ROOM 1"]

@@ -219,6 +219,18 @@ def test_texts_without_depth_are_remembered_but_stand_nowhere() -> None:
     assert mapper.text_map.landmarks(identity) == []
 
 
+def test_readings_without_a_place_weigh_less_than_those_with_one() -> None:
+    mapper = TextMapper(CAMERA, ScriptedSpotter((box(100, 200), "Newfrrivals", 0.98)), CONFIG)
+    run(mapper, 60, depth=0.0)
+    near = ScriptedSpotter((box(100, 200), "New Arrivals", 0.98))
+    mapper._spotter = near
+    for index in range(60, 75):
+        mapper.observe(frame(index), tracked(index))
+    variants = mapper.text_map.long_term[0].variants
+    worth = {text: each.confidence / each.count for text, each in variants.items()}
+    assert worth["Newfrrivals"] < 0.3 * worth["New Arrivals"]
+
+
 def test_a_class_is_named_on_promotion_and_once_it_is_settled() -> None:
     namer = Namer("Gucci")
     mapper = run(TextMapper(CAMERA, ScriptedSpotter((box(100, 200), "GUCC1", 0.98)), CONFIG, namer), 75)  # type: ignore[arg-type]

@@ -139,3 +139,29 @@ def test_what_lies_behind_or_hardly_before_a_sign_does_not_hide_it() -> None:
         depth = wall_depth(centre, normal, 0.0022)
         depth[:, :left] = depth[:, right:] = beyond
         assert placed(box, depth).position == pytest.approx(centre, abs=0.01)
+
+
+def test_a_thin_sign_a_hand_before_the_wall_hides_what_is_behind_it() -> None:
+    centre = np.array([0.0, 0.0, 5.5])
+    _, box, normal = sign(centre, 0.0)
+    depth = wall_depth(centre, normal, 0.0022)
+    depth[:, int(box[:, 0].max()) + 2 :] -= 0.25
+    assert place_text(box, depth, CAMERA, np.eye(4), CONFIG) is PlacementFault.HIDDEN
+
+
+@pytest.mark.parametrize("step", [-0.4, 0.4])
+def test_two_signs_that_look_like_one_line_are_no_text(step: float) -> None:
+    centre = np.array([0.0, 0.0, 3.0])
+    _, box, normal = sign(centre, 0.0, width=1.0)
+    depth = wall_depth(centre, normal, 0.0022)
+    first = int(box[:, 0].min() + 0.35 * np.ptp(box[:, 0]))
+    depth[:, :first] += step
+    assert isinstance(place_text(box, depth, CAMERA, np.eye(4), CONFIG), PlacementFault)
+
+
+def test_a_box_that_reaches_over_the_edge_of_its_board_is_placed_on_the_board() -> None:
+    centre = np.array([0.0, 0.0, 3.0])
+    _, box, normal = sign(centre, 0.0, width=1.0)
+    depth = wall_depth(centre, normal, 0.0022)
+    depth[:, : int(box[:, 0].min() + 0.05 * np.ptp(box[:, 0]))] += 0.4
+    assert placed(box, depth).position == pytest.approx(centre, abs=0.02)

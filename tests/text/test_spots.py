@@ -22,14 +22,14 @@ def standing(x: float, y: float, width: float = 1.0, height: float = 0.2) -> Pla
 )
 def test_a_spot_is_where_texts_overlap(placement: Placement, here: bool) -> None:
     spots = Spots()
-    spots.add(7, standing(0.0, 0.0), np.eye(4), 1.0)
+    spots.add(7, "GUCCI", standing(0.0, 0.0), np.eye(4), 1.0)
     assert spots.classes_at(placement, np.eye(4)) == ({7} if here else set())
 
 
 def test_spots_are_in_the_world() -> None:
     spots = Spots()
     assert spots.classes_at(standing(0.0, 0.0), np.eye(4)) == set()
-    spots.add(7, standing(0.0, 0.0), np.eye(4), 1.0)
+    spots.add(7, "GUCCI", standing(0.0, 0.0), np.eye(4), 1.0)
     # The next keyframe stands two metres to the right, and sees the same sign two metres to the left.
     world_from_keyframe = np.eye(4)
     world_from_keyframe[0, 3] = 2.0
@@ -44,3 +44,16 @@ def test_a_poor_reading_joins_the_class_of_its_spot_only() -> None:
     assert memory.sight("STARB", 0.9, 0.4) is first  # by now a known spelling
     assert memory.sight("TARBU", 0.9, 0.6, here={99}).id == first.id  # as like that spelling
     assert memory.sight("GUCCI", 0.9, 0.8, here={first.id}) is not first
+
+
+def settled(readings: list[str]) -> bool:
+    spots = Spots()
+    for reading in readings:
+        spots.add(7, reading, standing(0.0, 0.0), np.eye(4), 1.0)
+    return spots.settled_at(standing(0.0, 0.0), np.eye(4), 0.9, 4) == 7
+
+
+def test_a_text_is_settled_by_readings_that_agree() -> None:
+    assert settled(["New Arrivals", "NEW ARRIVALS", "NewArrivals", "New Arrivals"])
+    assert not settled(["New Arrivals", "Newfrrivals", "Newflrrivals", "New Arrivals"])
+    assert settled(["New Arrivals", "Newfrrivals"] * 4), "sooner or later there is no more to learn"

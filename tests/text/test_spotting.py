@@ -113,7 +113,15 @@ def test_unsure_short_and_empty_readings_are_refused() -> None:
 
 def test_a_logo_beside_the_name_is_not_part_of_it() -> None:
     box = np.array([[[0, 0], [50, 0], [50, 20], [0, 20]]], float)
-    for raw, text in {"★回力": "回力", "● Miniso ®": "Miniso", "A★B": "A★B", "Don't!": "Don't!"}.items():
+    for raw, text in {
+        "★回力": "回力",
+        "● Miniso ®": "Miniso",
+        "A★B": "A★B",
+        "Don't!": "Don't!",
+        "OVelvet Lane": "Velvet Lane",
+        "OPPO": "OPPO",
+        "Omega": "Omega",
+    }.items():
         (accepted,) = accepted_texts(box, [(raw, 0.99)], CONFIG)
         assert accepted is not None
         assert accepted.text == text

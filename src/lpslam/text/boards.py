@@ -41,7 +41,7 @@ def _on_one_board(first: Place, second: Place, config: InstanceConfig) -> bool:
         return False
     offset = _offset(first, second)
     right, down, out = (abs(float(offset @ axis)) for axis in (first.baseline, first.down, first.normal))
-    angle = np.degrees(np.arccos(np.clip(first.normal @ second.normal, -1.0, 1.0)))
+    angle = np.degrees(np.arccos(np.clip(_facing(first, second), -1.0, 1.0)))
     ratio = max(first.height, second.height) / max(min(first.height, second.height), 1e-6)
     if out > config.line_offset or angle > config.line_angle or ratio > config.line_height_ratio:
         return False
@@ -77,6 +77,13 @@ def _offset(first: Place, second: Place) -> Array:
         return second.position - first.position
     offsets = [second.positions_by_frame[frame] - first.positions_by_frame[frame] for frame in sorted(common)]
     return np.asarray(np.median(offsets, axis=0), dtype=np.float64)
+
+
+def _facing(first: Place, second: Place) -> float:
+    """Cosine between the normals, in the frames that saw both: of a sign with two sides, each line faces either way."""
+    common = first.normals_by_frame.keys() & second.normals_by_frame.keys()
+    cosines = [first.normals_by_frame[frame] @ second.normals_by_frame[frame] for frame in sorted(common)]
+    return float(np.median(cosines)) if cosines else float(first.normal @ second.normal)
 
 
 def _in_reading_order(group: list[Place]) -> list[Place]:

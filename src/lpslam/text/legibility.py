@@ -12,6 +12,8 @@ Array = NDArray[np.float64]
 _FULL_HEIGHT = 28.0
 # What a reading is worth at least, seen from afar or aslant: it is evidence all the same.
 _LEAST = 0.4
+# What a reading without a place is worth: beyond the depth sensor's reach or all but edge-on, slips repeat themselves.
+UNPLACED = 0.2
 # How far beyond a box's long sides its ground is looked at too, as a share of its height.
 _BEYOND = 0.1
 # Brightness below which colours are mostly noise.

@@ -15,7 +15,7 @@ from lpslam.frames import RgbdFrame
 from lpslam.language.model import LanguageModel
 from lpslam.slam.state import TrackedFrame
 from lpslam.text.instances import KeyframePoses
-from lpslam.text.legibility import frontal_cosine, ground_colour, legibility
+from lpslam.text.legibility import UNPLACED, frontal_cosine, ground_colour, legibility
 from lpslam.text.memory import Pool, TextClass
 from lpslam.text.naming import BesideNaming, name_class, needs_name, rename_class
 from lpslam.text.placement import PlacementFault, place_text
@@ -65,7 +65,7 @@ class TextMapper:
                 pose = world_from_keyframe(each.keyframe)
                 if pose is not None:
                     seen = legibility(each.letter_height, frontal_cosine(each.placement, np.eye(4)))
-                    self._spots.add(text_class.id, each.placement, pose, seen)
+                    self._spots.add(text_class.id, each.text, each.placement, pose, seen)
 
     def observe(self, frame: RgbdFrame, tracked: TrackedFrame) -> FrameReading | None:
         """Take one frame: let memory fade, and read the frame if its turn has come.
@@ -114,7 +114,7 @@ class TextMapper:
         observations = []
         is_new = False
         for text, placement in zip(reading.texts, reading.placements, strict=True):
-            seen = 1.0
+            seen = UNPLACED
             if placement is not None:
                 seen = legibility(text.letter_height, frontal_cosine(placement, tracked.keyframe_from_camera))
             text_class = self._remember(text, placement, seen, frame.timestamp, world_from_keyframe)
@@ -163,7 +163,8 @@ class TextMapper:
                 row: place_text(boxes[row], frame.depth, self._camera, keyframe_from_camera, self._config.placement)
                 for row in np.flatnonzero(fates == BoxFate.KEPT).tolist()
             }
-            fates[[row for row, each in placements.items() if each is PlacementFault.HIDDEN]] = BoxFate.HIDDEN
+            cut = (PlacementFault.HIDDEN, PlacementFault.STEPPED)
+            fates[[row for row, each in placements.items() if each in cut]] = BoxFate.HIDDEN
             heights = letter_heights(boxes)
             for row, placement in placements.items():
                 if not isinstance(placement, PlacementFault) and world_from_keyframe is not None:
@@ -213,7 +214,7 @@ class TextMapper:
             return memory.sight(text.text, text.confidence, timestamp, legibility=seen)
         here = self._spots.classes_at(placement, world_from_keyframe)
         text_class = memory.sight(text.text, text.confidence, timestamp, here, seen)
-        self._spots.add(text_class.id, placement, world_from_keyframe, seen)
+        self._spots.add(text_class.id, text.text, placement, world_from_keyframe, seen)
         return text_class
 
     def _name(self, text_class: TextClass) -> None:

@@ -22,6 +22,7 @@ class PlacementFault(StrEnum):
     NO_DEPTH = "no usable depth"
     GRAZING = "surface seen at a grazing angle"
     HIDDEN = "partly hidden by something nearer"
+    STEPPED = "on two surfaces, one behind the other"
 
 
 def place_text(
@@ -70,6 +71,8 @@ def place_text(
         normal = -_unit(inverse_plane)
         if any(_hides(strip, depth, camera, inverse_plane, config) for strip in _beyond_ends(box)):
             return PlacementFault.HIDDEN
+        if any(_steps(strip, depth, camera, inverse_plane, config) for strip in _ends(box, config.inner_share)):
+            return PlacementFault.STEPPED
         residuals = 1.0 / depths[inliers] - rays[inliers] @ inverse_plane
         noise = float(np.std(residuals)) * float(np.median(depths)) ** 2
 
@@ -144,14 +147,44 @@ def _hides(
 
     A text cut off so misleads like one that is cut off by the image's border (Fig. 11), only that it stays so for long.
     """
+    offsets, area = _offsets_from_plane(strip, depth, camera, inverse_plane, config)
+    return bool((offsets < -1.0).sum() >= max(3.0, config.hiding_share * area))
+
+
+def _ends(box: Array, share: float) -> tuple[Array, Array]:
+    """The quadrilaterals (4, 2) of the box's first and last letter, so much narrower than the box as `share` says."""
+    middle = box.mean(axis=0)
+    top_left, top_right, bottom_right, bottom_left = middle + (box - middle) * share
+    along = np.linalg.norm(top_right + bottom_right - top_left - bottom_left)
+    across = np.linalg.norm(bottom_left + bottom_right - top_left - top_right)
+    part = min(0.5 * float(across / along), 0.25)
+    left = np.array([top_left, top_left + (top_right - top_left) * part])
+    left = np.vstack([left, [bottom_left + (bottom_right - bottom_left) * part, bottom_left]])
+    right = np.array([top_right + (top_left - top_right) * part, top_right])
+    right = np.vstack([right, [bottom_right, bottom_right + (bottom_left - bottom_right) * part]])
+    return left, right
+
+
+def _steps(
+    strip: Array, depth: NDArray[np.float32], camera: PinholeCamera, inverse_plane: Array, config: PlacementConfig
+) -> bool:
+    """Whether an end of the text lies on another surface than the rest: two signs that look like one line from here."""
+    offsets, area = _offsets_from_plane(strip, depth, camera, inverse_plane, config)
+    share = max(3.0, config.stepping_share * area)
+    return bool((offsets < -1.0).sum() >= share or (offsets > 1.0).sum() >= share)
+
+
+def _offsets_from_plane(
+    strip: Array, depth: NDArray[np.float32], camera: PinholeCamera, inverse_plane: Array, config: PlacementConfig
+) -> tuple[Array, int]:
+    """How far beyond the plane (n,) the depths inside lie, in hiding steps; and how many pixels were looked at."""
     pixels, depths, area = _depths_inside(strip, depth, config)
     if len(depths) == 0:
-        return False
+        return np.zeros(0), area
     surface = 1.0 / np.maximum(
         camera.back_project(camera.undistort(pixels), np.ones(len(pixels))) @ inverse_plane, 1e-3
     )
-    nearer = depths < surface - config.hiding_step - config.hiding_step_share * surface
-    return bool(nearer.sum() >= max(3.0, config.hiding_share * area))
+    return (depths - surface) / (config.hiding_step + config.hiding_step_share * surface), area
 
 
 def _depths_inside(

@@ -6,14 +6,14 @@ stays.
 """
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.config import InstanceConfig
-from lpslam.language.spelling import explanation_cost, weigh
+from lpslam.language.spelling import misreading_cost, weigh
 from lpslam.text.instances import KeyframePoses, split_places, trimmed_position, world_placements
 from lpslam.text.memory import TextClass
 from lpslam.text.similarity import comparison_key, is_fragment, similarity
@@ -23,6 +23,9 @@ Array = NDArray[np.float64]
 
 # By how much a place's own readings must explain it better than the name of its class: a letter wrong twice.
 _OWN_NAME_COST = 5.0
+
+# The most that one reading can cost: three letters wrong, and it is of something else.
+_FOREIGN_COST = 9.0
 
 # A whole text is believed over its fragment with this share of the fragment's evidence: from near, pieces are read.
 _WHOLE_OVER_FRAGMENT = 0.25
@@ -40,7 +43,7 @@ class Place:
         normal, baseline: (3,) unit, world.
         spread: metres, root mean square distance of kept observations.
         width, height: metres.
-        positions_by_frame: for each frame that saw it, the (3,) world position seen then.
+        positions_by_frame, normals_by_frame: for each frame that saw it, the (3,) world position and normal seen then.
         grounds_by_frame: for each frame, the (red, green, blue) of the surface around it, where it is known.
         observations: number of sightings.
         evidence: sum of their confidences.
@@ -57,6 +60,7 @@ class Place:
     width: float
     height: float
     positions_by_frame: dict[int, Array]
+    normals_by_frame: dict[int, Array]
     grounds_by_frame: dict[int, tuple[int, int, int]]
     observations: int
     evidence: float
@@ -107,6 +111,7 @@ def places_of_class(text_class: TextClass, world_from_keyframe: KeyframePoses, c
                 width=float(np.median([observations[row].placement.width for row in trusted])),
                 height=float(np.median([observations[row].placement.height for row in trusted])),
                 positions_by_frame={observations[row].frame: positions[row] for row in rows},
+                normals_by_frame={observations[row].frame: normals[row] for row in rows},
                 grounds_by_frame={each.frame: each.ground for each in seen if each.ground is not None},
                 observations=len(rows),
                 evidence=sum(each.confidence for each in seen),
@@ -169,19 +174,26 @@ def _name_here(text_class: TextClass, readings: Sequence[TextObservation], stand
         return text_class.name
     counts = Counter(each.text for each in readings)
     weights = weigh((comparison_key(each.text), 1, each.confidence) for each in readings if comparison_key(each.text))
-    own = list(weights.items())
-    costs = {text: explanation_cost(comparison_key(text), own, _looks) for text, _ in counts.most_common()}
+    costs = {text: _cost_of(comparison_key(text), weights) for text, _ in counts.most_common()}
     best = min(costs, key=lambda text: costs[text])
-    by_class = explanation_cost(comparison_key(text_class.name), own, _looks)
+    by_class = _cost_of(comparison_key(text_class.name), weights)
     return best if costs[best] + _OWN_NAME_COST < by_class else text_class.name
+
+
+def _cost_of(painted: str, weights: Mapping[str, float]) -> float:
+    """What it costs to explain the weighted readings by a key; what is quite unlike it is explained by something else.
+
+    A sign read in one line with its neighbour says nothing against its own letters.
+    """
+    return sum(weight * min(misreading_cost(painted, read, _looks), _FOREIGN_COST) for read, weight in weights.items())
 
 
 def _looks(text: str) -> str:
     return text.translate(_ALIKE)
 
 
-_ALIKE = str.maketrans("015826", "olsbzg")
-"""Digits as which letters are read, and the other way round."""
+_ALIKE = str.maketrans("015826!|", "olsbzgll")
+"""Digits and strokes as which letters are read, and the other way round."""
 
 
 def without_overlaps(places: Sequence[Place], config: InstanceConfig) -> list[Place]:

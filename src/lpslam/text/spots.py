@@ -4,10 +4,13 @@ The similarity of strings says which readings may be homologous; that they were 
 another kind, and lets readings join a class that resemble it less.
 """
 
+from collections import Counter
+
 import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.camera import transform_points
+from lpslam.text.similarity import comparison_key
 from lpslam.text.types import Placement
 
 Array = NDArray[np.float64]
@@ -19,12 +22,16 @@ _CAPACITY = 4096
 _ALONG_SHARE = 0.5
 _ACROSS_SHARE = 0.6
 
+# Where readings go on differing, so many times the sightings settle a text all the same: more would say no more.
+_PATIENCE = 2
+
 
 class Spots:
     """A table of sightings: class, position and size in the world as it was known then."""
 
     def __init__(self) -> None:
         self._classes = np.zeros(0, np.int64)
+        self._keys = np.zeros(0, object)
         self._positions = np.zeros((0, 3))
         self._sizes = np.zeros((0, 2))
         self._legibility = np.zeros(0)
@@ -41,13 +48,14 @@ class Spots:
         Args:
             placement, world_from_keyframe: of the text.
             legibility: of the text as it is seen now.
-            sightings: how often it must have been read.
+            sightings: how often it must have been read alike; so many times as often is enough where readings differ.
         """
         here = self._here(placement, world_from_keyframe)
         classes, counts = np.unique(self._classes[here], return_counts=True)
         if len(classes) != 1 or counts[0] < sightings or self._legibility[here].max() < legibility:
             return None
-        return int(classes[0])
+        alike = Counter(self._keys[here].tolist()).most_common(1)[0][1]
+        return int(classes[0]) if alike >= sightings or counts[0] >= _PATIENCE * sightings else None
 
     def _here(self, placement: Placement, world_from_keyframe: Array) -> NDArray[np.bool_]:
         position, baseline = _in_world(placement, world_from_keyframe)
@@ -59,11 +67,14 @@ class Spots:
         here: NDArray[np.bool_] = (np.abs(along) < _ALONG_SHARE * lengths) & (across < _ACROSS_SHARE * heights)
         return here
 
-    def add(self, identifier: int, placement: Placement, world_from_keyframe: Array, legibility: float) -> None:
-        """Note a sighting of a class, and how legible it was."""
+    def add(
+        self, identifier: int, text: str, placement: Placement, world_from_keyframe: Array, legibility: float
+    ) -> None:
+        """Note a sighting of a class, as what it was read, and how legible it was."""
         position, _ = _in_world(placement, world_from_keyframe)
         size = [placement.width, placement.height]
         self._classes = np.append(self._classes, identifier)[-_CAPACITY:]
+        self._keys = np.append(self._keys, np.array([comparison_key(text)], object))[-_CAPACITY:]
         self._positions = np.vstack([self._positions, position])[-_CAPACITY:]
         self._sizes = np.vstack([self._sizes, size])[-_CAPACITY:]
         self._legibility = np.append(self._legibility, legibility)[-_CAPACITY:]

@@ -75,13 +75,17 @@ def letter_heights(boxes: Boxes) -> NDArray[np.float64]:
 
 
 def _without_logos(text: str) -> str:
-    """Drop symbols around a text: a logo beside the name is read as ★ or ●."""
+    """Drop symbols around a text: a logo beside the name is read as ★ or ●, a ring before a capitalised word as O."""
     rim = {ch for ch in text if unicodedata.category(ch) == "So" or ch in _LOGO_LIKE}
-    return text.strip("".join(rim) + " ")
+    text = text.strip("".join(rim) + " ")
+    return text[1:] if text[:1] in _RINGS and text[1:2].isupper() and text[2:3].islower() else text
 
 
 _LOGO_LIKE = frozenset("*·•°~^_|<>=←↑→↓")
 """What icons, arrows and edges beside a text are read as."""
+
+_RINGS = frozenset("O0Q@")
+"""Letters and signs as which a round logo is read."""
 
 
 def accepted_texts(boxes: Boxes, readings: list[tuple[str, float]], config: SpottingConfig) -> list[SpottedText | None]:
