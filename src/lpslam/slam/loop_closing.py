@@ -26,22 +26,33 @@ _Matrix = NDArray[np.float64]
 
 
 class LoopAdvisor(Protocol):
-    """Who knows places by something else than keypoints: text, for one."""
+    """Who knows places by something else than keypoints: text, for one.
 
-    def propose(self, keyframe: int) -> Sequence[int]:
-        """Older keyframes that may show the same place, likeliest first."""
+    Called in the thread that closes loops, which holds the map's lock meanwhile: answers must come in milliseconds.
+    """
+
+    def propose(self, slam_map: SlamMap, keyframe: int) -> Sequence[int]:
+        """Older keyframes that may show the same place, likeliest first; each is verified like any other."""
         ...
 
-    def vetoes(self, keyframe: int, candidate: int) -> str | None:
-        """Why two keyframes cannot show the same place, or None."""
+    def vetoes(
+        self, slam_map: SlamMap, keyframe: int, candidate: int, camera_from_world: NDArray[np.float64]
+    ) -> str | None:
+        """Why a keyframe cannot be where it was located, in a few words that are always the same; or None.
+
+        Args:
+            slam_map: with both keyframes.
+            keyframe, candidate: the new one, and the old one around which it was located.
+            camera_from_world: 4×4 of the new one, in the world frame of the candidate's sub-map.
+        """
         ...
 
 
 class _NoAdvice:
-    def propose(self, keyframe: int) -> Sequence[int]:
+    def propose(self, slam_map: SlamMap, keyframe: int) -> Sequence[int]:
         return ()
 
-    def vetoes(self, keyframe: int, candidate: int) -> str | None:
+    def vetoes(self, slam_map: SlamMap, keyframe: int, candidate: int, camera_from_world: _Matrix) -> str | None:
         return None
 
 
@@ -200,7 +211,7 @@ class LoopCloser:
         if not slam_map.is_alive(keyframe):
             return []
         old = self._old_part(keyframe)
-        proposed = [k for k in self._advisor.propose(keyframe) if 0 <= k < len(old) and old[k]]
+        proposed = [k for k in self._advisor.propose(slam_map, keyframe) if 0 <= k < len(old) and old[k]]
         scores = self._places.query_keyframe(keyframe)
         covisible = slam_map.covisible(keyframe, config.covisible_points)
         covisible = covisible[covisible < len(scores)]
@@ -223,15 +234,13 @@ class LoopCloser:
         """The one place of the old part that explains the keyframe and may be true."""
         found: list[Located] = []
         for candidate in candidates:
-            reason = self._advisor.vetoes(keyframe, candidate)
-            if reason is not None:
-                self._reject(reason)
-                continue
             located = self._locate(keyframe, candidate, keyframe)
             if located is None:
                 self._reject("does not fit")
             elif not self._is_possible(keyframe, located):
                 self._reject("more than drift")
+            elif (reason := self._objection(keyframe, located)) is not None:
+                self._reject(reason)
             else:
                 found.append(located)
         if not found:
@@ -244,6 +253,12 @@ class LoopCloser:
                 self._reject("ambiguous")
                 return None
         return Tie(keyframe, best.keyframe, best.camera_from_world, best.points), best.inliers
+
+    def _objection(self, keyframe: int, located: Located) -> str | None:
+        with self._map.lock:
+            if not self._map.is_alive(keyframe):
+                return "removed"
+            return self._advisor.vetoes(self._map, keyframe, located.keyframe, located.camera_from_world)
 
     def _is_possible(self, keyframe: int, located: Located) -> bool:
         """Whether the way since can have drifted so far; between sub-maps nothing is known."""

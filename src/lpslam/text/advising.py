@@ -1,0 +1,166 @@
+"""Words help geometry: what was read says where loops may close, and where they must not.
+
+A place whose pictures look different, or like others, has its own signs. Several of them, standing to one another as
+they did before, propose keyframes to loop closing, which verifies these like any others. And where a keyframe was
+located among signs that say something else than those it sees, loop closing is told not to believe it.
+"""
+
+import threading
+from collections import defaultdict
+from collections.abc import Collection, Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.config import AdviceConfig
+from lpslam.slam.map import SlamMap
+from lpslam.text.constellations import Constellation, Seen, constellations, contradict, nearest_views, seen_texts
+from lpslam.text.memory import TextClass
+from lpslam.text.types import TextObservation
+
+Sighting = tuple[int, TextObservation]
+
+# Sightings kept of one class from one keyframe: more say the same again.
+_KEPT = 8
+
+# Most sightings of one class that are looked at, the newest: a word that is everywhere says little.
+_LOOKED_AT = 160
+
+SIGNS_DIFFER = "signs differ"
+
+
+class TextAdvisor:
+    """A `LoopAdvisor` that knows what was read from every keyframe.
+
+    Texts are noted in the thread that reads, and asked for in the thread that closes loops; neither waits for the other
+    longer than it takes to copy a few lists. Nothing that was read is more than compared.
+
+    Args:
+        config: thresholds.
+        classes: what was read before, of a map that is continued.
+
+    Attributes:
+        proposed, vetoed: how many keyframes were named and refused so far.
+    """
+
+    def __init__(self, config: AdviceConfig, classes: Iterable[TextClass] = ()) -> None:
+        self._config = config
+        self._lock = threading.Lock()
+        self._by_keyframe: dict[int, list[Sighting]] = defaultdict(list)
+        self._by_class: dict[int, list[TextObservation]] = defaultdict(list)
+        self.proposed = 0
+        self.vetoed = 0
+        for text_class in classes:
+            for observation in text_class.observations:
+                self.note(text_class.id, observation)
+
+    def note(self, text_class: int, observation: TextObservation) -> None:
+        """Take a sighting of a class of texts."""
+        with self._lock:
+            here = self._by_keyframe[observation.keyframe]
+            if sum(other == text_class for other, _ in here) < _KEPT:
+                here.append((text_class, observation))
+                self._by_class[text_class].append(observation)
+
+    def propose(self, slam_map: SlamMap, keyframe: int) -> list[int]:
+        """Keyframes that see texts in an arrangement in which texts around `keyframe` were read lately."""
+        config = self._config
+        lately = self._lately(slam_map, keyframe)
+        if len({text.text_class for text in lately}) < 2:
+            return []
+        submaps = slam_map.submaps()
+        before = self._before(slam_map, keyframe, {text.text_class for text in lately})
+        found = [
+            (constellation, submap)
+            for submap in sorted({int(submaps[observation.keyframe]) for _, observation in before})
+            for constellation in constellations(
+                lately,
+                self._often_read([each for each in before if submaps[each[1].keyframe] == submap], slam_map),
+                config,
+            )
+        ]
+        found.sort(key=lambda each: -each[0].rarity)
+        views = [self._view(slam_map, keyframe, *each) for each in found]
+        proposals = list(dict.fromkeys(view for view in views if view is not None))[: config.proposals]
+        self.proposed += len(proposals)
+        return proposals
+
+    def vetoes(
+        self, slam_map: SlamMap, keyframe: int, candidate: int, camera_from_world: NDArray[np.float64]
+    ) -> str | None:
+        """Refuse a pose among signs that say something else than those that were read lately."""
+        old_from_new_world = np.linalg.inv(camera_from_world) @ slam_map.camera_from_world(keyframe)
+        lately = [text.moved(old_from_new_world) for text in self._lately(slam_map, keyframe)]
+        if len(lately) < self._config.contradictions:
+            return None
+        around = self._around(slam_map, candidate, set(self._recent(slam_map, keyframe)))
+        if not contradict(lately, around, self._config):
+            return None
+        self.vetoed += 1
+        return SIGNS_DIFFER
+
+    # What was read --------------------------------------------------------------------------------------------------
+
+    def _recent(self, slam_map: SlamMap, keyframe: int) -> list[int]:
+        """The keyframe and the few before it, of the same sub-map."""
+        submaps = slam_map.submaps()
+        first = max(0, keyframe + 1 - self._config.recent_keyframes)
+        return [k for k in range(first, keyframe + 1) if submaps[k] == submaps[keyframe]]
+
+    def _lately(self, slam_map: SlamMap, keyframe: int) -> list[Seen]:
+        """The texts read from the last keyframes, as far as they are near."""
+        recent = self._recent(slam_map, keyframe)
+        with self._lock:
+            sightings = [each for k in recent if k in self._by_keyframe for each in self._by_keyframe[k]]
+        centre = slam_map.world_from_keyframe(keyframe)[:3, 3]
+        texts = self._often_read(sightings, slam_map)
+        return [text for text in texts if np.linalg.norm(text.position - centre) <= self._config.reach]
+
+    def _before(self, slam_map: SlamMap, keyframe: int, classes: Collection[int]) -> list[Sighting]:
+        """Sightings of some classes from other sub-maps and from long before."""
+        submaps = slam_map.submaps()
+        with self._lock:
+            newest = [
+                (key, observation) for key in sorted(classes) for observation in self._by_class[key][-_LOOKED_AT:]
+            ]
+        return [
+            (key, each)
+            for key, each in newest
+            if each.keyframe < len(submaps)
+            and (
+                each.keyframe <= keyframe - self._config.apart_keyframes or submaps[each.keyframe] != submaps[keyframe]
+            )
+        ]
+
+    def _around(self, slam_map: SlamMap, candidate: int, without: Collection[int]) -> list[Seen]:
+        """The texts read from keyframes around an old one."""
+        submaps = slam_map.submaps()
+        with self._lock:
+            read = np.array([k for k in sorted(self._by_keyframe) if k < len(submaps) and k not in without], np.int64)
+        read = read[submaps[read] == submaps[candidate]]
+        centre = slam_map.world_from_keyframe(candidate)[:3, 3]
+        away = np.array([np.linalg.norm(slam_map.world_from_keyframe(k)[:3, 3] - centre) for k in read.tolist()])
+        near = read[away <= self._config.reach].tolist()
+        with self._lock:
+            sightings = [each for k in near for each in self._by_keyframe[k]]
+        return self._often_read(sightings, slam_map)
+
+    def _often_read(self, sightings: list[Sighting], slam_map: SlamMap) -> list[Seen]:
+        texts = seen_texts(sightings, slam_map.world_from_keyframe, self._config)
+        return [text for text in texts if text.sightings >= self._config.min_sightings]
+
+    # Where that is --------------------------------------------------------------------------------------------------
+
+    def _view(self, slam_map: SlamMap, keyframe: int, constellation: Constellation, submap: int) -> int | None:
+        """The old keyframe that looks most as this one would, if its texts are those of the constellation."""
+        submaps = slam_map.submaps()
+        old = slam_map.living_keyframes()
+        old = old[submaps[old] == submap]
+        if submap == submaps[keyframe]:
+            old = old[old <= keyframe - self._config.apart_keyframes]
+        if not len(old):
+            return None
+        expected = constellation.old_from_new_world @ slam_map.world_from_keyframe(keyframe)
+        poses = np.array([slam_map.world_from_keyframe(k) for k in old.tolist()])
+        rows = nearest_views(expected, poses, self._config)
+        return int(old[rows[0]]) if len(rows) else None
