@@ -19,7 +19,7 @@ ALLOWED: dict[str, set[str]] = {
     "simulation": set(),
     "slam": set(),
     "language": set(),
-    "text": {"language.model", "language.sanitise", "language.spelling", "slam.state", "slam.loop_closing"},
+    "text": {"language.model", "language.sanitise", "language.spelling", "slam.state", "slam.advice"},
     "mapfile": {"slam", "text"},
     "pipeline": {"sources", "slam", "language", "text", "mapfile"},
     "evaluation": {"sources", "language", "text", "mapfile"},

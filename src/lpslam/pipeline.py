@@ -18,11 +18,13 @@ from lpslam.language.model import Candidate, Choice, LanguageModel
 from lpslam.language.offline import OfflineModel
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.poses import StampedPoses
+from lpslam.slam.advice import NO_ADVICE
 from lpslam.slam.state import SlamEvent, TrackedFrame
 from lpslam.slam.system import RgbdSlam
 from lpslam.sources.in_order import InOrder
 from lpslam.sources.pacing import Paced
 from lpslam.sources.prefetch import Prefetched
+from lpslam.text.advising import TextAdvisor
 from lpslam.text.distilling import DEFAULT_QUESTION, distil
 from lpslam.text.mapper import TextMapper
 from lpslam.text.reading_thread import ReadingThread, yield_to_others
@@ -127,14 +129,16 @@ def run(
         UserError: not one frame of the source can be used, or tracked.
     """
     config = config or Config()
-    slam = RgbdSlam(source.camera, config.slam, live=live, base=base.slam if base else None)
     text_map = base.text if base else TextMap(config.text)
+    words = TextAdvisor(config.text.advice, text_map.memory.classes)
+    advisor = words if text and config.text.advice.enabled else NO_ADVICE
+    slam = RgbdSlam(source.camera, config.slam, live=live, base=base.slam if base else None, advisor=advisor)
     beside = _naming_beside(language) if text else None
     is_threaded = live or not sequential
     mapper = None
     if text:
         reader_of_text = spotter or _load_spotter(config.text.spotting, is_threaded)
-        mapper = TextMapper(source.camera, reader_of_text, config.text, OfflineModel(), text_map, beside)
+        mapper = TextMapper(source.camera, reader_of_text, config.text, OfflineModel(), text_map, beside, words.note)
     first_index = 0
     if base is not None:
         slam.trajectory, first_index = base.trajectory, base.trajectory.begin_session()

@@ -7,10 +7,11 @@ from slam_scenes import CAMERA, SENSOR, add_view, descriptors_of, features_at, f
 
 from lpslam.camera import inverse_transform, transform_points
 from lpslam.config import SlamConfig
+from lpslam.slam.advice import NO_ADVICE, LoopAdvisor
 from lpslam.slam.kernels import graph
 from lpslam.slam.kernels.geometry import exponential
 from lpslam.slam.locating import Locator
-from lpslam.slam.loop_closing import NO_ADVICE, LoopAdvisor, LoopCloser
+from lpslam.slam.loop_closing import LoopCloser
 from lpslam.slam.map import SlamMap
 from lpslam.slam.places import PlaceIndex
 

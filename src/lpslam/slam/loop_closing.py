@@ -8,13 +8,13 @@ when no other place explains the view, and when the correction is no more than t
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.camera import inverse_transform
 from lpslam.config import SlamConfig
+from lpslam.slam.advice import NO_ADVICE, LoopAdvisor
 from lpslam.slam.locating import Located, Locator
 from lpslam.slam.loop_correction import LoopCorrector, Tie
 from lpslam.slam.map import SlamMap
@@ -23,40 +23,6 @@ from lpslam.slam.sensor import SensorModel
 from lpslam.slam.state import EventKind
 
 _Matrix = NDArray[np.float64]
-
-
-class LoopAdvisor(Protocol):
-    """Who knows places by something else than keypoints: text, for one.
-
-    Called in the thread that closes loops, which holds the map's lock meanwhile: answers must come in milliseconds.
-    """
-
-    def propose(self, slam_map: SlamMap, keyframe: int) -> Sequence[int]:
-        """Older keyframes that may show the same place, likeliest first; each is verified like any other."""
-        ...
-
-    def vetoes(
-        self, slam_map: SlamMap, keyframe: int, candidate: int, camera_from_world: NDArray[np.float64]
-    ) -> str | None:
-        """Why a keyframe cannot be where it was located, in a few words that are always the same; or None.
-
-        Args:
-            slam_map: with both keyframes.
-            keyframe, candidate: the new one, and the old one around which it was located.
-            camera_from_world: 4×4 of the new one, in the world frame of the candidate's sub-map.
-        """
-        ...
-
-
-class _NoAdvice:
-    def propose(self, slam_map: SlamMap, keyframe: int) -> Sequence[int]:
-        return ()
-
-    def vetoes(self, slam_map: SlamMap, keyframe: int, candidate: int, camera_from_world: _Matrix) -> str | None:
-        return None
-
-
-NO_ADVICE: LoopAdvisor = _NoAdvice()
 
 
 @dataclass(frozen=True, slots=True)

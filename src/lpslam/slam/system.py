@@ -10,12 +10,13 @@ from lpslam.camera import PinholeCamera
 from lpslam.config import SlamConfig
 from lpslam.errors import UserError
 from lpslam.frames import RgbdFrame
+from lpslam.slam.advice import NO_ADVICE, LoopAdvisor
 from lpslam.slam.back_end import BackEnd, Beside, InStep
 from lpslam.slam.features import FeatureExtractor
 from lpslam.slam.levelling import floor_normal, level_rotation
 from lpslam.slam.local_mapping import LocalMapper
 from lpslam.slam.locating import Locator
-from lpslam.slam.loop_closing import NO_ADVICE, LoopAdvisor, LoopCloser
+from lpslam.slam.loop_closing import LoopCloser
 from lpslam.slam.map import SlamMap
 from lpslam.slam.places import PlaceIndex
 from lpslam.slam.relocalising import Relocaliser

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.config import AdviceConfig
-from lpslam.slam.map import SlamMap
+from lpslam.slam.advice import Keyframes
 from lpslam.text.constellations import Constellation, Seen, constellations, contradict, nearest_views, seen_texts
 from lpslam.text.memory import TextClass
 from lpslam.text.types import TextObservation
@@ -62,38 +62,38 @@ class TextAdvisor:
                 here.append((text_class, observation))
                 self._by_class[text_class].append(observation)
 
-    def propose(self, slam_map: SlamMap, keyframe: int) -> list[int]:
+    def propose(self, keyframes: Keyframes, keyframe: int) -> list[int]:
         """Keyframes that see texts in an arrangement in which texts around `keyframe` were read lately."""
         config = self._config
-        lately = self._lately(slam_map, keyframe)
+        lately = self._lately(keyframes, keyframe)
         if len({text.text_class for text in lately}) < 2:
             return []
-        submaps = slam_map.submaps()
-        before = self._before(slam_map, keyframe, {text.text_class for text in lately})
+        submaps = keyframes.submaps()
+        before = self._before(keyframes, keyframe, {text.text_class for text in lately})
         found = [
             (constellation, submap)
             for submap in sorted({int(submaps[observation.keyframe]) for _, observation in before})
             for constellation in constellations(
                 lately,
-                self._often_read([each for each in before if submaps[each[1].keyframe] == submap], slam_map),
+                self._often_read([each for each in before if submaps[each[1].keyframe] == submap], keyframes),
                 config,
             )
         ]
         found.sort(key=lambda each: -each[0].rarity)
-        views = [self._view(slam_map, keyframe, *each) for each in found]
+        views = [self._view(keyframes, keyframe, *each) for each in found]
         proposals = list(dict.fromkeys(view for view in views if view is not None))[: config.proposals]
         self.proposed += len(proposals)
         return proposals
 
     def vetoes(
-        self, slam_map: SlamMap, keyframe: int, candidate: int, camera_from_world: NDArray[np.float64]
+        self, keyframes: Keyframes, keyframe: int, candidate: int, camera_from_world: NDArray[np.float64]
     ) -> str | None:
         """Refuse a pose among signs that say something else than those that were read lately."""
-        old_from_new_world = np.linalg.inv(camera_from_world) @ slam_map.camera_from_world(keyframe)
-        lately = [text.moved(old_from_new_world) for text in self._lately(slam_map, keyframe)]
+        old_from_new_world = np.linalg.inv(camera_from_world) @ keyframes.camera_from_world(keyframe)
+        lately = [text.moved(old_from_new_world) for text in self._lately(keyframes, keyframe)]
         if len(lately) < self._config.contradictions:
             return None
-        around = self._around(slam_map, candidate, set(self._recent(slam_map, keyframe)))
+        around = self._around(keyframes, candidate, set(self._recent(keyframes, keyframe)))
         if not contradict(lately, around, self._config):
             return None
         self.vetoed += 1
@@ -101,24 +101,24 @@ class TextAdvisor:
 
     # What was read --------------------------------------------------------------------------------------------------
 
-    def _recent(self, slam_map: SlamMap, keyframe: int) -> list[int]:
+    def _recent(self, keyframes: Keyframes, keyframe: int) -> list[int]:
         """The keyframe and the few before it, of the same sub-map."""
-        submaps = slam_map.submaps()
+        submaps = keyframes.submaps()
         first = max(0, keyframe + 1 - self._config.recent_keyframes)
         return [k for k in range(first, keyframe + 1) if submaps[k] == submaps[keyframe]]
 
-    def _lately(self, slam_map: SlamMap, keyframe: int) -> list[Seen]:
+    def _lately(self, keyframes: Keyframes, keyframe: int) -> list[Seen]:
         """The texts read from the last keyframes, as far as they are near."""
-        recent = self._recent(slam_map, keyframe)
+        recent = self._recent(keyframes, keyframe)
         with self._lock:
             sightings = [each for k in recent if k in self._by_keyframe for each in self._by_keyframe[k]]
-        centre = slam_map.world_from_keyframe(keyframe)[:3, 3]
-        texts = self._often_read(sightings, slam_map)
+        centre = keyframes.world_from_keyframe(keyframe)[:3, 3]
+        texts = self._often_read(sightings, keyframes)
         return [text for text in texts if np.linalg.norm(text.position - centre) <= self._config.reach]
 
-    def _before(self, slam_map: SlamMap, keyframe: int, classes: Collection[int]) -> list[Sighting]:
+    def _before(self, keyframes: Keyframes, keyframe: int, classes: Collection[int]) -> list[Sighting]:
         """Sightings of some classes from other sub-maps and from long before."""
-        submaps = slam_map.submaps()
+        submaps = keyframes.submaps()
         with self._lock:
             newest = [
                 (key, observation) for key in sorted(classes) for observation in self._by_class[key][-_LOOKED_AT:]
@@ -132,35 +132,35 @@ class TextAdvisor:
             )
         ]
 
-    def _around(self, slam_map: SlamMap, candidate: int, without: Collection[int]) -> list[Seen]:
+    def _around(self, keyframes: Keyframes, candidate: int, without: Collection[int]) -> list[Seen]:
         """The texts read from keyframes around an old one."""
-        submaps = slam_map.submaps()
+        submaps = keyframes.submaps()
         with self._lock:
             read = np.array([k for k in sorted(self._by_keyframe) if k < len(submaps) and k not in without], np.int64)
         read = read[submaps[read] == submaps[candidate]]
-        centre = slam_map.world_from_keyframe(candidate)[:3, 3]
-        away = np.array([np.linalg.norm(slam_map.world_from_keyframe(k)[:3, 3] - centre) for k in read.tolist()])
+        centre = keyframes.world_from_keyframe(candidate)[:3, 3]
+        away = np.array([np.linalg.norm(keyframes.world_from_keyframe(k)[:3, 3] - centre) for k in read.tolist()])
         near = read[away <= self._config.reach].tolist()
         with self._lock:
             sightings = [each for k in near for each in self._by_keyframe[k]]
-        return self._often_read(sightings, slam_map)
+        return self._often_read(sightings, keyframes)
 
-    def _often_read(self, sightings: list[Sighting], slam_map: SlamMap) -> list[Seen]:
-        texts = seen_texts(sightings, slam_map.world_from_keyframe, self._config)
+    def _often_read(self, sightings: list[Sighting], keyframes: Keyframes) -> list[Seen]:
+        texts = seen_texts(sightings, keyframes.world_from_keyframe, self._config)
         return [text for text in texts if text.sightings >= self._config.min_sightings]
 
     # Where that is --------------------------------------------------------------------------------------------------
 
-    def _view(self, slam_map: SlamMap, keyframe: int, constellation: Constellation, submap: int) -> int | None:
+    def _view(self, keyframes: Keyframes, keyframe: int, constellation: Constellation, submap: int) -> int | None:
         """The old keyframe that looks most as this one would, if its texts are those of the constellation."""
-        submaps = slam_map.submaps()
-        old = slam_map.living_keyframes()
+        submaps = keyframes.submaps()
+        old = keyframes.living_keyframes()
         old = old[submaps[old] == submap]
         if submap == submaps[keyframe]:
             old = old[old <= keyframe - self._config.apart_keyframes]
         if not len(old):
             return None
-        expected = constellation.old_from_new_world @ slam_map.world_from_keyframe(keyframe)
-        poses = np.array([slam_map.world_from_keyframe(k) for k in old.tolist()])
+        expected = constellation.old_from_new_world @ keyframes.world_from_keyframe(keyframe)
+        poses = np.array([keyframes.world_from_keyframe(k) for k in old.tolist()])
         rows = nearest_views(expected, poses, self._config)
         return int(old[rows[0]]) if len(rows) else None

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,9 @@ _NEARLY_THE_SAME = 0.8
 
 # Spellings of a text that are compared with another's.
 _SPELLINGS = 3
+
+# Most pairs of a new text and an old one that are tried together, the rarest texts first; work grows with the square.
+_PAIRS = 48
 
 # Texts fill the same spot when their middles are nearer than this share of the larger, along the line and across.
 _SPOT_SHARE = 0.5
@@ -172,12 +176,12 @@ def constellations(new: Sequence[Seen], old: Sequence[Seen], config: AdviceConfi
     for text in old:
         places[text.text_class] += 1
     pairs = [(a, b) for a in new for b in old if a.text_class == b.text_class]
+    pairs = sorted(pairs, key=lambda pair: places[pair[0].text_class])[:_PAIRS]
     if len(pairs) < 2:
         return
     weights = np.array([1.0 / places[a.text_class] for a, _ in pairs])
     agree = _agreeing(pairs, config) & _different([a for a, _ in pairs], config)
     while True:
-        # Whatever speaks for a pair counts once a class.
         groups = [_group(row, pairs, weights, agree) for row in range(len(pairs))]
         rarity = [float(weights[group].sum()) if len(group) > 1 else 0.0 for group in groups]
         best = int(np.argmax(rarity))
@@ -194,7 +198,7 @@ def constellations(new: Sequence[Seen], old: Sequence[Seen], config: AdviceConfi
 
 
 def _agreeing(pairs: Sequence[tuple[Seen, Seen]], config: AdviceConfig) -> NDArray[np.bool_]:
-    """(n, n) whether two pairs of new and old text stand to one another alike: distance, facings, and the way across."""
+    """(n, n) whether two pairs of new and old text stand to one another alike: apart, facing and across."""
     aspects = []
     for side in (0, 1):
         positions = np.array([pair[side].position for pair in pairs])
@@ -213,12 +217,14 @@ def _agreeing(pairs: Sequence[tuple[Seen, Seen]], config: AdviceConfig) -> NDArr
 
 def _different(texts: Sequence[Seen], config: AdviceConfig) -> NDArray[np.bool_]:
     """(n, n) whether two texts say different things, so that neither may be a reading of the other."""
+    by_class: dict[int, list[int]] = {}
+    for row, text in enumerate(texts):
+        by_class.setdefault(text.text_class, []).append(row)
     result = np.zeros((len(texts), len(texts)), np.bool_)
-    for i, one in enumerate(texts):
-        for j in range(i):
-            other = texts[j]
-            if one.text_class != other.text_class and likeness(one, other) < config.alike:
-                result[i, j] = result[j, i] = True
+    for (_, rows), (_, others) in combinations(by_class.items(), 2):
+        if likeness(texts[rows[0]], texts[others[0]]) < config.alike:
+            result[np.ix_(rows, others)] = True
+            result[np.ix_(others, rows)] = True
     return result
 
 

@@ -1,7 +1,7 @@
 """Runtime text mapping (paper, Fig. 1): read, classify, remember, name, place."""
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from time import perf_counter
 
@@ -45,6 +45,7 @@ class TextMapper:
         language: LanguageModel | None = None,
         text_map: TextMap | None = None,
         beside: BesideNaming | None = None,
+        on_sighting: Callable[[int, TextObservation], None] = lambda text_class, observation: None,
     ) -> None:
         self.text_map = text_map or TextMap(config)
         self.statistics = TextStatistics()
@@ -53,6 +54,7 @@ class TextMapper:
         self._config = config
         self._language = language
         self._beside = beside
+        self._on_sighting = on_sighting
         self._named_beside: set[int] = set()
         self._gate = ReadingGate(config.reading)
         self._spots = Spots()
@@ -131,6 +133,7 @@ class TextMapper:
                     ground_colour(frame.rgb, text.box),
                 )
                 text_class.observations.append(observation)
+                self._on_sighting(text_class.id, observation)
                 observations.append(observation)
             if text_class.pool is Pool.LONG_TERM and needs_name(text_class):
                 self._name(text_class)

@@ -1,0 +1,63 @@
+"""The seam between loop closing and what knows places by something else than keypoints: text, for one."""
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class Keyframes(Protocol):
+    """What an advisor is told of the map: where its keyframes are. `SlamMap` is one."""
+
+    def submaps(self) -> NDArray[np.int32]:
+        """(K,) the sub-map of every keyframe by id, removed ones too; each has a world frame of its own."""
+        ...
+
+    def living_keyframes(self) -> NDArray[np.int32]:
+        """Ids of the keyframes that were not removed, rising."""
+        ...
+
+    def camera_from_world(self, keyframe: int) -> NDArray[np.float64]:
+        """4×4 pose of a keyframe, also of a removed one."""
+        ...
+
+    def world_from_keyframe(self, keyframe: int) -> NDArray[np.float64]:
+        """4×4, the inverse of `camera_from_world`."""
+        ...
+
+
+class LoopAdvisor(Protocol):
+    """Who proposes and refuses places.
+
+    Called in the thread that closes loops, which holds the map's lock meanwhile: answers must come in milliseconds.
+    """
+
+    def propose(self, keyframes: Keyframes, keyframe: int) -> Sequence[int]:
+        """Older keyframes that may show the same place, likeliest first; each is verified like any other."""
+        ...
+
+    def vetoes(
+        self, keyframes: Keyframes, keyframe: int, candidate: int, camera_from_world: NDArray[np.float64]
+    ) -> str | None:
+        """Why a keyframe cannot be where it was located, in a few words that are always the same; or None.
+
+        Args:
+            keyframes: of the map.
+            keyframe, candidate: the new one, and the old one around which it was located.
+            camera_from_world: 4×4 of the new one, in the world frame of the candidate's sub-map.
+        """
+        ...
+
+
+class _NoAdvice:
+    def propose(self, keyframes: Keyframes, keyframe: int) -> Sequence[int]:
+        return ()
+
+    def vetoes(
+        self, keyframes: Keyframes, keyframe: int, candidate: int, camera_from_world: NDArray[np.float64]
+    ) -> str | None:
+        return None
+
+
+NO_ADVICE: LoopAdvisor = _NoAdvice()
