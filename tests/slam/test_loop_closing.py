@@ -4,7 +4,7 @@ from loop_scenes import KEYFRAMES_A_ROUND, Walk, World, around
 from slam_scenes import check_graph, pose_error, rigid
 
 from lpslam.camera import inverse_transform
-from lpslam.slam.advice import Keyframes
+from lpslam.slam.advice import KeyframeMap
 from lpslam.slam.integrity import refuse_broken_columns
 from lpslam.slam.loop_closing import LoopEvent
 from lpslam.slam.state import EventKind
@@ -93,10 +93,12 @@ class _Guide:
     def __init__(self, veto: str | None) -> None:
         self.veto = veto
 
-    def propose(self, keyframes: Keyframes, keyframe: int) -> list[int]:
+    def propose(self, keyframes: KeyframeMap, keyframe: int) -> list[int]:
         return [keyframe - KEYFRAMES_A_ROUND, -5, 10_000]
 
-    def vetoes(self, keyframes: Keyframes, keyframe: int, candidate: int, camera_from_world: np.ndarray) -> str | None:
+    def vetoes(
+        self, keyframes: KeyframeMap, keyframe: int, candidate: int, camera_from_world: np.ndarray
+    ) -> str | None:
         return self.veto
 
 

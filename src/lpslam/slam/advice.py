@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-class Keyframes(Protocol):
+class KeyframeMap(Protocol):
     """What an advisor is told of the map: where its keyframes are. `SlamMap` is one."""
 
     def submaps(self) -> NDArray[np.int32]:
@@ -33,12 +33,12 @@ class LoopAdvisor(Protocol):
     Called in the thread that closes loops, which holds the map's lock meanwhile: answers must come in milliseconds.
     """
 
-    def propose(self, keyframes: Keyframes, keyframe: int) -> Sequence[int]:
+    def propose(self, keyframes: KeyframeMap, keyframe: int) -> Sequence[int]:
         """Older keyframes that may show the same place, likeliest first; each is verified like any other."""
         ...
 
     def vetoes(
-        self, keyframes: Keyframes, keyframe: int, candidate: int, camera_from_world: NDArray[np.float64]
+        self, keyframes: KeyframeMap, keyframe: int, candidate: int, camera_from_world: NDArray[np.float64]
     ) -> str | None:
         """Why a keyframe cannot be where it was located, in a few words that are always the same; or None.
 
@@ -51,11 +51,11 @@ class LoopAdvisor(Protocol):
 
 
 class _NoAdvice:
-    def propose(self, keyframes: Keyframes, keyframe: int) -> Sequence[int]:
+    def propose(self, keyframes: KeyframeMap, keyframe: int) -> Sequence[int]:
         return ()
 
     def vetoes(
-        self, keyframes: Keyframes, keyframe: int, candidate: int, camera_from_world: NDArray[np.float64]
+        self, keyframes: KeyframeMap, keyframe: int, candidate: int, camera_from_world: NDArray[np.float64]
     ) -> str | None:
         return None
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.config import AdviceConfig
-from lpslam.slam.advice import Keyframes
+from lpslam.slam.advice import KeyframeMap
 from lpslam.text.constellations import Constellation, Seen, constellations, contradict, nearest_views, seen_texts
 from lpslam.text.memory import TextClass
 from lpslam.text.types import TextObservation
@@ -62,8 +62,8 @@ class TextAdvisor:
                 here.append((text_class, observation))
                 self._by_class[text_class].append(observation)
 
-    def propose(self, keyframes: Keyframes, keyframe: int) -> list[int]:
-        """Keyframes that see texts in an arrangement in which texts around `keyframe` were read lately."""
+    def propose(self, keyframes: KeyframeMap, keyframe: int) -> list[int]:
+        """KeyframeMap that see texts in an arrangement in which texts around `keyframe` were read lately."""
         config = self._config
         lately = self._lately(keyframes, keyframe)
         if len({text.text_class for text in lately}) < 2:
@@ -86,7 +86,7 @@ class TextAdvisor:
         return proposals
 
     def vetoes(
-        self, keyframes: Keyframes, keyframe: int, candidate: int, camera_from_world: NDArray[np.float64]
+        self, keyframes: KeyframeMap, keyframe: int, candidate: int, camera_from_world: NDArray[np.float64]
     ) -> str | None:
         """Refuse a pose among signs that say something else than those that were read lately."""
         old_from_new_world = np.linalg.inv(camera_from_world) @ keyframes.camera_from_world(keyframe)
@@ -101,13 +101,13 @@ class TextAdvisor:
 
     # What was read --------------------------------------------------------------------------------------------------
 
-    def _recent(self, keyframes: Keyframes, keyframe: int) -> list[int]:
+    def _recent(self, keyframes: KeyframeMap, keyframe: int) -> list[int]:
         """The keyframe and the few before it, of the same sub-map."""
         submaps = keyframes.submaps()
         first = max(0, keyframe + 1 - self._config.recent_keyframes)
         return [k for k in range(first, keyframe + 1) if submaps[k] == submaps[keyframe]]
 
-    def _lately(self, keyframes: Keyframes, keyframe: int) -> list[Seen]:
+    def _lately(self, keyframes: KeyframeMap, keyframe: int) -> list[Seen]:
         """The texts read from the last keyframes, as far as they are near."""
         recent = self._recent(keyframes, keyframe)
         with self._lock:
@@ -116,7 +116,7 @@ class TextAdvisor:
         texts = self._often_read(sightings, keyframes)
         return [text for text in texts if np.linalg.norm(text.position - centre) <= self._config.reach]
 
-    def _before(self, keyframes: Keyframes, keyframe: int, classes: Collection[int]) -> list[Sighting]:
+    def _before(self, keyframes: KeyframeMap, keyframe: int, classes: Collection[int]) -> list[Sighting]:
         """Sightings of some classes from other sub-maps and from long before."""
         submaps = keyframes.submaps()
         with self._lock:
@@ -132,7 +132,7 @@ class TextAdvisor:
             )
         ]
 
-    def _around(self, keyframes: Keyframes, candidate: int, without: Collection[int]) -> list[Seen]:
+    def _around(self, keyframes: KeyframeMap, candidate: int, without: Collection[int]) -> list[Seen]:
         """The texts read from keyframes around an old one."""
         submaps = keyframes.submaps()
         with self._lock:
@@ -145,13 +145,13 @@ class TextAdvisor:
             sightings = [each for k in near for each in self._by_keyframe[k]]
         return self._often_read(sightings, keyframes)
 
-    def _often_read(self, sightings: list[Sighting], keyframes: Keyframes) -> list[Seen]:
+    def _often_read(self, sightings: list[Sighting], keyframes: KeyframeMap) -> list[Seen]:
         texts = seen_texts(sightings, keyframes.world_from_keyframe, self._config)
         return [text for text in texts if text.sightings >= self._config.min_sightings]
 
     # Where that is --------------------------------------------------------------------------------------------------
 
-    def _view(self, keyframes: Keyframes, keyframe: int, constellation: Constellation, submap: int) -> int | None:
+    def _view(self, keyframes: KeyframeMap, keyframe: int, constellation: Constellation, submap: int) -> int | None:
         """The old keyframe that looks most as this one would, if its texts are those of the constellation."""
         submaps = keyframes.submaps()
         old = keyframes.living_keyframes()
