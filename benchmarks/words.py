@@ -13,6 +13,7 @@ frame is read once for all ways.
 """
 
 import argparse
+import time
 import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
@@ -81,10 +82,13 @@ class Witnessed(TextAdvisor):
     def __init__(self, config: AdviceConfig) -> None:
         super().__init__(config)
         self.told: list[tuple[int, int]] = []
+        self.milliseconds = [0.0]
 
     def propose(self, keyframes: KeyframeMap, keyframe: int) -> list[int]:
         """As a `LoopAdvisor`."""
+        started = time.thread_time()
         proposals = super().propose(keyframes, keyframe)
+        self.milliseconds.append(1000.0 * (time.thread_time() - started))
         self.told += [(keyframe, each) for each in proposals]
         return proposals
 
@@ -153,6 +157,7 @@ def run(first: Recording, second: Recording | None, way: str, reader: Kept, *, i
         "in_the_map": len(estimate),
         "ate_rmse_m": round(absolute_trajectory_error(truth, estimate).rmse, 4),
         "submaps": len(set(slam.map.submaps().tolist())),
+        "proposing_ms": [round(float(np.percentile(advisor.milliseconds, share)), 1) for share in (50, 95, 100)],
         "rejected": dict(slam._loop_closer.counts.rejected),
     }
 
