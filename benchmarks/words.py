@@ -168,6 +168,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("folders", type=Path, nargs="+")
     parser.add_argument("--then", type=Path, help="a recording to follow after blank frames")
     parser.add_argument("--apart", action="store_true", help="the two show different places, however alike")
+    parser.add_argument("--by", action="append", choices=WAYS, help="only in these ways")
     parser.add_argument("--out", type=Path, help="folder for results.jsonl")
     given = parser.parse_args(arguments)
     cv2.setNumThreads(1)
@@ -176,7 +177,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     for first in map(Recording.at, given.folders):
         reader = Kept(PaddleSpotter(Config().text.spotting))
         name = f"{first.name}, {second.name}" if second else first.name
-        for way in WAYS:
+        for way in given.by or WAYS:
             done = run(first, second, way, reader, is_apart=given.apart)
             report.line(recording=name, way=way, **done)
             columns = ("loops", "merges", "wrong_ties", "proposed", "right", "vetoed", "in_the_map", "ate_rmse_m")
