@@ -183,3 +183,15 @@ def test_a_map_without_text_says_so() -> None:
     talk = dialogue([])
     assert "the map has no text" in talk.said(talk.ask("Where can I eat pizza?"))
     assert "地图上没有" in talk.said(talk.ask("哪里可以吃披萨？"))
+
+
+def test_a_brand_is_called_as_the_asker_calls_it_and_found_by_its_nickname() -> None:
+    assert "Starbucks is not on this map" in dialogue_of([("KFC", 1.0, 0.0)], "Where is Starbucks?")
+    assert "スタバはこの地図にありません" in dialogue_of([("KFC", 1.0, 0.0)], "スタバはどこですか？")
+    assert names(dialogue(), "スタバに行きたい") == ["Starbucks Coffee"]
+    assert names(dialogue([("McDonald's", 1.0, 0.0), ("KFC", 2.0, 0.0)]), "is there a mcdonalds here") == ["McDonald's"]
+
+
+def dialogue_of(signs: list[tuple[str, float, float]], question: str) -> str:
+    talk = dialogue(signs)
+    return talk.said(talk.ask(question))

@@ -33,7 +33,9 @@ class LandmarkIndex:
             if sign.kinds and not sign.is_place:
                 continue
             other_names = signs.names_of(sign.identity) if sign.identity else ()
-            for text in (landmark.name, *other_names):
+            # Who types quickly leaves the apostrophe out.
+            bare = (landmark.name.replace("'", ""),) if "'" in landmark.name else ()
+            for text in (landmark.name, *bare, *other_names):
                 phrase = signs.phrase(text)
                 if spoken_key(phrase) and (sign.identity or phrase not in knowledge.painted):
                     by_phrase.setdefault(phrase, {})[landmark.id] = None
@@ -80,7 +82,7 @@ def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Kn
     wanted = dict(wish.wanted)
     if wish.wanted_names and not any(weight >= _SPECIAL for weight in wanted.values()):
         # A brand was asked for that is not here; another of its kind may do, but that is for the asker to say.
-        return _without_brand(wish.wanted_names[0], index, signs, knowledge, model, phrases)
+        return _without_brand(wish.wanted_names[0], question, index, signs, knowledge, model, phrases)
     if not wanted:
         return Choice(None, 0.0, phrases.say("no_kind"), model)
     if set(wanted) == {"shop"} or wish.unknown:
@@ -148,15 +150,24 @@ def _first_ids(ranked: Sequence[tuple[Served, list[int]]], refused: set[int]) ->
 
 
 def _without_brand(
-    identity: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge, model: str, phrases: Phrases
+    identity: str,
+    question: str,
+    index: LandmarkIndex,
+    signs: SignReader,
+    knowledge: Knowledge,
+    model: str,
+    phrases: Phrases,
 ) -> Choice:
+    asked = knowledge.folder.fold(question)
+    # Of a brand's many names, the one that was used.
+    name = max((each for each in signs.names_of(identity) if knowledge.folder.fold(each) in asked), key=len, default="")
     kinds = signs.read(identity).kinds
     alike = {
         group[0]: max((weight * likeness(kind, each, knowledge) for kind, weight in kinds), default=0.0)
         for each, group in index.groups.items()
     }
     others = sorted((id_ for id_ in alike if alike[id_] >= _YES), key=lambda id_: (-alike[id_], id_))
-    return Choice(None, 0.8, phrases.say("no_brand", name=identity), model, tuple(others[:_ALTERNATIVES]))
+    return Choice(None, 0.8, phrases.say("no_brand", name=name or identity), model, tuple(others[:_ALTERNATIVES]))
 
 
 def _sign_of(landmark: Candidate, signs: SignReader) -> SignMeaning:

@@ -139,6 +139,11 @@ def load_knowledge() -> Knowledge:
         for name in names:
             known.setdefault(folder.key(name), Known(name, "brand", tuple(kinds_of.items()), names[0]))
     _add_brands(gazetteer["brands"], kinds["cuisine_kinds"], known)
+    for painted_name, joined in _read("lexicon/nicknames.json").items():
+        called = known.get(folder.key(painted_name))
+        if called is not None:
+            for name in _split(joined):
+                known.setdefault(folder.key(name), Known(name, "brand", called.kinds, called.identity))
     joining = frozenset().union(*(_phrases(folder, lexicon.get("joining", "")) for lexicon in lexicons.values()))
     _add_kinds(gazetteer["names"], kinds["cuisine_kinds"], joining, painted, known)
     return Knowledge(

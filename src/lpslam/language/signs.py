@@ -89,7 +89,8 @@ class SignReader:
                 phrase, key = " ".join(units[at:end]), "".join(units[at:end])
                 if (is_unspaced(key) and len(key) < 3) or (not is_unspaced(key) and units[at] not in capital):
                     continue
-                known = self._known_brand(key)
+                # Units have lost a plural's ending, which Starbucks keeps.
+                known = self._known_brand(key) or (self._known_brand(f"{key}s") if key.isascii() else None)
                 if (
                     known is not None
                     and phrase not in self._knowledge.painted
