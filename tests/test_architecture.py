@@ -34,7 +34,8 @@ ALLOWED: dict[str, set[str]] = {
         "evaluation",
     },
     "demo": {"simulation", "language", "mapfile", "pipeline", "evaluation", "views"},
-    "cli": {"sources", "simulation", "language", "mapfile", "pipeline", "evaluation", "views", "demo"},
+    "cli_checks": {"mapfile"},
+    "cli": {"sources", "simulation", "language", "mapfile", "pipeline", "evaluation", "views", "demo", "cli_checks"},
 }
 HEAVY = (
     *("cv2", "numba", "scipy", "matplotlib", "rapidocr", "openvino", "onnxruntime"),

@@ -11,7 +11,19 @@ from typing import Annotated, Any
 import typer
 
 from lpslam._version import __version__
+from lpslam.cli_checks import config_of, map_for, refuse_overwriting, refuse_unwritable, refuse_with_localize
 from lpslam.errors import LpSlamError
+from lpslam.views.printed import (
+    Spoken,
+    facts_of,
+    landmark_records,
+    print_facts,
+    print_json,
+    print_landmarks,
+    print_table,
+    print_written,
+    say,
+)
 
 app = typer.Typer(
     name="lpslam",
@@ -48,11 +60,11 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
-    logging.getLogger("lpslam").handlers = [_Spoken(logging.WARNING)]
+    logging.getLogger("lpslam").handlers = [Spoken(logging.WARNING)]
     try:
         app()
     except LpSlamError as error:
-        _say(str(error))
+        say(str(error))
         raise SystemExit(2) from None
     except SystemExit as end:
         if end.code != _INTERRUPTED:
@@ -117,7 +129,7 @@ def run(
 
     # A mistake shows before anything slow is loaded.
     if localize is not None:
-        _refuse_with_localize(output, continued, live, trajectory)
+        refuse_with_localize(output, continued, live, trajectory)
     elif output is None:
         raise UserError("where should the map go? give --output MAP.lpmap (or --localize MAP to use one as it is)")
     else:
@@ -125,11 +137,11 @@ def run(
     if live and sequential:
         raise UserError("--live and --sequential exclude each other: a camera does not wait for reading")
     if trajectory is not None:
-        _refuse_unwritable(trajectory)
-    _refuse_overwriting(output, trajectory, continued or localize)
-    settings = _config(config)
+        refuse_unwritable(trajectory)
+    refuse_overwriting(output, trajectory, continued or localize)
+    settings = config_of(config)
     frames = open_source(source, camera, max_frames, settings.calibration)
-    base = _map_for(localize or continued, frames.camera)
+    base = map_for(localize or continued, frames.camera)
     if localize is not None and trajectory is not None:
         _localise(frames, base, settings, localize, trajectory, as_json)
         return
@@ -154,17 +166,17 @@ def run(
             should_stop=interrupted.is_set,
         )
         if not world.trajectory.tracked_count:
-            _say("interrupted before anything was mapped; nothing is written")
+            say("interrupted before anything was mapped; nothing is written")
             raise typer.Exit(_INTERRUPTED)
         world.save(output)
     for note in run_notes(world, frames.faults, progress.first_untracked, language.model):
-        _say(note)
+        say(note)
     _say_usage(language)
     if trajectory is not None:
         world.frame_poses().to_tum_file(trajectory, ["camera optical frame in the map frame"])
-    _print_facts(world, output, as_json)
+    print_facts(world, output, as_json)
     if interrupted.is_set():
-        _say(f"interrupted; the map so far is in {output}")
+        say(f"interrupted; the map so far is in {output}")
         raise typer.Exit(_INTERRUPTED)
 
 
@@ -174,7 +186,7 @@ def _say_usage(language: Any) -> None:
 
     usage = usage_of(language)
     if usage is not None and (usage.calls or usage.saved):
-        _say(f"{language.model}: {usage}")
+        say(f"{language.model}: {usage}")
 
 
 def _localise(frames: Any, world: Any, settings: Any, map_file: Path, trajectory: Path, as_json: bool) -> None:
@@ -187,7 +199,7 @@ def _localise(frames: Any, world: Any, settings: Any, map_file: Path, trajectory
         found = pipeline.localise(frames, world, settings, on_progress=progress.update, should_stop=interrupted.is_set)
         found.poses.to_tum_file(trajectory, [f"camera optical frame in the frame of {map_file.name}"])
     for note in event_notes(found.events):
-        _say(note)
+        say(note)
     facts = {
         "map": str(map_file),
         "trajectory": str(trajectory),
@@ -196,52 +208,11 @@ def _localise(frames: Any, world: Any, settings: Any, map_file: Path, trajectory
         "milliseconds_a_frame": round(1000 * found.seconds_tracking / max(found.frames, 1), 1),
     }
     if as_json:
-        _print_json(facts)
+        print_json(facts)
     else:
-        _print_table({what.replace("_", " "): str(value) for what, value in facts.items()})
+        print_table({what.replace("_", " "): str(value) for what, value in facts.items()})
     if interrupted.is_set():
         raise typer.Exit(_INTERRUPTED)
-
-
-def _refuse_with_localize(output: Path | None, continued: Path | None, live: bool, trajectory: Path | None) -> None:
-    from lpslam.errors import UserError
-
-    for given, option in ((output, "--output"), (continued, "--continue"), (live, "--live")):
-        if given:
-            raise UserError(f"--localize and {option} exclude each other: the map is only read")
-    if trajectory is None:
-        raise UserError("where should the poses go? give --trajectory OUT.txt with --localize")
-
-
-def _refuse_unwritable(path: Path) -> None:
-    from lpslam.errors import UserError
-
-    if path.is_dir() or not path.absolute().parent.is_dir():
-        raise UserError(f"{path} cannot be written: {'it is a folder' if path.is_dir() else 'its folder is missing'}")
-
-
-def _refuse_overwriting(output: Path | None, trajectory: Path | None, base: Path | None) -> None:
-    """A map that is read is not written, and no two results go to one file."""
-    from lpslam.errors import UserError
-
-    places = {"--output": output, "--trajectory": trajectory}
-    for option, path in places.items():
-        if path is not None and base is not None and path.resolve() == base.resolve():
-            raise UserError(f"{option} {path} is the map that is read, which is not overwritten; choose another name")
-    if output is not None and trajectory is not None and output.resolve() == trajectory.resolve():
-        raise UserError(f"--output and --trajectory are both {output}; choose another name for one of them")
-
-
-def _map_for(path: Path | None, camera: Any) -> Any:
-    """The saved map of a recording with the same camera; None without one."""
-    from lpslam.mapfile.compatibility import refuse_other_camera
-    from lpslam.mapfile.language_map import LanguageMap
-
-    if path is None:
-        return None
-    world = LanguageMap.load(path)
-    refuse_other_camera(world.camera, camera, path)
-    return world
 
 
 @app.command()
@@ -261,13 +232,13 @@ def distill(
     from lpslam.views.notes import judging_notes, naming_notes
 
     world = LanguageMap.load(map_file)
-    language = language_model(llm, _config(config).language)
+    language = language_model(llm, config_of(config).language)
     landmarks = pipeline.distill(world, judge, language=language)
     world.save(map_file)
     for note in naming_notes(world, language.model) + judging_notes(landmarks, judge, language.model):
-        _say(note)
+        say(note)
     _say_usage(language)
-    _print_landmarks(landmarks, judge, as_json)
+    print_landmarks(landmarks, judge, as_json)
 
 
 @app.command()
@@ -298,19 +269,19 @@ def ask(
     from lpslam.views.dialogue import Dialogue, parsed_place, questions
 
     position, heading = parsed_place(place) if place is not None else (None, None)
-    settings = _config(config)
+    settings = config_of(config)
     language = language_model(llm, settings.language)
     dialogue = Dialogue(LanguageMap.load(map_file), language, position, heading)
     longest = settings.language.question_length
     for text in questions() if question is None else (question,):
         if len(text) > longest:
-            _say(f"the question has {len(text):,} letters; its first {longest} are read")
+            say(f"the question has {len(text):,} letters; its first {longest} are read")
         try:
             answer = dialogue.ask(text)
         except UserError as error:
             if question is not None:
                 raise
-            _say(str(error))
+            say(str(error))
             continue
         if as_json:
             print(json.dumps(answer_record(answer), ensure_ascii=False, indent=1 if question is not None else None))
@@ -329,11 +300,11 @@ def info(map_file: MapFile, as_json: Json = False) -> None:
     world = LanguageMap.load(map_file)
     if as_json:
         events = [asdict(event) for event in world.events]
-        record = {**_facts(world, map_file), "statistics": world.statistics, "events": events}
-        _print_json({**record, **_landmark_records(world.landmarks())})
+        record = {**facts_of(world, map_file), "statistics": world.statistics, "events": events}
+        print_json({**record, **landmark_records(world.landmarks())})
     else:
-        _print_facts(world, map_file, as_json)
-        _print_landmarks(world.landmarks(), "Texts in long-term memory", as_json)
+        print_facts(world, map_file, as_json)
+        print_landmarks(world.landmarks(), "Texts in long-term memory", as_json)
 
 
 @app.command()
@@ -347,7 +318,7 @@ def export(
     from lpslam.mapfile.language_map import LanguageMap
 
     written = export_map(LanguageMap.load(map_file), folder)
-    _print_written(written, as_json)
+    print_written(written, as_json)
 
 
 @app.command()
@@ -365,7 +336,7 @@ def draw(
 
     world = LanguageMap.load(map_file)
     (draw_score_histories if memory else draw_language_map)(world, output)
-    _print_written([output], as_json)
+    print_written([output], as_json)
 
 
 @app.command(name="eval")
@@ -385,11 +356,11 @@ def evaluate(
     from lpslam.mapfile.language_map import LanguageMap
     from lpslam.views.scores import score_facts, score_record
 
-    scores = evaluate_recording(LanguageMap.load(map_file), sequence, _config(config).evaluation, camera)
+    scores = evaluate_recording(LanguageMap.load(map_file), sequence, config_of(config).evaluation, camera)
     if as_json:
-        _print_json(score_record(scores))
+        print_json(score_record(scores))
     else:
-        _print_table(score_facts(scores))
+        print_table(score_facts(scores))
 
 
 @app.command()
@@ -429,15 +400,15 @@ def simulate(
         "projecting_share": projecting_share,
         "way": way,
     }
-    options = _config(None, {"simulation": {key: value for key, value in given.items() if value is not None}})
+    options = config_of(None, {"simulation": {key: value for key, value in given.items() if value is not None}})
     with counting("building the mall") as progress:
         source = MallSource(seed, frames, options=options.simulation)
         write_sequence(source, folder, progress)
     written = {"written": str(folder), "frames": len(source), "signs": len(source.signs)}
     if as_json:
-        _print_json(written)
+        print_json(written)
     else:
-        _print_table({what: str(value) for what, value in written.items()})
+        print_table({what: str(value) for what, value in written.items()})
 
 
 @app.command()
@@ -453,7 +424,7 @@ def demo(
 
     report = run_demo(output, seed=seed, frames=frames, llm=llm, quiet=as_json)
     if as_json:
-        _print_json(report)
+        print_json(report)
 
 
 @app.command(name="config")
@@ -464,87 +435,3 @@ def show_config() -> None:
     from lpslam.config import Config
 
     print(yaml.safe_dump(Config().model_dump(mode="json"), sort_keys=False, allow_unicode=True), end="")
-
-
-def _config(path: Path | None, overrides: dict[str, Any] | None = None) -> Any:
-    from pydantic import ValidationError
-
-    from lpslam.config import Config
-    from lpslam.errors import UserError
-
-    if path is not None:
-        return Config.from_yaml(path)
-    try:
-        return Config.model_validate(overrides or {})
-    except ValidationError as error:
-        first = error.errors()[0]
-        raise UserError(f"option --{str(first['loc'][1]).replace('_', '-')}: {first['msg']}") from error
-
-
-class _Spoken(logging.Handler):
-    """What the library warns of, as one line each on standard error."""
-
-    def emit(self, record: logging.LogRecord) -> None:
-        _say(record.getMessage())
-
-
-def _say(line: str) -> None:
-    """One line on standard error; what it quotes of a recording cannot steer the terminal."""
-    from lpslam.views.drawable import printable
-
-    print(f"lpslam: {printable(line, longest=1000)}", file=sys.stderr)
-
-
-def _print_json(value: dict[str, Any]) -> None:
-    print(json.dumps(value, ensure_ascii=False, indent=1))
-
-
-def _print_table(facts: dict[str, str]) -> None:
-    from rich.console import Console
-
-    from lpslam.views.tables import facts_table
-
-    Console().print(facts_table(facts))
-
-
-def _facts(world: Any, path: Path) -> dict[str, Any]:
-    from lpslam.views.facts import map_facts
-
-    return {"map": str(path), **map_facts(world)}
-
-
-def _print_facts(world: Any, path: Path, as_json: bool) -> None:
-    from lpslam.views.facts import fact_lines
-
-    facts = _facts(world, path)
-    if as_json:
-        _print_json(facts)
-    else:
-        _print_table({"map": str(path), **fact_lines(facts)})
-
-
-def _print_written(paths: list[Path], as_json: bool) -> None:
-    if as_json:
-        _print_json({"written": [str(path) for path in paths]})
-    else:
-        print(*(f"written: {path}" for path in paths), sep="\n")
-
-
-def _landmark_records(landmarks: Any) -> dict[str, Any]:
-    from lpslam.mapfile.export import landmark_record
-
-    return {"landmarks": [landmark_record(mark) for mark in landmarks]}
-
-
-def _print_landmarks(landmarks: Any, title: str, as_json: bool) -> None:
-    if as_json:
-        _print_json(_landmark_records(landmarks))
-        return
-    if not landmarks:
-        print("No text is in this map's long-term memory.")
-        return
-    from rich.console import Console
-
-    from lpslam.views.tables import landmark_table
-
-    Console().print(landmark_table(landmarks, title))

@@ -1,0 +1,58 @@
+"""What is wrong with the options of a command, before anything is begun."""
+
+from pathlib import Path
+from typing import Any
+
+from lpslam.errors import UserError
+
+
+def refuse_with_localize(output: Path | None, continued: Path | None, live: bool, trajectory: Path | None) -> None:
+    """Localisation only reads a map, and its poses must go somewhere."""
+    for given, option in ((output, "--output"), (continued, "--continue"), (live, "--live")):
+        if given:
+            raise UserError(f"--localize and {option} exclude each other: the map is only read")
+    if trajectory is None:
+        raise UserError("where should the poses go? give --trajectory OUT.txt with --localize")
+
+
+def refuse_unwritable(path: Path) -> None:
+    """A result that cannot be written is refused before the work for it is done."""
+    if path.is_dir() or not path.absolute().parent.is_dir():
+        raise UserError(f"{path} cannot be written: {'it is a folder' if path.is_dir() else 'its folder is missing'}")
+
+
+def refuse_overwriting(output: Path | None, trajectory: Path | None, base: Path | None) -> None:
+    """A map that is read is not written, and no two results go to one file."""
+    places = {"--output": output, "--trajectory": trajectory}
+    for option, path in places.items():
+        if path is not None and base is not None and path.resolve() == base.resolve():
+            raise UserError(f"{option} {path} is the map that is read, which is not overwritten; choose another name")
+    if output is not None and trajectory is not None and output.resolve() == trajectory.resolve():
+        raise UserError(f"--output and --trajectory are both {output}; choose another name for one of them")
+
+
+def map_for(path: Path | None, camera: Any) -> Any:
+    """The saved map of a recording with the same camera; None without one."""
+    from lpslam.mapfile.compatibility import refuse_other_camera
+    from lpslam.mapfile.language_map import LanguageMap
+
+    if path is None:
+        return None
+    world = LanguageMap.load(path)
+    refuse_other_camera(world.camera, camera, path)
+    return world
+
+
+def config_of(path: Path | None, overrides: dict[str, Any] | None = None) -> Any:
+    """The configuration of a file, or of options by section and name."""
+    from pydantic import ValidationError
+
+    from lpslam.config import Config
+
+    if path is not None:
+        return Config.from_yaml(path)
+    try:
+        return Config.model_validate(overrides or {})
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise UserError(f"option --{str(first['loc'][1]).replace('_', '-')}: {first['msg']}") from error
