@@ -81,13 +81,17 @@ class RgbdSlam:
             else InStep(self._mapper, self._close_loops)
         )
         self._levelling = config.levelling
+        self._is_live = live
+        self._depths: dict[int, NDArray[np.float32]] = {}
         self._floor_views: list[tuple[int, NDArray[np.float64]]] = []
 
     def process(self, frame: RgbdFrame) -> TrackedFrame:
         """Track one frame and let the map grow with it."""
         tracked = self._tracker.track(frame)
         if tracked.is_keyframe:
-            self._look_for_floor(frame, tracked.keyframe)
+            self._depths[tracked.keyframe] = frame.depth
+            if not self._is_live:
+                self._look_for_floor(tracked.keyframe)
             self._back_end.take(tracked.keyframe)
             with self.map.lock:
                 if self.map.is_home(tracked.keyframe):
@@ -107,18 +111,21 @@ class RgbdSlam:
                 self._level(np.median([self.map.world_from_keyframe(k)[:3, :3] @ n for k, n in views], axis=0))
 
     def _close_loops(self, keyframe: int) -> None:
+        # Live, tracking need not wait for it.
+        self._look_for_floor(keyframe)
         event = self._loop_closer.process(keyframe)
         if event is not None:
             frame, timestamp = self.map.frame_of(keyframe)
             self.events.append(SlamEvent(event.kind, frame, timestamp, event.reason))
 
-    def _look_for_floor(self, frame: RgbdFrame, keyframe: int) -> None:
+    def _look_for_floor(self, keyframe: int) -> None:
         """Turn the map so that z is up when the floor is first seen; later views serve `finish`."""
-        if not self._is_new or len(self._floor_views) >= self._levelling.max_views:
+        depth = self._depths.pop(keyframe, None)
+        if depth is None or not self._is_new or len(self._floor_views) >= self._levelling.max_views:
             return
         with self.map.lock:
             camera_from_world = self.map.camera_from_world(keyframe)
-        normal = floor_normal(frame.depth, self.camera, camera_from_world[:3, 2], self._levelling)
+        normal = floor_normal(depth, self.camera, camera_from_world[:3, 2], self._levelling)
         if normal is None:
             return
         self._floor_views.append((keyframe, normal))
