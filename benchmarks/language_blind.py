@@ -38,9 +38,9 @@ def judging(model: LanguageModel) -> tuple[dict[str, tuple[int, int]], list[str]
     return dict(counts), misses
 
 
-def choosing(model: LanguageModel) -> tuple[dict[str, tuple[int, int, int]], list[str]]:
+def choosing(model: LanguageModel, name: str) -> tuple[dict[str, tuple[int, int, int]], list[str]]:
     """Right answers, wrong ones (rather than none) and questions by category, and the misses."""
-    tree = read("choosing")["choosing"]
+    tree = read(name)["choosing"]
     counts, misses = defaultdict(lambda: (0, 0, 0)), []
     for case in tree["questions"]:
         names = case.get("landmarks", tree["landmarks"])
@@ -79,12 +79,13 @@ def main() -> None:
     judged, misses = judging(model)
     for kind, (right, total) in judged.items():
         print(f"judging {kind}: {right}/{total} = {right / total:.1%}")
-    chosen, more = choosing(model)
-    for kind, (right, wrong, total) in chosen.items():
-        print(f"choosing {kind}: {right}/{total} = {right / total:.1%}, wrong {wrong}")
-    wrong, total = sum(each[1] for each in chosen.values()), sum(each[2] for each in chosen.values())
-    print(f"choosing, wrong rather than none: {wrong}/{total} = {wrong / total:.1%}")
-    misses += more
+    for name in ("choosing", "choosing_second"):
+        chosen, more = choosing(model, name)
+        for kind, (right, wrong, total) in chosen.items():
+            print(f"{name} {kind}: {right}/{total} = {right / total:.1%}, wrong {wrong}")
+        wrong, total = sum(each[1] for each in chosen.values()), sum(each[2] for each in chosen.values())
+        print(f"{name}, wrong rather than none: {wrong}/{total} = {wrong / total:.1%}")
+        misses += more
     for name in ("naming", "naming_hard"):
         (right, commonest, total), more = naming(model, name)
         print(f"{name}: {right}/{total} = {right / total:.1%}; the commonest reading {commonest}/{total}")
