@@ -1,20 +1,24 @@
 """Choosing the landmark that serves a question (navigation, III-I) among any number of landmarks."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 from lpslam.language.knowledge import Knowledge, Meaning
 from lpslam.language.model import Candidate, Choice
 from lpslam.language.phrasing import Phrases, answer_language, phrases_in
-from lpslam.language.question import Wish, instead_of, read_question, spoken_key
+from lpslam.language.question import Wish, instead_of, languages_of, read_question, spoken_key
 from lpslam.language.sanitise import clean_text
 from lpslam.language.serving import FITS, Kinds, Served, likeness, merged, serve
 from lpslam.language.signs import SignMeaning, SignReader
+from lpslam.language.words import is_unspaced
 
 _YES = 0.5  # a place is a kind when its words say so at least this surely
 _SPECIAL = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
 _ALTERNATIVES = 5
+_SHORTEST_WORD = 4  # letters of a word that may stand for the name that it is part of
+_FEW = 3  # landmarks that one word may stand for
+_PART = "part:"  # before the words that are parts of names, among names
 
 
 class LandmarkIndex:
@@ -41,10 +45,22 @@ class LandmarkIndex:
                     by_phrase.setdefault(phrase, {})[landmark.id] = None
         self.ids_of = {phrase: tuple(ids) for phrase, ids in by_phrase.items()}
         self.names = {phrase: Meaning("name", ((phrase, 1.0),)) for phrase in by_phrase}
+        self.ids_by_word = _ids_by_word(by_phrase)
 
     def is_of(self, landmarks: Sequence[Candidate]) -> bool:
         """Whether the index was made of just these landmarks."""
         return len(landmarks) == len(self.landmarks) and self.landmarks == list(landmarks)
+
+
+def _ids_by_word(ids_by_phrase: Mapping[str, Collection[int]]) -> dict[str, set[int]]:
+    """Landmarks by the words of names of several words: “not Kaya's” refuses “Key Service Kaya”."""
+    found: dict[str, set[int]] = {}
+    for phrase, ids in ids_by_phrase.items():
+        words = phrase.split()
+        for word in words if len(words) > 1 else ():
+            if len(word) >= _SHORTEST_WORD and not is_unspaced(word):
+                found.setdefault(word, set()).update(ids)
+    return found
 
 
 _ANOTHER = re.compile(
@@ -60,13 +76,13 @@ def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Kn
 
     The evidence is in the language of the question.
     """
-    wish = understand(question, index, signs, knowledge)
+    wish, refused = understand(question, index, signs, knowledge)
     phrases = phrases_in(answer_language(question) if wish.language is not None else "en")
     if not index.landmarks:
         return Choice(None, 1.0, phrases.say("empty_map"), model)
     if wish.language is None:
         return Choice(None, 0.0, phrases.say("unread"), model)
-    refused = {id_ for name in wish.refused_names for id_ in index.ids_of.get(name, ())}
+    refused |= {id_ for name in wish.refused_names for id_ in index.ids_of.get(name, ())}
     if _ANOTHER.search(question):
         # “Starbucks is full, another café?” names what is not wanted.
         refused |= {id_ for name in wish.wanted_names for id_ in index.ids_of.get(name, ())}
@@ -90,14 +106,45 @@ def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Kn
     return _best(wish, index, refused, knowledge, model, phrases)
 
 
-def understand(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge) -> Wish:
-    """Read a question that may mention landmarks by name, and brands that are not here."""
+def understand(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge) -> tuple[Wish, set[int]]:
+    """Read a question that may mention landmarks by name, and brands that are not here.
+
+    Returns:
+        The wish, and the landmarks that are refused by a part of their name.
+    """
+    text = clean_text(question)
     brands = {
         phrase: Meaning("name", ((identity, 1.0),))
-        for phrase, identity in signs.brands_in(clean_text(question)).items()
+        for phrase, identity in signs.brands_in(text).items()
         if phrase not in index.names
     }
-    return read_question(question, knowledge, _Both(brands, index.names) if brands else index.names)
+    parts = _parts_in(text, index, knowledge)
+    if not parts:
+        return read_question(question, knowledge, _Both(brands, index.names) if brands else index.names), set()
+    mentioned = {word: Meaning("name", ((_PART + word, 1.0),)) for word in parts}
+    wish = read_question(question, knowledge, _Both(mentioned | brands, index.names))
+    refused = {name for name in wish.refused_names if name.startswith(_PART)}
+    if _ANOTHER.search(question):
+        refused |= {name for name in wish.wanted_names if name.startswith(_PART)}
+    if not refused:
+        # A part of a name may be any word: alone it asks for nothing.
+        return read_question(question, knowledge, _Both(brands, index.names) if brands else index.names), set()
+    wanted, others, near = (
+        tuple(name for name in names if not name.startswith(_PART))
+        for names in (wish.wanted_names, wish.refused_names, wish.near_names)
+    )
+    wish = replace(wish, wanted_names=wanted, refused_names=others, near_names=near)
+    return wish, {id_ for name in refused for id_ in parts[name.removeprefix(_PART)]}
+
+
+def _parts_in(text: str, index: LandmarkIndex, knowledge: Knowledge) -> dict[str, set[int]]:
+    """Words of a question that mean nothing themselves and stand in the names of few landmarks."""
+    units = {unit for unit in knowledge.folder.units(text) if unit in index.ids_by_word}
+    few = {unit: ids for unit in units if len(ids := index.ids_by_word[unit]) <= _FEW}
+    if not few:
+        return {}
+    languages = languages_of(text, knowledge)[:2]
+    return {unit: ids for unit, ids in few.items() if not any(unit in knowledge.spoken(each) for each in languages)}
 
 
 class _Both(dict[str, Meaning]):
