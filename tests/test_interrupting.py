@@ -12,9 +12,10 @@ from lpslam.mapfile.language_map import LanguageMap
 
 pytestmark = pytest.mark.slow
 
-# The run presses its own keys, so that the tests know when.
+# The run presses its own keys, so that the tests know when; one at a time, since signals sent from outside may fall
+# together before the interpreter looks at them.
 SCRIPT = """
-import os, signal, sys
+import signal
 from lpslam import cli
 from lpslam.views.run_progress import RunProgress
 show = RunProgress.update
@@ -22,7 +23,7 @@ def show_and_press(self, progress):
     show(self, progress)
     if progress.frames == 5:
         for _ in range(PRESSES):
-            os.kill(os.getpid(), signal.SIGINT)
+            signal.raise_signal(signal.SIGINT)
 RunProgress.update = show_and_press
 cli.main()
 """
