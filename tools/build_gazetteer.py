@@ -1,5 +1,6 @@
 """Build the gazetteer of the embedded language model from openly licensed npm packages.
 
+    pip install wordfreq==3.1.1
     python tools/build_gazetteer.py            # fetches the packages with `npm pack`, then builds
     python tools/build_gazetteer.py --packages DIR   # builds from *.tgz files that are already there
 
@@ -7,12 +8,16 @@ Sources: name-suggestion-index (BSD-3-Clause): brands with their kinds and cuisi
 (ISC): kinds of place with their names and search terms in many languages; cldr-annotations-full (Unicode-3.0): names
 of things in many languages. Their licences are written beside the table.
 
+Search terms and names of things that are everyday words ("play", "used", "hard") say nothing sure and are left out,
+but for those of `kept_words.json`; how common a word is comes from wordfreq.
+
 What is looked up is folded here (`Folder.phrase`, `Folder.key`), so that the package only reads it.
 """
 
 import argparse
 import json
 import lzma
+import math
 import re
 import subprocess
 import tarfile
@@ -20,6 +25,8 @@ import tempfile
 from collections import defaultdict
 from pathlib import Path
 from typing import Any
+
+from wordfreq import get_frequency_dict
 
 from lpslam.language.words import Folder
 
@@ -35,6 +42,8 @@ ASKED = {"en": "en", "zh": "zh-CN", "zh-TW": "zh-TW", "ja": "ja", "ko": "ko", "e
 CLDR = {"en": "en", "zh": "zh", "zh-TW": "zh-Hant", "ja": "ja", "ko": "ko", "es": "es", "de": "de", "fr": "fr"}
 # A search term that stands beside more kinds than this says nothing sure.
 _MOST_KINDS = 2
+# From how often in a thousand million words a term is an everyday word; by its logarithm.
+_EVERYDAY = 3.8
 LANGUAGES = ("en", "zh-CN", "zh-TW", "zh-HK", "ja", "ko", "es", "de", "fr", "it", "pt", "ru")
 
 # What a person may be looking for in a building or a street; road furniture, pipelines and fields are left out.
@@ -110,7 +119,22 @@ def read_brands(folder: Path) -> list[list[Any]]:
     return sorted(["|".join(names), list(kinds), list(cuisines)] for names, kinds, cuisines in rows.values())
 
 
-def read_terms(folder: Path, kinds: list[str], fold: Folder) -> dict[str, dict[str, list[str]]]:
+def everyday_words(fold: Folder) -> dict[str, set[str]]:
+    """Everyday words by language, as phrases, without those that are kept."""
+    kept = json.loads(Path(__file__).with_name("kept_words.json").read_text("utf-8"))
+    found: dict[str, set[str]] = {}
+    for asked in ASKED:
+        shares: dict[str, float] = defaultdict(float)
+        for word, share in get_frequency_dict(asked.partition("-")[0]).items():
+            shares[fold.phrase(word)] += share
+        words = {phrase for phrase, share in shares.items() if math.log10(share) + 9 >= _EVERYDAY}
+        found[asked] = words - {fold.phrase(word) for word in kept[asked].split("|")}
+    return found
+
+
+def read_terms(
+    folder: Path, kinds: list[str], fold: Folder, everyday: dict[str, set[str]]
+) -> dict[str, dict[str, list[str]]]:
     """Search terms by language and kind, as phrases; those that stand beside many kinds are left out."""
     terms: dict[str, dict[str, list[str]]] = {}
     for asked, language in ASKED.items():
@@ -123,6 +147,8 @@ def read_terms(folder: Path, kinds: list[str], fold: Folder) -> dict[str, dict[s
                 continue
             for term in translated.get(kind, {}).get("terms", []):
                 phrase = fold.phrase(term)
+                if phrase in everyday[asked]:
+                    continue
                 if len(phrase) > 2 and phrase.count(" ") < 8 and kind not in owners[phrase]:
                     owners[phrase].append(kind)
         for phrase, found in owners.items():
@@ -134,7 +160,7 @@ def read_terms(folder: Path, kinds: list[str], fold: Folder) -> dict[str, dict[s
     return terms
 
 
-def read_things(folder: Path, fold: Folder) -> dict[str, dict[str, list[str]]]:
+def read_things(folder: Path, fold: Folder, everyday: dict[str, set[str]]) -> dict[str, dict[str, list[str]]]:
     """Names of things by language and concept, as phrases; a keyword only where all its things are of one concept."""
     concepts = {
         name: concept
@@ -162,6 +188,8 @@ def read_things(folder: Path, fold: Folder) -> dict[str, dict[str, list[str]]]:
             own = {fold.phrase(text) for text in entry.get("tts", [])}
             texts = [*entry.get("tts", []), *entry.get("default", [])]
             for phrase in dict.fromkeys(map(fold.phrase, texts)):
+                if phrase in everyday[asked]:
+                    continue
                 if len(phrase) > 2 and (phrase in own or owners[phrase] == {concept}):
                     things.setdefault(asked, {}).setdefault(concept, []).append(phrase)
     return things
@@ -171,6 +199,7 @@ def build(folder: Path) -> None:
     """Write the table and the licences."""
     han = json.loads((LEXICON / "han.json").read_text("utf-8"))
     fold = Folder(han["traditional"], han["simplified"], han["lookalikes"])
+    everyday = everyday_words(fold)
     kinds, names = read_kinds(folder)
     brands = read_brands(folder)
     table = {
@@ -182,8 +211,8 @@ def build(folder: Path) -> None:
             }
             for language in LANGUAGES
         },
-        "terms": _joined(read_terms(folder, kinds, fold)),
-        "things": _joined(read_things(folder, fold)),
+        "terms": _joined(read_terms(folder, kinds, fold, everyday)),
+        "things": _joined(read_things(folder, fold, everyday)),
         "brands": [
             [joined, "|".join(fold.key(name) for name in joined.split("|")), found, cuisines]
             for joined, found, cuisines in sorted(brands, key=lambda row: (-row[0].count("|"), row))

@@ -46,6 +46,16 @@ class LandmarkIndex:
         self.ids_of = {phrase: tuple(ids) for phrase, ids in by_phrase.items()}
         self.names = {phrase: Meaning("name", ((phrase, 1.0),)) for phrase in by_phrase}
         self.ids_by_word = _ids_by_word(by_phrase)
+        self._plurals = {
+            phrase: folded
+            for phrase, ids in by_phrase.items()
+            for folded in {knowledge.folder.fold(self.name_of[id_]) for id_ in ids}
+            if folded == f"{phrase}s"
+        }
+
+    def unsaid(self, question: str) -> frozenset[str]:
+        """Names that only seem to be said, for phrases drop the plural: “the sole of my boot” does not say “Boots”."""
+        return frozenset(phrase for phrase, folded in self._plurals.items() if folded not in question)
 
     def is_of(self, landmarks: Sequence[Candidate]) -> bool:
         """Whether the index was made of just these landmarks."""
@@ -96,9 +106,10 @@ def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Kn
         others = [*wish.refused, *(kind for id_ in refused for kind, _ in index.signs[id_].kinds)]
         wish = replace(wish, wanted=instead_of(others, knowledge))
     wanted = dict(wish.wanted)
-    if wish.wanted_names and not any(weight >= _SPECIAL for weight in wanted.values()):
+    missing = [name for name in wish.wanted_names if name not in index.ids_of]
+    if missing and not any(weight >= _SPECIAL for weight in wanted.values()):
         # A brand was asked for that is not here; another of its kind may do, but that is for the asker to say.
-        return _without_brand(wish.wanted_names[0], question, index, signs, knowledge, model, phrases)
+        return _without_brand(missing[0], question, index, signs, knowledge, model, phrases)
     if not wanted:
         return Choice(None, 0.0, phrases.say("no_kind"), model)
     if set(wanted) == {"shop"} or wish.unknown:
@@ -118,17 +129,19 @@ def understand(question: str, index: LandmarkIndex, signs: SignReader, knowledge
         for phrase, identity in signs.brands_in(text).items()
         if phrase not in index.names
     }
+    unsaid = index.unsaid(knowledge.folder.fold(text))
+    names = _Names(brands, index.names, unsaid) if brands or unsaid else index.names
     parts = _parts_in(text, index, knowledge)
     if not parts:
-        return read_question(question, knowledge, _Both(brands, index.names) if brands else index.names), set()
+        return read_question(question, knowledge, names), set()
     mentioned = {word: Meaning("name", ((_PART + word, 1.0),)) for word in parts}
-    wish = read_question(question, knowledge, _Both(mentioned | brands, index.names))
+    wish = read_question(question, knowledge, _Names(mentioned | brands, index.names, unsaid))
     refused = {name for name in wish.refused_names if name.startswith(_PART)}
     if _ANOTHER.search(question):
         refused |= {name for name in wish.wanted_names if name.startswith(_PART)}
     if not refused:
         # A part of a name may be any word: alone it asks for nothing.
-        return read_question(question, knowledge, _Both(brands, index.names) if brands else index.names), set()
+        return read_question(question, knowledge, names), set()
     wanted, others, near = (
         tuple(name for name in names if not name.startswith(_PART))
         for names in (wish.wanted_names, wish.refused_names, wish.near_names)
@@ -147,15 +160,16 @@ def _parts_in(text: str, index: LandmarkIndex, knowledge: Knowledge) -> dict[str
     return {unit: ids for unit, ids in few.items() if not any(unit in knowledge.spoken(each) for each in languages)}
 
 
-class _Both(dict[str, Meaning]):
-    """A few names before many, without copying the many."""
+class _Names(dict[str, Meaning]):
+    """A few names before many, without copying the many, and without some of them."""
 
-    def __init__(self, few: Mapping[str, Meaning], many: Mapping[str, Meaning]) -> None:
+    def __init__(self, few: Mapping[str, Meaning], many: Mapping[str, Meaning], hidden: Collection[str]) -> None:
         super().__init__(few)
         self._many = many
+        self._hidden = hidden
 
     def get(self, key: str, default: Meaning | None = None) -> Meaning | None:  # type: ignore[override]
-        return super().get(key) or self._many.get(key, default)
+        return super().get(key) or (default if key in self._hidden else self._many.get(key, default))
 
 
 def _best(

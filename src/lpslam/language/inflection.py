@@ -28,6 +28,7 @@ _SHORTEST_COMPOUND, _SHORTEST_HEAD = 7, 4
 _SHORT_HEADS = frozenset({"eis", "tee", "uhr", "bus", "rad", "hut", "bar", "zug", "arzt"})
 _LINKS = ("s", "n", "en", "er", "e", "es", "")
 _SHORTEST_TYPED = 5
+_LONG = 11  # letters of a word that may have two slips: asiatique is not aquatique
 
 
 def known_form(unit: str, language: str, knowledge: Knowledge) -> str | None:
@@ -102,9 +103,8 @@ def _untyped(word: str, language: str, knowledge: Knowledge) -> str | None:
     """The one known word that a mistyped one is a single slip away from."""
     if len(word) < _SHORTEST_TYPED or word in load_words():
         return None
-    near = process.extract(
-        word, _single_words(language, knowledge), scorer=OSA.distance, score_cutoff=1 if len(word) < 9 else 2, limit=2
-    )
+    slips = 1 if len(word) < _LONG else 2
+    near = process.extract(word, _single_words(language, knowledge), scorer=OSA.distance, score_cutoff=slips, limit=2)
     near = [match for match in near if len(match[0]) >= _SHORTEST_TYPED]
     if not near or (len(near) > 1 and near[0][1] == near[1][1]):
         return None

@@ -26,6 +26,7 @@ _SIGN_ROLES = {"sign_warning": "sign/warning", "sign_slogan": "sign/slogan"}
 _BY_HAND, _BY_NAME, _BY_TERM = 1.0, 0.95, 0.8
 
 _SUBSTITUTE = 0.8
+_SURE_SLOGAN = 4  # words or characters of a slogan that no shop's name comes near to by chance
 
 
 class Meaning(NamedTuple):
@@ -61,6 +62,10 @@ class Knowledge:
     instead_of: Mapping[str, str]
     offers: Mapping[str, Mapping[str, float]]
     isa: Mapping[str, tuple[str, ...]]
+    contained: Mapping[str, frozenset[str]]
+    refusing: Mapping[str, str]
+    said_of_food: frozenset[str]
+    symptoms: frozenset[str]
     _tables: "_SpokenTables"
     _above: dict[str, tuple[str, ...]] = field(default_factory=dict)
     _shares: dict[tuple[str, str], float] = field(default_factory=dict)
@@ -68,6 +73,10 @@ class Knowledge:
     def spoken(self, language: str) -> Mapping[str, Meaning]:
         """Return what the phrases of a language mean in a question; built when it is first asked for."""
         return self._tables.of(language)
+
+    def tables_of(self, language: str) -> tuple[Mapping[str, Meaning], ...]:
+        """Return the tables in which a question is looked up: the language's, and English words that it borrows."""
+        return self._tables.with_english(language)
 
     def states(self, language: str) -> StateTables:
         """Return the things and states of a language."""
@@ -162,6 +171,10 @@ def load_knowledge() -> Knowledge:
         instead_of=kinds["instead_of"],
         offers=kinds["offers"],
         isa={kind: tuple(parents) for kind, parents in kinds["isa"].items()},
+        contained={thing: frozenset(_split(joined)) for thing, joined in kinds["contained"].items()},
+        refusing=kinds["refusing"],
+        said_of_food=frozenset(kinds["said_of_food"]),
+        symptoms=frozenset(kinds["symptoms"]),
         _tables=_SpokenTables(folder, lexicons, gazetteer, kinds["cuisine_kinds"], frozenset(kinds["unspoken"])),
     )
 
@@ -201,7 +214,7 @@ def _add_painted(
     for role, kind in _SIGN_ROLES.items():
         for text in _split(lexicon.get(role, "")):
             painted.setdefault(folder.phrase(text), Meaning("sign", ((kind, 1.0),)))
-            if kind == "sign/warning":
+            if kind == "sign/warning" or len(folder.phrase(text).split()) >= _SURE_SLOGAN:
                 known.setdefault(folder.key(text), Known(text, "warning", ((kind, 1.0),), text))
     for concept, joined in lexicon["means"].items():
         if concept in unpainted:
@@ -274,12 +287,22 @@ class _SpokenTables:
         self._gazetteer = gazetteer
         self._cuisine_kinds = cuisine_kinds
         self._built: dict[str, dict[str, Meaning]] = {}
+        self._borrowed: dict[str, dict[str, Meaning]] = {}
         self._states: dict[str, StateTables] = {}
 
     def of(self, language: str) -> dict[str, Meaning]:
         if language not in self._built:
             self._built[language] = self._build(language)
         return self._built[language]
+
+    def with_english(self, language: str) -> tuple[dict[str, Meaning], ...]:
+        if language == "en":
+            return (self.of("en"),)
+        if language not in self._borrowed:
+            # German “hat” is no hat: what the language's own small words are is not borrowed.
+            own = self._common(language)
+            self._borrowed[language] = {key: said for key, said in self.of("en").items() if key not in own}
+        return self.of(language), self._borrowed[language]
 
     def states_of(self, language: str) -> StateTables:
         if language not in self._states:

@@ -18,6 +18,7 @@ from lpslam.language.words import Span, is_mark, is_unspaced, longest_phrases
 
 _KANA = re.compile(r"[\u3040-\u30ff]")
 _HANGUL = re.compile(r"[\uac00-\ud7af]")
+_HYPHEN = re.compile(r"(?<=[^\W\d_])[-\u2010\u2011](?=[^\W\d_])")
 _HAN = re.compile(r"[\u4e00-\u9fff]")
 _LATIN = ("en", "es", "de", "fr")
 # Letters and turns that one language of Latin script has and the others do not.
@@ -28,8 +29,19 @@ _OWN_LETTERS = {
 }
 _BREAKING_MARKS = frozenset(",.;:!?，。；：！？、…")
 _QUESTION_LENGTH = 400
-_MAIN, _MODIFIER, _GENERAL, _ASIDE = 1.0, 0.6, 0.3, 0.2
+_MAIN, _MODIFIER, _GENERAL, _ASIDE, _HINT = 1.0, 0.6, 0.3, 0.2, 0.05
+_TREATING = (
+    "amenity/dentist",
+    "amenity/doctors",
+    "amenity/clinic",
+    "amenity/hospital",
+    "amenity/pharmacy",
+    "healthcare",
+)
 _THING = 0.7  # a wanted concept of this weight is a thing of its own
+_RIVAL = 0.7  # a language with this share of the likeliest one's common words may be meant too
+_KNOWN_SHARE = 0.3  # of the words of a sentence that are common in its language
+_KANJI_ONLY = 8  # characters of Japanese that needs no kana: 薬局, 市役所; a sentence of Han letters alone is Chinese
 _NEXT_TO = 3  # units between “before” and what it speaks of
 
 
@@ -70,7 +82,7 @@ def languages_of(text: str, knowledge: Knowledge) -> tuple[str, ...]:
     if _HANGUL.search(text):
         return ("ko",)
     if _HAN.search(text):
-        return ("zh", "ja")
+        return ("zh", "ja") if len(text) <= _KANJI_ONLY else ("zh",)
     words = [unit for unit in knowledge.folder.units(text) if not is_mark(unit)]
     hits = {language: float(sum(word in knowledge.common[language] for word in words)) for language in _LATIN}
     for language, letters in _OWN_LETTERS.items():
@@ -78,9 +90,11 @@ def languages_of(text: str, knowledge: Knowledge) -> tuple[str, ...]:
             hits[language] += 1.5
     ranked = sorted(_LATIN, key=lambda language: -hits[language])
     if hits[ranked[0]] >= 2 or (hits[ranked[0]] and len(words) <= 3):
-        return tuple(language for language in ranked if hits[language] >= 0.5 * hits[ranked[0]])
+        return tuple(language for language in ranked if hits[language] >= _RIVAL * hits[ranked[0]])
     # A few words carry no grammar that could turn their meaning round; a whole sentence might.
-    return tuple(ranked) if len(words) <= 3 else tuple(language for language in ranked[:1] if hits[language])
+    if len(words) <= 3:
+        return tuple(ranked)
+    return tuple(language for language in ranked[:1] if hits[language] >= _KNOWN_SHARE * len(words))
 
 
 def language_of(text: str, knowledge: Knowledge) -> str | None:
@@ -94,10 +108,11 @@ def read_question(question: str, knowledge: Knowledge, names: Mapping[str, Meani
 
     It is read in the likeliest language in which it says something.
     """
-    text = clean_text(question, _QUESTION_LENGTH)
+    # “A sit-down meal” is looked up as three words.
+    text = _HYPHEN.sub(" ", clean_text(question, _QUESTION_LENGTH))
     first: Wish | None = None
     for language in languages_of(text, knowledge):
-        wish = _read_in(text, language, knowledge, names or {})
+        wish = _read_in(text, language, knowledge, {} if names is None else names)
         if wish.wanted or wish.refused or wish.wanted_names or wish.refused_names:
             return wish
         first = first or wish
@@ -107,9 +122,7 @@ def read_question(question: str, knowledge: Knowledge, names: Mapping[str, Meani
 
 
 def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str, Meaning]) -> Wish:
-    tables = [names, knowledge.spoken(language)]
-    if language != "en":
-        tables.append(knowledge.spoken("en"))
+    tables = (names, *knowledge.tables_of(language))
     units = knowledge.folder.units(text)
     spans = longest_phrases(units, tables)
     spoken = _with_known_forms(units, spans, language, knowledge)
@@ -135,12 +148,16 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
                 else:
                     weight *= _ASIDE if is_aside and has_main else _importance(concept, knowledge)
                     wanted[concept] = max(weight, wanted.get(concept, 0.0))
-    for concept in refused:
+    for concept in set(wanted) & set(knowledge.refusing):
+        # “Gluten free” names what it refuses.
+        del wanted[concept]
+        refused.append(knowledge.refusing[concept])
+    for concept in (*refused, *knowledge.said_of_food):
         wanted.pop(concept, None)
     if refused and all(concept in knowledge.instead_of for concept in refused):
         # Who eats no meat wants a kitchen without.
         wanted |= {knowledge.instead_of[concept]: _MAIN for concept in refused}
-    wanted = _as_treated(wanted, knowledge)
+    wanted = _without_symptoms(_as_treated(wanted, knowledge), knowledge)
     main = [concept for concept, weight in wanted.items() if weight > _GENERAL]
     return Wish(
         tuple(wanted.items()),
@@ -167,6 +184,21 @@ def _as_treated(wanted: dict[str, float], knowledge: Knowledge) -> dict[str, flo
         concept: weight if concept in treatments or "/" in concept else min(weight, _ASIDE)
         for concept, weight in wanted.items()
     }
+
+
+def _without_symptoms(wanted: dict[str, float], knowledge: Knowledge) -> dict[str, float]:
+    """Who asks for a dentist wants no painkillers for the tooth, and who wants a meal to sit down to, no bench."""
+    services = {concept for concept in wanted if wanted[concept] > _MODIFIER and _is_service(concept, knowledge)}
+    is_ill = any(concept.startswith(_TREATING) for concept in services)
+    meals = any(concept in ("food", "drink") or _is_eaten(concept, knowledge) for concept in wanted)
+    vague = (knowledge.symptoms if is_ill else set()) | ({"rest"} if services or meals else set())
+    return {concept: min(weight, _HINT) if concept in vague else weight for concept, weight in wanted.items()}
+
+
+def _is_service(concept: str, knowledge: Knowledge) -> bool:
+    """Whether a place, not a thing from a shop, is what the concept asks for."""
+    first = concept if "/" in concept else next(iter(knowledge.offers.get(concept, ())), "shop/")
+    return concept not in knowledge.treatments and not first.startswith(("shop/", "cuisine/"))
 
 
 def _is_short(text: str) -> bool:
@@ -202,12 +234,14 @@ def _clauses(units: Sequence[str], spans: Sequence[Span[Meaning]]) -> list[list[
     """Group phrases into clauses: a refusal does not reach over a comma or a “but”."""
     clauses: list[list[Span[Meaning]]] = [[]]
     marks = [at for at, unit in enumerate(units) if unit in _BREAKING_MARKS]
-    for span in spans:
+    for before, span in zip((None, *spans), spans, strict=False):
         while marks and marks[0] < span.start:
             marks.pop(0)
             clauses.append([])
         if span.value.role == "break":
-            clauses.append([])
+            # “Don't recommend me” refuses what comes after it.
+            if before is None or before.value.role != "refuse_before" or before.end < span.start:
+                clauses.append([])
         else:
             clauses[-1].append(span)
     return [clause for clause in clauses if clause]
@@ -231,7 +265,8 @@ def _told(clause: Sequence[Span[Meaning]], knowledge: Knowledge) -> list[tuple[S
         if role == "refuse_before" or (role == "refuse_after" and at == since):
             ahead = True
         elif role == "refuse_after":
-            refused[since:at] = [True] * (at - since)
+            start = _linked_from(clause, since, at)
+            refused[start:at] = [True] * (at - start)
             since, ahead = at, False
         refused[at] = refused[at] or ahead
     if any(span.value.role == "past" for span in clause):
@@ -243,10 +278,20 @@ def _told(clause: Sequence[Span[Meaning]], knowledge: Knowledge) -> list[tuple[S
     return told
 
 
+def _linked_from(clause: Sequence[Span[Meaning]], since: int, at: int) -> int:
+    """Where a refusal that stands behind begins: “coffee, but the queue at Costa is too long” wants the coffee."""
+    start = at
+    while start > since and (start == at or clause[start].start - clause[start - 1].end <= _NEXT_TO):
+        start -= 1
+    return start
+
+
 def _is_meal(span: Span[Meaning], knowledge: Knowledge) -> bool:
-    return span.value.role == "means" and any(
-        above in knowledge.instead for concept, _ in span.value.concepts for above in knowledge.above(concept)
-    )
+    return span.value.role == "means" and any(_is_eaten(concept, knowledge) for concept, _ in span.value.concepts)
+
+
+def _is_eaten(concept: str, knowledge: Knowledge) -> bool:
+    return any(knowledge.instead.get(above) in ("food", "drink") for above in knowledge.above(concept))
 
 
 def _is_general(span: Span[Meaning], knowledge: Knowledge) -> bool:

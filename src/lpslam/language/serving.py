@@ -28,6 +28,12 @@ def likeness(concept: str, kinds: Kinds, knowledge: Knowledge) -> float:
     return max((weight for kind, weight in kinds if concept in knowledge.above(kind)), default=0.0)
 
 
+def _containing(thing: str, kinds: Kinds, knowledge: Knowledge) -> float:
+    """How surely a place of these kinds serves little without this in it: ramen has noodles, Thai food is hot."""
+    having = knowledge.contained.get(thing, frozenset())
+    return max((weight for kind, weight in kinds if having.intersection(knowledge.above(kind))), default=0.0)
+
+
 def match(concept: str, kinds: Kinds, knowledge: Knowledge) -> float:
     """How well a place of these kinds serves the concept: it is one, or it offers it."""
     return max((weight * knowledge.share(concept, kind) for kind, weight in kinds), default=0.0)
@@ -39,7 +45,7 @@ def serve(wish: Wish, kinds: Kinds, knowledge: Knowledge) -> Served:
     score = sum(weight * matches[concept] for concept, weight in wish.wanted)
     best = max((matches[concept] for concept in wish.main), default=0.0)
     for concept in wish.refused:
-        own = likeness(concept, kinds, knowledge)
+        own = max(likeness(concept, kinds, knowledge), _containing(concept, kinds, knowledge))
         if own >= _REFUSED_KIND and not _is_also_another(concept, own, kinds, wish, knowledge):
             return Served(0.0, 0.0, ())
         if own >= _REFUSED_KIND or match(concept, kinds, knowledge) >= _SIDE_OFFER:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
-from lpslam.language.knowledge import Knowledge, Known, Meaning, load_knowledge
+from lpslam.language.knowledge import Knowledge, Known, Meaning, load_knowledge, load_words
 from lpslam.language.nearest import NearestNames, allowed_edits
 from lpslam.language.question import languages_of
 from lpslam.language.sanitise import clean_text
@@ -159,7 +159,15 @@ class SignReader:
         if brand is None:
             return None
         known, share = brand
+        if self._fold.key(known.painted) in load_words() and self._say_otherwise(spans, known):
+            return None
         return _of_known(known, 0.9 * share, f"“{text}” begins with {known.painted}", self._offered(_weigh(spans)))
+
+    def _say_otherwise(self, spans: Sequence[Span[Meaning]], known: Known) -> bool:
+        """Whether the words after a brand that is an everyday word say another trade: “Green Leaf Vegetarian”."""
+        said = set(_places(_weigh(spans))) - self._knowledge.general
+        above = {each for kind, _ in known.kinds for each in self._knowledge.above(kind)}
+        return bool(said) and not any(above.intersection(self._knowledge.above(kind)[:-2]) for kind in said)
 
     def _as_words(
         self, text: str, key: str, units: Sequence[str], spans: Sequence[Span[Meaning]]
@@ -201,6 +209,9 @@ class SignReader:
 
     def _phrases(self, key: str, units: Sequence[str]) -> list[Span[Meaning]]:
         spans = longest_phrases(units, (self._knowledge.painted,))
+        if len(units) > 1:
+            # Without its accent, thé is the English article.
+            spans = [span for span in spans if span.key not in self._knowledge.articles]
         if spans:
             return _without_stray_letters(spans, units)
         # The reader may have lost the spaces: then the whole, or its first or last word, is looked for glued.
