@@ -12,7 +12,7 @@ from itertools import pairwise
 from lpslam.language.inflection import known_form
 from lpslam.language.knowledge import Knowledge, Meaning
 from lpslam.language.sanitise import clean_text
-from lpslam.language.states import Trouble, troubles_in
+from lpslam.language.states import Trouble, says_at_home, troubles_in
 from lpslam.language.unknown_things import asks_for_unknown
 from lpslam.language.words import Span, is_mark, is_unspaced, longest_phrases
 
@@ -152,6 +152,8 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
         # “Gluten free” names what it refuses.
         del wanted[concept]
         refused.append(knowledge.refusing[concept])
+    if "lost_item" in wanted and says_at_home(units, knowledge.states(language)):
+        wanted["lost_item"] = _HINT
     for concept in (*refused, *knowledge.said_of_food):
         wanted.pop(concept, None)
     if refused and all(concept in knowledge.instead_of for concept in refused):
@@ -210,9 +212,10 @@ def _with_known_forms(
 ) -> list[str]:
     """Replace words that no table has by a known form of them: inflected, compounded or mistyped."""
     covered = {at for span in spans for at in range(span.start, span.end)}
+    states = knowledge.states(language).words
     return [
         unit
-        if at in covered or is_mark(unit) or is_unspaced(unit) or unit in knowledge.common[language]
+        if at in covered or unit in states or is_mark(unit) or is_unspaced(unit) or unit in knowledge.common[language]
         else known_form(unit, language, knowledge) or unit
         for at, unit in enumerate(units)
     ]
@@ -262,6 +265,9 @@ def _told(clause: Sequence[Span[Meaning]], knowledge: Knowledge) -> list[tuple[S
             # 火锅不要 refuses what stands before, 不要火锅 what comes after.
             follows = at + 1 < len(clause) and clause[at + 1].start - span.end <= 1
             role = "refuse_before" if follows else "refuse_after"
+        elif role == "refuse_before" and at > since and at + 1 == len(clause) and clause[at - 1].end == span.start:
+            # “McDonald's no, gracias.”
+            role = "refuse_after"
         if role == "refuse_before" or (role == "refuse_after" and at == since):
             ahead = True
         elif role == "refuse_after":

@@ -6,6 +6,7 @@ that state; so a few words of each make hundreds of sentences understood.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 
 from lpslam.language.words import Span, is_unspaced, longest_phrases
@@ -24,7 +25,7 @@ class Trouble:
     units: frozenset[int]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class StateTables:
     """Phrases of one language: for things, for states, and for being at home with what was left there."""
 
@@ -33,12 +34,17 @@ class StateTables:
     at_home: frozenset[str]
     together: Mapping[tuple[str, str], str]
 
+    @cached_property
+    def words(self) -> frozenset[str]:
+        """The words of all phrases for things and states."""
+        return frozenset(word for phrase in (*self.things, *self.states) for word in phrase.split())
+
 
 def troubles_in(units: Sequence[str], tables: StateTables) -> list[Trouble]:
     """Return the wants of a question's things and states, the closest pairs first; a pair uses its words up."""
     things = longest_phrases(units, (tables.things,))
     states = list(_everywhere(units, tables.states))
-    is_at_home = any(True for _ in _everywhere(units, dict.fromkeys(tables.at_home, ())))
+    is_at_home = says_at_home(units, tables)
     pairs = sorted(
         (_gap(thing, state), thing.start, state.start, concept, thing, state)
         for thing, state in product(things, states)
@@ -53,6 +59,11 @@ def troubles_in(units: Sequence[str], tables: StateTables) -> list[Trouble]:
             found[concept] = Trouble(concept, own)
             used |= own
     return list(found.values())
+
+
+def says_at_home(units: Sequence[str], tables: StateTables) -> bool:
+    """Whether what is missing lies at home: then it is bought anew, not asked for where lost things are kept."""
+    return any(True for _ in _everywhere(units, dict.fromkeys(tables.at_home, ())))
 
 
 def _wants(thing: Span[Names], state: Span[Names], tables: StateTables) -> list[str]:
