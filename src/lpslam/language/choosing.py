@@ -11,7 +11,7 @@ from lpslam.language.question import Wish, instead_of, languages_of, read_questi
 from lpslam.language.sanitise import clean_text
 from lpslam.language.serving import FITS, Kinds, Served, likeness, merged, serve
 from lpslam.language.signs import SignMeaning, SignReader
-from lpslam.language.words import is_unspaced
+from lpslam.language.words import Folder, is_unspaced
 
 _YES = 0.5  # a place is a kind when its words say so at least this surely
 _SPECIAL = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
@@ -41,7 +41,9 @@ class LandmarkIndex:
             bare = (landmark.name.replace("'", ""),) if "'" in landmark.name else ()
             for text in (landmark.name, *bare, *other_names):
                 phrase = signs.phrase(text)
-                if spoken_key(phrase) and (sign.identity or phrase not in knowledge.painted):
+                if (spoken_key(phrase) or _is_initials(landmark.name)) and (
+                    sign.identity or phrase not in knowledge.painted
+                ):
                     by_phrase.setdefault(phrase, {})[landmark.id] = None
         self.ids_of = {phrase: tuple(ids) for phrase, ids in by_phrase.items()}
         self.names = {phrase: Meaning("name", ((phrase, 1.0),)) for phrase in by_phrase}
@@ -52,14 +54,33 @@ class LandmarkIndex:
             for folded in {knowledge.folder.fold(self.name_of[id_]) for id_ in ids}
             if folded == f"{phrase}s"
         }
+        self._initials = {
+            phrase: name for phrase, ids in by_phrase.items() for id_ in ids if _is_initials(name := self.name_of[id_])
+        }
 
-    def unsaid(self, question: str) -> frozenset[str]:
-        """Names that only seem to be said, for phrases drop the plural: “the sole of my boot” does not say “Boots”."""
-        return frozenset(phrase for phrase, folded in self._plurals.items() if folded not in question)
+    def unsaid(self, question: str, folder: Folder) -> frozenset[str]:
+        """Names that only seem to be said.
+
+        Phrases drop the plural, but “the sole of my boot” does not say “Boots”; and two letters are a name only where
+        they stand in capitals of their own.
+        """
+        folded_question = folder.fold(question)
+        return frozenset(
+            [phrase for phrase, folded in self._plurals.items() if folded not in folded_question]
+            + [
+                phrase
+                for phrase, name in self._initials.items()
+                if not re.search(rf"(?<![A-Za-z]){name}(?![A-Za-z])", question)
+            ]
+        )
 
     def is_of(self, landmarks: Sequence[Candidate]) -> bool:
         """Whether the index was made of just these landmarks."""
         return len(landmarks) == len(self.landmarks) and self.landmarks == list(landmarks)
+
+
+def _is_initials(name: str) -> bool:
+    return len(name) == 2 and name.isascii() and name.isalpha() and name.isupper()
 
 
 def _ids_by_word(ids_by_phrase: Mapping[str, Collection[int]]) -> dict[str, set[int]]:
@@ -75,7 +96,8 @@ def _ids_by_word(ids_by_phrase: Mapping[str, Collection[int]]) -> dict[str, set[
 
 _ANOTHER = re.compile(
     r"\b(another|other|else|instead|alternatives?|besides|otr[oa]s?|en vez|autres?|ailleurs|plutôt|ander(e[nrms]?)"
-    r"|stattdessen|sonst|lieber)\b|别的|別的|其他|其它|另外|另一|换一|換一|別の|ほか|他の|以外|다른|말고|대신",
+    r"|stattdessen|sonst|lieber|woanders)\b|别的|別的|其他|其它|另外|另一|换一|換一|[别別][家处處间間]|[换換][个個家间間]|第二[家间間]"
+    r"|仲有|除了|除咗|別の|別んとこ|ほか|他の|他を|よそ|以外|다른|말고|대신|딴 ?[데거곳]",
     re.IGNORECASE,
 )
 """Words that ask for something beside what is named."""
@@ -112,7 +134,7 @@ def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Kn
         return _without_brand(missing[0], question, index, signs, knowledge, model, phrases)
     if not wanted:
         return Choice(None, 0.0, phrases.say("no_kind"), model)
-    if set(wanted) == {"shop"} or wish.unknown:
+    if set(wanted) <= {"shop", "place", "business"} or wish.unknown:
         return Choice(None, 0.5, phrases.say("unknown"), model)
     return _best(wish, index, refused, knowledge, model, phrases)
 
@@ -129,7 +151,7 @@ def understand(question: str, index: LandmarkIndex, signs: SignReader, knowledge
         for phrase, identity in signs.brands_in(text).items()
         if phrase not in index.names
     }
-    unsaid = index.unsaid(knowledge.folder.fold(text))
+    unsaid = index.unsaid(text, knowledge.folder)
     names = _Names(brands, index.names, unsaid) if brands or unsaid else index.names
     parts = _parts_in(text, index, knowledge)
     if not parts:

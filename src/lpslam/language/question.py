@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
+from lpslam.language.clauses import NEXT_TO, clauses_of, is_eaten, is_general, told_in
 from lpslam.language.inflection import known_form
 from lpslam.language.knowledge import Knowledge, Meaning
 from lpslam.language.sanitise import clean_text
@@ -27,7 +28,6 @@ _OWN_LETTERS = {
     "de": re.compile(r"[ßäöü]", re.IGNORECASE),
     "fr": re.compile(r"[çœêèàùâîôë]|\b[jldnmtsc]['’]|\bqu['’]", re.IGNORECASE),
 }
-_BREAKING_MARKS = frozenset(",.;:!?，。；：！？、…")
 _QUESTION_LENGTH = 400
 _MAIN, _MODIFIER, _GENERAL, _ASIDE, _HINT = 1.0, 0.6, 0.3, 0.2, 0.05
 _TREATING = (
@@ -42,7 +42,6 @@ _THING = 0.7  # a wanted concept of this weight is a thing of its own
 _RIVAL = 0.7  # a language with this share of the likeliest one's common words may be meant too
 _KNOWN_SHARE = 0.3  # of the words of a sentence that are common in its language
 _KANJI_ONLY = 8  # characters of Japanese that needs no kana: 薬局, 市役所; a sentence of Han letters alone is Chinese
-_NEXT_TO = 3  # units between “before” and what it speaks of
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,21 +123,32 @@ def read_question(question: str, knowledge: Knowledge, names: Mapping[str, Meani
 def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str, Meaning]) -> Wish:
     tables = (names, *knowledge.tables_of(language))
     units = knowledge.folder.units(text)
-    spans = longest_phrases(units, tables)
+    starts = knowledge.folder.word_starts(text) if language == "ko" else frozenset[int]()
+
+    def is_barred(at: int, end: int, said: Meaning) -> bool:
+        # The end of one Korean word and the beginning of the next make no third.
+        return end - at == 2 and at + 1 in starts and said.role in ("means", "name")
+
+    spans = longest_phrases(units, tables, is_barred)
     spoken = _with_known_forms(units, spans, language, knowledge)
     if spoken != units:
-        units, spans = spoken, longest_phrases(spoken, tables)
-    troubles = troubles_in(units, knowledge.states(language))
+        units, spans = spoken, longest_phrases(spoken, tables, is_barred)
+    troubles = [
+        trouble
+        for trouble in troubles_in(units, knowledge.states(language))
+        # “Left luggage” has lost nothing.
+        if not any(span.value.role == "means" and trouble.units.issubset(range(span.start, span.end)) for span in spans)
+    ]
     spans = [span for span in spans if span.value.role in ("means", "name") or not _is_part(span, troubles)]
     wanted = {trouble.concept: _MAIN for trouble in troubles}
     refused: list[str] = []
     mentioned: dict[str, list[str]] = {"wanted": [], "refused": [], "near": []}
     asides = _asides(spans) | {span.start for span in spans if _is_part(span, troubles)}
     has_main = bool(troubles) or any(
-        span.value.role == "means" and span.start not in asides and not _is_general(span, knowledge) for span in spans
+        span.value.role == "means" and span.start not in asides and not is_general(span, knowledge) for span in spans
     )
-    for clause in _clauses(units, spans):
-        for span, is_refused in _told(clause, knowledge):
+    for told in told_in(clauses_of(units, spans, language), language, knowledge):
+        for span, is_refused in told:
             is_aside = span.start in asides
             for concept, weight in span.value.concepts:
                 if span.value.role == "name":
@@ -192,7 +202,7 @@ def _without_symptoms(wanted: dict[str, float], knowledge: Knowledge) -> dict[st
     """Who asks for a dentist wants no painkillers for the tooth, and who wants a meal to sit down to, no bench."""
     services = {concept for concept in wanted if wanted[concept] > _MODIFIER and _is_service(concept, knowledge)}
     is_ill = any(concept.startswith(_TREATING) for concept in services)
-    meals = any(concept in ("food", "drink") or _is_eaten(concept, knowledge) for concept in wanted)
+    meals = any(concept in ("food", "drink") or is_eaten(concept, knowledge) for concept in wanted)
     vague = (knowledge.symptoms if is_ill else set()) | ({"rest"} if services or meals else set())
     return {concept: min(weight, _HINT) if concept in vague else weight for concept, weight in wanted.items()}
 
@@ -225,83 +235,12 @@ def _asides(spans: Sequence[Span[Meaning]]) -> set[int]:
     """Starts of the phrases that are only said by the way: after “before my”, before の前に."""
     asides: set[int] = set()
     for before, after in pairwise(spans):
-        is_close = after.start - before.end <= _NEXT_TO
+        is_close = after.start - before.end <= NEXT_TO
         if is_close and before.value.role == "context_before" and after.value.role in ("means", "name"):
             asides.add(after.start)
         if is_close and after.value.role == "context_after" and before.value.role in ("means", "name"):
             asides.add(before.start)
     return asides
-
-
-def _clauses(units: Sequence[str], spans: Sequence[Span[Meaning]]) -> list[list[Span[Meaning]]]:
-    """Group phrases into clauses: a refusal does not reach over a comma or a “but”."""
-    clauses: list[list[Span[Meaning]]] = [[]]
-    marks = [at for at, unit in enumerate(units) if unit in _BREAKING_MARKS]
-    for before, span in zip((None, *spans), spans, strict=False):
-        while marks and marks[0] < span.start:
-            marks.pop(0)
-            clauses.append([])
-        if span.value.role == "break":
-            # “Don't recommend me” refuses what comes after it.
-            if before is None or before.value.role != "refuse_before" or before.end < span.start:
-                clauses.append([])
-        else:
-            clauses[-1].append(span)
-    return [clause for clause in clauses if clause]
-
-
-def _told(clause: Sequence[Span[Meaning]], knowledge: Knowledge) -> list[tuple[Span[Meaning], bool]]:
-    """Return each phrase that means something, with whether it is refused.
-
-    A refusal in front reaches forward to the end of the clause, one behind reaches back to the one before it. Beside
-    a refused dish, “eat” itself is not refused.
-    """
-    refused = [False] * len(clause)
-    ahead = False
-    since = 0
-    for at, span in enumerate(clause):
-        role = span.value.role
-        if role == "refuse_either":
-            # 火锅不要 refuses what stands before, 不要火锅 what comes after.
-            follows = at + 1 < len(clause) and clause[at + 1].start - span.end <= 1
-            role = "refuse_before" if follows else "refuse_after"
-        elif role == "refuse_before" and at > since and at + 1 == len(clause) and clause[at - 1].end == span.start:
-            # “McDonald's no, gracias.”
-            role = "refuse_after"
-        if role == "refuse_before" or (role == "refuse_after" and at == since):
-            ahead = True
-        elif role == "refuse_after":
-            start = _linked_from(clause, since, at)
-            refused[start:at] = [True] * (at - start)
-            since, ahead = at, False
-        refused[at] = refused[at] or ahead
-    if any(span.value.role == "past" for span in clause):
-        # What was eaten yesterday is not what is wanted today.
-        refused = [no or _is_meal(span, knowledge) for span, no in zip(clause, refused, strict=True)]
-    told = [(span, no) for span, no in zip(clause, refused, strict=True) if span.value.role in ("means", "name")]
-    if any(no and not _is_general(span, knowledge) for span, no in told):
-        told = [(span, no and not _is_general(span, knowledge)) for span, no in told]
-    return told
-
-
-def _linked_from(clause: Sequence[Span[Meaning]], since: int, at: int) -> int:
-    """Where a refusal that stands behind begins: “coffee, but the queue at Costa is too long” wants the coffee."""
-    start = at
-    while start > since and (start == at or clause[start].start - clause[start - 1].end <= _NEXT_TO):
-        start -= 1
-    return start
-
-
-def _is_meal(span: Span[Meaning], knowledge: Knowledge) -> bool:
-    return span.value.role == "means" and any(_is_eaten(concept, knowledge) for concept, _ in span.value.concepts)
-
-
-def _is_eaten(concept: str, knowledge: Knowledge) -> bool:
-    return any(knowledge.instead.get(above) in ("food", "drink") for above in knowledge.above(concept))
-
-
-def _is_general(span: Span[Meaning], knowledge: Knowledge) -> bool:
-    return span.value.role == "means" and all(concept in knowledge.general for concept, _ in span.value.concepts)
 
 
 def _importance(concept: str, knowledge: Knowledge) -> float:

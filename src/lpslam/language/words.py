@@ -6,7 +6,7 @@ Thai). A phrase is a run of units; its key joins them with single spaces, so one
 
 import re
 import unicodedata
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
@@ -73,6 +73,14 @@ class Folder:
         """Return the units of `text` in order; punctuation marks are units of their own."""
         return _units(self.fold(text))
 
+    def word_starts(self, text: str) -> frozenset[int]:
+        """Return which units of a text begin a word that a space sets apart."""
+        folded = self.fold(text)
+        starts = [found.start() for found in _UNIT.finditer(folded) if found.group() != "'"]
+        if len(starts) != len(_units(folded)):
+            return frozenset()
+        return frozenset(at for at, start in enumerate(starts) if start and folded[start - 1].isspace())
+
     def sign_units(self, text: str) -> list[str]:
         """Return the units of a sign: where the reader lost a space, a capital inside a word begins a new one."""
         return self.units(_CAMEL.sub(" ", text))
@@ -111,17 +119,20 @@ def is_unspaced(text: str) -> bool:
 
 
 def longest_phrases(
-    units: Sequence[str], tables: Iterable[Mapping[str, Value]], longest: int = 12
+    units: Sequence[str],
+    tables: Iterable[Mapping[str, Value]],
+    is_barred: Callable[[int, int, Value], bool] | None = None,
+    longest: int = 12,
 ) -> list[Span[Value]]:
     """Return the phrases of `tables` found in `units`, from the left, longest first; earlier tables win a tie.
 
-    Phrases do not overlap and do not reach over punctuation.
+    Phrases do not overlap and do not reach over punctuation; `is_barred` says of (start, end, value) that it is none.
     """
     chain = tuple(tables)
     found: list[Span[Value]] = []
     at = 0
     while at < len(units):
-        span = _phrase_at(units, at, chain, longest)
+        span = _phrase_at(units, at, chain, is_barred, longest)
         if span is not None:
             found.append(span)
         at = span.end if span is not None else at + 1
@@ -129,13 +140,17 @@ def longest_phrases(
 
 
 def _phrase_at(
-    units: Sequence[str], at: int, chain: tuple[Mapping[str, Value], ...], longest: int
+    units: Sequence[str],
+    at: int,
+    chain: tuple[Mapping[str, Value], ...],
+    is_barred: Callable[[int, int, Value], bool] | None,
+    longest: int,
 ) -> Span[Value] | None:
     for end in range(min(len(units), at + longest), at, -1):
         key = " ".join(units[at:end])
         for table in chain:
             value = table.get(key)
-            if value is not None:
+            if value is not None and not (is_barred and is_barred(at, end, value)):
                 return Span(at, end, key, value)
     return None
 
