@@ -5,6 +5,7 @@ from collections.abc import Callable, Collection, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import nullcontext
 from dataclasses import asdict, dataclass, field, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,7 @@ from lpslam.language.model import Candidate, Choice, LanguageModel
 from lpslam.language.offline import OfflineModel
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.poses import StampedPoses
+from lpslam.priority import READING, yield_to_others
 from lpslam.slam.advice import NO_ADVICE
 from lpslam.slam.state import SlamEvent, TrackedFrame
 from lpslam.slam.system import RgbdSlam
@@ -27,7 +29,7 @@ from lpslam.sources.prefetch import Prefetched
 from lpslam.text.advising import TextAdvisor
 from lpslam.text.distilling import DEFAULT_QUESTION, distil
 from lpslam.text.mapper import TextMapper
-from lpslam.text.reading_thread import ReadingThread, yield_to_others
+from lpslam.text.reading_thread import ReadingThread
 from lpslam.text.spotting import PaddleSpotter, TextSpotter
 from lpslam.text.text_map import TextMap
 from lpslam.text.types import Landmark
@@ -249,7 +251,8 @@ def _reading_thread(mapper: TextMapper, config: ReadingConfig, live: bool) -> Re
 
 def _load_spotter(config: SpottingConfig, is_threaded: bool) -> PaddleSpotter:
     # The engine's own threads are as patient as the thread that loads it.
-    with ThreadPoolExecutor(1, initializer=yield_to_others if is_threaded else None) as loader:
+    initializer = partial(yield_to_others, READING) if is_threaded else None
+    with ThreadPoolExecutor(1, initializer=initializer) as loader:
         return loader.submit(PaddleSpotter, config).result()
 
 

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable
 from typing import Protocol
 
+from lpslam.priority import MAPPING, yield_to_others
 from lpslam.slam.local_mapping import LocalMapper
 
 
@@ -98,6 +99,7 @@ class Beside:
         self._to_close.put(keyframe)
 
     def _work(self, keyframes: "queue.SimpleQueue[int | None]", work: Callable[[int], None]) -> None:
+        yield_to_others(MAPPING)
         while (keyframe := keyframes.get()) is not None and not self._abandon:
             try:
                 work(keyframe)

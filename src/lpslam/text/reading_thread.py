@@ -1,15 +1,13 @@
 """Reading beside tracking: a thread of its own behind a bounded queue that drops the oldest frame."""
 
-import os
-import sys
 import threading
 import time
 from collections import deque
-from contextlib import suppress
 from types import TracebackType
 from typing import Self
 
 from lpslam.frames import RgbdFrame
+from lpslam.priority import READING, yield_to_others
 from lpslam.slam.state import TrackedFrame
 from lpslam.text.mapper import TextMapper
 
@@ -71,7 +69,7 @@ class ReadingThread:
             raise self._error
 
     def _work(self) -> None:
-        yield_to_others()
+        yield_to_others(READING)
         while True:
             with self._changed:
                 self._changed.wait_for(lambda: self._queue or self._closing)
@@ -87,14 +85,3 @@ class ReadingThread:
             taken = time.perf_counter() - before
             with self._changed:
                 self._changed.wait_for(lambda: self._closing, taken * (1.0 / self._share - 1.0))
-
-
-def yield_to_others() -> None:
-    """Let the calling thread, and those that it starts, run where others leave processor time; on Linux alone."""
-    if sys.platform == "linux":
-        with suppress(OSError):
-            os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _NICENESS)
-
-
-_NICENESS = 10
-"""Of threads that read: tracking and mapping come first."""
