@@ -176,7 +176,7 @@ class ReadingConfig(_Section):
     blur_window: int = Field(default=15, ge=1)
     blur_patience: float = Field(default=2.0, ge=0)
     # Share of the time that live reading may take: on two cores, tracking, mapping and the camera need the rest.
-    live_share: float = Field(default=0.8, gt=0, le=1)
+    live_share: float = Field(default=0.7, gt=0, le=1)
     # Frames worth reading that may wait beside tracking (2 MB each); the oldest is dropped when one more comes.
     queue_size: int = Field(default=64, ge=1)
 

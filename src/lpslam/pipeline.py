@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable, Collection, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import nullcontext
+from contextlib import ExitStack, nullcontext
 from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 
@@ -31,6 +31,7 @@ from lpslam.text.distilling import DEFAULT_QUESTION, distil
 from lpslam.text.mapper import TextMapper
 from lpslam.text.reading_thread import ReadingThread
 from lpslam.text.spotting import PaddleSpotter, TextSpotter
+from lpslam.text.spotting_process import SpottingProcess
 from lpslam.text.text_map import TextMap
 from lpslam.text.types import Landmark
 
@@ -138,7 +139,10 @@ def run(
     beside = _naming_beside(language) if text else None
     is_threaded = live or not sequential
     mapper = None
+    resources = ExitStack()
     if text:
+        if spotter is None and live and SpottingProcess.is_possible():
+            spotter = resources.enter_context(SpottingProcess(config.text.spotting))
         reader_of_text = spotter or _load_spotter(config.text.spotting, is_threaded)
         mapper = TextMapper(source.camera, reader_of_text, config.text, OfflineModel(), text_map, beside, words.note)
     first_index = 0
@@ -152,7 +156,7 @@ def run(
     frames = Paced(decoded) if live else decoded
     started, seconds_tracking, count = time.perf_counter(), 0.0, 0
     is_stopped, reason = False, "it gave none"
-    with reader or nullcontext():
+    with resources, reader or nullcontext():
         for given in frames:
             if is_stopped := should_stop():
                 break

@@ -15,6 +15,11 @@ _VERB_LAST = frozenset({"ja", "ko"})  # languages whose refusals always stand be
 # Asked for by its kind, a restaurant is refused by what it serves.
 _PLAIN_KINDS = frozenset({"amenity/restaurant"})
 
+# What turns a sentence against what follows: “I need shoes, but Bata's are for aunties”.
+_ADVERSATIVE = frozenset(
+    ["but", "however", "though", "pero", "aber", "allerdings", "mais", "但", "但 是", "可 是", "不 过", "只 是", "け ど", "け れ ど", "し か し", "で も", "지 만"]
+)
+
 Clause = list[Span[Meaning]]
 Told = list[tuple[Span[Meaning], bool]]
 
@@ -30,6 +35,9 @@ def clauses_of(units: Sequence[str], spans: Sequence[Span[Meaning]], language: s
             marks.pop(0)
             clauses.append([])
         if span.value.role == "break":
+            if span.key in _ADVERSATIVE:
+                clauses.append([span])
+                continue
             # “Don't recommend me” refuses what comes after it.
             if before is None or before.value.role != "refuse_before" or before.end < span.start:
                 clauses.append([])
@@ -48,13 +56,18 @@ def told_in(clauses: Sequence[Clause], language: str, knowledge: Knowledge) -> l
         if _refuses_back(clauses[at], language):
             start = _linked_from(clauses[at - 1], 0, len(clauses[at - 1]))
             refused[at - 1][start:] = [True] * (len(clauses[at - 1]) - start)
-    return [_told(clause, flags, knowledge) for clause, flags in zip(clauses, refused, strict=True)]
+    told = [_told(clause, flags, knowledge) for clause, flags in zip(clauses, refused, strict=True)]
+    for at in range(1, len(clauses)):
+        wants = any(not no and span.value.role == "means" for each in told[:at] for span, no in each)
+        if wants and clauses[at][0].key in _ADVERSATIVE and all(span.value.role == "name" for span, _ in told[at]):
+            told[at] = [(span, True) for span, _ in told[at]]
+    return told
 
 
 def _refused_within(clause: Clause, language: str, knowledge: Knowledge) -> list[bool]:
     refused = [False] * len(clause)
     ahead = False
-    since = 0
+    since = int(clause[0].value.role == "break")
     for at, span in enumerate(clause):
         role = span.value.role
         if role == "refuse_either":
@@ -79,10 +92,11 @@ def _refused_within(clause: Clause, language: str, knowledge: Knowledge) -> list
 
 def _refuses_back(clause: Clause, language: str) -> bool:
     """Whether a clause refuses what the one before it speaks of."""
-    if clause[0].value.role not in ("refuse_after", "refuse_either"):
+    first = clause[1 if clause[0].value.role == "break" and len(clause) > 1 else 0]
+    if first.value.role not in ("refuse_after", "refuse_either"):
         return False
     says_more = any(span.value.role in ("means", "name", "refuse_before", "neutral") for span in clause)
-    return not says_more or (language in _VERB_LAST and clause[0].value.role == "refuse_after")
+    return not says_more or (language in _VERB_LAST and first.value.role == "refuse_after")
 
 
 def _linked_from(clause: Sequence[Span[Meaning]], since: int, at: int) -> int:

@@ -20,6 +20,8 @@ from lpslam.language.words import Span, is_mark, is_unspaced, longest_phrases
 _KANA = re.compile(r"[\u3040-\u30ff]")
 _HANGUL = re.compile(r"[\uac00-\ud7af]")
 _HYPHEN = re.compile(r"(?<=[^\W\d_])[-\u2010\u2011](?=[^\W\d_])")
+# “Fischallergie” refuses fish.
+_ALLERGY = re.compile(r"(\w{3,}?)s?(allergien?|unverträglichkeit|intoleranz)\b", re.IGNORECASE)
 _HAN = re.compile(r"[\u4e00-\u9fff]")
 _LATIN = ("en", "es", "de", "fr")
 # Letters and turns that one language of Latin script has and the others do not.
@@ -108,7 +110,7 @@ def read_question(question: str, knowledge: Knowledge, names: Mapping[str, Meani
     It is read in the likeliest language in which it says something.
     """
     # “A sit-down meal” is looked up as three words.
-    text = _HYPHEN.sub(" ", clean_text(question, _QUESTION_LENGTH))
+    text = _ALLERGY.sub(r"\1 \2", _HYPHEN.sub(" ", clean_text(question, _QUESTION_LENGTH)))
     first: Wish | None = None
     for language in languages_of(text, knowledge):
         wish = _read_in(text, language, knowledge, {} if names is None else names)
