@@ -28,7 +28,7 @@ QUESTIONS = {
     "ja": ("ピアノを買いたい", "お腹が空いた", "ラーメン以外のレストラン", "薬がほしい"),
     "de": ("Ich habe Hunger", "Wo gibt es Schuhe?", "Ich mag keine Pizza", "Mein Handy ist kaputt"),
 }
-SETS = ("paper", "development", "second", "third", "fourth", "fifth", "sixth", "readings")
+SETS = ("paper", "development", "second", "third", "fourth", "fifth", "sixth", "everyday", "readings")
 
 
 def main() -> None:

@@ -24,10 +24,10 @@ def read(name: str) -> dict[str, Any]:
     return tree
 
 
-def judging(model: LanguageModel) -> tuple[dict[str, tuple[int, int]], list[str]]:
+def judging(model: LanguageModel, name: str) -> tuple[dict[str, tuple[int, int]], list[str]]:
     """Right answers and questions by class, and the misses."""
     counts, misses = defaultdict(lambda: (0, 0)), []
-    for case in read("judging")["judging"]:
+    for case in read(name)["judging"]:
         names = list(case["expected"])
         for name, judged in zip(names, model.judge(names, case["question"]), strict=True):
             is_right = judged.answer == case["expected"][name]
@@ -76,10 +76,13 @@ def main() -> None:
     parser.add_argument("--misses", action="store_true", help="show every wrong answer")
     given = parser.parse_args()
     model = language_model(given.llm)
-    judged, misses = judging(model)
-    for kind, (right, total) in judged.items():
-        print(f"judging {kind}: {right}/{total} = {right / total:.1%}")
-    for name in ("choosing", "choosing_second"):
+    misses: list[str] = []
+    for name in ("judging", "judging_second"):
+        judged, more = judging(model, name)
+        for kind, (right, total) in judged.items():
+            print(f"{name} {kind}: {right}/{total} = {right / total:.1%}")
+        misses += more
+    for name in ("choosing", "choosing_second", "choosing_third", "choosing_fourth"):
         chosen, more = choosing(model, name)
         for kind, (right, wrong, total) in chosen.items():
             print(f"{name} {kind}: {right}/{total} = {right / total:.1%}, wrong {wrong}")

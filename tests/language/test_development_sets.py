@@ -37,6 +37,19 @@ def test_floors(model: OfflineModel, name: str) -> None:
     assert chosen >= 0.95, score.misses
 
 
+def test_everyday_questions_in_seven_languages(model: OfflineModel) -> None:
+    cases = read_cases(SETS / "everyday.json").choosing
+    assert len(cases) >= 1500
+    right = wrong = 0
+    for case in cases:
+        answer = model.choose(case.question, [Candidate(at, name) for at, name in enumerate(case.landmarks)])
+        name = None if answer.landmark is None else case.landmarks[answer.landmark]
+        is_right = name in case.expected if name is not None else not case.expected
+        right, wrong = right + is_right, wrong + (name is not None and not is_right)
+    assert right >= 0.88 * len(cases)
+    assert wrong <= 0.07 * len(cases)
+
+
 def test_names_of_rendered_signs_as_the_recogniser_reads_them(model: OfflineModel) -> None:
     groups = read_cases(SETS / "readings.json").naming
     assert len(groups) >= 60

@@ -73,7 +73,7 @@ def read_cases(path: Traversable) -> LanguageCases:
     """Read an example set; a file that is not one is a `UserError`."""
     try:
         tree: Any = json.loads(path.read_text(encoding="utf-8"))
-        landmarks = tree.get("choosing", {}).get("landmarks", [])
+        choosing = tree.get("choosing", {})
         return LanguageCases(
             tuple(
                 NamingCase(tuple(Reading(*reading) for reading in case["readings"]), tuple(case["expected"]))
@@ -81,14 +81,21 @@ def read_cases(path: Traversable) -> LanguageCases:
             ),
             tuple(JudgingCase(case["question"], dict(case["expected"])) for case in tree.get("judging", [])),
             tuple(
-                ChoosingCase(case["question"], tuple(case.get("landmarks", landmarks)), _as_names(case["expected"]))
-                for case in tree.get("choosing", {}).get("questions", [])
+                ChoosingCase(case["question"], _landmarks_of(case, choosing), _as_names(case["expected"]))
+                for case in choosing.get("questions", [])
             ),
         )
     except OSError as error:
         raise UserError(f"example set {path} cannot be read ({error.strerror})") from error
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise UserError(f"example set {path} is not one: {error!r}") from error
+
+
+def _landmarks_of(case: Mapping[str, Any], choosing: Mapping[str, Any]) -> tuple[str, ...]:
+    """A question's own landmarks, those of the place that it names, or those of the whole set."""
+    if "place" in case:
+        return tuple(choosing["places"][case["place"]])
+    return tuple(case.get("landmarks", choosing.get("landmarks", [])))
 
 
 def score_language(model: LanguageModel, cases: LanguageCases) -> LanguageScore:

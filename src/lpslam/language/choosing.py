@@ -115,6 +115,8 @@ def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Kn
     if wish.language is None:
         return Choice(None, 0.0, phrases.say("unread"), model)
     refused |= {id_ for name in wish.refused_names for id_ in index.ids_of.get(name, ())}
+    if "chain" in wish.refused:
+        refused |= {id_ for id_, sign in index.signs.items() if sign.identity}
     if _ANOTHER.search(question):
         # “Starbucks is full, another café?” names what is not wanted.
         refused |= {id_ for name in wish.wanted_names for id_ in index.ids_of.get(name, ())}

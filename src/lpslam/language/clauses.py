@@ -17,7 +17,8 @@ _PLAIN_KINDS = frozenset({"amenity/restaurant"})
 
 # What turns a sentence against what follows: “I need shoes, but Bata's are for aunties”.
 _ADVERSATIVE = frozenset(
-    ["but", "however", "though", "pero", "aber", "allerdings", "mais", "但", "但 是", "可 是", "不 过", "只 是", "け ど", "け れ ど", "し か し", "で も", "지 만"]
+    {"but", "however", "though", "pero", "aber", "allerdings", "mais"}
+    | {"但", "但 是", "可 是", "不 过", "只 是", "け ど", "け れ ど", "し か し", "で も", "지 만"}
 )
 
 Clause = list[Span[Meaning]]

@@ -66,6 +66,9 @@ class Knowledge:
     refusing: Mapping[str, str]
     said_of_food: frozenset[str]
     symptoms: frozenset[str]
+    trade_goods: frozenset[str]
+    imperatives: frozenset[str]
+    company_forms: frozenset[str]
     _tables: "_SpokenTables"
     _above: dict[str, tuple[str, ...]] = field(default_factory=dict)
     _shares: dict[tuple[str, str], float] = field(default_factory=dict)
@@ -175,6 +178,9 @@ def load_knowledge() -> Knowledge:
         refusing=kinds["refusing"],
         said_of_food=frozenset(kinds["said_of_food"]),
         symptoms=frozenset(kinds["symptoms"]),
+        trade_goods=frozenset(kinds["trade_goods"]),
+        imperatives=frozenset(kinds["imperatives"]),
+        company_forms=frozenset(kinds["company_forms"]),
         _tables=_SpokenTables(folder, lexicons, gazetteer, kinds["cuisine_kinds"], frozenset(kinds["unspoken"])),
     )
 

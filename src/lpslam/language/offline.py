@@ -118,8 +118,8 @@ class OfflineModel:
         sign = self._signs.read(name)
         if not wish.wanted and not wish.refused:
             return Judgement(question, False, 0.0, "the question names no kind of place that is known", self.model)
-        # “A place to eat” asks for more than a place.
-        asked = [concept for concept in wish.main if concept != "place"] or wish.main
+        # “A place to eat” asks for more than a place, “the sign of a restroom” for more than a sign.
+        asked = [concept for concept in wish.main if concept not in ("place", "sign")] or wish.main
         refused = any(likeness(concept, sign.kinds, self._knowledge) >= _YES for concept in wish.refused)
         best = max((match(concept, sign.kinds, self._knowledge) for concept in asked), default=1.0)
         if refused:

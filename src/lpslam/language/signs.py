@@ -12,6 +12,8 @@ from lpslam.language.sanitise import clean_text
 from lpslam.language.words import Span, is_mark, is_unspaced, longest_phrases
 
 _PARTS = re.compile(r"[()\[\]{}<>|/·•:;—–]+|\s-\s")
+_TRADES = ("shop/", "cuisine/", "craft/", "amenity/restaurant", "amenity/cafe", "amenity/bar", "leisure/fitness_centre")
+_REPAIR, _SELDOM = "shop/repair", 0.4
 _WARNING, _SLOGAN, _NOTICE = "sign/warning", "sign/slogan", "sign/notice"
 
 
@@ -145,12 +147,28 @@ class SignReader:
     def _as_warning(
         self, text: str, key: str, units: Sequence[str], spans: Sequence[Span[Meaning]]
     ) -> SignMeaning | None:
+        if self._ends_in_a_trade(units, spans):
+            return None
         start = self._warning_start(key, units)
         if start is not None:
             return SignMeaning(((_WARNING, 0.95),), f"“{text}” begins like a warning (“{start}”)")
         if _WARNING in _weigh(spans):
             return SignMeaning(((_WARNING, 0.95),), f"“{text}” has words of a warning")
         return None
+
+    def _ends_in_a_trade(self, units: Sequence[str], spans: Sequence[Span[Meaning]]) -> bool:
+        """Whether a sign names a danger only to name a shop after it: “Danger Zone Games”.
+
+        What asks or forbids (“No food”, “Keep off the furniture”) is no name, and goods that one is warned of (coffee,
+        water, glass) are no trade.
+        """
+        words = [at for at, unit in enumerate(units) if not is_mark(unit) and unit not in self._knowledge.company_forms]
+        if not words or not spans or units[words[0]] in self._knowledge.imperatives or is_unspaced(units[words[0]]):
+            return False
+        return spans[-1].end > words[-1] and any(
+            concept in self._knowledge.trade_goods or concept.startswith(_TRADES)
+            for concept, _ in spans[-1].value.concepts
+        )
 
     def _as_brand_with_words(
         self, text: str, units: Sequence[str], spans: Sequence[Span[Meaning]]
@@ -172,7 +190,7 @@ class SignReader:
     def _as_words(
         self, text: str, key: str, units: Sequence[str], spans: Sequence[Span[Meaning]]
     ) -> SignMeaning | None:
-        kinds = _weigh(spans)
+        kinds = self._repairing(_weigh(spans))
         places = _places(kinds)
         if _SLOGAN in kinds and (
             self._knowledge.general.issuperset(places) or len(units) > 4 or _is_mostly_slogan(spans)
@@ -183,6 +201,13 @@ class SignReader:
             return None
         own_name = covered <= 0.5 and _reads_like_a_name(text, units)
         return SignMeaning(tuple(self._offered(places).items()), f"“{text}” says {_said(spans)}", name_like=own_name)
+
+    def _repairing(self, kinds: dict[str, float]) -> dict[str, float]:
+        """Who repairs and names a good repairs that: a watchmaker mends no telephones."""
+        if _REPAIR not in kinds:
+            return kinds
+        own = {f"{good}_repair": weight for good, weight in kinds.items() if f"{good}_repair" in self._knowledge.offers}
+        return kinds | own | {_REPAIR: _SELDOM} if own else kinds
 
     def _as_misread(self, text: str, key: str) -> SignMeaning | None:
         near = self._nearest_meaning(key)
