@@ -152,6 +152,8 @@ class SignReader:
         start = self._warning_start(key, units)
         if start is not None:
             return SignMeaning(((_WARNING, 0.95),), f"“{text}” begins like a warning (“{start}”)")
+        if _forbids(text, units, spans):
+            return SignMeaning(((_WARNING, 0.95),), f"“{text}” forbids something")
         if _WARNING in _weigh(spans):
             return SignMeaning(((_WARNING, 0.95),), f"“{text}” has words of a warning")
         return None
@@ -313,6 +315,17 @@ def _places(kinds: dict[str, float]) -> dict[str, float]:
 
 def _said(spans: Sequence[Span[Meaning]]) -> str:
     return ", ".join(span.key.replace(" ", "") if is_unspaced(span.key) else span.key for span in spans)
+
+
+def _forbids(text: str, units: Sequence[str], spans: Sequence[Span[Meaning]]) -> bool:
+    """Whether a sign begins with “no” and goods, or goes on as a sentence does: “NO SHOES”, “No carts beyond here”.
+
+    Shops begin with it too, but then are named: “No Name Bar”, “No. 5 Bakery”.
+    """
+    if not units or units[0] != "no":
+        return False
+    goods = bool(spans) and all("/" not in concept for span in spans for concept, _ in span.value.concepts)
+    return (text.startswith("No ") and text[3:4].islower()) or (goods and _covered(spans, units[1:]) >= 1.0)
 
 
 def _weigh(spans: Sequence[Span[Meaning]]) -> dict[str, float]:

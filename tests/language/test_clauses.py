@@ -1,0 +1,130 @@
+"""What a clause refuses, and what reaches from one clause to the next."""
+
+import pytest
+
+from lpslam.language.knowledge import Knowledge, load_knowledge
+from lpslam.language.model import Candidate
+from lpslam.language.offline import OfflineModel
+from lpslam.language.question import read_question
+from lpslam.language.signs import load_sign_reader
+
+
+@pytest.fixture(scope="module")
+def knowledge() -> Knowledge:
+    return load_knowledge()
+
+
+@pytest.fixture(scope="module")
+def model() -> OfflineModel:
+    return OfflineModel()
+
+
+def chosen(model: OfflineModel, question: str, *names: str) -> str | None:
+    answer = model.choose(question, [Candidate(at, name) for at, name in enumerate(names)])
+    return None if answer.landmark is None else names[answer.landmark]
+
+
+@pytest.mark.parametrize(
+    ("question", "refused", "wanted"),
+    [
+        ("Pizza again? No thanks. What else is there for dinner?", "cuisine/pizza", "food"),
+        ("Tout sauf un burger ou des sushis, on a faim", "cuisine/burger", "food"),
+        ("Mein Sohn hat eine Fischallergie, wo können wir essen?", "cuisine/seafood", "food"),
+        ("我想吃饭，别给我推荐火锅", "cuisine/hotpot", "food"),
+        ("日料、火锅统统不要，想吃饭", "cuisine/japanese", "food"),
+        ("해산물은 못 먹어요. 저녁은 어디서 먹을까요", "cuisine/seafood", "food"),
+    ],
+)
+def test_a_refusal_reaches_what_it_speaks_of(question: str, refused: str, wanted: str, knowledge: Knowledge) -> None:
+    wish = read_question(question, knowledge)
+    assert refused in wish.refused
+    assert refused not in dict(wish.wanted)
+    assert wanted in dict(wish.wanted)
+
+
+def test_both_sides_of_an_or_are_refused(knowledge: Knowledge) -> None:
+    wish = read_question("Tout sauf un burger ou des sushis", knowledge)
+    assert {"cuisine/burger", "cuisine/sushi"} <= set(wish.refused)
+
+
+def test_a_complaint_about_one_place_leaves_the_want(model: OfflineModel) -> None:
+    question = "I want a coffee and the queue at Costa Coffee is too long"
+    assert chosen(model, question, "Costa Coffee", "Starbucks", "KFC") == "Starbucks"
+
+
+def test_the_end_of_one_korean_word_and_the_beginning_of_the_next_make_no_third(knowledge: Knowledge) -> None:
+    # 하나 사려고 has no 나사, a screw, in it.
+    assert "tools" not in dict(read_question("하나 사려고 하는데요", knowledge).wanted)
+    assert "tools" in dict(read_question("나사 사려고 하는데요", knowledge).wanted)
+
+
+@pytest.mark.parametrize(
+    ("question", "refused", "left"),
+    [
+        ("I'd like dinner, but nothing spicy", "Sichuan Garden", "Trattoria Roma"),
+        ("I want to eat but I have coeliac disease", "Panificio Bäckerei", "Sushi Yama"),
+        ("아시아 음식 말고 저녁 먹고 싶어요", "スシロー", "Burger King"),
+        ("Je suis intolérant au lactose, où manger ?", "Gelateria Dolce", "Sushi Yama"),
+    ],
+)
+def test_a_diet_refuses_kitchens_that_hold_what_it_forbids(
+    question: str, refused: str, left: str, model: OfflineModel
+) -> None:
+    assert chosen(model, question, refused, left) == left
+    assert chosen(model, question, refused) is None
+
+
+def test_no_chain_means_no_brand(model: OfflineModel) -> None:
+    assert chosen(model, "A coffee, but not from a chain", "Starbucks", "Café Luna") == "Café Luna"
+    assert chosen(model, "A coffee, please", "Starbucks", "KFC") == "Starbucks"
+
+
+def test_a_named_shop_after_a_but_is_not_where_to_go(model: OfflineModel) -> None:
+    question = "I need shoes, but Foot Locker is for teenagers"
+    assert chosen(model, question, "Foot Locker", "Zapatería Los Tres Gatos") == "Zapatería Los Tres Gatos"
+    assert chosen(model, "I need shoes, where is Foot Locker?", "Zapatería Gato", "Foot Locker") == "Foot Locker"
+
+
+def test_a_plural_name_is_not_said_by_its_singular(model: OfflineModel) -> None:
+    assert chosen(model, "the sole of my boot came off", "Boots", "Schuhmacher Meier") != "Boots"
+    assert chosen(model, "where is Boots?", "Boots", "Schuhmacher Meier") == "Boots"
+
+
+def test_two_letters_are_a_name_only_in_capitals_of_their_own(model: OfflineModel) -> None:
+    assert chosen(model, "GUはどこですか", "ZARA", "GU") == "GU"
+    assert chosen(model, "Where is the guitar shop?", "ZARA", "GU") is None
+
+
+def test_own_small_words_are_no_english(knowledge: Knowledge) -> None:
+    assert "accessory" not in dict(read_question("Wer hat hier einen Geldautomaten gesehen?", knowledge).wanted)
+
+
+@pytest.mark.parametrize(
+    ("sign", "kind"),
+    [
+        ("Danger Zone Games", "video_games"),
+        ("Wet Paint Art Supplies", "art_supplies"),
+        ("High Voltage Gym", "leisure/fitness_centre"),
+        ("Caution Clothing Co.", "clothes"),
+        ("Caution Hot Coffee", "sign/warning"),
+        ("Danger Deep Water", "sign/warning"),
+        ("Do not touch the books", "sign/warning"),
+        ("NO SHOES", "sign/warning"),
+        ("No shopping carts beyond this point", "sign/warning"),
+        ("No Name Bar", "amenity/bar"),
+        ("Green Leaf Vegetarian", "cuisine/vegetarian"),
+        ("Horlogerie du Pont – Réparation", "watch"),
+    ],
+)
+def test_what_ends_a_sign_and_what_begins_it(sign: str, kind: str) -> None:
+    assert load_sign_reader().read(sign).kinds[0][0] == kind
+
+
+def test_a_watchmaker_mends_no_telephones(model: OfflineModel) -> None:
+    names = ("Horlogerie du Pont Réparation", "王师傅手机快修")
+    assert chosen(model, "哪儿有修手机的？", *names) == "王师傅手机快修"
+    assert chosen(model, "My watch is broken, who repairs it?", *names) == "Horlogerie du Pont Réparation"
+
+
+def test_an_article_is_no_tea() -> None:
+    assert not load_sign_reader().read("The Red Lion").kinds
