@@ -66,6 +66,7 @@ class Knowledge:
     refusing: Mapping[str, str]
     said_of_food: frozenset[str]
     symptoms: frozenset[str]
+    weather: frozenset[str]
     trade_goods: frozenset[str]
     imperatives: frozenset[str]
     company_forms: frozenset[str]
@@ -178,6 +179,7 @@ def load_knowledge() -> Knowledge:
         refusing=kinds["refusing"],
         said_of_food=frozenset(kinds["said_of_food"]),
         symptoms=frozenset(kinds["symptoms"]),
+        weather=frozenset(kinds["weather"]),
         trade_goods=frozenset(kinds["trade_goods"]),
         imperatives=frozenset(kinds["imperatives"]),
         company_forms=frozenset(kinds["company_forms"]),

@@ -201,11 +201,13 @@ def _as_treated(wanted: dict[str, float], knowledge: Knowledge) -> dict[str, flo
 
 
 def _without_symptoms(wanted: dict[str, float], knowledge: Knowledge) -> dict[str, float]:
-    """Who asks for a dentist wants no painkillers for the tooth, and who wants a meal to sit down to, no bench."""
+    """Leave out what only says why: pains beside a dentist, rain beside a museum, tired feet beside a meal."""
     services = {concept for concept in wanted if wanted[concept] > _MODIFIER and _is_service(concept, knowledge)}
     is_ill = any(concept.startswith(_TREATING) for concept in services)
     meals = any(concept in ("food", "drink") or is_eaten(concept, knowledge) for concept in wanted)
-    vague = (knowledge.symptoms if is_ill else set()) | ({"rest"} if services or meals else set())
+    vague = set(knowledge.symptoms) if is_ill else set()
+    vague |= set(knowledge.weather) if services else set()
+    vague |= {"rest"} if services or meals else set()
     return {concept: min(weight, _HINT) if concept in vague else weight for concept, weight in wanted.items()}
 
 

@@ -12,7 +12,14 @@ from lpslam.language.sanitise import clean_text
 from lpslam.language.words import Span, is_mark, is_unspaced, longest_phrases
 
 _PARTS = re.compile(r"[()\[\]{}<>|/·•:;—–]+|\s-\s")
-_TRADES = ("shop/", "cuisine/", "craft/", "amenity/restaurant", "amenity/cafe", "amenity/bar", "leisure/fitness_centre")
+_TRADES = (
+    *("shop/", "cuisine/", "craft/", "amenity/restaurant", "amenity/cafe", "amenity/bar", "amenity/pub"),
+    "leisure/fitness_centre",
+)
+_SURROUNDINGS = (
+    *("facility/platform", "railway/", "highway/", "leisure/park", "leisure/garden", "amenity/parking"),
+    "train",
+)
 _REPAIR, _SELDOM = "shop/repair", 0.4
 _WARNING, _SLOGAN, _NOTICE = "sign/warning", "sign/slogan", "sign/notice"
 
@@ -192,7 +199,7 @@ class SignReader:
     def _as_words(
         self, text: str, key: str, units: Sequence[str], spans: Sequence[Span[Meaning]]
     ) -> SignMeaning | None:
-        kinds = self._repairing(_weigh(spans))
+        kinds = _as_a_house(self._repairing(_weigh(spans)))
         places = _places(kinds)
         if _SLOGAN in kinds and (
             self._knowledge.general.issuperset(places) or len(units) > 4 or _is_mostly_slogan(spans)
@@ -315,6 +322,13 @@ def _places(kinds: dict[str, float]) -> dict[str, float]:
 
 def _said(spans: Sequence[Span[Meaning]]) -> str:
     return ", ".join(span.key.replace(" ", "") if is_unspaced(span.key) else span.key for span in spans)
+
+
+def _as_a_house(kinds: dict[str, float]) -> dict[str, float]:
+    """A pub that is called after the platform beside it is no platform."""
+    if not any(kind.startswith(_TRADES) for kind in kinds):
+        return kinds
+    return {kind: min(weight, _SELDOM) if kind.startswith(_SURROUNDINGS) else weight for kind, weight in kinds.items()}
 
 
 def _forbids(text: str, units: Sequence[str], spans: Sequence[Span[Meaning]]) -> bool:
