@@ -75,3 +75,13 @@ def test_agreement_falls_with_disagreement() -> None:
     sure = vote([Reading("HUAWEI", 4, 0.9)]).agreement
     unsure = vote([Reading("HUAWEI", 4, 0.9), Reading("HUBXEI", 2, 0.9)]).agreement
     assert 0.0 < unsure < sure <= 1.0
+
+
+def test_a_logo_read_as_a_letter_and_a_brand_at_the_head_of_a_name() -> None:
+    counts = {"C心胜客欢乐餐厅": 4, "必胜客欢乐餐厅": 3, "心胜客欢乐餐厅": 2, "C必胜客欢乐餐厅": 2, "C光胜客欢乐餐厅": 1}
+    assert OfflineModel().name([Reading(text, count, 0.85) for text, count in counts.items()]).name == "必胜客欢乐餐厅"
+    assert OfflineModel().name([Reading("C绿手指", 5, 0.9), Reading("绿手指", 4, 0.9)]).name == "绿手指"
+    # Where nearly every reading has the letter, it is painted.
+    assert OfflineModel().name([Reading("K歌之王", 5, 0.95), Reading("歌之王", 1, 0.9)]).name == "K歌之王"
+    # A slogan read cut off more often than whole.
+    assert OfflineModel().name([Reading("买一送", 8, 0.95), Reading("买一送一", 3, 0.97)]).name == "买一送一"

@@ -86,15 +86,16 @@ class OfflineModel:
             for _, known in self._signs.nearest(key) if key else []:
                 candidates[self._knowledge.folder.key(known.painted)] = known
         seen = {looks(key) for key in weights}
+        # “必胜客欢乐餐厅” is no listed name, but begins with one.
+        heads = {key: self._signs.brand_head(key) for key in candidates}
 
         def cost(key: str) -> float:
             known = candidates[key]
-            advance = 0.0
+            letter = _ADVANCE_IDEOGRAPH if is_unspaced(key) else _ADVANCE_LETTER
             if known is not None:
-                letter = _ADVANCE_IDEOGRAPH if is_unspaced(key[0]) else _ADVANCE_LETTER
                 advance = letter * len(key) * (1.0 if looks(key) in seen else _ADVANCE_UNREAD)
             else:
-                advance = _ADVANCE_WORD * letters_in_words.get(key, 0)
+                advance = _ADVANCE_WORD * letters_in_words.get(key, 0) + _ADVANCE_UNREAD * letter * heads[key]
             return explanation_cost(key, heaviest, looks) - advance
 
         # On a tie the vote stays.

@@ -20,6 +20,7 @@ _SURROUNDINGS = (
     *("facility/platform", "railway/", "highway/", "leisure/park", "leisure/garden", "amenity/parking"),
     "train",
 )
+_SHORTEST_IDEOGRAPHS, _SHORTEST_LETTERS = 3, 6  # of a brand at the head of a longer name; shorter ones are chance
 _REPAIR, _SELDOM = "shop/repair", 0.4
 _WARNING, _SLOGAN, _NOTICE = "sign/warning", "sign/slogan", "sign/notice"
 
@@ -281,6 +282,12 @@ class SignReader:
                 if near is not None and near[1].source == "brand":
                     return near[1], 0.8
         return None
+
+    def brand_head(self, key: str) -> int:
+        """Return how many letters of a key are a brand that it begins with, and goes on after; 0 without one."""
+        shortest = _SHORTEST_IDEOGRAPHS if is_unspaced(key) else _SHORTEST_LETTERS
+        ends = range(len(key) - 1, shortest - 1, -1)
+        return next((end for end in ends if self._known_brand(key[:end]) is not None), 0)
 
     def _known_brand(self, key: str) -> Known | None:
         known = self._knowledge.known.get(key)

@@ -16,6 +16,8 @@ _WRONG_LETTER = 3.0
 _LOOK_ALIKE = 1.5
 # Confident wrong readings are mostly cut off: at a pillar, at the end of a box.
 _CUT_END, _CUT_LETTER = 2.0, 0.3
+# A round or square logo beside Chinese is read as a letter of another script, again and again.
+_LOGO = 0.8
 # Letters of the shortest word that is replaced by a known one: shorter ones have too many neighbours.
 _LEAST_RESPELLED = 4
 # Repeated readings repeat their slips, the view being the same: n of them are worth n to this power.
@@ -48,11 +50,18 @@ def misreading_cost(painted: str, read: str, looks: Callable[[str], str]) -> flo
     last = next(position for position in range(len(painted) - 1, -2, -1) if position not in lost)
     cost = sum(_CUT_END + _CUT_LETTER * (missing - 1) for missing in (first, len(painted) - 1 - last) if missing > 0)
     for step in steps:
-        if step.tag == "replace" and _is_alike(painted[step.src_pos], read[step.dest_pos], looks):
+        if step.tag == "insert" and _is_logo(painted, read, step.dest_pos):
+            cost += _LOGO
+        elif step.tag == "replace" and _is_alike(painted[step.src_pos], read[step.dest_pos], looks):
             cost += _LOOK_ALIKE
         elif step.tag != "delete" or first <= step.src_pos <= last:
             cost += _WRONG_LETTER
     return min(cost, _LOOK_ALIKE) if looks(painted) == looks(read) else cost
+
+
+def _is_logo(painted: str, read: str, at: int) -> bool:
+    """Whether a letter that was read, but not painted, is the only one of its script and stands at an end."""
+    return at in (0, len(read) - 1) and read[at].isascii() and read[at].isalpha() and not any(map(str.isascii, painted))
 
 
 def respelled(text: str, words: frozenset[str]) -> list[str]:
