@@ -19,7 +19,7 @@ from lpslam.language.words import Span, is_mark, is_unspaced, longest_phrases
 
 _KANA = re.compile(r"[\u3040-\u30ff]")
 _HANGUL = re.compile(r"[\uac00-\ud7af]")
-_HYPHEN = re.compile(r"(?<=[^\W\d_])[-\u2010\u2011](?=[^\W\d_])")
+_HYPHEN = re.compile(r"(?<=[^\W\d_])[-\u2010\u2011](?=\w)|(?<=\w)[-\u2010\u2011](?=[^\W\d_])")
 # “Fischallergie” refuses fish.
 _ALLERGY = re.compile(r"(\w{3,}?)s?(allergien?|unverträglichkeit|intoleranz)\b", re.IGNORECASE)
 _HAN = re.compile(r"[\u4e00-\u9fff]")
@@ -117,9 +117,12 @@ def read_question(question: str, knowledge: Knowledge, names: Mapping[str, Meani
         if wish.wanted or wish.refused or wish.wanted_names or wish.refused_names:
             return wish
         first = first or wish
-    if first is None or (first.language not in (None, "en") and not _is_short(text)):
-        return first or Wish((), (), (), (), None)
-    return first
+    if first is None and names:
+        # “7-Eleven, which direction?” is in no language that is sure, but names a place.
+        named = _read_in(text, "en", knowledge, names)
+        if named.wanted_names and not named.refused_names:
+            return Wish((), (), named.wanted_names, (), "en")
+    return first or Wish((), (), (), (), None)
 
 
 def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str, Meaning]) -> Wish:
@@ -215,10 +218,6 @@ def _is_service(concept: str, knowledge: Knowledge) -> bool:
     """Whether a place, not a thing from a shop, is what the concept asks for."""
     first = concept if "/" in concept else next(iter(knowledge.offers.get(concept, ())), "shop/")
     return concept not in knowledge.treatments and not first.startswith(("shop/", "cuisine/"))
-
-
-def _is_short(text: str) -> bool:
-    return len(text.split()) <= 3
 
 
 def _with_known_forms(
