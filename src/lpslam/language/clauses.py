@@ -21,6 +21,8 @@ _ADVERSATIVE = frozenset(
     | {"但", "但 是", "可 是", "不 过", "只 是", "け ど", "け れ ど", "し か し", "で も", "지 만"}
 )
 
+_ASKING = frozenset({"带 我 去", "推 荐", "给 我", "take me", "bring me", "show me", "suggest", "recommend"})
+
 Clause = list[Span[Meaning]]
 Told = list[tuple[Span[Meaning], bool]]
 
@@ -39,12 +41,20 @@ def clauses_of(units: Sequence[str], spans: Sequence[Span[Meaning]], language: s
             if span.key in _ADVERSATIVE:
                 clauses.append([span])
                 continue
-            # “Don't recommend me” refuses what comes after it.
-            if before is None or before.value.role != "refuse_before" or before.end < span.start:
+            if before is not None and before.end == span.start and _goes_on(before, span):
+                # “Don't recommend me” refuses what comes after it.
+                clauses[-1][-1] = Span(before.start, span.end, before.key, Meaning("refuse_before"))
+            else:
                 clauses.append([])
         else:
             clauses[-1].append(span)
     return [clause for clause in clauses if clause]
+
+
+def _goes_on(before: Span[Meaning], asking: Span[Meaning]) -> bool:
+    """Whether a refusal and the words of asking right after it are one: 不要带我去, “don't take me to”."""
+    role = before.value.role
+    return role == "refuse_before" or (role == "refuse_either" and asking.key in _ASKING)
 
 
 def told_in(clauses: Sequence[Clause], language: str, knowledge: Knowledge) -> list[Told]:
@@ -55,7 +65,8 @@ def told_in(clauses: Sequence[Clause], language: str, knowledge: Knowledge) -> l
     refused = [_refused_within(clause, language, knowledge) for clause in clauses]
     for at in range(1, len(clauses)):
         if _refuses_back(clauses[at], language):
-            start = _linked_from(clauses[at - 1], 0, len(clauses[at - 1]))
+            whole = language in _VERB_LAST
+            start = 0 if whole else _linked_from(clauses[at - 1], 0, len(clauses[at - 1]))
             refused[at - 1][start:] = [True] * (len(clauses[at - 1]) - start)
     told = [_told(clause, flags, knowledge) for clause, flags in zip(clauses, refused, strict=True)]
     for at in range(1, len(clauses)):

@@ -174,7 +174,7 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
     if refused and all(concept in knowledge.instead_of for concept in refused):
         # Who eats no meat wants a kitchen without.
         wanted |= {knowledge.instead_of[concept]: _MAIN for concept in refused}
-    wanted = _without_symptoms(_as_treated(wanted, knowledge), knowledge)
+    wanted = _as_treated(_without_symptoms(wanted, knowledge), knowledge)
     main = [concept for concept, weight in wanted.items() if weight > _GENERAL]
     return Wish(
         tuple(wanted.items()),
