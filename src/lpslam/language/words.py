@@ -13,6 +13,7 @@ from typing import Generic, TypeVar
 _UNSPACED = "\u0e00-\u0e7f\u1100-\u11ff\u3040-\u30ff\u3400-\u4dbf\u4e00-\u9fff\uac00-\ud7af\uf900-\ufaff"
 _UNIT = re.compile(rf"[{_UNSPACED}]|[^\W_{_UNSPACED}]+|[^\w\s]")
 _LETTERS_UNSPACED = re.compile("[\u3041-\u3096\u30a1-\u30fa\u30fc\u3400-\u4dbf\u4e00-\u9fff\uac00-\ud7a3]+")
+_PLAIN = re.compile("[a-zA-Z0-9 ]+")
 _CAMEL = re.compile(r"(?<=[a-zß-ÿ])(?=[A-ZÀ-Þ])")
 _ACCENT = re.compile("[\u0300-\u036f]")
 _NOT_LETTER = re.compile(r"[\W_]+")
@@ -87,15 +88,16 @@ class Folder:
 
     def phrase(self, text: str) -> str:
         """Return the key under which `text` stands in a phrase table."""
-        if _LETTERS_UNSPACED.fullmatch(text):
-            return " ".join(self.fold(text))
-        return " ".join(unit for unit in self.units(text) if not is_mark(unit))
+        return self.phrase_and_key(text)[0]
 
     def phrase_and_key(self, text: str) -> tuple[str, str]:
         """Return `phrase` and `key` of a text; quicker together."""
         if _LETTERS_UNSPACED.fullmatch(text):
             folded = self.fold(text)
             return " ".join(folded), folded
+        if _PLAIN.fullmatch(text) and "cannot" not in text:
+            words = text.casefold().split()
+            return " ".join(map(_stem, words)), "".join(words)
         folded = self.fold(text)
         return " ".join(unit for unit in _units(folded) if not is_mark(unit)), _NOT_LETTER.sub("", folded)
 
