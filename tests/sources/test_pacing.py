@@ -23,6 +23,7 @@ class Recording:
     def __init__(self, frames: int, seconds: float = 0.0) -> None:
         self.frames, self.seconds = frames, seconds
         self.faults: list[FrameFault] = [FrameFault(7, 0.0, "torn")]
+        self.began = 0.0
 
     def __len__(self) -> int:
         return self.frames
@@ -31,16 +32,18 @@ class Recording:
         for index in range(self.frames):
             time.sleep(self.seconds)
             image = np.zeros((3, 4, 3), np.uint8)
+            self.began = self.began or time.perf_counter()
             yield RgbdFrame(index, BEGIN + index * INTERVAL, image, np.zeros((3, 4), np.float32))
 
 
 def consume(paced: Paced, seconds: float) -> list[tuple[int, float]]:
-    """Index of each frame and when it came, seconds after the first; each is worked on for so long."""
+    """Index of each frame and when it came, seconds after the source gave the first; each is worked on for so long."""
+    assert isinstance(paced.source, Recording)
     came = []
     for frame in paced:
         came.append((frame.index, time.perf_counter()))
         time.sleep(seconds)
-    return [(index, at - came[0][1]) for index, at in came]
+    return [(index, at - paced.source.began) for index, at in came]
 
 
 def test_it_is_a_source_and_says_what_its_source_says() -> None:
