@@ -147,9 +147,8 @@ def read_terms(
                 continue
             for term in translated.get(kind, {}).get("terms", []):
                 phrase = fold.phrase(term)
-                if phrase in everyday[asked]:
-                    continue
-                if len(phrase) > 2 and phrase.count(" ") < 8 and kind not in owners[phrase]:
+                is_short = len(phrase) > 2 and phrase.count(" ") < 8
+                if is_short and phrase not in everyday[asked] and kind not in owners[phrase]:
                     owners[phrase].append(kind)
         for phrase, found in owners.items():
             # A kind and its own kinds (shop/clothes and shop/clothes/suits) count as one.
@@ -188,9 +187,8 @@ def read_things(folder: Path, fold: Folder, everyday: dict[str, set[str]]) -> di
             own = {fold.phrase(text) for text in entry.get("tts", [])}
             texts = [*entry.get("tts", []), *entry.get("default", [])]
             for phrase in dict.fromkeys(map(fold.phrase, texts)):
-                if phrase in everyday[asked]:
-                    continue
-                if len(phrase) > 2 and (phrase in own or owners[phrase] == {concept}):
+                is_sure = phrase in own or owners[phrase] == {concept}
+                if len(phrase) > 2 and is_sure and phrase not in everyday[asked]:
                     things.setdefault(asked, {}).setdefault(concept, []).append(phrase)
     return things
 

@@ -15,19 +15,13 @@ _VERB_LAST = frozenset({"ja", "ko"})  # languages whose refusals always stand be
 # Asked for by its kind, a restaurant is refused by what it serves.
 _PLAIN_KINDS = frozenset({"amenity/restaurant"})
 
-# What turns a sentence against what follows: “I need shoes, but Bata's are for aunties”.
-_ADVERSATIVE = frozenset(
-    {"but", "however", "though", "pero", "aber", "allerdings", "mais"}
-    | {"但", "但 是", "可 是", "不 过", "只 是", "け ど", "け れ ど", "し か し", "で も", "지 만"}
-)
-
-_ASKING = frozenset({"带 我 去", "推 荐", "给 我", "take me", "bring me", "show me", "suggest", "recommend"})
-
 Clause = list[Span[Meaning]]
 Told = list[tuple[Span[Meaning], bool]]
 
 
-def clauses_of(units: Sequence[str], spans: Sequence[Span[Meaning]], language: str) -> list[Clause]:
+def clauses_of(
+    units: Sequence[str], spans: Sequence[Span[Meaning]], language: str, knowledge: Knowledge
+) -> list[Clause]:
     """Group phrases into clauses: a refusal does not reach over a comma or a “but”."""
     # A Chinese list has 、 between its items, where Japanese has it between clauses.
     breaking = _BREAKING_MARKS if language == "zh" else _BREAKING_MARKS | {"、"}
@@ -38,10 +32,10 @@ def clauses_of(units: Sequence[str], spans: Sequence[Span[Meaning]], language: s
             marks.pop(0)
             clauses.append([])
         if span.value.role == "break":
-            if span.key in _ADVERSATIVE:
+            if span.key in knowledge.turning:
                 clauses.append([span])
                 continue
-            if before is not None and before.end == span.start and _goes_on(before, span):
+            if before is not None and before.end == span.start and _goes_on(before, span, knowledge):
                 # “Don't recommend me” refuses what comes after it.
                 clauses[-1][-1] = Span(before.start, span.end, before.key, Meaning("refuse_before"))
             else:
@@ -51,10 +45,10 @@ def clauses_of(units: Sequence[str], spans: Sequence[Span[Meaning]], language: s
     return [clause for clause in clauses if clause]
 
 
-def _goes_on(before: Span[Meaning], asking: Span[Meaning]) -> bool:
+def _goes_on(before: Span[Meaning], asking: Span[Meaning], knowledge: Knowledge) -> bool:
     """Whether a refusal and the words of asking right after it are one: 不要带我去, “don't take me to”."""
     role = before.value.role
-    return role == "refuse_before" or (role == "refuse_either" and asking.key in _ASKING)
+    return role == "refuse_before" or (role == "refuse_either" and asking.key in knowledge.asking)
 
 
 def told_in(clauses: Sequence[Clause], language: str, knowledge: Knowledge) -> list[Told]:
@@ -70,8 +64,9 @@ def told_in(clauses: Sequence[Clause], language: str, knowledge: Knowledge) -> l
             refused[at - 1][start:] = [True] * (len(clauses[at - 1]) - start)
     told = [_told(clause, flags, knowledge) for clause, flags in zip(clauses, refused, strict=True)]
     for at in range(1, len(clauses)):
+        # “I need shoes, but Bata's are for aunties.”
         wants = any(not no and span.value.role == "means" for each in told[:at] for span, no in each)
-        if wants and clauses[at][0].key in _ADVERSATIVE and all(span.value.role == "name" for span, _ in told[at]):
+        if wants and clauses[at][0].key in knowledge.turning and all(span.value.role == "name" for span, _ in told[at]):
             told[at] = [(span, True) for span, _ in told[at]]
     return told
 

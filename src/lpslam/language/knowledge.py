@@ -53,6 +53,8 @@ class Knowledge:
     painted: Mapping[str, Meaning]
     common: Mapping[str, frozenset[str]]
     articles: frozenset[str]
+    turning: frozenset[str]
+    asking: frozenset[str]
     warning_starts: frozenset[str]
     known: Mapping[str, Known]
     general: frozenset[str]
@@ -157,16 +159,16 @@ def load_knowledge() -> Knowledge:
         if called is not None:
             for name in _split(joined):
                 known.setdefault(folder.key(name), Known(name, "brand", called.kinds, called.identity))
-    joining = frozenset().union(*(_phrases(folder, lexicon.get("joining", "")) for lexicon in lexicons.values()))
+    joining = _in_any(lexicons, "joining", folder)
     _add_kinds(gazetteer["names"], kinds["cuisine_kinds"], joining, painted, known)
     return Knowledge(
         folder=folder,
         painted=painted,
         common={language: _phrases(folder, lexicon.get("common", "")) for language, lexicon in lexicons.items()},
-        articles=frozenset().union(*(_phrases(folder, lexicon.get("article", "")) for lexicon in lexicons.values())),
-        warning_starts=frozenset().union(
-            *(_phrases(folder, lexicon.get("sign_warning_start", "")) for lexicon in lexicons.values())
-        ),
+        articles=_in_any(lexicons, "article", folder),
+        turning=_in_any(lexicons, "turning", folder),
+        asking=_in_any(lexicons, "asking", folder),
+        warning_starts=_in_any(lexicons, "sign_warning_start", folder),
         known=known,
         general=frozenset(kinds["general"]),
         modifiers=frozenset(kinds["modifiers"]),
@@ -208,6 +210,11 @@ def _split(joined: str) -> list[str]:
 
 def _phrases(folder: Folder, joined: str) -> frozenset[str]:
     return frozenset(folder.phrase(text) for text in _split(joined))
+
+
+def _in_any(lexicons: Mapping[str, Mapping[str, Any]], role: str, folder: Folder) -> frozenset[str]:
+    """The phrases that have a role in any language."""
+    return frozenset().union(*(_phrases(folder, lexicon.get(role, "")) for lexicon in lexicons.values()))
 
 
 def _add_painted(

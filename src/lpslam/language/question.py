@@ -152,7 +152,7 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
     has_main = bool(troubles) or any(
         span.value.role == "means" and span.start not in asides and not is_general(span, knowledge) for span in spans
     )
-    for told in told_in(clauses_of(units, spans, language), language, knowledge):
+    for told in told_in(clauses_of(units, spans, language, knowledge), language, knowledge):
         for span, is_refused in told:
             is_aside = span.start in asides
             for concept, weight in span.value.concepts:

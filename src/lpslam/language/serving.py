@@ -1,6 +1,6 @@
 """How well the place behind a sign serves what is wanted."""
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from dataclasses import dataclass
 
 from lpslam.language.knowledge import Knowledge
@@ -25,13 +25,11 @@ class Served:
 
 def likeness(concept: str, kinds: Kinds, knowledge: Knowledge) -> float:
     """How surely a place of these kinds is the concept itself or a kind of it."""
-    return max((weight for kind, weight in kinds if concept in knowledge.above(kind)), default=0.0)
+    return _any_of({concept}, kinds, knowledge)
 
 
-def _containing(thing: str, kinds: Kinds, knowledge: Knowledge) -> float:
-    """How surely a place of these kinds serves little without this in it: ramen has noodles, Thai food is hot."""
-    having = knowledge.contained.get(thing, frozenset())
-    return max((weight for kind, weight in kinds if having.intersection(knowledge.above(kind))), default=0.0)
+def _any_of(concepts: Set[str], kinds: Kinds, knowledge: Knowledge) -> float:
+    return max((weight for kind, weight in kinds if not concepts.isdisjoint(knowledge.above(kind))), default=0.0)
 
 
 def match(concept: str, kinds: Kinds, knowledge: Knowledge) -> float:
@@ -45,7 +43,8 @@ def serve(wish: Wish, kinds: Kinds, knowledge: Knowledge) -> Served:
     score = sum(weight * matches[concept] for concept, weight in wish.wanted)
     best = max((matches[concept] for concept in wish.main), default=0.0)
     for concept in wish.refused:
-        own = max(likeness(concept, kinds, knowledge), _containing(concept, kinds, knowledge))
+        # Ramen has noodles in it, and Thai food is hot.
+        own = _any_of({concept, *knowledge.contained.get(concept, ())}, kinds, knowledge)
         if own >= _REFUSED_KIND and not _is_also_another(concept, own, kinds, wish, knowledge):
             return Served(0.0, 0.0, ())
         if own >= _REFUSED_KIND or match(concept, kinds, knowledge) >= _SIDE_OFFER:
