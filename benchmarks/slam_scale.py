@@ -22,7 +22,7 @@ FPS = 30.0
 def measure(recording: Recording, minutes: float, report: Report) -> None:
     """Go round for so many minutes of the camera's time."""
     source, truth = recording.open(), recording.truth
-    again = _where_it_was_before(truth)
+    again = where_it_was_before(truth)
     slam = RgbdSlam(source.camera)
     clock, rounds, rows = 0, 0, []
     lost = 0
@@ -56,7 +56,7 @@ def measure(recording: Recording, minutes: float, report: Report) -> None:
         rows.append([str(value) for value in list(facts.values())[1:]])
         rounds += 1
     slam.finish()
-    report.table(list(facts)[1:], _thinned(rows))
+    report.table(list(facts)[1:], thinned(rows))
 
 
 def _round(source: NoisyAgain, start: int) -> Iterator[RgbdFrame]:
@@ -65,7 +65,7 @@ def _round(source: NoisyAgain, start: int) -> Iterator[RgbdFrame]:
             yield frame
 
 
-def _where_it_was_before(truth: StampedPoses) -> int:
+def where_it_was_before(truth: StampedPoses) -> int:
     """Number of the early frame that is seen from nearest to where the walk ends, so that the round goes on there."""
     last = truth.world_from_camera[-1]
     early = truth.world_from_camera[: len(truth) // 3]
@@ -94,7 +94,7 @@ def _map_mb(slam: RgbdSlam) -> float:
     return sum(array.nbytes for array in slam.map.to_arrays().values()) / 2**20
 
 
-def _thinned(rows: list[list[str]]) -> list[list[str]]:
+def thinned(rows: list[list[str]]) -> list[list[str]]:
     """At most a dozen rows, the first and the last among them."""
     chosen = sorted(set(np.linspace(0, len(rows) - 1, 12).round().astype(int).tolist()))
     return [rows[i] for i in chosen]

@@ -22,7 +22,7 @@ PHOTOGRAPHS = Path(__file__).parents[2] / "shared" / "data" / "signs"
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=["malls", "photographs", "render"])
+    parser.add_argument("what", choices=["malls", "photographs", "render", "long"])
     parser.add_argument("folders", nargs="*", type=Path, help="recordings instead of the malls; or of photographs")
     parser.add_argument("--cache", type=Path, help="where rendered malls are kept")
     parser.add_argument("--set", choices=["dev", "eval"], default="eval", help="which malls (default eval)")
@@ -30,6 +30,7 @@ def main() -> None:
     parser.add_argument("--processes", type=int, default=2, help="that render (default 2)")
     parser.add_argument("--live", action="store_true", help="at the camera's pace, reading beside tracking")
     parser.add_argument("--true-poses", action="store_true", help="reading and remembering alone, without SLAM")
+    parser.add_argument("--minutes", type=float, default=30.0, help="of a long walk (default 30)")
     parser.add_argument("--engine", choices=["auto", "openvino", "onnxruntime"], default="auto")
     parser.add_argument("--out", type=Path, help="folder for results.jsonl, maps and pictures")
     given = parser.parse_args()
@@ -38,6 +39,7 @@ def main() -> None:
         os.environ[name] = "1"
     import cv2
 
+    import text_long
     import text_malls
     import text_photographs
     from lpslam.config import Config
@@ -57,6 +59,9 @@ def main() -> None:
     if given.what == "render":
         return
     print(f"kernels ready in {warm_up(print):.1f} s; load average {os.getloadavg()[0]:.1f}")
+    if given.what == "long":
+        text_long.measure(recordings[0], given.minutes, given.live, config, Report(given.out))
+        return
     how = "true poses" if given.true_poses else "live" if given.live else "in step"
     text_malls.measure(recordings, how, config, Report(given.out), given.out)
 

@@ -7,9 +7,9 @@ from dataclasses import replace
 from lpslam.language.knowledge import Knowledge, Meaning
 from lpslam.language.model import Candidate, Choice
 from lpslam.language.phrasing import Phrases, answer_language, phrases_in
-from lpslam.language.question import Wish, instead_of, languages_of, read_question, spoken_key
+from lpslam.language.question import Wish, asks_for_another, instead_of, languages_of, read_question, spoken_key
 from lpslam.language.sanitise import clean_text
-from lpslam.language.serving import FITS, Kinds, Served, likeness, merged, serve
+from lpslam.language.serving import FITS, FITS_INSTEAD, Kinds, Served, likeness, merged, serve
 from lpslam.language.signs import SignMeaning, SignReader
 from lpslam.language.words import Folder, is_unspaced
 
@@ -94,15 +94,6 @@ def _ids_by_word(ids_by_phrase: Mapping[str, Collection[int]]) -> dict[str, set[
     return found
 
 
-_ANOTHER = re.compile(
-    r"\b(another|other|else|instead|alternatives?|besides|otr[oa]s?|en vez|autres?|ailleurs|plutôt|ander(e[nrms]?)"
-    r"|stattdessen|sonst|lieber|woanders)\b|别的|別的|其他|其它|另外|另一|换一|換一|[别別][家处處间間]|[换換][个個家间間]|第二[家间間]"
-    r"|仲有|除了|除咗|別の|別んとこ|ほか|他の|他を|よそ|以外|다른|말고|대신|딴 ?[데거곳]",
-    re.IGNORECASE,
-)
-"""Words that ask for something beside what is named."""
-
-
 def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge, model: str) -> Choice:
     """Choose the landmark whose kinds serve the wish best; none rather than one that does not.
 
@@ -117,7 +108,7 @@ def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Kn
     refused |= {id_ for name in wish.refused_names for id_ in index.ids_of.get(name, ())}
     if "chain" in wish.refused:
         refused |= {id_ for id_, sign in index.signs.items() if sign.identity}
-    if _ANOTHER.search(question):
+    if asks_for_another(question):
         # “Starbucks is full, another café?” names what is not wanted.
         refused |= {id_ for name in wish.wanted_names for id_ in index.ids_of.get(name, ())}
         if refused and wish.refused and not wish.wanted:
@@ -161,7 +152,7 @@ def understand(question: str, index: LandmarkIndex, signs: SignReader, knowledge
     mentioned = {word: Meaning("name", ((_PART + word, 1.0),)) for word in parts}
     wish = read_question(question, knowledge, _Names(mentioned | brands, index.names, unsaid))
     refused = {name for name in wish.refused_names if name.startswith(_PART)}
-    if _ANOTHER.search(question):
+    if asks_for_another(question):
         refused |= {name for name in wish.wanted_names if name.startswith(_PART)}
     if not refused:
         # A part of a name may be any word: alone it asks for nothing.
@@ -204,6 +195,9 @@ def _best(
     asked = phrases.say("wanted", things=phrases.things([concept for concept, _ in wish.wanted]))
     fitting = [(each, group) for each, group in ranked if each.best >= FITS]
     ids = _first_ids(fitting, refused)
+    if not ids and (refused or wish.refused):
+        fitting = [(each, group) for each, group in ranked if each.best >= FITS_INSTEAD]
+        ids = _first_ids(fitting, refused)
     if not ids:
         return Choice(
             None,

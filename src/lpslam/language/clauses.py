@@ -1,22 +1,54 @@
 """Clauses of a question, and what each of them refuses (choosing, III-I).
 
 A refusal in front reaches forward to the end of its clause, one behind reaches back over what is linked; a clause that
-is nothing but a refusal (“no thanks”, 受不了) speaks of the one before it.
+is nothing but a refusal (“no thanks”, 受不了) speaks of the one before it. Where one clause asks, another that only
+tells is no wish: who says what Zara is like and then asks for a dress wants another shop.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
 
 from lpslam.language.knowledge import Knowledge, Meaning
-from lpslam.language.words import Span
+from lpslam.language.words import Span, is_mark, is_unspaced
 
 NEXT_TO = 3  # units between two phrases that speak of one another
+_SERVES = 0.6  # a kind of place that serves what is asked for as well as this is not refused for being told of
+_TELLING = 2  # units beside a name that make a statement of it
 _BREAKING_MARKS = frozenset(",.;:!?，。；：！？…")
 _VERB_LAST = frozenset({"ja", "ko"})  # languages whose refusals always stand behind
 # Asked for by its kind, a restaurant is refused by what it serves.
 _PLAIN_KINDS = frozenset({"amenity/restaurant"})
 
-Clause = list[Span[Meaning]]
-Told = list[tuple[Span[Meaning], bool]]
+
+class Stand(Enum):
+    """How the speaker stands to what is said."""
+
+    WANTED = "wanted"
+    REFUSED = "refused"
+    ASIDE = "aside"
+
+
+@dataclass(frozen=True, slots=True)
+class Clause:
+    """Phrases of one thought.
+
+    Whether its words ask for something, deny something, say more than its names, say what no table knows, are thrown
+    in as a question (“Porridge again?”), and list one thing or another; and whether anything between the marks around
+    them asks.
+    """
+
+    spans: list[Span[Meaning]]
+    asks: bool
+    denies: bool
+    tells: bool
+    puzzles: bool
+    echoes: bool
+    lists: bool
+    is_near_asking: bool
+
+
+Told = list[tuple[Span[Meaning], Stand]]
 
 
 def clauses_of(
@@ -25,24 +57,75 @@ def clauses_of(
     """Group phrases into clauses: a refusal does not reach over a comma or a “but”."""
     # A Chinese list has 、 between its items, where Japanese has it between clauses.
     breaking = _BREAKING_MARKS if language == "zh" else _BREAKING_MARKS | {"、"}
-    clauses: list[Clause] = [[]]
+    clauses: list[list[Span[Meaning]]] = [[]]
+    starts = [0]
     marks = [at for at, unit in enumerate(units) if unit in breaking]
     for before, span in zip((None, *spans), spans, strict=False):
         while marks and marks[0] < span.start:
-            marks.pop(0)
+            starts.append(marks.pop(0) + 1)
             clauses.append([])
-        if span.value.role == "break":
-            if span.key in knowledge.turning:
-                clauses.append([span])
-                continue
-            if before is not None and before.end == span.start and _goes_on(before, span, knowledge):
-                # “Don't recommend me” refuses what comes after it.
-                clauses[-1][-1] = Span(before.start, span.end, before.key, Meaning("refuse_before"))
-            else:
-                clauses.append([])
-        else:
+        if span.value.role != "break":
             clauses[-1].append(span)
-    return [clause for clause in clauses if clause]
+        elif before is not None and before.end == span.start and _goes_on(before, span, knowledge):
+            # “Don't recommend me” refuses what comes after it.
+            clauses[-1][-1] = Span(before.start, span.end, before.key, Meaning("refuse_before"))
+        else:
+            if clauses[-1]:
+                starts.append(span.start)
+                clauses.append([])
+            if span.key in knowledge.turning:
+                clauses[-1] = [span]
+    starts += [at + 1 for at in marks]
+    clauses += [[] for _ in marks]
+    ends = [*starts[1:], len(units)]
+    words = _Words(units, spans, language, knowledge)
+    parts = zip(clauses, starts, ends, strict=True)
+    return [words.clause(clause, start, end) for clause, start, end in parts if clause or words.puzzles(start, end)]
+
+
+class _Words:
+    """What the words of a question do beside the phrases that mean something."""
+
+    def __init__(
+        self, units: Sequence[str], spans: Sequence[Span[Meaning]], language: str, knowledge: Knowledge
+    ) -> None:
+        self._units = units
+        self._asking = _places_of(knowledge.wishing[language], units, knowledge.negating[language])
+        covered = {at for span in spans for at in range(span.start, span.end)}
+        said = [span for span in spans if span.value.role in ("means", "name")]
+        self._denying = _places_of(knowledge.negating[language], units) - {
+            at for span in said for at in range(span.start, span.end)
+        }
+        self._listing = {at for at, unit in enumerate(units) if unit in knowledge.both} - covered
+        known = knowledge.common[language]
+        self._puzzling = {
+            at
+            for at, unit in enumerate(units)
+            if at not in covered and unit not in known and not is_mark(unit) and not unit.isdigit()
+        }
+
+    def clause(self, spans: list[Span[Meaning]], start: int, end: int) -> Clause:
+        inside = range(start, end)
+        return Clause(
+            spans,
+            not self._asking.isdisjoint(inside),
+            not self._denying.isdisjoint(inside),
+            _says_more(spans, self._units[start:end]),
+            self.puzzles(start, end),
+            end > start and self._units[end - 1 : end + 1][-1] in ("?", "？"),
+            not self._listing.isdisjoint(inside),
+            not self._asking.isdisjoint(self._between_marks(start)),
+        )
+
+    def _between_marks(self, at: int) -> range:
+        before = [other for other, unit in enumerate(self._units[:at]) if unit in _BREAKING_MARKS]
+        after = (other for other, unit in enumerate(self._units[at:], at) if unit in _BREAKING_MARKS)
+        return range(before[-1] + 1 if before else 0, next(after, len(self._units)))
+
+    def puzzles(self, start: int, end: int) -> bool:
+        """Whether a stretch of units holds a word that no table knows."""
+        unknown = [at for at in range(start, end) if at in self._puzzling and at not in self._asking]
+        return bool(unknown) and (not is_unspaced(self._units[unknown[0]]) or len(unknown) > 1)
 
 
 def _goes_on(before: Span[Meaning], asking: Span[Meaning], knowledge: Knowledge) -> bool:
@@ -51,30 +134,152 @@ def _goes_on(before: Span[Meaning], asking: Span[Meaning], knowledge: Knowledge)
     return role == "refuse_before" or (role == "refuse_either" and asking.key in knowledge.asking)
 
 
-def told_in(clauses: Sequence[Clause], language: str, knowledge: Knowledge) -> list[Told]:
-    """Return for each clause the phrases that mean something, each with whether it is refused.
+def _places_of(phrases: frozenset[str], units: Sequence[str], without: frozenset[str] = frozenset()) -> set[int]:
+    """Where any of some phrases begins, not right after one of `without`: 想, but not 不想."""
+    longest = max((phrase.count(" ") + 1 for phrase in phrases), default=0)
+    return {
+        at
+        for at in range(len(units))
+        if not (at and units[at - 1] in without)
+        and any(" ".join(units[at : at + size]) in phrases for size in range(1, longest + 1))
+    }
+
+
+def _says_more(clause: Sequence[Span[Meaning]], units: Sequence[str]) -> bool:
+    named = sum(span.end - span.start for span in clause if span.value.role == "name")
+    words = [unit for unit in units if not is_mark(unit)]
+    return len(words) - named >= _TELLING + any(map(is_unspaced, words))
+
+
+def told_in(
+    clauses: Sequence[Clause], units: Sequence[str], language: str, knowledge: Knowledge, wants_another: bool = False
+) -> list[Told]:
+    """Return for each clause the phrases that mean something, each with how the speaker stands to it.
 
     Beside a refused dish, “eat” itself is not refused.
+
+    Args:
+        clauses: as `clauses_of` gives them.
+        units: of the question.
+        language: of the question.
+        knowledge: the tables.
+        wants_another: whether the question asks for something else than it names.
     """
-    refused = [_refused_within(clause, language, knowledge) for clause in clauses]
+    stands = [_stands_within(clause.spans, units, language, knowledge) for clause in clauses]
     for at in range(1, len(clauses)):
-        if _refuses_back(clauses[at], language):
-            whole = language in _VERB_LAST
-            start = 0 if whole else _linked_from(clauses[at - 1], 0, len(clauses[at - 1]))
-            refused[at - 1][start:] = [True] * (len(clauses[at - 1]) - start)
-    told = [_told(clause, flags, knowledge) for clause, flags in zip(clauses, refused, strict=True)]
+        before = clauses[at - 1].spans
+        if _refuses_back(clauses[at].spans, language) or _denies_back(clauses, at):
+            start = 0 if language in _VERB_LAST else _linked_from(before, 0, len(before))
+            stands[at - 1][start:] = [Stand.REFUSED] * (len(before) - start)
+        elif stands[at - 1][-1:] == [Stand.REFUSED] and _goes_on_listing(clauses[at], knowledge):
+            # “No pizza, burgers or kebab.”
+            stands[at] = [Stand.REFUSED] * len(stands[at])
+    told = [_told(clause.spans, each, knowledge) for clause, each in zip(clauses, stands, strict=True)]
     for at in range(1, len(clauses)):
         # “I need shoes, but Bata's are for aunties.”
-        wants = any(not no and span.value.role == "means" for each in told[:at] for span, no in each)
-        if wants and clauses[at][0].key in knowledge.turning and all(span.value.role == "name" for span, _ in told[at]):
-            told[at] = [(span, True) for span, _ in told[at]]
-    return told
+        wants = any(_is_wanted(one) and one[0].value.role == "means" for each in told[:at] for one in each)
+        first = next(iter(clauses[at].spans), None)
+        if (
+            wants
+            and first
+            and first.key in knowledge.turning
+            and all(span.value.role == "name" for span, _ in told[at])
+        ):
+            told[at] = [(span, Stand.REFUSED) for span, _ in told[at]]
+    return _without_telling(clauses, told, knowledge, wants_another)
 
 
-def _refused_within(clause: Clause, language: str, knowledge: Knowledge) -> list[bool]:
-    refused = [False] * len(clause)
+def _goes_on_listing(clause: Clause, knowledge: Knowledge) -> bool:
+    return (
+        clause.lists
+        and not clause.asks
+        and all(span.value.role == "name" or _is_meal(span, knowledge) for span in clause.spans)
+    )
+
+
+def _without_telling(
+    clauses: Sequence[Clause], told: Sequence[Told], knowledge: Knowledge, wants_another: bool
+) -> list[Told]:
+    """Where one clause asks for something, the others only tell: of places not wanted, and of things by the way."""
+    asking = [clause.asks for clause in clauses]
+    is_asked = any(asking)
+    if not is_asked:
+        # Without a word that asks, the last thing that is said is what is wanted.
+        asking[-1:] = [True] * bool(asking)
+    asked = [
+        span
+        for is_asking, each in zip(asking, told, strict=True)
+        for span, stand in each
+        if is_asking and stand is Stand.WANTED and span.value.role == "means"
+    ]
+    puzzles = any(is_asking and clause.puzzles for is_asking, clause in zip(asking, clauses, strict=True))
+    if not asked and not puzzles and not (wants_another and not all(asking)):
+        return list(told)
+    is_special = any(not _is_vague(span, knowledge) for span in asked)
+    concepts = {concept for span in asked for concept, _ in span.value.concepts}
+
+    def judged(clause: Clause, span: Span[Meaning], stand: Stand, before: Span[Meaning] | None) -> Stand:
+        if stand is not Stand.WANTED:
+            return stand
+        if span.value.role == "name":
+            return Stand.REFUSED if clause.tells and (asked or puzzles) else stand
+        if (
+            not is_asked
+            or clause.is_near_asking
+            or _is_plain(span, knowledge)
+            or not concepts.isdisjoint(concept for concept, _ in span.value.concepts)
+        ):
+            return stand
+        is_of_a_brand = before is not None and before.value.role == "name" and span.start - before.end <= 1
+        is_doubted = clause.denies or (clause.echoes and (bool(asked) or wants_another))
+        if is_doubted and not is_of_a_brand and (_is_meal(span, knowledge) or _is_place(span, knowledge)):
+            return Stand.REFUSED
+        if is_special and _is_place(span, knowledge):
+            serves = any(
+                knowledge.share(asked, kind) >= _SERVES for asked in concepts for kind, _ in span.value.concepts
+            )
+            return Stand.REFUSED if clause.tells and not serves else Stand.ASIDE
+        return Stand.ASIDE if is_special and _is_ware(span, knowledge) else stand
+
+    return [
+        each
+        if is_asking
+        else [
+            (span, judged(clause, span, stand, before[0] if before else None))
+            for before, (span, stand) in zip((None, *each), each, strict=False)
+        ]
+        for is_asking, clause, each in zip(asking, clauses, told, strict=True)
+    ]
+
+
+def _is_ware(span: Span[Meaning], knowledge: Knowledge) -> bool:
+    """Whether a phrase names what is eaten or bought; who tells of being hurt or lost wants help with that."""
+    firsts = [next(iter(knowledge.offers.get(concept, ())), "") for concept, _ in span.value.concepts]
+    return _is_meal(span, knowledge) or all(first.startswith("shop/") for first in firsts)
+
+
+def _is_vague(span: Span[Meaning], knowledge: Knowledge) -> bool:
+    """Whether a phrase alone hardly says where to go: “eat”, “for a child”, “help”."""
+    return _is_plain(span, knowledge) or (
+        span.value.role == "means"
+        and all(concept in knowledge.modifiers or concept in knowledge.auxiliary for concept, _ in span.value.concepts)
+    )
+
+
+def _is_place(span: Span[Meaning], knowledge: Knowledge) -> bool:
+    """Whether a phrase names a kind of place to go to, not a thing."""
+    return span.value.role == "means" and all(
+        "/" in concept and not concept.startswith(("cuisine/", "facility/toilets"))
+        for concept, _ in span.value.concepts
+    )
+
+
+def _stands_within(
+    clause: Sequence[Span[Meaning]], units: Sequence[str], language: str, knowledge: Knowledge
+) -> list[Stand]:
+    stands = [Stand.WANTED] * len(clause)
     ahead = False
-    since = int(clause[0].value.role == "break")
+    since = int(bool(clause) and clause[0].value.role == "break")
     for at, span in enumerate(clause):
         role = span.value.role
         if role == "refuse_either":
@@ -88,17 +293,41 @@ def _refused_within(clause: Clause, language: str, knowledge: Knowledge) -> list
             ahead = True
         elif role == "refuse_after":
             start = _linked_from(clause, since, at)
-            refused[start:at] = [True] * (at - start)
+            stands[start:at] = [Stand.REFUSED] * (at - start)
             since, ahead = at, False
-        refused[at] = refused[at] or ahead
+        if ahead:
+            stands[at] = Stand.REFUSED
     if any(span.value.role == "past" for span in clause):
         # What was eaten yesterday is not what is wanted today.
-        refused = [no or _is_meal(span, knowledge) for span, no in zip(clause, refused, strict=True)]
-    return refused
+        stands = [
+            Stand.REFUSED if _is_meal(span, knowledge) and not is_general(span, knowledge) else stand
+            for span, stand in zip(clause, stands, strict=True)
+        ]
+    return _only_the_brand(clause, stands, units, knowledge)
 
 
-def _refuses_back(clause: Clause, language: str) -> bool:
+def _only_the_brand(
+    clause: Sequence[Span[Meaning]], stands: Sequence[Stand], units: Sequence[str], knowledge: Knowledge
+) -> list[Stand]:
+    """Who refuses a brand's clothes (耐克的衣服) refuses the brand, and says “clothes” by the way."""
+    spared = list(stands)
+    for at in range(1, len(clause)):
+        before, span = clause[at - 1], clause[at]
+        between = units[before.end : span.start]
+        if (
+            stands[at] is stands[at - 1] is Stand.REFUSED
+            and (before.value.role, span.value.role) == ("name", "means")
+            and len(between) <= 1
+            and not any(unit in knowledge.both or is_mark(unit) for unit in between)
+        ):
+            spared[at] = Stand.ASIDE
+    return spared
+
+
+def _refuses_back(clause: Sequence[Span[Meaning]], language: str) -> bool:
     """Whether a clause refuses what the one before it speaks of."""
+    if not clause:
+        return False
     first = clause[1 if clause[0].value.role == "break" and len(clause) > 1 else 0]
     if first.value.role not in ("refuse_after", "refuse_either"):
         return False
@@ -106,19 +335,45 @@ def _refuses_back(clause: Clause, language: str) -> bool:
     return not says_more or (language in _VERB_LAST and first.value.role == "refuse_after")
 
 
+def _denies_back(clauses: Sequence[Clause], at: int) -> bool:
+    """Whether a “not” with nothing after it speaks of the clause before: “fish, my friend does not eat; what else?”."""
+    clause = clauses[at]
+    return (
+        not clause.asks
+        and not clauses[at - 1].asks
+        and any(other.asks for other in clauses)
+        and all(span.value.role in ("refuse_before", "break") for span in clause.spans)
+        and any(span.value.role == "refuse_before" for span in clause.spans)
+    )
+
+
 def _linked_from(clause: Sequence[Span[Meaning]], since: int, at: int) -> int:
-    """Where a refusal that stands behind begins: “coffee, but the queue at Costa is too long” wants the coffee."""
+    """Where a refusal that stands behind begins.
+
+    “Coffee, but the queue at Costa is too long” wants the coffee, and “shoes, and Bata is shut” the shoes.
+    """
     start = at
     while start > since and (start == at or clause[start].start - clause[start - 1].end <= NEXT_TO):
+        if start < at and (clause[start].value.role, clause[start - 1].value.role) == ("name", "means"):
+            break
         start -= 1
     return start
 
 
-def _told(clause: Clause, refused: Sequence[bool], knowledge: Knowledge) -> Told:
-    told = [(span, no) for span, no in zip(clause, refused, strict=True) if span.value.role in ("means", "name")]
-    if any(no and not _is_plain(span, knowledge) for span, no in told):
-        told = [(span, no and not _is_plain(span, knowledge)) for span, no in told]
+def _told(clause: Sequence[Span[Meaning]], stands: Sequence[Stand], knowledge: Knowledge) -> Told:
+    told = [(span, stand) for span, stand in zip(clause, stands, strict=True) if span.value.role in ("means", "name")]
+    refused = [span for span, stand in told if stand is Stand.REFUSED]
+    for spared in (_is_plain, _is_modifier):
+        if any(not spared(span, knowledge) for span in refused):
+            told = [
+                (span, Stand.WANTED if stand is Stand.REFUSED and spared(span, knowledge) else stand)
+                for span, stand in told
+            ]
     return told
+
+
+def _is_wanted(one: tuple[Span[Meaning], Stand]) -> bool:
+    return one[1] is Stand.WANTED
 
 
 def _is_meal(span: Span[Meaning], knowledge: Knowledge) -> bool:
@@ -139,3 +394,8 @@ def _is_plain(span: Span[Meaning], knowledge: Knowledge) -> bool:
     return is_general(span, knowledge) or (
         span.value.role == "means" and all(concept in _PLAIN_KINDS for concept, _ in span.value.concepts)
     )
+
+
+def _is_modifier(span: Span[Meaning], knowledge: Knowledge) -> bool:
+    """Whether a phrase says for whom or for what: “for a present, but no flowers” refuses flowers."""
+    return span.value.role == "means" and all(concept in knowledge.modifiers for concept, _ in span.value.concepts)

@@ -26,6 +26,7 @@ _SIGN_ROLES = {"sign_warning": "sign/warning", "sign_slogan": "sign/slogan"}
 _BY_HAND, _BY_NAME, _BY_TERM = 1.0, 0.95, 0.8
 
 _SUBSTITUTE = 0.8
+_TRADE_FIRST = ("de", "es", "fr")
 _SURE_SLOGAN = 4  # words or characters of a slogan that no shop's name comes near to by chance
 
 
@@ -53,18 +54,26 @@ class Knowledge:
     painted: Mapping[str, Meaning]
     common: Mapping[str, frozenset[str]]
     articles: frozenset[str]
+    joining: frozenset[str]
+    leading: frozenset[str]
     turning: frozenset[str]
     asking: frozenset[str]
+    both: frozenset[str]
+    wishing: Mapping[str, frozenset[str]]
+    negating: Mapping[str, frozenset[str]]
     warning_starts: frozenset[str]
     known: Mapping[str, Known]
     general: frozenset[str]
     modifiers: frozenset[str]
+    auxiliary: frozenset[str]
     treatments: frozenset[str]
     instead: Mapping[str, str]
     instead_of: Mapping[str, str]
     offers: Mapping[str, Mapping[str, float]]
     isa: Mapping[str, tuple[str, ...]]
     contained: Mapping[str, frozenset[str]]
+    apart: Mapping[str, frozenset[str]]
+    light_food: frozenset[str]
     refusing: Mapping[str, str]
     said_of_food: frozenset[str]
     symptoms: frozenset[str]
@@ -166,18 +175,26 @@ def load_knowledge() -> Knowledge:
         painted=painted,
         common={language: _phrases(folder, lexicon.get("common", "")) for language, lexicon in lexicons.items()},
         articles=_in_any(lexicons, "article", folder),
+        joining=joining,
+        leading=_leading(lexicons, folder),
         turning=_in_any(lexicons, "turning", folder),
         asking=_in_any(lexicons, "asking", folder),
+        both=_in_any(lexicons, "both", folder),
+        wishing={language: _phrases(folder, lexicon["wishing"]) | {"¿"} for language, lexicon in lexicons.items()},
+        negating={language: _phrases(folder, lexicon["negating"]) for language, lexicon in lexicons.items()},
         warning_starts=_in_any(lexicons, "sign_warning_start", folder),
         known=known,
         general=frozenset(kinds["general"]),
         modifiers=frozenset(kinds["modifiers"]),
+        auxiliary=frozenset(kinds["auxiliary"]),
         treatments=frozenset(kinds["treatments"]),
         instead=kinds["instead"],
         instead_of=kinds["instead_of"],
         offers=kinds["offers"],
         isa={kind: tuple(parents) for kind, parents in kinds["isa"].items()},
         contained={thing: frozenset(_split(joined)) for thing, joined in kinds["contained"].items()},
+        apart={kind: frozenset(_split(joined)) for kind, joined in kinds["apart"].items()},
+        light_food=frozenset(kinds["light_food"]),
         refusing=kinds["refusing"],
         said_of_food=frozenset(kinds["said_of_food"]),
         symptoms=frozenset(kinds["symptoms"]),
@@ -215,6 +232,15 @@ def _phrases(folder: Folder, joined: str) -> frozenset[str]:
 def _in_any(lexicons: Mapping[str, Mapping[str, Any]], role: str, folder: Folder) -> frozenset[str]:
     """The phrases that have a role in any language."""
     return frozenset().union(*(_phrases(folder, lexicon.get(role, "")) for lexicon in lexicons.values()))
+
+
+def _leading(lexicons: Mapping[str, Mapping[str, Any]], folder: Folder) -> frozenset[str]:
+    """The words of languages that name the trade first and the owner after it: Boulangerie Petit Jean."""
+    said = {
+        language: {folder.phrase(text) for joined in lexicons[language]["means"].values() for text in _split(joined)}
+        for language in ("en", *_TRADE_FIRST)
+    }
+    return frozenset(set().union(*(said[language] for language in _TRADE_FIRST)) - said["en"])
 
 
 def _add_painted(

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from lpslam.language.clauses import NEXT_TO, clauses_of, is_eaten, is_general, told_in
+from lpslam.language.clauses import NEXT_TO, Stand, clauses_of, is_eaten, is_general, told_in
 from lpslam.language.inflection import known_form
 from lpslam.language.knowledge import Knowledge, Meaning
 from lpslam.language.sanitise import clean_text
@@ -30,6 +30,13 @@ _OWN_LETTERS = {
     "de": re.compile(r"[ßäöü]", re.IGNORECASE),
     "fr": re.compile(r"[çœêèàùâîôë]|\b[jldnmtsc]['’]|\bqu['’]", re.IGNORECASE),
 }
+_ANOTHER = re.compile(
+    r"\b(another|other|else|instead|alternatives?|besides|otr[oa]s?|en vez|autres?|ailleurs|plutôt|ander(e[nrms]?)"
+    r"|stattdessen|sonst|lieber|woanders)\b|别的|別的|其他|其它|另外|另一|换一|換一|[别別][家处處间間]|[换換][个個家间間]|第二[家间間]"
+    r"|仲有|除了|除咗|別の|別んとこ|ほか|他の|他を|よそ|以外|다른|말고|대신|딴 ?[데거곳]",
+    re.IGNORECASE,
+)
+"""Words that ask for something beside what is named."""
 _QUESTION_LENGTH = 400
 _MAIN, _MODIFIER, _GENERAL, _ASIDE, _HINT = 1.0, 0.6, 0.3, 0.2, 0.05
 _TREATING = (
@@ -152,9 +159,11 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
     has_main = bool(troubles) or any(
         span.value.role == "means" and span.start not in asides and not is_general(span, knowledge) for span in spans
     )
-    for told in told_in(clauses_of(units, spans, language, knowledge), language, knowledge):
-        for span, is_refused in told:
-            is_aside = span.start in asides
+    clauses = clauses_of(units, spans, language, knowledge)
+    for told in told_in(clauses, units, language, knowledge, asks_for_another(text)):
+        for span, stand in told:
+            is_aside = span.start in asides or stand is Stand.ASIDE
+            is_refused = stand is Stand.REFUSED
             for concept, weight in span.value.concepts:
                 if span.value.role == "name":
                     mentioned["refused" if is_refused else "near" if is_aside else "wanted"].append(concept)
@@ -163,9 +172,9 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
                 else:
                     weight *= _ASIDE if is_aside and has_main else _importance(concept, knowledge)
                     wanted[concept] = max(weight, wanted.get(concept, 0.0))
-    for concept in set(wanted) & set(knowledge.refusing):
+    for concept in {*wanted, *refused} & set(knowledge.refusing):
         # “Gluten free” names what it refuses.
-        del wanted[concept]
+        wanted.pop(concept, None)
         refused.append(knowledge.refusing[concept])
     if "lost_item" in wanted and says_at_home(units, knowledge.states(language)):
         wanted["lost_item"] = _HINT
@@ -186,6 +195,11 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
         # After a refusal, what else may be eaten is left open.
         not main and not refused and asks_for_unknown(units, spans, language, knowledge),
     )
+
+
+def asks_for_another(question: str) -> bool:
+    """Whether a question asks for something beside what it names."""
+    return _ANOTHER.search(question) is not None
 
 
 def _is_part(span: Span[Meaning], troubles: Sequence[Trouble]) -> bool:
@@ -211,6 +225,8 @@ def _without_symptoms(wanted: dict[str, float], knowledge: Knowledge) -> dict[st
     vague = set(knowledge.symptoms) if is_ill else set()
     vague |= set(knowledge.weather) if services else set()
     vague |= {"rest"} if services or meals else set()
+    # “Somewhere the kids can sit down for dinner.”
+    vague |= {"children_play"} if meals else set()
     return {concept: min(weight, _HINT) if concept in vague else weight for concept, weight in wanted.items()}
 
 

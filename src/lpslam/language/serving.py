@@ -1,6 +1,6 @@
 """How well the place behind a sign serves what is wanted."""
 
-from collections.abc import Sequence, Set
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 
 from lpslam.language.knowledge import Knowledge
@@ -9,9 +9,14 @@ from lpslam.language.question import Wish
 Kinds = tuple[tuple[str, float], ...]
 
 FITS = 0.45  # a landmark that serves the wish less than this is not offered
+FITS_INSTEAD = 0.34  # where what fits better is refused
 _REFUSED_KIND = 0.4  # a place is what is refused when its words say so at least this surely
 _SIDE_OFFER = 0.7  # a place that sells what is refused this surely, beside other things
 _SIDE_REFUSED = 0.5  # what such a place loses
+_LIGHT_MEAL = 0.7  # of a place that sells cake or coffee first of all
+_SURE = 0.9  # a kind of this weight is what the place is
+_DRUNK_IN_CAFES = frozenset({"coffee"})
+_WELL = 0.6  # a café refused for its coffee serves tea at least this well
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,12 +34,28 @@ def likeness(concept: str, kinds: Kinds, knowledge: Knowledge) -> float:
 
 
 def _any_of(concepts: Set[str], kinds: Kinds, knowledge: Knowledge) -> float:
-    return max((weight for kind, weight in kinds if not concepts.isdisjoint(knowledge.above(kind))), default=0.0)
+    # A bubble tea shop, though a kind of café, is not meant by one.
+    return max(
+        (
+            weight
+            for kind, weight in kinds
+            if any(each in concepts and kind not in knowledge.apart.get(each, ()) for each in knowledge.above(kind))
+        ),
+        default=0.0,
+    )
 
 
 def match(concept: str, kinds: Kinds, knowledge: Knowledge) -> float:
     """How well a place of these kinds serves the concept: it is one, or it offers it."""
-    return max((weight * knowledge.share(concept, kind) for kind, weight in kinds), default=0.0)
+    best = max((weight * knowledge.share(concept, kind) for kind, weight in kinds), default=0.0)
+    if concept == "food" and best > _LIGHT_MEAL and _is_light(kinds, knowledge):
+        return _LIGHT_MEAL
+    return best
+
+
+def _is_light(kinds: Kinds, knowledge: Knowledge) -> bool:
+    sure = {kind for kind, weight in kinds if weight >= _SURE}
+    return not sure.isdisjoint(knowledge.light_food) and "amenity/restaurant" not in sure
 
 
 def serve(wish: Wish, kinds: Kinds, knowledge: Knowledge) -> Served:
@@ -45,12 +66,22 @@ def serve(wish: Wish, kinds: Kinds, knowledge: Knowledge) -> Served:
     for concept in wish.refused:
         # Ramen has noodles in it, and Thai food is hot.
         own = _any_of({concept, *knowledge.contained.get(concept, ())}, kinds, knowledge)
-        if own >= _REFUSED_KIND and not _is_also_another(concept, own, kinds, wish, knowledge):
+        is_spared = concept in _DRUNK_IN_CAFES and _serves_else(wish, matches, knowledge)
+        if own >= _REFUSED_KIND and not is_spared and not _is_also_another(concept, own, kinds, wish, knowledge):
             return Served(0.0, 0.0, ())
         if own >= _REFUSED_KIND or match(concept, kinds, knowledge) >= _SIDE_OFFER:
             score *= _SIDE_REFUSED
     reasons = tuple(concept for concept, found in matches.items() if found >= FITS)
     return Served(score, best, reasons)
+
+
+def _serves_else(wish: Wish, matches: Mapping[str, float], knowledge: Knowledge) -> bool:
+    """Whether something of its own is wanted that the place serves well: tea, in a café refused for its coffee."""
+    return any(
+        matches[concept] >= _WELL
+        for concept in wish.main
+        if concept not in knowledge.general and concept not in wish.refused
+    )
 
 
 def _is_also_another(concept: str, weight: float, kinds: Kinds, wish: Wish, knowledge: Knowledge) -> bool:

@@ -4,25 +4,32 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from itertools import pairwise
 
 from lpslam.language.knowledge import Knowledge, Known, Meaning, load_knowledge, load_words
 from lpslam.language.nearest import NearestNames, allowed_edits
 from lpslam.language.question import languages_of
 from lpslam.language.sanitise import clean_text
+from lpslam.language.sign_words import (
+    SELDOM,
+    SLOGAN,
+    TRADES,
+    as_a_house,
+    forbids,
+    is_mostly_slogan,
+    places_in,
+    reads_like_a_name,
+    said_in,
+    share_covered,
+    weighed,
+    without_stray_letters,
+)
 from lpslam.language.words import Span, is_mark, is_unspaced, longest_phrases
 
 _PARTS = re.compile(r"[()\[\]{}<>|/·•:;—–]+|\s-\s")
-_TRADES = (
-    *("shop/", "cuisine/", "craft/", "amenity/restaurant", "amenity/cafe", "amenity/bar", "amenity/pub"),
-    "leisure/fitness_centre",
-)
-_SURROUNDINGS = (
-    *("facility/platform", "railway/", "highway/", "leisure/park", "leisure/garden", "amenity/parking"),
-    "train",
-)
 _SHORTEST_IDEOGRAPHS, _SHORTEST_LETTERS = 3, 6  # of a brand at the head of a longer name; shorter ones are chance
-_REPAIR, _SELDOM = "shop/repair", 0.4
-_WARNING, _SLOGAN, _NOTICE = "sign/warning", "sign/slogan", "sign/notice"
+_REPAIR = "shop/repair"
+_WARNING = "sign/warning"
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,9 +167,9 @@ class SignReader:
         start = self._warning_start(key, units)
         if start is not None:
             return SignMeaning(((_WARNING, 0.95),), f"“{text}” begins like a warning (“{start}”)")
-        if _forbids(text, units, spans):
+        if forbids(text, units, spans):
             return SignMeaning(((_WARNING, 0.95),), f"“{text}” forbids something")
-        if _WARNING in _weigh(spans):
+        if _WARNING in weighed(spans):
             return SignMeaning(((_WARNING, 0.95),), f"“{text}” has words of a warning")
         return None
 
@@ -176,7 +183,7 @@ class SignReader:
         if not words or not spans or units[words[0]] in self._knowledge.imperatives or is_unspaced(units[words[0]]):
             return False
         return spans[-1].end > words[-1] and any(
-            concept in self._knowledge.trade_goods or concept.startswith(_TRADES)
+            concept in self._knowledge.trade_goods or concept.startswith(TRADES)
             for concept, _ in spans[-1].value.concepts
         )
 
@@ -186,38 +193,54 @@ class SignReader:
         brand = self._brand_within(text, units, spans)
         if brand is None:
             return None
-        known, share = brand
+        known, share, end = brand
+        # The letters of the brand say nothing else: 大福, in 周大福珠宝, is no cake.
+        spans = self._phrases("", units[end:])
         if self._fold.key(known.painted) in load_words() and self._say_otherwise(spans, known):
             return None
-        return _of_known(known, 0.9 * share, f"“{text}” begins with {known.painted}", self._offered(_weigh(spans)))
+        return _of_known(known, 0.9 * share, f"“{text}” begins with {known.painted}", self._offered(weighed(spans)))
 
     def _say_otherwise(self, spans: Sequence[Span[Meaning]], known: Known) -> bool:
         """Whether the words after a brand that is an everyday word say another trade: “Green Leaf Vegetarian”."""
-        said = set(_places(_weigh(spans))) - self._knowledge.general
-        above = {each for kind, _ in known.kinds for each in self._knowledge.above(kind)}
-        return bool(said) and not any(above.intersection(self._knowledge.above(kind)[:-2]) for kind in said)
+        said = set(self._offered(places_in(weighed(spans)))) - self._knowledge.general
+        own = {each for kind, _ in known.kinds for each in self._special_above(kind)}
+        return bool(said) and not any(own.intersection(self._special_above(kind)) for kind in said)
+
+    def _special_above(self, kind: str) -> set[str]:
+        """A kind and the kinds above it that say more than “a shop”."""
+        return {each for each in self._knowledge.above(kind) if "/" in each or each == kind}
 
     def _as_words(
         self, text: str, key: str, units: Sequence[str], spans: Sequence[Span[Meaning]]
     ) -> SignMeaning | None:
-        kinds = _as_a_house(self._repairing(_weigh(spans)))
-        places = _places(kinds)
-        if _SLOGAN in kinds and (
-            self._knowledge.general.issuperset(places) or len(units) > 4 or _is_mostly_slogan(spans)
+        kinds = as_a_house(self._repairing(weighed(spans, self._in_the_name(spans, units))))
+        places = places_in(kinds)
+        if SLOGAN in kinds and (
+            self._knowledge.general.issuperset(places) or len(units) > 4 or is_mostly_slogan(spans)
         ):
-            return SignMeaning(((_SLOGAN, 0.8),), f"“{text}” has words of a slogan or notice")
-        covered = _covered(spans, units)
+            return SignMeaning(((SLOGAN, 0.8),), f"“{text}” has words of a slogan or notice")
+        covered = share_covered(spans, units)
         if not places or (key not in self._knowledge.known and covered < 0.3):
             return None
-        own_name = covered <= 0.5 and _reads_like_a_name(text, units)
-        return SignMeaning(tuple(self._offered(places).items()), f"“{text}” says {_said(spans)}", name_like=own_name)
+        own_name = covered <= 0.5 and reads_like_a_name(text, units)
+        return SignMeaning(tuple(self._offered(places).items()), f"“{text}” says {said_in(spans)}", name_like=own_name)
+
+    def _in_the_name(self, spans: Sequence[Span[Meaning]], units: Sequence[str]) -> frozenset[int]:
+        """Starts of the phrases that belong to the owner's name: the jean of “Boulangerie Petit Jean”."""
+        if not spans or spans[0].start > 0 or spans[0].key not in self._knowledge.leading:
+            return frozenset()
+        for before, after in pairwise(spans):
+            between = units[before.end : after.start]
+            if any(not is_mark(unit) and unit not in self._knowledge.joining for unit in between):
+                return frozenset(span.start for span in spans if span.start >= after.start)
+        return frozenset()
 
     def _repairing(self, kinds: dict[str, float]) -> dict[str, float]:
         """Who repairs and names a good repairs that: a watchmaker mends no telephones."""
         if _REPAIR not in kinds:
             return kinds
         own = {f"{good}_repair": weight for good, weight in kinds.items() if f"{good}_repair" in self._knowledge.offers}
-        return kinds | own | {_REPAIR: _SELDOM} if own else kinds
+        return kinds | own | {_REPAIR: SELDOM} if own else kinds
 
     def _as_misread(self, text: str, key: str) -> SignMeaning | None:
         near = self._nearest_meaning(key)
@@ -227,11 +250,11 @@ class SignReader:
         return _of_known(known, 0.9 - 0.1 * distance, f"“{text}” looks like a misread {known.painted}")
 
     def _as_few_words(self, text: str, spans: Sequence[Span[Meaning]]) -> SignMeaning | None:
-        offered = self._offered(_places(_weigh(spans)))
+        offered = self._offered(places_in(weighed(spans)))
         if not offered:
             return None
         kinds = tuple((kind, 0.7 * weight) for kind, weight in offered.items())
-        return SignMeaning(kinds, f"“{text}” says {_said(spans)}")
+        return SignMeaning(kinds, f"“{text}” says {said_in(spans)}")
 
     def _warning_start(self, key: str, units: Sequence[str]) -> str | None:
         for end in range(min(4, len(units)), 0, -1):
@@ -248,7 +271,7 @@ class SignReader:
             # Without its accent, thé is the English article.
             spans = [span for span in spans if span.key not in self._knowledge.articles]
         if spans:
-            return _without_stray_letters(spans, units)
+            return without_stray_letters(spans, units)
         # The reader may have lost the spaces: then the whole, or its first or last word, is looked for glued.
         whole = self._glued.get(key)
         if whole is not None:
@@ -263,9 +286,13 @@ class SignReader:
 
     def _brand_within(
         self, text: str, units: Sequence[str], spans: Sequence[Span[Meaning]]
-    ) -> tuple[Known, float] | None:
-        """Return a brand that the sign begins with (“Nike Factory Store”, 必胜客欢乐餐厅), exactly or nearly."""
-        words = [unit for unit in units if not is_mark(unit)]
+    ) -> tuple[Known, float, int] | None:
+        """Return a brand that the sign begins with (“Nike Factory Store”, 必胜客欢乐餐厅), exactly or nearly.
+
+        And how sure that is, and where in the units it ends.
+        """
+        ends = [at + 1 for at, unit in enumerate(units) if not is_mark(unit)]
+        words = [units[end - 1] for end in ends]
         plain = {word for span in spans for word in span.key.split()}
         for end in range(len(words) - 1, 0, -1):
             head = "".join(words[:end])
@@ -274,13 +301,14 @@ class SignReader:
                 continue
             known = self._known_brand(head) or self._known_brand(self._fold.key(" ".join(text.split()[:end])))
             if known is not None:
-                return known, 1.0
+                return known, 1.0, ends[end - 1]
         for end in range(len(words) - 1, 2, -1):
             head = "".join(words[:end])
-            if is_unspaced(head) and any(span.start >= end for span in spans):
+            after = [span for span in spans if span.start >= ends[end - 1]]
+            if is_unspaced(head) and after:
                 near = self._nearest_meaning(head)
-                if near is not None and near[1].source == "brand":
-                    return near[1], 0.8
+                if near is not None and near[1].source == "brand" and not self._say_otherwise(after, near[1]):
+                    return near[1], 0.8, ends[end - 1]
         return None
 
     def brand_head(self, key: str) -> int:
@@ -318,59 +346,9 @@ def _of_known(known: Known, sure: float, evidence: str, words: dict[str, float] 
 
 
 def _as_unknown(text: str, units: Sequence[str]) -> SignMeaning:
-    name_like = _reads_like_a_name(text, units)
+    name_like = reads_like_a_name(text, units)
     told = "is not known but reads like a name" if name_like else "is not known"
     return SignMeaning((), f"“{text}” {told}", name_like=name_like)
-
-
-def _places(kinds: dict[str, float]) -> dict[str, float]:
-    return {kind: weight for kind, weight in kinds.items() if not kind.startswith("sign")}
-
-
-def _said(spans: Sequence[Span[Meaning]]) -> str:
-    return ", ".join(span.key.replace(" ", "") if is_unspaced(span.key) else span.key for span in spans)
-
-
-def _as_a_house(kinds: dict[str, float]) -> dict[str, float]:
-    """A pub that is called after the platform beside it is no platform."""
-    if not any(kind.startswith(_TRADES) for kind in kinds):
-        return kinds
-    return {kind: min(weight, _SELDOM) if kind.startswith(_SURROUNDINGS) else weight for kind, weight in kinds.items()}
-
-
-def _forbids(text: str, units: Sequence[str], spans: Sequence[Span[Meaning]]) -> bool:
-    """Whether a sign begins with “no” and goods, or goes on as a sentence does: “NO SHOES”, “No carts beyond here”.
-
-    Shops begin with it too, but then are named: “No Name Bar”, “No. 5 Bakery”.
-    """
-    if not units or units[0] != "no":
-        return False
-    goods = bool(spans) and all("/" not in concept for span in spans for concept, _ in span.value.concepts)
-    return (text.startswith("No ") and text[3:4].islower()) or (goods and _covered(spans, units[1:]) >= 1.0)
-
-
-def _weigh(spans: Sequence[Span[Meaning]]) -> dict[str, float]:
-    kinds: dict[str, float] = {}
-    for span in spans:
-        for kind, weight in span.value.concepts:
-            kinds[kind] = max(weight, kinds.get(kind, 0.0))
-    return kinds
-
-
-def _without_stray_letters(spans: list[Span[Meaning]], units: Sequence[str]) -> list[Span[Meaning]]:
-    """Drop single Han letters inside a name: 花 means flowers at the end of a name or alone, not in 樱花寿司."""
-    kept = [span for span in spans if span.end - span.start > 1 or not is_unspaced(span.key) or span.end == len(units)]
-    return [span for span in kept if len(kept) == 1 or span.end - span.start > 1 or not is_unspaced(span.key)]
-
-
-def _is_mostly_slogan(spans: Sequence[Span[Meaning]]) -> bool:
-    slogan = sum(any(kind == _SLOGAN for kind, _ in span.value.concepts) for span in spans)
-    return 2 * slogan > len(spans)
-
-
-def _covered(spans: Sequence[Span[Meaning]], units: Sequence[str]) -> float:
-    words = sum(not is_mark(unit) for unit in units)
-    return sum(span.end - span.start for span in spans) / max(words, 1)
 
 
 def _joined(parts: Sequence[SignMeaning]) -> SignMeaning:
@@ -391,14 +369,3 @@ def _joined(parts: Sequence[SignMeaning]) -> SignMeaning:
         next((part.identity for part in telling if part.identity), None),
         any(part.name_like for part in parts),
     )
-
-
-def _reads_like_a_name(text: str, units: Sequence[str]) -> bool:
-    """One to four words with vowels or in Han, mostly letters: what an unknown shop front looks like."""
-    words = [unit for unit in units if not is_mark(unit)]
-    letters = sum(ch.isalpha() for ch in text)
-    spaced = [word for word in words if not is_unspaced(word)]
-    if is_unspaced(text):
-        return 2 <= letters <= 8
-    sounding = all(re.search(r"[aeiouy]", word) or not word.isascii() for word in spaced if len(word) > 3)
-    return len(words) <= 4 and letters >= 3 and letters >= 0.7 * len(text.replace(" ", "")) and sounding
