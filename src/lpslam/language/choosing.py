@@ -125,10 +125,15 @@ def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Kn
     if missing and not any(weight >= _SPECIAL for weight in wanted.values()):
         # A brand was asked for that is not here; another of its kind may do, but that is for the asker to say.
         return _without_brand(missing[0], question, index, signs, knowledge, model, phrases)
-    if not wanted:
+    if not wanted and not wish.contested:
         return Choice(None, 0.0, phrases.say("no_kind"), model)
-    if set(wanted) <= {"shop", "place", "business"} or wish.unknown:
+    if (set(wanted) <= {"shop", "place", "business"} and not wish.contested) or wish.unknown:
         return Choice(None, 0.5, phrases.say("unknown"), model)
+    if wish.contested:
+        elsewhere = replace(wish, wanted=tuple((concept, 1.0) for concept in wish.contested))
+        found = _best(elsewhere, index, refused, knowledge, model, phrases)
+        if found.landmark is not None:
+            return found
     return _best(wish, index, refused, knowledge, model, phrases)
 
 

@@ -34,8 +34,8 @@ class Clause:
     """Phrases of one thought.
 
     Whether its words ask for something, deny something, say more than its names, say what no table knows, are thrown
-    in as a question (“Porridge again?”), and list one thing or another; and whether anything between the marks around
-    them asks.
+    in as a question (“Porridge again?”), list one thing or another, and end in what no table knows; and whether
+    anything between the marks around them asks.
     """
 
     spans: list[Span[Meaning]]
@@ -45,6 +45,7 @@ class Clause:
     puzzles: bool
     echoes: bool
     lists: bool
+    trails: bool
     is_near_asking: bool
 
 
@@ -114,6 +115,7 @@ class _Words:
             self.puzzles(start, end),
             end > start and self._units[end - 1 : end + 1][-1] in ("?", "？"),
             not self._listing.isdisjoint(inside),
+            bool(spans) and not self._puzzling.isdisjoint(range(spans[-1].end, end)),
             not self._asking.isdisjoint(self._between_marks(start)),
         )
 
@@ -168,7 +170,7 @@ def told_in(
     stands = [_stands_within(clause.spans, units, language, knowledge) for clause in clauses]
     for at in range(1, len(clauses)):
         before = clauses[at - 1].spans
-        if _refuses_back(clauses[at].spans, language) or _denies_back(clauses, at):
+        if _refuses_back(clauses[at], language) or _denies_back(clauses, at):
             start = 0 if language in _VERB_LAST else _linked_from(before, 0, len(before))
             stands[at - 1][start:] = [Stand.REFUSED] * (len(before) - start)
         elif stands[at - 1][-1:] == [Stand.REFUSED] and _goes_on_listing(clauses[at], knowledge):
@@ -186,7 +188,39 @@ def told_in(
             and all(span.value.role == "name" for span, _ in told[at])
         ):
             told[at] = [(span, Stand.REFUSED) for span, _ in told[at]]
-    return _without_telling(clauses, told, knowledge, wants_another)
+    return [_without_pains(each, knowledge) for each in _without_telling(clauses, told, knowledge, wants_another)]
+
+
+def _without_pains(told: Told, knowledge: Knowledge) -> Told:
+    """What a refused dish does to one is no wish for a doctor."""
+    if not any(stand is Stand.REFUSED and _is_meal(span, knowledge) for span, stand in told):
+        return told
+    return [
+        (span, Stand.ASIDE if stand is Stand.WANTED and is_pain(span.value.concepts, knowledge) else stand)
+        for span, stand in told
+    ]
+
+
+def is_pain(concepts: Sequence[tuple[str, float]], knowledge: Knowledge) -> bool:
+    """Whether all that is meant is an ailment."""
+    return bool(concepts) and all(concept in knowledge.symptoms for concept, _ in concepts)
+
+
+def hurting(
+    spans: Sequence[Span[Meaning]], pains: Sequence[frozenset[int]], units: Sequence[str], knowledge: Knowledge
+) -> set[int]:
+    """Starts of the dishes that are said to hurt: “ice cream hurts my teeth”, where another is wanted besides."""
+    meals = [span for span in spans if _is_meal(span, knowledge)]
+    found: set[int] = set()
+    for pain in pains:
+        first = min(pain)
+        before = [at for at in range(first) if units[at] in _BREAKING_MARKS]
+        since = before[-1] if before else -1
+        after = next((at for at in range(first, len(units)) if units[at] in _BREAKING_MARKS), len(units))
+        own = [span for span in meals if since < span.start < first and not is_general(span, knowledge)]
+        if own and any(not since < span.start < after for span in meals):
+            found.update(span.start for span in own)
+    return found
 
 
 def _goes_on_listing(clause: Clause, knowledge: Knowledge) -> bool:
@@ -291,7 +325,7 @@ def _stands_within(
             role = "refuse_after"
         if role == "refuse_before" or (role == "refuse_after" and at == since and language not in _VERB_LAST):
             ahead = True
-        elif role == "refuse_after":
+        elif role in ("refuse_after", "refuse_back"):
             start = _linked_from(clause, since, at)
             stands[start:at] = [Stand.REFUSED] * (at - start)
             since, ahead = at, False
@@ -324,15 +358,17 @@ def _only_the_brand(
     return spared
 
 
-def _refuses_back(clause: Sequence[Span[Meaning]], language: str) -> bool:
+def _refuses_back(clause: Clause, language: str) -> bool:
     """Whether a clause refuses what the one before it speaks of."""
-    if not clause:
+    spans = [span for span in clause.spans if span.value.role != "break"] or clause.spans
+    role = spans[0].value.role if spans else ""
+    if role == "refuse_back":
+        # “Anything but that.”
+        return True
+    if role not in ("refuse_after", "refuse_either") or (clause.trails and language not in _VERB_LAST):
         return False
-    first = clause[1 if clause[0].value.role == "break" and len(clause) > 1 else 0]
-    if first.value.role not in ("refuse_after", "refuse_either"):
-        return False
-    says_more = any(span.value.role in ("means", "name", "refuse_before", "neutral") for span in clause)
-    return not says_more or (language in _VERB_LAST and first.value.role == "refuse_after")
+    says_more = any(span.value.role in ("means", "name", "refuse_before", "neutral") for span in spans)
+    return not says_more or (language in _VERB_LAST and role == "refuse_after")
 
 
 def _denies_back(clauses: Sequence[Clause], at: int) -> bool:
@@ -382,7 +418,7 @@ def _is_meal(span: Span[Meaning], knowledge: Knowledge) -> bool:
 
 def is_eaten(concept: str, knowledge: Knowledge) -> bool:
     """Whether a concept is food or drink of some sort."""
-    return any(knowledge.instead.get(above) in ("food", "drink") for above in knowledge.above(concept))
+    return any(knowledge.instead.get(above) in ("food", "drink", "sweets") for above in knowledge.above(concept))
 
 
 def is_general(span: Span[Meaning], knowledge: Knowledge) -> bool:

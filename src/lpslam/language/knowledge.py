@@ -19,7 +19,10 @@ from lpslam.language.words import Folder
 HAND_WRITTEN = ("en", "zh", "ja", "ko", "es", "de", "fr")
 TOPICS = ("food", "goods", "services", "facilities", "trades")
 SAID_ONLY = ("needs",)  # topics of which nothing is painted on a sign
-_ROLES = ("context_before", "context_after", "past", "refuse_before", "refuse_after", "neutral", "break")
+_ROLES = (
+    *("context_before", "context_after", "past", "refuse_before", "refuse_after", "refuse_back", "neutral"),
+    "break",
+)
 _SIGN_ROLES = {"sign_warning": "sign/warning", "sign_slogan": "sign/slogan"}
 
 # How sure a word makes us of a kind: written for this by hand, a kind's own name in the index, or a search term.

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from lpslam.language.clauses import NEXT_TO, Stand, clauses_of, is_eaten, is_general, told_in
+from lpslam.language.clauses import NEXT_TO, Stand, clauses_of, hurting, is_eaten, is_general, told_in
 from lpslam.language.inflection import known_form
 from lpslam.language.knowledge import Knowledge, Meaning
 from lpslam.language.sanitise import clean_text
@@ -58,7 +58,8 @@ class Wish:
     """Concepts wanted and refused, by weight; `language` is None where the question could not be read.
 
     `wanted_names`, `refused_names` and `near_names` hold the values of the names that were passed in and mentioned;
-    `unknown` says that something is asked for whose word is not known.
+    `unknown` says that something is asked for whose word is not known; `contested` are concepts that are wanted, but
+    not from where they are had first of all.
     """
 
     wanted: tuple[tuple[str, float], ...]
@@ -68,6 +69,7 @@ class Wish:
     language: str | None
     near_names: tuple[str, ...] = ()
     unknown: bool = False
+    contested: tuple[str, ...] = ()
 
     @property
     def main(self) -> tuple[str, ...]:
@@ -152,8 +154,14 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
         if not any(span.value.role == "means" and trouble.units.issubset(range(span.start, span.end)) for span in spans)
     ]
     spans = [span for span in spans if span.value.role in ("means", "name") or not _is_part(span, troubles)]
+    pains = [trouble for trouble in troubles if trouble.concept in knowledge.symptoms]
+    hurts = hurting(spans, [trouble.units for trouble in pains], units, knowledge)
+    if hurts:
+        troubles = [trouble for trouble in troubles if trouble not in pains]
     wanted = {trouble.concept: _MAIN for trouble in troubles}
     refused: list[str] = []
+    wanted_phrases: dict[str, set[str]] = {}
+    refused_phrases: dict[str, set[str]] = {}
     mentioned: dict[str, list[str]] = {"wanted": [], "refused": [], "near": []}
     asides = _asides(spans) | {span.start for span in spans if _is_part(span, troubles)}
     has_main = bool(troubles) or any(
@@ -163,21 +171,32 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
     for told in told_in(clauses, units, language, knowledge, asks_for_another(text)):
         for span, stand in told:
             is_aside = span.start in asides or stand is Stand.ASIDE
-            is_refused = stand is Stand.REFUSED
+            is_refused = stand is Stand.REFUSED or span.start in hurts
             for concept, weight in span.value.concepts:
                 if span.value.role == "name":
                     mentioned["refused" if is_refused else "near" if is_aside else "wanted"].append(concept)
                 elif is_refused:
                     refused.append(concept)
+                    refused_phrases.setdefault(concept, set()).add(span.key)
                 else:
                     weight *= _ASIDE if is_aside and has_main else _importance(concept, knowledge)
                     wanted[concept] = max(weight, wanted.get(concept, 0.0))
+                    wanted_phrases.setdefault(concept, set()).add(span.key)
     for concept in {*wanted, *refused} & set(knowledge.refusing):
         # “Gluten free” names what it refuses.
         wanted.pop(concept, None)
         refused.append(knowledge.refusing[concept])
     if "lost_item" in wanted and says_at_home(units, knowledge.states(language)):
         wanted["lost_item"] = _HINT
+    # Nobody refuses to eat: “I'm hungry, but not for that.”
+    refused = [concept for concept in refused if concept not in knowledge.general]
+    # “An ice cream, but that parlour is a rip-off”: the thing is wanted, and where it is sold first of all is not.
+    contested = tuple(
+        concept
+        for concept in dict.fromkeys(refused)
+        if wanted.get(concept, 0.0) >= _MAIN
+        and not wanted_phrases.get(concept, set()) & refused_phrases.get(concept, set())
+    )
     for concept in (*refused, *knowledge.said_of_food):
         wanted.pop(concept, None)
     if refused and all(concept in knowledge.instead_of for concept in refused):
@@ -194,6 +213,7 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
         tuple(dict.fromkeys(mentioned["near"])),
         # After a refusal, what else may be eaten is left open.
         not main and not refused and asks_for_unknown(units, spans, language, knowledge),
+        contested,
     )
 
 

@@ -28,6 +28,7 @@ from lpslam.language.words import Span, is_mark, is_unspaced, longest_phrases
 
 _PARTS = re.compile(r"[()\[\]{}<>|/·•:;—–]+|\s-\s")
 _SHORTEST_IDEOGRAPHS, _SHORTEST_LETTERS = 3, 6  # of a brand at the head of a longer name; shorter ones are chance
+_COMPOUND = 9  # letters of a word that may be a compound in a name of several words
 _REPAIR = "shop/repair"
 _WARNING = "sign/warning"
 
@@ -276,13 +277,20 @@ class SignReader:
         whole = self._glued.get(key)
         if whole is not None:
             return [Span(0, len(units), whole, self._knowledge.painted[whole])]
-        if len(units) == 1 and key.isascii():
-            for size in range(len(key) - 3, 4, -1):
-                for piece in (key[-size:], key[:size]):
-                    meaning = self._knowledge.painted.get(self._glued.get(piece, piece))
-                    if meaning is not None:
-                        return [Span(0, 1, piece, meaning)]
+        for at, unit in enumerate(units):
+            found = self._piece_of(unit) if len(units) == 1 or len(unit) >= _COMPOUND else None
+            if found is not None:
+                return [Span(at, at + 1, *found)]
         return []
+
+    def _piece_of(self, unit: str) -> tuple[str, Meaning] | None:
+        """The longest known beginning or end of a word: “Spielzeugkiste” sells toys."""
+        for size in range(len(unit) - 3, 4, -1) if unit.isascii() else ():
+            for piece in (unit[-size:], unit[:size]):
+                meaning = self._knowledge.painted.get(self._glued.get(piece, piece))
+                if meaning is not None:
+                    return piece, meaning
+        return None
 
     def _brand_within(
         self, text: str, units: Sequence[str], spans: Sequence[Span[Meaning]]
@@ -309,7 +317,16 @@ class SignReader:
                 near = self._nearest_meaning(head)
                 if near is not None and near[1].source == "brand" and not self._say_otherwise(after, near[1]):
                     return near[1], 0.8, ends[end - 1]
-        return None
+        return self._brand_in_the_other_script(ends, words)
+
+    def _brand_in_the_other_script(self, ends: Sequence[int], words: Sequence[str]) -> tuple[Known, float, int] | None:
+        """Return the brand of a sign that repeats a name which is not known in Latin letters: “達美樂 Domino's”."""
+        latin = next((at for at, word in enumerate(words) if not is_unspaced(word)), 0)
+        tail = "".join(words[latin:])
+        if latin == 0 or len(tail) < _SHORTEST_LETTERS or any(map(is_unspaced, words[latin:])):
+            return None
+        known = self._known_brand(tail) or self._known_brand(f"{tail}s")
+        return (known, 1.0, ends[-1]) if known is not None else None
 
     def brand_head(self, key: str) -> int:
         """Return how many letters of a key are a brand that it begins with, and goes on after; 0 without one."""
