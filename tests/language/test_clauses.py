@@ -128,3 +128,59 @@ def test_a_watchmaker_mends_no_telephones(model: OfflineModel) -> None:
 
 def test_an_article_is_no_tea() -> None:
     assert not load_sign_reader().read("The Red Lion").kinds
+
+
+@pytest.mark.parametrize(
+    ("question", "answer"),
+    [
+        ("Zara is way out of my budget, where do I get a dress?", "H&M"),
+        ("El Zara está petadísimo y yo solo quiero unos pantalones", "H&M"),
+        ("Bei Zara ist die Schlange endlos, wo finde ich sonst eine Hose?", "H&M"),
+        ("ZARA人山人海的，去哪儿买裤子好？", "H&M"),
+        ("Where is Zara? I need a dress", "ZARA"),
+        ("I need a dress, is there a Zara here?", "ZARA"),
+    ],
+)
+def test_a_place_that_is_only_told_of_beside_a_want_is_refused(question: str, answer: str, model: OfflineModel) -> None:
+    assert chosen(model, question, "ZARA", "H&M", "KFC") == answer
+
+
+def test_what_is_told_of_in_another_sentence_weighs_less_than_what_is_asked_for(model: OfflineModel) -> None:
+    question = "서점은 벌써 들렀다 왔어. 이제 카메라 사러 갈 거야"
+    assert chosen(model, question, "紀伊國屋書店", "ビックカメラ") == "ビックカメラ"
+
+
+def test_a_list_goes_on_being_refused(knowledge: Knowledge) -> None:
+    wish = read_question("No pizza, burgers or kebab. Where else can I eat?", knowledge)
+    assert {"cuisine/pizza", "cuisine/burger", "cuisine/kebab"} <= set(wish.refused)
+
+
+def test_a_present_is_wanted_when_a_sort_of_it_is_refused(knowledge: Knowledge) -> None:
+    wish = read_question("선물로 화장품 말고 다른 거 사고 싶어요", knowledge)
+    assert "gift" in dict(wish.wanted)
+    assert "cosmetics" in wish.refused
+
+
+def test_who_refuses_a_brand_of_clothes_still_wants_clothes(model: OfflineModel) -> None:
+    assert chosen(model, "耐克的衣服穿着不舒服，哪家还有卖衣服的", "耐克 NIKE", "ZARA", "KFC") == "ZARA"
+
+
+def test_ice_cream_that_hurts_is_no_wish_for_a_dentist(model: OfflineModel) -> None:
+    question = "Something sweet, but ice cream hurts my teeth"
+    assert chosen(model, question, "Eiscafé Venezia", "Bäckerei Müller", "Dental Clinic") == "Bäckerei Müller"
+
+
+def test_an_ice_cream_may_be_wanted_from_elsewhere_than_the_parlour(model: OfflineModel) -> None:
+    question = "Me apetece un helado, pero la heladería esa es carísima"
+    assert chosen(model, question, "Gelateria Dolomiti", "Lidl", "ZARA") == "Lidl"
+
+
+def test_that_stands_for_what_was_named_before(knowledge: Knowledge) -> None:
+    wish = read_question("I've had Asian food all week, anything but that for dinner tonight.", knowledge)
+    assert "asian_food" in wish.refused
+    assert "food" in dict(wish.wanted)
+
+
+def test_who_dislikes_coffee_may_have_tea_in_a_cafe(model: OfflineModel) -> None:
+    assert chosen(model, "Kaffee vertrag ich nicht, ich hätt gern einen Tee", "Starbucks", "ZARA") == "Starbucks"
+    assert chosen(model, "Kein Kaffee bitte, nur was zu trinken", "Starbucks", "7-ELEVEN") == "7-ELEVEN"
