@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from lpslam.config import Config
 from lpslam.evaluation.trajectory import absolute_trajectory_error
 from lpslam.frames import FrameSource, RgbdFrame
 from lpslam.poses import StampedPoses
@@ -41,11 +42,14 @@ def measure(recordings: Sequence[Recording], report: Report) -> None:
         in_step = run(RgbdSlam(source.camera), Prefetched(source)).ate(truth).rmse
         load = os.getloadavg()[0]
         # In memory, so that decoding takes nothing from the machine: a camera's pictures need none.
-        slam, paced, latencies = RgbdSlam(source.camera, live=True), Paced(_Held(source)), []
+        backlog = Config().live.backlog
+        slam, paced, latencies, ends = RgbdSlam(source.camera, live=True), Paced(_Held(source), backlog), [], []
         for frame in paced:
             before = time.perf_counter()
             slam.process(frame)
-            latencies.append(1000.0 * (time.perf_counter() - before))
+            now = time.perf_counter()
+            latencies.append(1000.0 * (now - before))
+            ends.append(1000.0 * (now - frame.timestamp))
         before = time.perf_counter()
         slam.finish()
         stopping = time.perf_counter() - before
@@ -56,10 +60,13 @@ def measure(recordings: Sequence[Recording], report: Report) -> None:
             continue
         ate = absolute_trajectory_error(truth, estimate)
         p50, p95, p99 = np.percentile(latencies, (50, 95, 99))
+        # From when a frame was there until its pose was known; the frame that was begun soonest did not wait.
+        ages = np.array(ends) - min(np.array(ends) - np.array(latencies))
         report.line(
             recording=recording.name, frames=len(source), dropped=paced.dropped, tracked=len(estimate),
             latency_p50_ms=round(float(p50), 1), latency_p95_ms=round(float(p95), 1),
             latency_p99_ms=round(float(p99), 1), latency_max_ms=round(max(latencies), 1),
+            age_p95_ms=round(float(np.percentile(ages, 95)), 1), age_p99_ms=round(float(np.percentile(ages, 99)), 1),
             ate_rmse_m=round(ate.rmse, 4), in_step_ate_rmse_m=round(in_step, 4), ratio=round(ate.rmse / in_step, 2),
             loops=sum(event.kind is EventKind.LOOP for event in slam.events), stopping_s=round(stopping, 2),
             load_average=round(load, 1),

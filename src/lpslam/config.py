@@ -528,6 +528,13 @@ class CameraMatchConfig(_Section):
     distortion_pixels: float = Field(default=5.0, gt=0)
 
 
+class LiveConfig(_Section):
+    """Frames as they come from a camera."""
+
+    # Frames that may wait while tracking is busy, a tenth of a second at 30 a second: a delay is better than a gap.
+    backlog: int = Field(default=3, ge=1)
+
+
 class Config(_Section):
     """The whole tree."""
 
@@ -538,6 +545,8 @@ class Config(_Section):
     language: LanguageConfig = LanguageConfig()
 
     evaluation: EvaluationConfig = EvaluationConfig()
+
+    live: LiveConfig = LiveConfig()
 
     simulation: SimulationConfig = SimulationConfig()
 

@@ -153,7 +153,7 @@ def run(
     reader = _reading_thread(mapper, config.text.reading, live) if mapper is not None and is_threaded else None
     reading = reader or mapper
     decoded = Prefetched(InOrder(source))
-    frames = Paced(decoded) if live else decoded
+    frames = Paced(decoded, config.live.backlog) if live else decoded
     started, seconds_tracking, count = time.perf_counter(), 0.0, 0
     is_stopped, reason = False, "it gave none"
     with resources, reader or nullcontext():

@@ -96,3 +96,33 @@ def test_none_and_one(frames: int) -> None:
     assert [frame.index for frame in paced] == list(range(frames))
     assert time.perf_counter() - started < 0.5
     assert paced.dropped == 0
+
+
+def test_a_backlog_bridges_a_delay_without_a_gap() -> None:
+    paced = Paced(Recording(20), backlog=4)
+    came = []
+    for frame in paced:
+        came.append((frame.index, time.perf_counter()))
+        if frame.index == 3:
+            time.sleep(3.2 * INTERVAL)
+    # Four frames came in the meantime: with a place for one, two or three of them were lost.
+    assert paced.dropped <= 1
+    assert len(came) + paced.dropped == 20
+    assert isinstance(paced.source, Recording)
+    assert paced.source.began + came[-1][0] * INTERVAL - 0.002 <= came[-1][1]
+
+
+def test_a_backlog_is_no_longer_than_it_was_made() -> None:
+    paced = Paced(Recording(20), backlog=2)
+    indices = []
+    for frame in paced:
+        indices.append(frame.index)
+        if frame.index == 3:
+            time.sleep(8.4 * INTERVAL)
+    assert 10 <= indices[4] <= 12
+    assert len(indices) + paced.dropped == 20
+
+
+def test_a_queue_of_none_is_refused() -> None:
+    with pytest.raises(ValueError, match="none"):
+        Paced(Recording(1), backlog=0)

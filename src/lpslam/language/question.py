@@ -46,6 +46,7 @@ _TREATING = (
     "amenity/hospital",
     "amenity/pharmacy",
     "healthcare",
+    *("facility/xray", "facility/blood_test", "facility/emergency_room", "facility/vaccination"),
 )
 _THING = 0.7  # a wanted concept of this weight is a thing of its own
 _RIVAL = 0.7  # a language with this share of the likeliest one's common words may be meant too

@@ -1,6 +1,7 @@
 """A recording at the pace at which it was made, as a camera would give it."""
 
 import time
+from collections import deque
 from collections.abc import Iterator
 
 from lpslam.camera import PinholeCamera
@@ -12,14 +13,19 @@ class Paced:
 
     Args:
         source: frames in order of time.
+        backlog: frames whose time has come that may wait, as in a camera driver's queue: one that took long then costs
+            the next ones a delay, and is no gap. The oldest is dropped when one more comes.
 
     Attributes:
         dropped: frames that were over before the consumer asked.
     """
 
-    def __init__(self, source: FrameSource) -> None:
+    def __init__(self, source: FrameSource, backlog: int = 1) -> None:
+        if backlog < 1:
+            raise ValueError(f"a queue of {backlog} frames can hold none")
         self.source = source
         self.dropped = 0
+        self._backlog = backlog
 
     @property
     def name(self) -> str:
@@ -42,7 +48,7 @@ class Paced:
     def __iter__(self) -> Iterator[RgbdFrame]:
         """Yield frames at their times, counted from the first."""
         started: float | None = None
-        waiting: RgbdFrame | None = None
+        waiting: deque[RgbdFrame] = deque()
         frames = iter(self.source)
         while True:
             asked = time.perf_counter()
@@ -54,15 +60,17 @@ class Paced:
                 started = now - frame.timestamp
             # What a source takes beyond a frame's time is not the consumer's delay: the clock waits for it.
             started += max(0.0, now - max(asked, started + frame.timestamp))
-            if waiting is not None:
-                # The next frame is there already: a camera would have overwritten this one.
-                if asked - started >= frame.timestamp:
-                    self.dropped += 1
-                else:
-                    yield from _when_due(waiting, started)
-            waiting = frame
-        if waiting is not None and started is not None:
-            yield from _when_due(waiting, started)
+            waiting.append(frame)
+            if len(waiting) <= self._backlog:
+                continue
+            oldest = waiting.popleft()
+            # The newest is there already: a camera would have overwritten the oldest.
+            if asked - started >= frame.timestamp:
+                self.dropped += 1
+            else:
+                yield from _when_due(oldest, started)
+        while waiting and started is not None:
+            yield from _when_due(waiting.popleft(), started)
 
 
 def _when_due(frame: RgbdFrame, started: float) -> Iterator[RgbdFrame]:
