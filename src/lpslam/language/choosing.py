@@ -48,6 +48,10 @@ class LandmarkIndex:
         self.ids_of = {phrase: tuple(ids) for phrase, ids in by_phrase.items()}
         self.names = {phrase: Meaning("name", ((phrase, 1.0),)) for phrase in by_phrase}
         self.ids_by_word = _ids_by_word(by_phrase)
+        for id_, sign in self.signs.items():
+            if sign.owner:
+                self.ids_by_word.setdefault(sign.owner, set()).add(id_)
+        self.owners = tuple({sign.owner for sign in self.signs.values() if " " in sign.owner})
         self._plurals = {
             phrase: folded
             for phrase, ids in by_phrase.items()
@@ -129,12 +133,15 @@ def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Kn
         return Choice(None, 0.0, phrases.say("no_kind"), model)
     if (set(wanted) <= {"shop", "place", "business"} and not wish.contested) or wish.unknown:
         return Choice(None, 0.5, phrases.say("unknown"), model)
+    # What is wanted, but not from where it is had first of all; then all; and who does not find it may ask.
+    wishes = [wish]
     if wish.contested:
-        elsewhere = replace(wish, wanted=tuple((concept, 1.0) for concept in wish.contested))
-        found = _best(elsewhere, index, refused, knowledge, model, phrases)
-        if found.landmark is not None:
-            return found
-    return _best(wish, index, refused, knowledge, model, phrases)
+        wishes.insert(0, replace(wish, wanted=tuple((concept, 1.0) for concept in wish.contested)))
+    if "ask" in wanted:
+        wishes.append(replace(wish, wanted=(("ask", 1.0),)))
+    choices = (_best(each, index, refused, knowledge, model, phrases) for each in wishes)
+    found = next((choice for choice in choices if choice.landmark is not None), None)
+    return found or _best(wish, index, refused, knowledge, model, phrases)
 
 
 def understand(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge) -> tuple[Wish, set[int]]:
@@ -172,7 +179,11 @@ def understand(question: str, index: LandmarkIndex, signs: SignReader, knowledge
 
 def _parts_in(text: str, index: LandmarkIndex, knowledge: Knowledge) -> dict[str, set[int]]:
     """Words of a question that mean nothing themselves and stand in the names of few landmarks."""
-    units = {unit for unit in knowledge.folder.units(text) if unit in index.ids_by_word}
+    every = knowledge.folder.units(text)
+    asked = f" {' '.join(every)} "
+    units = {unit for unit in every if unit in index.ids_by_word} | {
+        owner for owner in index.owners if f" {owner} " in asked
+    }
     few = {unit: ids for unit in units if len(ids := index.ids_by_word[unit]) <= _FEW}
     if not few:
         return {}

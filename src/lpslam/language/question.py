@@ -244,7 +244,10 @@ def _without_symptoms(wanted: dict[str, float], knowledge: Knowledge) -> dict[st
     is_ill = any(concept.startswith(_TREATING) for concept in services)
     meals = any(concept in ("food", "drink") or is_eaten(concept, knowledge) for concept in wanted)
     vague = set(knowledge.symptoms) if is_ill else set()
-    vague |= set(knowledge.weather) if services else set()
+    others = {concept for concept in wanted if wanted[concept] > _MODIFIER} - set(knowledge.weather)
+    vague |= set(knowledge.weather) if others or meals else set()
+    # “Excuse me, may I ask where …”
+    vague |= {"ask"} if others - {"ask"} else set()
     vague |= {"rest"} if services or meals else set()
     # “Somewhere the kids can sit down for dinner.”
     vague |= {"children_play"} if meals else set()

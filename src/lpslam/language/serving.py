@@ -69,7 +69,7 @@ def serve(wish: Wish, kinds: Kinds, knowledge: Knowledge) -> Served:
         is_spared = concept in _DRUNK_IN_CAFES and _serves_else(wish, matches, knowledge)
         if own >= _REFUSED_KIND and not is_spared and not _is_also_another(concept, own, kinds, wish, knowledge):
             return Served(0.0, 0.0, ())
-        if own >= _REFUSED_KIND or match(concept, kinds, knowledge) >= _SIDE_OFFER:
+        if own >= _REFUSED_KIND or ("/" not in concept and match(concept, kinds, knowledge) >= _SIDE_OFFER):
             score *= _SIDE_REFUSED
     reasons = tuple(concept for concept, found in matches.items() if found >= FITS)
     return Served(score, best, reasons)

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
 
@@ -37,13 +37,15 @@ _WARNING = "sign/warning"
 class SignMeaning:
     """Kinds of place (or of sign) by weight in 0..1, who they belong to, and why.
 
-    `identity` is the known brand or maker; `name_like` says that an unknown text reads like a proper name.
+    `identity` is the known brand or maker; `name_like` says that an unknown text reads like a proper name. `owner` is
+    the phrase before the trade, as in 小林眼鏡店, or the letters before another script, as in ABCマート.
     """
 
     kinds: tuple[tuple[str, float], ...]
     evidence: str
     identity: str | None = None
     name_like: bool = False
+    owner: str = ""
 
     @property
     def is_place(self) -> bool:
@@ -158,7 +160,8 @@ class SignReader:
         # “Sale” and “Open” are brands somewhere, but not on most doors.
         if known is None or (plain is not None and plain.role == "sign"):
             return None
-        return _of_known(known, 1.0, f"“{text}” is {known.painted}")
+        is_mixed = len(units) > 1 and len(units[0]) > 1 and not is_unspaced(units[0]) and is_unspaced(units[1])
+        return replace(_of_known(known, 1.0, f"“{text}” is {known.painted}"), owner=units[0] if is_mixed else "")
 
     def _as_warning(
         self, text: str, key: str, units: Sequence[str], spans: Sequence[Span[Meaning]]
@@ -195,11 +198,13 @@ class SignReader:
         if brand is None:
             return None
         known, share, end = brand
+        owner = _owner(text, units, spans)
         # The letters of the brand say nothing else: 大福, in 周大福珠宝, is no cake.
         spans = self._phrases("", units[end:])
         if self._fold.key(known.painted) in load_words() and self._say_otherwise(spans, known):
             return None
-        return _of_known(known, 0.9 * share, f"“{text}” begins with {known.painted}", self._offered(weighed(spans)))
+        told = f"“{text}” begins with {known.painted}"
+        return replace(_of_known(known, 0.9 * share, told, self._offered(weighed(spans))), owner=owner)
 
     def _say_otherwise(self, spans: Sequence[Span[Meaning]], known: Known) -> bool:
         """Whether the words after a brand that is an everyday word say another trade: “Green Leaf Vegetarian”."""
@@ -224,7 +229,9 @@ class SignReader:
         if not places or (key not in self._knowledge.known and covered < 0.3):
             return None
         own_name = covered <= 0.5 and reads_like_a_name(text, units)
-        return SignMeaning(tuple(self._offered(places).items()), f"“{text}” says {said_in(spans)}", name_like=own_name)
+        told = f"“{text}” says {said_in(spans)}"
+        kinds_of = tuple(self._offered(places).items())
+        return SignMeaning(kinds_of, told, name_like=own_name, owner=_owner(text, units, spans))
 
     def _in_the_name(self, spans: Sequence[Span[Meaning]], units: Sequence[str]) -> frozenset[int]:
         """Starts of the phrases that belong to the owner's name: the jean of “Boulangerie Petit Jean”."""
@@ -360,6 +367,11 @@ def _of_known(known: Known, sure: float, evidence: str, words: dict[str, float] 
         if not kind.startswith("sign"):
             kinds.setdefault(kind, 0.8 * weight)
     return SignMeaning(tuple(kinds.items()), evidence, known.identity if known.source == "brand" else None)
+
+
+def _owner(text: str, units: Sequence[str], spans: Sequence[Span[Meaning]]) -> str:
+    """The letters before the trade, of a script without spaces."""
+    return " ".join(units[: spans[0].start]) if spans and is_unspaced(text) and spans[0].start > 1 else ""
 
 
 def _as_unknown(text: str, units: Sequence[str]) -> SignMeaning:
