@@ -1,32 +1,13 @@
-"""Clauses of a question, and what each of them refuses (choosing, III-I).
-
-A refusal in front reaches forward to the end of its clause, one behind reaches back over what is linked; a clause that
-is nothing but a refusal (“no thanks”, 受不了) speaks of the one before it. Where one clause asks, another that only
-tells is no wish: who says what Zara is like and then asks for a dress wants another shop.
-"""
+"""The clauses of a question, and what their words do beside the phrases that mean something."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import Enum
 
 from lpslam.language.knowledge import Knowledge, Meaning
 from lpslam.language.words import Span, is_mark, is_unspaced
 
-NEXT_TO = 3  # units between two phrases that speak of one another
-_SERVES = 0.6  # a kind of place that serves what is asked for as well as this is not refused for being told of
+BREAKING_MARKS = frozenset(",.;:!?，。；：！？…")
 _TELLING = 2  # units beside a name that make a statement of it
-_BREAKING_MARKS = frozenset(",.;:!?，。；：！？…")
-_VERB_LAST = frozenset({"ja", "ko"})  # languages whose refusals always stand behind
-# Asked for by its kind, a restaurant is refused by what it serves.
-_PLAIN_KINDS = frozenset({"amenity/restaurant"})
-
-
-class Stand(Enum):
-    """How the speaker stands to what is said."""
-
-    WANTED = "wanted"
-    REFUSED = "refused"
-    ASIDE = "aside"
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,15 +30,12 @@ class Clause:
     is_near_asking: bool
 
 
-Told = list[tuple[Span[Meaning], Stand]]
-
-
 def clauses_of(
     units: Sequence[str], spans: Sequence[Span[Meaning]], language: str, knowledge: Knowledge
 ) -> list[Clause]:
     """Group phrases into clauses: a refusal does not reach over a comma or a “but”."""
     # A Chinese list has 、 between its items, where Japanese has it between clauses.
-    breaking = _BREAKING_MARKS if language == "zh" else _BREAKING_MARKS | {"、"}
+    breaking = BREAKING_MARKS if language == "zh" else BREAKING_MARKS | {"、"}
     clauses: list[list[Span[Meaning]]] = [[]]
     starts = [0]
     marks = [at for at, unit in enumerate(units) if unit in breaking]
@@ -120,8 +98,8 @@ class _Words:
         )
 
     def _between_marks(self, at: int) -> range:
-        before = [other for other, unit in enumerate(self._units[:at]) if unit in _BREAKING_MARKS]
-        after = (other for other, unit in enumerate(self._units[at:], at) if unit in _BREAKING_MARKS)
+        before = [other for other, unit in enumerate(self._units[:at]) if unit in BREAKING_MARKS]
+        after = (other for other, unit in enumerate(self._units[at:], at) if unit in BREAKING_MARKS)
         return range(before[-1] + 1 if before else 0, next(after, len(self._units)))
 
     def puzzles(self, start: int, end: int) -> bool:
@@ -151,287 +129,3 @@ def _says_more(clause: Sequence[Span[Meaning]], units: Sequence[str]) -> bool:
     named = sum(span.end - span.start for span in clause if span.value.role == "name")
     words = [unit for unit in units if not is_mark(unit)]
     return len(words) - named >= _TELLING + any(map(is_unspaced, words))
-
-
-def told_in(
-    clauses: Sequence[Clause], units: Sequence[str], language: str, knowledge: Knowledge, wants_another: bool = False
-) -> list[Told]:
-    """Return for each clause the phrases that mean something, each with how the speaker stands to it.
-
-    Beside a refused dish, “eat” itself is not refused.
-
-    Args:
-        clauses: as `clauses_of` gives them.
-        units: of the question.
-        language: of the question.
-        knowledge: the tables.
-        wants_another: whether the question asks for something else than it names.
-    """
-    stands = [_stands_within(clause.spans, units, language, knowledge) for clause in clauses]
-    for at in range(1, len(clauses)):
-        before = clauses[at - 1].spans
-        if _refuses_back(clauses[at], language) or _denies_back(clauses, at):
-            start = 0 if language in _VERB_LAST else _linked_from(before, 0, len(before))
-            stands[at - 1][start:] = [Stand.REFUSED] * (len(before) - start)
-        elif stands[at - 1][-1:] == [Stand.REFUSED] and _goes_on_listing(clauses[at], knowledge):
-            # “No pizza, burgers or kebab.”
-            stands[at] = [Stand.REFUSED] * len(stands[at])
-    told = [_told(clause.spans, each, knowledge) for clause, each in zip(clauses, stands, strict=True)]
-    for at in range(1, len(clauses)):
-        # “I need shoes, but Bata's are for aunties.”
-        wants = any(_is_wanted(one) and one[0].value.role == "means" for each in told[:at] for one in each)
-        first = next(iter(clauses[at].spans), None)
-        if (
-            wants
-            and first
-            and first.key in knowledge.turning
-            and all(span.value.role == "name" for span, _ in told[at])
-        ):
-            told[at] = [(span, Stand.REFUSED) for span, _ in told[at]]
-    return [_without_pains(each, knowledge) for each in _without_telling(clauses, told, knowledge, wants_another)]
-
-
-def _without_pains(told: Told, knowledge: Knowledge) -> Told:
-    """What a refused dish does to one is no wish for a doctor."""
-    if not any(stand is Stand.REFUSED and _is_meal(span, knowledge) for span, stand in told):
-        return told
-    return [
-        (span, Stand.ASIDE if stand is Stand.WANTED and is_pain(span.value.concepts, knowledge) else stand)
-        for span, stand in told
-    ]
-
-
-def is_pain(concepts: Sequence[tuple[str, float]], knowledge: Knowledge) -> bool:
-    """Whether all that is meant is an ailment."""
-    return bool(concepts) and all(concept in knowledge.symptoms for concept, _ in concepts)
-
-
-def hurting(
-    spans: Sequence[Span[Meaning]], pains: Sequence[frozenset[int]], units: Sequence[str], knowledge: Knowledge
-) -> set[int]:
-    """Starts of the dishes that are said to hurt: “ice cream hurts my teeth”, where another is wanted besides."""
-    meals = [span for span in spans if _is_meal(span, knowledge)]
-    found: set[int] = set()
-    for pain in pains:
-        first = min(pain)
-        before = [at for at in range(first) if units[at] in _BREAKING_MARKS]
-        since = before[-1] if before else -1
-        after = next((at for at in range(first, len(units)) if units[at] in _BREAKING_MARKS), len(units))
-        own = [span for span in meals if since < span.start < first and not is_general(span, knowledge)]
-        if own and any(not since < span.start < after for span in meals):
-            found.update(span.start for span in own)
-    return found
-
-
-def _goes_on_listing(clause: Clause, knowledge: Knowledge) -> bool:
-    return (
-        clause.lists
-        and not clause.asks
-        and all(span.value.role == "name" or _is_meal(span, knowledge) for span in clause.spans)
-    )
-
-
-def _without_telling(
-    clauses: Sequence[Clause], told: Sequence[Told], knowledge: Knowledge, wants_another: bool
-) -> list[Told]:
-    """Where one clause asks for something, the others only tell: of places not wanted, and of things by the way."""
-    asking = [clause.asks for clause in clauses]
-    is_asked = any(asking)
-    if not is_asked:
-        # Without a word that asks, the last thing that is said is what is wanted.
-        asking[-1:] = [True] * bool(asking)
-    asked = [
-        span
-        for is_asking, each in zip(asking, told, strict=True)
-        for span, stand in each
-        if is_asking and stand is Stand.WANTED and span.value.role == "means"
-    ]
-    puzzles = any(is_asking and clause.puzzles for is_asking, clause in zip(asking, clauses, strict=True))
-    if not asked and not puzzles and not (wants_another and not all(asking)):
-        return list(told)
-    is_special = any(not _is_vague(span, knowledge) for span in asked)
-    concepts = {concept for span in asked for concept, _ in span.value.concepts}
-
-    def judged(clause: Clause, span: Span[Meaning], stand: Stand, before: Span[Meaning] | None) -> Stand:
-        if stand is not Stand.WANTED:
-            return stand
-        if span.value.role == "name":
-            return Stand.REFUSED if clause.tells and (asked or puzzles) else stand
-        if (
-            not is_asked
-            or clause.is_near_asking
-            or _is_plain(span, knowledge)
-            or not concepts.isdisjoint(concept for concept, _ in span.value.concepts)
-        ):
-            return stand
-        is_of_a_brand = before is not None and before.value.role == "name" and span.start - before.end <= 1
-        is_doubted = clause.denies or (clause.echoes and (bool(asked) or wants_another))
-        if is_doubted and not is_of_a_brand and (_is_meal(span, knowledge) or _is_place(span, knowledge)):
-            return Stand.REFUSED
-        if is_special and _is_place(span, knowledge):
-            serves = any(
-                knowledge.share(asked, kind) >= _SERVES for asked in concepts for kind, _ in span.value.concepts
-            )
-            return Stand.REFUSED if clause.tells and not serves else Stand.ASIDE
-        return Stand.ASIDE if is_special and _is_ware(span, knowledge) else stand
-
-    return [
-        each
-        if is_asking
-        else [
-            (span, judged(clause, span, stand, before[0] if before else None))
-            for before, (span, stand) in zip((None, *each), each, strict=False)
-        ]
-        for is_asking, clause, each in zip(asking, clauses, told, strict=True)
-    ]
-
-
-def _is_ware(span: Span[Meaning], knowledge: Knowledge) -> bool:
-    """Whether a phrase names what is eaten or bought; who tells of being hurt or lost wants help with that."""
-    firsts = [next(iter(knowledge.offers.get(concept, ())), "") for concept, _ in span.value.concepts]
-    return _is_meal(span, knowledge) or all(first.startswith("shop/") for first in firsts)
-
-
-def _is_vague(span: Span[Meaning], knowledge: Knowledge) -> bool:
-    """Whether a phrase alone hardly says where to go: “eat”, “for a child”, “help”."""
-    return _is_plain(span, knowledge) or (
-        span.value.role == "means"
-        and all(concept in knowledge.modifiers or concept in knowledge.auxiliary for concept, _ in span.value.concepts)
-    )
-
-
-def _is_place(span: Span[Meaning], knowledge: Knowledge) -> bool:
-    """Whether a phrase names a kind of place to go to, not a thing."""
-    return span.value.role == "means" and all(
-        "/" in concept and not concept.startswith(("cuisine/", "facility/toilets"))
-        for concept, _ in span.value.concepts
-    )
-
-
-def _stands_within(
-    clause: Sequence[Span[Meaning]], units: Sequence[str], language: str, knowledge: Knowledge
-) -> list[Stand]:
-    stands = [Stand.WANTED] * len(clause)
-    ahead = False
-    since = int(bool(clause) and clause[0].value.role == "break")
-    for at, span in enumerate(clause):
-        role = span.value.role
-        if role == "refuse_either":
-            # 火锅不要 refuses what stands before, 不要火锅 what comes after.
-            follows = at + 1 < len(clause) and clause[at + 1].start - span.end <= 1
-            role = "refuse_before" if follows else "refuse_after"
-        elif role == "refuse_before" and at > since and at + 1 == len(clause) and clause[at - 1].end == span.start:
-            # “McDonald's no, gracias.”
-            role = "refuse_after"
-        if role == "refuse_before" or (role == "refuse_after" and at == since and language not in _VERB_LAST):
-            ahead = True
-        elif role in ("refuse_after", "refuse_back"):
-            start = _linked_from(clause, since, at)
-            stands[start:at] = [Stand.REFUSED] * (at - start)
-            since, ahead = at, False
-        if ahead:
-            stands[at] = Stand.REFUSED
-    if any(span.value.role == "past" for span in clause):
-        # What was eaten yesterday is not what is wanted today.
-        stands = [
-            Stand.REFUSED if _is_meal(span, knowledge) and not is_general(span, knowledge) else stand
-            for span, stand in zip(clause, stands, strict=True)
-        ]
-    return _only_the_brand(clause, stands, units, knowledge)
-
-
-def _only_the_brand(
-    clause: Sequence[Span[Meaning]], stands: Sequence[Stand], units: Sequence[str], knowledge: Knowledge
-) -> list[Stand]:
-    """Who refuses a brand's clothes (耐克的衣服) refuses the brand, and says “clothes” by the way."""
-    spared = list(stands)
-    for at in range(1, len(clause)):
-        before, span = clause[at - 1], clause[at]
-        between = units[before.end : span.start]
-        if (
-            stands[at] is stands[at - 1] is Stand.REFUSED
-            and (before.value.role, span.value.role) == ("name", "means")
-            and len(between) <= 1
-            and not any(unit in knowledge.both or is_mark(unit) for unit in between)
-        ):
-            spared[at] = Stand.ASIDE
-    return spared
-
-
-def _refuses_back(clause: Clause, language: str) -> bool:
-    """Whether a clause refuses what the one before it speaks of."""
-    spans = [span for span in clause.spans if span.value.role != "break"] or clause.spans
-    role = spans[0].value.role if spans else ""
-    if role == "refuse_back":
-        # “Anything but that.”
-        return True
-    if role not in ("refuse_after", "refuse_either") or (clause.trails and language not in _VERB_LAST):
-        return False
-    says_more = any(span.value.role in ("means", "name", "refuse_before", "neutral") for span in spans)
-    return not says_more or (language in _VERB_LAST and role == "refuse_after")
-
-
-def _denies_back(clauses: Sequence[Clause], at: int) -> bool:
-    """Whether a “not” with nothing after it speaks of the clause before: “fish, my friend does not eat; what else?”."""
-    clause = clauses[at]
-    return (
-        not clause.asks
-        and not clauses[at - 1].asks
-        and any(other.asks for other in clauses)
-        and all(span.value.role in ("refuse_before", "break") for span in clause.spans)
-        and any(span.value.role == "refuse_before" for span in clause.spans)
-    )
-
-
-def _linked_from(clause: Sequence[Span[Meaning]], since: int, at: int) -> int:
-    """Where a refusal that stands behind begins.
-
-    “Coffee, but the queue at Costa is too long” wants the coffee, and “shoes, and Bata is shut” the shoes.
-    """
-    start = at
-    while start > since and (start == at or clause[start].start - clause[start - 1].end <= NEXT_TO):
-        if start < at and (clause[start].value.role, clause[start - 1].value.role) == ("name", "means"):
-            break
-        start -= 1
-    return start
-
-
-def _told(clause: Sequence[Span[Meaning]], stands: Sequence[Stand], knowledge: Knowledge) -> Told:
-    told = [(span, stand) for span, stand in zip(clause, stands, strict=True) if span.value.role in ("means", "name")]
-    refused = [span for span, stand in told if stand is Stand.REFUSED]
-    for spared in (_is_plain, _is_modifier):
-        if any(not spared(span, knowledge) for span in refused):
-            told = [
-                (span, Stand.WANTED if stand is Stand.REFUSED and spared(span, knowledge) else stand)
-                for span, stand in told
-            ]
-    return told
-
-
-def _is_wanted(one: tuple[Span[Meaning], Stand]) -> bool:
-    return one[1] is Stand.WANTED
-
-
-def _is_meal(span: Span[Meaning], knowledge: Knowledge) -> bool:
-    return span.value.role == "means" and any(is_eaten(concept, knowledge) for concept, _ in span.value.concepts)
-
-
-def is_eaten(concept: str, knowledge: Knowledge) -> bool:
-    """Whether a concept is food or drink of some sort."""
-    return any(knowledge.instead.get(above) in ("food", "drink", "sweets") for above in knowledge.above(concept))
-
-
-def is_general(span: Span[Meaning], knowledge: Knowledge) -> bool:
-    """Whether a phrase says no more than “eat”, “buy” or “a place”."""
-    return span.value.role == "means" and all(concept in knowledge.general for concept, _ in span.value.concepts)
-
-
-def _is_plain(span: Span[Meaning], knowledge: Knowledge) -> bool:
-    return is_general(span, knowledge) or (
-        span.value.role == "means" and all(concept in _PLAIN_KINDS for concept, _ in span.value.concepts)
-    )
-
-
-def _is_modifier(span: Span[Meaning], knowledge: Knowledge) -> bool:
-    """Whether a phrase says for whom or for what: “for a present, but no flowers” refuses flowers."""
-    return span.value.role == "means" and all(concept in knowledge.modifiers for concept, _ in span.value.concepts)

@@ -9,10 +9,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from lpslam.language.clauses import NEXT_TO, Stand, clauses_of, hurting, is_eaten, is_general, told_in
+from lpslam.language.clauses import clauses_of
 from lpslam.language.inflection import known_form
 from lpslam.language.knowledge import Knowledge, Meaning
 from lpslam.language.sanitise import clean_text
+from lpslam.language.stance import NEXT_TO, Stand, hurting, is_eaten, is_general, told_in
 from lpslam.language.states import Trouble, says_at_home, troubles_in
 from lpslam.language.unknown_things import asks_for_unknown
 from lpslam.language.words import Span, is_mark, is_unspaced, longest_phrases

@@ -1,4 +1,4 @@
-"""What a clause refuses, and what reaches from one clause to the next."""
+"""What a question wants, refuses and only tells, clause by clause."""
 
 import pytest
 
