@@ -30,6 +30,7 @@ class LandmarkIndex:
         self.groups: dict[Kinds, list[int]] = {}
         self.signs: dict[int, SignMeaning] = {}
         by_phrase: dict[str, dict[int, None]] = {}
+        initials: dict[str, str] = {}
         for landmark in landmarks:
             sign = _sign_of(landmark, signs)
             self.signs[landmark.id] = sign
@@ -41,15 +42,22 @@ class LandmarkIndex:
             bare = (landmark.name.replace("'", ""),) if "'" in landmark.name else ()
             for text in (landmark.name, *bare, *other_names):
                 phrase = signs.phrase(text)
-                if (spoken_key(phrase) or _is_initials(landmark.name)) and (
-                    sign.identity or phrase not in knowledge.painted
-                ):
+                if (spoken_key(phrase) or _is_initials(text)) and (sign.identity or phrase not in knowledge.painted):
                     by_phrase.setdefault(phrase, {})[landmark.id] = None
+                    if _is_initials(text):
+                        initials[phrase] = text
         self.ids_of = {phrase: tuple(ids) for phrase, ids in by_phrase.items()}
         self.names = {phrase: Meaning("name", ((phrase, 1.0),)) for phrase in by_phrase}
+        # “Family Mart” is the brand of ファミリーマート, however it is written.
+        self.phrase_of = {
+            identity: phrase
+            for phrase, ids in by_phrase.items()
+            for id_ in ids
+            if (identity := self.signs[id_].identity)
+        }
         self.ids_by_word = _ids_by_word(by_phrase)
         for id_, sign in self.signs.items():
-            if sign.owner:
+            if sign.owner and not any(sign.owner in common for common in knowledge.common.values()):
                 self.ids_by_word.setdefault(sign.owner, set()).add(id_)
         self.owners = tuple({sign.owner for sign in self.signs.values() if " " in sign.owner})
         self._plurals = {
@@ -58,9 +66,7 @@ class LandmarkIndex:
             for folded in {knowledge.folder.fold(self.name_of[id_]) for id_ in ids}
             if folded == f"{phrase}s"
         }
-        self._initials = {
-            phrase: name for phrase, ids in by_phrase.items() for id_ in ids if _is_initials(name := self.name_of[id_])
-        }
+        self._initials = initials
 
     def unsaid(self, question: str, folder: Folder) -> frozenset[str]:
         """Names that only seem to be said.
@@ -139,6 +145,9 @@ def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Kn
         wishes.insert(0, replace(wish, wanted=tuple((concept, 1.0) for concept in wish.contested)))
     if "ask" in wanted:
         wishes.append(replace(wish, wanted=(("ask", 1.0),)))
+    if set(wanted) <= set(knowledge.instead_of.values()):
+        # Where there is no vegetarian kitchen, whatever serves no meat.
+        wishes.append(replace(wish, wanted=instead_of(wish.refused, knowledge)))
     choices = (_best(each, index, refused, knowledge, model, phrases) for each in wishes)
     found = next((choice for choice in choices if choice.landmark is not None), None)
     return found or _best(wish, index, refused, knowledge, model, phrases)
@@ -152,7 +161,7 @@ def understand(question: str, index: LandmarkIndex, signs: SignReader, knowledge
     """
     text = clean_text(question)
     brands = {
-        phrase: Meaning("name", ((identity, 1.0),))
+        phrase: Meaning("name", ((index.phrase_of.get(identity, identity), 1.0),))
         for phrase, identity in signs.brands_in(text).items()
         if phrase not in index.names
     }

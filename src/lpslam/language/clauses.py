@@ -7,27 +7,32 @@ from lpslam.language.knowledge import Knowledge, Meaning
 from lpslam.language.words import Span, is_mark, is_unspaced
 
 BREAKING_MARKS = frozenset(",.;:!?，。；：！？…")
-_TELLING = 2  # units beside a name that make a statement of it
+TELLING = 2  # words beside a name that make a statement of it
 
 
 @dataclass(frozen=True, slots=True)
 class Clause:
-    """Phrases of one thought.
+    """Phrases of one thought, and what the words beside them do.
 
-    Whether its words ask for something, deny something, say more than its names, say what no table knows, are thrown
-    in as a question (“Porridge again?”), list one thing or another, and end in what no table knows; and whether
-    anything between the marks around them asks.
+    Whether they ask for something and deny something, how many there are beside what is named, whether any is in no
+    table; whether they are thrown in as a question (“Porridge again?”), list one thing or another, and end in what no
+    table knows; and whether anything between the marks around them asks.
     """
 
     spans: list[Span[Meaning]]
     asks: bool
     denies: bool
-    tells: bool
+    says: int
     puzzles: bool
     echoes: bool
     lists: bool
     trails: bool
     is_near_asking: bool
+
+    @property
+    def tells(self) -> bool:
+        """Whether it makes a statement of what it names."""
+        return self.says >= TELLING
 
 
 def clauses_of(
@@ -89,7 +94,7 @@ class _Words:
             spans,
             not self._asking.isdisjoint(inside),
             not self._denying.isdisjoint(inside),
-            _says_more(spans, self._units[start:end]),
+            _words_beside(spans, self._units[start:end]),
             self.puzzles(start, end),
             end > start and self._units[end - 1 : end + 1][-1] in ("?", "？"),
             not self._listing.isdisjoint(inside),
@@ -125,7 +130,8 @@ def _places_of(phrases: frozenset[str], units: Sequence[str], without: frozenset
     }
 
 
-def _says_more(clause: Sequence[Span[Meaning]], units: Sequence[str]) -> bool:
-    named = sum(span.end - span.start for span in clause if span.value.role == "name")
+def _words_beside(clause: Sequence[Span[Meaning]], units: Sequence[str]) -> int:
+    """How many words a clause has beside its names and kinds; of a script without spaces three letters make two."""
+    named = sum(span.end - span.start for span in clause if span.value.role in ("name", "means"))
     words = [unit for unit in units if not is_mark(unit)]
-    return len(words) - named >= _TELLING + any(map(is_unspaced, words))
+    return len(words) - named - any(map(is_unspaced, words))

@@ -81,6 +81,7 @@ class Knowledge:
     said_of_food: frozenset[str]
     symptoms: frozenset[str]
     weather: frozenset[str]
+    venues: frozenset[str]
     trade_goods: frozenset[str]
     imperatives: frozenset[str]
     company_forms: frozenset[str]
@@ -183,7 +184,7 @@ def load_knowledge() -> Knowledge:
         turning=_in_any(lexicons, "turning", folder),
         asking=_in_any(lexicons, "asking", folder),
         both=_in_any(lexicons, "both", folder),
-        wishing={language: _phrases(folder, lexicon["wishing"]) | {"¿"} for language, lexicon in lexicons.items()},
+        wishing={language: _phrases(folder, lexicon["wishing"]) for language, lexicon in lexicons.items()},
         negating={language: _phrases(folder, lexicon["negating"]) for language, lexicon in lexicons.items()},
         warning_starts=_in_any(lexicons, "sign_warning_start", folder),
         known=known,
@@ -202,6 +203,7 @@ def load_knowledge() -> Knowledge:
         said_of_food=frozenset(kinds["said_of_food"]),
         symptoms=frozenset(kinds["symptoms"]),
         weather=frozenset(kinds["weather"]),
+        venues=frozenset(kinds["venues"]),
         trade_goods=frozenset(kinds["trade_goods"]),
         imperatives=frozenset(kinds["imperatives"]),
         company_forms=frozenset(kinds["company_forms"]),

@@ -33,8 +33,9 @@ _OWN_LETTERS = {
 }
 _ANOTHER = re.compile(
     r"\b(another|other|else|instead|alternatives?|besides|otr[oa]s?|en vez|autres?|ailleurs|plutôt|ander(e[nrms]?)"
-    r"|stattdessen|sonst|lieber|woanders)\b|别的|別的|其他|其它|另外|另一|换一|換一|[别別][家处處间間]|[换換][个個家间間]|第二[家间間]"
-    r"|仲有|除了|除咗|別の|別んとこ|ほか|他の|他を|よそ|以外|다른|말고|대신|딴 ?[데거곳]",
+    r"|d[oó]nde m[aá]s|qu[eé] m[aá]s|stattdessen|sonst|lieber|woanders)\b"
+    r"|别的|別的|其他|其它|另外|另一|换一|換一|[别別][家处處间間]|[换換][个個家间間]|第二[家间間]|仲有|除了|除咗"
+    r"|別の|別んとこ|ほか|他の|他を|よそ|以外|다른|말고|대신|딴 ?[데거곳]",
     re.IGNORECASE,
 )
 """Words that ask for something beside what is named."""
@@ -247,6 +248,9 @@ def _without_symptoms(wanted: dict[str, float], knowledge: Knowledge) -> dict[st
     vague = set(knowledge.symptoms) if is_ill else set()
     others = {concept for concept in wanted if wanted[concept] > _MODIFIER} - set(knowledge.weather)
     vague |= set(knowledge.weather) if others or meals else set()
+    # “Is there a florist in this hospital?”, “a present, but she has hay fever”.
+    vague |= set(knowledge.venues) if others - knowledge.venues or meals else set()
+    vague |= set(knowledge.symptoms) if "gift" in wanted else set()
     # “Excuse me, may I ask where …”
     vague |= {"ask"} if others - {"ask"} else set()
     vague |= {"rest"} if services or meals else set()

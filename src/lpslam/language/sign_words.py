@@ -14,6 +14,7 @@ _SURROUNDINGS = (
     *("facility/platform", "railway/", "highway/", "leisure/park", "leisure/garden", "amenity/parking"),
     "train",
 )
+_VENUES = ("amenity/hospital", "aeroway/aerodrome", "shop/mall")
 SELDOM = 0.4  # the weight of what a sign says by the way
 SLOGAN = "sign/slogan"
 
@@ -44,7 +45,9 @@ def share_covered(spans: Sequence[Span[Meaning]], units: Sequence[str]) -> float
 
 
 def as_a_house(kinds: dict[str, float]) -> dict[str, float]:
-    """A pub that is called after the platform beside it is no platform."""
+    """A pub that is called after the platform beside it is no platform, a hospital's pharmacy no hospital."""
+    if any(not kind.startswith(_VENUES) and "/" in kind for kind in kinds):
+        kinds = {kind: min(weight, SELDOM) if kind.startswith(_VENUES) else weight for kind, weight in kinds.items()}
     if not any(kind.startswith(TRADES) for kind in kinds):
         return kinds
     return {kind: min(weight, SELDOM) if kind.startswith(_SURROUNDINGS) else weight for kind, weight in kinds.items()}

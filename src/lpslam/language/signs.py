@@ -28,6 +28,8 @@ from lpslam.language.words import Span, is_mark, is_unspaced, longest_phrases
 
 _PARTS = re.compile(r"[()\[\]{}<>|/·•:;—–]+|\s-\s")
 _SHORTEST_IDEOGRAPHS, _SHORTEST_LETTERS = 3, 6  # of a brand at the head of a longer name; shorter ones are chance
+_SURE_TRADE = 0.95  # of a trade at the end of a long name
+_INITIALS = range(2, 4)  # letters
 _COMPOUND = 9  # letters of a word that may be a compound in a name of several words
 _REPAIR = "shop/repair"
 _WARNING = "sign/warning"
@@ -150,7 +152,7 @@ class SignReader:
             or self._as_brand_with_words(text, units, spans)
             or self._as_words(text, key, units, spans)
             or self._as_misread(text, key)
-            or self._as_few_words(text, spans)
+            or self._as_few_words(text, units, spans)
             or _as_unknown(text, units)
         )
 
@@ -257,11 +259,15 @@ class SignReader:
         distance, known = near
         return _of_known(known, 0.9 - 0.1 * distance, f"“{text}” looks like a misread {known.painted}")
 
-    def _as_few_words(self, text: str, spans: Sequence[Span[Meaning]]) -> SignMeaning | None:
+    def _as_few_words(self, text: str, units: Sequence[str], spans: Sequence[Span[Meaning]]) -> SignMeaning | None:
         offered = self._offered(places_in(weighed(spans)))
         if not offered:
             return None
-        kinds = tuple((kind, 0.7 * weight) for kind, weight in offered.items())
+        # A trade ends a name, or leads it: “The Oak Tree Restaurant”.
+        words = [at for at, unit in enumerate(units) if not is_mark(unit)]
+        is_trade = spans[-1].end > words[-1] or (spans[0].start == 0 and spans[0].key in self._knowledge.leading)
+        sure = _SURE_TRADE if is_trade else 0.7
+        kinds = tuple((kind, sure * weight) for kind, weight in offered.items())
         return SignMeaning(kinds, f"“{text}” says {said_in(spans)}")
 
     def _warning_start(self, key: str, units: Sequence[str]) -> str | None:
@@ -370,8 +376,12 @@ def _of_known(known: Known, sure: float, evidence: str, words: dict[str, float] 
 
 
 def _owner(text: str, units: Sequence[str], spans: Sequence[Span[Meaning]]) -> str:
-    """The letters before the trade, of a script without spaces."""
-    return " ".join(units[: spans[0].start]) if spans and is_unspaced(text) and spans[0].start > 1 else ""
+    """The letters before the trade: of a script without spaces, or initials as in “dm-drogerie markt”."""
+    if not spans or spans[0].start == 0:
+        return ""
+    if is_unspaced(text):
+        return " ".join(units[: spans[0].start]) if spans[0].start > 1 else ""
+    return units[0] if len(units[0]) in _INITIALS and units[0].isalpha() else ""
 
 
 def _as_unknown(text: str, units: Sequence[str]) -> SignMeaning:

@@ -13,6 +13,7 @@ from lpslam.language.knowledge import Knowledge, Meaning
 from lpslam.language.words import Span, is_mark
 
 NEXT_TO = 3  # units between two phrases that speak of one another
+_TELLING_MUCH = 4  # words beside a kind of place that make a statement of it, though it would serve
 _SERVES = 0.6  # a kind of place that serves what is asked for as well as this is not refused for being told of
 _VERB_LAST = frozenset({"ja", "ko"})  # languages whose refusals always stand behind
 # Asked for by its kind, a restaurant is refused by what it serves.
@@ -143,13 +144,16 @@ def _without_telling(
             return stand
         is_of_a_brand = before is not None and before.value.role == "name" and span.start - before.end <= 1
         is_doubted = clause.denies or (clause.echoes and (bool(asked) or wants_another))
-        if is_doubted and not is_of_a_brand and (_is_meal(span, knowledge) or _is_place(span, knowledge)):
+        if _is_place(span, knowledge):
+            kinds = [kind for kind, _ in span.value.concepts]
+            serves = any(knowledge.share(concept, kind) >= _SERVES for concept in concepts for kind in kinds)
+            is_told = clause.says > (_TELLING_MUCH if serves else 1) and (is_special or wants_another)
+            return Stand.REFUSED if is_doubted or is_told else Stand.ASIDE if is_special else stand
+        if is_doubted and not is_of_a_brand and _is_meal(span, knowledge):
             return Stand.REFUSED
-        if is_special and _is_place(span, knowledge):
-            serves = any(
-                knowledge.share(asked, kind) >= _SERVES for asked in concepts for kind, _ in span.value.concepts
-            )
-            return Stand.REFUSED if clause.tells and not serves else Stand.ASIDE
+        has_run_out = any(other.value.role == "neutral" for other in clause.spans)
+        if wants_another and not (is_special or has_run_out or is_of_a_brand) and clause.tells:
+            return Stand.REFUSED if _is_ware(span, knowledge) else stand
         return Stand.ASIDE if is_special and _is_ware(span, knowledge) else stand
 
     return [
@@ -166,7 +170,8 @@ def _without_telling(
 def _is_ware(span: Span[Meaning], knowledge: Knowledge) -> bool:
     """Whether a phrase names what is eaten or bought; who tells of being hurt or lost wants help with that."""
     firsts = [next(iter(knowledge.offers.get(concept, ())), "") for concept, _ in span.value.concepts]
-    return _is_meal(span, knowledge) or all(first.startswith("shop/") for first in firsts)
+    is_done = any(concept in knowledge.treatments for concept, _ in span.value.concepts)
+    return _is_meal(span, knowledge) or (not is_done and all(first.startswith("shop/") for first in firsts))
 
 
 def _is_vague(span: Span[Meaning], knowledge: Knowledge) -> bool:
