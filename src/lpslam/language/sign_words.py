@@ -48,7 +48,7 @@ def as_a_house(kinds: dict[str, float]) -> dict[str, float]:
     """A pub that is called after the platform beside it is no platform, a hospital's pharmacy no hospital."""
     if any(not kind.startswith(_VENUES) and "/" in kind for kind in kinds):
         kinds = {kind: min(weight, SELDOM) if kind.startswith(_VENUES) else weight for kind, weight in kinds.items()}
-    if not any(kind.startswith(TRADES) for kind in kinds):
+    if not any(kind.startswith((*TRADES, "amenity/pharmacy", "amenity/bank")) for kind in kinds):
         return kinds
     return {kind: min(weight, SELDOM) if kind.startswith(_SURROUNDINGS) else weight for kind, weight in kinds.items()}
 

@@ -16,6 +16,7 @@ NEXT_TO = 3  # units between two phrases that speak of one another
 _TELLING_MUCH = 4  # words beside a kind of place that make a statement of it, though it would serve
 _SERVES = 0.6  # a kind of place that serves what is asked for as well as this is not refused for being told of
 _VERB_LAST = frozenset({"ja", "ko"})  # languages whose refusals always stand behind
+_WHOLE_BACK = _VERB_LAST | {"zh"}  # whose short clauses are refused as a whole
 # Asked for by its kind, a restaurant is refused by what it serves.
 _PLAIN_KINDS = frozenset({"amenity/restaurant"})
 
@@ -49,7 +50,7 @@ def told_in(
     for at in range(1, len(clauses)):
         before = clauses[at - 1].spans
         if _refuses_back(clauses[at], language) or _denies_back(clauses, at):
-            start = 0 if language in _VERB_LAST else _linked_from(before, 0, len(before))
+            start = 0 if language in _WHOLE_BACK else _linked_from(before, 0, len(before))
             stands[at - 1][start:] = [Stand.REFUSED] * (len(before) - start)
         elif stands[at - 1][-1:] == [Stand.REFUSED] and _goes_on_listing(clauses[at], knowledge):
             # “No pizza, burgers or kebab.”
@@ -130,7 +131,8 @@ def _without_telling(
     is_special = any(not _is_vague(span, knowledge) for span in asked)
     concepts = {concept for span in asked for concept, _ in span.value.concepts}
 
-    def judged(clause: Clause, span: Span[Meaning], stand: Stand, before: Span[Meaning] | None) -> Stand:
+    def judged(at: int, span: Span[Meaning], stand: Stand, before: Span[Meaning] | None) -> Stand:
+        clause = clauses[at]
         if stand is not Stand.WANTED:
             return stand
         if span.value.role == "name":
@@ -151,7 +153,8 @@ def _without_telling(
             return Stand.REFUSED if is_doubted or is_told else Stand.ASIDE if is_special else stand
         if is_doubted and not is_of_a_brand and _is_meal(span, knowledge):
             return Stand.REFUSED
-        has_run_out = any(other.value.role == "neutral" for other in clause.spans)
+        near = [*(clauses[at - 1].spans if at else ()), *clause.spans]
+        has_run_out = any(other.value.role == "neutral" for other in near)
         if wants_another and not (is_special or has_run_out or is_of_a_brand) and clause.tells:
             return Stand.REFUSED if _is_ware(span, knowledge) else stand
         return Stand.ASIDE if is_special and _is_ware(span, knowledge) else stand
@@ -160,10 +163,10 @@ def _without_telling(
         each
         if is_asking
         else [
-            (span, judged(clause, span, stand, before[0] if before else None))
+            (span, judged(at, span, stand, before[0] if before else None))
             for before, (span, stand) in zip((None, *each), each, strict=False)
         ]
-        for is_asking, clause, each in zip(asking, clauses, told, strict=True)
+        for at, (is_asking, each) in enumerate(zip(asking, told, strict=True))
     ]
 
 
@@ -211,6 +214,9 @@ def _stands_within(
             start = _linked_from(clause, since, at)
             stands[start:at] = [Stand.REFUSED] * (at - start)
             since, ahead = at, False
+        elif role == "neutral":
+            # “Not from Rewe, and they have run out of water.”
+            ahead = False
         if ahead:
             stands[at] = Stand.REFUSED
     if any(span.value.role == "past" for span in clause):
