@@ -82,7 +82,14 @@ def main() -> None:
         for kind, (right, total) in judged.items():
             print(f"{name} {kind}: {right}/{total} = {right / total:.1%}")
         misses += more
-    for name in ("choosing", "choosing_second", "choosing_third", "choosing_fourth", "choosing_fifth", "choosing_sixth"):
+    for name in (
+        "choosing",
+        "choosing_second",
+        "choosing_third",
+        "choosing_fourth",
+        "choosing_fifth",
+        "choosing_sixth",
+    ):
         chosen, more = choosing(model, name)
         for kind, (right, wrong, total) in chosen.items():
             print(f"{name} {kind}: {right}/{total} = {right / total:.1%}, wrong {wrong}")

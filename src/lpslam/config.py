@@ -274,6 +274,7 @@ class TrackingConfig(_Section):
     strict_seconds: float = 1.0  # after relocalising, in which `min_recovery_inliers` must be matched
     long_gap: float = Field(default=0.3, gt=0)  # seconds without frames after which the same: nothing was predicted
     recovery_candidates: int = Field(default=4, ge=1)  # places tried a frame when lost
+    doubt_seconds: float = Field(default=3.0, ge=0)  # after relocalising, in which signs may speak against the place
     submap_after: float = Field(default=1.0, ge=0)  # seconds of usable but unknown views after which a sub-map begins
 
 
@@ -336,6 +337,7 @@ class LocatingConfig(_Section):
     min_spread: int = Field(default=6, ge=1)  # ... and how many of the cells must hold an inlier
     rival_share: float = Field(default=0.6, ge=0, le=1)  # of the best place's inliers that make another one a rival ...
     rival_distance: float = Field(default=0.5, ge=0)  # ... if it is farther off than this, metres: neither is believed
+    disowned_radius: float = Field(default=3.0, ge=0)  # metres around a place that signs have spoken against
 
 
 class PlacesConfig(_Section):

@@ -20,7 +20,7 @@ from lpslam.language.offline import OfflineModel
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.poses import StampedPoses
 from lpslam.priority import READING, yield_to_others
-from lpslam.slam.advice import NO_ADVICE
+from lpslam.slam.advice import NO_ADVICE, LoopAdvisor
 from lpslam.slam.state import SlamEvent, TrackedFrame
 from lpslam.slam.system import RgbdSlam
 from lpslam.sources.in_order import InOrder
@@ -134,7 +134,7 @@ def run(
     config = config or Config()
     text_map = base.text if base else TextMap(config.text)
     words = TextAdvisor(config.text.advice, text_map.memory.classes)
-    advisor = words if text and config.text.advice.enabled else NO_ADVICE
+    advisor: LoopAdvisor = words if text and config.text.advice.enabled else NO_ADVICE
     slam = RgbdSlam(source.camera, config.slam, live=live, base=base.slam if base else None, advisor=advisor)
     beside = _naming_beside(language) if text else None
     is_threaded = live or not sequential
@@ -144,7 +144,16 @@ def run(
         if spotter is None and live and SpottingProcess.is_possible():
             spotter = resources.enter_context(SpottingProcess(config.text.spotting))
         reader_of_text = spotter or _load_spotter(config.text.spotting, is_threaded)
-        mapper = TextMapper(source.camera, reader_of_text, config.text, OfflineModel(), text_map, beside, words.note)
+        mapper = TextMapper(
+            source.camera,
+            reader_of_text,
+            config.text,
+            OfflineModel(),
+            text_map,
+            beside,
+            on_sighting=words.note,
+            on_doubtful=words.note_doubtful,
+        )
     first_index = 0
     if base is not None:
         slam.trajectory, first_index = base.trajectory, base.trajectory.begin_session()

@@ -76,14 +76,16 @@ class TwoWalks:
         self.newest = FIRST_WALK + second_length - 1
 
     def read(self, keyframe: int, sign: Sign, confidence: float = 0.95) -> None:
+        text_class = self.classes.setdefault(sign.text, len(self.classes))
+        self.advisor.note(text_class, self.sighting(keyframe, sign, float(keyframe), confidence))
+
+    def sighting(self, keyframe: int, sign: Sign, timestamp: float, confidence: float = 0.95) -> TextObservation:
         local = transform_points(inverse_transform(self.truth[keyframe]), np.array([[sign.x, sign.y, 3.0]]))[0]
         placement = Placement(
             (float(local[0]), float(local[1]), float(local[2])), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0),
             sign.width, sign.height, 0.01,
         )  # fmt: skip
-        text_class = self.classes.setdefault(sign.text, len(self.classes))
-        observation = TextObservation(keyframe, float(keyframe), keyframe, sign.text, confidence, placement, 30.0)
-        self.advisor.note(text_class, observation)
+        return TextObservation(keyframe, timestamp, keyframe, sign.text, confidence, placement, 30.0)
 
     def propose(self) -> list[int]:
         return self.advisor.propose(self.map, self.newest)
@@ -292,3 +294,46 @@ def test_places_are_sought_at_once_in_a_large_map() -> None:
 def test_the_switch_is_in_the_configuration() -> None:
     assert isinstance(CONFIG.enabled, bool)
     assert SlamConfig().loops.candidates >= CONFIG.proposals
+
+
+# Judging a place in which the camera was found again -----------------------------------------------------------------
+
+
+def judged(found_at: float, signs: list[Sign], readings: int = 1) -> bool | None:
+    """What is said when the camera was found at the beginning of the first walk, and then reads signs on its way."""
+    walks = TwoWalks(SIGNS, [])
+    assert walks.advisor.knows(walks.map, 4)
+    for number in range(7):
+        for sign in signs:
+            if abs(sign.x - STEP * number) <= 1.5:
+                for _ in range(readings):
+                    walks.advisor.note_doubtful(walks.sighting(number, sign, found_at + number))
+    return walks.advisor.judges(walks.map, 4, found_at)
+
+
+def test_other_signs_in_the_same_spots_speak_against_a_place() -> None:
+    assert judged(100.0, repainted(SIGNS[:2], "GUCCI", "面馆")) is False
+
+
+@pytest.mark.parametrize("signs", [SIGNS[:2], SIGNS[:1], repainted(SIGNS[:2], "STARBUCK5", "书后")])
+def test_a_sign_that_was_there_speaks_for_a_place(signs: list[Sign]) -> None:
+    assert judged(100.0, signs) is True
+
+
+@pytest.mark.parametrize("signs", [[], repainted(SIGNS[:1], "GUCCI"), [Sign("ATM", 3.4, y=0.6)]])
+def test_too_little_says_nothing_of_a_place(signs: list[Sign]) -> None:
+    assert judged(100.0, signs) is None
+
+
+def test_what_was_read_in_an_earlier_doubt_is_not_counted() -> None:
+    walks = TwoWalks(SIGNS, [])
+    for sign in repainted(SIGNS[:2], "GUCCI", "面馆"):
+        for _ in range(8):
+            walks.advisor.note_doubtful(walks.sighting(3, sign, 50.0))
+    assert walks.advisor.judges(walks.map, 4, 40.0) is False
+    assert walks.advisor.judges(walks.map, 4, 60.0) is None
+
+
+def test_where_nothing_was_read_no_place_is_known() -> None:
+    walks = TwoWalks([], [])
+    assert not walks.advisor.knows(walks.map, 4)

@@ -145,7 +145,7 @@ def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Kn
         wishes.insert(0, replace(wish, wanted=tuple((concept, 1.0) for concept in wish.contested)))
     if "ask" in wanted:
         wishes.append(replace(wish, wanted=(("ask", 1.0),)))
-    if set(wanted) <= set(knowledge.instead_of.values()):
+    if set(wanted) - knowledge.general <= set(knowledge.instead_of.values()):
         # Where there is no vegetarian kitchen, whatever serves no meat.
         wishes.append(replace(wish, wanted=instead_of(wish.refused, knowledge)))
     choices = (_best(each, index, refused, knowledge, model, phrases) for each in wishes)

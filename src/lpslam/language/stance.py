@@ -149,7 +149,8 @@ def _without_telling(
         if _is_place(span, knowledge):
             kinds = [kind for kind, _ in span.value.concepts]
             serves = any(knowledge.share(concept, kind) >= _SERVES for concept in concepts for kind in kinds)
-            is_told = clause.says > (_TELLING_MUCH if serves else 1) and (is_special or wants_another)
+            was_there = any(other.value.role == "past" for other in clause.spans)
+            is_told = was_there or (clause.says > (_TELLING_MUCH if serves else 1) and (is_special or wants_another))
             return Stand.REFUSED if is_doubted or is_told else Stand.ASIDE if is_special else stand
         if is_doubted and not is_of_a_brand and _is_meal(span, knowledge):
             return Stand.REFUSED

@@ -1,4 +1,4 @@
-"""The seam between loop closing and what knows places by something else than keypoints: text, for one."""
+"""The seam between SLAM and what knows places by something else than keypoints: text, for one."""
 
 from collections.abc import Sequence
 from typing import Protocol
@@ -49,6 +49,17 @@ class LoopAdvisor(Protocol):
         """
         ...
 
+    def knows(self, keyframes: KeyframeMap, keyframe: int) -> bool:
+        """Whether enough is known around a keyframe to tell its place from its like."""
+        ...
+
+    def judges(self, keyframes: KeyframeMap, keyframe: int, since: float) -> bool | None:
+        """Whether what was seen since a time, in seconds, is of the place of a keyframe; None while nothing tells.
+
+        Called in the tracking thread after a relocalisation.
+        """
+        ...
+
 
 class _NoAdvice:
     def propose(self, keyframes: KeyframeMap, keyframe: int) -> Sequence[int]:
@@ -57,6 +68,12 @@ class _NoAdvice:
     def vetoes(
         self, keyframes: KeyframeMap, keyframe: int, candidate: int, camera_from_world: NDArray[np.float64]
     ) -> str | None:
+        return None
+
+    def knows(self, keyframes: KeyframeMap, keyframe: int) -> bool:
+        return False
+
+    def judges(self, keyframes: KeyframeMap, keyframe: int, since: float) -> bool | None:
         return None
 
 

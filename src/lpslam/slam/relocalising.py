@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lpslam.camera import inverse_transform
 from lpslam.config import LocatingConfig, TrackingConfig
@@ -28,6 +29,7 @@ class Relocaliser:
         self._locator = locator
         self._candidates = tracking.recovery_candidates
         self._config = locating
+        self._disowned: list[tuple[int, NDArray[np.float64]]] = []
 
     def find(self, features: Features, last_reference: int) -> Located | None:
         """The place of a view, or None; the caller holds the map's lock.
@@ -39,13 +41,30 @@ class Relocaliser:
         found = [
             located
             for candidate in self._likely(features, last_reference)
-            if (located := self._locator.locate(features, candidate)) is not None
+            if (located := self._locator.locate(features, candidate)) is not None and not self._is_disowned(located)
         ]
         if not found:
             return None
         best = max(found, key=lambda located: located.inliers)
         rivals = [other for other in found if other.inliers > self._config.rival_share * best.inliers]
         return None if any(self._is_elsewhere(best, other) for other in rivals) else best
+
+    def disown(self, keyframe: int, camera_from_world: NDArray[np.float64]) -> None:
+        """Believe no place around a pose any more, given in the world of a keyframe's sub-map, until `forget`."""
+        self._disowned.append((keyframe, inverse_transform(camera_from_world)[:3, 3]))
+
+    def forget(self) -> None:
+        """Believe every place again."""
+        self._disowned.clear()
+
+    def _is_disowned(self, located: Located) -> bool:
+        submaps = self._map.submaps()
+        centre = inverse_transform(located.camera_from_world)[:3, 3]
+        return any(
+            submaps[keyframe] == submaps[located.keyframe]
+            and float(np.linalg.norm(centre - other)) <= self._config.disowned_radius
+            for keyframe, other in self._disowned
+        )
 
     def _likely(self, features: Features, last_reference: int) -> Iterator[int]:
         tried = {last_reference}

@@ -59,6 +59,7 @@ class TrackedFrame:
         matches: map points matched and kept by the pose optimisation.
         is_keyframe: whether this frame became a keyframe (then `keyframe` is its own id).
         reason: why the state is what it is, in a few words with figures; empty when all is well.
+        is_doubted: whether the camera was found again in a place whose signs are not checked yet: nothing is mapped.
     """
 
     index: int
@@ -70,6 +71,7 @@ class TrackedFrame:
     matches: int
     is_keyframe: bool
     reason: str = ""
+    is_doubted: bool = False
 
     @property
     def is_tracked(self) -> bool:

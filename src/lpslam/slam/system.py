@@ -72,7 +72,9 @@ class RgbdSlam:
         places = PlaceIndex.of(self.map)
         locator = Locator(self.map, self.sensor, config.tracking, config.locating)
         relocaliser = Relocaliser(self.map, places, locator, config.tracking, config.locating)
-        self._tracker = Tracker(extractor, self.sensor, self.map, relocaliser, config, grows, self.events.append)
+        self._tracker = Tracker(
+            extractor, self.sensor, self.map, relocaliser, config, grows, self.events.append, advisor
+        )
         self._mapper = LocalMapper(self.map, self.sensor, config)
         self._loop_closer = LoopCloser(self.map, self.sensor, places, locator, config, advisor)
         self._back_end: BackEnd = (
@@ -88,6 +90,9 @@ class RgbdSlam:
     def process(self, frame: RgbdFrame) -> TrackedFrame:
         """Track one frame and let the map grow with it."""
         tracked = self._tracker.track(frame)
+        if self._tracker.disowned_since is not None:
+            self.trajectory.disown(self._tracker.disowned_since)
+            self._tracker.disowned_since = None
         if tracked.is_keyframe:
             self._depths[tracked.keyframe] = frame.depth
             if not self._is_live:

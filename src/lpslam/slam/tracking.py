@@ -7,7 +7,6 @@ looked for in the whole map, and after a while a new sub-map is begun.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +14,12 @@ from numpy.typing import NDArray
 from lpslam.camera import inverse_transform
 from lpslam.config import SlamConfig
 from lpslam.frames import RgbdFrame
+from lpslam.slam.advice import NO_ADVICE, LoopAdvisor
 from lpslam.slam.association import Associator, Estimate, View
+from lpslam.slam.doubt import Doubt
 from lpslam.slam.features import FeatureExtractor, Features, gray_of
 from lpslam.slam.following import choose_followed, follow_flow
+from lpslam.slam.guesses import FirstGuess, Followed, LastFrame
 from lpslam.slam.kernels import graph
 from lpslam.slam.keyframes import Keyframes
 from lpslam.slam.map import SlamMap
@@ -30,42 +32,6 @@ _Matrix = NDArray[np.float64]
 _Rows = NDArray[np.int32]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Last:
-    """The last frame with a pose: what the next one is predicted from.
-
-    Attributes:
-        gray: (h, w).
-        features, points: its keypoints (n rows) and the map point of each, or -1.
-        reference, camera_from_reference: its pose, which follows every correction of the map.
-    """
-
-    timestamp: float
-    gray: NDArray[np.uint8]
-    features: Features
-    points: _Rows
-    reference: int
-    camera_from_reference: _Matrix
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Start:
-    """A first guess of a view's pose: what its keypoints are known to see, and map points that are near."""
-
-    camera_from_world: _Matrix
-    points: _Rows
-    near: _Rows
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Followed:
-    """Keypoints that were followed, and the pose that they give in the world of one version of the map."""
-
-    features: Features
-    estimate: Estimate
-    version: int
-
-
 class Tracker:
     """Follows the camera through frames that come in order of time.
 
@@ -76,6 +42,7 @@ class Tracker:
         config: all thresholds.
         grows: whether new places are mapped; else the map is only read.
         on_event: told every change of state.
+        advisor: may speak against a place in which the camera was found again.
     """
 
     def __init__(
@@ -87,6 +54,7 @@ class Tracker:
         config: SlamConfig,
         grows: bool = True,
         on_event: Callable[[SlamEvent], None] = lambda event: None,
+        advisor: LoopAdvisor = NO_ADVICE,
     ) -> None:
         self._map = slam_map
         self._sensor = sensor
@@ -101,17 +69,21 @@ class Tracker:
         founds = grows and slam_map.keyframe_count == 0
         self.state = TrackingState.INITIALISING if founds else TrackingState.LOST
         self._reference = slam_map.keyframe_count - 1
-        self._last: _Last | None = None
+        self._last: LastFrame | None = None
         self._motion = ConstantVelocity()
         self._anchored_at = -np.inf
         self._followed_first = 0
         self._strict_until = -np.inf
         self._unknown_since: float | None = None
+        self._doubt = Doubt(slam_map, advisor, config.tracking.doubt_seconds)
+        self.disowned_since: float | None = None
         self._sharpness = UsualSharpness()
 
     def track(self, frame: RgbdFrame) -> TrackedFrame:
         """Find the pose of a frame; a frame that should become a keyframe is added to the map."""
         gray = gray_of(frame.rgb)
+        if self._doubt.is_open and self._last is not None:
+            self._settle_doubt(frame, self._last)
         followed = self._follow(frame, gray)
         if followed is not None and not self._must_match(frame, followed):
             with self._map.lock:
@@ -127,7 +99,7 @@ class Tracker:
 
     # Between matches with the map: optical flow -----------------------------------------------------------------
 
-    def _follow(self, frame: RgbdFrame, gray: NDArray[np.uint8]) -> _Followed | None:
+    def _follow(self, frame: RgbdFrame, gray: NDArray[np.uint8]) -> Followed | None:
         """Follow the last frame's keypoints, and optimise the pose on the points that they see."""
         last, config = self._last, self._config
         if last is None or last.gray.shape != gray.shape or config.followed_points == 0 or self._is_due(frame):
@@ -158,9 +130,9 @@ class Tracker:
         estimate = self._associator.optimise(features, predicted, match, positions[flow.rows], points[flow.rows])
         if estimate is None or estimate.agreement < config.min_flow_agreement:
             return None
-        return _Followed(features, estimate, version)
+        return Followed(features, estimate, version)
 
-    def _must_match(self, frame: RgbdFrame, followed: _Followed) -> bool:
+    def _must_match(self, frame: RgbdFrame, followed: Followed) -> bool:
         """Whether flow is not enough: too few points are left of those followed first, or it has gone on for long."""
         config, left = self._config, followed.estimate.inliers
         return (
@@ -177,7 +149,7 @@ class Tracker:
             and frame.timestamp - self._anchored_at >= self._config.anchor_interval
         )
 
-    def _seen(self, last: _Last) -> tuple[NDArray[np.int64], _Rows, _Matrix]:
+    def _seen(self, last: LastFrame) -> tuple[NDArray[np.int64], _Rows, _Matrix]:
         """Keypoints of the last frame whose place is known: rows, map points or -1, and positions (m, 3) in the world.
 
         Keypoints without a map point stand where their depth puts them.
@@ -192,13 +164,13 @@ class Tracker:
         positions[mapped] = self._map.columns.position[points[rows][mapped]]
         return rows, points[rows], positions
 
-    def _pose(self, last: _Last) -> _Matrix:
+    def _pose(self, last: LastFrame) -> _Matrix:
         """Camera from world of the last frame as the map has it now."""
         return last.camera_from_reference @ self._map.camera_from_world(last.reference)
 
     # Matching with the map --------------------------------------------------------------------------------------
 
-    def _match(self, frame: RgbdFrame, gray: NDArray[np.uint8], view: View, followed: _Followed | None) -> TrackedFrame:
+    def _match(self, frame: RgbdFrame, gray: NDArray[np.uint8], view: View, followed: Followed | None) -> TrackedFrame:
         """Search the local map from the best first guess that leads to enough matches."""
         lost = self.state is TrackingState.LOST
         gap = 0.0 if self._last is None else frame.timestamp - self._last.timestamp
@@ -216,21 +188,23 @@ class Tracker:
         if lost:
             self._strict_until = frame.timestamp + self._config.strict_seconds
             self._tell(EventKind.RELOCALISED, frame, f"{best.matches} map points matched")
+            if self._grows:
+                self._doubt.begin(self._reference, frame.timestamp)
         self._anchored_at = frame.timestamp
         return self._accept(frame, gray, view.features, best, may_become_keyframe=True)
 
-    def _starts(self, frame: RgbdFrame, view: View, followed: _Followed | None) -> Iterator[_Start]:
+    def _starts(self, frame: RgbdFrame, view: View, followed: Followed | None) -> Iterator[FirstGuess]:
         if followed is not None:
             near = followed.estimate.points
-            yield _Start(followed.estimate.camera_from_world, np.full(view.features.rows, -1, np.int32), near)
+            yield FirstGuess(followed.estimate.camera_from_world, np.full(view.features.rows, -1, np.int32), near)
         for estimate in (self._from_motion(frame, view), self._from_reference(view)):
             if estimate is not None:
-                yield _Start(estimate.camera_from_world, estimate.points, estimate.points)
+                yield FirstGuess(estimate.camera_from_world, estimate.points, estimate.points)
 
-    def _lost_starts(self, view: View) -> Iterator[_Start]:
+    def _lost_starts(self, view: View) -> Iterator[FirstGuess]:
         located = self._relocaliser.find(view.features, self._reference)
         if located is not None:
-            yield _Start(located.camera_from_world, located.points, located.points)
+            yield FirstGuess(located.camera_from_world, located.points, located.points)
 
     def _from_motion(self, frame: RgbdFrame, view: View) -> Estimate | None:
         """Constant velocity, then the last frame's points in windows around where they should appear."""
@@ -264,7 +238,7 @@ class Tracker:
         guess = self._pose(self._last) if self._last is not None else self._map.camera_from_world(self._reference)
         return self._associator.optimise_on_map(view.features, guess, points)
 
-    def _search_local_map(self, view: View, start: _Start) -> Estimate | None:
+    def _search_local_map(self, view: View, start: FirstGuess) -> Estimate | None:
         """Search the points of covisible keyframes near their projections, and optimise with all matches."""
         slam_map, associator = self._map, self._associator
         m = slam_map.columns
@@ -288,6 +262,20 @@ class Tracker:
             self._reference = int(local[0])
         return refined
 
+    def _settle_doubt(self, frame: RgbdFrame, last: LastFrame) -> None:
+        """After a relocalisation, give the place up again where the signs that are read there are others."""
+        since = self._doubt.since
+        with self._map.lock:
+            is_right = self._doubt.settle(self._reference, frame.timestamp)
+            if is_right:
+                self._relocaliser.forget()
+            if is_right is not False:
+                return
+            self._tell(EventKind.LOST, frame, f"the signs read since {since:.2f} s are not those of the place")
+            self._relocaliser.disown(self._reference, self._pose(last))
+        self.state, self._last, self.disowned_since = TrackingState.LOST, None, since
+        self._motion.forget()
+
     # What becomes of the frame ----------------------------------------------------------------------------------
 
     def _initialise(self, frame: RgbdFrame, gray: NDArray[np.uint8], features: Features) -> TrackedFrame:
@@ -305,6 +293,7 @@ class Tracker:
     ) -> TrackedFrame:
         """Begin a map or sub-map: every keypoint with depth is a point."""
         self.state, self._unknown_since, self._reference = TrackingState.TRACKING, None, -1
+        self._relocaliser.forget()
         self._sharpness.begin(frame)
         nothing_seen = Estimate(camera_from_world, np.full(features.rows, -1, np.int32), 0)
         estimate = self._add_keyframe(frame, features, nothing_seen)
@@ -326,6 +315,7 @@ class Tracker:
         if self.state is not TrackingState.LOST:
             self._tell(EventKind.LOST, frame, reason)
         self.state, self._last = TrackingState.LOST, None
+        self._doubt.end()
         self._motion.forget()
         if depths < self._keyframe_config.min_start_depths or not self._grows:
             self._unknown_since = None
@@ -361,6 +351,7 @@ class Tracker:
         is_keyframe = (
             may_become_keyframe
             and self._grows
+            and not self._doubt.is_open
             and self._keyframes.wants(frame.timestamp, features, estimate.points >= 0)
             and not self._keyframes.is_known_view(estimate, self._reference)
         )
@@ -384,7 +375,7 @@ class Tracker:
             seconds = frame.timestamp - self._last.timestamp
             self._motion.note(self._pose(self._last), estimate.camera_from_world, seconds)
         keyframe_from_camera = reference_from_world @ world_from_camera
-        self._last = _Last(
+        self._last = LastFrame(
             frame.timestamp, gray, features, estimate.points, self._reference, inverse_transform(keyframe_from_camera)
         )
         is_home = self._map.is_home(self._reference)
@@ -400,6 +391,7 @@ class Tracker:
             reason
             if is_home
             else ", ".join(part for part in (reason, "in a sub-map not joined to the map yet") if part),
+            self._doubt.is_open,
         )
 
     def _tell(self, kind: EventKind, frame: RgbdFrame, reason: str) -> None:

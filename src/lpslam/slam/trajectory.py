@@ -44,6 +44,15 @@ class Trajectory:
         self._keyframes.append(tracked.keyframe if has_pose else -1)
         self._poses.append(tracked.keyframe_from_camera if tracked.keyframe_from_camera is not None else np.eye(4))
 
+    def disown(self, since: float) -> None:
+        """Take back the poses of the newest session's frames from a time on, in seconds: they were of another place."""
+        for row in range(len(self._indices) - 1, -1, -1):
+            if self._sessions[row] != self.session or self._timestamps[row] < since:
+                break
+            self._states[row] = _STATES.index(TrackingState.LOST)
+            self._keyframes[row] = -1
+            self._poses[row] = np.eye(4)
+
     @property
     def frame_count(self) -> int:
         """Number of frames of the newest session."""

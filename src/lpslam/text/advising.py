@@ -14,8 +14,18 @@ from numpy.typing import NDArray
 
 from lpslam.config import AdviceConfig
 from lpslam.slam.advice import KeyframeMap
-from lpslam.text.constellations import Constellation, Seen, constellations, contradict, nearest_views, seen_texts
+from lpslam.text.constellations import (
+    NEARLY_THE_SAME,
+    Constellation,
+    Seen,
+    agree,
+    constellations,
+    contradict,
+    nearest_views,
+    seen_texts,
+)
 from lpslam.text.memory import TextClass
+from lpslam.text.similarity import comparison_key, similarity
 from lpslam.text.types import TextObservation
 
 Sighting = tuple[int, TextObservation]
@@ -48,6 +58,7 @@ class TextAdvisor:
         self._lock = threading.Lock()
         self._by_keyframe: dict[int, list[Sighting]] = defaultdict(list)
         self._by_class: dict[int, list[TextObservation]] = defaultdict(list)
+        self._doubtful: list[Sighting] = []
         self.proposed = 0
         self.vetoed = 0
         for text_class in classes:
@@ -61,6 +72,18 @@ class TextAdvisor:
             if sum(other == text_class for other, _ in here) < _KEPT:
                 here.append((text_class, observation))
                 self._by_class[text_class].append(observation)
+
+    def note_doubtful(self, observation: TextObservation) -> None:
+        """Take a sighting from where the camera was found again: `judges` compares it with what was read there."""
+        key = comparison_key(observation.text)
+        with self._lock:
+            alike = (
+                text_class
+                for text_class, other in self._doubtful
+                if similarity(comparison_key(other.text), key) >= NEARLY_THE_SAME
+            )
+            self._doubtful.append((next(alike, -1 - len(self._doubtful)), observation))
+            del self._doubtful[:-_LOOKED_AT]
 
     def propose(self, keyframes: KeyframeMap, keyframe: int) -> list[int]:
         """KeyframeMap that see texts in an arrangement in which texts around `keyframe` were read lately."""
@@ -98,6 +121,24 @@ class TextAdvisor:
             return None
         self.vetoed += 1
         return SIGNS_DIFFER
+
+    def knows(self, keyframes: KeyframeMap, keyframe: int) -> bool:
+        """Whether as many texts are known around a keyframe as must contradict."""
+        return len(self._around(keyframes, keyframe, ())) >= self._config.contradictions
+
+    def judges(self, keyframes: KeyframeMap, keyframe: int, since: float) -> bool | None:
+        """Compare the doubtful sightings with what was read around a keyframe before; None while they say nothing."""
+        with self._lock:
+            self._doubtful = [each for each in self._doubtful if each[1].timestamp >= since]
+            doubtful = list(self._doubtful)
+        if not doubtful:
+            return None
+        new = seen_texts(doubtful, keyframes.world_from_keyframe, self._config)
+        around = self._around(keyframes, keyframe, ())
+        if contradict(new, around, self._config):
+            self.vetoed += 1
+            return False
+        return True if agree(new, around, self._config) else None
 
     # What was read --------------------------------------------------------------------------------------------------
 

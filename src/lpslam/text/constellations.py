@@ -16,7 +16,7 @@ from lpslam.text.types import TextObservation
 Array = NDArray[np.float64]
 
 # Readings of one text that differ by no more than one letter in five say nearly the same.
-_NEARLY_THE_SAME = 0.8
+NEARLY_THE_SAME = 0.8
 
 # Spellings of a text that are compared with another's.
 _SPELLINGS = 3
@@ -130,7 +130,7 @@ def _text(
         counts[each.text] = counts.get(each.text, 0) + 1
     spellings = sorted(counts, key=lambda text: (-counts[text], text))
     key = comparison_key(spellings[0])
-    same = [count for text, count in counts.items() if similarity(comparison_key(text), key) >= _NEARLY_THE_SAME]
+    same = [count for text, count in counts.items() if similarity(comparison_key(text), key) >= NEARLY_THE_SAME]
     return Seen(
         text_class,
         tuple(spellings[:_SPELLINGS]),
@@ -282,6 +282,16 @@ def contradict(new: Sequence[Seen], old: Sequence[Seen], config: AdviceConfig) -
         if likest < config.unlike and is_another_board and any(_fill_one_spot(text, each) for each in around):
             contradicting.append(text)
     return len(contradicting) >= config.contradictions
+
+
+def agree(new: Sequence[Seen], old: Sequence[Seen], config: AdviceConfig) -> bool:
+    """Whether one of some texts, read often enough, says what stood there before."""
+    return any(
+        _is_near(text, other, config) and likeness(text, other) >= config.alike
+        for text in new
+        if text.sightings >= config.min_sightings
+        for other in old
+    )
 
 
 def _is_sure(text: Seen, config: AdviceConfig) -> bool:

@@ -46,6 +46,7 @@ class TextMapper:
         text_map: TextMap | None = None,
         beside: BesideNaming | None = None,
         on_sighting: Callable[[int, TextObservation], None] = lambda text_class, observation: None,
+        on_doubtful: Callable[[TextObservation], None] = lambda observation: None,
     ) -> None:
         self.text_map = text_map or TextMap(config)
         self.statistics = TextStatistics()
@@ -55,6 +56,7 @@ class TextMapper:
         self._language = language
         self._beside = beside
         self._on_sighting = on_sighting
+        self._on_doubtful = on_doubtful
         self._named_beside: set[int] = set()
         self._gate = ReadingGate(config.reading)
         self._spots = Spots()
@@ -107,11 +109,18 @@ class TextMapper:
         self.take_names()
         # In a sub-map that is not joined to the map yet, where a text stands is no evidence.
         world_from_keyframe = None
-        if tracked.world_from_camera is not None:
+        if tracked.world_from_camera is not None and not tracked.is_doubted:
             world_from_keyframe = tracked.world_from_camera @ inverse_transform(tracked.keyframe_from_camera)
         reading = self._read(frame, tracked.keyframe_from_camera, world_from_keyframe)
         if reading is None:
             return None
+        if tracked.is_doubted:
+            # Where a text stands would be wrong with the place: nothing is remembered until that is known.
+            for text, placement in zip(reading.texts, reading.placements, strict=True):
+                if placement is not None:
+                    self._on_doubtful(_observation(frame, tracked.keyframe, text, placement))
+            self._gate.hurry(frame.timestamp)
+            return reading
         started = perf_counter()
         observations = []
         is_new = False
@@ -122,16 +131,7 @@ class TextMapper:
             text_class = self._remember(text, placement, seen, frame.timestamp, world_from_keyframe)
             is_new |= text_class.count < self._config.reading.settled_sightings
             if placement is not None:
-                observation = TextObservation(
-                    frame.index,
-                    frame.timestamp,
-                    tracked.keyframe,
-                    text.text,
-                    text.confidence,
-                    placement,
-                    text.letter_height,
-                    ground_colour(frame.rgb, text.box),
-                )
+                observation = _observation(frame, tracked.keyframe, text, placement)
                 text_class.observations.append(observation)
                 self._on_sighting(text_class.id, observation)
                 observations.append(observation)
@@ -250,6 +250,19 @@ class TextMapper:
         self.statistics.texts_rejected += int((fates == BoxFate.UNREAD).sum())
         self.statistics.texts_read += len(texts)
         self.statistics.observations_without_depth += sum(isinstance(each, PlacementFault) for _, each in texts)
+
+
+def _observation(frame: RgbdFrame, keyframe: int, text: SpottedText, placement: Placement) -> TextObservation:
+    return TextObservation(
+        frame.index,
+        frame.timestamp,
+        keyframe,
+        text.text,
+        text.confidence,
+        placement,
+        text.letter_height,
+        ground_colour(frame.rgb, text.box),
+    )
 
 
 class ReadingGate:

@@ -1,0 +1,50 @@
+"""Whether the camera is where it was found again: look-alike places are told apart by what stands written there."""
+
+import numpy as np
+
+from lpslam.slam.advice import LoopAdvisor
+from lpslam.slam.map import SlamMap
+
+
+class Doubt:
+    """Open after a relocalisation in a place of which an advisor knows more than its looks.
+
+    While it is open nothing is mapped, so that a wrong place can be given up as if it had never been found.
+
+    Args:
+        slam_map: in which the camera was found; its lock is held by whoever calls.
+        advisor: judges the place.
+        seconds: after which an advisor that says nothing is not waited for any more.
+    """
+
+    def __init__(self, slam_map: SlamMap, advisor: LoopAdvisor, seconds: float) -> None:
+        self._map = slam_map
+        self._advisor = advisor
+        self._seconds = seconds
+        self.since = np.inf
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the place is not believed yet."""
+        return bool(np.isfinite(self.since))
+
+    def begin(self, keyframe: int, timestamp: float) -> None:
+        """Doubt that the camera is near a keyframe, if there is anything to judge that by."""
+        if self._advisor.knows(self._map, keyframe):
+            self.since = timestamp
+
+    def settle(self, keyframe: int, timestamp: float) -> bool | None:
+        """Ask the advisor: whether the camera is near a keyframe; None while nobody knows. The answer ends the doubt.
+
+        Args:
+            keyframe: the reference.
+            timestamp: of the frame, in seconds.
+        """
+        is_right = self._advisor.judges(self._map, keyframe, self.since)
+        if is_right is not None or timestamp - self.since > self._seconds:
+            self.end()
+        return is_right
+
+    def end(self) -> None:
+        """Doubt no more."""
+        self.since = np.inf
