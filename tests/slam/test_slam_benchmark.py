@@ -50,10 +50,10 @@ def test_pose_error_is_of_the_relative_pose() -> None:
 
 
 def test_a_second_round_goes_on_where_the_first_ended() -> None:
-    from slam_scale import _where_it_was_before
+    from slam_scale import where_it_was_before
 
     truth = around(1.1, 1100)
-    assert _where_it_was_before(truth) == pytest.approx(100, abs=2)
+    assert where_it_was_before(truth) == pytest.approx(100, abs=2)
 
 
 def test_the_mapped_part_is_reached_again_a_metre_before_its_start() -> None:
