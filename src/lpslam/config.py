@@ -90,6 +90,9 @@ class MemoryConfig(_Section):
     forgetting: float = Field(default=0.006, ge=0)
     # Seconds between sightings that count in full; quicker ones see the same picture again and count for their share.
     full_sighting_interval: float = Field(default=0.15, gt=0)
+    # What a sighting counts at most: one that comes twice that long after the last, and says the same, is a look of its
+    # own and no repeated slip. Where frames are few, two sure ones are enough.
+    independent_weight: float = Field(default=1.4, ge=1)
     # Longest score history of a class, samples; thinned by half when full.
     history: int = Field(default=512, ge=8)
 

@@ -120,13 +120,16 @@ def _goes_on(before: Span[Meaning], asking: Span[Meaning], knowledge: Knowledge)
 
 
 def _places_of(phrases: frozenset[str], units: Sequence[str], without: frozenset[str] = frozenset()) -> set[int]:
-    """Where any of some phrases begins, not right after one of `without`: 想, but not 不想."""
+    """Where any of some phrases begins, not right beside one of `without`: 想, but not 不想, nor “kann ich nicht”."""
     longest = max((phrase.count(" ") + 1 for phrase in phrases), default=0)
     return {
         at
         for at in range(len(units))
         if not (at and units[at - 1] in without)
-        and any(" ".join(units[at : at + size]) in phrases for size in range(1, longest + 1))
+        and any(
+            " ".join(units[at : at + size]) in phrases and not without.intersection(units[at + size : at + size + 1])
+            for size in range(1, longest + 1)
+        )
     }
 
 

@@ -14,7 +14,7 @@ _SURROUNDINGS = (
     *("facility/platform", "railway/", "highway/", "leisure/park", "leisure/garden", "amenity/parking"),
     "train",
 )
-_VENUES = ("amenity/hospital", "aeroway/aerodrome", "shop/mall")
+_VENUES = ("amenity/hospital", "amenity/clinic", "aeroway/aerodrome", "shop/mall")
 SELDOM = 0.4  # the weight of what a sign says by the way
 SLOGAN = "sign/slogan"
 

@@ -21,6 +21,9 @@ _LEADING_SPELLINGS = 4
 # Forgetting is given a frame, for the camera's usual 30 frames a second, and acts on time.
 _FRAMES_PER_SECOND = 30.0
 
+# Full sighting intervals between looks of their own.
+_APART = 2.0
+
 # Classes that were forgotten are remembered for the figure only.
 _FORGOTTEN_SHOWN = 64
 
@@ -148,10 +151,11 @@ class LongShortTermMemory:
             legibility: 0 to 1; what the spelling weighs when the class is named.
         """
         text_class = self._classify(text, here) or self._found(timestamp)
+        says_the_same = text in text_class.variants
         variant = text_class.variants.setdefault(text, Variant())
         variant.count += 1
         variant.confidence += confidence * legibility
-        self._strengthen(text_class, confidence, timestamp)
+        self._strengthen(text_class, confidence, timestamp, says_the_same)
         return text_class
 
     def confirm(self, identifier: int, timestamp: float) -> None:
@@ -160,10 +164,13 @@ class LongShortTermMemory:
         if text_class is not None:
             self._strengthen(text_class, 1.0, timestamp)
 
-    def _strengthen(self, text_class: TextClass, confidence: float, timestamp: float) -> None:
+    def _strengthen(
+        self, text_class: TextClass, confidence: float, timestamp: float, says_the_same: bool = False
+    ) -> None:
         # Sightings in quick succession are one look: their misreadings repeat, so they are not independent evidence.
         interval = timestamp - text_class.last_seen if text_class.history else self.config.full_sighting_interval
-        weight = min(1.0, max(0.0, interval) / self.config.full_sighting_interval)
+        looks = max(0.0, interval) / self.config.full_sighting_interval
+        weight = self.config.independent_weight if says_the_same and looks >= _APART else min(1.0, looks)
         self._record(text_class, timestamp)
         text_class.score = min(self.config.ceiling, text_class.score + confidence * weight)
         text_class.last_seen = max(timestamp, text_class.last_seen)
