@@ -69,6 +69,9 @@ def naming(model: LanguageModel, name: str) -> tuple[tuple[int, int, int], list[
     return (right, commonest, len(cases)), misses
 
 
+ORDINALS = ("second", "third", "fourth", "fifth", "sixth", "seventh", "eighth")
+
+
 def main() -> None:
     """Print one line a category."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -82,14 +85,7 @@ def main() -> None:
         for kind, (right, total) in judged.items():
             print(f"{name} {kind}: {right}/{total} = {right / total:.1%}")
         misses += more
-    for name in (
-        "choosing",
-        "choosing_second",
-        "choosing_third",
-        "choosing_fourth",
-        "choosing_fifth",
-        "choosing_sixth",
-    ):
+    for name in ("choosing", *(f"choosing_{ordinal}" for ordinal in ORDINALS)):
         chosen, more = choosing(model, name)
         for kind, (right, wrong, total) in chosen.items():
             print(f"{name} {kind}: {right}/{total} = {right / total:.1%}, wrong {wrong}")

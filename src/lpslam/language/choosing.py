@@ -16,6 +16,7 @@ from lpslam.language.words import Folder, is_unspaced
 _YES = 0.5  # a place is a kind when its words say so at least this surely
 _SPECIAL = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
 _ALTERNATIVES = 5
+_SAME_SORT = 0.25  # what the sort of a refused place weighs where nothing else is wanted
 _SHORTEST_WORD = 4  # letters of a word that may stand for the name that it is part of
 _FEW = 3  # landmarks that one word may stand for
 _PART = "part:"  # before the words that are parts of names, among names
@@ -42,9 +43,10 @@ class LandmarkIndex:
             bare = (landmark.name.replace("'", ""),) if "'" in landmark.name else ()
             for text in (landmark.name, *bare, *other_names):
                 phrase = signs.phrase(text)
-                if (spoken_key(phrase) or _is_initials(text)) and (sign.identity or phrase not in knowledge.painted):
+                is_short = _is_short_name(text, phrase, knowledge)
+                if (spoken_key(phrase) or is_short) and (sign.identity or phrase not in knowledge.painted):
                     by_phrase.setdefault(phrase, {})[landmark.id] = None
-                    if _is_initials(text):
+                    if is_short:
                         initials[phrase] = text
         self.ids_of = {phrase: tuple(ids) for phrase, ids in by_phrase.items()}
         self.names = {phrase: Meaning("name", ((phrase, 1.0),)) for phrase in by_phrase}
@@ -89,8 +91,10 @@ class LandmarkIndex:
         return len(landmarks) == len(self.landmarks) and self.landmarks == list(landmarks)
 
 
-def _is_initials(name: str) -> bool:
-    return len(name) == 2 and name.isascii() and name.isalpha() and name.isupper()
+def _is_short_name(name: str, phrase: str, knowledge: Knowledge) -> bool:
+    """Whether two letters are a name that is one only where it stands as it is painted: GU, dm."""
+    is_word = any(phrase in common for common in knowledge.common.values())
+    return len(name) == 2 and name.isascii() and name.isalpha() and (name.isupper() or not is_word)
 
 
 def _ids_by_word(ids_by_phrase: Mapping[str, Collection[int]]) -> dict[str, set[int]]:
@@ -129,7 +133,10 @@ def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Kn
         return Choice(named[0], 0.95, phrases.say("named"), model, tuple(named[1 : 1 + _ALTERNATIVES]))
     if not wish.wanted:
         others = [*wish.refused, *(kind for id_ in refused for kind, _ in index.signs[id_].kinds)]
-        wish = replace(wish, wanted=instead_of(others, knowledge))
+        # Another of the same sort, and else something of the same use.
+        alike = kinds_of(sorted(refused), index) if asks_for_another(question) else ()
+        wanted_instead = dict(instead_of(others, knowledge)) | {kind: _SAME_SORT * sure for kind, sure in alike}
+        wish = replace(wish, wanted=tuple(wanted_instead.items()))
     wanted = dict(wish.wanted)
     missing = [name for name in wish.wanted_names if name not in index.ids_of]
     if missing and not any(weight >= _SPECIAL for weight in wanted.values()):

@@ -33,7 +33,8 @@ _OWN_LETTERS = {
 }
 _ANOTHER = re.compile(
     r"\b(another|other|else|instead|alternatives?|besides|otr[oa]s?|en vez|autres?|ailleurs|plutôt|ander(e[nrms]?)"
-    r"|d[oó]nde m[aá]s|qu[eé] m[aá]s|stattdessen|sonst|lieber|woanders)\b"
+    r"|d[oó]nde m[aá]s|qu[eé] m[aá]s|stattdessen|sonst|lieber|woanders|elsewhere|better|besser(e[nrms]?)?|mieux"
+    r"|mejor)\b"
     r"|别的|別的|其他|其它|另外|另一|换一|換一|[别別][家处處间間]|[换換][个個家间間]|第二[家间間]|仲有|除了|除咗"
     r"|別の|別んとこ|ほか|他の|他を|よそ|以外|다른|말고|대신|딴 ?[데거곳]",
     re.IGNORECASE,
