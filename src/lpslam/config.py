@@ -92,7 +92,7 @@ class MemoryConfig(_Section):
     full_sighting_interval: float = Field(default=0.15, gt=0)
     # What a sighting counts at most: one that comes twice that long after the last, and says the same, is a look of its
     # own and no repeated slip. Where frames are few, two sure ones are enough.
-    independent_weight: float = Field(default=1.4, ge=1)
+    independent_weight: float = Field(default=1.5, ge=1)
     # Longest score history of a class, samples; thinned by half when full.
     history: int = Field(default=512, ge=8)
 

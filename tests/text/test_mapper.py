@@ -1,5 +1,6 @@
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from lpslam.slam.state import TrackedFrame, TrackingState
 from lpslam.text.distilling import distil
 from lpslam.text.mapper import TextMapper
 from lpslam.text.text_map import TextMap
-from lpslam.text.types import BoxFate
+from lpslam.text.types import BoxFate, TextObservation
 
 CAMERA = PinholeCamera(640, 480, 570.0, 570.0, 320.0, 240.0)
 CONFIG = TextConfig()
@@ -356,3 +357,18 @@ def test_a_slow_models_invention_is_counted_and_not_taken() -> None:
     (text_class,) = mapper.text_map.long_term
     assert text_class.name == "GUCCI"
     assert mapper.statistics.language_errors == 1
+
+
+def test_what_is_read_in_a_doubted_place_is_told_and_not_remembered() -> None:
+    spotter = ScriptedSpotter((box(100, 200), "GUCCI", 0.98))
+    told: list[TextObservation] = []
+    mapper = TextMapper(CAMERA, spotter, CONFIG, on_doubtful=told.append)
+    for index in range(30):
+        mapper.observe(frame(index), replace(tracked(index), is_doubted=True))
+    assert len(told) >= 3
+    assert {each.text for each in told} == {"GUCCI"}
+    assert told[0].placement.position == pytest.approx([(160 - 320) / 570 * 2, (215 - 240) / 570 * 2, 2.0], abs=1e-6)
+    assert not mapper.text_map.memory.classes
+    for index in range(30, 60):
+        mapper.observe(frame(index), tracked(index))
+    assert [each.name for each in mapper.text_map.landmarks(identity)] == ["GUCCI"]

@@ -78,7 +78,9 @@ def test_what_is_remembered_does_not_depend_on_the_frame_rate(fps: float) -> Non
         memory.forget(frame / fps)
         if frame % int(fps / 2) == 0 and frame <= 2 * fps:
             memory.sight("GUCCI", 0.9, frame / fps)
-    assert memory.long_term[0].score == pytest.approx(5 * 0.9 - 30 * CONFIG.forgetting * 10.0)
+    # The first look, and four that are apart and say the same.
+    seen = 0.9 * (1 + 4 * CONFIG.independent_weight)
+    assert memory.long_term[0].score == pytest.approx(min(seen, CONFIG.ceiling) - 30 * CONFIG.forgetting * 10.0)
 
 
 def test_reading_every_frame_promotes_no_sooner_than_looking() -> None:
@@ -103,3 +105,23 @@ def test_scores_stay_in_bounds_and_history_is_in_order(events: list[tuple[str, f
             times = [timestamp for timestamp, _ in text_class.history]
             assert times == sorted(times)
     assert all(each.score > 0.0 or each.last_seen == clock for each in memory.short_term.values())
+
+
+def test_two_looks_that_are_apart_and_say_the_same_are_enough() -> None:
+    memory = LongShortTermMemory(CONFIG)
+    sight(memory, "HUAWEI", 0.0, 0.99)
+    assert not memory.long_term
+    sight(memory, "HUAWEI", 0.5, 0.99)
+    assert memory.long_term[0].name == "HUAWEI"
+
+
+@pytest.mark.parametrize(
+    ("second", "interval", "confidence"),
+    [("HUAWE1", 0.5, 0.99), ("HUAWEI", 0.2, 0.99), ("HUAWEI", 0.5, 0.9)],
+    ids=["it says otherwise", "it is the same look", "it is not sure"],
+)
+def test_two_looks_are_not_enough(second: str, interval: float, confidence: float) -> None:
+    memory = LongShortTermMemory(CONFIG)
+    sight(memory, "HUAWEI", 0.0, confidence)
+    sight(memory, second, interval, confidence)
+    assert not memory.long_term

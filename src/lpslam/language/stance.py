@@ -5,7 +5,7 @@ is nothing but a refusal (“no thanks”, 受不了) speaks of the one before i
 tells is no wish: who says what Zara is like and then asks for a dress wants another shop.
 """
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from enum import Enum
 
 from lpslam.language.clauses import BREAKING_MARKS, Clause
@@ -59,13 +59,8 @@ def told_in(
     for at in range(1, len(clauses)):
         # “I need shoes, but Bata's are for aunties.”
         wants = any(_is_wanted(one) and one[0].value.role == "means" for each in told[:at] for one in each)
-        first = next(iter(clauses[at].spans), None)
-        if (
-            wants
-            and first
-            and first.key in knowledge.turning
-            and all(span.value.role == "name" for span, _ in told[at])
-        ):
+        turns = any(span.key in knowledge.turning for span in clauses[at].spans[:1])
+        if wants and turns and all(span.value.role == "name" for span, _ in told[at]):
             told[at] = [(span, Stand.REFUSED) for span, _ in told[at]]
     return [_without_pains(each, knowledge) for each in _without_telling(clauses, told, knowledge, wants_another)]
 
@@ -75,12 +70,12 @@ def _without_pains(told: Told, knowledge: Knowledge) -> Told:
     if not any(stand is Stand.REFUSED and _is_meal(span, knowledge) for span, stand in told):
         return told
     return [
-        (span, Stand.ASIDE if stand is Stand.WANTED and is_pain(span.value.concepts, knowledge) else stand)
+        (span, Stand.ASIDE if stand is Stand.WANTED and _is_pain(span.value.concepts, knowledge) else stand)
         for span, stand in told
     ]
 
 
-def is_pain(concepts: Sequence[tuple[str, float]], knowledge: Knowledge) -> bool:
+def _is_pain(concepts: Sequence[tuple[str, float]], knowledge: Knowledge) -> bool:
     """Whether all that is meant is an ailment."""
     return bool(concepts) and all(concept in knowledge.symptoms for concept, _ in concepts)
 
@@ -115,60 +110,91 @@ def _without_telling(
 ) -> list[Told]:
     """Where one clause asks for something, the others only tell: of places not wanted, and of things by the way."""
     asking = [clause.asks for clause in clauses]
-    is_asked = any(asking)
-    if not is_asked:
+    if clauses and not any(asking):
         # Without a word that asks, the last thing that is said is what is wanted.
-        asking[-1:] = [True] * bool(asking)
-    asked = [
-        span
-        for is_asking, each in zip(asking, told, strict=True)
-        for span, stand in each
-        if is_asking and stand is Stand.WANTED and span.value.role == "means"
-    ]
-    puzzles = any(is_asking and clause.puzzles for is_asking, clause in zip(asking, clauses, strict=True))
-    if not asked and not puzzles and not (wants_another and not all(asking)):
-        return list(told)
-    is_special = any(not _is_vague(span, knowledge) for span in asked)
-    concepts = {concept for span in asked for concept, _ in span.value.concepts}
-
-    def judged(at: int, span: Span[Meaning], stand: Stand, before: Span[Meaning] | None) -> Stand:
-        clause = clauses[at]
-        if stand is not Stand.WANTED:
-            return stand
-        if span.value.role == "name":
-            return Stand.REFUSED if clause.tells and (asked or puzzles) else stand
-        if (
-            not is_asked
-            or clause.is_near_asking
-            or _is_plain(span, knowledge)
-            or not concepts.isdisjoint(concept for concept, _ in span.value.concepts)
-        ):
-            return stand
-        is_of_a_brand = before is not None and before.value.role == "name" and span.start - before.end <= 1
-        is_doubted = clause.denies or (clause.echoes and (bool(asked) or wants_another))
-        if _is_place(span, knowledge):
-            kinds = [kind for kind, _ in span.value.concepts]
-            serves = any(knowledge.share(concept, kind) >= _SERVES for concept in concepts for kind in kinds)
-            was_there = any(other.value.role == "past" for other in clause.spans)
-            is_told = was_there or (clause.says > (_TELLING_MUCH if serves else 1) and (is_special or wants_another))
-            return Stand.REFUSED if is_doubted or is_told else Stand.ASIDE if is_special else stand
-        if is_doubted and not is_of_a_brand and _is_meal(span, knowledge):
-            return Stand.REFUSED
-        near = [*(clauses[at - 1].spans if at else ()), *clause.spans]
-        has_run_out = any(other.value.role == "neutral" for other in near)
-        if wants_another and not (is_special or has_run_out or is_of_a_brand) and clause.tells:
-            return Stand.REFUSED if _is_ware(span, knowledge) else stand
-        return Stand.ASIDE if is_special and _is_ware(span, knowledge) else stand
-
+        asking[-1] = True
+    asked = _Asked(clauses, told, asking, knowledge, wants_another)
     return [
         each
-        if is_asking
+        if asking[at]
         else [
-            (span, judged(at, span, stand, before[0] if before else None))
+            (span, asked.stand(at, span, before[0] if before else None) if stand is Stand.WANTED else stand)
             for before, (span, stand) in zip((None, *each), each, strict=False)
         ]
-        for at, (is_asking, each) in enumerate(zip(asking, told, strict=True))
+        for at, each in enumerate(told)
     ]
+
+
+class _Asked:
+    """What the clauses that ask want, and how the speaker stands to what the others tell of."""
+
+    def __init__(
+        self,
+        clauses: Sequence[Clause],
+        told: Sequence[Told],
+        asking: Sequence[bool],
+        knowledge: Knowledge,
+        wants_another: bool,
+    ) -> None:
+        self._clauses = clauses
+        self._knowledge = knowledge
+        self._wants_another = wants_another
+        spans = [
+            span
+            for is_asking, each in zip(asking, told, strict=True)
+            for span, stand in each
+            if is_asking and stand is Stand.WANTED and span.value.role == "means"
+        ]
+        self._concepts = {concept for span in spans for concept, _ in span.value.concepts}
+        self._is_special = any(not _is_vague(span, knowledge) for span in spans)
+        # What is asked for may be in no table.
+        self._wants_anything = bool(spans) or any(
+            is_asking and clause.puzzles for is_asking, clause in zip(asking, clauses, strict=True)
+        )
+        self._is_sure = any(clause.asks for clause in clauses) and (self._wants_anything or wants_another)
+
+    def stand(self, at: int, span: Span[Meaning], before: Span[Meaning] | None) -> Stand:
+        """How the speaker stands to a phrase of a clause that does not ask; `before` is what is said before it."""
+        clause, concepts = self._clauses[at], {concept for concept, _ in span.value.concepts}
+        if span.value.role == "name":
+            return Stand.REFUSED if clause.tells and self._wants_anything else Stand.WANTED
+        if (
+            not self._is_sure
+            or clause.is_near_asking
+            or _is_plain(span, self._knowledge)
+            or not self._concepts.isdisjoint(concepts)
+        ):
+            return Stand.WANTED
+        is_doubted = clause.denies or (clause.echoes and (bool(self._concepts) or self._wants_another))
+        if _is_place(span, self._knowledge):
+            is_refused = is_doubted or self._tells_of_a_place(clause, concepts)
+        elif before is not None and before.value.role == "name" and span.start - before.end <= 1:
+            # A brand's coffee says nothing against coffee.
+            is_refused = False
+        else:
+            is_refused = (is_doubted and _is_meal(span, self._knowledge)) or self._tells_of_a_ware(at, span)
+        if is_refused:
+            return Stand.REFUSED
+        is_by_the_way = self._is_special and (_is_place(span, self._knowledge) or _is_ware(span, self._knowledge))
+        return Stand.ASIDE if is_by_the_way else Stand.WANTED
+
+    def _tells_of_a_place(self, clause: Clause, kinds: Set[str]) -> bool:
+        """Whether a kind of place is said to have been visited, or to be like this or that."""
+        if any(span.value.role == "past" for span in clause.spans):
+            return True
+        serves = any(self._knowledge.share(each, kind) >= _SERVES for each in self._concepts for kind in kinds)
+        return clause.says > (_TELLING_MUCH if serves else 1) and (self._is_special or self._wants_another)
+
+    def _tells_of_a_ware(self, at: int, span: Span[Meaning]) -> bool:
+        """Whether something else is asked for than a ware that is told of, and not where it has run out."""
+        near = [*(self._clauses[at - 1].spans if at else ()), *self._clauses[at].spans]
+        has_run_out = any(other.value.role == "neutral" for other in near)
+        return (
+            self._wants_another
+            and not (self._is_special or has_run_out)
+            and self._clauses[at].tells
+            and _is_ware(span, self._knowledge)
+        )
 
 
 def _is_ware(span: Span[Meaning], knowledge: Knowledge) -> bool:
