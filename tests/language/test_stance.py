@@ -184,3 +184,40 @@ def test_that_stands_for_what_was_named_before(knowledge: Knowledge) -> None:
 def test_who_dislikes_coffee_may_have_tea_in_a_cafe(model: OfflineModel) -> None:
     assert chosen(model, "Kaffee vertrag ich nicht, ich hätt gern einen Tee", "Starbucks", "ZARA") == "Starbucks"
     assert chosen(model, "Kein Kaffee bitte, nur was zu trinken", "Starbucks", "7-ELEVEN") == "7-ELEVEN"
+
+
+@pytest.mark.parametrize(
+    ("question", "answer"),
+    [
+        ("Is there a florist in this hospital?", "Petals Florist"),
+        ("It's freezing out here. Which way is the cinema?", "CGV Cinemas"),
+        ("A present for my aunt please, she has hay fever", "Petals Florist"),
+    ],
+)
+def test_where_one_is_and_why_is_no_wish(question: str, answer: str, model: OfflineModel) -> None:
+    assert chosen(model, question, "Hospital Pharmacy", "UNIQLO", "Petals Florist", "CGV Cinemas") == answer
+
+
+def test_a_shop_is_known_by_its_owner_alone(model: OfflineModel) -> None:
+    question = "小林さん以外に眼鏡屋さんってあります？"
+    assert chosen(model, question, "小林眼鏡店", "メガネの田中", "KFC") == "メガネの田中"
+    assert chosen(model, question, "小林眼鏡店", "KFC") is None
+
+
+def test_two_letters_are_a_name_where_they_stand_as_they_are_painted(model: OfflineModel) -> None:
+    question = "Ich brauch Windeln. Bei dm war ich grad, die sind ausverkauft."
+    assert chosen(model, question, "dm", "REWE", "KFC") == "REWE"
+
+
+def test_one_name_in_two_scripts_is_one_brand(model: OfflineModel) -> None:
+    question = "Au Family Mart, plus un seul parapluie. Ailleurs peut-être ?"
+    assert chosen(model, question, "ファミリーマート", "セブン-イレブン", "KFC") == "セブン-イレブン"
+
+
+def test_where_nothing_else_is_wanted_another_of_the_same_sort_is(model: OfflineModel) -> None:
+    question = "刚从Costa出来，咖啡太难喝了，还有别家吗"
+    assert chosen(model, question, "Costa Coffee", "Starbucks", "ZARA") == "Starbucks"
+
+
+def test_a_dessert_cafe_is_no_dinner(model: OfflineModel) -> None:
+    assert chosen(model, "唔知去邊度食晚飯好", "滿記甜品", "鼎泰豐") == "鼎泰豐"

@@ -124,7 +124,8 @@ def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Kn
         refused |= {id_ for id_, sign in index.signs.items() if sign.identity}
     if asks_for_another(question):
         # “Starbucks is full, another café?” names what is not wanted.
-        refused |= {id_ for name in wish.wanted_names for id_ in index.ids_of.get(name, ())}
+        named_besides = (*wish.wanted_names, *wish.near_names)
+        refused |= {id_ for name in named_besides for id_ in index.ids_of.get(name, ())}
         if refused and wish.refused and not wish.wanted:
             # “除了星巴克还有别的咖啡店吗”: the name is refused, and its kind is what is asked for.
             wish = replace(wish, wanted=tuple((kind, 1.0) for kind in wish.refused), refused=())
