@@ -4,7 +4,8 @@ import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
-from lpslam.language.knowledge import Knowledge, Meaning
+from lpslam.language.knowledge import Knowledge
+from lpslam.language.lexicon import Meaning
 from lpslam.language.model import Candidate, Choice
 from lpslam.language.phrasing import Phrases, answer_language, phrases_in
 from lpslam.language.question import Wish, asks_for_another, instead_of, languages_of, read_question, spoken_key

@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from lpslam.language.knowledge import Knowledge, Meaning
+from lpslam.language.knowledge import Knowledge
+from lpslam.language.lexicon import Meaning
 from lpslam.language.words import Span, is_mark, is_unspaced
 
 BREAKING_MARKS = frozenset(",.;:!?，。；：！？…")

@@ -10,7 +10,8 @@ from functools import lru_cache
 from rapidfuzz import process
 from rapidfuzz.distance import OSA
 
-from lpslam.language.knowledge import Knowledge, Meaning, load_words
+from lpslam.language.knowledge import Knowledge, load_words
+from lpslam.language.lexicon import Meaning
 
 # Longest first. Accents are folded away before.
 _ENDINGS = {

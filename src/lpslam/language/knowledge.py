@@ -13,31 +13,25 @@ from functools import cached_property, lru_cache
 from importlib.resources import files
 from typing import Any, NamedTuple
 
+from lpslam.language.lexicon import (
+    BY_HAND,
+    BY_NAME,
+    Meaning,
+    SpokenTables,
+    load_lexicons,
+    phrases_of,
+    read_table,
+    split,
+    with_cuisine,
+)
 from lpslam.language.states import StateTables
 from lpslam.language.words import Folder
 
-HAND_WRITTEN = ("en", "zh", "ja", "ko", "es", "de", "fr")
-TOPICS = ("food", "goods", "services", "facilities", "trades")
-SAID_ONLY = ("needs",)  # topics of which nothing is painted on a sign
-_ROLES = (
-    *("context_before", "context_after", "past", "refuse_before", "refuse_after", "refuse_back", "neutral"),
-    "break",
-)
 _SIGN_ROLES = {"sign_warning": "sign/warning", "sign_slogan": "sign/slogan"}
-
-# How sure a word makes us of a kind: written for this by hand, a kind's own name in the index, or a search term.
-_BY_HAND, _BY_NAME, _BY_TERM = 1.0, 0.95, 0.8
 
 _SUBSTITUTE = 0.8
 _TRADE_FIRST = ("de", "es", "fr")
 _SURE_SLOGAN = 4  # words or characters of a slogan that no shop's name comes near to by chance
-
-
-class Meaning(NamedTuple):
-    """What a phrase says: a role in the sentence ("means" or a refusal) and, for "means", concepts by weight."""
-
-    role: str
-    concepts: tuple[tuple[str, float], ...] = ()
 
 
 class Known(NamedTuple):
@@ -85,7 +79,7 @@ class Knowledge:
     trade_goods: frozenset[str]
     imperatives: frozenset[str]
     company_forms: frozenset[str]
-    _tables: "_SpokenTables"
+    _tables: "SpokenTables"
     _above: dict[str, tuple[str, ...]] = field(default_factory=dict)
     _shares: dict[tuple[str, str], float] = field(default_factory=dict)
 
@@ -152,40 +146,40 @@ class Knowledge:
 @lru_cache(maxsize=1)
 def load_knowledge() -> Knowledge:
     """Read the tables of the package (about 0.25 s, once a process)."""
-    kinds = _read("lexicon/kinds.json")
-    han = _read("lexicon/han.json")
+    kinds = read_table("lexicon/kinds.json")
+    han = read_table("lexicon/han.json")
     folder = Folder(han["traditional"], han["simplified"], han["lookalikes"], han["both"])
-    lexicons = _lexicons()
+    lexicons = load_lexicons()
     gazetteer = json.loads(lzma.decompress((files("lpslam.language") / "data" / "gazetteer.json.xz").read_bytes()))
     unpainted = frozenset(kinds["unpainted"])
     painted: dict[str, Meaning] = {}
     known: dict[str, Known] = {}
     for lexicon in lexicons.values():
         _add_painted(lexicon, folder, unpainted, painted, known)
-    for joined, kinds_of in _read("lexicon/makers.json")["makers"].items():
+    for joined, kinds_of in read_table("lexicon/makers.json")["makers"].items():
         names = joined.split("|")
         for name in names:
             known.setdefault(folder.key(name), Known(name, "brand", tuple(kinds_of.items()), names[0]))
     _add_brands(gazetteer["brands"], kinds["cuisine_kinds"], known)
-    for painted_name, joined in _read("lexicon/nicknames.json").items():
+    for painted_name, joined in read_table("lexicon/nicknames.json").items():
         called = known.get(folder.key(painted_name))
         if called is not None:
-            for name in _split(joined):
+            for name in split(joined):
                 known.setdefault(folder.key(name), Known(name, "brand", called.kinds, called.identity))
     joining = _in_any(lexicons, "joining", folder)
     _add_kinds(gazetteer["names"], kinds["cuisine_kinds"], joining, painted, known)
     return Knowledge(
         folder=folder,
         painted=painted,
-        common={language: _phrases(folder, lexicon.get("common", "")) for language, lexicon in lexicons.items()},
+        common={language: phrases_of(folder, lexicon.get("common", "")) for language, lexicon in lexicons.items()},
         articles=_in_any(lexicons, "article", folder),
         joining=joining,
         leading=_leading(lexicons, folder),
         turning=_in_any(lexicons, "turning", folder),
         asking=_in_any(lexicons, "asking", folder),
         both=_in_any(lexicons, "both", folder),
-        wishing={language: _phrases(folder, lexicon["wishing"]) for language, lexicon in lexicons.items()},
-        negating={language: _phrases(folder, lexicon["negating"]) for language, lexicon in lexicons.items()},
+        wishing={language: phrases_of(folder, lexicon["wishing"]) for language, lexicon in lexicons.items()},
+        negating={language: phrases_of(folder, lexicon["negating"]) for language, lexicon in lexicons.items()},
         warning_starts=_in_any(lexicons, "sign_warning_start", folder),
         known=known,
         general=frozenset(kinds["general"]),
@@ -196,8 +190,8 @@ def load_knowledge() -> Knowledge:
         instead_of=kinds["instead_of"],
         offers=kinds["offers"],
         isa={kind: tuple(parents) for kind, parents in kinds["isa"].items()},
-        contained={thing: frozenset(_split(joined)) for thing, joined in kinds["contained"].items()},
-        apart={kind: frozenset(_split(joined)) for kind, joined in kinds["apart"].items()},
+        contained={thing: frozenset(split(joined)) for thing, joined in kinds["contained"].items()},
+        apart={kind: frozenset(split(joined)) for kind, joined in kinds["apart"].items()},
         light_food=frozenset(kinds["light_food"]),
         refusing=kinds["refusing"],
         said_of_food=frozenset(kinds["said_of_food"]),
@@ -207,42 +201,19 @@ def load_knowledge() -> Knowledge:
         trade_goods=frozenset(kinds["trade_goods"]),
         imperatives=frozenset(kinds["imperatives"]),
         company_forms=frozenset(kinds["company_forms"]),
-        _tables=_SpokenTables(folder, lexicons, gazetteer, kinds["cuisine_kinds"], frozenset(kinds["unspoken"])),
+        _tables=SpokenTables(folder, lexicons, gazetteer, kinds["cuisine_kinds"], frozenset(kinds["unspoken"])),
     )
-
-
-def _read(path: str) -> Any:
-    return json.loads((files("lpslam.language") / "data" / path).read_text(encoding="utf-8"))
-
-
-def _lexicons() -> dict[str, dict[str, Any]]:
-    """The lexicon of each language, with what the topics say in it."""
-    lexicons: dict[str, dict[str, Any]] = {language: _read(f"lexicon/{language}.json") for language in HAND_WRITTEN}
-    for topic in (*TOPICS, *SAID_ONLY):
-        for concept, by_language in _read(f"lexicon/topics/{topic}.json").items():
-            for language, joined in by_language.items():
-                means = lexicons[language].setdefault("said" if topic in SAID_ONLY else "means", {})
-                means[concept] = f"{means[concept]}|{joined}" if concept in means else joined
-    return lexicons
-
-
-def _split(joined: str) -> list[str]:
-    return [text for text in joined.split("|") if text]
-
-
-def _phrases(folder: Folder, joined: str) -> frozenset[str]:
-    return frozenset(folder.phrase(text) for text in _split(joined))
 
 
 def _in_any(lexicons: Mapping[str, Mapping[str, Any]], role: str, folder: Folder) -> frozenset[str]:
     """The phrases that have a role in any language."""
-    return frozenset().union(*(_phrases(folder, lexicon.get(role, "")) for lexicon in lexicons.values()))
+    return frozenset().union(*(phrases_of(folder, lexicon.get(role, "")) for lexicon in lexicons.values()))
 
 
 def _leading(lexicons: Mapping[str, Mapping[str, Any]], folder: Folder) -> frozenset[str]:
     """The words of languages that name the trade first and the owner after it: Boulangerie Petit Jean."""
     said = {
-        language: {folder.phrase(text) for joined in lexicons[language]["means"].values() for text in _split(joined)}
+        language: {folder.phrase(text) for joined in lexicons[language]["means"].values() for text in split(joined)}
         for language in ("en", *_TRADE_FIRST)
     }
     return frozenset(set().union(*(said[language] for language in _TRADE_FIRST)) - said["en"])
@@ -258,7 +229,7 @@ def _add_painted(
     """Add what one language's signs are painted with; a warning or slogan goes before a place."""
     gathered: dict[str, dict[str, float]] = {}
     for role, kind in _SIGN_ROLES.items():
-        for text in _split(lexicon.get(role, "")):
+        for text in split(lexicon.get(role, "")):
             painted.setdefault(folder.phrase(text), Meaning("sign", ((kind, 1.0),)))
             if kind == "sign/warning" or len(folder.phrase(text).split()) >= _SURE_SLOGAN:
                 known.setdefault(folder.key(text), Known(text, "warning", ((kind, 1.0),), text))
@@ -267,10 +238,10 @@ def _add_painted(
             continue
         # Goods and wants are no names; kinds of place and of facility are what signs are painted with.
         is_name = "/" in concept and not concept.startswith("sign")
-        word = ((concept, _BY_HAND),)
-        for text in dict.fromkeys(_split(joined)):
+        word = ((concept, BY_HAND),)
+        for text in dict.fromkeys(split(joined)):
             phrase, key = folder.phrase_and_key(text)
-            gathered.setdefault(phrase, {})[concept] = _BY_HAND
+            gathered.setdefault(phrase, {})[concept] = BY_HAND
             if is_name and len(key) > 1:
                 known.setdefault(key, Known(text, "word", word, text))
     for phrase, found in gathered.items():
@@ -298,7 +269,7 @@ def _add_kinds(
     """Add the names of kinds of place in every language; the shorter kind id is the more general and comes first."""
     for names in by_language.values():
         for kind, rows in names.items():
-            concepts = tuple((concept, _BY_NAME) for concept in _with_cuisine(kind, cuisine_kinds))
+            concepts = tuple((concept, BY_NAME) for concept in with_cuisine(kind, cuisine_kinds))
             meaning = Meaning("means", concepts)
             for text, phrase, key in rows:
                 # Without its accent, thé is an English article; one letter or sign says nothing sure.
@@ -306,128 +277,6 @@ def _add_kinds(
                     painted.setdefault(phrase, meaning)
                 if len(key) > 1 and key not in known:
                     known[key] = Known(text, "word", concepts, text)
-
-
-def _with_cuisine(kind: str, cuisine_kinds: Mapping[str, str]) -> list[str]:
-    """A kind such as amenity/restaurant/pizza, followed by its cuisine where it has one."""
-    top, _, last = kind.rpartition("/")
-    if top not in ("amenity/restaurant", "amenity/fast_food", "amenity/cafe"):
-        return [kind]
-    return [kind, cuisine_kinds.get(last, f"cuisine/{last}")]
-
-
-class _SpokenTables:
-    """What phrases mean in a question, by language: what is written by hand goes before names, things and terms."""
-
-    def __init__(
-        self,
-        folder: Folder,
-        lexicons: Mapping[str, Mapping[str, Any]],
-        gazetteer: Mapping[str, Any],
-        cuisine_kinds: Mapping[str, str],
-        unspoken: frozenset[str],
-    ) -> None:
-        self._unspoken = unspoken
-        self._folder = folder
-        self._lexicons = lexicons
-        self._gazetteer = gazetteer
-        self._cuisine_kinds = cuisine_kinds
-        self._built: dict[str, dict[str, Meaning]] = {}
-        self._borrowed: dict[str, dict[str, Meaning]] = {}
-        self._states: dict[str, StateTables] = {}
-
-    def of(self, language: str) -> dict[str, Meaning]:
-        if language not in self._built:
-            self._built[language] = self._build(language)
-        return self._built[language]
-
-    def with_english(self, language: str) -> tuple[dict[str, Meaning], ...]:
-        if language == "en":
-            return (self.of("en"),)
-        if language not in self._borrowed:
-            # German “hat” is no hat: what the language's own small words are is not borrowed.
-            own = self._common(language)
-            self._borrowed[language] = {key: said for key, said in self.of("en").items() if key not in own}
-        return self.of(language), self._borrowed[language]
-
-    def states_of(self, language: str) -> StateTables:
-        if language not in self._states:
-            tree = _read("lexicon/states.json")
-            self._states[language] = StateTables(
-                self._names(tree["things"], language),
-                self._names(tree["states"], language),
-                _phrases(self._folder, tree["at_home"][language]),
-                {(pair.split("+")[0], pair.split("+")[1]): want for pair, want in tree["together"].items()},
-            )
-        return self._states[language]
-
-    def word_for(self, concept: str, language: str) -> str | None:
-        spoken, _, script = language.partition("-")
-        for region, names in self._gazetteer["names"].items():
-            if region == language or (not script and region.partition("-")[0] == spoken):
-                for row in names.get(concept, ()):
-                    return str(row[0])
-        words = _split(self._lexicons[spoken]["means"].get(concept, "")) if spoken in self._lexicons else []
-        if not words:
-            return None
-        return self._folder.traditional(words[0]) if script == "Hant" else words[0]
-
-    def _names(self, by_name: Mapping[str, Mapping[str, str]], language: str) -> dict[str, tuple[str, ...]]:
-        found: dict[str, list[str]] = {}
-        for name, by_language in by_name.items():
-            for text in _split(by_language[language]):
-                found.setdefault(self._folder.phrase(text), []).append(name)
-        return {phrase: tuple(names) for phrase, names in found.items()}
-
-    def _build(self, language: str) -> dict[str, Meaning]:
-        lexicon = self._lexicons[language]
-        phrase = self._folder.phrase
-        common = self._common(language)
-        table: dict[str, Meaning] = {}
-        for role in _ROLES:
-            for text in _split(lexicon.get(role, "")):
-                key = phrase(text)
-                both = role == "refuse_after" and table.get(key) == Meaning("refuse_before")
-                table[key] = Meaning("refuse_either" if both else role)
-        by_hand: dict[str, dict[str, float]] = {}
-        for concept, joined in (*lexicon["means"].items(), *lexicon["said"].items()):
-            for text in dict.fromkeys(_split(joined)) if concept not in self._unspoken else ():
-                key = phrase(text)
-                # Without its accent, uña is a Spanish article.
-                if key not in common or key == text.casefold():
-                    by_hand.setdefault(key, {})[concept] = _BY_HAND
-        for key, found in by_hand.items():
-            table.setdefault(key, Meaning("means", tuple(_named_itself(found).items())))
-        # Chinese of every region is one language.
-        regions = [region for region in self._gazetteer["names"] if region.partition("-")[0] == language]
-        for region in regions:
-            for kind, rows in self._gazetteer["names"][region].items():
-                self._add(table, kind, _BY_NAME, (row[1] for row in rows if row[1] not in common))
-        for source, sure in (("things", _BY_NAME), ("terms", _BY_TERM)):
-            for region, by_concept in self._gazetteer[source].items():
-                if region.partition("-")[0] == language:
-                    for concept, joined in by_concept.items():
-                        self._add(table, concept, sure, (each for each in joined.split("|") if each not in common))
-        return table
-
-    def _common(self, language: str) -> frozenset[str]:
-        return _phrases(self._folder, self._lexicons[language].get("common", ""))
-
-    def _add(self, table: dict[str, Meaning], kind: str, sure: float, phrases: Iterable[str]) -> None:
-        meaning = Meaning("means", tuple((each, sure) for each in _with_cuisine(kind, self._cuisine_kinds)))
-        for phrase in phrases:
-            if len(phrase) > 1:
-                table.setdefault(phrase, meaning)
-
-
-def _named_itself(found: Mapping[str, float]) -> Mapping[str, float]:
-    """Who asks for a dentist by that word wants no pharmacy: the kind of place goes before the want."""
-    kinds = {
-        concept: sure
-        for concept, sure in found.items()
-        if "/" in concept and not concept.startswith(("shop/", "cuisine/"))
-    }
-    return kinds or found
 
 
 @lru_cache(maxsize=1)

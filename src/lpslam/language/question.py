@@ -11,7 +11,8 @@ from itertools import pairwise
 
 from lpslam.language.clauses import clauses_of
 from lpslam.language.inflection import known_form
-from lpslam.language.knowledge import Knowledge, Meaning
+from lpslam.language.knowledge import Knowledge
+from lpslam.language.lexicon import Meaning
 from lpslam.language.sanitise import clean_text
 from lpslam.language.stance import NEXT_TO, Stand, hurting, is_eaten, is_general, told_in
 from lpslam.language.states import Trouble, says_at_home, troubles_in

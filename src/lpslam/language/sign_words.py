@@ -3,7 +3,7 @@
 import re
 from collections.abc import Sequence, Set
 
-from lpslam.language.knowledge import Meaning
+from lpslam.language.lexicon import Meaning
 from lpslam.language.words import Span, is_mark, is_unspaced
 
 TRADES = (

@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
 
-from lpslam.language.knowledge import Knowledge, Known, Meaning, load_knowledge, load_words
+from lpslam.language.knowledge import Knowledge, Known, load_knowledge, load_words
+from lpslam.language.lexicon import Meaning
 from lpslam.language.nearest import NearestNames, allowed_edits
 from lpslam.language.question import languages_of
 from lpslam.language.sanitise import clean_text

@@ -9,7 +9,8 @@ from collections.abc import Sequence, Set
 from enum import Enum
 
 from lpslam.language.clauses import BREAKING_MARKS, Clause
-from lpslam.language.knowledge import Knowledge, Meaning
+from lpslam.language.knowledge import Knowledge
+from lpslam.language.lexicon import Meaning
 from lpslam.language.words import Span, is_mark
 
 NEXT_TO = 3  # units between two phrases that speak of one another

@@ -7,7 +7,8 @@ stands is looked at, and when no table knows it, the answer is none.
 from collections.abc import Sequence
 
 from lpslam.language.inflection import known_form
-from lpslam.language.knowledge import Knowledge, Meaning
+from lpslam.language.knowledge import Knowledge
+from lpslam.language.lexicon import Meaning
 from lpslam.language.words import Span, is_mark, is_unspaced
 
 # On which side of the verb stands what is eaten or drunk.
