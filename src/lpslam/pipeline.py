@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable, Collection, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import ExitStack, nullcontext
+from contextlib import ExitStack
 from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 
@@ -139,33 +139,33 @@ def run(
     beside = _naming_beside(language) if text else None
     is_threaded = live or not sequential
     mapper = None
-    resources = ExitStack()
-    if text:
-        if spotter is None and live and SpottingProcess.is_possible():
-            spotter = resources.enter_context(SpottingProcess(config.text.spotting))
-        reader_of_text = spotter or _load_spotter(config.text.spotting, is_threaded)
-        mapper = TextMapper(
-            source.camera,
-            reader_of_text,
-            config.text,
-            OfflineModel(),
-            text_map,
-            beside,
-            on_sighting=words.note,
-            on_doubtful=words.note_doubtful,
-        )
     first_index = 0
-    if base is not None:
-        slam.trajectory, first_index = base.trajectory, base.trajectory.begin_session()
-        if mapper is not None:
-            mapper.resume(base.world_from_keyframe)
-    reader = _reading_thread(mapper, config.text.reading, live) if mapper is not None and is_threaded else None
-    reading = reader or mapper
-    decoded = Prefetched(InOrder(source))
-    frames = Paced(decoded, config.live.backlog) if live else decoded
-    started, seconds_tracking, count = time.perf_counter(), 0.0, 0
-    is_stopped, reason = False, "it gave none"
-    with resources, reader or nullcontext():
+    with ExitStack() as resources:
+        if text:
+            if spotter is None and live and SpottingProcess.is_possible():
+                spotter = resources.enter_context(SpottingProcess(config.text.spotting))
+            mapper = TextMapper(
+                source.camera,
+                spotter or _load_spotter(config.text.spotting, is_threaded),
+                config.text,
+                OfflineModel(),
+                text_map,
+                beside,
+                on_sighting=words.note,
+                on_doubtful=words.note_doubtful,
+            )
+        if base is not None:
+            slam.trajectory, first_index = base.trajectory, base.trajectory.begin_session()
+            if mapper is not None:
+                mapper.resume(base.world_from_keyframe)
+        reader = None
+        if mapper is not None and is_threaded:
+            reader = resources.enter_context(_reading_thread(mapper, config.text.reading, live))
+        reading = reader or mapper
+        decoded = Prefetched(InOrder(source))
+        frames = Paced(decoded, config.live.backlog) if live else decoded
+        started, seconds_tracking, count = time.perf_counter(), 0.0, 0
+        is_stopped, reason = False, "it gave none"
         for given in frames:
             if is_stopped := should_stop():
                 break
