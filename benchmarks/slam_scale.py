@@ -42,7 +42,7 @@ def measure(recording: Recording, minutes: float, report: Report) -> None:
             "recording": recording.name,
             "round": rounds,
             "minutes": round(clock / FPS / 60, 2),
-            "rss_mb": round(_resident_mb()),
+            "rss_mb": round(resident_mb()),
             "map_mb": round(_map_mb(slam), 1),
             "keyframes": len(slam.map.living_keyframes()),
             "keyframes_made": slam.map.keyframe_count - before,
@@ -83,11 +83,14 @@ def _truth_of_round(truth: StampedPoses, times: Sequence[float], recorded: Seque
     return StampedPoses(np.array(times), truth.world_from_camera[rows])
 
 
-def _resident_mb() -> float:
-    for line in Path("/proc/self/status").read_text(encoding="utf-8").splitlines():
-        if line.startswith("VmRSS:"):
-            return float(line.split()[1]) / 1024
-    return float("nan")
+def resident_mb(process: str = "self") -> float:
+    """Resident memory of a process; not a number once it is gone."""
+    try:
+        status = Path(f"/proc/{process}/status").read_text(encoding="utf-8")
+    except OSError:
+        return float("nan")
+    sizes = (float(line.split()[1]) / 1024 for line in status.splitlines() if line.startswith("VmRSS:"))
+    return next(sizes, float("nan"))
 
 
 def _map_mb(slam: RgbdSlam) -> float:

@@ -5,6 +5,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from lpslam import pipeline
 from lpslam.camera import PinholeCamera
 from lpslam.config import Config
@@ -12,7 +14,7 @@ from lpslam.frames import FrameFault, RgbdFrame
 from lpslam.sources.image_pairs import ImagePairSource
 from slam_recordings import Recording
 from slam_report import Report
-from slam_scale import FPS, thinned, where_it_was_before
+from slam_scale import FPS, resident_mb, thinned, where_it_was_before
 
 EVERY_S = 60.0  # between two lines of the report, in the camera's time
 
@@ -60,8 +62,8 @@ def measure(recording: Recording, minutes: float, live: bool, config: Config, re
             return
         facts: dict[str, Any] = {
             "minutes": round(seconds / 60, 1),
-            "rss_mb": round(resident_mb("self")),
-            "reader_rss_mb": round(sum(resident_mb(child) for child in _children())),
+            "rss_mb": round(resident_mb()),
+            "reader_rss_mb": round(float(np.nansum([resident_mb(child) for child in _children()]))),
             "keyframes": progress.keyframes,
             "landmarks": progress.landmarks,
         }
@@ -76,15 +78,6 @@ def measure(recording: Recording, minutes: float, live: bool, config: Config, re
         landmarks=len(world.landmarks()),
     )
     report.table(["Minutes", "Resident MB", "Reader's MB", "Keyframes", "Landmarks"], thinned(rows))
-
-
-def resident_mb(process: str) -> float:
-    """Resident memory of a process; 0 once it is gone."""
-    try:
-        status = Path(f"/proc/{process}/status").read_text(encoding="utf-8")
-    except OSError:
-        return 0.0
-    return next((float(line.split()[1]) / 1024 for line in status.splitlines() if line.startswith("VmRSS:")), 0.0)
 
 
 def _children() -> list[str]:

@@ -337,3 +337,13 @@ def test_what_was_read_in_an_earlier_doubt_is_not_counted() -> None:
 def test_where_nothing_was_read_no_place_is_known() -> None:
     walks = TwoWalks([], [])
     assert not walks.advisor.knows(walks.map, 4)
+
+
+def test_texts_of_one_doubt_are_told_from_those_of_the_next() -> None:
+    walks = TwoWalks(SIGNS, [])
+    for text, at in (("AAAAAA", 50.0), ("BBBBBB", 70.0)):
+        walks.advisor.note_doubtful(walks.sighting(3, Sign(text, 1.0), at))
+    walks.advisor.judges(walks.map, 4, 60.0)
+    walks.advisor.note_doubtful(walks.sighting(3, Sign("GUCCI", 1.0), 71.0))
+    classes = [text_class for text_class, _ in walks.advisor._doubtful]
+    assert len(set(classes)) == len(classes) == 2

@@ -157,9 +157,13 @@ def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Kn
     if set(wanted) - knowledge.general <= set(knowledge.instead_of.values()):
         # Where there is no vegetarian kitchen, whatever serves no meat.
         wishes.append(replace(wish, wanted=instead_of(wish.refused, knowledge)))
-    choices = (_best(each, index, refused, knowledge, model, phrases) for each in wishes)
-    found = next((choice for choice in choices if choice.landmark is not None), None)
-    return found or _best(wish, index, refused, knowledge, model, phrases)
+    choices: list[Choice] = []
+    for each in wishes:
+        choices.append(_best(each, index, refused, knowledge, model, phrases))
+        if choices[-1].landmark is not None:
+            return choices[-1]
+    # Where nothing serves, it is the wish itself that is told of.
+    return choices[wishes.index(wish)]
 
 
 def understand(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge) -> tuple[Wish, set[int]]:

@@ -8,7 +8,7 @@ from lpslam.language.lexicon import Meaning
 from lpslam.language.words import Span, is_mark, is_unspaced
 
 BREAKING_MARKS = frozenset(",.;:!?，。；：！？…")
-TELLING = 2  # words beside a name that make a statement of it
+_TELLING = 2  # words beside a name that make a statement of it
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +33,7 @@ class Clause:
     @property
     def tells(self) -> bool:
         """Whether it makes a statement of what it names."""
-        return self.says >= TELLING
+        return self.says >= _TELLING
 
 
 def clauses_of(

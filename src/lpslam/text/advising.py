@@ -8,6 +8,7 @@ located among signs that say something else than those it sees, loop closing is 
 import threading
 from collections import defaultdict
 from collections.abc import Collection, Iterable
+from itertools import count
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,6 +60,8 @@ class TextAdvisor:
         self._by_keyframe: dict[int, list[Sighting]] = defaultdict(list)
         self._by_class: dict[int, list[TextObservation]] = defaultdict(list)
         self._doubtful: list[Sighting] = []
+        self._doubtful_classes = count(1)
+        self._has_news = False
         self.proposed = 0
         self.vetoed = 0
         for text_class in classes:
@@ -82,8 +85,12 @@ class TextAdvisor:
                 for text_class, other in self._doubtful
                 if similarity(comparison_key(other.text), key) >= NEARLY_THE_SAME
             )
-            self._doubtful.append((next(alike, -1 - len(self._doubtful)), observation))
+            known = next(alike, None)
+            # Below zero: no class of the memory.
+            text_class = -next(self._doubtful_classes) if known is None else known
+            self._doubtful.append((text_class, observation))
             del self._doubtful[:-_LOOKED_AT]
+            self._has_news = True
 
     def propose(self, keyframes: KeyframeMap, keyframe: int) -> list[int]:
         """KeyframeMap that see texts in an arrangement in which texts around `keyframe` were read lately."""
@@ -129,6 +136,10 @@ class TextAdvisor:
     def judges(self, keyframes: KeyframeMap, keyframe: int, since: float) -> bool | None:
         """Compare the doubtful sightings with what was read around a keyframe before; None while they say nothing."""
         with self._lock:
+            # Asked at every frame, and most bring no text.
+            if not self._has_news:
+                return None
+            self._has_news = False
             self._doubtful = [each for each in self._doubtful if each[1].timestamp >= since]
             doubtful = list(self._doubtful)
         if not doubtful:
