@@ -99,5 +99,5 @@ def _map_mb(slam: RgbdSlam) -> float:
 
 def thinned(rows: list[list[str]]) -> list[list[str]]:
     """At most a dozen rows, the first and the last among them."""
-    chosen = sorted(set(np.linspace(0, len(rows) - 1, 12).round().astype(int).tolist()))
+    chosen = sorted(set(np.linspace(0, len(rows) - 1, min(12, len(rows))).round().astype(int).tolist()))
     return [rows[i] for i in chosen]
