@@ -30,8 +30,7 @@ def texture(seed: int, width: int = 640, height: int = 480, smooth: float = 2.0)
 
 def detect(picture: np.ndarray, quota: int, high: int = 20, low: int | None = None, cell: int = 35) -> np.ndarray:
     low = high if low is None else low
-    around = [np.asarray(f(picture, t)) for t in (high, low) for f in (cv2.add, cv2.subtract)]
-    return kernels.detect_corners(picture, *around, high, low, cell, quota)
+    return kernels.detect_corners(picture, high, low, cell, quota)
 
 
 def as_set(corners: np.ndarray) -> set[tuple[int, int]]:

@@ -13,6 +13,7 @@ from slam_scenes import pose_error
 
 from lpslam.config import SlamConfig, TrackingConfig
 from lpslam.frames import RgbdFrame
+from lpslam.slam.association import Associator, View
 from lpslam.slam.map import SlamMap
 from lpslam.slam.state import EventKind, SlamEvent, TrackedFrame, TrackingState
 from lpslam.slam.system import RgbdSlam
@@ -47,6 +48,24 @@ def fingerprint(slam_map: SlamMap) -> dict[str, str]:
         name: hashlib.sha256(array.tobytes()).hexdigest() + str(array.shape)
         for name, array in slam_map.to_arrays().items()
     }
+
+
+def test_no_descriptor_is_compared_with_every_other_where_the_next_view_can_be_predicted(
+    clip: Clip, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It takes longer than all other matching; while the camera is followed nothing is gained by it."""
+    compared = []
+    match_descriptors = Associator.match_descriptors
+
+    def counting(associator: Associator, view: View, keyframe: int) -> np.ndarray:
+        compared.append(keyframe)
+        return match_descriptors(associator, view, keyframe)
+
+    monkeypatch.setattr(Associator, "match_descriptors", counting)
+    tracked = run(RgbdSlam(clip.camera), clip)
+    assert all(each.state is TrackingState.TRACKING for each in tracked)
+    # The second frame has no motion to go by.
+    assert len(compared) <= 1
 
 
 # Events ------------------------------------------------------------------------------------------------------------

@@ -109,17 +109,9 @@ class FeatureExtractor:
         return raw, np.full(len(corners), level, np.uint8), angles, descriptors
 
     def _detect(self, image: NDArray[np.uint8], quota: int) -> NDArray[np.int32]:
-        high, low = self.config.fast_threshold, self.config.fast_threshold_in_empty_cell
+        config = self.config
         return kernels.detect_corners(
-            image,
-            as_gray(cv2.add(image, high)),  # type: ignore[call-overload]
-            as_gray(cv2.subtract(image, high)),  # type: ignore[call-overload]
-            as_gray(cv2.add(image, low)),  # type: ignore[call-overload]
-            as_gray(cv2.subtract(image, low)),  # type: ignore[call-overload]
-            high,
-            low,
-            self.config.cell_pixels,
-            quota,
+            image, config.fast_threshold, config.fast_threshold_in_empty_cell, config.cell_pixels, quota
         )
 
     def moved(

@@ -35,6 +35,11 @@ class FirstGuess:
     points: NDArray[np.int32]
     near: NDArray[np.int32]
 
+    @classmethod
+    def of(cls, estimate: Estimate) -> "FirstGuess":
+        """From an estimate: its points are known, and others are near them."""
+        return cls(estimate.camera_from_world, estimate.points, estimate.points)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Followed:

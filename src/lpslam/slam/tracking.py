@@ -197,9 +197,14 @@ class Tracker:
         if followed is not None:
             near = followed.estimate.points
             yield FirstGuess(followed.estimate.camera_from_world, np.full(view.features.rows, -1, np.int32), near)
-        for estimate in (self._from_motion(frame, view), self._from_reference(view)):
-            if estimate is not None:
-                yield FirstGuess(estimate.camera_from_world, estimate.points, estimate.points)
+        reference = self._reference
+        from_motion = self._from_motion(frame, view)
+        if from_motion is not None:
+            yield FirstGuess.of(from_motion)
+        # Asked for only if that led nowhere: it compares every descriptor with every other.
+        from_reference = self._from_reference(view, reference)
+        if from_reference is not None:
+            yield FirstGuess.of(from_reference)
 
     def _lost_starts(self, view: View) -> Iterator[FirstGuess]:
         located = self._relocaliser.find(view.features, self._reference)
@@ -230,12 +235,12 @@ class Tracker:
                 return self._associator.optimise(view.features, predicted, match, positions[kept], points[kept])
         return None
 
-    def _from_reference(self, view: View) -> Estimate | None:
+    def _from_reference(self, view: View, reference: int) -> Estimate | None:
         """Match descriptors against the reference keyframe, wherever they are in the image."""
-        points = self._associator.match_descriptors(view, self._reference)
+        points = self._associator.match_descriptors(view, reference)
         if np.count_nonzero(points >= 0) < self._config.min_motion_matches:
             return None
-        guess = self._pose(self._last) if self._last is not None else self._map.camera_from_world(self._reference)
+        guess = self._pose(self._last) if self._last is not None else self._map.camera_from_world(reference)
         return self._associator.optimise_on_map(view.features, guess, points)
 
     def _search_local_map(self, view: View, start: FirstGuess) -> Estimate | None:

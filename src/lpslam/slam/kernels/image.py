@@ -37,30 +37,65 @@ _DISC = _disc_half_widths(PATCH_RADIUS)
 
 
 @njit(cache=True, nogil=True)
-def _corner_score(image: NDArray[np.uint8], x: int, y: int, difference: NDArray[np.int32]) -> int:
-    """Largest threshold below which the pixel is still a FAST-9 corner; not positive when it is none."""
-    centre = np.int32(image[y, x])
-    for i in range(16):
-        difference[i] = np.int32(image[y + _CIRCLE[i, 1], x + _CIRCLE[i, 0]]) - centre
-    for i in range(9):
-        difference[16 + i] = difference[i]
-    best = np.int32(0)
-    # Two arcs of nine share eight pixels: take the shared part once.
-    for start in range(0, 16, 2):
-        low, high = difference[start + 1], difference[start + 1]
-        for i in range(start + 2, start + 9):
-            low = min(low, difference[i])
-            high = max(high, difference[i])
-        first, last = difference[start], difference[start + 9]
-        best = max(best, min(low, max(first, last)), -max(high, min(first, last)))
-    return int(best)
+def _keep_corners(
+    image: NDArray[np.uint8],
+    threshold: int,
+    scores: NDArray[np.uint8],
+    corners: NDArray[np.int32],
+    first: int,
+    end: int,
+) -> int:
+    """Of the candidates `corners[first:end]` keep, and score in the image, those that are FAST-9 corners.
+
+    The score is the largest threshold below which a pixel still is one: over all arcs of nine, the most by which the
+    whole arc is brighter or darker. Shared parts of arcs are taken once, and candidates go through side by side, so
+    that the compiler vectorises over them. Returns the new end.
+    """
+    difference = np.empty((16, _SIDE_BY_SIDE), np.int16)
+    low2, high2 = np.empty_like(difference), np.empty_like(difference)
+    low4, high4 = np.empty_like(difference), np.empty_like(difference)
+    best = np.empty(_SIDE_BY_SIDE, np.int16)
+    kept = first
+    for start in range(first, end, _SIDE_BY_SIDE):
+        count = min(_SIDE_BY_SIDE, end - start)
+        for k in range(count):
+            x, y = np.int64(corners[start + k, 0]), np.int64(corners[start + k, 1])
+            centre = np.int16(image[y, x])
+            for i in range(16):
+                difference[i, k] = np.int16(image[y + _CIRCLE[i, 1], x + _CIRCLE[i, 0]]) - centre
+        for i in range(16):
+            a, b, low, high = difference[i], difference[(i + 1) & 15], low2[i], high2[i]
+            for k in range(_SIDE_BY_SIDE):
+                low[k], high[k] = min(a[k], b[k]), max(a[k], b[k])
+        for i in range(16):
+            a, b, low = low2[i], low2[(i + 2) & 15], low4[i]
+            c, d, high = high2[i], high2[(i + 2) & 15], high4[i]
+            for k in range(_SIDE_BY_SIDE):
+                low[k], high[k] = min(a[k], b[k]), max(c[k], d[k])
+        best[:] = 0
+        for i in range(16):
+            a, b, c, d = low4[i], low4[(i + 4) & 15], high4[i], high4[(i + 4) & 15]
+            ninth = difference[(i + 8) & 15]
+            for k in range(_SIDE_BY_SIDE):
+                darkest = min(min(a[k], b[k]), ninth[k])
+                brightest = max(max(c[k], d[k]), ninth[k])
+                best[k] = max(best[k], max(darkest, -brightest))
+        for k in range(count):
+            if best[k] > threshold:
+                x, y = np.int64(corners[start + k, 0]), np.int64(corners[start + k, 1])
+                scores[y, x] = best[k]
+                corners[kept, 0], corners[kept, 1] = x, y
+                kept += 1
+    return kept
+
+
+_SIDE_BY_SIDE = 64
+"""Candidates that are scored together: their differences fit the nearest cache."""
 
 
 @njit(cache=True, nogil=True)
 def _find_corners(
     image: NDArray[np.uint8],
-    above: NDArray[np.uint8],
-    below: NDArray[np.uint8],
     threshold: int,
     rectangle: tuple[int, int, int, int],
     scores: NDArray[np.uint8],
@@ -70,15 +105,17 @@ def _find_corners(
     """Write the FAST score of every corner in a rectangle and append its x, y to `corners`; returns the new count.
 
     Any arc of nine on the circle of sixteen holds one of each opposite pair: a vectorised pass over the pairs leaves
-    a few per cent of the pixels for the full test. `above` and `below` are the image ± the threshold, saturated.
+    a few per cent of the pixels for the full test. `corners` has room for one more than the rectangle has pixels.
     """
     x0, x1, y0, y1 = rectangle
     width = x1 - x0
+    step, ceiling = np.uint8(threshold), np.uint8(255 - threshold)
+    above, below = np.empty(width, np.uint8), np.empty(width, np.uint8)
     flags = np.empty(width, np.bool_)
-    difference = np.empty(25, np.int32)
+    end = count
     for y in range(y0, y1):
         # Slices that start at zero let the compiler see that no index is negative, and vectorise.
-        hi, lo = above[y, x0:x1], below[y, x0:x1]
+        centre = image[y, x0:x1]
         n, s = image[y - 3, x0:x1], image[y + 3, x0:x1]
         e, w = image[y, x0 + 3 : x1 + 3], image[y, x0 - 3 : x1 - 3]
         ne, sw = image[y - 2, x0 + 2 : x1 + 2], image[y + 2, x0 - 2 : x1 - 2]
@@ -88,7 +125,10 @@ def _find_corners(
         sse, nnw = image[y + 3, x0 + 1 : x1 + 1], image[y - 3, x0 - 1 : x1 - 1]
         ese, wnw = image[y + 1, x0 + 3 : x1 + 3], image[y - 1, x0 - 3 : x1 - 3]
         for i in range(width):
-            h, d = hi[i], lo[i]
+            above[i] = min(centre[i], ceiling) + step
+            below[i] = max(centre[i], step) - step
+        for i in range(width):
+            h, d = above[i], below[i]
             bright = ((n[i] > h) | (s[i] > h)) & ((e[i] > h) | (w[i] > h))
             bright &= ((ne[i] > h) | (sw[i] > h)) & ((se[i] > h) | (nw[i] > h))
             dark = ((n[i] < d) | (s[i] < d)) & ((e[i] < d) | (w[i] < d))
@@ -98,23 +138,16 @@ def _find_corners(
             dark &= ((nne[i] < d) | (ssw[i] < d)) & ((ene[i] < d) | (wsw[i] < d))
             dark &= ((sse[i] < d) | (nnw[i] < d)) & ((ese[i] < d) | (wnw[i] < d))
             flags[i] = bright | dark
+        # Written always and counted where flagged: a branch here is mispredicted more often than it saves.
         for i in range(width):
-            if flags[i]:
-                score = _corner_score(image, x0 + i, y, difference)
-                if score > threshold and count < corners.shape[0]:
-                    scores[y, x0 + i] = score
-                    corners[count, 0], corners[count, 1] = x0 + i, y
-                    count += 1
-    return count
+            corners[end, 0], corners[end, 1] = x0 + i, y
+            end += flags[i]
+    return int(_keep_corners(image, threshold, scores, corners, count, end))
 
 
 @njit(cache=True, nogil=True)
 def detect_corners(
     image: NDArray[np.uint8],
-    above_high: NDArray[np.uint8],
-    below_high: NDArray[np.uint8],
-    above_low: NDArray[np.uint8],
-    below_low: NDArray[np.uint8],
     high: int,
     low: int,
     cell: int,
@@ -127,7 +160,6 @@ def detect_corners(
 
     Args:
         image: (h, w) the level.
-        above_high, below_high, above_low, below_low: the level ± each threshold, saturated.
         high, low: thresholds in grey values.
         cell: side in pixels of the cells in which the threshold adapts.
         quota: how many corners to keep.
@@ -140,14 +172,14 @@ def detect_corners(
     if right <= left or bottom <= top:
         return np.empty((0, 2), np.int32)
     scores = np.zeros((height, width), np.uint8)
-    corners = np.empty(((right - left) * (bottom - top), 2), np.int32)
+    corners = np.empty(((right - left) * (bottom - top) + 1, 2), np.int32)
     columns = (right - left + cell - 1) // cell
     occupied = np.empty(columns, np.bool_)
     count = 0
     for y0 in range(top, bottom, cell):
         y1 = min(y0 + cell, bottom)
         before = count
-        count = _find_corners(image, above_high, below_high, high, (left, right, y0, y1), scores, corners, count)
+        count = _find_corners(image, high, (left, right, y0, y1), scores, corners, count)
         occupied[:] = False
         for i in range(before, count):
             occupied[(corners[i, 0] - left) // cell] = True
@@ -155,7 +187,7 @@ def detect_corners(
             if not occupied[column]:
                 x0 = left + column * cell
                 cell_box = (x0, min(x0 + cell, right), y0, y1)
-                count = _find_corners(image, above_low, below_low, low, cell_box, scores, corners, count)
+                count = _find_corners(image, low, cell_box, scores, corners, count)
 
     maxima = 0
     for i in range(count):
