@@ -184,7 +184,7 @@ def understand(question: str, index: LandmarkIndex, signs: SignReader, knowledge
     if not parts:
         return read_question(question, knowledge, names), set()
     mentioned = {word: Meaning("name", ((_PART + word, 1.0),)) for word in parts}
-    wish = read_question(question, knowledge, _Names(mentioned | brands, index.names, unsaid))
+    wish = read_question(question, knowledge, _Names(brands | mentioned, index.names, unsaid))
     refused = {name for name in wish.refused_names if name.startswith(_PART)}
     if asks_for_another(question):
         refused |= {name for name in wish.wanted_names if name.startswith(_PART)}

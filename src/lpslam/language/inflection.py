@@ -106,7 +106,8 @@ def _untyped(word: str, language: str, knowledge: Knowledge) -> str | None:
         return None
     slips = 1 if len(word) < _LONG else 2
     near = process.extract(word, _single_words(language, knowledge), scorer=OSA.distance, score_cutoff=slips, limit=2)
-    near = [match for match in near if len(match[0]) >= _SHORTEST_TYPED]
+    # A slip seldom falls on the first letter: “derrito” melts, and is no “perrito”.
+    near = [match for match in near if len(match[0]) >= _SHORTEST_TYPED and match[0][0] == word[0]]
     if not near or (len(near) > 1 and near[0][1] == near[1][1]):
         return None
     return str(near[0][0])

@@ -93,8 +93,8 @@ class SpokenTables:
         if language == "en":
             return (self.of("en"),)
         if language not in self._borrowed:
-            # German “hat” is no hat: what the language's own small words are is not borrowed.
-            own = self._common(language)
+            # German “hat” is no hat, Spanish “suspender” no braces: a language's own words are not borrowed.
+            own = self._common(language) | phrases_of(self._folder, self._lexicons[language].get("own_words", ""))
             self._borrowed[language] = {key: said for key, said in self.of("en").items() if key not in own}
         return self.of(language), self._borrowed[language]
 

@@ -35,7 +35,7 @@ _OWN_LETTERS = {
 _ANOTHER = re.compile(
     r"\b(another|other|else|instead|alternatives?|besides|otr[oa]s?|en vez|autres?|ailleurs|plutôt|ander(e[nrms]?)"
     r"|d[oó]nde m[aá]s|qu[eé] m[aá]s|stattdessen|sonst|lieber|woanders|elsewhere|better|besser(e[nrms]?)?|mieux"
-    r"|mejor)\b"
+    r"|mejor|aparte de|adem[aá]s de|hormis|à part|außer|apart from)\b"
     r"|别的|別的|其他|其它|另外|另一|换一|換一|[别別][家处處间間]|[换換][个個家间間]|第二[家间間]|仲有|除了|除咗"
     r"|別の|別んとこ|ほか|他の|他を|よそ|以外|다른|말고|대신|딴 ?[데거곳]",
     re.IGNORECASE,
@@ -167,6 +167,7 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
     refused: list[str] = []
     wanted_phrases: dict[str, set[str]] = {}
     refused_phrases: dict[str, set[str]] = {}
+    said_alone: set[str] = set()
     mentioned: dict[str, list[str]] = {"wanted": [], "refused": [], "near": []}
     asides = _asides(spans) | {span.start for span in spans if _is_part(span, troubles)}
     has_main = bool(troubles) or any(
@@ -187,6 +188,8 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
                     weight *= _ASIDE if is_aside and has_main else _importance(concept, knowledge)
                     wanted[concept] = max(weight, wanted.get(concept, 0.0))
                     wanted_phrases.setdefault(concept, set()).add(span.key)
+                    if len(span.value.concepts) == 1:
+                        said_alone.add(concept)
     for concept in {*wanted, *refused} & set(knowledge.refusing):
         # “Gluten free” names what it refuses.
         wanted.pop(concept, None)
@@ -200,10 +203,13 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
         concept
         for concept in dict.fromkeys(refused)
         if wanted.get(concept, 0.0) >= _MAIN
-        and not wanted_phrases.get(concept, set()) & refused_phrases.get(concept, set())
+        and wanted_phrases.get(concept, set()).isdisjoint(refused_phrases.get(concept, set()))
     )
     for concept in (*refused, *knowledge.said_of_food):
         wanted.pop(concept, None)
+    if any(weight >= _THING for weight in wanted.values()):
+        # “Something warm to drink, but no coffee”: what is left of “something warm” is wanted.
+        contested = tuple(concept for concept in contested if concept in said_alone)
     if refused and all(concept in knowledge.instead_of for concept in refused):
         # Who eats no meat wants a kitchen without.
         wanted |= {knowledge.instead_of[concept]: _MAIN for concept in refused}

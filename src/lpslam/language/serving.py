@@ -63,11 +63,15 @@ def serve(wish: Wish, kinds: Kinds, knowledge: Knowledge) -> Served:
     matches = {concept: match(concept, kinds, knowledge) for concept, _ in wish.wanted}
     score = sum(weight * matches[concept] for concept, weight in wish.wanted)
     best = max((matches[concept] for concept in wish.main), default=0.0)
+    vague = knowledge.modifiers.issuperset(wish.main)
     for concept in wish.refused:
         # Ramen has noodles in it, and Thai food is hot.
         own = _any_of({concept, *knowledge.contained.get(concept, ())}, kinds, knowledge)
         is_spared = concept in _DRUNK_IN_CAFES and _serves_else(wish, matches, knowledge)
         if own >= _REFUSED_KIND and not is_spared and not _is_also_another(concept, own, kinds, wish, knowledge):
+            return Served(0.0, 0.0, ())
+        if vague and "/" not in concept and match(concept, kinds, knowledge) >= _SURE:
+            # “A present, but no toys”: a toy shop has presents, and is not meant.
             return Served(0.0, 0.0, ())
         if own >= _REFUSED_KIND or ("/" not in concept and match(concept, kinds, knowledge) >= _SIDE_OFFER):
             score *= _SIDE_REFUSED

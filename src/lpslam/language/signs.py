@@ -104,7 +104,7 @@ class SignReader:
         """Return {phrase: identity} of the brands that a question mentions; a plain word of the language is none."""
         fold = self._fold
         spoken = [self._knowledge.spoken(language) for language in languages_of(question, self._knowledge)[:1]]
-        units = fold.units(question)
+        units, folded = fold.units(question), fold.fold(question).replace(" ", "")
         capital = {unit for word in question.split()[1:] if word[:1].isupper() for unit in fold.units(word)}
         found: dict[str, str] = {}
         for at in range(len(units)):
@@ -113,7 +113,7 @@ class SignReader:
                 if (is_unspaced(key) and len(key) < 3) or (not is_unspaced(key) and units[at] not in capital):
                     continue
                 # Units have lost a plural's ending, which Starbucks keeps.
-                known = self._known_brand(key) or (self._known_brand(f"{key}s") if key.isascii() else None)
+                known = self._known_brand(key) or (self._known_brand(f"{key}s") if f"{key}s" in folded else None)
                 if (
                     known is not None
                     and phrase not in self._knowledge.painted

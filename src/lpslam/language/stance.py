@@ -102,7 +102,10 @@ def _goes_on_listing(clause: Clause, knowledge: Knowledge) -> bool:
     return (
         clause.lists
         and not clause.asks
-        and all(span.value.role == "name" or _is_meal(span, knowledge) for span in clause.spans)
+        and all(
+            span.value.role == "name" or _is_meal(span, knowledge) or (span.value.role == "means" and not clause.tells)
+            for span in clause.spans
+        )
     )
 
 
@@ -152,15 +155,18 @@ class _Asked:
         self._wants_anything = bool(spans) or any(
             is_asking and clause.puzzles for is_asking, clause in zip(asking, clauses, strict=True)
         )
-        self._is_sure = any(clause.asks for clause in clauses) and (self._wants_anything or wants_another)
+        self._is_asked = any(clause.asks for clause in clauses)
 
     def stand(self, at: int, span: Span[Meaning], before: Span[Meaning] | None) -> Stand:
         """How the speaker stands to a phrase of a clause that does not ask; `before` is what is said before it."""
         clause, concepts = self._clauses[at], {concept for concept, _ in span.value.concepts}
         if span.value.role == "name":
             return Stand.REFUSED if clause.tells and self._wants_anything else Stand.WANTED
+        is_past = any(other.value.role == "past" for other in clause.spans)
         if (
-            not self._is_sure
+            not (self._wants_anything or self._wants_another)
+            # “I was X-rayed yesterday” asks for no X-ray, whatever is asked for.
+            or not (self._is_asked or (is_past and not clause.echoes))
             or clause.is_near_asking
             or _is_plain(span, self._knowledge)
             or not self._concepts.isdisjoint(concepts)
@@ -225,7 +231,7 @@ def _stands_within(
     clause: Sequence[Span[Meaning]], units: Sequence[str], language: str, knowledge: Knowledge
 ) -> list[Stand]:
     stands = [Stand.WANTED] * len(clause)
-    ahead = False
+    ahead = is_lacking = False
     since = int(bool(clause) and clause[0].value.role == "break")
     for at, span in enumerate(clause):
         role = span.value.role
@@ -233,9 +239,17 @@ def _stands_within(
             # 火锅不要 refuses what stands before, 不要火锅 what comes after.
             follows = at + 1 < len(clause) and clause[at + 1].start - span.end <= 1
             role = "refuse_before" if follows else "refuse_after"
-        elif role == "refuse_before" and at > since and at + 1 == len(clause) and clause[at - 1].end == span.start:
-            # “McDonald's no, gracias.”
+        elif (
+            role == "refuse_before"
+            and at > since
+            and at + 1 == len(clause)
+            and _stands_last(clause, units, knowledge.negating[language])
+        ):
+            # “McDonald's no, gracias”, “gafas de ver no”.
             role = "refuse_after"
+        if role == "refuse_before" and is_lacking and span.key in knowledge.both:
+            # “There is no milk nor eggs”: both are missing.
+            continue
         if role == "refuse_before" or (role == "refuse_after" and at == since and language not in _VERB_LAST):
             ahead = True
         elif role in ("refuse_after", "refuse_back"):
@@ -244,7 +258,7 @@ def _stands_within(
             since, ahead = at, False
         elif role == "neutral":
             # “Not from Rewe, and they have run out of water.”
-            ahead = False
+            ahead, is_lacking = False, True
         if ahead:
             stands[at] = Stand.REFUSED
     if any(span.value.role == "past" for span in clause):
@@ -254,6 +268,13 @@ def _stands_within(
             for span, stand in zip(clause, stands, strict=True)
         ]
     return _only_the_brand(clause, stands, units, knowledge)
+
+
+def _stands_last(clause: Sequence[Span[Meaning]], units: Sequence[str], negating: Set[str]) -> bool:
+    """Whether the last phrase of a clause is right behind another, or is a “no” that is its last word at all."""
+    before, last = clause[-2:]
+    is_end = last.key in negating and (last.end == len(units) or is_mark(units[last.end]))
+    return before.end == last.start or (is_end and last.start - before.end <= NEXT_TO)
 
 
 def _only_the_brand(
