@@ -52,6 +52,8 @@ _TREATING = (
     "healthcare",
     *("facility/xray", "facility/blood_test", "facility/emergency_room", "facility/vaccination"),
 )
+_HABITS = frozenset({"tobacco", "amenity/smoking_area"})  # who refuses them says “smoke” by the way
+_MEALS = frozenset({"food", "drink"})
 _THING = 0.7  # a wanted concept of this weight is a thing of its own
 _RIVAL = 0.7  # a language with this share of the likeliest one's common words may be meant too
 _KNOWN_SHARE = 0.3  # of the words of a sentence that are common in its language
@@ -196,8 +198,9 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
         refused.append(knowledge.refusing[concept])
     if "lost_item" in wanted and says_at_home(units, knowledge.states(language)):
         wanted["lost_item"] = _HINT
-    # Nobody refuses to eat: “I'm hungry, but not for that.”
-    refused = [concept for concept in refused if concept not in knowledge.general]
+    # Nobody refuses to eat (“I'm hungry, but not for that”), but who wants a present may want none to eat.
+    spared = knowledge.general - (_MEALS if {"gift", "business", "shop"} & wanted.keys() else frozenset())
+    refused = [concept for concept in refused if concept not in spared]
     # “An ice cream, but that parlour is a rip-off”: the thing is wanted, and where it is sold first of all is not.
     contested = tuple(
         concept
@@ -205,7 +208,8 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
         if wanted.get(concept, 0.0) >= _MAIN
         and wanted_phrases.get(concept, set()).isdisjoint(refused_phrases.get(concept, set()))
     )
-    for concept in (*refused, *knowledge.said_of_food):
+    contained = [inner for concept in refused if concept in _HABITS for inner in knowledge.contained[concept]]
+    for concept in (*refused, *contained, *knowledge.said_of_food):
         wanted.pop(concept, None)
     if any(weight >= _THING for weight in wanted.values()):
         # “Something warm to drink, but no coffee”: what is left of “something warm” is wanted.

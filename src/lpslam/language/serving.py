@@ -63,7 +63,7 @@ def serve(wish: Wish, kinds: Kinds, knowledge: Knowledge) -> Served:
     matches = {concept: match(concept, kinds, knowledge) for concept, _ in wish.wanted}
     score = sum(weight * matches[concept] for concept, weight in wish.wanted)
     best = max((matches[concept] for concept in wish.main), default=0.0)
-    vague = knowledge.modifiers.issuperset(wish.main)
+    vague = (knowledge.modifiers | knowledge.general).issuperset(wish.main)
     for concept in wish.refused:
         # Ramen has noodles in it, and Thai food is hot.
         own = _any_of({concept, *knowledge.contained.get(concept, ())}, kinds, knowledge)

@@ -56,6 +56,10 @@ def told_in(
         elif stands[at - 1][-1:] == [Stand.REFUSED] and _goes_on_listing(clauses[at], knowledge):
             # “No pizza, burgers or kebab.”
             stands[at] = [Stand.REFUSED] * len(stands[at])
+    for at in range(len(clauses) - 1, 0, -1):
+        if stands[at][:1] == [Stand.REFUSED] and _is_listed_before(clauses[at - 1], clauses[at], knowledge):
+            # “Ramen, udon, no more.”
+            stands[at - 1] = [Stand.REFUSED] * len(stands[at - 1])
     told = [_told(clause.spans, each, knowledge) for clause, each in zip(clauses, stands, strict=True)]
     for at in range(1, len(clauses)):
         # “I need shoes, but Bata's are for aunties.”
@@ -106,6 +110,21 @@ def _goes_on_listing(clause: Clause, knowledge: Knowledge) -> bool:
             span.value.role == "name" or _is_meal(span, knowledge) or (span.value.role == "means" and not clause.tells)
             for span in clause.spans
         )
+    )
+
+
+def _is_listed_before(before: Clause, clause: Clause, knowledge: Knowledge) -> bool:
+    """Whether a clause is one more dish of the list that ends in a refusal."""
+    roles = [span.value.role for span in clause.spans]
+    return (
+        before.says <= 0
+        and not before.asks
+        and bool(before.spans)
+        and all(_is_meal(span, knowledge) for span in (*before.spans, clause.spans[0]))
+        and not any(
+            concept in knowledge.instead_of.values() for span in before.spans for concept, _ in span.value.concepts
+        )
+        and any(role in ("refuse_after", "refuse_either") for role in roles)
     )
 
 
@@ -264,10 +283,17 @@ def _stands_within(
     if any(span.value.role == "past" for span in clause):
         # What was eaten yesterday is not what is wanted today.
         stands = [
-            Stand.REFUSED if _is_meal(span, knowledge) and not is_general(span, knowledge) else stand
+            Stand.REFUSED
+            if (_is_meal(span, knowledge) and not is_general(span, knowledge)) or _is_drink_of_cafes(span)
+            else stand
             for span, stand in zip(clause, stands, strict=True)
         ]
     return _only_the_brand(clause, stands, units, knowledge)
+
+
+def _is_drink_of_cafes(span: Span[Meaning]) -> bool:
+    """Whether a phrase is the place and the drink in one, as Spanish “café” is."""
+    return span.value.role == "means" and all(concept == "amenity/cafe" for concept, _ in span.value.concepts)
 
 
 def _stands_last(clause: Sequence[Span[Meaning]], units: Sequence[str], negating: Set[str]) -> bool:
