@@ -14,7 +14,7 @@ from lpslam.language.inflection import known_form
 from lpslam.language.knowledge import Knowledge
 from lpslam.language.lexicon import Meaning
 from lpslam.language.sanitise import clean_text
-from lpslam.language.stance import NEXT_TO, Stand, hurting, is_eaten, is_general, told_in
+from lpslam.language.stance import NEXT_TO, Stand, hurting, is_eaten, is_general, spilled, told_in
 from lpslam.language.states import Trouble, says_at_home, troubles_in
 from lpslam.language.unknown_things import asks_for_unknown
 from lpslam.language.words import Span, is_mark, is_unspaced, longest_phrases
@@ -175,6 +175,8 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
     has_main = bool(troubles) or any(
         span.value.role == "means" and span.start not in asides and not is_general(span, knowledge) for span in spans
     )
+    stains = [trouble.units for trouble in troubles if trouble.concept == "laundry"]
+    asides |= spilled(spans, stains, units, knowledge)
     clauses = clauses_of(units, spans, language, knowledge)
     for told in told_in(clauses, units, language, knowledge, asks_for_another(text)):
         for span, stand in told:
@@ -218,6 +220,9 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
         # Who eats no meat wants a kitchen without.
         wanted |= {knowledge.instead_of[concept]: _MAIN for concept in refused}
     wanted = _as_treated(_without_symptoms(wanted, knowledge), knowledge)
+    if stains and "clothes" in wanted:
+        # Where nobody cleans the shirt, another one will do.
+        wanted["clothes"] = _THING
     main = [concept for concept, weight in wanted.items() if weight > _GENERAL]
     return Wish(
         tuple(wanted.items()),

@@ -93,13 +93,31 @@ def hurting(
     found: set[int] = set()
     for pain in pains:
         first = min(pain)
-        before = [at for at in range(first) if units[at] in BREAKING_MARKS]
-        since = before[-1] if before else -1
-        after = next((at for at in range(first, len(units)) if units[at] in BREAKING_MARKS), len(units))
+        since, after = _between_marks(first, units)
         own = [span for span in meals if since < span.start < first and not is_general(span, knowledge)]
         if own and any(not since < span.start < after for span in meals):
             found.update(span.start for span in own)
     return found
+
+
+def spilled(
+    spans: Sequence[Span[Meaning]], stains: Sequence[frozenset[int]], units: Sequence[str], knowledge: Knowledge
+) -> set[int]:
+    """Starts of the drinks and dishes that made a stain: “I poured coffee over my shirt”."""
+    reach = [_between_marks(min(stain), units) for stain in stains]
+    return {
+        span.start
+        for span in spans
+        if _is_meal(span, knowledge) or _is_drink_of_cafes(span)
+        if any(since < span.start < after for since, after in reach)
+    }
+
+
+def _between_marks(at: int, units: Sequence[str]) -> tuple[int, int]:
+    """The places of the marks around a unit: -1 and the number of units where there are none."""
+    before = [other for other in range(at) if units[other] in BREAKING_MARKS]
+    after = next((other for other in range(at, len(units)) if units[other] in BREAKING_MARKS), len(units))
+    return before[-1] if before else -1, after
 
 
 def _goes_on_listing(clause: Clause, knowledge: Knowledge) -> bool:
@@ -114,8 +132,7 @@ def _goes_on_listing(clause: Clause, knowledge: Knowledge) -> bool:
 
 
 def _is_listed_before(before: Clause, clause: Clause, knowledge: Knowledge) -> bool:
-    """Whether a clause is one more dish of the list that ends in a refusal."""
-    roles = [span.value.role for span in clause.spans]
+    """Whether a clause is one more dish of the list whose next, refused from behind, begins a clause of its own."""
     return (
         before.says <= 0
         and not before.asks
@@ -124,7 +141,6 @@ def _is_listed_before(before: Clause, clause: Clause, knowledge: Knowledge) -> b
         and not any(
             concept in knowledge.instead_of.values() for span in before.spans for concept, _ in span.value.concepts
         )
-        and any(role in ("refuse_after", "refuse_either") for role in roles)
     )
 
 
