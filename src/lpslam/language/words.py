@@ -8,6 +8,7 @@ import re
 import unicodedata
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Generic, TypeVar
 
 _UNSPACED = "\u0e00-\u0e7f\u1100-\u11ff\u3040-\u30ff\u3400-\u4dbf\u4e00-\u9fff\uac00-\ud7af\uf900-\ufaff"
@@ -157,6 +158,7 @@ def _phrase_at(
     return None
 
 
+@lru_cache(maxsize=1 << 14)
 def _stem(unit: str) -> str:
     """Drop a plural ending; crude, but the same for the table and for the text."""
     if len(unit) <= 3 or not unit.isascii() or not unit.isalpha():
