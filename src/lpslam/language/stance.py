@@ -18,6 +18,7 @@ _TELLING_MUCH = 4  # words beside a kind of place that make a statement of it, t
 _SERVES = 0.6  # a kind of place that serves what is asked for as well as this is not refused for being told of
 _VERB_LAST = frozenset({"ja", "ko"})  # languages whose refusals always stand behind
 _WHOLE_BACK = _VERB_LAST | {"zh"}  # whose short clauses are refused as a whole
+_PASTIMES = frozenset({"entertainment", "children_play", "rest"})
 # Asked for by its kind, a restaurant is refused by what it serves.
 _PLAIN_KINDS = frozenset({"amenity/restaurant"})
 
@@ -185,6 +186,8 @@ class _Asked:
             if is_asking and stand is Stand.WANTED and span.value.role == "means"
         ]
         self._concepts = {concept for span in spans for concept, _ in span.value.concepts}
+        # Who asks for a playground by that word wants no cinema, though the child is bored.
+        self._names_a_place = any(_is_place(span, knowledge) for span in spans)
         self._is_special = any(not _is_vague(span, knowledge) for span in spans)
         # What is asked for may be in no table.
         self._wants_anything = bool(spans) or any(
@@ -217,7 +220,11 @@ class _Asked:
             is_refused = (is_doubted and _is_meal(span, self._knowledge)) or self._tells_of_a_ware(at, span)
         if is_refused:
             return Stand.REFUSED
-        is_by_the_way = self._is_special and (_is_place(span, self._knowledge) or _is_ware(span, self._knowledge))
+        is_by_the_way = self._is_special and (
+            (self._names_a_place and concepts <= _PASTIMES)
+            or _is_place(span, self._knowledge)
+            or _is_ware(span, self._knowledge)
+        )
         return Stand.ASIDE if is_by_the_way else Stand.WANTED
 
     def _tells_of_a_place(self, clause: Clause, kinds: Set[str]) -> bool:
