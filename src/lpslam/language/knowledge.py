@@ -249,13 +249,18 @@ def _add_painted(
 
 
 def _add_brands(rows: Iterable[Any], cuisine_kinds: Mapping[str, str], known: dict[str, Known]) -> None:
-    """Add brands, as the index lists them: those of many names before their namesakes."""
+    """Add brands, as the index lists them: those of many names before their namesakes.
+
+    What a brand of another trade is called first goes before what one is called besides: Tous is a jeweller, not トウズ.
+    """
     for joined, keys, kinds_of, cuisines in rows:
         names = joined.split("|")
         found = dict.fromkeys([*kinds_of, *(cuisine_kinds.get(each, f"cuisine/{each}") for each in cuisines)], 1.0)
         weighed = tuple(found.items())
-        for name, key in zip(names, keys.split("|"), strict=True):
-            if len(key) > 1 and key not in known:
+        for at, (name, key) in enumerate(zip(names, keys.split("|"), strict=True)):
+            held = known.get(key)
+            is_namesake = at == 0 and held is not None and held.source == "brand" and held.painted != held.identity
+            if len(key) > 1 and (held is None or (is_namesake and found.keys().isdisjoint(dict(held.kinds)))):
                 known[key] = Known(name, "brand", weighed, names[0])
 
 

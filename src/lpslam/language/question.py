@@ -171,7 +171,7 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
     refused_phrases: dict[str, set[str]] = {}
     said_alone: set[str] = set()
     mentioned: dict[str, list[str]] = {"wanted": [], "refused": [], "near": []}
-    asides = _asides(spans) | {span.start for span in spans if _is_part(span, troubles)}
+    asides = _asides(spans, units, knowledge) | {span.start for span in spans if _is_part(span, troubles)}
     has_main = bool(troubles) or any(
         span.value.role == "means" and span.start not in asides and not is_general(span, knowledge) for span in spans
     )
@@ -296,11 +296,13 @@ def _with_known_forms(
     ]
 
 
-def _asides(spans: Sequence[Span[Meaning]]) -> set[int]:
+def _asides(spans: Sequence[Span[Meaning]], units: Sequence[str], knowledge: Knowledge) -> set[int]:
     """Starts of the phrases that are only said by the way: after “before my”, before の前に."""
     asides: set[int] = set()
     for before, after in pairwise(spans):
-        is_close = after.start - before.end <= NEXT_TO
+        between = units[before.end : after.start]
+        # “Sit in the dark and watch something” wants a film.
+        is_close = len(between) <= NEXT_TO and knowledge.both.isdisjoint(between)
         if is_close and before.value.role == "context_before" and after.value.role in ("means", "name"):
             asides.add(after.start)
         if is_close and after.value.role == "context_after" and before.value.role in ("means", "name"):
