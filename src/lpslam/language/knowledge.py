@@ -251,7 +251,7 @@ def _add_painted(
 def _add_brands(rows: Iterable[Any], cuisine_kinds: Mapping[str, str], known: dict[str, Known]) -> None:
     """Add brands, as the index lists them: those of many names before their namesakes.
 
-    What a brand of another trade is called first goes before what one is called besides: Tous is a jeweller, not トウズ.
+    What a brand of another trade is called first goes before what one is called besides: Tous is a jeweller.
     """
     for joined, keys, kinds_of, cuisines in rows:
         names = joined.split("|")

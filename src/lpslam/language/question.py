@@ -53,6 +53,7 @@ _TREATING = (
     *("facility/xray", "facility/blood_test", "facility/emergency_room", "facility/vaccination"),
 )
 _HABITS = frozenset({"tobacco", "amenity/smoking_area"})  # who refuses them says “smoke” by the way
+_TASTES = frozenset({"spicy", "mild_food"})
 _MEALS = frozenset({"food", "drink"})
 _THING = 0.7  # a wanted concept of this weight is a thing of its own
 _RIVAL = 0.7  # a language with this share of the likeliest one's common words may be meant too
@@ -271,6 +272,8 @@ def _without_symptoms(wanted: dict[str, float], knowledge: Knowledge) -> dict[st
     # “Excuse me, may I ask where …”
     vague |= {"ask"} if others - {"ask"} else set()
     vague |= {"rest"} if services or meals else set()
+    # A dish that is named says more than how it should taste.
+    vague |= _TASTES if any(is_eaten(concept, knowledge) for concept in others - _TASTES) else set()
     # “Somewhere the kids can sit down for dinner.”
     vague |= {"children_play"} if meals else set()
     return {concept: min(weight, _HINT) if concept in vague else weight for concept, weight in wanted.items()}

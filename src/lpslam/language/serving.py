@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from lpslam.language.knowledge import Knowledge
 from lpslam.language.question import Wish
+from lpslam.language.stance import is_eaten
 
 Kinds = tuple[tuple[str, float], ...]
 
@@ -14,8 +15,9 @@ _REFUSED_KIND = 0.4  # a place is what is refused when its words say so at least
 _SIDE_OFFER = 0.7  # a place that sells what is refused this surely, beside other things
 _SIDE_REFUSED = 0.5  # what such a place loses
 _LIGHT_MEAL = 0.7  # of a place that sells cake or coffee first of all
+_APART = 0.5  # of a kind that is not meant by the one above it: bubble tea, for a café
 _SURE = 0.9  # a kind of this weight is what the place is
-_DRUNK_IN_CAFES = frozenset({"coffee"})
+_DRUNK_IN_CAFES = frozenset({"coffee", "tea"})
 _WELL = 0.6  # a café refused for its coffee serves tea at least this well
 
 
@@ -47,7 +49,11 @@ def _any_of(concepts: Set[str], kinds: Kinds, knowledge: Knowledge) -> float:
 
 def match(concept: str, kinds: Kinds, knowledge: Knowledge) -> float:
     """How well a place of these kinds serves the concept: it is one, or it offers it."""
-    best = max((weight * knowledge.share(concept, kind) for kind, weight in kinds), default=0.0)
+    apart = knowledge.apart.get(concept, frozenset())
+    best = max(
+        (weight * min(knowledge.share(concept, kind), _APART if kind in apart else 1.0) for kind, weight in kinds),
+        default=0.0,
+    )
     if concept == "food" and best > _LIGHT_MEAL and _is_light(kinds, knowledge):
         return _LIGHT_MEAL
     return best
@@ -68,12 +74,16 @@ def serve(wish: Wish, kinds: Kinds, knowledge: Knowledge) -> Served:
         # Ramen has noodles in it, and Thai food is hot.
         own = _any_of({concept, *knowledge.contained.get(concept, ())}, kinds, knowledge)
         is_spared = concept in _DRUNK_IN_CAFES and _serves_else(wish, matches, knowledge)
+        is_spared = is_spared and not (concept == "tea" and own >= _REFUSED_KIND)
         if own >= _REFUSED_KIND and not is_spared and not _is_also_another(concept, own, kinds, wish, knowledge):
             return Served(0.0, 0.0, ())
-        if vague and "/" not in concept and match(concept, kinds, knowledge) >= _SURE:
-            # “A present, but no toys”: a toy shop has presents, and is not meant.
+        ware = match(concept, kinds, knowledge) if "/" not in concept else 0.0
+        if ware >= _SURE and (vague or (ware > best and not is_eaten(concept, knowledge))):
+            # “A present, but no toys”: a toy shop has presents, and is not meant; nor Decathlon for what is not sporty.
             return Served(0.0, 0.0, ())
-        if own >= _REFUSED_KIND or ("/" not in concept and match(concept, kinds, knowledge) >= _SIDE_OFFER):
+        if own < _REFUSED_KIND and is_spared:
+            continue
+        if own >= _REFUSED_KIND or ware >= _SIDE_OFFER:
             score *= _SIDE_REFUSED
     reasons = tuple(concept for concept, found in matches.items() if found >= FITS)
     return Served(score, best, reasons)

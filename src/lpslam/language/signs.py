@@ -164,7 +164,8 @@ class SignReader:
         if known is None or (plain is not None and plain.role == "sign"):
             return None
         is_mixed = len(units) > 1 and len(units[0]) > 1 and not is_unspaced(units[0]) and is_unspaced(units[1])
-        return replace(_of_known(known, 1.0, f"“{text}” is {known.painted}"), owner=units[0] if is_mixed else "")
+        owner = units[0] if is_mixed else _owner(text, units, self._phrases("", units)) if is_unspaced(text) else ""
+        return replace(_of_known(known, 1.0, f"“{text}” is {known.painted}"), owner=owner)
 
     def _as_warning(
         self, text: str, key: str, units: Sequence[str], spans: Sequence[Span[Meaning]]
