@@ -220,7 +220,11 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
     if refused and all(concept in knowledge.instead_of for concept in refused):
         # Who eats no meat wants a kitchen without.
         wanted |= {knowledge.instead_of[concept]: _MAIN for concept in refused}
+    is_child_ill = "child" in wanted and max(wanted.get("medicine", 0.0), wanted.get("doctor", 0.0)) >= _MAIN
     wanted = _as_treated(_without_symptoms(wanted, knowledge), knowledge)
+    if is_child_ill:
+        # A child that is ill is taken to its own doctor where there is one.
+        wanted["amenity/doctors/paediatrics"] = _MAIN
     if stains and "clothes" in wanted:
         # Where nobody cleans the shirt, another one will do.
         wanted["clothes"] = _THING
@@ -271,7 +275,7 @@ def _without_symptoms(wanted: dict[str, float], knowledge: Knowledge) -> dict[st
     vague |= set(knowledge.symptoms) if "gift" in wanted else set()
     # “Excuse me, may I ask where …”
     vague |= {"ask"} if others - {"ask"} else set()
-    vague |= {"rest"} if services or meals else set()
+    vague |= {"rest"} if services or meals or "massage" in others else set()
     # A dish that is named says more than how it should taste.
     vague |= _TASTES if any(is_eaten(concept, knowledge) for concept in others - _TASTES) else set()
     # “Somewhere the kids can sit down for dinner.”

@@ -193,6 +193,7 @@ class _Asked:
         self._wants_anything = bool(spans) or any(
             is_asking and clause.puzzles for is_asking, clause in zip(asking, clauses, strict=True)
         )
+        self._diets = {*knowledge.instead_of.values(), *knowledge.refusing}
         self._is_asked = any(clause.asks for clause in clauses)
 
     def stand(self, at: int, span: Span[Meaning], before: Span[Meaning] | None) -> Stand:
@@ -215,6 +216,9 @@ class _Asked:
             is_refused = is_doubted or self._tells_of_a_place(clause, concepts)
         elif before is not None and before.value.role == "name" and span.start - before.end <= 1:
             # A brand's coffee says nothing against coffee.
+            is_refused = False
+        elif concepts <= self._diets:
+            # “No meat” is a wish.
             is_refused = False
         else:
             is_refused = (is_doubted and _is_meal(span, self._knowledge)) or self._tells_of_a_ware(at, span)
