@@ -43,7 +43,7 @@ def choosing(model: LanguageModel, name: str) -> tuple[dict[str, tuple[int, int,
     tree = read(name)["choosing"]
     counts, misses = defaultdict(lambda: (0, 0, 0)), []
     for case in tree["questions"]:
-        names = case.get("landmarks", tree["landmarks"])
+        names = tree["places"][case["place"]] if "place" in case else case.get("landmarks", tree.get("landmarks"))
         expected = case["expected"]
         accepted = [expected] if isinstance(expected, str) else list(expected or [])
         answer = model.choose(case["question"], [Candidate(at, name) for at, name in enumerate(names)])
@@ -69,7 +69,7 @@ def naming(model: LanguageModel, name: str) -> tuple[tuple[int, int, int], list[
     return (right, commonest, len(cases)), misses
 
 
-ORDINALS = ("second", "third", "fourth", "fifth", "sixth", "seventh", "eighth")
+ORDINALS = ("second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth")
 
 
 def main() -> None:

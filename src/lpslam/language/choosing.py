@@ -156,7 +156,8 @@ def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Kn
         wishes.append(replace(wish, wanted=(("ask", 1.0),)))
     if set(wanted) - knowledge.general <= set(knowledge.instead_of.values()):
         # Where there is no vegetarian kitchen, whatever serves no meat.
-        wishes.append(replace(wish, wanted=instead_of(wish.refused, knowledge)))
+        without = wish.refused or tuple(each for each, diet in knowledge.instead_of.items() if diet in wanted)
+        wishes.append(replace(wish, wanted=instead_of(without, knowledge), refused=without))
     choices: list[Choice] = []
     for each in wishes:
         choices.append(_best(each, index, refused, knowledge, model, phrases))
