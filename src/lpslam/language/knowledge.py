@@ -248,6 +248,10 @@ def _add_painted(
         painted.setdefault(phrase, Meaning("means", tuple(found.items())))
 
 
+_OUT_OF_DOORS = ("amenity/fuel", "amenity/charging_station", "amenity/recycling", "office/", "emergency/", "tourism/")
+"""Kinds that seldom have a sign among shops: Indigo is a bookshop sooner than a place to charge a car."""
+
+
 def _add_brands(rows: Iterable[Any], cuisine_kinds: Mapping[str, str], known: dict[str, Known]) -> None:
     """Add brands, as the index lists them: those of many names before their namesakes.
 
@@ -259,7 +263,13 @@ def _add_brands(rows: Iterable[Any], cuisine_kinds: Mapping[str, str], known: di
         weighed = tuple(found.items())
         for at, (name, key) in enumerate(zip(names, keys.split("|"), strict=True)):
             held = known.get(key)
-            is_namesake = at == 0 and held is not None and held.source == "brand" and held.painted != held.identity
+            is_namesake = (
+                at == 0
+                and held is not None
+                and held.source == "brand"
+                and held.painted != held.identity
+                and not all(kind.startswith(_OUT_OF_DOORS) for kind in found)
+            )
             if len(key) > 1 and (held is None or (is_namesake and found.keys().isdisjoint(dict(held.kinds)))):
                 known[key] = Known(name, "brand", weighed, names[0])
 
