@@ -3,6 +3,7 @@
 A map may grow over several recordings, whose times may overlap: each is a session of its own.
 """
 
+from array import array
 from typing import Any
 
 import numpy as np
@@ -18,12 +19,13 @@ class Trajectory:
     """All frames by columns, in the order in which they came."""
 
     def __init__(self) -> None:
-        self._indices: list[int] = []
-        self._timestamps: list[float] = []
-        self._states: list[int] = []
-        self._keyframes: list[int] = []
-        self._poses: list[NDArray[np.float64]] = []
-        self._sessions: list[int] = []
+        # Packed: a robot that walks all day has millions of frames, of 153 bytes each.
+        self._indices = array("q")
+        self._timestamps = array("d")
+        self._states = array("B")
+        self._keyframes = array("i")
+        self._poses = array("d")
+        self._sessions = array("i")
         self.session = 0
 
     def __len__(self) -> int:
@@ -42,7 +44,8 @@ class Trajectory:
         self._sessions.append(self.session)
         has_pose = tracked.keyframe_from_camera is not None
         self._keyframes.append(tracked.keyframe if has_pose else -1)
-        self._poses.append(tracked.keyframe_from_camera if tracked.keyframe_from_camera is not None else np.eye(4))
+        pose = tracked.keyframe_from_camera if tracked.keyframe_from_camera is not None else np.eye(4)
+        self._poses.frombytes(np.ascontiguousarray(pose, np.float64).tobytes())
 
     def disown(self, since: float) -> None:
         """Take back the poses of the newest session's frames from a time on, in seconds: they were of another place."""
@@ -51,7 +54,7 @@ class Trajectory:
                 break
             self._states[row] = _STATES.index(TrackingState.LOST)
             self._keyframes[row] = -1
-            self._poses[row] = np.eye(4)
+            self._poses[16 * row : 16 * (row + 1)] = array("d", np.eye(4).ravel())
 
     @property
     def frame_count(self) -> int:
@@ -110,11 +113,14 @@ class Trajectory:
         if not ((arrays["state"] >= 0) & (arrays["state"] < len(_STATES))).all():
             raise ValueError("trajectory column state names a state that does not exist")
         trajectory = cls()
-        trajectory._indices = arrays["index"].tolist()
-        trajectory._timestamps = arrays["timestamp"].tolist()
-        trajectory._states = arrays["state"].tolist()
-        trajectory._keyframes = arrays["keyframe"].tolist()
-        trajectory._poses = list(arrays["keyframe_from_camera"])
-        trajectory._sessions = arrays["session"].tolist()
+        for name, column in (
+            ("index", trajectory._indices),
+            ("timestamp", trajectory._timestamps),
+            ("state", trajectory._states),
+            ("keyframe", trajectory._keyframes),
+            ("keyframe_from_camera", trajectory._poses),
+            ("session", trajectory._sessions),
+        ):
+            column.frombytes(arrays[name].astype(column.typecode).tobytes())
         trajectory.session = max(trajectory._sessions, default=0)
         return trajectory
