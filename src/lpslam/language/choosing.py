@@ -121,8 +121,6 @@ def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Kn
     if wish.language is None:
         return Choice(None, 0.0, phrases.say("unread"), model)
     refused |= {id_ for name in wish.refused_names for id_ in index.ids_of.get(name, ())}
-    if "chain" in wish.refused:
-        refused |= {id_ for id_, sign in index.signs.items() if sign.identity}
     if asks_for_another(question):
         # “Starbucks is full, another café?” names what is not wanted.
         named_besides = (*wish.wanted_names, *wish.near_names)
@@ -130,6 +128,8 @@ def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Kn
         if refused and wish.refused and not wish.wanted:
             # “除了星巴克还有别的咖啡店吗”: the name is refused, and its kind is what is asked for.
             wish = replace(wish, wanted=tuple((kind, 1.0) for kind in wish.refused), refused=())
+    if "chain" in wish.refused:
+        refused |= {id_ for id_, sign in index.signs.items() if sign.identity}
     named = [id_ for name in wish.wanted_names for id_ in index.ids_of.get(name, ()) if id_ not in refused]
     if named:
         return Choice(named[0], 0.95, phrases.say("named"), model, tuple(named[1 : 1 + _ALTERNATIVES]))

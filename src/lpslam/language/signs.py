@@ -110,7 +110,9 @@ class SignReader:
         for at in range(len(units)):
             for end in range(at + 1, min(len(units), at + 6) + 1):
                 phrase, key = " ".join(units[at:end]), "".join(units[at:end])
-                if (is_unspaced(key) and len(key) < 3) or (not is_unspaced(key) and units[at] not in capital):
+                if (is_unspaced(key) and len(key) < 3) or (
+                    not is_unspaced(key) and units[at] not in capital and not units[at].isdigit()
+                ):
                     continue
                 # Units have lost a plural's ending, which Starbucks keeps.
                 known = self._known_brand(key) or (self._known_brand(f"{key}s") if f"{key}s" in folded else None)
