@@ -69,7 +69,10 @@ def naming(model: LanguageModel, name: str) -> tuple[tuple[int, int, int], list[
     return (right, commonest, len(cases)), misses
 
 
-ORDINALS = ("second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth")
+ORDINALS = (
+    *("second", "third", "fourth", "fifth", "sixth", "seventh"),
+    *("eighth", "ninth", "tenth", "eleventh", "twelfth", "thirteenth"),
+)
 
 
 def main() -> None:
