@@ -1,4 +1,4 @@
-"""Chat servers for tests, and a cache folder and environment of a test's own."""
+"""The embedded model, chat servers for tests, and a cache folder and environment of a test's own."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -9,6 +9,8 @@ from chat_server import Behaviour, ChatServer
 
 from lpslam.config import LanguageConfig
 from lpslam.language.chat import ChatModel
+from lpslam.language.knowledge import Knowledge, load_knowledge
+from lpslam.language.offline import OfflineModel
 from lpslam.language.registry import language_model
 
 Serve = Callable[..., ChatServer]
@@ -20,6 +22,16 @@ def own_environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     for name in ("OPENAI", "ANTHROPIC", "GOOGLE", "GEMINI", "LPSLAM_LLM", "OLLAMA"):
         for what in ("API_KEY", "BASE_URL", "HOST", "GEMINI_BASE_URL", "ORG_ID", "PROJECT_ID"):
             monkeypatch.delenv(f"{name}_{what}", raising=False)
+
+
+@pytest.fixture(scope="session")
+def knowledge() -> Knowledge:
+    return load_knowledge()
+
+
+@pytest.fixture(scope="session")
+def model() -> OfflineModel:
+    return OfflineModel()
 
 
 @pytest.fixture

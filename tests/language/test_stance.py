@@ -1,27 +1,12 @@
 """What a question wants, refuses and only tells, clause by clause."""
 
 import pytest
+from asking import chosen
 
-from lpslam.language.knowledge import Knowledge, load_knowledge
-from lpslam.language.model import Candidate
+from lpslam.language.knowledge import Knowledge
 from lpslam.language.offline import OfflineModel
 from lpslam.language.question import read_question
 from lpslam.language.signs import load_sign_reader
-
-
-@pytest.fixture(scope="module")
-def knowledge() -> Knowledge:
-    return load_knowledge()
-
-
-@pytest.fixture(scope="module")
-def model() -> OfflineModel:
-    return OfflineModel()
-
-
-def chosen(model: OfflineModel, question: str, *names: str) -> str | None:
-    answer = model.choose(question, [Candidate(at, name) for at, name in enumerate(names)])
-    return None if answer.landmark is None else names[answer.landmark]
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,8 @@ from lpslam.language.inflection import known_form
 from lpslam.language.knowledge import Knowledge
 from lpslam.language.lexicon import Meaning
 from lpslam.language.sanitise import clean_text
-from lpslam.language.stance import NEXT_TO, Stand, hurting, is_eaten, is_general, spilled, told_in
+from lpslam.language.sorts import is_eaten, is_general
+from lpslam.language.stance import NEXT_TO, Stand, hurting, spilled, told_in
 from lpslam.language.states import Trouble, says_at_home, troubles_in
 from lpslam.language.unknown_things import asks_for_unknown
 from lpslam.language.words import Span, is_mark, is_unspaced, longest_phrases

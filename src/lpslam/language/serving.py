@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from lpslam.language.knowledge import Knowledge
 from lpslam.language.question import Wish
-from lpslam.language.stance import is_eaten
+from lpslam.language.sorts import is_eaten
 
 Kinds = tuple[tuple[str, float], ...]
 

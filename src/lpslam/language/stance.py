@@ -11,6 +11,17 @@ from enum import Enum
 from lpslam.language.clauses import BREAKING_MARKS, Clause
 from lpslam.language.knowledge import Knowledge
 from lpslam.language.lexicon import Meaning
+from lpslam.language.sorts import (
+    is_drink_of_cafes,
+    is_general,
+    is_meal,
+    is_modifier,
+    is_pain,
+    is_place,
+    is_plain,
+    is_vague,
+    is_ware,
+)
 from lpslam.language.words import Span, is_mark
 
 NEXT_TO = 3  # units between two phrases that speak of one another
@@ -19,8 +30,6 @@ _SERVES = 0.6  # a kind of place that serves what is asked for as well as this i
 _VERB_LAST = frozenset({"ja", "ko"})  # languages whose refusals always stand behind
 _WHOLE_BACK = _VERB_LAST | {"zh"}  # whose short clauses are refused as a whole
 _PASTIMES = frozenset({"entertainment", "children_play", "rest"})
-# Asked for by its kind, a restaurant is refused by what it serves.
-_PLAIN_KINDS = frozenset({"amenity/restaurant"})
 
 
 class Stand(Enum):
@@ -73,24 +82,19 @@ def told_in(
 
 def _without_pains(told: Told, knowledge: Knowledge) -> Told:
     """What a refused dish does to one is no wish for a doctor."""
-    if not any(stand is Stand.REFUSED and _is_meal(span, knowledge) for span, stand in told):
+    if not any(stand is Stand.REFUSED and is_meal(span, knowledge) for span, stand in told):
         return told
     return [
-        (span, Stand.ASIDE if stand is Stand.WANTED and _is_pain(span.value.concepts, knowledge) else stand)
+        (span, Stand.ASIDE if stand is Stand.WANTED and is_pain(span.value.concepts, knowledge) else stand)
         for span, stand in told
     ]
-
-
-def _is_pain(concepts: Sequence[tuple[str, float]], knowledge: Knowledge) -> bool:
-    """Whether all that is meant is an ailment."""
-    return bool(concepts) and all(concept in knowledge.symptoms for concept, _ in concepts)
 
 
 def hurting(
     spans: Sequence[Span[Meaning]], pains: Sequence[frozenset[int]], units: Sequence[str], knowledge: Knowledge
 ) -> set[int]:
     """Starts of the dishes that are said to hurt: “ice cream hurts my teeth”, where another is wanted besides."""
-    meals = [span for span in spans if _is_meal(span, knowledge)]
+    meals = [span for span in spans if is_meal(span, knowledge)]
     found: set[int] = set()
     for pain in pains:
         first = min(pain)
@@ -109,7 +113,7 @@ def spilled(
     return {
         span.start
         for span in spans
-        if _is_meal(span, knowledge) or _is_drink_of_cafes(span)
+        if is_meal(span, knowledge) or is_drink_of_cafes(span)
         if any(since < span.start < after for since, after in reach)
     }
 
@@ -126,7 +130,7 @@ def _goes_on_listing(clause: Clause, knowledge: Knowledge) -> bool:
         clause.lists
         and not clause.asks
         and all(
-            span.value.role == "name" or _is_meal(span, knowledge) or (span.value.role == "means" and not clause.tells)
+            span.value.role == "name" or is_meal(span, knowledge) or (span.value.role == "means" and not clause.tells)
             for span in clause.spans
         )
     )
@@ -138,7 +142,7 @@ def _is_listed_before(before: Clause, clause: Clause, knowledge: Knowledge) -> b
         before.says <= 0
         and not before.asks
         and bool(before.spans)
-        and all(_is_meal(span, knowledge) for span in (*before.spans, clause.spans[0]))
+        and all(is_meal(span, knowledge) for span in (*before.spans, clause.spans[0]))
         and not any(
             concept in knowledge.instead_of.values() for span in before.spans for concept, _ in span.value.concepts
         )
@@ -187,8 +191,8 @@ class _Asked:
         ]
         self._concepts = {concept for span in spans for concept, _ in span.value.concepts}
         # Who asks for a playground by that word wants no cinema, though the child is bored.
-        self._names_a_place = any(_is_place(span, knowledge) for span in spans)
-        self._is_special = any(not _is_vague(span, knowledge) for span in spans)
+        self._names_a_place = any(is_place(span, knowledge) for span in spans)
+        self._is_special = any(not is_vague(span, knowledge) for span in spans)
         # What is asked for may be in no table.
         self._wants_anything = bool(spans) or any(
             is_asking and clause.puzzles for is_asking, clause in zip(asking, clauses, strict=True)
@@ -207,12 +211,12 @@ class _Asked:
             # “I was X-rayed yesterday” asks for no X-ray, whatever is asked for.
             or not (self._is_asked or (is_past and not clause.echoes))
             or clause.is_near_asking
-            or _is_plain(span, self._knowledge)
+            or is_plain(span, self._knowledge)
             or not self._concepts.isdisjoint(concepts)
         ):
             return Stand.WANTED
         is_doubted = clause.denies or (clause.echoes and (bool(self._concepts) or self._wants_another))
-        if _is_place(span, self._knowledge):
+        if is_place(span, self._knowledge):
             is_refused = is_doubted or self._tells_of_a_place(clause, concepts)
         elif before is not None and before.value.role == "name" and span.start - before.end <= 1:
             # A brand's coffee says nothing against coffee.
@@ -221,13 +225,13 @@ class _Asked:
             # “No meat” is a wish.
             is_refused = False
         else:
-            is_refused = (is_doubted and _is_meal(span, self._knowledge)) or self._tells_of_a_ware(at, span)
+            is_refused = (is_doubted and is_meal(span, self._knowledge)) or self._tells_of_a_ware(at, span)
         if is_refused:
             return Stand.REFUSED
         is_by_the_way = self._is_special and (
             (self._names_a_place and concepts <= _PASTIMES)
-            or _is_place(span, self._knowledge)
-            or _is_ware(span, self._knowledge)
+            or is_place(span, self._knowledge)
+            or is_ware(span, self._knowledge)
         )
         return Stand.ASIDE if is_by_the_way else Stand.WANTED
 
@@ -246,31 +250,8 @@ class _Asked:
             self._wants_another
             and not (self._is_special or has_run_out)
             and self._clauses[at].tells
-            and _is_ware(span, self._knowledge)
+            and is_ware(span, self._knowledge)
         )
-
-
-def _is_ware(span: Span[Meaning], knowledge: Knowledge) -> bool:
-    """Whether a phrase names what is eaten or bought; who tells of being hurt or lost wants help with that."""
-    firsts = [next(iter(knowledge.offers.get(concept, ())), "") for concept, _ in span.value.concepts]
-    is_done = any(concept in knowledge.treatments for concept, _ in span.value.concepts)
-    return _is_meal(span, knowledge) or (not is_done and all(first.startswith("shop/") for first in firsts))
-
-
-def _is_vague(span: Span[Meaning], knowledge: Knowledge) -> bool:
-    """Whether a phrase alone hardly says where to go: “eat”, “for a child”, “help”."""
-    return _is_plain(span, knowledge) or (
-        span.value.role == "means"
-        and all(concept in knowledge.modifiers or concept in knowledge.auxiliary for concept, _ in span.value.concepts)
-    )
-
-
-def _is_place(span: Span[Meaning], knowledge: Knowledge) -> bool:
-    """Whether a phrase names a kind of place to go to, not a thing."""
-    return span.value.role == "means" and all(
-        "/" in concept and not concept.startswith(("cuisine/", "facility/toilets"))
-        for concept, _ in span.value.concepts
-    )
 
 
 def _stands_within(
@@ -311,16 +292,11 @@ def _stands_within(
         # What was eaten yesterday is not what is wanted today.
         stands = [
             Stand.REFUSED
-            if (_is_meal(span, knowledge) and not is_general(span, knowledge)) or _is_drink_of_cafes(span)
+            if (is_meal(span, knowledge) and not is_general(span, knowledge)) or is_drink_of_cafes(span)
             else stand
             for span, stand in zip(clause, stands, strict=True)
         ]
     return _only_the_brand(clause, stands, units, knowledge)
-
-
-def _is_drink_of_cafes(span: Span[Meaning]) -> bool:
-    """Whether a phrase is the place and the drink in one, as Spanish “café” is."""
-    return span.value.role == "means" and all(concept == "amenity/cafe" for concept, _ in span.value.concepts)
 
 
 def _stands_last(clause: Sequence[Span[Meaning]], units: Sequence[str], negating: Set[str]) -> bool:
@@ -389,7 +365,7 @@ def _linked_from(clause: Sequence[Span[Meaning]], since: int, at: int) -> int:
 def _told(clause: Sequence[Span[Meaning]], stands: Sequence[Stand], knowledge: Knowledge) -> Told:
     told = [(span, stand) for span, stand in zip(clause, stands, strict=True) if span.value.role in ("means", "name")]
     refused = [span for span, stand in told if stand is Stand.REFUSED]
-    for spared in (_is_plain, _is_modifier):
+    for spared in (is_plain, is_modifier):
         if any(not spared(span, knowledge) for span in refused):
             told = [
                 (span, Stand.WANTED if stand is Stand.REFUSED and spared(span, knowledge) else stand)
@@ -400,28 +376,3 @@ def _told(clause: Sequence[Span[Meaning]], stands: Sequence[Stand], knowledge: K
 
 def _is_wanted(one: tuple[Span[Meaning], Stand]) -> bool:
     return one[1] is Stand.WANTED
-
-
-def _is_meal(span: Span[Meaning], knowledge: Knowledge) -> bool:
-    return span.value.role == "means" and any(is_eaten(concept, knowledge) for concept, _ in span.value.concepts)
-
-
-def is_eaten(concept: str, knowledge: Knowledge) -> bool:
-    """Whether a concept is food or drink of some sort."""
-    return any(knowledge.instead.get(above) in ("food", "drink", "sweets") for above in knowledge.above(concept))
-
-
-def is_general(span: Span[Meaning], knowledge: Knowledge) -> bool:
-    """Whether a phrase says no more than “eat”, “buy” or “a place”."""
-    return span.value.role == "means" and all(concept in knowledge.general for concept, _ in span.value.concepts)
-
-
-def _is_plain(span: Span[Meaning], knowledge: Knowledge) -> bool:
-    return is_general(span, knowledge) or (
-        span.value.role == "means" and all(concept in _PLAIN_KINDS for concept, _ in span.value.concepts)
-    )
-
-
-def _is_modifier(span: Span[Meaning], knowledge: Knowledge) -> bool:
-    """Whether a phrase says for whom or for what: “for a present, but no flowers” refuses flowers."""
-    return span.value.role == "means" and all(concept in knowledge.modifiers for concept, _ in span.value.concepts)
