@@ -18,6 +18,8 @@ SCRIPT = """
 import signal
 from lpslam import cli
 from lpslam.views.run_progress import RunProgress
+# A shell that starts the tests in the background lets them ignore the key.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 show = RunProgress.update
 def show_and_press(self, progress):
     show(self, progress)
