@@ -100,18 +100,20 @@ class _Words:
             end > start and self._units[end - 1 : end + 1][-1] in ("?", "？"),
             not self._listing.isdisjoint(inside),
             bool(spans) and not self._puzzling.isdisjoint(range(spans[-1].end, end)),
-            not self._asking.isdisjoint(self._between_marks(start)),
+            not self._asking.isdisjoint(between_marks(start, self._units)),
         )
-
-    def _between_marks(self, at: int) -> range:
-        before = [other for other, unit in enumerate(self._units[:at]) if unit in BREAKING_MARKS]
-        after = (other for other, unit in enumerate(self._units[at:], at) if unit in BREAKING_MARKS)
-        return range(before[-1] + 1 if before else 0, next(after, len(self._units)))
 
     def puzzles(self, start: int, end: int) -> bool:
         """Whether a stretch of units holds a word that no table knows."""
         unknown = [at for at in range(start, end) if at in self._puzzling and at not in self._asking]
         return bool(unknown) and (not is_unspaced(self._units[unknown[0]]) or len(unknown) > 1)
+
+
+def between_marks(at: int, units: Sequence[str]) -> range:
+    """The units around one up to the nearest marks on either side; a mark itself ends what stands before it."""
+    before = next((other for other in range(at - 1, -1, -1) if units[other] in BREAKING_MARKS), -1)
+    after = next((other for other in range(at, len(units)) if units[other] in BREAKING_MARKS), len(units))
+    return range(before + 1, after)
 
 
 def _goes_on(before: Span[Meaning], asking: Span[Meaning], knowledge: Knowledge) -> bool:

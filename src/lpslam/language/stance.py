@@ -8,7 +8,7 @@ tells is no wish: who says what Zara is like and then asks for a dress wants ano
 from collections.abc import Sequence, Set
 from enum import Enum
 
-from lpslam.language.clauses import BREAKING_MARKS, Clause
+from lpslam.language.clauses import Clause, between_marks
 from lpslam.language.knowledge import Knowledge
 from lpslam.language.lexicon import Meaning
 from lpslam.language.sorts import (
@@ -98,9 +98,9 @@ def hurting(
     found: set[int] = set()
     for pain in pains:
         first = min(pain)
-        since, after = _between_marks(first, units)
-        own = [span for span in meals if since < span.start < first and not is_general(span, knowledge)]
-        if own and any(not since < span.start < after for span in meals):
+        reach = between_marks(first, units)
+        own = [span for span in meals if reach.start <= span.start < first and not is_general(span, knowledge)]
+        if own and any(span.start not in reach for span in meals):
             found.update(span.start for span in own)
     return found
 
@@ -109,20 +109,10 @@ def spilled(
     spans: Sequence[Span[Meaning]], stains: Sequence[frozenset[int]], units: Sequence[str], knowledge: Knowledge
 ) -> set[int]:
     """Starts of the drinks and dishes that made a stain: “I poured coffee over my shirt”."""
-    reach = [_between_marks(min(stain), units) for stain in stains]
+    reach = {at for stain in stains for at in between_marks(min(stain), units)}
     return {
-        span.start
-        for span in spans
-        if is_meal(span, knowledge) or is_drink_of_cafes(span)
-        if any(since < span.start < after for since, after in reach)
+        span.start for span in spans if span.start in reach and (is_meal(span, knowledge) or is_drink_of_cafes(span))
     }
-
-
-def _between_marks(at: int, units: Sequence[str]) -> tuple[int, int]:
-    """The places of the marks around a unit: -1 and the number of units where there are none."""
-    before = [other for other in range(at) if units[other] in BREAKING_MARKS]
-    after = next((other for other in range(at, len(units)) if units[other] in BREAKING_MARKS), len(units))
-    return before[-1] if before else -1, after
 
 
 def _goes_on_listing(clause: Clause, knowledge: Knowledge) -> bool:
