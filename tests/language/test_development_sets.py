@@ -13,11 +13,6 @@ SETS = Path(__file__).parents[2] / "benchmarks" / "language"
 
 
 @pytest.fixture(scope="module")
-def model() -> OfflineModel:
-    return OfflineModel()
-
-
-@pytest.fixture(scope="module")
 def cases() -> LanguageCases:
     return read_cases(SETS / "development.json")
 

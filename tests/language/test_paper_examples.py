@@ -9,11 +9,6 @@ from lpslam.evaluation.language import LanguageCases, paper_cases, read_cases, s
 from lpslam.language.offline import OfflineModel
 
 
-@pytest.fixture(scope="module")
-def model() -> OfflineModel:
-    return OfflineModel()
-
-
 def test_every_example_of_the_paper_is_right(model: OfflineModel) -> None:
     score = score_language(model, paper_cases())
     assert score.misses == ()
