@@ -270,11 +270,12 @@ class TrackingConfig(_Section):
     flow_levels: int = Field(default=2, ge=0)  # pyramid levels above the image: 2 reach 30 px beyond the prediction
     flow_steps: int = Field(default=12, ge=1)  # iterations a level at most
     flow_precision: float = Field(default=0.03, gt=0)  # pixels; a smaller step ends the iteration
-    min_flow_agreement: float = Field(default=0.5, ge=0, le=1)  # share of the flow that one motion must explain
+    min_agreement: float = Field(default=0.6, ge=0, le=1)  # share of what is followed that one motion must explain
     min_followed: int = 60  # inliers; fewer, and the frame is matched with the map at once
     min_followed_share: float = Field(default=0.7, ge=0, le=1)  # of those followed first, the same
     anchor_interval: float = Field(default=0.09, ge=0)  # seconds after which a frame is matched with the map anyway
     strict_seconds: float = 1.0  # after relocalising, in which `min_recovery_inliers` must be matched
+    predictable_gap: float = Field(default=0.08, gt=0)  # seconds between frames; more, and a turn has changed its pace
     long_gap: float = Field(default=0.3, gt=0)  # seconds without frames after which the same: nothing was predicted
     recovery_candidates: int = Field(default=4, ge=1)  # places tried a frame when lost
     doubt_seconds: float = Field(default=3.0, ge=0)  # after relocalising, in which signs may speak against the place

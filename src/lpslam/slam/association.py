@@ -25,12 +25,14 @@ class Estimate:
         points: (n,) the map point of each keypoint, or -1; inliers only.
         inliers: how many keypoints agree with the pose, counting points that are not in the map.
         agreement: share of the points whose word counts that agree.
+        loose: (n, 3) where the keypoints stand, in the world, that agree without being of the map; else not a number.
     """
 
     camera_from_world: _Matrix
     points: _Rows
     inliers: int
     agreement: float = 1.0
+    loose: _Matrix | None = None
 
     @property
     def matches(self) -> int:
@@ -108,7 +110,10 @@ class Associator:
         held = np.full(features.rows, -1, np.int32)
         held[keypoints[agreeing]] = points[match[keypoints[agreeing]]]
         agreement = float(judges[agreeing].sum() / judges.sum())
-        return Estimate(camera_from_world, held, len(agreeing), agreement)
+        loose = np.full((features.rows, 3), np.nan)
+        is_loose = points[match[keypoints[agreeing]]] < 0
+        loose[keypoints[agreeing[is_loose]]] = seen[agreeing[is_loose]]
+        return Estimate(camera_from_world, held, len(agreeing), agreement, loose)
 
     def _refine(
         self, features: Features, keypoints: NDArray[np.int64], guess: _Matrix, seen: _Matrix
@@ -153,13 +158,19 @@ class Associator:
         refined, agreeing = self._refine(features, keypoints[near], camera_from_world, seen[near])
         return refined, near[agreeing]
 
-    def optimise_on_map(self, features: Features, guess: _Matrix, points: _Rows) -> Estimate | None:
-        """Pose from the map points (n,) that the keypoints see, -1 for none."""
-        seeing = np.flatnonzero(points >= 0)
+    def optimise_on_map(
+        self, features: Features, guess: _Matrix, points: _Rows, loose: _Matrix | None = None
+    ) -> Estimate | None:
+        """Pose from the map points (n,) that the keypoints see, -1 for none, and from `loose` places of some others."""
+        is_loose = np.zeros(features.rows, np.bool_) if loose is None else (points < 0) & ~np.isnan(loose[:, 0])
+        seeing = np.flatnonzero((points >= 0) | is_loose)
         match = np.full(features.rows, -1, np.int32)
         match[seeing] = np.arange(len(seeing))
         ids = points[seeing]
-        return self.optimise(features, guess, match, self._map.columns.position[ids], ids)
+        positions = self._map.columns.position[ids]
+        if loose is not None:
+            positions[ids < 0] = loose[seeing[ids < 0]]
+        return self.optimise(features, guess, match, positions, ids)
 
     def match_descriptors(self, view: View, keyframe: int) -> _Rows:
         """(n,) points of a keyframe by appearance alone, wherever they are in the image; -1 for none."""

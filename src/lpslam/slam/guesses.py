@@ -29,22 +29,57 @@ class LastFrame:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FirstGuess:
-    """A first guess of a view's pose: what its keypoints are known to see, and map points that are near."""
+    """A first guess of a view's pose: what its keypoints are known to see, and map points nearby.
+
+    Attributes:
+        agreement: share of what led to the pose that agrees with it.
+        loose: (n, 3) places of keypoints that agree without being of the map; not a number for others.
+    """
 
     camera_from_world: NDArray[np.float64]
     points: NDArray[np.int32]
-    near: NDArray[np.int32]
+    nearby: NDArray[np.int32]
+    agreement: float = 1.0
+    loose: NDArray[np.float64] | None = None
 
     @classmethod
     def of(cls, estimate: Estimate) -> "FirstGuess":
         """From an estimate: its points are known, and others are near them."""
-        return cls(estimate.camera_from_world, estimate.points, estimate.points)
+        return cls(estimate.camera_from_world, estimate.points, estimate.points, estimate.agreement, estimate.loose)
+
+    @classmethod
+    def near(cls, estimate: Estimate, rows: int) -> "FirstGuess":
+        """From an estimate by other keypoints: of these rows none is known yet."""
+        nothing = np.full(rows, -1, np.int32)
+        return cls(estimate.camera_from_world, nothing, estimate.points, estimate.agreement)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Followed:
-    """Keypoints that were followed, and the pose that they give in the world of one version of the map."""
+    """Keypoints that were followed, and the pose that they give in the world of one version of the map.
+
+    Attributes:
+        asked: how many were looked for.
+    """
 
     features: Features
     estimate: Estimate
     version: int
+    asked: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Search:
+    """What a search of the local map came to.
+
+    Attributes:
+        estimate: the view's pose with all matches.
+        reference: the keyframe that shares most points with it.
+        expected: ids of the map points that should be in view.
+        is_sure: whether it began from a pose on which most of what the last view saw agreed.
+    """
+
+    estimate: Estimate
+    reference: int
+    expected: NDArray[np.int32]
+    is_sure: bool

@@ -10,8 +10,8 @@ from lpslam.slam.kernels.geometry import orthonormalise
 
 _Matrix = NDArray[np.float64]
 
-_MOST_STEPS_AHEAD = 5
-"""Frames that may be missing for constant velocity to be believed."""
+_MOST_STEPS_AHEAD = 9
+"""Frames for which constant velocity is believed: a third of a second at 30 a second, after which it is a guess."""
 
 _SHARPNESS_RATE = 0.03
 """Share of its difference by which a frame changes the usual sharpness: a second's worth, longer than a jerk."""

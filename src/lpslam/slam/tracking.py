@@ -18,8 +18,8 @@ from lpslam.slam.advice import NO_ADVICE, LoopAdvisor
 from lpslam.slam.association import Associator, Estimate, View
 from lpslam.slam.doubt import Doubt
 from lpslam.slam.features import FeatureExtractor, Features, gray_of
-from lpslam.slam.following import choose_followed, follow_flow
-from lpslam.slam.guesses import FirstGuess, Followed, LastFrame
+from lpslam.slam.guesses import FirstGuess, Followed, LastFrame, Search
+from lpslam.slam.guessing import Guesser
 from lpslam.slam.kernels import graph
 from lpslam.slam.keyframes import Keyframes
 from lpslam.slam.map import SlamMap
@@ -71,6 +71,7 @@ class Tracker:
         self._reference = slam_map.keyframe_count - 1
         self._last: LastFrame | None = None
         self._motion = ConstantVelocity()
+        self._guesser = Guesser(extractor, sensor, slam_map, self._associator, self._motion, config.tracking)
         self._anchored_at = -np.inf
         self._followed_first = 0
         self._strict_until = -np.inf
@@ -100,37 +101,14 @@ class Tracker:
     # Between matches with the map: optical flow -----------------------------------------------------------------
 
     def _follow(self, frame: RgbdFrame, gray: NDArray[np.uint8]) -> Followed | None:
-        """Follow the last frame's keypoints, and optimise the pose on the points that they see."""
-        last, config = self._last, self._config
-        if last is None or last.gray.shape != gray.shape or config.followed_points == 0 or self._is_due(frame):
+        """Follow the last frame's keypoints, unless the frame is easy to predict and will be matched anyway."""
+        last = self._last
+        if last is None or (self._is_due(frame) and self._guesser.can_predict(last, frame)):
             return None
-        with self._map.lock:
-            version = self._map.version
-            rows, points, positions = self._seen(last)
-            predicted = self._motion.ahead(self._pose(last), frame.timestamp - last.timestamp)
-        chosen = choose_followed(
-            last.features.pixels[rows], last.features.octave[rows], points >= 0, config.followed_points
-        )
-        rows, points, positions = rows[chosen], points[chosen], positions[chosen]
-        if len(rows) < config.min_followed:
-            return None
-        in_camera = positions @ predicted[:3, :3].T + predicted[:3, 3]
-        in_camera[:, 2] = np.maximum(in_camera[:, 2], 0.05)
-        expected = self._extractor.camera.project(in_camera).astype(np.float32)
-        levels = config.flow_levels + (0 if self._motion.is_known else _LEVELS_FOR_UNKNOWN_MOTION)
-        flow = follow_flow(
-            last.gray, gray, last.features.pixels[rows], expected, levels, self._extractor.camera, config
-        )
-        if self._anchored_at == last.timestamp:
-            self._followed_first = len(rows)
-        if len(flow.rows) < config.min_followed:
-            return None
-        features = self._extractor.moved(last.features, rows[flow.rows], flow.raw, frame.depth)
-        match = np.arange(len(flow.rows), dtype=np.int32)
-        estimate = self._associator.optimise(features, predicted, match, positions[flow.rows], points[flow.rows])
-        if estimate is None or estimate.agreement < config.min_flow_agreement:
-            return None
-        return Followed(features, estimate, version)
+        followed = self._guesser.follow(last, frame, gray)
+        if followed is not None and self._anchored_at == last.timestamp:
+            self._followed_first = followed.asked
+        return followed
 
     def _must_match(self, frame: RgbdFrame, followed: Followed) -> bool:
         """Whether flow is not enough: too few points are left of those followed first, or it has gone on for long."""
@@ -138,35 +116,15 @@ class Tracker:
         return (
             left < max(config.min_followed, config.min_followed_share * self._followed_first)
             or followed.estimate.matches < config.min_followed
+            or followed.estimate.agreement < config.min_agreement
             or self.state is not TrackingState.TRACKING
+            or self._is_due(frame)
         )
 
     def _is_due(self, frame: RgbdFrame) -> bool:
-        """Whether a frame that is easy to predict will be matched with the map whatever flow would say."""
-        return (
-            self.state is TrackingState.TRACKING
-            and self._motion.is_known
-            and frame.timestamp - self._anchored_at >= self._config.anchor_interval
-        )
-
-    def _seen(self, last: LastFrame) -> tuple[NDArray[np.int64], _Rows, _Matrix]:
-        """Keypoints of the last frame whose place is known: rows, map points or -1, and positions (m, 3) in the world.
-
-        Keypoints without a map point stand where their depth puts them.
-        """
-        alive = self._map.columns.point_alive
-        points = np.where((last.points >= 0) & alive[last.points], last.points, -1).astype(np.int32)
-        rows = np.flatnonzero((points >= 0) | last.features.has_depth)
-        world_from_camera = inverse_transform(self._pose(last))
-        in_camera = self._sensor.back_project(last.features.pixels[rows], last.features.depth[rows])
-        positions = in_camera @ world_from_camera[:3, :3].T + world_from_camera[:3, 3]
-        mapped = points[rows] >= 0
-        positions[mapped] = self._map.columns.position[points[rows][mapped]]
-        return rows, points[rows], positions
-
-    def _pose(self, last: LastFrame) -> _Matrix:
-        """Camera from world of the last frame as the map has it now."""
-        return last.camera_from_reference @ self._map.camera_from_world(last.reference)
+        """Whether a frame will be matched with the map whatever flow would say."""
+        is_late = frame.timestamp - self._anchored_at >= self._config.anchor_interval
+        return self.state is TrackingState.TRACKING and is_late
 
     # Matching with the map --------------------------------------------------------------------------------------
 
@@ -176,78 +134,44 @@ class Tracker:
         gap = 0.0 if self._last is None else frame.timestamp - self._last.timestamp
         strict = lost or frame.timestamp < self._strict_until or gap > self._config.long_gap
         needed = self._config.min_recovery_inliers if strict else self._config.min_inliers
-        best: Estimate | None = None
+        best: Search | None = None
         for start in self._lost_starts(view) if lost else self._starts(frame, view, followed):
-            estimate = self._search_local_map(view, start)
-            if estimate is not None and (best is None or estimate.matches > best.matches):
-                best = estimate
-            if best is not None and best.matches >= needed:
+            search = self._search_local_map(view, start)
+            if search is not None and (best is None or search.estimate.matches > best.estimate.matches):
+                best = search
+            if best is not None and best.is_sure and best.estimate.matches >= needed:
                 break
-        if best is None or best.matches < needed:
-            return self._lose(frame, gray, view.features, best)
+        if best is not None and not best.is_sure:
+            needed = self._config.min_recovery_inliers
+        if best is None or best.estimate.matches < needed:
+            return self._lose(frame, gray, view.features, None if best is None else best.estimate)
+        self._note(best)
         if lost:
             self._strict_until = frame.timestamp + self._config.strict_seconds
-            self._tell(EventKind.RELOCALISED, frame, f"{best.matches} map points matched")
+            self._tell(EventKind.RELOCALISED, frame, f"{best.estimate.matches} map points matched")
             if self._grows:
                 self._doubt.begin(self._reference, frame.timestamp)
         self._anchored_at = frame.timestamp
-        return self._accept(frame, gray, view.features, best, may_become_keyframe=True)
+        return self._accept(frame, gray, view.features, best.estimate, may_become_keyframe=best.is_sure)
 
     def _starts(self, frame: RgbdFrame, view: View, followed: Followed | None) -> Iterator[FirstGuess]:
         if followed is not None:
-            near = followed.estimate.points
-            yield FirstGuess(followed.estimate.camera_from_world, np.full(view.features.rows, -1, np.int32), near)
-        reference = self._reference
-        from_motion = self._from_motion(frame, view)
-        if from_motion is not None:
-            yield FirstGuess.of(from_motion)
+            yield FirstGuess.near(followed.estimate, view.features.rows)
+        if self._last is not None:
+            yield from self._guesser.from_motion(self._last, frame, view)
         # Asked for only if that led nowhere: it compares every descriptor with every other.
-        from_reference = self._from_reference(view, reference)
-        if from_reference is not None:
-            yield FirstGuess.of(from_reference)
+        yield from self._guesser.from_reference(self._last, view, self._reference)
 
     def _lost_starts(self, view: View) -> Iterator[FirstGuess]:
         located = self._relocaliser.find(view.features, self._reference)
         if located is not None:
             yield FirstGuess(located.camera_from_world, located.points, located.points)
 
-    def _from_motion(self, frame: RgbdFrame, view: View) -> Estimate | None:
-        """Constant velocity, then the last frame's points in windows around where they should appear."""
-        last, config = self._last, self._config
-        if last is None:
-            return None
-        predicted = self._motion.ahead(self._pose(last), frame.timestamp - last.timestamp)
-        rows, points, positions = self._seen(last)
-        fx, fy, cx, cy, bf = self._sensor.intrinsics
-        x, y, z = (positions @ predicted[:3, :3].T + predicted[:3, 3]).T
-        width, height = self._sensor.image_size
-        with np.errstate(divide="ignore", invalid="ignore"):
-            u, v = fx * x / z + cx, fy * y / z + cy
-            kept = np.flatnonzero((z > 0.05) & (u >= 0) & (u < width) & (v >= 0) & (v < height))
-            projections = np.column_stack([u, v, u - bf / z])[kept].astype(np.float32)
-        before = rows[kept]
-        octaves = last.features.octave[before].astype(np.int32)
-        for radius in (config.motion_radius, 2 * config.motion_radius):
-            match = self._associator.match_windows(
-                view, projections, octaves, last.features.descriptor[before], last.features.angle[before], radius
-            )
-            if np.count_nonzero(match >= 0) >= config.min_motion_matches:
-                return self._associator.optimise(view.features, predicted, match, positions[kept], points[kept])
-        return None
-
-    def _from_reference(self, view: View, reference: int) -> Estimate | None:
-        """Match descriptors against the reference keyframe, wherever they are in the image."""
-        points = self._associator.match_descriptors(view, reference)
-        if np.count_nonzero(points >= 0) < self._config.min_motion_matches:
-            return None
-        guess = self._pose(self._last) if self._last is not None else self._map.camera_from_world(reference)
-        return self._associator.optimise_on_map(view.features, guess, points)
-
-    def _search_local_map(self, view: View, start: FirstGuess) -> Estimate | None:
+    def _search_local_map(self, view: View, start: FirstGuess) -> Search | None:
         """Search the points of covisible keyframes near their projections, and optimise with all matches."""
         slam_map, associator = self._map, self._associator
         m = slam_map.columns
-        local = associator.around(start.near, self._config.local_keyframes)
+        local = associator.around(start.nearby, self._config.local_keyframes)
         if not len(local):
             return None
         candidates = graph.points_of(m, local, slam_map.point_count)
@@ -258,14 +182,20 @@ class Tracker:
         found = associator.match_predicted(view, predicted, start.points >= 0)
         points = np.where(found >= 0, found, start.points)
         refined = associator.optimise_on_map(view.features, start.camera_from_world, points)
+        if refined is not None and refined.matches < self._config.weak_inliers:
+            # Few map points at the rim of a new view hold a pose badly: what the last view saw of it helps.
+            refined = associator.optimise_on_map(view.features, start.camera_from_world, points, start.loose)
+        if refined is None:
+            return None
+        expected = np.concatenate([predicted.points, held])
+        return Search(refined, int(local[0]), expected, start.agreement >= self._config.min_agreement)
+
+    def _note(self, search: Search) -> None:
+        """Take the outcome of a search for the frame's: what was seen of what should be, and the keyframe nearest."""
         if self._grows:
-            m.visible[predicted.points] += 1
-            m.visible[held] += 1
-            if refined is not None:
-                m.found[refined.points[refined.points >= 0]] += 1
-        if refined is not None:
-            self._reference = int(local[0])
-        return refined
+            self._map.columns.visible[search.expected] += 1
+            self._map.columns.found[search.estimate.points[search.estimate.points >= 0]] += 1
+        self._reference = search.reference
 
     def _settle_doubt(self, frame: RgbdFrame, last: LastFrame) -> None:
         """After a relocalisation, give the place up again where the signs that are read there are others."""
@@ -277,7 +207,7 @@ class Tracker:
             if is_right is not False:
                 return
             self._tell(EventKind.LOST, frame, f"the signs read since {since:.2f} s are not those of the place")
-            self._relocaliser.disown(self._reference, self._pose(last))
+            self._relocaliser.disown(self._reference, self._guesser.pose(last))
         self.state, self._last, self.disowned_since = TrackingState.LOST, None, since
         self._motion.forget()
 
@@ -378,7 +308,7 @@ class Tracker:
         reference_from_world = self._map.camera_from_world(self._reference)
         if self._last is not None and frame.timestamp > self._last.timestamp:
             seconds = frame.timestamp - self._last.timestamp
-            self._motion.note(self._pose(self._last), estimate.camera_from_world, seconds)
+            self._motion.note(self._guesser.pose(self._last), estimate.camera_from_world, seconds)
         keyframe_from_camera = reference_from_world @ world_from_camera
         self._last = LastFrame(
             frame.timestamp, gray, features, estimate.points, self._reference, inverse_transform(keyframe_from_camera)
@@ -409,6 +339,3 @@ class Tracker:
 
 _FIRST_WORLD_FROM_CAMERA = np.array([[0.0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
 """The map frame starts at the first camera with REP-103 axes: x forward, y left, z up."""
-
-_LEVELS_FOR_UNKNOWN_MOTION = 2
-"""Pyramid levels more for flow from a frame whose motion is not known: four times the reach."""

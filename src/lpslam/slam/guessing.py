@@ -1,0 +1,140 @@
+"""First guesses of a frame's pose: by optical flow, by constant velocity, by the reference keyframe (ORB-SLAM, V-B)."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.camera import inverse_transform
+from lpslam.config import TrackingConfig
+from lpslam.frames import RgbdFrame
+from lpslam.slam.association import Associator, View
+from lpslam.slam.features import FeatureExtractor
+from lpslam.slam.following import choose_followed, follow_flow
+from lpslam.slam.guesses import FirstGuess, Followed, LastFrame
+from lpslam.slam.map import SlamMap
+from lpslam.slam.motion import ConstantVelocity
+from lpslam.slam.sensor import SensorModel
+
+_Matrix = NDArray[np.float64]
+_Rows = NDArray[np.int32]
+
+
+class Guesser:
+    """Guesses where a frame was taken from the last one that has a pose.
+
+    Args:
+        extractor, sensor: of the camera.
+        slam_map: in which the poses are.
+        associator: matches views with it.
+        motion: how the camera has moved; kept by the caller.
+        config: thresholds.
+    """
+
+    def __init__(
+        self,
+        extractor: FeatureExtractor,
+        sensor: SensorModel,
+        slam_map: SlamMap,
+        associator: Associator,
+        motion: ConstantVelocity,
+        config: TrackingConfig,
+    ) -> None:
+        self._extractor = extractor
+        self._sensor = sensor
+        self._map = slam_map
+        self._associator = associator
+        self._motion = motion
+        self._config = config
+
+    def can_predict(self, last: LastFrame, frame: RgbdFrame) -> bool:
+        """Whether constant velocity says well where a frame is: after a gap in a turn it is off by degrees."""
+        return self._motion.is_known and frame.timestamp - last.timestamp <= self._config.predictable_gap
+
+    def follow(self, last: LastFrame, frame: RgbdFrame, gray: NDArray[np.uint8]) -> Followed | None:
+        """Follow the last frame's keypoints, and optimise the pose on the points that they see."""
+        config = self._config
+        if last.gray.shape != gray.shape or config.followed_points == 0:
+            return None
+        with self._map.lock:
+            version = self._map.version
+            rows, points, positions = self._seen(last)
+            predicted = self._predicted(last, frame)
+        chosen = choose_followed(
+            last.features.pixels[rows], last.features.octave[rows], points >= 0, config.followed_points
+        )
+        rows, points, positions = rows[chosen], points[chosen], positions[chosen]
+        if len(rows) < config.min_followed:
+            return None
+        in_camera = positions @ predicted[:3, :3].T + predicted[:3, 3]
+        in_camera[:, 2] = np.maximum(in_camera[:, 2], 0.05)
+        expected = self._extractor.camera.project(in_camera).astype(np.float32)
+        levels = config.flow_levels + (0 if self.can_predict(last, frame) else _LEVELS_FOR_UNKNOWN_MOTION)
+        flow = follow_flow(
+            last.gray, gray, last.features.pixels[rows], expected, levels, self._extractor.camera, config
+        )
+        if len(flow.rows) < config.min_followed:
+            return None
+        features = self._extractor.moved(last.features, rows[flow.rows], flow.raw, frame.depth)
+        match = np.arange(len(flow.rows), dtype=np.int32)
+        estimate = self._associator.optimise(features, predicted, match, positions[flow.rows], points[flow.rows])
+        return None if estimate is None else Followed(features, estimate, version, len(rows))
+
+    def from_motion(self, last: LastFrame, frame: RgbdFrame, view: View) -> Iterator[FirstGuess]:
+        """The last frame's points in windows around where they should appear, then in wider ones."""
+        config, predicted = self._config, self._predicted(last, frame)
+        rows, points, positions = self._seen(last)
+        fx, fy, cx, cy, bf = self._sensor.intrinsics
+        x, y, z = (positions @ predicted[:3, :3].T + predicted[:3, 3]).T
+        width, height = self._sensor.image_size
+        with np.errstate(divide="ignore", invalid="ignore"):
+            u, v = fx * x / z + cx, fy * y / z + cy
+            kept = np.flatnonzero((z > 0.05) & (u >= 0) & (u < width) & (v >= 0) & (v < height))
+            projections = np.column_stack([u, v, u - bf / z])[kept].astype(np.float32)
+        before = rows[kept]
+        octaves = last.features.octave[before].astype(np.int32)
+        for radius in (config.motion_radius, 2 * config.motion_radius):
+            match = self._associator.match_windows(
+                view, projections, octaves, last.features.descriptor[before], last.features.angle[before], radius
+            )
+            if np.count_nonzero(match >= 0) < config.min_motion_matches:
+                continue
+            estimate = self._associator.optimise(view.features, predicted, match, positions[kept], points[kept])
+            if estimate is not None:
+                yield FirstGuess.of(estimate)
+
+    def from_reference(self, last: LastFrame | None, view: View, reference: int) -> Iterator[FirstGuess]:
+        """Match descriptors against the reference keyframe, wherever they are in the image."""
+        points = self._associator.match_descriptors(view, reference)
+        if np.count_nonzero(points >= 0) < self._config.min_motion_matches:
+            return
+        guess = self._map.camera_from_world(reference) if last is None else self.pose(last)
+        estimate = self._associator.optimise_on_map(view.features, guess, points)
+        if estimate is not None:
+            yield FirstGuess.of(estimate)
+
+    def pose(self, last: LastFrame) -> _Matrix:
+        """Camera from world of the last frame as the map has it now."""
+        return last.camera_from_reference @ self._map.camera_from_world(last.reference)
+
+    def _predicted(self, last: LastFrame, frame: RgbdFrame) -> _Matrix:
+        return self._motion.ahead(self.pose(last), frame.timestamp - last.timestamp)
+
+    def _seen(self, last: LastFrame) -> tuple[NDArray[np.int64], _Rows, _Matrix]:
+        """Keypoints of the last frame whose place is known: rows, map points or -1, and positions (m, 3) in the world.
+
+        Keypoints without a map point stand where their depth puts them.
+        """
+        alive = self._map.columns.point_alive
+        points = np.where((last.points >= 0) & alive[last.points], last.points, -1).astype(np.int32)
+        rows = np.flatnonzero((points >= 0) | last.features.has_depth)
+        world_from_camera = inverse_transform(self.pose(last))
+        in_camera = self._sensor.back_project(last.features.pixels[rows], last.features.depth[rows])
+        positions = in_camera @ world_from_camera[:3, :3].T + world_from_camera[:3, 3]
+        mapped = points[rows] >= 0
+        positions[mapped] = self._map.columns.position[points[rows][mapped]]
+        return rows, points[rows], positions
+
+
+_LEVELS_FOR_UNKNOWN_MOTION = 2
+"""Pyramid levels more for flow where the motion cannot be predicted: four times the reach."""
