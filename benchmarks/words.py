@@ -3,7 +3,8 @@
     python benchmarks/words.py FOLDER...               loops of each recording
     python benchmarks/words.py FOLDER... --then AGAIN  each, then twenty blank frames, then another recording
     ... --apart                                        of which nothing shows the same place: every tie is wrong
-    ... --relocalise                                   the lost camera may be found again by looks at once
+    ... --relocalise                                   the lost camera may be found again at once
+    ... --skip 60                                      after the blank frames the other begins at its 60th frame
 
 All recordings have a ground truth; those of one pair were made in the same mall. Each is mapped in step by looks alone,
 by looks and words, and by words alone, where looks propose no place. After blank frames the camera is lost; so that it
@@ -19,8 +20,9 @@ import argparse
 import time
 import zlib
 from collections.abc import Iterator, Sequence
-from contextlib import nullcontext
+from contextlib import ExitStack, nullcontext
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 from typing import Any
 from unittest.mock import patch
@@ -96,14 +98,16 @@ class Witnessed(TextAdvisor):
         return proposals
 
 
-def one_after_the_other(first: Recording, second: Recording | None) -> tuple[Iterator[RgbdFrame], StampedPoses, float]:
+def one_after_the_other(
+    first: Recording, second: Recording | None, skip: int
+) -> tuple[Iterator[RgbdFrame], StampedPoses, float]:
     """The frames of one recording or two, their true poses, and when the second one begins."""
     truth = first.truth
     frames = Prefetched(first.open())
     if second is None:
         return iter(frames), truth, np.inf
     begins = truth.timestamps[-1] + (BLANK + 1) / FPS
-    shift = begins - second.truth.timestamps[0]
+    shift = begins - second.truth.timestamps[skip]
 
     def all_frames() -> Iterator[RgbdFrame]:
         for frame in frames:
@@ -111,16 +115,24 @@ def one_after_the_other(first: Recording, second: Recording | None) -> tuple[Ite
         dark, nothing = np.zeros_like(last.rgb), np.zeros_like(last.depth)
         for count in range(1, BLANK + 1):
             yield RgbdFrame(last.index + count, last.timestamp + count / FPS, dark, nothing)
-        for frame in Prefetched(second.open()):
-            yield replace(frame, index=last.index + BLANK + 1 + frame.index, timestamp=frame.timestamp + shift)
+        for frame in islice(Prefetched(second.open()), skip, None):
+            index = last.index + BLANK + 1 + frame.index - skip
+            yield replace(frame, index=index, timestamp=frame.timestamp + shift)
 
-    stamps = np.concatenate([truth.timestamps, second.truth.timestamps + shift])
-    poses = np.concatenate([truth.world_from_camera, second.truth.world_from_camera])
+    stamps = np.concatenate([truth.timestamps, second.truth.timestamps[skip:] + shift])
+    poses = np.concatenate([truth.world_from_camera, second.truth.world_from_camera[skip:]])
     return all_frames(), StampedPoses(stamps, poses), begins
 
 
 def run(
-    first: Recording, second: Recording | None, way: str, reader: Kept, *, is_apart: bool, relocalises: bool
+    first: Recording,
+    second: Recording | None,
+    way: str,
+    reader: Kept,
+    *,
+    is_apart: bool = False,
+    relocalises: bool = False,
+    skip: int = 0,
 ) -> dict[str, Any]:
     """Map the frames in one of the ways, and compare what was tied together with the truth."""
     config = Config()
@@ -134,11 +146,19 @@ def run(
         OfflineModel(),
         on_sighting=advisor.note,
         on_doubtful=advisor.note_doubtful,
+        on_lost=None if way == "looks" else advisor.note_lost,
     )
-    frames, truth, begins = one_after_the_other(first, second)
-    blind = patch.object(PlaceIndex, "query_keyframe", lambda index, keyframe: np.zeros(keyframe + 1, np.float32))
+    frames, truth, begins = one_after_the_other(first, second, skip)
+    blind = ExitStack()
+    if way == "words":
+        unlike = {
+            "query": lambda index, descriptors: np.zeros(1, np.float32),
+            "query_keyframe": lambda index, keyframe: np.zeros(keyframe + 1, np.float32),
+        }
+        for name, answer in unlike.items():
+            blind.enter_context(patch.object(PlaceIndex, name, answer))
     lost = patch.object(Relocaliser, "find", lambda *asked: None)
-    with blind if way == "words" else nullcontext(), lost if second and not relocalises else nullcontext():
+    with blind, lost if second and not relocalises else nullcontext():
         for frame in frames:
             mapper.observe(frame, slam.process(frame))
         slam.finish()
@@ -186,7 +206,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("folders", type=Path, nargs="+")
     parser.add_argument("--then", type=Path, help="a recording to follow after blank frames")
     parser.add_argument("--apart", action="store_true", help="the two show different places, however alike")
-    parser.add_argument("--relocalise", action="store_true", help="find the lost camera again by looks at once")
+    parser.add_argument("--relocalise", action="store_true", help="the lost camera may be found again at once")
+    parser.add_argument("--skip", type=int, default=0, help="frames of the other recording to leave out")
     parser.add_argument("--by", action="append", choices=WAYS, help="only in these ways")
     parser.add_argument("--out", type=Path, help="folder for results.jsonl")
     given = parser.parse_args(arguments)
@@ -197,7 +218,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
         reader = Kept(PaddleSpotter(Config().text.spotting))
         name = f"{first.name}, {second.name}" if second else first.name
         for way in given.by or WAYS:
-            done = run(first, second, way, reader, is_apart=given.apart, relocalises=given.relocalise)
+            how = {"is_apart": given.apart, "relocalises": given.relocalise, "skip": given.skip}
+            done = run(first, second, way, reader, **how)
             report.line(recording=name, way=way, **done)
             columns = (
                 "loops",

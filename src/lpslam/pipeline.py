@@ -153,6 +153,7 @@ def run(
                 beside,
                 on_sighting=words.note,
                 on_doubtful=words.note_doubtful,
+                on_lost=words.note_lost,
             )
         if base is not None:
             slam.trajectory, first_index = base.trajectory, base.trajectory.begin_session()

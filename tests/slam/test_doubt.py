@@ -9,7 +9,7 @@ from disturbances import Clip, Disturbed, hand_over_lens
 from numpy.typing import NDArray
 
 from lpslam.config import SlamConfig, TrackingConfig
-from lpslam.slam.advice import KeyframeMap
+from lpslam.slam.advice import KeyframeMap, Recalled
 from lpslam.slam.doubt import Doubt
 from lpslam.slam.map import SlamMap
 from lpslam.slam.state import EventKind, TrackedFrame, TrackingState
@@ -32,6 +32,9 @@ class Witness:
         self, keyframes: KeyframeMap, keyframe: int, candidate: int, camera_from_world: NDArray[np.float64]
     ) -> str | None:
         return None
+
+    def recalls(self, keyframes: KeyframeMap) -> Sequence[Recalled]:
+        return ()
 
     def knows(self, keyframes: KeyframeMap, keyframe: int) -> bool:
         return self._knows

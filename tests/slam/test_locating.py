@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import pytest
 from disturbances import Clip
-from slam_scenes import pose_error
+from slam_scenes import flip_bits, pose_error
 
 from lpslam.camera import inverse_transform
 from lpslam.config import SimulationConfig, SlamConfig
@@ -15,6 +15,7 @@ from lpslam.frames import RgbdFrame
 from lpslam.simulation.replay import NoisyAgain
 from lpslam.simulation.source import MallSource
 from lpslam.slam.features import FeatureExtractor, Features
+from lpslam.slam.kernels.geometry import exponential
 from lpslam.slam.locating import Located, Locator
 from lpslam.slam.places import PlaceIndex
 from lpslam.slam.relocalising import Relocaliser
@@ -102,6 +103,26 @@ def test_views_from_between_the_frames_are_located(walked_here: Walked, mall: Ma
         metres, radians = pose_error(moved, inverse_transform(truth[index - 1]) @ truth[index])
         assert metres < 0.02
         assert np.degrees(radians) < 0.5
+
+
+def test_a_view_whose_patches_look_different_is_located_from_where_something_else_says_it_is(
+    walked_here: Walked,
+) -> None:
+    index = 60
+    features = walked_here.extractor.extract(walked_here.again(index))
+    # Beyond what is believed without a place to look at, within what is in a window.
+    changed = features._replace(descriptor=flip_bits(np.random.default_rng(0), features.descriptor, 75))
+    near = walked_here.near(index)
+    assert walked_here.locator.locate(changed, near) is None
+    for off in ([0.06, -0.04, 0.05, 0.02, -0.02, 0.01], [-0.05, 0.03, -0.06, -0.01, 0.03, -0.02]):
+        guess = exponential(np.array(off)) @ inverse_transform(walked_here.poses[index])
+        located = walked_here.locator.locate(changed, near, guess=guess)
+        assert located is not None
+        metres, radians = pose_error(inverse_transform(located.camera_from_world), walked_here.poses[index])
+        assert metres < 0.03
+        assert np.degrees(radians) < 0.7
+    elsewhere = exponential(np.array([1.0, 0, 0, 0, 0.6, 0])) @ inverse_transform(walked_here.poses[index])
+    assert walked_here.locator.locate(changed, near, guess=elsewhere) is None
 
 
 def test_views_of_another_mall_are_never_located(walked_here: Walked) -> None:

@@ -8,6 +8,7 @@ from slam_scenes import SENSOR, add_view, descriptors_of, points_ahead, rigid, v
 
 from lpslam.camera import inverse_transform
 from lpslam.config import LocatingConfig, TrackingConfig
+from lpslam.slam.advice import NO_ADVICE, KeyframeMap, LoopAdvisor, Recalled
 from lpslam.slam.features import Features
 from lpslam.slam.locating import Located, Locator
 from lpslam.slam.map import SlamMap
@@ -28,14 +29,17 @@ class Places:
 
 
 class Holding:
-    """A locator for which some keyframes hold, each with a pose and so many inliers; remembers whom it was asked."""
+    """A locator for which some keyframes hold, each with a pose and so many inliers; remembers what it was asked."""
 
     def __init__(self, holds: dict[int, tuple[float, int]]) -> None:
         self.holds = holds
         self.asked: list[int] = []
+        self.guesses: dict[int, np.ndarray] = {}
 
-    def locate(self, features: Features, candidate: int) -> Located | None:
+    def locate(self, features: Features, candidate: int, guess: np.ndarray | None = None) -> Located | None:
         self.asked.append(candidate)
+        if guess is not None:
+            self.guesses[candidate] = guess
         if candidate not in self.holds:
             return None
         metres, inliers = self.holds[candidate]
@@ -55,14 +59,43 @@ def places_apart(count: int, submaps: dict[int, int] | None = None) -> SlamMap:
     return slam_map
 
 
-def relocaliser(slam_map: SlamMap, scores: list[float], locator: Holding) -> Relocaliser:
+class Recalling:
+    """An advisor to whom a lost view says something."""
+
+    def __init__(self, *recalled: Recalled) -> None:
+        self.recalled = recalled
+
+    def recalls(self, keyframes: KeyframeMap) -> tuple[Recalled, ...]:
+        return self.recalled
+
+
+def relocaliser(
+    slam_map: SlamMap, scores: list[float], locator: Holding, advisor: Recalling | None = None
+) -> Relocaliser:
     return Relocaliser(
         slam_map,
         cast("PlaceIndex", Places(scores)),
         cast("Locator", locator),
         TrackingConfig(recovery_candidates=4),
         LocatingConfig(rival_share=0.6, rival_distance=0.5),
+        cast("LoopAdvisor", advisor or NO_ADVICE),
     )
+
+
+def test_a_place_that_is_recalled_is_tried_from_where_that_says_whatever_it_looks_like() -> None:
+    locator, guess = Holding({2: (1.0, 80)}), rigid([0.9, 0.1, 0.0], [0, 0, 0])
+    advisor = Recalling(Recalled(2, guess))
+    located = relocaliser(places_apart(5), [0.0] * 5, locator, advisor).find(VIEW, 4)
+    assert located is not None
+    assert located.keyframe == 2
+    np.testing.assert_array_equal(locator.guesses[2], guess)
+
+
+def test_a_place_that_is_recalled_is_believed_no_sooner_than_another() -> None:
+    slam_map, advisor = places_apart(5), Recalling(Recalled(2, np.eye(4)))
+    assert relocaliser(slam_map, [0.0] * 5, Holding({}), advisor).find(VIEW, 4) is None
+    rivals = Holding({2: (1.0, 80), 4: (9.0, 70)})
+    assert relocaliser(slam_map, [0.0] * 5, rivals, advisor).find(VIEW, 4) is None
 
 
 def test_where_nothing_holds_there_is_no_place() -> None:

@@ -8,6 +8,7 @@ import pytest
 
 from lpslam.camera import inverse_transform, transform_points
 from lpslam.config import AdviceConfig, SlamConfig
+from lpslam.slam.advice import Recalled
 from lpslam.slam.features import Features
 from lpslam.slam.kernels.geometry import exponential
 from lpslam.slam.map import SlamMap
@@ -294,6 +295,48 @@ def test_places_are_sought_at_once_in_a_large_map() -> None:
 def test_the_switch_is_in_the_configuration() -> None:
     assert isinstance(CONFIG.enabled, bool)
     assert SlamConfig().loops.candidates >= CONFIG.proposals
+
+
+# Recalling where a lost camera may be --------------------------------------------------------------------------------
+
+
+def recalled(signs: list[Sign], number: int = 4) -> list[Recalled]:
+    """What is recalled when a lost camera sees some signs as the keyframe of that number did."""
+    walks = TwoWalks(SIGNS, [])
+    walks.advisor.note_lost([replace(walks.sighting(number, sign, 99.0), keyframe=-1) for sign in signs])
+    return walks.advisor.recalls(walks.map)
+
+
+@pytest.mark.parametrize("signs", [SIGNS[:2], repainted(SIGNS[:2], "STARBUCK5", "书店")], ids=["read", "misread"])
+def test_two_texts_in_one_view_recall_where_they_were_seen_so(signs: list[Sign]) -> None:
+    (place,) = recalled(signs)
+    assert abs(place.keyframe - 4) <= 1
+    true = np.eye(4)
+    true[0, 3] = -STEP * 4
+    np.testing.assert_allclose(place.camera_from_world, true, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "signs",
+    [
+        [],
+        SIGNS[:1],
+        [Sign("STARBUCKS", 1.0), Sign("STARBUCKS", 2.2)],
+        [Sign("STARBUCKS", 1.0), Sign("书店", 2.9)],
+        [Sign("STARBUCKS", 1.0), Sign("GUCCI", 2.2)],
+    ],
+    ids=["none", "one", "one twice", "elsewhere", "another"],
+)
+def test_texts_that_stood_nowhere_so_recall_nothing(signs: list[Sign]) -> None:
+    assert recalled(signs) == []
+
+
+def test_only_the_last_view_is_recalled() -> None:
+    walks = TwoWalks(SIGNS, [])
+    walks.advisor.note_lost([walks.sighting(4, sign, 98.0) for sign in SIGNS[:2]])
+    assert walks.advisor.recalls(walks.map)
+    walks.advisor.note_lost([])
+    assert walks.advisor.recalls(walks.map) == []
 
 
 # Judging a place in which the camera was found again -----------------------------------------------------------------

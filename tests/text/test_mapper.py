@@ -359,6 +359,26 @@ def test_a_slow_models_invention_is_counted_and_not_taken() -> None:
     assert mapper.statistics.language_errors == 1
 
 
+def test_what_a_lost_camera_reads_is_told_as_it_stands_before_it_and_not_remembered() -> None:
+    spotter = ScriptedSpotter((box(100, 200), "GUCCI", 0.98))
+    told: list[Sequence[TextObservation]] = []
+    mapper = TextMapper(CAMERA, spotter, CONFIG, on_lost=told.append)
+    for index in range(30):
+        assert mapper.observe(frame(index), tracked(index, lost=True)) is None
+    assert 2 <= len(told) <= 10
+    (seen,) = told[0]
+    assert seen.text == "GUCCI"
+    assert seen.placement.position == pytest.approx([(160 - 320) / 570 * 2, (215 - 240) / 570 * 2, 2.0], abs=1e-6)
+    assert not mapper.text_map.memory.classes
+    assert mapper.statistics.observations == 0
+
+
+def test_a_lost_camera_reads_nothing_that_nobody_asks_for() -> None:
+    spotter = ScriptedSpotter((box(100, 200), "GUCCI", 0.98))
+    mapper = TextMapper(CAMERA, spotter, CONFIG)
+    assert not any(mapper.wants(frame(index), tracked(index, lost=True)) for index in range(30))
+
+
 def test_what_is_read_in_a_doubted_place_is_told_and_not_remembered() -> None:
     spotter = ScriptedSpotter((box(100, 200), "GUCCI", 0.98))
     told: list[TextObservation] = []

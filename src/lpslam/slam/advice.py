@@ -1,6 +1,7 @@
 """The seam between SLAM and what knows places by something else than keypoints: text, for one."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -27,6 +28,14 @@ class KeyframeMap(Protocol):
         ...
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Recalled:
+    """A place that a lost camera may be in: a keyframe near it, and the camera's 4×4 pose in that one's world."""
+
+    keyframe: int
+    camera_from_world: NDArray[np.float64]
+
+
 class LoopAdvisor(Protocol):
     """Who proposes and refuses places.
 
@@ -46,6 +55,13 @@ class LoopAdvisor(Protocol):
             keyframes: of the map.
             keyframe, candidate: the new one, and the old one around which it was located.
             camera_from_world: 4×4 of the new one, in the world frame of the candidate's sub-map.
+        """
+        ...
+
+    def recalls(self, keyframes: KeyframeMap) -> Sequence[Recalled]:
+        """Where a lost camera may be, likeliest first; each is verified like any other place.
+
+        Called in the tracking thread for every frame that is lost.
         """
         ...
 
@@ -69,6 +85,9 @@ class _NoAdvice:
         self, keyframes: KeyframeMap, keyframe: int, candidate: int, camera_from_world: NDArray[np.float64]
     ) -> str | None:
         return None
+
+    def recalls(self, keyframes: KeyframeMap) -> Sequence[Recalled]:
+        return ()
 
     def knows(self, keyframes: KeyframeMap, keyframe: int) -> bool:
         return False

@@ -55,17 +55,26 @@ class Locator:
         self._hamming, self._ratio = tracking.hamming_strict, tracking.ratio_brute_force
         self._associator = Associator(slam_map, sensor, tracking)
 
-    def locate(self, features: Features, candidate: int, allowed: NDArray[np.bool_] | None = None) -> Located | None:
+    def locate(
+        self,
+        features: Features,
+        candidate: int,
+        allowed: NDArray[np.bool_] | None = None,
+        guess: _Matrix | None = None,
+    ) -> Located | None:
         """Match by appearance, PnP RANSAC, then guided matching in windows that narrow.
 
         Args:
             features: the view's keypoints.
             candidate: a keyframe that may show the same place.
             allowed: (K,) keyframes whose points may be used; all without.
+            guess: 4×4 camera from world, where something else than appearance says it, for where appearance does not.
         """
         config, view = self._config, View.of(features, self._sensor)
         group = self._group(candidate, config.matched_keyframes, allowed)
         estimate = self._from_appearance(features, group)
+        if estimate is None and guess is not None:
+            estimate = self._from_guess(view, candidate, guess)
         if estimate is None:
             return None
         points = graph.points_of(
@@ -112,6 +121,15 @@ class Locator:
         kept = keypoints[found.rows]
         held[kept] = points[match[kept]]
         return self._associator.optimise_on_map(features, found.camera_from_world, held)
+
+    def _from_guess(self, view: View, candidate: int, guess: _Matrix) -> Estimate | None:
+        """Pose by matching in windows around where points should be seen from a pose that is not exact."""
+        group = self._group(candidate, self._config.guided_keyframes, None)
+        points = graph.points_of(self._map.columns, group, self._map.point_count)
+        predicted = self._associator.predict(points, guess)
+        nothing = np.zeros(view.features.rows, np.bool_)
+        matched = self._associator.match_predicted(view, predicted, nothing, self._config.guess_search)
+        return self._associator.optimise_on_map(view.features, guess, matched)
 
     def _appearances(self, group: _Rows) -> tuple[_Rows, _Rows, _Rows]:
         """Slot, keypoint and id of each point of the group, as the first of its keyframes sees it."""

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from lpslam.camera import inverse_transform
 from lpslam.config import LocatingConfig, TrackingConfig
+from lpslam.slam.advice import NO_ADVICE, LoopAdvisor
 from lpslam.slam.features import Features
 from lpslam.slam.locating import Located, Locator
 from lpslam.slam.map import SlamMap
@@ -14,7 +15,10 @@ from lpslam.slam.places import PlaceIndex, group_candidates
 
 
 class Relocaliser:
-    """Asks place recognition for candidates and believes one that holds, unless another holds as well elsewhere."""
+    """Believes one place that holds, unless another holds as well elsewhere.
+
+    Candidates are the last keyframe, those that an advisor recalls, and those that look alike.
+    """
 
     def __init__(
         self,
@@ -23,12 +27,14 @@ class Relocaliser:
         locator: Locator,
         tracking: TrackingConfig,
         locating: LocatingConfig,
+        advisor: LoopAdvisor = NO_ADVICE,
     ) -> None:
         self._map = slam_map
         self._places = places
         self._locator = locator
         self._candidates = tracking.recovery_candidates
         self._config = locating
+        self._advisor = advisor
         self._disowned: list[tuple[int, NDArray[np.float64]]] = []
 
     def find(self, features: Features, last_reference: int) -> Located | None:
@@ -40,8 +46,9 @@ class Relocaliser:
         """
         found = [
             located
-            for candidate in self._likely(features, last_reference)
-            if (located := self._locator.locate(features, candidate)) is not None and not self._is_disowned(located)
+            for candidate, guess in self._likely(features, last_reference)
+            if (located := self._locator.locate(features, candidate, guess=guess)) is not None
+            and not self._is_disowned(located)
         ]
         if not found:
             return None
@@ -66,15 +73,19 @@ class Relocaliser:
             for keyframe, other in self._disowned
         )
 
-    def _likely(self, features: Features, last_reference: int) -> Iterator[int]:
+    def _likely(self, features: Features, last_reference: int) -> Iterator[tuple[int, NDArray[np.float64] | None]]:
+        """Keyframes to try, with the pose (4×4, camera from world) where one is known from elsewhere."""
         tried = {last_reference}
         if last_reference >= 0 and self._map.is_alive(last_reference):
-            yield last_reference
+            yield last_reference, None
+        for recalled in self._advisor.recalls(self._map):
+            if self._map.is_alive(recalled.keyframe):
+                yield recalled.keyframe, recalled.camera_from_world
         scores = self._places.query(features.descriptor)
         for candidate in group_candidates(scores, self._map.covisible, self._candidates):
             if candidate not in tried and self._map.is_alive(candidate):
                 tried.add(candidate)
-                yield candidate
+                yield candidate, None
 
     def _is_elsewhere(self, one: Located, other: Located) -> bool:
         """Whether two places contradict each other; in different sub-maps both may be the same place."""

@@ -71,7 +71,7 @@ class RgbdSlam:
         self._is_new = base is None
         places = PlaceIndex.of(self.map)
         locator = Locator(self.map, self.sensor, config.tracking, config.locating)
-        relocaliser = Relocaliser(self.map, places, locator, config.tracking, config.locating)
+        relocaliser = Relocaliser(self.map, places, locator, config.tracking, config.locating, advisor)
         self._tracker = Tracker(
             extractor, self.sensor, self.map, relocaliser, config, grows, self.events.append, advisor
         )

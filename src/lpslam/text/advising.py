@@ -7,14 +7,15 @@ located among signs that say something else than those it sees, loop closing is 
 
 import threading
 from collections import defaultdict
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Sequence
 from itertools import count
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lpslam.camera import inverse_transform
 from lpslam.config import AdviceConfig
-from lpslam.slam.advice import KeyframeMap
+from lpslam.slam.advice import KeyframeMap, Recalled
 from lpslam.text.constellations import (
     NEARLY_THE_SAME,
     Constellation,
@@ -61,6 +62,8 @@ class TextAdvisor:
         self._by_class: dict[int, list[TextObservation]] = defaultdict(list)
         self._doubtful: list[Sighting] = []
         self._doubtful_classes = count(1)
+        self._lost: list[TextObservation] = []
+        self._recalled: list[Recalled] | None = None
         self._has_news = False
         self.proposed = 0
         self.vetoed = 0
@@ -92,28 +95,60 @@ class TextAdvisor:
             del self._doubtful[:-_LOOKED_AT]
             self._has_news = True
 
+    def note_lost(self, observations: Sequence[TextObservation]) -> None:
+        """Take all that one frame of a lost camera shows, in the camera's own frame; what was taken before is over."""
+        with self._lock:
+            self._lost, self._recalled = list(observations), None
+
     def propose(self, keyframes: KeyframeMap, keyframe: int) -> list[int]:
         """KeyframeMap that see texts in an arrangement in which texts around `keyframe` were read lately."""
         config = self._config
         lately = self._lately(keyframes, keyframe)
         if len({text.text_class for text in lately}) < 2:
             return []
-        submaps = keyframes.submaps()
         before = self._before(keyframes, keyframe, {text.text_class for text in lately})
-        found = [
-            (constellation, submap)
-            for submap in sorted({int(submaps[observation.keyframe]) for _, observation in before})
-            for constellation in constellations(
-                lately,
-                self._often_read([each for each in before if submaps[each[1].keyframe] == submap], keyframes),
-                config,
-            )
-        ]
-        found.sort(key=lambda each: -each[0].rarity)
+        found = self._found_again(lately, before, keyframes)
         views = [self._view(keyframes, keyframe, *each) for each in found]
         proposals = list(dict.fromkeys(view for view in views if view is not None))[: config.proposals]
         self.proposed += len(proposals)
         return proposals
+
+    def recalls(self, keyframes: KeyframeMap) -> list[Recalled]:
+        """Where two texts or more stand before a lost camera as they stood before another."""
+        with self._lock:
+            lost, recalled = self._lost, self._recalled
+        if recalled is None:
+            # Asked at every frame that is lost, and most bring no text.
+            recalled = self._recall(lost, keyframes)
+            with self._lock:
+                if self._lost is lost:
+                    self._recalled = recalled
+        return recalled
+
+    def _recall(self, lost: list[TextObservation], keyframes: KeyframeMap) -> list[Recalled]:
+        if len(lost) < 2:
+            return []
+        # One frame reads a text once: it may be of every class that has a spelling like it.
+        sightings = [(key, each) for each in lost for key in self._classes_like(each.text)]
+        seen = seen_texts(sightings, lambda keyframe: np.eye(4), self._config)
+        if len({text.text_class for text in seen}) < 2:
+            return []
+        submaps = keyframes.submaps()
+        with self._lock:
+            before = [
+                (key, observation)
+                for key in sorted({text.text_class for text in seen})
+                for observation in self._by_class[key][-_LOOKED_AT:]
+                if observation.keyframe < len(submaps)
+            ]
+        found = self._found_again(seen, before, keyframes)
+        recalled = []
+        for constellation, submap in found[: self._config.proposals]:
+            old = keyframes.living_keyframes()
+            view = self._nearest(keyframes, old[submaps[old] == submap], constellation.old_from_new_world)
+            if view is not None:
+                recalled.append(Recalled(view, inverse_transform(constellation.old_from_new_world)))
+        return recalled
 
     def vetoes(
         self, keyframes: KeyframeMap, keyframe: int, candidate: int, camera_from_world: NDArray[np.float64]
@@ -201,7 +236,37 @@ class TextAdvisor:
         texts = seen_texts(sightings, keyframes.world_from_keyframe, self._config)
         return [text for text in texts if text.sightings >= self._config.min_sightings]
 
+    def _classes_like(self, text: str) -> list[int]:
+        """Classes with a sighting that says nearly the same as a text."""
+        key = comparison_key(text)
+        with self._lock:
+            spellings = {
+                text_class: {each.text for each in observations[-_LOOKED_AT:]}
+                for text_class, observations in self._by_class.items()
+            }
+        return [
+            text_class
+            for text_class, texts in sorted(spellings.items())
+            if any(similarity(comparison_key(other), key) >= NEARLY_THE_SAME for other in texts)
+        ]
+
     # Where that is --------------------------------------------------------------------------------------------------
+
+    def _found_again(
+        self, new: list[Seen], before: list[Sighting], keyframes: KeyframeMap
+    ) -> list[tuple[Constellation, int]]:
+        """Arrangements of texts that were read before, with the sub-map where that was, the rarest texts first."""
+        submaps = keyframes.submaps()
+        found = [
+            (constellation, submap)
+            for submap in sorted({int(submaps[observation.keyframe]) for _, observation in before})
+            for constellation in constellations(
+                new,
+                self._often_read([each for each in before if submaps[each[1].keyframe] == submap], keyframes),
+                self._config,
+            )
+        ]
+        return sorted(found, key=lambda each: -each[0].rarity)
 
     def _view(self, keyframes: KeyframeMap, keyframe: int, constellation: Constellation, submap: int) -> int | None:
         """The old keyframe that looks most as this one would, if its texts are those of the constellation."""
@@ -210,9 +275,14 @@ class TextAdvisor:
         old = old[submaps[old] == submap]
         if submap == submaps[keyframe]:
             old = old[old <= keyframe - self._config.apart_keyframes]
+        expected = constellation.old_from_new_world @ keyframes.world_from_keyframe(keyframe)
+        return self._nearest(keyframes, old, expected)
+
+    def _nearest(
+        self, keyframes: KeyframeMap, old: NDArray[np.int32], world_from_camera: NDArray[np.float64]
+    ) -> int | None:
         if not len(old):
             return None
-        expected = constellation.old_from_new_world @ keyframes.world_from_keyframe(keyframe)
         poses = np.array([keyframes.world_from_keyframe(k) for k in old.tolist()])
-        rows = nearest_views(expected, poses, self._config)
+        rows = nearest_views(world_from_camera, poses, self._config)
         return int(old[rows[0]]) if len(rows) else None

@@ -13,7 +13,7 @@ from lpslam.camera import PinholeCamera, inverse_transform
 from lpslam.config import ReadingConfig, TextConfig
 from lpslam.frames import RgbdFrame
 from lpslam.language.model import LanguageModel
-from lpslam.slam.state import TrackedFrame
+from lpslam.slam.state import TrackedFrame, TrackingState
 from lpslam.text.instances import KeyframePoses
 from lpslam.text.legibility import UNPLACED, frontal_cosine, ground_colour, legibility
 from lpslam.text.memory import Pool, TextClass
@@ -25,6 +25,9 @@ from lpslam.text.text_map import TextMap
 from lpslam.text.types import BoxFate, FrameReading, Placement, SpottedText, TextObservation, TextStatistics
 
 Array = NDArray[np.float64]
+
+NOWHERE = -1
+"""Keyframe of what was read while the camera was lost: such texts stand in the camera's own frame."""
 
 
 class TextMapper:
@@ -47,6 +50,7 @@ class TextMapper:
         beside: BesideNaming | None = None,
         on_sighting: Callable[[int, TextObservation], None] = lambda text_class, observation: None,
         on_doubtful: Callable[[TextObservation], None] = lambda observation: None,
+        on_lost: Callable[[Sequence[TextObservation]], None] | None = None,
     ) -> None:
         self.text_map = text_map or TextMap(config)
         self.statistics = TextStatistics()
@@ -57,6 +61,7 @@ class TextMapper:
         self._beside = beside
         self._on_sighting = on_sighting
         self._on_doubtful = on_doubtful
+        self._on_lost = on_lost
         self._named_beside: set[int] = set()
         self._gate = ReadingGate(config.reading)
         self._spots = Spots()
@@ -85,14 +90,15 @@ class TextMapper:
         return self.read(frame, tracked) if self.wants(frame, tracked) else None
 
     def wants(self, frame: RgbdFrame, tracked: TrackedFrame) -> bool:
-        """Decide, in little time, whether a frame is worth reading: tracked, due, and sharp.
+        """Decide, in little time, whether a frame is worth reading: tracked or lost, due, and sharp.
 
         May be called from the tracking thread while another frame is being read.
         """
         self.statistics.frames_seen += 1
         if not tracked.is_tracked:
             self.statistics.frames_untracked += 1
-            return False
+            if tracked.state is not TrackingState.LOST or self._on_lost is None:
+                return False
         if not self._gate.is_due(frame.timestamp):
             return False
         if not self._gate.is_sharp(frame):
@@ -104,6 +110,7 @@ class TextMapper:
     def read(self, frame: RgbdFrame, tracked: TrackedFrame) -> FrameReading | None:
         """Read a frame and remember what it says; None when it has no pose or the reader failed."""
         if tracked.keyframe_from_camera is None:
+            self._read_lost(frame)
             return None
         self.text_map.memory.forget(frame.timestamp)
         self.take_names()
@@ -142,6 +149,14 @@ class TextMapper:
         self.statistics.observations += len(observations)
         self.statistics.mapping_ms += 1000.0 * (perf_counter() - started)
         return replace(reading, observations=tuple(observations))
+
+    def _read_lost(self, frame: RgbdFrame) -> None:
+        """Tell what a lost camera sees and where before it; nothing is remembered, since it stands nowhere."""
+        reading = self._read(frame, np.eye(4), None) if self._on_lost is not None else None
+        if reading is None or self._on_lost is None:
+            return
+        placed = zip(reading.texts, reading.placements, strict=True)
+        self._on_lost([_observation(frame, NOWHERE, text, where) for text, where in placed if where is not None])
 
     def _read(
         self, frame: RgbdFrame, keyframe_from_camera: Array, world_from_keyframe: Array | None
