@@ -117,14 +117,12 @@ class Tracker:
             left < max(config.min_followed, config.min_followed_share * self._followed_first)
             or followed.estimate.matches < config.min_followed
             or followed.estimate.agreement < config.min_agreement
-            or self.state is not TrackingState.TRACKING
             or self._is_due(frame)
         )
 
     def _is_due(self, frame: RgbdFrame) -> bool:
         """Whether a frame will be matched with the map whatever flow would say."""
-        is_late = frame.timestamp - self._anchored_at >= self._config.anchor_interval
-        return self.state is TrackingState.TRACKING and is_late
+        return frame.timestamp - self._anchored_at >= self._config.anchor_interval
 
     # Matching with the map --------------------------------------------------------------------------------------
 
