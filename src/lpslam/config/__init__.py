@@ -1,0 +1,233 @@
+"""Every threshold that the paper or this project names, in one typed tree.
+
+Defaults live here; a YAML file may override any of them (`Config.from_yaml`). Units are in the names or the comment.
+"""
+
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import Field, PositiveFloat, ValidationError
+
+from lpslam.config.section import Section
+from lpslam.config.slam import (
+    FeatureConfig,
+    KeyframeConfig,
+    LevellingConfig,
+    LocatingConfig,
+    LoopConfig,
+    MappingConfig,
+    PlacesConfig,
+    SensorNoiseConfig,
+    SlamConfig,
+    TrackingConfig,
+)
+from lpslam.config.text import (
+    AdviceConfig,
+    InstanceConfig,
+    MemoryConfig,
+    PlacementConfig,
+    ReadingConfig,
+    SpottingConfig,
+    TextConfig,
+)
+from lpslam.errors import UserError
+
+__all__ = [
+    "AdviceConfig",
+    "CalibrationCheckConfig",
+    "CameraMatchConfig",
+    "Config",
+    "EvaluationConfig",
+    "FeatureConfig",
+    "InstanceConfig",
+    "KeyframeConfig",
+    "LanguageConfig",
+    "LevellingConfig",
+    "LiveConfig",
+    "LocatingConfig",
+    "LoopConfig",
+    "MappingConfig",
+    "MemoryConfig",
+    "PlacementConfig",
+    "PlacesConfig",
+    "ReadingConfig",
+    "SensorNoiseConfig",
+    "SimulationConfig",
+    "SlamConfig",
+    "SpottingConfig",
+    "TextConfig",
+    "TrackingConfig",
+]
+
+
+class SimulationConfig(Section):
+    """The mock mall and the camera that walks through it."""
+
+    # Length of the closed route, metres; shorter than 24 leaves no room for shops inside the loop.
+    loop_length: float = Field(default=32.0, ge=24.0, le=400.0)
+    # One loop, or two that share a corridor.
+    layout: Literal["loop", "figure-eight"] = "loop"
+    # Brightness of the lamps; 0.3 is a mall after closing time.
+    light: float = Field(default=1.0, gt=0.0, le=2.0)
+    # Fastest turn of the camera, degrees a second; 134 is a hurried head.
+    max_turn_rate: float = Field(default=45.0, gt=5.0, le=200.0)
+    # Walking pace, metres a second.
+    speed: float = Field(default=1.0, gt=0.1, le=3.0)
+    # Which languages the signs show.
+    language: Literal["mixed", "chinese", "english"] = "mixed"
+    # Names that the mall shows for sure, as the lexicon spells them; as many as there are places for their kind.
+    featured: tuple[str, ...] = ()
+    # How many signs repeat the words of another one.
+    duplicates: int = Field(default=0, ge=0)
+    # Signs that repeat another one's words and look about so many metres from it: one pair a number, if there is room.
+    duplicate_distances: tuple[PositiveFloat, ...] = ()
+    # Whether names that differ by one letter are shown for sure: GAP and GAO, EXIT and EXIT 2.
+    similar_names: bool = False
+    # Share of the shops with a double-sided sign that stands out of the wall.
+    projecting_share: float = Field(default=0.35, ge=0.0, le=1.0)
+    # Once around the route, or around it and back again: then double-sided signs are seen from both sides.
+    way: Literal["around", "there-and-back"] = "around"
+    # Shutter time in good light, seconds; in the dark it doubles.
+    exposure_time: float = Field(default=0.006, ge=0.0, le=0.03)
+    # Noise, vignetting, exposure drift and depth errors; off for tests of geometry.
+    sensor_noise: bool = True
+
+
+class EvaluationConfig(Section):
+    """When an estimate counts as right."""
+
+    # Seconds between two poses that are compared: at most two thirds of a frame.
+    association_tolerance: float = Field(default=0.02, gt=0)
+    # Eq. 3 similarity of a landmark's name with a sign's text: one letter in five may be wrong.
+    name_similarity: float = Field(default=0.8, gt=0, le=1)
+    # Metres between a landmark and the sign that it is.
+    landmark_distance: float = Field(default=1.0, gt=0)
+    # Fewest frames in which a sign must be readable before it is expected in the map.
+    readable_frames: int = Field(default=10, ge=0)
+    # Degrees between a landmark's normal and its sign's.
+    facing_angle: float = Field(default=10.0, gt=0)
+    # Metres from which two signs of the same words are two places.
+    duplicate_distance: float = Field(default=2.0, ge=0)
+
+
+class LanguageConfig(Section):
+    """How a hosted or local chat model is asked; the embedded model needs none of it."""
+
+    # Seconds to wait for one answer; a local model on a slow machine needs its time.
+    timeout_s: float = Field(default=60.0, gt=0)
+    # Times that a busy or failing server is asked before the embedded model answers.
+    attempts: int = Field(default=3, ge=1)
+    # Seconds before the second attempt; doubles with each further one.
+    backoff_s: float = Field(default=1.0, ge=0)
+    # Longest pause that a server may ask for, seconds; one that wants more is not waited for.
+    longest_wait_s: float = Field(default=20.0, ge=0)
+    # Seconds for which a server that failed in every attempt is left alone: a map of names must not wait for each.
+    rest_s: float = Field(default=30.0, ge=0)
+    # Questions put at the same time; more than this earns a 429 from most accounts.
+    at_once: int = Field(default=4, ge=1)
+    # Most calls of one process, retries included: thousands of signs must not cost more than was meant.
+    max_calls: int = Field(default=1000, ge=0)
+    # Most tokens of one process, in and out; the call that passes it is the last one.
+    max_tokens: int = Field(default=500_000, ge=0)
+    # Whether answers are kept on disk, in this user's cache folder: the same question is paid for once.
+    cache: bool = True
+    # Seconds that a run waits at its end for names that were asked for beside mapping; 'lpslam distill' asks again.
+    patience_s: float = Field(default=30.0, ge=0)
+    # Names of landmarks that a question is put with; of a larger map, those that fit best and one of every kind.
+    landmarks_sent: int = Field(default=60, ge=1, le=9000)
+    # Longest name sent with a question, code points; a place has a shorter one.
+    name_length: int = Field(default=60, ge=1)
+    # Other readings of a landmark that are sent along.
+    aliases_sent: int = Field(default=2, ge=0)
+    # Spellings of a sign that is to be named, surest first; rarer ones say nothing new.
+    readings_sent: int = Field(default=12, ge=1)
+    # Longest question sent, code points.
+    question_length: int = Field(default=400, ge=1)
+    # Eq. 3 similarity that a chosen name must have with some reading: a model chooses, it does not invent.
+    name_similarity: float = Field(default=0.5, ge=0, le=1)
+
+
+class CalibrationCheckConfig(Section):
+    """When a calibration is doubted: beyond what is usual is said, beyond what is possible is refused."""
+
+    # Degrees seen across the image's width: RGB-D cameras see 43 (telephoto) to 120 (wide).
+    usual_view: tuple[float, float] = (35.0, 125.0)
+    # The same; beyond it the focal length is in other units or of other images.
+    possible_view: tuple[float, float] = (10.0, 160.0)
+    # By which share fx and fy may differ: pixels are square within a few parts in a thousand.
+    aspect: float = Field(default=0.05, gt=0)
+    # Share of width or height that the principal point may be off the centre; lenses sit within 5 %.
+    centre_offset: float = Field(default=0.1, gt=0, lt=0.5)
+    # Median depth, metres: sensors are blind below 0.3 and rooms seldom wider than 10; half of a view beyond 8 is lost.
+    usual_median_depth: tuple[float, float] = (0.5, 8.0)
+    # Beyond this, metres, tracking has nothing to stand on.
+    possible_median_depth: tuple[float, float] = (0.1, 40.0)
+    # Metres beyond which a twentieth of the readings must not lie: consumer sensors end at 10.
+    usual_far_depth: float = Field(default=12.0, gt=0)
+    # Median depth, metres, that makes another depth scale worth proposing.
+    room_depth: tuple[float, float] = (0.7, 7.0)
+    # Frames, spread over the recording, whose depth is looked at: 50 ms in all.
+    depth_frames: int = Field(default=7, ge=1)
+    # Seconds between colour and depth; at 45 degrees a second 12 ms move the image by 5 pixels.
+    usual_lag: float = Field(default=0.012, gt=0)
+    # Seconds within which a lag between clocks keeps steady: cameras stamp to the millisecond.
+    steady_lag: float = Field(default=0.002, gt=0)
+    # Fewest frames from which a lag is judged.
+    timing_frames: int = Field(default=10, ge=3)
+
+
+class CameraMatchConfig(Section):
+    """How far two calibrations of one camera may differ, for a recording to be used with a saved map."""
+
+    # Share of the focal length: calibrating the same camera twice gives as much.
+    focal_share: float = Field(default=0.01, gt=0)
+    # Pixels of the principal point, the same.
+    centre_pixels: float = Field(default=8.0, gt=0)
+    # Pixels by which two distortions may place the same ray apart, anywhere in the image.
+    distortion_pixels: float = Field(default=5.0, gt=0)
+
+
+class LiveConfig(Section):
+    """Frames as they come from a camera."""
+
+    # Frames that may wait while tracking is busy, a tenth of a second at 30 a second: a delay is better than a gap.
+    backlog: int = Field(default=3, ge=1)
+
+
+class Config(Section):
+    """The whole tree."""
+
+    calibration: CalibrationCheckConfig = CalibrationCheckConfig()
+
+    same_camera: CameraMatchConfig = CameraMatchConfig()
+
+    language: LanguageConfig = LanguageConfig()
+
+    evaluation: EvaluationConfig = EvaluationConfig()
+
+    live: LiveConfig = LiveConfig()
+
+    simulation: SimulationConfig = SimulationConfig()
+
+    slam: SlamConfig = SlamConfig()
+
+    text: TextConfig = TextConfig()
+
+    @classmethod
+    def from_yaml(cls, path: Path) -> "Config":
+        """Read overrides from a YAML file; unknown or ill-typed keys are a `UserError`."""
+        import yaml
+
+        try:
+            tree: Any = yaml.safe_load(path.read_text(encoding="utf-8")) or {}
+            return cls.model_validate(tree)
+        except OSError as error:
+            raise UserError(f"configuration {path} cannot be read ({error.strerror})") from error
+        except UnicodeDecodeError as error:
+            raise UserError(f"configuration {path} is not a text file; write it as YAML in UTF-8") from error
+        except yaml.YAMLError as error:
+            raise UserError(f"configuration {path} is not YAML: {' '.join(str(error).split())}") from error
+        except ValidationError as error:
+            first = error.errors()[0]
+            where = ".".join(str(part) for part in first["loc"])
+            raise UserError(f"configuration {path}: {where}: {first['msg']}") from error

@@ -1,0 +1,198 @@
+"""Thresholds of SLAM."""
+
+from pydantic import Field
+
+from lpslam.config.section import Section
+
+
+class FeatureConfig(Section):
+    """ORB features and their depth."""
+
+    count: int = Field(default=1000, ge=1)  # keypoints a frame; fewer lose accuracy in poor texture, more cost time
+    levels: int = Field(default=8, ge=2, le=16)  # pyramid levels
+    scale_factor: float = Field(default=1.2, gt=1)  # size of a level over the next
+    fast_threshold: int = 20  # grey values a corner's arc must differ by
+    fast_threshold_in_empty_cell: int = 7  # grey values, where the first threshold finds nothing
+    cell_pixels: int = Field(default=35, ge=1)  # side of the cells in which the threshold adapts
+    virtual_baseline: float = Field(default=0.08, gt=0)  # metres; scales u_r only, weights come from the noise model
+    min_depth: float = 0.3  # metres; structured-light and stereo sensors are blind below
+    max_depth: float = 8.0  # metres; beyond, the noise of consumer sensors exceeds 15 cm
+    depth_edge_radius: int = 2  # pixels of the neighbourhood in which a depth must agree
+    depth_edge_tolerance: float = 0.03  # share of the depth; more is an edge, whose depth may be the other side's
+
+
+class SensorNoiseConfig(Section):
+    """How far keypoints and depth readings stray: the weights of every adjustment."""
+
+    pixel_sigma: float = Field(default=0.7, gt=0)  # pixels, at any level: blur, rolling shutter, depth registration
+    level_pixel_sigma: float = Field(default=0.5, gt=0)  # pixels of the level at which a corner is found: its rounding
+    depth_sigma: float = Field(default=0.003, gt=0)  # metres, at any distance: registration and rounding
+    depth_sigma_quadratic: float = 0.0035  # metres a square metre: disparity noise of structured light and stereo
+
+
+class TrackingConfig(Section):
+    """From frame to pose."""
+
+    motion_radius: float = 15.0  # pixels at the finest level around the prediction by constant velocity
+    local_map_radius: float = 4.0  # pixels at the finest level around a local map point's projection
+    local_map_radius_frontal: float = 2.5  # the same where the point is seen from nearly the side it was seen from ...
+    frontal_cosine: float = 0.998  # ... by the cosine between the two viewing directions
+    min_view_cosine: float = 0.5  # the same; a patch seen from more than 60° aside looks different
+    hamming_loose: int = 100  # bits; where a window limits the search
+    hamming_strict: int = 60  # bits; where nothing but the descriptor decides: 80 % of true and 2 % of wrong pairs pass
+    ratio_local_map: float = 0.8  # best over second best on the same level
+    ratio_brute_force: float = 0.75  # best over second best in the whole image
+    min_motion_matches: int = 20  # fewer, and the window is doubled, then the reference keyframe is tried
+    min_pose_inliers: int = 10  # fewer cannot hold six degrees of freedom against outliers
+    min_inliers: int = 30  # after the local map; fewer is lost
+    min_recovery_inliers: int = 50  # to leave the lost state; stricter, since a wrong place ruins the map
+    weak_inliers: int = 60  # fewer is reported as weak
+    local_keyframes: int = 60  # most covisible keyframes whose points are searched
+    pose_rounds: int = Field(default=4, ge=1)  # rounds of outlier judgement
+    pose_iterations: int = 10  # Gauss-Newton steps a round at most
+    doubtful_share: float = Field(default=0.7, ge=0, le=1)  # of the matches; fewer agree, and a majority is looked for
+    majority_trials: int = Field(default=100, ge=1)  # RANSAC hypotheses at most; half wrong matches need about 70
+    min_judges: int = Field(default=30, ge=4)  # points seen by two keyframes; from so many on only they make a majority
+    majority_pixels: float = Field(default=4.0, gt=0)  # reprojection error of those who agree, before refinement
+    blur_ratio: float = 0.35  # share of the usual gradient energy below which a frame is called blurred
+    followed_points: int = Field(default=250, ge=0)  # keypoints followed by optical flow between ORB frames; 0: never
+    flow_window: int = Field(default=15, ge=5)  # pixels; side of the patch that is followed
+    flow_levels: int = Field(default=2, ge=0)  # pyramid levels above the image: 2 reach 30 px beyond the prediction
+    flow_steps: int = Field(default=12, ge=1)  # iterations a level at most
+    flow_precision: float = Field(default=0.03, gt=0)  # pixels; a smaller step ends the iteration
+    min_agreement: float = Field(default=0.6, ge=0, le=1)  # share of what is followed that one motion must explain
+    min_followed: int = 60  # inliers; fewer, and the frame is matched with the map at once
+    min_followed_share: float = Field(default=0.7, ge=0, le=1)  # of those followed first, the same
+    anchor_interval: float = Field(default=0.09, ge=0)  # seconds after which a frame is matched with the map anyway
+    strict_seconds: float = 1.0  # after relocalising, in which `min_recovery_inliers` must be matched
+    predictable_gap: float = Field(default=0.08, gt=0)  # seconds between frames; more, and a turn has changed its pace
+    long_gap: float = Field(default=0.3, gt=0)  # seconds without frames after which the same: nothing was predicted
+    recovery_candidates: int = Field(default=4, ge=1)  # places tried a frame when lost
+    doubt_seconds: float = Field(default=3.0, ge=0)  # after relocalising, in which signs may speak against the place
+    submap_after: float = Field(default=1.0, ge=0)  # seconds of usable but unknown views after which a sub-map begins
+
+
+class KeyframeConfig(Section):
+    """When a frame becomes a keyframe."""
+
+    max_interval: float = 1.0  # seconds after which a keyframe is wanted whatever is seen
+    min_interval: float = 0.1  # seconds; denser ones see the same
+    tracked_share: float = 0.8  # of the most matches since the last keyframe; fewer, and a keyframe is wanted
+    due_share: float = 0.95  # the same, once `max_interval` has passed
+    known_matches: int = 150  # map points matched, from which a view may be known already ...
+    known_distance: float = 0.08  # ... where a keyframe is nearer than this, metres, ...
+    known_turn: float = 0.12  # ... and looks the same way within this angle, radians
+    close_depth: float = 3.5  # metres; nearer points fix translation
+    close_tracked: int = 100  # fewer close points tracked, and ...
+    close_untracked: int = 70  # ... more close keypoints without a point: a keyframe is wanted
+    point_depth: float = 5.0  # metres; nearer keypoints become points, weighted by their depth's noise
+    points_in_view: int = 500  # map points a keyframe should see; farther keypoints become points until it does
+    min_start_depths: int = 150  # keypoints with depth that the first keyframe needs
+
+
+class MappingConfig(Section):
+    """Local mapping beside tracking."""
+
+    covisible_points: int = 15  # shared points that make two keyframes covisible
+    neighbours: int = 10  # best covisible keyframes for fusing, ...
+    second_neighbours: int = 2  # ... and of each of them its own best ones
+    triangulated_neighbours: int = 10  # best covisible keyframes searched for new points without near depth; 0: none
+    triangulation_ratio: float = Field(default=0.8, gt=0)  # best over second best along an epipolar line, same level
+    max_depth_uncertainty: float = Field(default=0.1, gt=0)  # share of its depth to which a new point must be known
+    scale_tolerance: float = Field(default=1.8, ge=1)  # factor between ratios of distances and of pyramid levels
+    min_triangulated_observations: int = 3  # keyframes; as `min_observations`, for points that two rays alone made
+    fuse_hamming: int = 60  # bits; a fused point must look the same
+    fuse_radius: float = 3.0  # pixels at the finest level
+    adjusted_keyframes: int = 16  # most covisible keyframes that a local adjustment frees
+    first_iterations: int = 4  # of local adjustment, before outliers go
+    iterations: int = 3  # after
+    min_found_share: float = 0.25  # of the frames that should see a new point and do
+    min_observations: int = 2  # keyframes that must see a point two keyframes after its birth
+    redundant_share: float = 0.9  # of a keyframe's close points seen by others: it goes
+    redundant_observers: int = 3  # how many others must see each
+
+
+class LocatingConfig(Section):
+    """Finding the pose of a view from its appearance alone: after loss, for loops and for merging."""
+
+    matched_keyframes: int = Field(default=4, ge=1)  # the candidate and its best covisible ones, matched by descriptor
+    guided_keyframes: int = Field(default=15, ge=1)  # the same, whose points are then searched by projection
+    min_matches: int = Field(default=15, ge=4)  # by descriptor; fewer are chance
+    trials: int = Field(default=300, ge=1)  # RANSAC hypotheses at most; half wrong matches need about 100
+    trial_pixels: float = Field(default=8.0, gt=0)  # reprojection error of a hypothesis' inliers, pixels
+    min_trial_inliers: int = Field(default=12, ge=4)  # fewer agree by chance
+    wide_search: float = Field(default=3.0, ge=1)  # factor on the tracking windows in the first guided search
+    guess_search: float = Field(default=8.0, ge=1)  # the same around a pose that signs tell: 20 to 30 pixels
+    min_inliers: int = Field(default=50, ge=10)  # map points that must agree in the end; a wrong place ruins the map
+    hidden_share: float = Field(default=0.1, gt=0, lt=1)  # nearer by this share of the depth hides a map point
+    depth_tolerance: float = Field(default=0.06, gt=0)  # share of the depth by which map and sensor may differ
+    min_depth_agreement: float = Field(default=0.7, ge=0, le=1)  # share of the inliers that must agree in depth
+    min_seen_share: float = Field(default=0.25, ge=0, le=1)  # of the points that should be seen from there
+    spread_cells: int = Field(default=4, ge=1)  # rows and columns of the image by which spread is judged ...
+    min_spread: int = Field(default=6, ge=1)  # ... and how many of the cells must hold an inlier
+    rival_share: float = Field(default=0.6, ge=0, le=1)  # of the best place's inliers that make another one a rival ...
+    rival_distance: float = Field(default=0.5, ge=0)  # ... if it is farther off than this, metres: neither is believed
+    disowned_radius: float = Field(default=3.0, ge=0)  # metres around a place that signs have spoken against
+
+
+class PlacesConfig(Section):
+    """From scores of single keyframes to places."""
+
+    considered: int = Field(default=30, ge=1)  # best keyframes that may stand for a place
+    group: int = 10  # best covisible keyframes whose scores count with a keyframe's own
+    least_share: float = Field(default=0.75, ge=0, le=1)  # of the best place's score together that a place must have
+
+
+class LoopConfig(Section):
+    """Knowing again a place that was mapped before, and making the map one there."""
+
+    min_keyframes_apart: int = Field(default=10, ge=1)  # keyframes; nearer ones are the way just walked, not a return
+    pause: int = 10  # keyframes after closing a loop in which none is looked for: what was fused must settle
+    covisible_points: int = Field(default=15, ge=1)  # shared points of keyframes that belong to one place
+    candidates: int = Field(default=3, ge=1)  # most places tried a keyframe; each costs a brute-force matching
+    votes: int = Field(default=3, ge=1)  # keyframes that must find the same correction, each by its own keypoints
+    vote_neighbours: int = 4  # covisible keyframes asked at once; else the next keyframes are waited for
+    vote_distance: float = 0.1  # metres between keyframes that vote, or ...
+    vote_turn: float = 4.0  # ... degrees: the same picture twice is no second witness
+    patience: int = 2  # keyframes that may fail to see a place before its votes are forgotten
+    agreement_distance: float = Field(default=0.08, gt=0)  # metres by which votes may differ: noise at 4 m and drift
+    agreement_turn: float = Field(default=1.5, gt=0)  # degrees, the same
+    drift_allowance: float = 0.3  # metres that a correction may measure however short the way, ...
+    drift_share: float = 0.04  # ... and more by this share of it: RGB-D drifts by one or two per cent
+    turn_allowance: float = 5.0  # degrees, the same, ...
+    turn_rate: float = 0.5  # ... and degrees a metre
+    seam_keyframes: int = Field(default=15, ge=1)  # on either side of the seam, between which duplicates are fused
+    essential_points: int = Field(default=100, ge=1)  # shared points that make two keyframes an edge of the pose graph
+    loop_weight: float = Field(default=100.0, gt=0)  # of a verified tie over a metre walked: drift belongs to the way
+    lever: float = Field(default=3.0, gt=0)  # metres that a radian counts as: the distance of what is seen
+    iterations: int = Field(default=20, ge=1)  # of the pose graph at most; it takes three or four
+    first_adjusting: int = 4  # iterations of the full adjustment before outliers go, ...
+    adjusting: int = 6  # ... and after
+
+
+class LevellingConfig(Section):
+    """Levelling the map by the floor."""
+
+    max_tilt: float = 0.7  # radians the first camera may look up or down or lean
+    min_height: float = 0.25  # metres below the camera
+    min_share: float = 0.05  # of the image that the surface must fill
+    min_whole_share: float = 0.2  # of the surface's samples that have it all around
+    min_spread: float = 0.15  # metres between the three samples of a hypothesis; nearer ones are noise
+    hypotheses: int = 600  # planes tried; a tenth of the samples on the floor gives one good one in two hundred
+    thickness: float = 0.015  # metres off the plane that still agree at the camera, ...
+    thickness_quadratic: float = 0.003  # ... and metres a square metre more with depth
+    max_views: int = 15  # keyframes whose floors are averaged
+
+
+class SlamConfig(Section):
+    """RGB-D visual SLAM."""
+
+    features: FeatureConfig = FeatureConfig()
+    noise: SensorNoiseConfig = SensorNoiseConfig()
+    tracking: TrackingConfig = TrackingConfig()
+    places: PlacesConfig = PlacesConfig()
+    locating: LocatingConfig = LocatingConfig()
+    keyframes: KeyframeConfig = KeyframeConfig()
+    mapping: MappingConfig = MappingConfig()
+    loops: LoopConfig = LoopConfig()
+    levelling: LevellingConfig = LevellingConfig()
