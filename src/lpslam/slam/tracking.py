@@ -149,8 +149,9 @@ class Tracker:
             self._tell(EventKind.RELOCALISED, frame, f"{best.estimate.matches} map points matched")
             if self._grows:
                 self._doubt.begin(self._reference, frame.timestamp)
-        self._anchored_at = frame.timestamp
-        return self._accept(frame, gray, view.features, best.estimate, may_become_keyframe=best.is_sure)
+        if best.is_sure:
+            self._anchored_at = frame.timestamp
+        return self._accept(frame, gray, view.features, best.estimate, is_matched=True, is_sure=best.is_sure)
 
     def _starts(self, frame: RgbdFrame, view: View, followed: Followed | None) -> Iterator[FirstGuess]:
         if followed is not None:
@@ -268,12 +269,17 @@ class Tracker:
         gray: NDArray[np.uint8],
         features: Features,
         estimate: Estimate,
-        may_become_keyframe: bool = False,
+        *,
+        is_matched: bool = False,
+        is_sure: bool = True,
     ) -> TrackedFrame:
+        """Take a pose for the frame's; a keyframe is made only of one that was matched with the map, and is sure."""
         sharpness = self._sharpness.note(frame)
         weak = True
         if estimate.matches < self._config.weak_inliers:
             reason = f"{estimate.matches} map points matched"
+        elif not is_sure:
+            reason = "most of what was followed disagrees"
         elif sharpness < self._config.blur_ratio:
             reason = f"blurred (sharpness {sharpness:.0%} of the usual)"
         else:
@@ -282,7 +288,8 @@ class Tracker:
             self._tell(EventKind.WEAK if weak else EventKind.TRACKING, frame, reason)
         self.state, self._unknown_since = TrackingState.WEAK if weak else TrackingState.TRACKING, None
         is_keyframe = (
-            may_become_keyframe
+            is_matched
+            and is_sure
             and self._grows
             and not self._doubt.is_open
             and self._keyframes.wants(frame.timestamp, features, estimate.points >= 0)
