@@ -73,21 +73,23 @@ class Locator:
         config, view = self._config, View.of(features, self._sensor)
         group = self._group(candidate, config.matched_keyframes, allowed)
         estimate = self._from_appearance(features, group)
-        if estimate is None and guess is not None:
-            estimate = self._from_guess(view, candidate, guess)
-        if estimate is None:
+        if estimate is not None:
+            pose, widenings = estimate.camera_from_world, [config.wide_search, 1.0]
+        elif guess is not None:
+            pose, widenings = guess, [config.guess_search, config.wide_search, 1.0]
+        else:
             return None
         points = graph.points_of(
             self._map.columns, self._group(candidate, config.guided_keyframes, allowed), self._map.point_count
         )
-        for widening in (config.wide_search, 1.0):
-            predicted = self._associator.predict(points, estimate.camera_from_world)
+        for widening in widenings:
+            predicted = self._associator.predict(points, pose)
             matched = self._associator.match_predicted(view, predicted, np.zeros(features.rows, np.bool_), widening)
-            refined = self._associator.optimise_on_map(features, estimate.camera_from_world, matched)
-            if refined is None:
+            estimate = self._associator.optimise_on_map(features, pose, matched)
+            if estimate is None:
                 return None
-            estimate = refined
-        if estimate.matches < config.min_inliers:
+            pose = estimate.camera_from_world
+        if estimate is None or estimate.matches < config.min_inliers:
             return None
         located = self._judge(features, candidate, estimate, points)
         return located if self._is_certain(features, located) else None
@@ -121,15 +123,6 @@ class Locator:
         kept = keypoints[found.rows]
         held[kept] = points[match[kept]]
         return self._associator.optimise_on_map(features, found.camera_from_world, held)
-
-    def _from_guess(self, view: View, candidate: int, guess: _Matrix) -> Estimate | None:
-        """Pose by matching in windows around where points should be seen from a pose that is not exact."""
-        group = self._group(candidate, self._config.guided_keyframes, None)
-        points = graph.points_of(self._map.columns, group, self._map.point_count)
-        predicted = self._associator.predict(points, guess)
-        nothing = np.zeros(view.features.rows, np.bool_)
-        matched = self._associator.match_predicted(view, predicted, nothing, self._config.guess_search)
-        return self._associator.optimise_on_map(view.features, guess, matched)
 
     def _appearances(self, group: _Rows) -> tuple[_Rows, _Rows, _Rows]:
         """Slot, keypoint and id of each point of the group, as the first of its keyframes sees it."""

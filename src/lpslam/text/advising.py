@@ -101,7 +101,7 @@ class TextAdvisor:
             self._lost, self._recalled = list(observations), None
 
     def propose(self, keyframes: KeyframeMap, keyframe: int) -> list[int]:
-        """KeyframeMap that see texts in an arrangement in which texts around `keyframe` were read lately."""
+        """Keyframes that see texts in an arrangement in which texts around `keyframe` were read lately."""
         config = self._config
         lately = self._lately(keyframes, keyframe)
         if len({text.text_class for text in lately}) < 2:
@@ -129,18 +129,12 @@ class TextAdvisor:
         if len(lost) < 2:
             return []
         # One frame reads a text once: it may be of every class that has a spelling like it.
-        sightings = [(key, each) for each in lost for key in self._classes_like(each.text)]
+        sightings = self._of_classes_like(lost)
         seen = seen_texts(sightings, lambda keyframe: np.eye(4), self._config)
         if len({text.text_class for text in seen}) < 2:
             return []
         submaps = keyframes.submaps()
-        with self._lock:
-            before = [
-                (key, observation)
-                for key in sorted({text.text_class for text in seen})
-                for observation in self._by_class[key][-_LOOKED_AT:]
-                if observation.keyframe < len(submaps)
-            ]
+        before = self._newest({text.text_class for text in seen}, len(submaps))
         found = self._found_again(seen, before, keyframes)
         recalled = []
         for constellation, submap in found[: self._config.proposals]:
@@ -206,18 +200,19 @@ class TextAdvisor:
     def _before(self, keyframes: KeyframeMap, keyframe: int, classes: Collection[int]) -> list[Sighting]:
         """Sightings of some classes from other sub-maps and from long before."""
         submaps = keyframes.submaps()
+        return [
+            (key, each)
+            for key, each in self._newest(classes, len(submaps))
+            if each.keyframe <= keyframe - self._config.apart_keyframes or submaps[each.keyframe] != submaps[keyframe]
+        ]
+
+    def _newest(self, classes: Collection[int], keyframes: int) -> list[Sighting]:
+        """The newest sightings of some classes, from the first so many keyframes."""
         with self._lock:
             newest = [
                 (key, observation) for key in sorted(classes) for observation in self._by_class[key][-_LOOKED_AT:]
             ]
-        return [
-            (key, each)
-            for key, each in newest
-            if each.keyframe < len(submaps)
-            and (
-                each.keyframe <= keyframe - self._config.apart_keyframes or submaps[each.keyframe] != submaps[keyframe]
-            )
-        ]
+        return [(key, each) for key, each in newest if each.keyframe < keyframes]
 
     def _around(self, keyframes: KeyframeMap, candidate: int, without: Collection[int]) -> list[Seen]:
         """The texts read from keyframes around an old one."""
@@ -236,18 +231,16 @@ class TextAdvisor:
         texts = seen_texts(sightings, keyframes.world_from_keyframe, self._config)
         return [text for text in texts if text.sightings >= self._config.min_sightings]
 
-    def _classes_like(self, text: str) -> list[int]:
-        """Classes with a sighting that says nearly the same as a text."""
-        key = comparison_key(text)
+    def _of_classes_like(self, observations: Sequence[TextObservation]) -> list[Sighting]:
+        """Each text with every class that has a sighting which says nearly the same."""
         with self._lock:
-            spellings = {
-                text_class: {each.text for each in observations[-_LOOKED_AT:]}
-                for text_class, observations in self._by_class.items()
-            }
+            spellings = {key: {each.text for each in seen[-_LOOKED_AT:]} for key, seen in self._by_class.items()}
+        keys = {key: {comparison_key(text) for text in texts} for key, texts in sorted(spellings.items())}
         return [
-            text_class
-            for text_class, texts in sorted(spellings.items())
-            if any(similarity(comparison_key(other), key) >= NEARLY_THE_SAME for other in texts)
+            (text_class, each)
+            for each in observations
+            for text_class, known in keys.items()
+            if any(similarity(other, comparison_key(each.text)) >= NEARLY_THE_SAME for other in known)
         ]
 
     # Where that is --------------------------------------------------------------------------------------------------

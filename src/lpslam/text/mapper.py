@@ -152,11 +152,12 @@ class TextMapper:
 
     def _read_lost(self, frame: RgbdFrame) -> None:
         """Tell what a lost camera sees and where before it; nothing is remembered, since it stands nowhere."""
-        reading = self._read(frame, np.eye(4), None) if self._on_lost is not None else None
-        if reading is None or self._on_lost is None:
+        if self._on_lost is None:
             return
-        placed = zip(reading.texts, reading.placements, strict=True)
-        self._on_lost([_observation(frame, NOWHERE, text, where) for text, where in placed if where is not None])
+        reading = self._read(frame, np.eye(4), None)
+        if reading is not None:
+            placed = zip(reading.texts, reading.placements, strict=True)
+            self._on_lost([_observation(frame, NOWHERE, text, where) for text, where in placed if where is not None])
 
     def _read(
         self, frame: RgbdFrame, keyframe_from_camera: Array, world_from_keyframe: Array | None
