@@ -32,43 +32,50 @@ class LandmarkIndex:
         self.groups: dict[Kinds, list[int]] = {}
         self.signs: dict[int, SignMeaning] = {}
         by_phrase: dict[str, dict[int, None]] = {}
+        of_brand: dict[str, list[int]] = {}
         initials: dict[str, str] = {}
+        plurals: dict[str, str] = {}
+
+        def add(text: str, ids: Sequence[int], is_brand: bool) -> str | None:
+            phrase = signs.phrase(text)
+            is_short = _is_short_name(text, phrase, knowledge)
+            if not (spoken_key(phrase) or is_short) or (phrase in knowledge.painted and not is_brand):
+                return None
+            by_phrase.setdefault(phrase, {}).update(dict.fromkeys(ids))
+            if is_short:
+                initials[phrase] = text
+            return phrase
+
         for landmark in landmarks:
             sign = _sign_of(landmark, signs)
             self.signs[landmark.id] = sign
             self.groups.setdefault(sign.kinds, []).append(landmark.id)
             if sign.kinds and not sign.is_place:
                 continue
-            other_names = signs.names_of(sign.identity) if sign.identity else ()
-            # Who types quickly leaves the apostrophe out.
-            bare = (landmark.name.replace("'", ""),) if "'" in landmark.name else ()
-            for text in (landmark.name, *bare, *other_names):
-                phrase = signs.phrase(text)
-                is_short = _is_short_name(text, phrase, knowledge)
-                if (spoken_key(phrase) or is_short) and (sign.identity or phrase not in knowledge.painted):
-                    by_phrase.setdefault(phrase, {})[landmark.id] = None
-                    if is_short:
-                        initials[phrase] = text
-        self.ids_of = {phrase: tuple(ids) for phrase, ids in by_phrase.items()}
-        self.names = {phrase: Meaning("name", ((phrase, 1.0),)) for phrase in by_phrase}
+            if sign.identity:
+                of_brand.setdefault(sign.identity, []).append(landmark.id)
+            phrase = add(landmark.name, (landmark.id,), bool(sign.identity))
+            if phrase is not None and (folded := knowledge.folder.fold(landmark.name)) == f"{phrase}s":
+                plurals[phrase] = folded
+            if "'" in landmark.name:
+                # Who types quickly leaves the apostrophe out.
+                add(landmark.name.replace("'", ""), (landmark.id,), bool(sign.identity))
         # “Family Mart” is the brand of ファミリーマート, however it is written.
-        self.phrase_of = {
-            identity: phrase
-            for phrase, ids in by_phrase.items()
-            for id_ in ids
-            if (identity := self.signs[id_].identity)
-        }
+        self.phrase_of: dict[str, str] = {}
+        for identity, ids in of_brand.items():
+            for name in signs.names_of(identity):
+                phrase = add(name, ids, is_brand=True)
+                if phrase is not None:
+                    self.phrase_of[identity] = phrase
+        place = {landmark.id: at for at, landmark in enumerate(landmarks)}
+        self.ids_of = {phrase: tuple(sorted(ids, key=place.__getitem__)) for phrase, ids in by_phrase.items()}
+        self.names = {phrase: Meaning("name", ((phrase, 1.0),)) for phrase in by_phrase}
         self.ids_by_word = _ids_by_word(by_phrase)
         for id_, sign in self.signs.items():
             if sign.owner and not any(sign.owner in common for common in knowledge.common.values()):
                 self.ids_by_word.setdefault(sign.owner, set()).add(id_)
         self.owners = tuple({sign.owner for sign in self.signs.values() if " " in sign.owner})
-        self._plurals = {
-            phrase: folded
-            for phrase, ids in by_phrase.items()
-            for folded in {knowledge.folder.fold(self.name_of[id_]) for id_ in ids}
-            if folded == f"{phrase}s"
-        }
+        self._plurals = plurals
         self._initials = initials
 
     def unsaid(self, question: str, folder: Folder) -> frozenset[str]:
@@ -94,8 +101,9 @@ class LandmarkIndex:
 
 def _is_short_name(name: str, phrase: str, knowledge: Knowledge) -> bool:
     """Whether two letters are a name that is one only where it stands as it is painted: GU, dm."""
-    is_word = any(phrase in common for common in knowledge.common.values())
-    return len(name) == 2 and name.isascii() and name.isalpha() and (name.isupper() or not is_word)
+    if len(name) != 2 or not (name.isascii() and name.isalpha()):
+        return False
+    return name.isupper() or not any(phrase in common for common in knowledge.common.values())
 
 
 def _ids_by_word(ids_by_phrase: Mapping[str, Collection[int]]) -> dict[str, set[int]]:

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Mapping
 from importlib.resources import files
 from typing import Any, NamedTuple
 
+from lpslam.language.building import building
 from lpslam.language.states import StateTables
 from lpslam.language.words import Folder
 
@@ -85,7 +86,8 @@ class SpokenTables:
     def of(self, language: str) -> dict[str, Meaning]:
         """Return what a language's phrases mean, by `Folder.phrase`; built when it is first asked for."""
         if language not in self._built:
-            self._built[language] = self._build(language)
+            with building():
+                self._built[language] = self._build(language)
         return self._built[language]
 
     def with_english(self, language: str) -> tuple[dict[str, Meaning], ...]:

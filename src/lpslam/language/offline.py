@@ -6,6 +6,7 @@ and it rather chooses nothing than guesses.
 
 from collections.abc import Mapping, Sequence
 
+from lpslam.language.building import building
 from lpslam.language.choosing import LandmarkIndex, choose
 from lpslam.language.knowledge import Known, load_knowledge, load_words
 from lpslam.language.model import Candidate, Choice, Judgement, Naming, Reading
@@ -29,8 +30,9 @@ class OfflineModel:
     """The embedded `LanguageModel`."""
 
     def __init__(self) -> None:
-        self._knowledge = load_knowledge()
-        self._signs = load_sign_reader()
+        with building():
+            self._knowledge = load_knowledge()
+            self._signs = load_sign_reader()
         self._index: LandmarkIndex | None = None
 
     @property
@@ -138,5 +140,6 @@ class OfflineModel:
     def index(self, landmarks: Sequence[Candidate]) -> LandmarkIndex:
         """Return the landmarks as they are looked up; kept for the next question about the same ones."""
         if self._index is None or not self._index.is_of(landmarks):
-            self._index = LandmarkIndex(landmarks, self._signs, self._knowledge)
+            with building():
+                self._index = LandmarkIndex(landmarks, self._signs, self._knowledge)
         return self._index
