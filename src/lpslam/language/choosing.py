@@ -11,7 +11,8 @@ from lpslam.language.phrasing import Phrases, answer_language, phrases_in
 from lpslam.language.question import Wish, asks_for_another, instead_of, languages_of, read_question, spoken_key
 from lpslam.language.sanitise import clean_text
 from lpslam.language.serving import FITS, FITS_INSTEAD, Kinds, Served, likeness, merged, serve
-from lpslam.language.signs import SignMeaning, SignReader
+from lpslam.language.sign_meaning import SignMeaning
+from lpslam.language.signs import SignReader
 from lpslam.language.words import Folder, is_unspaced
 
 _YES = 0.5  # a place is a kind when its words say so at least this surely

@@ -17,6 +17,7 @@ _SURROUNDINGS = (
 _VENUES = ("amenity/hospital", "amenity/clinic", "aeroway/aerodrome", "shop/mall")
 SELDOM = 0.4  # the weight of what a sign says by the way
 SLOGAN = "sign/slogan"
+WARNING = "sign/warning"
 
 
 def weighed(spans: Sequence[Span[Meaning]], by_the_way: Set[int] = frozenset()) -> dict[str, float]:

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
 
@@ -11,10 +11,12 @@ from lpslam.language.lexicon import Meaning
 from lpslam.language.nearest import NearestNames, allowed_edits
 from lpslam.language.question import languages_of
 from lpslam.language.sanitise import clean_text
+from lpslam.language.sign_meaning import SignMeaning, as_unknown, joined, of_known, owner_in
 from lpslam.language.sign_words import (
     SELDOM,
     SLOGAN,
     TRADES,
+    WARNING,
     as_a_house,
     forbids,
     is_mostly_slogan,
@@ -30,30 +32,9 @@ from lpslam.language.words import Span, is_mark, is_unspaced, longest_phrases
 _PARTS = re.compile(r"[()\[\]{}<>|/·•:;—–]+|\s-\s")
 _SHORTEST_IDEOGRAPHS, _SHORTEST_LETTERS = 3, 6  # of a brand at the head of a longer name; shorter ones are chance
 _SURE_TRADE = 0.95  # of a trade at the end of a long name
-_INITIALS = range(2, 4)  # letters
+_JOINS = str.maketrans("", "", "-/")
 _COMPOUND = 9  # letters of a word that may be a compound in a name of several words
 _REPAIR = "shop/repair"
-_WARNING = "sign/warning"
-
-
-@dataclass(frozen=True, slots=True)
-class SignMeaning:
-    """Kinds of place (or of sign) by weight in 0..1, who they belong to, and why.
-
-    `identity` is the known brand or maker; `name_like` says that an unknown text reads like a proper name. `owner` is
-    the phrase before the trade, as in 小林眼鏡店, or the letters before another script, as in ABCマート.
-    """
-
-    kinds: tuple[tuple[str, float], ...]
-    evidence: str
-    identity: str | None = None
-    name_like: bool = False
-    owner: str = ""
-
-    @property
-    def is_place(self) -> bool:
-        """Whether the sign names somewhere to go rather than warns, advertises or says nothing."""
-        return any(not kind.startswith("sign") for kind, _ in self.kinds)
 
 
 class SignReader:
@@ -93,7 +74,7 @@ class SignReader:
         text = clean_text(name)
         parts = [part for part in (piece.strip() for piece in _PARTS.split(text)) if part]
         if len(parts) > 1 and self._fold.key(text) not in self._knowledge.known:
-            return _joined([self._read_part(part) for part in parts])
+            return joined([self._read_part(part) for part in parts])
         return self._read_part(text)
 
     def names_of(self, identity: str) -> tuple[str, ...]:
@@ -109,7 +90,8 @@ class SignReader:
         found: dict[str, str] = {}
         for at in range(len(units)):
             for end in range(at + 1, min(len(units), at + 6) + 1):
-                phrase, key = " ".join(units[at:end]), "".join(units[at:end])
+                # 7-11 has a mark inside.
+                phrase, key = " ".join(units[at:end]), "".join(units[at:end]).translate(_JOINS)
                 if (is_unspaced(key) and len(key) < 3) or (
                     not is_unspaced(key) and units[at] not in capital and not units[at].isdigit()
                 ):
@@ -156,7 +138,7 @@ class SignReader:
             or self._as_words(text, key, units, spans)
             or self._as_misread(text, key)
             or self._as_few_words(text, units, spans)
-            or _as_unknown(text, units)
+            or as_unknown(text, units)
         )
 
     def _as_brand(self, text: str, key: str, units: Sequence[str]) -> SignMeaning | None:
@@ -166,8 +148,8 @@ class SignReader:
         if known is None or (plain is not None and plain.role == "sign"):
             return None
         is_mixed = len(units) > 1 and len(units[0]) > 1 and not is_unspaced(units[0]) and is_unspaced(units[1])
-        owner = units[0] if is_mixed else _owner(text, units, self._phrases("", units)) if is_unspaced(text) else ""
-        return replace(_of_known(known, 1.0, f"“{text}” is {known.painted}"), owner=owner)
+        owner = units[0] if is_mixed else owner_in(text, units, self._phrases("", units)) if is_unspaced(text) else ""
+        return replace(of_known(known, 1.0, f"“{text}” is {known.painted}"), owner=owner)
 
     def _as_warning(
         self, text: str, key: str, units: Sequence[str], spans: Sequence[Span[Meaning]]
@@ -176,11 +158,11 @@ class SignReader:
             return None
         start = self._warning_start(key, units)
         if start is not None:
-            return SignMeaning(((_WARNING, 0.95),), f"“{text}” begins like a warning (“{start}”)")
+            return SignMeaning(((WARNING, 0.95),), f"“{text}” begins like a warning (“{start}”)")
         if forbids(text, units, spans):
-            return SignMeaning(((_WARNING, 0.95),), f"“{text}” forbids something")
-        if _WARNING in weighed(spans):
-            return SignMeaning(((_WARNING, 0.95),), f"“{text}” has words of a warning")
+            return SignMeaning(((WARNING, 0.95),), f"“{text}” forbids something")
+        if WARNING in weighed(spans):
+            return SignMeaning(((WARNING, 0.95),), f"“{text}” has words of a warning")
         return None
 
     def _ends_in_a_trade(self, units: Sequence[str], spans: Sequence[Span[Meaning]]) -> bool:
@@ -204,13 +186,13 @@ class SignReader:
         if brand is None:
             return None
         known, share, end = brand
-        owner = _owner(text, units, spans)
+        owner = owner_in(text, units, spans)
         # The letters of the brand say nothing else: 大福, in 周大福珠宝, is no cake.
         spans = self._phrases("", units[end:])
         if self._fold.key(known.painted) in load_words() and self._say_otherwise(spans, known):
             return None
         told = f"“{text}” begins with {known.painted}"
-        return replace(_of_known(known, 0.9 * share, told, self._offered(weighed(spans))), owner=owner)
+        return replace(of_known(known, 0.9 * share, told, self._offered(weighed(spans))), owner=owner)
 
     def _say_otherwise(self, spans: Sequence[Span[Meaning]], known: Known) -> bool:
         """Whether the words after a brand that is an everyday word say another trade: “Green Leaf Vegetarian”."""
@@ -237,7 +219,7 @@ class SignReader:
         own_name = covered <= 0.5 and reads_like_a_name(text, units)
         told = f"“{text}” says {said_in(spans)}"
         kinds_of = tuple(self._offered(places).items())
-        return SignMeaning(kinds_of, told, name_like=own_name, owner=_owner(text, units, spans))
+        return SignMeaning(kinds_of, told, name_like=own_name, owner=owner_in(text, units, spans))
 
     def _in_the_name(self, spans: Sequence[Span[Meaning]], units: Sequence[str]) -> frozenset[int]:
         """Starts of the phrases that belong to the owner's name: the jean of “Boulangerie Petit Jean”."""
@@ -261,7 +243,7 @@ class SignReader:
         if near is None:
             return None
         distance, known = near
-        return _of_known(known, 0.9 - 0.1 * distance, f"“{text}” looks like a misread {known.painted}")
+        return of_known(known, 0.9 - 0.1 * distance, f"“{text}” looks like a misread {known.painted}")
 
     def _as_few_words(self, text: str, units: Sequence[str], spans: Sequence[Span[Meaning]]) -> SignMeaning | None:
         offered = self._offered(places_in(weighed(spans)))
@@ -369,46 +351,3 @@ class SignReader:
 def load_sign_reader() -> SignReader:
     """Return the reader over the package's own tables, built once a process."""
     return SignReader(load_knowledge())
-
-
-def _of_known(known: Known, sure: float, evidence: str, words: dict[str, float] | None = None) -> SignMeaning:
-    kinds = {kind: sure * weight for kind, weight in known.kinds}
-    for kind, weight in (words or {}).items():
-        if not kind.startswith("sign"):
-            kinds.setdefault(kind, 0.8 * weight)
-    return SignMeaning(tuple(kinds.items()), evidence, known.identity if known.source == "brand" else None)
-
-
-def _owner(text: str, units: Sequence[str], spans: Sequence[Span[Meaning]]) -> str:
-    """The letters before the trade: of a script without spaces, or initials as in “dm-drogerie markt”."""
-    if not spans or spans[0].start == 0:
-        return ""
-    if is_unspaced(text):
-        return " ".join(units[: spans[0].start]) if spans[0].start > 1 else ""
-    return units[0] if len(units[0]) in _INITIALS and units[0].isalpha() else ""
-
-
-def _as_unknown(text: str, units: Sequence[str]) -> SignMeaning:
-    name_like = reads_like_a_name(text, units)
-    told = "is not known but reads like a name" if name_like else "is not known"
-    return SignMeaning((), f"“{text}” {told}", name_like=name_like)
-
-
-def _joined(parts: Sequence[SignMeaning]) -> SignMeaning:
-    """Join what the parts of a sign say; a warning in one of them makes the whole a warning."""
-    for part in parts:
-        if any(kind == _WARNING for kind, _ in part.kinds):
-            return part
-    telling = [part for part in parts if part.kinds] or list(parts)
-    kinds: dict[str, float] = {}
-    for part in telling:
-        for kind, weight in part.kinds:
-            kinds[kind] = max(weight, kinds.get(kind, 0.0))
-    if any(not kind.startswith("sign") for kind in kinds):
-        kinds = {kind: weight for kind, weight in kinds.items() if not kind.startswith("sign")}
-    return SignMeaning(
-        tuple(kinds.items()),
-        "; ".join(part.evidence for part in telling),
-        next((part.identity for part in telling if part.identity), None),
-        any(part.name_like for part in parts),
-    )
