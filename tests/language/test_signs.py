@@ -43,3 +43,28 @@ def test_a_compound_in_a_name_says_its_trade(name: str, kind: str, signs: SignRe
 
 def test_a_chinese_restaurant_is_not_thereby_a_sichuan_one(signs: SignReader) -> None:
     assert "cuisine/sichuan" not in sure_kinds(signs, "Golden Dragon Chinese Restaurant")
+
+
+@pytest.mark.parametrize("name", ["Ladies Fashion", "Women's Shoes", "Mode Femme", "Damen Schuhe", "Gents Hairdresser"])
+def test_whom_the_goods_are_for_is_no_toilet(name: str, signs: SignReader) -> None:
+    assert not any("toilets" in kind for kind in sure_kinds(signs, name))
+
+
+@pytest.mark.parametrize("name", ["Ladies", "Damen WC", "Women's Toilet", "Baby Room & Ladies"])
+def test_a_toilet_stays_one(name: str, signs: SignReader) -> None:
+    assert any("toilets" in kind for kind in sure_kinds(signs, name))
+
+
+@pytest.mark.parametrize("name", ["Sakura Sushi Bar", "Juice Bar", "Nail Bar"])
+def test_a_bar_of_something_pours_no_beer(name: str, signs: SignReader) -> None:
+    assert "amenity/bar" not in sure_kinds(signs, name)
+
+
+def test_a_station_of_goods_has_no_trains(signs: SignReader) -> None:
+    assert "train" not in sure_kinds(signs, "Toy Station 玩具站")
+    assert "train" in sure_kinds(signs, "Central Station")
+
+
+def test_wine_in_a_kitchen_is_no_wine_shop(signs: SignReader) -> None:
+    assert "shop/wine" not in sure_kinds(signs, "La Tasca – Tapas y Vino")
+    assert "shop/wine" in sure_kinds(signs, "Vinos García")

@@ -4,7 +4,7 @@ import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
-from lpslam.language.knowledge import Knowledge
+from lpslam.language.knowledge import Knowledge, load_words
 from lpslam.language.lexicon import Meaning
 from lpslam.language.model import Candidate, Choice
 from lpslam.language.phrasing import Phrases, answer_language, phrases_in
@@ -13,13 +13,14 @@ from lpslam.language.sanitise import clean_text
 from lpslam.language.serving import FITS, FITS_INSTEAD, Kinds, Served, likeness, merged, serve
 from lpslam.language.sign_meaning import SignMeaning
 from lpslam.language.signs import SignReader
-from lpslam.language.words import Folder, is_unspaced
+from lpslam.language.words import UNSPACED_RUN, Folder, is_unspaced
 
 _YES = 0.5  # a place is a kind when its words say so at least this surely
 _SPECIAL = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
 _ALTERNATIVES = 5
 _SAME_SORT = 0.25  # what the sort of a refused place weighs where nothing else is wanted
 _SHORTEST_WORD = 4  # letters of a word that may stand for the name that it is part of
+_SHORTEST_RUN = 3  # characters without spaces that may be a name beside one in Latin letters
 _FEW = 3  # landmarks that one word may stand for
 _PART = "part:"  # before the words that are parts of names, among names
 
@@ -58,6 +59,8 @@ class LandmarkIndex:
             phrase = add(landmark.name, (landmark.id,), bool(sign.identity))
             if phrase is not None and (folded := knowledge.folder.fold(landmark.name)) == f"{phrase}s":
                 plurals[phrase] = folded
+            for part in _in_each_script(landmark.name):
+                add(part, (landmark.id,), is_brand=False)
             if "'" in landmark.name:
                 # Who types quickly leaves the apostrophe out.
                 add(landmark.name.replace("'", ""), (landmark.id,), bool(sign.identity))
@@ -98,6 +101,17 @@ class LandmarkIndex:
     def is_of(self, landmarks: Sequence[Candidate]) -> bool:
         """Whether the index was made of just these landmarks."""
         return len(landmarks) == len(self.landmarks) and self.landmarks == list(landmarks)
+
+
+def _in_each_script(name: str) -> tuple[str, ...]:
+    """The parts of a name that is painted in two scripts, each long enough to be a name: 鼎泰豐 and DIN TAI FUNG."""
+    parts = [part for part in (each.strip(" ·|/-–") for each in UNSPACED_RUN.split(name)) if part]
+    runs = UNSPACED_RUN.findall(name)
+    if len(parts) != 1 or len(runs) != 1:
+        return ()
+    words = parts[0].split()
+    is_own = any(word.casefold() not in load_words() for word in words) and len(parts[0]) >= _SHORTEST_WORD
+    return (*(parts if is_own else ()), *(runs if len(runs[0]) >= _SHORTEST_RUN else ()))
 
 
 def _is_short_name(name: str, phrase: str, knowledge: Knowledge) -> bool:

@@ -62,6 +62,7 @@ class Knowledge:
     known: Mapping[str, Known]
     general: frozenset[str]
     modifiers: frozenset[str]
+    people: frozenset[str]
     auxiliary: frozenset[str]
     treatments: frozenset[str]
     instead: Mapping[str, str]
@@ -184,6 +185,7 @@ def load_knowledge() -> Knowledge:
         known=known,
         general=frozenset(kinds["general"]),
         modifiers=frozenset(kinds["modifiers"]),
+        people=frozenset(kinds["people"]),
         auxiliary=frozenset(kinds["auxiliary"]),
         treatments=frozenset(kinds["treatments"]),
         instead=kinds["instead"],
@@ -260,6 +262,9 @@ def _add_brands(rows: Iterable[Any], cuisine_kinds: Mapping[str, str], known: di
     for joined, keys, kinds_of, cuisines in rows:
         names = joined.split("|")
         found = dict.fromkeys([*kinds_of, *(cuisine_kinds.get(each, f"cuisine/{each}") for each in cuisines)], 1.0)
+        if "bubble_tea" in found and "amenity/cafe" in found and "coffee" not in found:
+            # The index lists them as cafés, which asks for coffee there.
+            found = {"amenity/cafe/bubble_tea" if kind == "amenity/cafe" else kind: 1.0 for kind in found}
         weighed = tuple(found.items())
         for at, (name, key) in enumerate(zip(names, keys.split("|"), strict=True)):
             held = known.get(key)

@@ -25,6 +25,8 @@ _HANGUL = re.compile(r"[\uac00-\ud7af]")
 _HYPHEN = re.compile(r"(?<=[^\W\d_])[-\u2010\u2011](?=\w)|(?<=\w)[-\u2010\u2011](?=[^\W\d_])")
 # “Fischallergie” refuses fish.
 _ALLERGY = re.compile(r"(\w{3,}?)s?(allergien?|unverträglichkeit|intoleranz)\b", re.IGNORECASE)
+# Without its accent, as words are looked up, té is a Spanish pronoun.
+_SPANISH_TEA = re.compile(r"\bté\b", re.IGNORECASE)
 _HAN = re.compile(r"[\u4e00-\u9fff]")
 _LATIN = ("en", "es", "de", "fr")
 # Letters and turns that one language of Latin script has and the others do not.
@@ -53,8 +55,11 @@ _TREATING = (
     "healthcare",
     *("facility/xray", "facility/blood_test", "facility/emergency_room", "facility/vaccination"),
 )
+_ANEW = {"shoe_repair": "shoes", "sewing": "clothes", "watch_repair": "watch", "computer_repair": "computer"}
 _HABITS = frozenset({"tobacco", "amenity/smoking_area"})  # who refuses them says “smoke” by the way
 _TASTES = frozenset({"spicy", "mild_food"})
+_TO_GO = frozenset({"coffee", "tea", "bubble_tea", "juice", "drink", "cake", "bread", "breakfast", "ice_cream"})
+_GIFTS = frozenset({"gift", "souvenir"})
 _MEALS = frozenset({"food", "drink"})
 _THING = 0.7  # a wanted concept of this weight is a thing of its own
 _RIVAL = 0.7  # a language with this share of the likeliest one's common words may be meant too
@@ -145,6 +150,8 @@ def read_question(question: str, knowledge: Knowledge, names: Mapping[str, Meani
 
 def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str, Meaning]) -> Wish:
     tables = (names, *knowledge.tables_of(language))
+    if language == "es":
+        text = _SPANISH_TEA.sub("tea", text)
     units = knowledge.folder.units(text)
     starts = knowledge.folder.word_starts(text) if language == "ko" else frozenset[int]()
 
@@ -168,9 +175,12 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
     if hurts:
         troubles = [trouble for trouble in troubles if trouble not in pains]
     wanted = {trouble.concept: _MAIN for trouble in troubles}
+    # Where nobody mends the shoe, another pair will do.
+    wanted |= {_ANEW[trouble.concept]: _THING for trouble in troubles if trouble.concept in _ANEW}
     refused: list[str] = []
     wanted_phrases: dict[str, set[str]] = {}
     refused_phrases: dict[str, set[str]] = {}
+    refused_with: dict[str, list[set[str]]] = {}
     said_alone: set[str] = set()
     mentioned: dict[str, list[str]] = {"wanted": [], "refused": [], "near": []}
     asides = _asides(spans, units, knowledge) | {span.start for span in spans if _is_part(span, troubles)}
@@ -190,6 +200,7 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
                 elif is_refused:
                     refused.append(concept)
                     refused_phrases.setdefault(concept, set()).add(span.key)
+                    refused_with.setdefault(concept, []).append({other for other, _ in span.value.concepts} - {concept})
                 else:
                     weight *= _ASIDE if is_aside and has_main else _importance(concept, knowledge)
                     wanted[concept] = max(weight, wanted.get(concept, 0.0))
@@ -202,8 +213,14 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
         refused.append(knowledge.refusing[concept])
     if "lost_item" in wanted and says_at_home(units, knowledge.states(language)):
         wanted["lost_item"] = _HINT
+    # “No clothes for women, but for men” refuses no clothes.
+    refused = [
+        concept
+        for concept in refused
+        if concept not in wanted or not all(others.difference(wanted) for others in refused_with[concept])
+    ]
     # Nobody refuses to eat (“I'm hungry, but not for that”), but who wants a present may want none to eat.
-    spared = knowledge.general - (_MEALS if {"gift", "business", "shop"} & wanted.keys() else frozenset())
+    spared = knowledge.general - (_MEALS if {*_GIFTS, "business", "shop"} & wanted.keys() else frozenset())
     refused = [concept for concept in refused if concept not in spared]
     # “An ice cream, but that parlour is a rip-off”: the thing is wanted, and where it is sold first of all is not.
     contested = tuple(
@@ -269,11 +286,16 @@ def _without_symptoms(wanted: dict[str, float], knowledge: Knowledge) -> dict[st
     is_ill = any(concept.startswith(_TREATING) for concept in services)
     meals = any(concept in ("food", "drink") or is_eaten(concept, knowledge) for concept in wanted)
     vague = set(knowledge.symptoms) if is_ill else set()
+    if not knowledge.weather.isdisjoint(wanted):
+        # “It is so hot outside.”
+        wanted = {concept: weight for concept, weight in wanted.items() if concept != "leave"}
     others = {concept for concept in wanted if wanted[concept] > _MODIFIER} - set(knowledge.weather)
     vague |= set(knowledge.weather) if others or meals else set()
     # “Is there a florist in this hospital?”, “a present, but she has hay fever”.
     vague |= set(knowledge.venues) if others - knowledge.venues or meals else set()
-    vague |= set(knowledge.symptoms) if "gift" in wanted else set()
+    vague |= set(knowledge.symptoms) if not _GIFTS.isdisjoint(wanted) else set()
+    # “A coffee to go.”
+    vague |= {"amenity/fast_food"} if any(concept in _TO_GO for concept in others) else set()
     # “Excuse me, may I ask where …”
     vague |= {"ask"} if others - {"ask"} else set()
     vague |= {"rest"} if services or meals or "massage" in others else set()

@@ -16,6 +16,7 @@ _SIDE_OFFER = 0.7  # a place that sells what is refused this surely, beside othe
 _SIDE_REFUSED = 0.5  # what such a place loses
 _LIGHT_MEAL = 0.7  # of a place that sells cake or coffee first of all
 _APART = 0.5  # of a kind that is not meant by the one above it: bubble tea, for a café
+_FOR_SOME = 0.8  # of a place whose goods are for women, men or children alone, where nobody is named
 _SURE = 0.9  # a kind of this weight is what the place is
 _DRUNK_IN_CAFES = frozenset({"coffee", "tea"})
 _WELL = 0.6  # a café refused for its coffee serves tea at least this well
@@ -64,10 +65,21 @@ def _is_light(kinds: Kinds, knowledge: Knowledge) -> bool:
     return not sure.isdisjoint(knowledge.light_food) and "amenity/restaurant" not in sure
 
 
+def _whom_for(kinds: Kinds, knowledge: Knowledge) -> set[str]:
+    """Whom alone the goods of a place are for: women, men or children."""
+    return {each for each in knowledge.people if any(kind in (each, f"trait/{each}") for kind, _ in kinds)}
+
+
 def serve(wish: Wish, kinds: Kinds, knowledge: Knowledge) -> Served:
     """Score a place of these kinds for a wish; zero where it is what the wish refuses."""
     matches = {concept: match(concept, kinds, knowledge) for concept, _ in wish.wanted}
     score = sum(weight * matches[concept] for concept, weight in wish.wanted)
+    whom_for, asked_for = _whom_for(kinds, knowledge), knowledge.people.intersection(dict(wish.wanted))
+    if whom_for and asked_for and whom_for.isdisjoint(asked_for):
+        # Whoever wants clothes for men is not sent to a women's shop.
+        return Served(0.0, 0.0, ())
+    if whom_for and not asked_for:
+        score *= _FOR_SOME
     best = max((matches[concept] for concept in wish.main), default=0.0)
     vague = (knowledge.modifiers | knowledge.general).issuperset(wish.main)
     for concept in wish.refused:
@@ -78,7 +90,8 @@ def serve(wish: Wish, kinds: Kinds, knowledge: Knowledge) -> Served:
         if own >= _REFUSED_KIND and not is_spared and not _is_also_another(concept, own, kinds, wish, knowledge):
             return Served(0.0, 0.0, ())
         ware = match(concept, kinds, knowledge) if "/" not in concept else 0.0
-        if ware >= _SURE and (vague or (ware > best and not is_eaten(concept, knowledge))):
+        is_meant = ware > best and ware >= _SIDE_OFFER and not is_eaten(concept, knowledge)
+        if (ware >= _SURE and vague) or is_meant:
             # “A present, but no toys”: a toy shop has presents, and is not meant; nor Decathlon for what is not sporty.
             return Served(0.0, 0.0, ())
         if own < _REFUSED_KIND and is_spared:

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Sequence, Set
+from itertools import pairwise
 
 from lpslam.language.lexicon import Meaning
 from lpslam.language.words import Span, is_mark, is_unspaced
@@ -15,6 +16,9 @@ _SURROUNDINGS = (
     "train",
 )
 _VENUES = ("amenity/hospital", "amenity/clinic", "aeroway/aerodrome", "shop/mall")
+_WHOM_FOR = {"facility/toilets_women": "woman", "facility/toilets_men": "man"}
+_SOBER = ("cuisine/", "shop/beauty", "nails", "haircut", "juice", "snack", "bread", "ice_cream", "cosmetics", "salad")
+_DRINKING = ("cuisine/spanish", "cuisine/tapas")
 SELDOM = 0.4  # the weight of what a sign says by the way
 SLOGAN = "sign/slogan"
 WARNING = "sign/warning"
@@ -45,12 +49,17 @@ def share_covered(spans: Sequence[Span[Meaning]], units: Sequence[str]) -> float
     return sum(span.end - span.start for span in spans) / max(words, 1)
 
 
-def as_a_house(kinds: dict[str, float]) -> dict[str, float]:
-    """A pub that is called after the platform beside it is no platform, a hospital's pharmacy no hospital."""
+def as_a_house(kinds: dict[str, float], wares: Set[str]) -> dict[str, float]:
+    """A pub that is called after the platform beside it is no platform, a hospital's pharmacy no hospital.
+
+    And where `wares` are sold (“Ladies' Fashion”), “Ladies” is no toilet but whom they are for.
+    """
     if any(not kind.startswith(_VENUES) and "/" in kind for kind in kinds):
         kinds = {kind: min(weight, SELDOM) if kind.startswith(_VENUES) else weight for kind, weight in kinds.items()}
-    if not any(kind.startswith((*TRADES, "amenity/pharmacy", "amenity/bank")) for kind in kinds):
+    if not any(kind in wares or kind.startswith((*TRADES, "amenity/pharmacy", "amenity/bank")) for kind in kinds):
         return kinds
+    if not kinds.keys().isdisjoint(_WHOM_FOR):
+        kinds = {_WHOM_FOR.get(kind, kind): weight for kind, weight in kinds.items() if kind != "amenity/toilets"}
     return {kind: min(weight, SELDOM) if kind.startswith(_SURROUNDINGS) else weight for kind, weight in kinds.items()}
 
 
@@ -69,6 +78,17 @@ def without_stray_letters(spans: list[Span[Meaning]], units: Sequence[str]) -> l
     """Drop single Han letters inside a name: 花 means flowers at the end of a name or alone, not in 樱花寿司."""
     kept = [span for span in spans if span.end - span.start > 1 or not is_unspaced(span.key) or span.end == len(units)]
     return [span for span in kept if len(kept) == 1 or span.end - span.start > 1 or not is_unspaced(span.key)]
+
+
+def bars_of_something(spans: Sequence[Span[Meaning]]) -> frozenset[int]:
+    """Starts of a “bar” that comes right after what is had there: “Sushi Bar”, “Juice Bar”, “Nail Bar”."""
+    return frozenset(
+        after.start
+        for before, after in pairwise(spans)
+        if before.end == after.start
+        and any(kind == "amenity/bar" for kind, _ in after.value.concepts)
+        and any(kind.startswith(_SOBER) and kind not in _DRINKING for kind, _ in before.value.concepts)
+    )
 
 
 def is_mostly_slogan(spans: Sequence[Span[Meaning]]) -> bool:

@@ -18,6 +18,7 @@ from lpslam.language.sign_words import (
     TRADES,
     WARNING,
     as_a_house,
+    bars_of_something,
     forbids,
     is_mostly_slogan,
     places_in,
@@ -35,6 +36,7 @@ _SURE_TRADE = 0.95  # of a trade at the end of a long name
 _JOINS = str.maketrans("", "", "-/")
 _COMPOUND = 9  # letters of a word that may be a compound in a name of several words
 _REPAIR = "shop/repair"
+_POURED = frozenset({"wine", "alcohol", "tea", "coffee", "drink"})
 
 
 class SignReader:
@@ -53,6 +55,14 @@ class SignReader:
     @cached_property
     def _nearest(self) -> NearestNames:
         return NearestNames(self._knowledge.known)
+
+    @cached_property
+    def _wares(self) -> frozenset[str]:
+        """What is sold: the goods, and the dishes and drinks, that a kind of shop or kitchen offers first of all."""
+        sellers = ("shop/", "amenity/cafe", "amenity/restaurant", "amenity/fast_food", "cuisine/")
+        first = {concept: next(iter(table), "") for concept, table in self._knowledge.offers.items()}
+        sold = frozenset(each for each, seller in first.items() if "/" not in each and seller.startswith(sellers))
+        return sold - self._knowledge.people - {"baby"}
 
     @cached_property
     def _skeletons(self) -> dict[str, Known]:
@@ -207,7 +217,8 @@ class SignReader:
     def _as_words(
         self, text: str, key: str, units: Sequence[str], spans: Sequence[Span[Meaning]]
     ) -> SignMeaning | None:
-        kinds = as_a_house(self._repairing(weighed(spans, self._in_the_name(spans, units))))
+        by_the_way = self._in_the_name(spans, units) | bars_of_something(spans)
+        kinds = as_a_house(self._repairing(weighed(spans, by_the_way)), self._wares)
         places = places_in(kinds)
         if SLOGAN in kinds and (
             self._knowledge.general.issuperset(places) or len(units) > 4 or is_mostly_slogan(spans)
@@ -340,7 +351,11 @@ class SignReader:
     def _offered(self, kinds: dict[str, float]) -> dict[str, float]:
         """Add to the goods a sign names the kinds of shop that sell them first of all."""
         offered = dict(kinds)
+        is_kitchen = any(kind.startswith(("cuisine/", "amenity/restaurant")) for kind in kinds)
         for concept, weight in kinds.items():
+            if is_kitchen and concept in _POURED:
+                # “Tapas y vino” is no wine shop.
+                continue
             for kind, share in self._knowledge.offers.get(concept, {}).items():
                 if share >= 0.95 and not kind.startswith("trait/"):
                     offered.setdefault(kind, 0.85 * weight * share)

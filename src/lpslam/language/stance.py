@@ -7,6 +7,7 @@ tells is no wish: who says what Zara is like and then asks for a dress wants ano
 
 from collections.abc import Sequence, Set
 from enum import Enum
+from itertools import pairwise
 
 from lpslam.language.clauses import Clause, between_marks
 from lpslam.language.knowledge import Knowledge
@@ -70,7 +71,16 @@ def told_in(
         if stands[at][:1] == [Stand.REFUSED] and _is_listed_before(clauses[at - 1], clauses[at], knowledge):
             # “Ramen, udon, no more.”
             stands[at - 1] = [Stand.REFUSED] * len(stands[at - 1])
-    told = [_told(clause.spans, each, knowledge) for clause, each in zip(clauses, stands, strict=True)]
+    wanted = {
+        span.key
+        for clause, each in zip(clauses, stands, strict=True)
+        for span, stand in zip(clause.spans, each, strict=True)
+        if stand is Stand.WANTED
+    }
+    told = [
+        _told(clause.spans, _only_the_special(clause.spans, each, wanted), knowledge)
+        for clause, each in zip(clauses, stands, strict=True)
+    ]
     for at in range(1, len(clauses)):
         # “I need shoes, but Bata's are for aunties.”
         wants = any(_is_wanted(one) and one[0].value.role == "means" for each in told[:at] for one in each)
@@ -350,6 +360,21 @@ def _linked_from(clause: Sequence[Span[Meaning]], since: int, at: int) -> int:
             break
         start -= 1
     return start
+
+
+def _only_the_special(clause: Sequence[Span[Meaning]], stands: Sequence[Stand], wanted: Set[str]) -> list[Stand]:
+    """“Shoes, but no sports shoes” refuses sports: beside another phrase, one that is wanted besides is spared."""
+    spared = list(stands)
+    for before, after in pairwise(range(len(clause))):
+        pair = (clause[before], clause[after])
+        if (
+            stands[before] is stands[after] is Stand.REFUSED
+            and pair[0].end == pair[1].start
+            and all(span.value.role == "means" for span in pair)
+            and (pair[0].key in wanted) != (pair[1].key in wanted)
+        ):
+            spared[before if pair[0].key in wanted else after] = Stand.WANTED
+    return spared
 
 
 def _told(clause: Sequence[Span[Meaning]], stands: Sequence[Stand], knowledge: Knowledge) -> Told:

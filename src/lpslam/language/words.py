@@ -18,6 +18,7 @@ _PLAIN = re.compile("[a-zA-Z0-9 ]+")
 _CAMEL = re.compile(r"(?<=[a-zß-ÿ])(?=[A-ZÀ-Þ])")
 _ACCENT = re.compile("[\u0300-\u036f]")
 _NOT_LETTER = re.compile(r"[\W_]+")
+UNSPACED_RUN = re.compile(f"[{_UNSPACED}]+")
 _BEGINS_UNSPACED = re.compile(f"[{_UNSPACED}]")
 
 Value = TypeVar("Value")

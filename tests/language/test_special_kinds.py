@@ -1,0 +1,62 @@
+"""Wishes for a special kind of goods: for women or men, sports shoes or others; and names painted in two scripts."""
+
+import pytest
+from asking import chosen
+
+from lpslam.language.offline import OfflineModel
+
+CLOTHES = ("茉莉女装 Jasmine", "Petit Bateau – Vêtements enfants", "Herrenmode Schmidt")
+
+
+@pytest.mark.parametrize(
+    ("question", "expected"),
+    [
+        ("Where can I buy men's clothes?", "Herrenmode Schmidt"),
+        ("남자 옷 사고 싶은데 어디로 가야 하나요?", "Herrenmode Schmidt"),
+        ("Busco una tienda de ropa para mujer.", "茉莉女装 Jasmine"),
+        ("여자 옷 말고 남자 옷 매장이요", "Herrenmode Schmidt"),
+        ("童装在哪里买？", "Petit Bateau – Vêtements enfants"),
+        ("Clothes, but no women's clothes and no children's clothes.", "Herrenmode Schmidt"),
+    ],
+)
+def test_clothes_for_whom(question: str, expected: str, model: OfflineModel) -> None:
+    assert chosen(model, question, *CLOTHES) == expected
+
+
+def test_clothes_for_nobody_in_particular_are_looked_for_where_everybody_finds_some(model: OfflineModel) -> None:
+    assert chosen(model, "¿Dónde puedo comprar ropa?", *CLOTHES, "C&A Mode") == "C&A Mode"
+
+
+def test_only_the_special_kind_is_refused(model: OfflineModel) -> None:
+    signs = ("Nike", "百丽女鞋 BeLLE")
+    assert chosen(model, "I need shoes, but not sports shoes.", *signs) == "百丽女鞋 BeLLE"
+    assert chosen(model, "I need sports shoes.", *signs) == "Nike"
+
+
+@pytest.mark.parametrize("question", ["¿Me llevas a Din Tai Fung?", "Take me to Din Tai Fung", "带我去鼎泰丰"])
+def test_a_name_in_two_scripts_is_found_by_either(question: str, model: OfflineModel) -> None:
+    assert chosen(model, question, "海底捞火锅", "鼎泰豐 DIN TAI FUNG") == "鼎泰豐 DIN TAI FUNG"
+
+
+@pytest.mark.parametrize("question", ["便利店，不要7-11", "A convenience store, but not 7-11", "7-11以外のコンビニ"])
+def test_a_brand_of_digits_is_refused_with_its_mark(question: str, model: OfflineModel) -> None:
+    assert chosen(model, question, "7-ELEVEN", "全家便利商店") == "全家便利商店"
+
+
+def test_bubble_tea_is_tea_and_no_coffee(model: OfflineModel) -> None:
+    assert (
+        chosen(model, "Quiero beber algo que no sea té.", "茶百道 ChaPanda", "Tim Hortons Coffee")
+        == "Tim Hortons Coffee"
+    )
+    assert (
+        chosen(model, "Ich hätte gern einen Kaffee zum Mitnehmen.", "茶百道 ChaPanda", "Tim Hortons") == "Tim Hortons"
+    )
+
+
+def test_heat_outside_asks_for_no_exit(model: OfflineModel) -> None:
+    asked = "It's so hot outside, I need something to cool me down."
+    assert chosen(model, asked, "Exit", "Eiscafé Venezia") == "Eiscafé Venezia"
+
+
+def test_who_has_not_bought_a_ticket_wants_one(model: OfflineModel) -> None:
+    assert chosen(model, "我要去苏黎世，可是还没买票。", "Burger King", "Tickets") == "Tickets"
