@@ -83,7 +83,7 @@ def main() -> None:
     given = parser.parse_args()
     model = language_model(given.llm)
     misses: list[str] = []
-    for name in ("judging", "judging_second"):
+    for name in ("judging", "judging_second", "judging_third"):
         judged, more = judging(model, name)
         for kind, (right, total) in judged.items():
             print(f"{name} {kind}: {right}/{total} = {right / total:.1%}")

@@ -8,10 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from numpy.typing import NDArray
 
 from command_line import Command
 from lpslam import pipeline
-from lpslam.config import Config
+from lpslam.config import Config, SpottingConfig
 from lpslam.errors import UserError
 from lpslam.evaluation.report import evaluate_recording
 from lpslam.evaluation.trajectory import absolute_trajectory_error
@@ -22,6 +23,7 @@ from lpslam.simulation.replay import NoisyAgain
 from lpslam.slam.state import EventKind
 from lpslam.sources.ground_truth import read_ground_truth
 from lpslam.sources.open import open_source
+from lpslam.text.spotting import PaddleSpotter
 
 pytestmark = pytest.mark.slow
 
@@ -80,6 +82,45 @@ def test_frames_are_found_in_the_maps_own_frame_to_two_centimetres(world: Langua
 def test_localising_twice_gives_the_same_poses(first_half: Path, walk: Path) -> None:
     poses = [pipeline.localise(again(walk, 30), LanguageMap.load(first_half)).poses for _ in range(2)]
     assert poses[0].world_from_camera.tobytes() == poses[1].world_from_camera.tobytes()
+
+
+class CountingSpotter:
+    """The real reader, and how often it was asked."""
+
+    def __init__(self) -> None:
+        self._spotter = PaddleSpotter(SpottingConfig())
+        self.asked = 0
+
+    def detect(self, rgb: NDArray[np.uint8]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """As `TextSpotter`."""
+        self.asked += 1
+        return self._spotter.detect(rgb)
+
+    def recognise(self, rgb: NDArray[np.uint8], boxes: NDArray[np.float64]) -> list[tuple[str, float]]:
+        """As `TextSpotter`."""
+        return self._spotter.recognise(rgb, boxes)
+
+
+def test_only_while_the_place_is_not_sure_are_signs_read(world: LanguageMap, walk: Path) -> None:
+    spotter = CountingSpotter()
+    found = pipeline.localise(again(walk), world, spotter=spotter)
+    assert len(found.poses) >= FRAMES - 3
+    assert 1 <= spotter.asked <= 12
+    unread = CountingSpotter()
+    assert len(pipeline.localise(again(walk), world, spotter=unread, text=False).poses) >= FRAMES - 3
+    assert unread.asked == 0
+
+
+def test_in_a_place_that_looks_the_same_and_has_other_signs_the_camera_is_not_found(walked: Path, walk: Path) -> None:
+    elsewhere = LanguageMap.load(walked)
+    for text_class in elsewhere.text.memory.classes:
+        for at, seen in enumerate(text_class.observations):
+            other = "".join(chr(ord("a") + (7 * ord(ch) + 3) % 26) for ch in reversed(seen.text))
+            text_class.observations[at] = replace(seen, text=other)
+    found = pipeline.localise(again(walk), elsewhere)
+    assert any(event.kind is EventKind.LOST and "signs" in event.reason for event in found.events)
+    assert len(found.poses) < FRAMES / 2
+    assert len(pipeline.localise(again(walk), elsewhere, text=False).poses) >= FRAMES - 3
 
 
 def test_asked_to_stop_it_gives_what_it_has(world: LanguageMap, walk: Path) -> None:

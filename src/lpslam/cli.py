@@ -143,7 +143,7 @@ def run(
     frames = open_source(source, camera, max_frames, settings.calibration)
     base = map_for(localize or continued, frames.camera)
     if localize is not None and trajectory is not None:
-        _localise(frames, base, settings, localize, trajectory, as_json)
+        _localise(frames, base, settings, localize, trajectory, not no_text, as_json)
         return
     assert output is not None
     language = language_model(llm, settings.language)
@@ -189,14 +189,23 @@ def _say_usage(language: Any) -> None:
         say(f"{language.model}: {usage}")
 
 
-def _localise(frames: Any, world: Any, settings: Any, map_file: Path, trajectory: Path, as_json: bool) -> None:
+def _localise(
+    frames: Any, world: Any, settings: Any, map_file: Path, trajectory: Path, text: bool, as_json: bool
+) -> None:
     from lpslam import pipeline
     from lpslam.views.notes import event_notes
     from lpslam.views.run_progress import InterruptFlag, RunProgress, prepare
 
     prepare()
     with InterruptFlag() as interrupted, RunProgress(len(frames)) as progress:
-        found = pipeline.localise(frames, world, settings, on_progress=progress.update, should_stop=interrupted.is_set)
+        found = pipeline.localise(
+            frames,
+            world,
+            settings,
+            text=text,
+            on_progress=progress.update,
+            should_stop=interrupted.is_set,
+        )
         found.poses.to_tum_file(trajectory, [f"camera optical frame in the frame of {map_file.name}"])
     for note in event_notes(found.events):
         say(note)

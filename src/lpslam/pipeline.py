@@ -21,7 +21,7 @@ from lpslam.mapfile.language_map import LanguageMap
 from lpslam.poses import StampedPoses
 from lpslam.priority import READING, yield_to_others
 from lpslam.slam.advice import NO_ADVICE, LoopAdvisor
-from lpslam.slam.state import SlamEvent, TrackedFrame
+from lpslam.slam.state import SlamEvent, TrackedFrame, TrackingState
 from lpslam.slam.system import RgbdSlam
 from lpslam.sources.in_order import InOrder
 from lpslam.sources.pacing import Paced
@@ -89,7 +89,7 @@ class Localised:
         poses: of the frames that were found, in the map's frame.
         frames: how many were tried.
         events: what happened to tracking.
-        seconds_tracking: of processor and waiting time.
+        seconds_tracking: of processor and waiting time, without reading.
     """
 
     poses: StampedPoses
@@ -221,20 +221,29 @@ def localise(
     world: LanguageMap,
     config: Config | None = None,
     *,
+    spotter: TextSpotter | None = None,
+    text: bool = True,
     on_progress: Callable[[Progress], None] = lambda progress: None,
     should_stop: Callable[[], bool] = lambda: False,
 ) -> Localised:
     """Localisation: find every frame in a saved map, which is only read.
 
+    Frames are read while the camera is lost, and when it was found among signs, until they have been compared.
+
     Args:
         source: RGB-D frames in order of time, of the camera that made the map.
         world: the map.
         config: thresholds; defaults without.
+        spotter: finds and reads text; the networks of the configuration without, loaded when first needed.
+        text: whether the signs of the map help to find the camera, and to doubt where it was found.
         on_progress: called after every frame.
         should_stop: asked before every frame; what was found so far is returned when it says yes.
     """
     config = config or Config()
-    slam = RgbdSlam(source.camera, config.slam, base=world.slam, grows=False)
+    classes = world.text.memory.classes if text and config.text.advice.enabled else []
+    words = TextAdvisor(config.text.advice, classes)
+    slam = RgbdSlam(source.camera, config.slam, base=world.slam, grows=False, advisor=words if classes else NO_ADVICE)
+    reading: TextMapper | None = None
     started, seconds_tracking, count = time.perf_counter(), 0.0, 0
     landmarks = len(world.text.memory.long_term)
     for frame in Prefetched(InOrder(source)):
@@ -243,6 +252,15 @@ def localise(
         before = time.perf_counter()
         tracked = slam.process(frame)
         seconds_tracking += time.perf_counter() - before
+        if classes and (tracked.is_doubted or tracked.state is TrackingState.LOST):
+            reading = reading or TextMapper(
+                source.camera,
+                spotter or _load_spotter(config.text.spotting, is_threaded=False),
+                config.text,
+                on_doubtful=words.note_doubtful,
+                on_lost=words.note_lost,
+            )
+            reading.observe(frame, tracked)
         count += 1
         rate = count / (time.perf_counter() - started)
         on_progress(Progress(tracked, count, rate, slam.map.keyframe_count, landmarks))

@@ -147,8 +147,7 @@ class Tracker:
         if lost:
             self._strict_until = frame.timestamp + self._config.strict_seconds
             self._tell(EventKind.RELOCALISED, frame, f"{best.estimate.matches} map points matched")
-            if self._grows:
-                self._doubt.begin(self._reference, frame.timestamp)
+            self._doubt.begin(self._reference, frame.timestamp)
         if best.is_sure:
             self._anchored_at = frame.timestamp
         return self._accept(frame, gray, view.features, best.estimate, is_matched=True, is_sure=best.is_sure)
