@@ -60,3 +60,38 @@ def test_heat_outside_asks_for_no_exit(model: OfflineModel) -> None:
 
 def test_who_has_not_bought_a_ticket_wants_one(model: OfflineModel) -> None:
     assert chosen(model, "我要去苏黎世，可是还没买票。", "Burger King", "Tickets") == "Tickets"
+
+
+@pytest.mark.parametrize(
+    ("question", "fitting"),
+    [
+        ("想吃羊肉泡馍,往哪走?", {"老孙家羊肉泡馍"}),
+        ("我想吃海南鸡饭。", {"阿明海南雞飯"}),
+        ("豚肉は食べられません。お昼はどこで食べられますか", {"老孙家羊肉泡馍", "阿明海南雞飯"}),
+        ("我对羊肉过敏,想吃点热乎的", {"老边饺子馆", "阿明海南雞飯"}),
+    ],
+)
+def test_the_dish_that_a_sign_names_tells_it_from_its_like(
+    question: str, fitting: set[str], model: OfflineModel
+) -> None:
+    assert chosen(model, question, "老边饺子馆", "老孙家羊肉泡馍", "阿明海南雞飯") in fitting
+
+
+def test_a_jacket_for_the_husband_is_one_for_men(model: OfflineModel) -> None:
+    assert (
+        chosen(model, "남편이 면접 보는데 입을 만한 재킷이 없어요", "歌莉娅 GOELIA 女装", "七匹狼 男装")
+        == "七匹狼 男装"
+    )
+
+
+@pytest.mark.parametrize("question", ["ケンタッキーはどこ?", "Take me to KFC", "带我去肯德基"])
+def test_rows_of_one_brand_are_one_brand(question: str, model: OfflineModel) -> None:
+    assert chosen(model, question, "Burger King", "肯德基 KFC") == "肯德基 KFC"
+
+
+def test_what_is_written_by_hand_of_a_brand_stays(model: OfflineModel) -> None:
+    assert chosen(model, "運動靴が欲しいけど、ナイキ以外でお願いします。", "ZARA", "李宁") == "李宁"
+
+
+def test_a_bodega_with_tapas_is_no_corner_shop(model: OfflineModel) -> None:
+    assert chosen(model, "I need toothpaste and milk", "La Bodega Tapas", "Carrefour Market") == "Carrefour Market"

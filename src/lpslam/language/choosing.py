@@ -1,135 +1,25 @@
 """Choosing the landmark that serves a question (navigation, III-I) among any number of landmarks."""
 
-import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
-from lpslam.language.knowledge import Knowledge, load_words
+from lpslam.language.knowledge import Knowledge
+from lpslam.language.landmark_index import LandmarkIndex
 from lpslam.language.lexicon import Meaning
-from lpslam.language.model import Candidate, Choice
+from lpslam.language.model import Choice
 from lpslam.language.phrasing import Phrases, answer_language, phrases_in
-from lpslam.language.question import Wish, asks_for_another, instead_of, languages_of, read_question, spoken_key
+from lpslam.language.question import Wish, asks_for_another, instead_of, languages_of, read_question
 from lpslam.language.sanitise import clean_text
 from lpslam.language.serving import FITS, FITS_INSTEAD, Kinds, Served, likeness, merged, serve
-from lpslam.language.sign_meaning import SignMeaning
 from lpslam.language.signs import SignReader
-from lpslam.language.words import UNSPACED_RUN, Folder, is_unspaced
 
 _YES = 0.5  # a place is a kind when its words say so at least this surely
 _SPECIAL = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
 _ALTERNATIVES = 5
 _SAME_SORT = 0.25  # what the sort of a refused place weighs where nothing else is wanted
-_SHORTEST_WORD = 4  # letters of a word that may stand for the name that it is part of
-_SHORTEST_RUN = 3  # characters without spaces that may be a name beside one in Latin letters
 _FEW = 3  # landmarks that one word may stand for
+_UNSPACED = frozenset({"zh", "ja", "ko"})
 _PART = "part:"  # before the words that are parts of names, among names
-
-
-class LandmarkIndex:
-    """Landmarks by what their signs mean, judged once however many mean the same, and by their names."""
-
-    def __init__(self, landmarks: Sequence[Candidate], signs: SignReader, knowledge: Knowledge) -> None:
-        self.landmarks = list(landmarks)
-        self.name_of = {landmark.id: landmark.name for landmark in landmarks}
-        self.groups: dict[Kinds, list[int]] = {}
-        self.signs: dict[int, SignMeaning] = {}
-        by_phrase: dict[str, dict[int, None]] = {}
-        of_brand: dict[str, list[int]] = {}
-        initials: dict[str, str] = {}
-        plurals: dict[str, str] = {}
-
-        def add(text: str, ids: Sequence[int], is_brand: bool) -> str | None:
-            phrase = signs.phrase(text)
-            is_short = _is_short_name(text, phrase, knowledge)
-            if not (spoken_key(phrase) or is_short) or (phrase in knowledge.painted and not is_brand):
-                return None
-            by_phrase.setdefault(phrase, {}).update(dict.fromkeys(ids))
-            if is_short:
-                initials[phrase] = text
-            return phrase
-
-        for landmark in landmarks:
-            sign = _sign_of(landmark, signs)
-            self.signs[landmark.id] = sign
-            self.groups.setdefault(sign.kinds, []).append(landmark.id)
-            if sign.kinds and not sign.is_place:
-                continue
-            if sign.identity:
-                of_brand.setdefault(sign.identity, []).append(landmark.id)
-            phrase = add(landmark.name, (landmark.id,), bool(sign.identity))
-            if phrase is not None and (folded := knowledge.folder.fold(landmark.name)) == f"{phrase}s":
-                plurals[phrase] = folded
-            for part in _in_each_script(landmark.name):
-                add(part, (landmark.id,), is_brand=False)
-            if "'" in landmark.name:
-                # Who types quickly leaves the apostrophe out.
-                add(landmark.name.replace("'", ""), (landmark.id,), bool(sign.identity))
-        # “Family Mart” is the brand of ファミリーマート, however it is written.
-        self.phrase_of: dict[str, str] = {}
-        for identity, ids in of_brand.items():
-            for name in signs.names_of(identity):
-                phrase = add(name, ids, is_brand=True)
-                if phrase is not None:
-                    self.phrase_of[identity] = phrase
-        place = {landmark.id: at for at, landmark in enumerate(landmarks)}
-        self.ids_of = {phrase: tuple(sorted(ids, key=place.__getitem__)) for phrase, ids in by_phrase.items()}
-        self.names = {phrase: Meaning("name", ((phrase, 1.0),)) for phrase in by_phrase}
-        self.ids_by_word = _ids_by_word(by_phrase)
-        for id_, sign in self.signs.items():
-            if sign.owner and not any(sign.owner in common for common in knowledge.common.values()):
-                self.ids_by_word.setdefault(sign.owner, set()).add(id_)
-        self.owners = tuple({sign.owner for sign in self.signs.values() if " " in sign.owner})
-        self._plurals = plurals
-        self._initials = initials
-
-    def unsaid(self, question: str, folder: Folder) -> frozenset[str]:
-        """Names that only seem to be said.
-
-        Phrases drop the plural, but “the sole of my boot” does not say “Boots”; and two letters are a name only where
-        they stand in capitals of their own.
-        """
-        folded_question = folder.fold(question)
-        return frozenset(
-            [phrase for phrase, folded in self._plurals.items() if folded not in folded_question]
-            + [
-                phrase
-                for phrase, name in self._initials.items()
-                if not re.search(rf"(?<![A-Za-z]){name}(?![A-Za-z])", question)
-            ]
-        )
-
-    def is_of(self, landmarks: Sequence[Candidate]) -> bool:
-        """Whether the index was made of just these landmarks."""
-        return len(landmarks) == len(self.landmarks) and self.landmarks == list(landmarks)
-
-
-def _in_each_script(name: str) -> tuple[str, ...]:
-    """The parts of a name that is painted in two scripts, each long enough to be a name: 鼎泰豐 and DIN TAI FUNG."""
-    parts = [part for part in (each.strip(" ·|/-–") for each in UNSPACED_RUN.split(name)) if part]
-    runs = UNSPACED_RUN.findall(name)
-    if len(parts) != 1 or len(runs) != 1:
-        return ()
-    words = parts[0].split()
-    is_own = any(word.casefold() not in load_words() for word in words) and len(parts[0]) >= _SHORTEST_WORD
-    return (*(parts if is_own else ()), *(runs if len(runs[0]) >= _SHORTEST_RUN else ()))
-
-
-def _is_short_name(name: str, phrase: str, knowledge: Knowledge) -> bool:
-    """Whether two letters are a name that is one only where it stands as it is painted: GU, dm."""
-    if len(name) != 2 or not (name.isascii() and name.isalpha()):
-        return False
-    return name.isupper() or not any(phrase in common for common in knowledge.common.values())
-
-
-def _ids_by_word(ids_by_phrase: Mapping[str, Collection[int]]) -> dict[str, set[int]]:
-    """Landmarks by the words of names of several words: “not Kaya's” refuses “Key Service Kaya”."""
-    found: dict[str, set[int]] = {}
-    for phrase, ids in ids_by_phrase.items():
-        words = phrase.split()
-        for word in words if len(words) > 1 else ():
-            if len(word) >= _SHORTEST_WORD and not is_unspaced(word):
-                found.setdefault(word, set()).update(ids)
-    return found
 
 
 def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge, model: str) -> Choice:
@@ -137,7 +27,7 @@ def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Kn
 
     The evidence is in the language of the question.
     """
-    wish, refused = understand(question, index, signs, knowledge)
+    wish, refused, said = understand(question, index, signs, knowledge)
     phrases = phrases_in(answer_language(question) if wish.language is not None else "en")
     if not index.landmarks:
         return Choice(None, 1.0, phrases.say("empty_map"), model)
@@ -154,6 +44,7 @@ def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Kn
     if "chain" in wish.refused:
         refused |= {id_ for id_, sign in index.signs.items() if sign.identity}
     named = [id_ for name in wish.wanted_names for id_ in index.ids_of.get(name, ()) if id_ not in refused]
+    named += [id_ for id_ in said if id_ not in refused and id_ not in named]
     if named:
         return Choice(named[0], 0.95, phrases.say("named"), model, tuple(named[1 : 1 + _ALTERNATIVES]))
     if not wish.wanted:
@@ -190,11 +81,13 @@ def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Kn
     return choices[wishes.index(wish)]
 
 
-def understand(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge) -> tuple[Wish, set[int]]:
+def understand(
+    question: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge
+) -> tuple[Wish, set[int], list[int]]:
     """Read a question that may mention landmarks by name, and brands that are not here.
 
     Returns:
-        The wish, and the landmarks that are refused by a part of their name.
+        The wish, and the landmarks that are refused and that are wanted by a part of their name.
     """
     text = clean_text(question)
     brands = {
@@ -205,22 +98,32 @@ def understand(question: str, index: LandmarkIndex, signs: SignReader, knowledge
     unsaid = index.unsaid(text, knowledge.folder)
     names = _Names(brands, index.names, unsaid) if brands or unsaid else index.names
     parts = _parts_in(text, index, knowledge)
+    languages = languages_of(text, knowledge)[:1]
+    runs = index.runs_in(text, knowledge, languages[0]) if languages and languages[0] in _UNSPACED else {}
+    runs = {run: ids for run, ids in runs.items() if len(ids) <= _FEW and run not in index.names}
+    parts |= runs
     if not parts:
-        return read_question(question, knowledge, names), set()
+        return read_question(question, knowledge, names), set(), []
     mentioned = {word: Meaning("name", ((_PART + word, 1.0),)) for word in parts}
     wish = read_question(question, knowledge, _Names(brands | mentioned, index.names, unsaid))
     refused = {name for name in wish.refused_names if name.startswith(_PART)}
     if asks_for_another(question):
         refused |= {name for name in wish.wanted_names if name.startswith(_PART)}
-    if not refused:
+    said = [
+        id_
+        for name in wish.wanted_names
+        if (run := name.removeprefix(_PART)) in runs and name not in refused
+        for id_ in sorted(runs[run])
+    ]
+    if not refused and not said:
         # A part of a name may be any word: alone it asks for nothing.
-        return read_question(question, knowledge, names), set()
+        return read_question(question, knowledge, names), set(), []
     wanted, others, near = (
         tuple(name for name in names if not name.startswith(_PART))
         for names in (wish.wanted_names, wish.refused_names, wish.near_names)
     )
     wish = replace(wish, wanted_names=wanted, refused_names=others, near_names=near)
-    return wish, {id_ for name in refused for id_ in parts[name.removeprefix(_PART)]}
+    return wish, {id_ for name in refused for id_ in parts[name.removeprefix(_PART)]}, said
 
 
 def _parts_in(text: str, index: LandmarkIndex, knowledge: Knowledge) -> dict[str, set[int]]:
@@ -230,7 +133,7 @@ def _parts_in(text: str, index: LandmarkIndex, knowledge: Knowledge) -> dict[str
     units = {unit for unit in every if unit in index.ids_by_word} | {
         owner for owner in index.owners if f" {owner} " in asked
     }
-    few = {unit: ids for unit in units if len(ids := index.ids_by_word[unit]) <= _FEW}
+    few = {unit: ids for unit in units - index.names.keys() if len(ids := index.ids_by_word[unit]) <= _FEW}
     if not few:
         return {}
     languages = languages_of(text, knowledge)[:2]
@@ -309,14 +212,6 @@ def _without_brand(
     }
     others = sorted((id_ for id_ in alike if alike[id_] >= _YES), key=lambda id_: (-alike[id_], id_))
     return Choice(None, 0.8, phrases.say("no_brand", name=name or identity), model, tuple(others[:_ALTERNATIVES]))
-
-
-def _sign_of(landmark: Candidate, signs: SignReader) -> SignMeaning:
-    sign = signs.read(landmark.name)
-    if sign.kinds:
-        return sign
-    # The name says nothing: another reading of the same sign may.
-    return next((other for alias in landmark.aliases if (other := signs.read(alias)).kinds), sign)
 
 
 def kinds_of(ids: Sequence[int], index: LandmarkIndex) -> Kinds:

@@ -63,6 +63,8 @@ class Knowledge:
     general: frozenset[str]
     modifiers: frozenset[str]
     people: frozenset[str]
+    worn: frozenset[str]
+    relatives: Mapping[str, Mapping[str, str]]
     auxiliary: frozenset[str]
     treatments: frozenset[str]
     instead: Mapping[str, str]
@@ -186,6 +188,11 @@ def load_knowledge() -> Knowledge:
         general=frozenset(kinds["general"]),
         modifiers=frozenset(kinds["modifiers"]),
         people=frozenset(kinds["people"]),
+        worn=frozenset(kinds["worn"]),
+        relatives={
+            language: {folder.phrase(text): who for who, joined in by_whom.items() for text in split(joined)}
+            for language, by_whom in kinds["relatives"].items()
+        },
         auxiliary=frozenset(kinds["auxiliary"]),
         treatments=frozenset(kinds["treatments"]),
         instead=kinds["instead"],
@@ -250,6 +257,7 @@ def _add_painted(
         painted.setdefault(phrase, Meaning("means", tuple(found.items())))
 
 
+_FUEL = "amenity/fuel"
 _OUT_OF_DOORS = ("amenity/fuel", "amenity/charging_station", "amenity/recycling", "office/", "emergency/", "tourism/")
 """Kinds that seldom have a sign among shops: Indigo is a bookshop sooner than a place to charge a car."""
 
@@ -257,26 +265,34 @@ _OUT_OF_DOORS = ("amenity/fuel", "amenity/charging_station", "amenity/recycling"
 def _add_brands(rows: Iterable[Any], cuisine_kinds: Mapping[str, str], known: dict[str, Known]) -> None:
     """Add brands, as the index lists them: those of many names before their namesakes.
 
-    What a brand of another trade is called first goes before what one is called besides: Tous is a jeweller.
+    What a brand of another trade is called first goes before what one is called besides: Tous is a jeweller. What is
+    written by hand stays; and rows of one trade that share a name are one brand: KFC and 肯德基.
     """
+    by_hand = frozenset(known)
     for joined, keys, kinds_of, cuisines in rows:
         names = joined.split("|")
+        if "shop/supermarket" in kinds_of:
+            # A supermarket is no petrol station for having some elsewhere.
+            kinds_of = [kind for kind in kinds_of if kind != _FUEL]
         found = dict.fromkeys([*kinds_of, *(cuisine_kinds.get(each, f"cuisine/{each}") for each in cuisines)], 1.0)
         if "bubble_tea" in found and "amenity/cafe" in found and "coffee" not in found:
             # The index lists them as cafés, which asks for coffee there.
             found = {"amenity/cafe/bubble_tea" if kind == "amenity/cafe" else kind: 1.0 for kind in found}
         weighed = tuple(found.items())
+        held_by = (known[key] for key in keys.split("|") if key in known and known[key].source == "brand")
+        identity = next((held.identity for held in held_by if not found.keys().isdisjoint(dict(held.kinds))), names[0])
         for at, (name, key) in enumerate(zip(names, keys.split("|"), strict=True)):
             held = known.get(key)
             is_namesake = (
                 at == 0
+                and key not in by_hand
                 and held is not None
                 and held.source == "brand"
                 and held.painted != held.identity
                 and not all(kind.startswith(_OUT_OF_DOORS) for kind in found)
             )
             if len(key) > 1 and (held is None or (is_namesake and found.keys().isdisjoint(dict(held.kinds)))):
-                known[key] = Known(name, "brand", weighed, names[0])
+                known[key] = Known(name, "brand", weighed, identity)
 
 
 def _add_kinds(

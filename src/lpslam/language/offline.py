@@ -7,8 +7,9 @@ and it rather chooses nothing than guesses.
 from collections.abc import Mapping, Sequence
 
 from lpslam.language.building import building
-from lpslam.language.choosing import LandmarkIndex, choose
+from lpslam.language.choosing import choose
 from lpslam.language.knowledge import Known, load_knowledge, load_words
+from lpslam.language.landmark_index import LandmarkIndex
 from lpslam.language.model import Candidate, Choice, Judgement, Naming, Reading
 from lpslam.language.naming import Vote, cased_like, painted_like, vote
 from lpslam.language.question import Wish, read_question

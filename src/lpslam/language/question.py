@@ -246,6 +246,10 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
     if stains and "clothes" in wanted:
         # Where nobody cleans the shirt, another one will do.
         wanted["clothes"] = _THING
+    if not knowledge.worn.isdisjoint(wanted) and knowledge.people.isdisjoint({*wanted, *refused}):
+        # A jacket for “my husband” is one for men.
+        named = {span.value for span in longest_phrases(units, (knowledge.relatives[language],))}
+        wanted |= dict.fromkeys(named, _MODIFIER) if len(named) == 1 else {}
     main = [concept for concept, weight in wanted.items() if weight > _GENERAL]
     return Wish(
         tuple(wanted.items()),

@@ -58,9 +58,18 @@ def as_a_house(kinds: dict[str, float], wares: Set[str]) -> dict[str, float]:
         kinds = {kind: min(weight, SELDOM) if kind.startswith(_VENUES) else weight for kind, weight in kinds.items()}
     if not any(kind in wares or kind.startswith((*TRADES, "amenity/pharmacy", "amenity/bank")) for kind in kinds):
         return kinds
-    if not kinds.keys().isdisjoint(_WHOM_FOR):
-        kinds = {_WHOM_FOR.get(kind, kind): weight for kind, weight in kinds.items() if kind != "amenity/toilets"}
+    kinds = for_whom(kinds)
+    if any(kind.startswith("cuisine/") for kind in kinds):
+        # A bodega with tapas is no corner shop.
+        kinds = {kind: min(weight, SELDOM) if kind == "shop/convenience" else weight for kind, weight in kinds.items()}
     return {kind: min(weight, SELDOM) if kind.startswith(_SURROUNDINGS) else weight for kind, weight in kinds.items()}
+
+
+def for_whom(kinds: dict[str, float]) -> dict[str, float]:
+    """“Ladies” beside what is sold says whom it is for."""
+    if kinds.keys().isdisjoint(_WHOM_FOR):
+        return kinds
+    return {_WHOM_FOR.get(kind, kind): weight for kind, weight in kinds.items() if kind != "amenity/toilets"}
 
 
 def forbids(text: str, units: Sequence[str], spans: Sequence[Span[Meaning]]) -> bool:
