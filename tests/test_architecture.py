@@ -35,7 +35,11 @@ ALLOWED: dict[str, set[str]] = {
     },
     "demo": {"simulation", "language", "mapfile", "pipeline", "evaluation", "views"},
     "cli_checks": {"mapfile"},
-    "cli": {"sources", "simulation", "language", "mapfile", "pipeline", "evaluation", "views", "demo", "cli_checks"},
+    "cli_runs": {"language", "pipeline", "views"},
+    "cli": {
+        *("sources", "simulation", "language", "mapfile", "pipeline", "evaluation", "views", "demo"),
+        *("cli_checks", "cli_runs"),
+    },
 }
 HEAVY = (
     *("cv2", "numba", "scipy", "matplotlib", "rapidocr", "openvino", "onnxruntime"),

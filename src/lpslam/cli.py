@@ -6,12 +6,13 @@ import logging
 import os
 import sys
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
 from lpslam._version import __version__
 from lpslam.cli_checks import config_of, map_for, refuse_overwriting, refuse_unwritable, refuse_with_localize
+from lpslam.cli_runs import INTERRUPTED, localise_recording, say_usage
 from lpslam.errors import LpSlamError
 from lpslam.views.printed import (
     Spoken,
@@ -47,9 +48,6 @@ ConfigFile = Annotated[
     Path | None, typer.Option("--config", metavar="FILE", help="YAML overrides of thresholds; see 'lpslam config'.")
 ]
 
-_INTERRUPTED = 130
-"""Exit code after Ctrl-C, as shells have it."""
-
 
 def main() -> None:
     """Run the command line; a user's mistake is one line on standard error and exit code 2."""
@@ -67,12 +65,12 @@ def main() -> None:
         say(str(error))
         raise SystemExit(2) from None
     except SystemExit as end:
-        if end.code != _INTERRUPTED:
+        if end.code != INTERRUPTED:
             raise
         # The reading engine may be at work in its thread: tearing it down meanwhile would crash.
         sys.stdout.flush()
         sys.stderr.flush()
-        os._exit(_INTERRUPTED)
+        os._exit(INTERRUPTED)
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         raise SystemExit(1) from None
@@ -143,7 +141,7 @@ def run(
     frames = open_source(source, camera, max_frames, settings.calibration)
     base = map_for(localize or continued, frames.camera)
     if localize is not None and trajectory is not None:
-        _localise(frames, base, settings, localize, trajectory, not no_text, as_json)
+        localise_recording(frames, base, settings, localize, trajectory, text=not no_text, as_json=as_json)
         return
     assert output is not None
     language = language_model(llm, settings.language)
@@ -167,61 +165,17 @@ def run(
         )
         if not world.trajectory.tracked_count:
             say("interrupted before anything was mapped; nothing is written")
-            raise typer.Exit(_INTERRUPTED)
+            raise typer.Exit(INTERRUPTED)
         world.save(output)
     for note in run_notes(world, frames.faults, progress.first_untracked, language.model):
         say(note)
-    _say_usage(language)
+    say_usage(language)
     if trajectory is not None:
         world.frame_poses().to_tum_file(trajectory, ["camera optical frame in the map frame"])
     print_facts(world, output, as_json)
     if interrupted.is_set():
         say(f"interrupted; the map so far is in {output}")
-        raise typer.Exit(_INTERRUPTED)
-
-
-def _say_usage(language: Any) -> None:
-    """What a hosted model has cost; nothing of one that costs nothing."""
-    from lpslam.language.usage import usage_of
-
-    usage = usage_of(language)
-    if usage is not None and (usage.calls or usage.saved):
-        say(f"{language.model}: {usage}")
-
-
-def _localise(
-    frames: Any, world: Any, settings: Any, map_file: Path, trajectory: Path, text: bool, as_json: bool
-) -> None:
-    from lpslam import pipeline
-    from lpslam.views.notes import event_notes
-    from lpslam.views.run_progress import InterruptFlag, RunProgress, prepare
-
-    prepare()
-    with InterruptFlag() as interrupted, RunProgress(len(frames)) as progress:
-        found = pipeline.localise(
-            frames,
-            world,
-            settings,
-            text=text,
-            on_progress=progress.update,
-            should_stop=interrupted.is_set,
-        )
-        found.poses.to_tum_file(trajectory, [f"camera optical frame in the frame of {map_file.name}"])
-    for note in event_notes(found.events):
-        say(note)
-    facts = {
-        "map": str(map_file),
-        "trajectory": str(trajectory),
-        "frames": found.frames,
-        "frames_localised": len(found.poses),
-        "milliseconds_a_frame": round(1000 * found.seconds_tracking / max(found.frames, 1), 1),
-    }
-    if as_json:
-        print_json(facts)
-    else:
-        print_table({what.replace("_", " "): str(value) for what, value in facts.items()})
-    if interrupted.is_set():
-        raise typer.Exit(_INTERRUPTED)
+        raise typer.Exit(INTERRUPTED)
 
 
 @app.command()
@@ -246,7 +200,7 @@ def distill(
     world.save(map_file)
     for note in naming_notes(world, language.model) + judging_notes(landmarks, judge, language.model):
         say(note)
-    _say_usage(language)
+    say_usage(language)
     print_landmarks(landmarks, judge, as_json)
 
 
@@ -296,7 +250,7 @@ def ask(
             print(json.dumps(answer_record(answer), ensure_ascii=False, indent=1 if question is not None else None))
         else:
             print(dialogue.said(answer), flush=True)
-    _say_usage(language)
+    say_usage(language)
 
 
 @app.command()

@@ -1,0 +1,56 @@
+"""What commands of the command line do after their options have been checked."""
+
+from pathlib import Path
+from typing import Any
+
+import typer
+
+from lpslam.views.printed import print_json, print_table, say
+
+INTERRUPTED = 130
+"""Exit code after Ctrl-C, as shells have it."""
+
+
+def say_usage(language: Any) -> None:
+    """What a hosted model has cost; nothing of one that costs nothing."""
+    from lpslam.language.usage import usage_of
+
+    usage = usage_of(language)
+    if usage is not None and (usage.calls or usage.saved):
+        say(f"{language.model}: {usage}")
+
+
+def localise_recording(
+    frames: Any, world: Any, settings: Any, map_file: Path, trajectory: Path, *, text: bool, as_json: bool
+) -> None:
+    """Find a recording's camera in a saved map, write its poses and print how many were found."""
+    from lpslam import pipeline
+    from lpslam.views.notes import event_notes
+    from lpslam.views.run_progress import InterruptFlag, RunProgress, prepare
+
+    prepare()
+    with InterruptFlag() as interrupted, RunProgress(len(frames)) as progress:
+        found = pipeline.localise(
+            frames,
+            world,
+            settings,
+            text=text,
+            on_progress=progress.update,
+            should_stop=interrupted.is_set,
+        )
+        found.poses.to_tum_file(trajectory, [f"camera optical frame in the frame of {map_file.name}"])
+    for note in event_notes(found.events):
+        say(note)
+    facts = {
+        "map": str(map_file),
+        "trajectory": str(trajectory),
+        "frames": found.frames,
+        "frames_localised": len(found.poses),
+        "milliseconds_a_frame": round(1000 * found.seconds_tracking / max(found.frames, 1), 1),
+    }
+    if as_json:
+        print_json(facts)
+    else:
+        print_table({what.replace("_", " "): str(value) for what, value in facts.items()})
+    if interrupted.is_set():
+        raise typer.Exit(INTERRUPTED)
