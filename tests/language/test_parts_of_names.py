@@ -27,8 +27,9 @@ def answer(question: str) -> str | None:
         ("I need a haircut, but not at Hassan's", "Coiffure Lucille"),
         ("any hairdresser except Lucille", "Barbier Hassan"),
         ("Ich brauche einen Haarschnitt, aber nicht bei Hassan", "Coiffure Lucille"),
-        ("une pizzeria, mais pas chez Giacomo", None),
-        ("Gibt es noch eine andere Pizzeria außer Giacomo?", None),
+        # A trattoria has pizza too.
+        ("une pizzeria, mais pas chez Giacomo", "Trattoria Beppe"),
+        ("Gibt es noch eine andere Pizzeria außer Giacomo?", "Trattoria Beppe"),
         ("a bakery but not Huber's", None),
     ],
 )

@@ -95,3 +95,22 @@ def test_what_is_written_by_hand_of_a_brand_stays(model: OfflineModel) -> None:
 
 def test_a_bodega_with_tapas_is_no_corner_shop(model: OfflineModel) -> None:
     assert chosen(model, "I need toothpaste and milk", "La Bodega Tapas", "Carrefour Market") == "Carrefour Market"
+
+
+def test_where_nobody_mends_it_another_will_do(model: OfflineModel) -> None:
+    broken = "Le talon de ma botte s'est décollé"
+    assert chosen(model, broken, "Foot Locker", "Cordonnerie Minute") == "Cordonnerie Minute"
+    assert chosen(model, broken, "Starbucks", "Foot Locker") == "Foot Locker"
+
+
+def test_japanese_sweets_are_sweets_first_of_all(model: OfflineModel) -> None:
+    asked = "Wo bekomme ich japanische Süßigkeiten, zum Beispiel Mochi?"
+    assert chosen(model, asked, "スシロー", "和菓子処 たちばな") == "和菓子処 たちばな"
+
+
+@pytest.mark.parametrize(
+    ("question", "expected"),
+    [("카레 먹고 싶어요.", "CoCo壱番屋"), ("我想吃荞麦面。", "手打ちそば 信濃庵"), ("うどんが食べたい", "丸亀製麺")],
+)
+def test_noodles_and_curry_are_told_apart(question: str, expected: str, model: OfflineModel) -> None:
+    assert chosen(model, question, "丸亀製麺", "手打ちそば 信濃庵", "CoCo壱番屋") == expected

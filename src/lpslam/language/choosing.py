@@ -68,6 +68,8 @@ def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Kn
         wishes.insert(0, replace(wish, wanted=tuple((concept, 1.0) for concept in wish.contested)))
     if "ask" in wanted:
         wishes.append(replace(wish, wanted=(("ask", 1.0),)))
+    if wish.anew:
+        wishes.append(replace(wish, wanted=tuple((ware, 1.0) for ware in wish.anew)))
     if set(wanted) - knowledge.general <= set(knowledge.instead_of.values()):
         # Where there is no vegetarian kitchen, whatever serves no meat.
         without = wish.refused or tuple(each for each, diet in knowledge.instead_of.items() if diet in wanted)

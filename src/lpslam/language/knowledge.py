@@ -62,6 +62,7 @@ class Knowledge:
     known: Mapping[str, Known]
     general: frozenset[str]
     modifiers: frozenset[str]
+    national: frozenset[str]
     people: frozenset[str]
     worn: frozenset[str]
     relatives: Mapping[str, Mapping[str, str]]
@@ -187,6 +188,7 @@ def load_knowledge() -> Knowledge:
         known=known,
         general=frozenset(kinds["general"]),
         modifiers=frozenset(kinds["modifiers"]),
+        national=frozenset(kinds["national"]),
         people=frozenset(kinds["people"]),
         worn=frozenset(kinds["worn"]),
         relatives={

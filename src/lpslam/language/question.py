@@ -55,10 +55,17 @@ _TREATING = (
     "healthcare",
     *("facility/xray", "facility/blood_test", "facility/emergency_room", "facility/vaccination"),
 )
-_ANEW = {"shoe_repair": "shoes", "sewing": "clothes", "watch_repair": "watch", "computer_repair": "computer"}
+_ANEW = {
+    "laundry": "clothes",
+    "shoe_repair": "shoes",
+    "sewing": "clothes",
+    "watch_repair": "watch",
+    "computer_repair": "computer",
+}
 _HABITS = frozenset({"tobacco", "amenity/smoking_area"})  # who refuses them says “smoke” by the way
 _TASTES = frozenset({"spicy", "mild_food"})
 _TO_GO = frozenset({"coffee", "tea", "bubble_tea", "juice", "drink", "cake", "bread", "breakfast", "ice_cream"})
+_OF_ANY_NATION = frozenset({"sweets", "cake", "bread", "ice_cream", "snack", "cuisine/barbecue", "breakfast", "tea"})
 _GIFTS = frozenset({"gift", "souvenir"})
 _MEALS = frozenset({"food", "drink"})
 _THING = 0.7  # a wanted concept of this weight is a thing of its own
@@ -73,7 +80,7 @@ class Wish:
 
     `wanted_names`, `refused_names` and `near_names` hold the values of the names that were passed in and mentioned;
     `unknown` says that something is asked for whose word is not known; `contested` are concepts that are wanted, but
-    not from where they are had first of all.
+    not from where they are had first of all; `anew` are goods that will do where nobody mends the broken ones.
     """
 
     wanted: tuple[tuple[str, float], ...]
@@ -84,6 +91,7 @@ class Wish:
     near_names: tuple[str, ...] = ()
     unknown: bool = False
     contested: tuple[str, ...] = ()
+    anew: tuple[str, ...] = ()
 
     @property
     def main(self) -> tuple[str, ...]:
@@ -175,8 +183,6 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
     if hurts:
         troubles = [trouble for trouble in troubles if trouble not in pains]
     wanted = {trouble.concept: _MAIN for trouble in troubles}
-    # Where nobody mends the shoe, another pair will do.
-    wanted |= {_ANEW[trouble.concept]: _THING for trouble in troubles if trouble.concept in _ANEW}
     refused: list[str] = []
     wanted_phrases: dict[str, set[str]] = {}
     refused_phrases: dict[str, set[str]] = {}
@@ -232,7 +238,7 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
     contained = [inner for concept in refused if concept in _HABITS for inner in knowledge.contained[concept]]
     for concept in (*refused, *contained, *knowledge.said_of_food):
         wanted.pop(concept, None)
-    if any(weight >= _THING for weight in wanted.values()):
+    if any(weight >= _THING for weight in wanted.values()) or not _GIFTS.isdisjoint(wanted):
         # “Something warm to drink, but no coffee”: what is left of “something warm” is wanted.
         contested = tuple(concept for concept in contested if concept in said_alone)
     if refused and all(concept in knowledge.instead_of for concept in refused):
@@ -261,6 +267,7 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
         # After a refusal, what else may be eaten is left open.
         not main and not refused and asks_for_unknown(units, spans, language, knowledge),
         contested,
+        tuple(_ANEW[each.concept] for each in troubles if each.concept in _ANEW and each.concept not in wanted_phrases),
     )
 
 
@@ -298,6 +305,10 @@ def _without_symptoms(wanted: dict[str, float], knowledge: Knowledge) -> dict[st
     # “Is there a florist in this hospital?”, “a present, but she has hay fever”.
     vague |= set(knowledge.venues) if others - knowledge.venues or meals else set()
     vague |= set(knowledge.symptoms) if not _GIFTS.isdisjoint(wanted) else set()
+    # “I want to send a parcel.”
+    vague |= {"store_luggage"} if others & {"mail", "parcel", "pet_grooming"} else set()
+    # “Japanese sweets” are sweets first of all, and “a souvenir of Japan” is nothing to eat.
+    vague |= knowledge.national if others & _OF_ANY_NATION or not _GIFTS.isdisjoint(wanted) else set()
     # “A coffee to go.”
     vague |= {"amenity/fast_food"} if any(concept in _TO_GO for concept in others) else set()
     # “Excuse me, may I ask where …”

@@ -61,7 +61,8 @@ def told_in(
     stands = [_stands_within(clause.spans, units, language, knowledge) for clause in clauses]
     for at in range(1, len(clauses)):
         before = clauses[at - 1].spans
-        if _refuses_back(clauses[at], language) or _denies_back(clauses, at):
+        is_settled = Stand.REFUSED in stands[at - 1] and language not in _WHOLE_BACK
+        if (_refuses_back(clauses[at], language) and not is_settled) or _denies_back(clauses, at):
             start = 0 if language in _WHOLE_BACK else _linked_from(before, 0, len(before))
             stands[at - 1][start:] = [Stand.REFUSED] * (len(before) - start)
         elif stands[at - 1][-1:] == [Stand.REFUSED] and _goes_on_listing(clauses[at], knowledge):
