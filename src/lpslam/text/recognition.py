@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from lpslam.config import SpottingConfig
 from lpslam.text.detection import Boxes, network_input
+from lpslam.text.emblems import without_emblems
 from lpslam.text.networks import Network
 
 # What the model was built for: lines of this height.
@@ -30,7 +31,8 @@ class TextRecogniser:
         for batch in self._batches([_padded(line.shape[1]) for line in lines]):
             probabilities = self._network.infer(_stack([lines[index] for index in batch]))
             for index, line in zip(batch, probabilities, strict=True):
-                results[index] = decode_ctc(line, self._alphabet)
+                text, confidence = decode_ctc(line, self._alphabet)
+                results[index] = without_emblems(lines[index], text), confidence
         return results
 
     def _batches(self, widths: Sequence[int]) -> Iterator[list[int]]:

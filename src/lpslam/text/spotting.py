@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from lpslam.config import SpottingConfig
 from lpslam.language.sanitise import clean_text
 from lpslam.text.detection import Boxes, TextDetector
+from lpslam.text.emblems import RINGS
 from lpslam.text.networks import load_network
 from lpslam.text.recognition import TextRecogniser
 from lpslam.text.types import SpottedText
@@ -84,8 +85,7 @@ def _without_logos(text: str) -> str:
 _LOGO_LIKE = frozenset("*·•°~^_|<>=←↑→↓")
 """What icons, arrows and edges beside a text are read as."""
 
-_RINGS = frozenset("O0Q@")
-"""Letters and signs as which a round logo is read."""
+_RINGS = RINGS | {"Q", "@"}
 
 
 def accepted_texts(boxes: Boxes, readings: list[tuple[str, float]], config: SpottingConfig) -> list[SpottedText | None]:
