@@ -260,8 +260,13 @@ def _add_painted(
 
 
 _FUEL = "amenity/fuel"
+_BARS_OF = {"bubble_tea": "amenity/cafe/bubble_tea", "juice": "amenity/fast_food/juice"}
 _OUT_OF_DOORS = ("amenity/fuel", "amenity/charging_station", "amenity/recycling", "office/", "emergency/", "tourism/")
 """Kinds that seldom have a sign among shops: Indigo is a bookshop sooner than a place to charge a car."""
+
+
+def _sells(kinds: Mapping[str, float]) -> bool:
+    return any(kind.startswith("shop/") for kind in kinds)
 
 
 def _add_brands(rows: Iterable[Any], cuisine_kinds: Mapping[str, str], known: dict[str, Known]) -> None:
@@ -277,10 +282,16 @@ def _add_brands(rows: Iterable[Any], cuisine_kinds: Mapping[str, str], known: di
             # A supermarket is no petrol station for having some elsewhere.
             kinds_of = [kind for kind in kinds_of if kind != _FUEL]
         found = dict.fromkeys([*kinds_of, *(cuisine_kinds.get(each, f"cuisine/{each}") for each in cuisines)], 1.0)
-        if "bubble_tea" in found and "amenity/cafe" in found and "coffee" not in found:
-            # The index lists them as cafés, which asks for coffee there.
-            found = {"amenity/cafe/bubble_tea" if kind == "amenity/cafe" else kind: 1.0 for kind in found}
+        own = next(
+            (kind for drink, kind in _BARS_OF.items() if drink in found and "coffee" not in found), "amenity/cafe"
+        )
+        # The index lists them as cafés, which asks for coffee there.
+        found = {own if kind == "amenity/cafe" else kind: 1.0 for kind in found}
         weighed = tuple(found.items())
+        of_hand = next((known[key] for key in keys.split("|") if key in by_hand and known[key].source == "brand"), None)
+        if of_hand is not None and _sells(found) and _sells(dict(of_hand.kinds)):
+            # What the index says of Li-Ning is less than what is known of it.
+            weighed, found = of_hand.kinds, dict(of_hand.kinds)
         held_by = (known[key] for key in keys.split("|") if key in known and known[key].source == "brand")
         identity = next((held.identity for held in held_by if not found.keys().isdisjoint(dict(held.kinds))), names[0])
         for at, (name, key) in enumerate(zip(names, keys.split("|"), strict=True)):

@@ -303,10 +303,15 @@ def _without_symptoms(wanted: dict[str, float], knowledge: Knowledge) -> dict[st
     others = {concept for concept in wanted if wanted[concept] > _MODIFIER} - set(knowledge.weather)
     vague |= set(knowledge.weather) if others or meals else set()
     # “Is there a florist in this hospital?”, “a present, but she has hay fever”.
-    vague |= set(knowledge.venues) if others - knowledge.venues or meals else set()
+    is_other = others - knowledge.venues or meals or not _GIFTS.isdisjoint(wanted)
+    vague |= set(knowledge.venues) if is_other else set()
     vague |= set(knowledge.symptoms) if not _GIFTS.isdisjoint(wanted) else set()
     # “I want to send a parcel.”
-    vague |= {"store_luggage"} if others & {"mail", "parcel", "pet_grooming"} else set()
+    vague |= (
+        {"store_luggage"} if others & {"mail", "parcel", "pet_grooming"} or not _GIFTS.isdisjoint(wanted) else set()
+    )
+    # “I lost my earphones and want to buy new ones.”
+    vague |= {"lost_item"} if "shop" in wanted and others - {"lost_item"} else set()
     # “Japanese sweets” are sweets first of all, and “a souvenir of Japan” is nothing to eat.
     vague |= knowledge.national if others & _OF_ANY_NATION or not _GIFTS.isdisjoint(wanted) else set()
     # “A coffee to go.”

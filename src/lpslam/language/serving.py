@@ -13,6 +13,7 @@ FITS = 0.45  # a landmark that serves the wish less than this is not offered
 FITS_INSTEAD = 0.34  # where what fits better is refused
 _REFUSED_KIND = 0.4  # a place is what is refused when its words say so at least this surely
 _SIDE_OFFER = 0.7  # a place that sells what is refused this surely, beside other things
+_CLEARLY = 0.03  # by which a place must be better at what is refused than at what is wanted
 _SIDE_REFUSED = 0.5  # what such a place loses
 _LIGHT_MEAL = 0.7  # of a place that sells cake or coffee first of all
 _APART = 0.5  # of a kind that is not meant by the one above it: bubble tea, for a café
@@ -90,7 +91,7 @@ def serve(wish: Wish, kinds: Kinds, knowledge: Knowledge) -> Served:
         if own >= _REFUSED_KIND and not is_spared and not _is_also_another(concept, own, kinds, wish, knowledge):
             return Served(0.0, 0.0, ())
         ware = match(concept, kinds, knowledge) if "/" not in concept else 0.0
-        is_meant = ware > best and ware >= _SIDE_OFFER and not is_eaten(concept, knowledge)
+        is_meant = ware > best + _CLEARLY and ware >= _SIDE_OFFER and not is_eaten(concept, knowledge)
         if (ware >= _SURE and vague) or is_meant:
             # “A present, but no toys”: a toy shop has presents, and is not meant; nor Decathlon for what is not sporty.
             return Served(0.0, 0.0, ())

@@ -96,7 +96,8 @@ class SignReader:
         fold = self._fold
         spoken = [self._knowledge.spoken(language) for language in languages_of(question, self._knowledge)[:1]]
         units, folded = fold.units(question), fold.fold(question).replace(" ", "")
-        capital = {unit for word in question.split()[1:] if word[:1].isupper() for unit in fold.units(word)}
+        # “We're” has no capital but its first letter.
+        capital = {unit for word in question.split()[1:] if word[:1].isupper() for unit in fold.units(word)[:1]}
         found: dict[str, str] = {}
         for at in range(len(units)):
             for end in range(at + 1, min(len(units), at + 6) + 1):
