@@ -95,3 +95,11 @@ def test_a_slip_does_not_fall_on_the_first_letter(knowledge: Knowledge) -> None:
 def test_a_word_is_no_brand_that_ends_in_s(model: OfflineModel) -> None:
     # “Point S” sells tyres.
     assert chosen(model, "Hey, Point me at a meal, please", "KFC", "Zara") == "KFC"
+
+
+@pytest.mark.parametrize(
+    "question",
+    ["I want gluten and something gluten free", "something mild, I love spicy food", "no chains, I want a chain"],
+)
+def test_who_wants_what_he_refuses_gets_an_answer_all_the_same(question: str, knowledge: Knowledge) -> None:
+    assert {"gluten", "spicy", "chain"} & set(read_question(question, knowledge).refused)

@@ -14,10 +14,11 @@ from lpslam.language.inflection import known_form
 from lpslam.language.knowledge import Knowledge
 from lpslam.language.lexicon import Meaning
 from lpslam.language.sanitise import clean_text
-from lpslam.language.sorts import is_eaten, is_general
+from lpslam.language.sorts import is_general
 from lpslam.language.stance import NEXT_TO, Stand, hurting, spilled, told_in
 from lpslam.language.states import Trouble, says_at_home, troubles_in
 from lpslam.language.unknown_things import asks_for_unknown
+from lpslam.language.weighing import ASIDE, GENERAL, GIFTS, HINT, MAIN, MODIFIER, as_treated, without_symptoms
 from lpslam.language.words import Span, is_mark, is_unspaced, longest_phrases
 
 _KANA = re.compile(r"[\u3040-\u30ff]")
@@ -45,16 +46,6 @@ _ANOTHER = re.compile(
 )
 """Words that ask for something beside what is named."""
 _QUESTION_LENGTH = 400
-_MAIN, _MODIFIER, _GENERAL, _ASIDE, _HINT = 1.0, 0.6, 0.3, 0.2, 0.05
-_TREATING = (
-    "amenity/dentist",
-    "amenity/doctors",
-    "amenity/clinic",
-    "amenity/hospital",
-    "amenity/pharmacy",
-    "healthcare",
-    *("facility/xray", "facility/blood_test", "facility/emergency_room", "facility/vaccination"),
-)
 _ANEW = {
     "laundry": "clothes",
     "shoe_repair": "shoes",
@@ -63,10 +54,6 @@ _ANEW = {
     "computer_repair": "computer",
 }
 _HABITS = frozenset({"tobacco", "amenity/smoking_area"})  # who refuses them says “smoke” by the way
-_TASTES = frozenset({"spicy", "mild_food"})
-_TO_GO = frozenset({"coffee", "tea", "bubble_tea", "juice", "drink", "cake", "bread", "breakfast", "ice_cream"})
-_OF_ANY_NATION = frozenset({"sweets", "cake", "bread", "ice_cream", "snack", "cuisine/barbecue", "breakfast", "tea"})
-_GIFTS = frozenset({"gift", "souvenir"})
 _MEALS = frozenset({"food", "drink"})
 _THING = 0.7  # a wanted concept of this weight is a thing of its own
 _RIVAL = 0.7  # a language with this share of the likeliest one's common words may be meant too
@@ -182,7 +169,7 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
     hurts = hurting(spans, [trouble.units for trouble in pains], units, knowledge)
     if hurts:
         troubles = [trouble for trouble in troubles if trouble not in pains]
-    wanted = {trouble.concept: _MAIN for trouble in troubles}
+    wanted = {trouble.concept: MAIN for trouble in troubles}
     refused: list[str] = []
     wanted_phrases: dict[str, set[str]] = {}
     refused_phrases: dict[str, set[str]] = {}
@@ -208,7 +195,7 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
                     refused_phrases.setdefault(concept, set()).add(span.key)
                     refused_with.setdefault(concept, []).append({other for other, _ in span.value.concepts} - {concept})
                 else:
-                    weight *= _ASIDE if is_aside and has_main else _importance(concept, knowledge)
+                    weight *= ASIDE if is_aside and has_main else _importance(concept, knowledge)
                     wanted[concept] = max(weight, wanted.get(concept, 0.0))
                     wanted_phrases.setdefault(concept, set()).add(span.key)
                     if len(span.value.concepts) == 1:
@@ -218,45 +205,45 @@ def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str,
         wanted.pop(concept, None)
         refused.append(knowledge.refusing[concept])
     if "lost_item" in wanted and says_at_home(units, knowledge.states(language)):
-        wanted["lost_item"] = _HINT
+        wanted["lost_item"] = HINT
     # “No clothes for women, but for men” refuses no clothes.
     refused = [
         concept
         for concept in refused
-        if concept not in wanted or not all(others.difference(wanted) for others in refused_with[concept])
+        if concept not in wanted or not all(others - wanted.keys() for others in refused_with.get(concept, [set()]))
     ]
     # Nobody refuses to eat (“I'm hungry, but not for that”), but who wants a present may want none to eat.
-    spared = knowledge.general - (_MEALS if {*_GIFTS, "business", "shop"} & wanted.keys() else frozenset())
+    spared = knowledge.general - (_MEALS if {*GIFTS, "business", "shop"} & wanted.keys() else frozenset())
     refused = [concept for concept in refused if concept not in spared]
     # “An ice cream, but that parlour is a rip-off”: the thing is wanted, and where it is sold first of all is not.
     contested = tuple(
         concept
         for concept in dict.fromkeys(refused)
-        if wanted.get(concept, 0.0) >= _MAIN
+        if wanted.get(concept, 0.0) >= MAIN
         and wanted_phrases.get(concept, set()).isdisjoint(refused_phrases.get(concept, set()))
     )
     contained = [inner for concept in refused if concept in _HABITS for inner in knowledge.contained[concept]]
     for concept in (*refused, *contained, *knowledge.said_of_food):
         wanted.pop(concept, None)
-    if any(weight >= _THING for weight in wanted.values()) or not _GIFTS.isdisjoint(wanted):
+    if any(weight >= _THING for weight in wanted.values()) or not GIFTS.isdisjoint(wanted):
         # “Something warm to drink, but no coffee”: what is left of “something warm” is wanted.
         contested = tuple(concept for concept in contested if concept in said_alone)
     if refused and all(concept in knowledge.instead_of for concept in refused):
         # Who eats no meat wants a kitchen without.
-        wanted |= {knowledge.instead_of[concept]: _MAIN for concept in refused}
-    is_child_ill = "child" in wanted and max(wanted.get("medicine", 0.0), wanted.get("doctor", 0.0)) >= _MAIN
-    wanted = _as_treated(_without_symptoms(wanted, knowledge), knowledge)
+        wanted |= {knowledge.instead_of[concept]: MAIN for concept in refused}
+    is_child_ill = "child" in wanted and max(wanted.get("medicine", 0.0), wanted.get("doctor", 0.0)) >= MAIN
+    wanted = as_treated(without_symptoms(wanted, knowledge), knowledge)
     if is_child_ill:
         # A child that is ill is taken to its own doctor where there is one.
-        wanted["amenity/doctors/paediatrics"] = _MAIN
+        wanted["amenity/doctors/paediatrics"] = MAIN
     if stains and "clothes" in wanted:
         # Where nobody cleans the shirt, another one will do.
         wanted["clothes"] = _THING
     if not knowledge.worn.isdisjoint(wanted) and knowledge.people.isdisjoint({*wanted, *refused}):
         # A jacket for “my husband” is one for men.
         named = {span.value for span in longest_phrases(units, (knowledge.relatives[language],))}
-        wanted |= dict.fromkeys(named, _MODIFIER) if len(named) == 1 else {}
-    main = [concept for concept, weight in wanted.items() if weight > _GENERAL]
+        wanted |= dict.fromkeys(named, MODIFIER) if len(named) == 1 else {}
+    main = [concept for concept, weight in wanted.items() if weight > GENERAL]
     return Wish(
         tuple(wanted.items()),
         tuple(dict.fromkeys(refused)),
@@ -278,58 +265,6 @@ def asks_for_another(question: str) -> bool:
 
 def _is_part(span: Span[Meaning], troubles: Sequence[Trouble]) -> bool:
     return any(not trouble.units.isdisjoint(range(span.start, span.end)) for trouble in troubles)
-
-
-def _as_treated(wanted: dict[str, float], knowledge: Knowledge) -> dict[str, float]:
-    """Who wants a suit cleaned wants no suit: beside what is done to a thing, the thing is said by the way."""
-    treatments = {concept for concept, weight in wanted.items() if weight >= _MAIN and concept in knowledge.treatments}
-    if not treatments or "shop" in wanted:
-        return wanted
-    return {
-        concept: weight if concept in treatments or "/" in concept else min(weight, _ASIDE)
-        for concept, weight in wanted.items()
-    }
-
-
-def _without_symptoms(wanted: dict[str, float], knowledge: Knowledge) -> dict[str, float]:
-    """Leave out what only says why: pains beside a dentist, rain beside a museum, tired feet beside a meal."""
-    services = {concept for concept in wanted if wanted[concept] > _MODIFIER and _is_service(concept, knowledge)}
-    is_ill = any(concept.startswith(_TREATING) for concept in services)
-    meals = any(concept in ("food", "drink") or is_eaten(concept, knowledge) for concept in wanted)
-    vague = set(knowledge.symptoms) if is_ill else set()
-    if not knowledge.weather.isdisjoint(wanted):
-        # “It is so hot outside.”
-        wanted = {concept: weight for concept, weight in wanted.items() if concept != "leave"}
-    others = {concept for concept in wanted if wanted[concept] > _MODIFIER} - set(knowledge.weather)
-    vague |= set(knowledge.weather) if others or meals else set()
-    # “Is there a florist in this hospital?”, “a present, but she has hay fever”.
-    is_other = others - knowledge.venues or meals or not _GIFTS.isdisjoint(wanted)
-    vague |= set(knowledge.venues) if is_other else set()
-    vague |= set(knowledge.symptoms) if not _GIFTS.isdisjoint(wanted) else set()
-    # “I want to send a parcel.”
-    vague |= (
-        {"store_luggage"} if others & {"mail", "parcel", "pet_grooming"} or not _GIFTS.isdisjoint(wanted) else set()
-    )
-    # “I lost my earphones and want to buy new ones.”
-    vague |= {"lost_item"} if "shop" in wanted and others - {"lost_item"} else set()
-    # “Japanese sweets” are sweets first of all, and “a souvenir of Japan” is nothing to eat.
-    vague |= knowledge.national if others & _OF_ANY_NATION or not _GIFTS.isdisjoint(wanted) else set()
-    # “A coffee to go.”
-    vague |= {"amenity/fast_food"} if any(concept in _TO_GO for concept in others) else set()
-    # “Excuse me, may I ask where …”
-    vague |= {"ask"} if others - {"ask"} else set()
-    vague |= {"rest"} if services or meals or "massage" in others else set()
-    # A dish that is named says more than how it should taste.
-    vague |= _TASTES if any(is_eaten(concept, knowledge) for concept in others - _TASTES) else set()
-    # “Somewhere the kids can sit down for dinner.”
-    vague |= {"children_play"} if meals else set()
-    return {concept: min(weight, _HINT) if concept in vague else weight for concept, weight in wanted.items()}
-
-
-def _is_service(concept: str, knowledge: Knowledge) -> bool:
-    """Whether a place, not a thing from a shop, is what the concept asks for."""
-    first = concept if "/" in concept else next(iter(knowledge.offers.get(concept, ())), "shop/")
-    return concept not in knowledge.treatments and not first.startswith(("shop/", "cuisine/"))
 
 
 def _with_known_forms(
@@ -362,8 +297,8 @@ def _asides(spans: Sequence[Span[Meaning]], units: Sequence[str], knowledge: Kno
 
 def _importance(concept: str, knowledge: Knowledge) -> float:
     if concept in knowledge.general:
-        return _GENERAL
-    return _MODIFIER if concept in knowledge.modifiers else _MAIN
+        return GENERAL
+    return MODIFIER if concept in knowledge.modifiers else MAIN
 
 
 def instead_of(refused: Sequence[str], knowledge: Knowledge) -> tuple[tuple[str, float], ...]:
@@ -372,7 +307,7 @@ def instead_of(refused: Sequence[str], knowledge: Knowledge) -> tuple[tuple[str,
     for concept in refused:
         for above in knowledge.above(concept):
             if above in knowledge.instead:
-                wanted[knowledge.instead[above]] = _GENERAL
+                wanted[knowledge.instead[above]] = GENERAL
     return tuple((concept, weight) for concept, weight in wanted.items() if concept not in refused)
 
 
