@@ -4,7 +4,7 @@ from lpslam.language.knowledge import Knowledge
 from lpslam.language.sorts import is_eaten
 
 MAIN, MODIFIER, GENERAL, ASIDE, HINT = 1.0, 0.6, 0.3, 0.2, 0.05
-"""Weights of a thing that is wanted, of what it is for, of “eat” or “buy”, of what is by the way, of next to nothing."""
+"""Weights of a thing that is wanted, of what it is for, of “eat” or “buy”, of what is by the way, of nearly nothing."""
 
 GIFTS = frozenset({"gift", "souvenir"})
 """What is wanted of a shop for somebody else."""
