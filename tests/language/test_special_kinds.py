@@ -114,3 +114,9 @@ def test_japanese_sweets_are_sweets_first_of_all(model: OfflineModel) -> None:
 )
 def test_noodles_and_curry_are_told_apart(question: str, expected: str, model: OfflineModel) -> None:
     assert chosen(model, question, "丸亀製麺", "手打ちそば 信濃庵", "CoCo壱番屋") == expected
+
+
+def test_a_boot_is_not_boots(model: OfflineModel) -> None:
+    signs = ("Boots Pharmacy", "Timpson Shoe Repairs & Key Cutting")
+    assert chosen(model, "The heel just came off my boot.", *signs) == "Timpson Shoe Repairs & Key Cutting"
+    assert chosen(model, "Where is Boots?", *signs) == "Boots Pharmacy"

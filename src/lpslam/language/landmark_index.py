@@ -28,6 +28,7 @@ class LandmarkIndex:
         of_brand: dict[str, list[int]] = {}
         initials: dict[str, str] = {}
         plurals: dict[str, str] = {}
+        singular: set[str] = set()
 
         def add(text: str, ids: Sequence[int], is_brand: bool) -> str | None:
             phrase = signs.phrase(text)
@@ -37,6 +38,11 @@ class LandmarkIndex:
             by_phrase.setdefault(phrase, {}).update(dict.fromkeys(ids))
             if is_short:
                 initials[phrase] = text
+            folded = knowledge.folder.fold(text)
+            if folded == f"{phrase}s":
+                plurals[phrase] = folded
+            elif folded.replace("'s", "") == phrase:
+                singular.add(phrase)
             return phrase
 
         for landmark in landmarks:
@@ -47,9 +53,7 @@ class LandmarkIndex:
                 continue
             if sign.identity:
                 of_brand.setdefault(sign.identity, []).append(landmark.id)
-            phrase = add(landmark.name, (landmark.id,), bool(sign.identity))
-            if phrase is not None and (folded := knowledge.folder.fold(landmark.name)) == f"{phrase}s":
-                plurals[phrase] = folded
+            add(landmark.name, (landmark.id,), bool(sign.identity))
             for part in _in_each_script(landmark.name):
                 add(part, (landmark.id,), is_brand=False)
             if "'" in landmark.name:
@@ -77,7 +81,8 @@ class LandmarkIndex:
                 for run in UNSPACED_RUN.findall(knowledge.folder.fold(landmark.name)):
                     for gram in _grams(run):
                         self._ids_by_gram.setdefault(gram, set()).add(landmark.id)
-        self._plurals = plurals
+        # McDonald's is called McDonalds too, and by some Starbucks Starbuck.
+        self._plurals = {phrase: folded for phrase, folded in plurals.items() if phrase not in singular}
         self._initials = initials
 
     def unsaid(self, question: str, folder: Folder) -> frozenset[str]:
