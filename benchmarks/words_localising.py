@@ -9,7 +9,7 @@ been laid over it.
 """
 
 import argparse
-from contextlib import ExitStack
+from contextlib import nullcontext
 from pathlib import Path
 from unittest.mock import patch
 
@@ -35,10 +35,8 @@ def localised(
     world: LanguageMap, truth_from_world: NDArray[np.float64], recording: Recording, way: str, reader: PaddleSpotter
 ) -> dict[str, object]:
     """Look for the camera of a recording in a map, in one of the ways."""
-    blind = ExitStack()
-    if way == "words":
-        blind.enter_context(patch.object(PlaceIndex, "query", lambda index, descriptors: np.zeros(1, np.float32)))
-    with blind:
+    blind = patch.object(PlaceIndex, "query", lambda index, descriptors: np.zeros(1, np.float32))
+    with blind if way == "words" else nullcontext():
         found = pipeline.localise(recording.open(), world, spotter=reader, text=way != "looks")
     errors = [
         pose_error(truth_from_world @ pose, true_pose(recording.truth, float(timestamp)))

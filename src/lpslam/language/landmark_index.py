@@ -24,6 +24,7 @@ class LandmarkIndex:
         self.name_of = {landmark.id: landmark.name for landmark in landmarks}
         self.groups: dict[Kinds, list[int]] = {}
         self.signs: dict[int, SignMeaning] = {}
+        self._ids_by_gram: dict[str, set[int]] = {}
         by_phrase: dict[str, dict[int, None]] = {}
         of_brand: dict[str, list[int]] = {}
         initials: dict[str, str] = {}
@@ -54,6 +55,9 @@ class LandmarkIndex:
             if sign.identity:
                 of_brand.setdefault(sign.identity, []).append(landmark.id)
             add(landmark.name, (landmark.id,), bool(sign.identity))
+            for run in UNSPACED_RUN.findall(knowledge.folder.fold(landmark.name)):
+                for gram in _grams(run):
+                    self._ids_by_gram.setdefault(gram, set()).add(landmark.id)
             for part in _in_each_script(landmark.name):
                 add(part, (landmark.id,), is_brand=False)
             if "'" in landmark.name:
@@ -74,13 +78,6 @@ class LandmarkIndex:
             if sign.owner and not any(sign.owner in common for common in knowledge.common.values()):
                 self.ids_by_word.setdefault(sign.owner, set()).add(id_)
         self.owners = tuple({sign.owner for sign in self.signs.values() if " " in sign.owner})
-        self._ids_by_gram: dict[str, set[int]] = {}
-        for landmark in landmarks:
-            sign = self.signs[landmark.id]
-            if sign.is_place or not sign.kinds:
-                for run in UNSPACED_RUN.findall(knowledge.folder.fold(landmark.name)):
-                    for gram in _grams(run):
-                        self._ids_by_gram.setdefault(gram, set()).add(landmark.id)
         # McDonald's is called McDonalds too, and by some Starbucks Starbuck.
         self._plurals = {phrase: folded for phrase, folded in plurals.items() if phrase not in singular}
         self._initials = initials
