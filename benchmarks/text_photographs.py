@@ -10,7 +10,8 @@ import numpy as np
 
 from lpslam.config import SpottingConfig
 from lpslam.evaluation.reading import LineScore, score_lines
-from lpslam.text.spotting import PaddleSpotter, letter_heights, touches_border
+from lpslam.text.boxes import letter_heights, touches_border
+from lpslam.text.spotting import PaddleSpotter, accepted_texts
 
 
 def measure(folders: Sequence[Path], config: SpottingConfig) -> None:
@@ -31,7 +32,8 @@ def measure(folders: Sequence[Path], config: SpottingConfig) -> None:
             # A photograph is framed by a person: nothing is cut off, so only boxes on the very edge are dropped.
             boxes = boxes[~touches_border(boxes, image.shape[:2], 0.0)]
             boxes = boxes[letter_heights(boxes) >= config.min_letter_height]
-            texts = [text for text, sure in spotter.recognise(image, boxes) if sure >= config.min_confidence]
+            accepted = accepted_texts(boxes, spotter.recognise(image, boxes), config)
+            texts = [each.text for each in accepted if each is not None]
             detection += detected - started
             recognition += time.process_time() - detected
             score = score_lines(texts, lines)

@@ -43,7 +43,7 @@ from lpslam.slam.state import EventKind
 from lpslam.slam.system import RgbdSlam
 from lpslam.sources.prefetch import Prefetched
 from lpslam.text.advising import SIGNS_DIFFER, TextAdvisor
-from lpslam.text.detection import Boxes
+from lpslam.text.boxes import Boxes
 from lpslam.text.mapper import TextMapper
 from lpslam.text.spotting import PaddleSpotter
 from slam_recordings import Recording

@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -54,3 +55,36 @@ def test_a_second_ctrl_c_ends_at_once(clip: Callable[[int], Path], tmp_path: Pat
     assert "Traceback" not in done.stderr
     assert "terminate" not in done.stderr, "the reading engine is not torn down at work"
     assert not list(tmp_path.glob("*map.lpmap*"))
+
+
+SLOW_READER = """
+import signal, sys, time
+import numpy as np
+from lpslam import cli
+from lpslam.text.spotting import PaddleSpotter
+from lpslam.views.run_progress import RunProgress
+signal.signal(signal.SIGINT, signal.default_int_handler)
+def detect(self, rgb):
+    time.sleep(1.0)
+    return np.zeros((0, 4, 2)), np.zeros(0)
+PaddleSpotter.detect = detect
+show = RunProgress.update
+def show_and_press(self, progress):
+    show(self, progress)
+    if progress.frames == 60:
+        print("pressed at", time.monotonic(), file=sys.stderr)
+        signal.getsignal(signal.SIGINT)(signal.SIGINT, None)
+RunProgress.update = show_and_press
+cli.main()
+"""
+
+
+def test_ctrl_c_does_not_wait_for_a_reader_that_is_behind(clip: Callable[[int], Path], tmp_path: Path) -> None:
+    """A dozen frames wait to be read by then, each of which takes a second."""
+    words = [sys.executable, "-c", SLOW_READER, "run", str(clip(90)), "-o", str(tmp_path / "map.lpmap")]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=180, check=False)
+    ended = time.monotonic()
+    assert done.returncode == 130
+    assert LanguageMap.load(tmp_path / "map.lpmap").trajectory.tracked_count == 60
+    assert "not read for lack of time" in done.stderr
+    assert ended - float(done.stderr.split("pressed at")[1].split()[0]) < 4.0

@@ -123,6 +123,7 @@ def run(
     from lpslam.errors import UserError
     from lpslam.language.registry import language_model
     from lpslam.mapfile.container import refuse_foreign_file
+    from lpslam.sources.in_order import InOrder
     from lpslam.sources.open import open_source
 
     # A mistake shows before anything slow is loaded.
@@ -138,8 +139,8 @@ def run(
         refuse_unwritable(trajectory)
     refuse_overwriting(output, trajectory, continued or localize)
     settings = config_of(config)
-    frames = open_source(source, camera, max_frames, settings.calibration)
-    base = map_for(localize or continued, frames.camera)
+    frames = InOrder(open_source(source, camera, max_frames, settings.calibration))
+    base = map_for(localize, continued, frames.camera, settings)
     if localize is not None and trajectory is not None:
         localise_recording(frames, base, settings, localize, trajectory, text=not no_text, as_json=as_json)
         return

@@ -31,15 +31,17 @@ def refuse_overwriting(output: Path | None, trajectory: Path | None, base: Path 
         raise UserError(f"--output and --trajectory are both {output}; choose another name for one of them")
 
 
-def map_for(path: Path | None, camera: Any) -> Any:
-    """The saved map of a recording with the same camera; None without one."""
+def map_for(localize: Path | None, continued: Path | None, camera: Any, settings: Any) -> Any:
+    """The saved map that a recording is localised in, or that it continues; None without one."""
     from lpslam.mapfile.compatibility import refuse_other_camera
     from lpslam.mapfile.language_map import LanguageMap
 
+    path = localize or continued
     if path is None:
         return None
     world = LanguageMap.load(path)
-    refuse_other_camera(world.camera, camera, path)
+    allowed = settings.same_camera if localize else settings.continued_camera
+    refuse_other_camera(world.camera, camera, path, allowed)
     return world
 
 

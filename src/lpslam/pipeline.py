@@ -17,6 +17,7 @@ from lpslam.language.beside import NamingBeside
 from lpslam.language.distrust import choose_trusted
 from lpslam.language.model import Candidate, Choice, LanguageModel
 from lpslam.language.offline import OfflineModel
+from lpslam.mapfile.compatibility import refuse_other_camera
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.poses import StampedPoses
 from lpslam.priority import READING, yield_to_others
@@ -120,8 +121,8 @@ def run(
             embedded model names at once, and the other's name takes its place when it comes.
         spotter: finds and reads text; the networks of the configuration without.
         text: whether to read at all.
-        sequential: read in step with tracking, the same map every time; else in a thread beside it, which drops
-            frames when it falls behind.
+        sequential: read in step with tracking, the same map every time; else in a thread beside it, and a recording is
+            played no faster than that can read it.
         live: take the frames at the pace at which they were recorded, as from a camera: mapping has threads of its own,
             and frames that come while tracking is busy are dropped. Implies that reading is not sequential.
         base: a map of an earlier recording that this one continues; it is changed and returned.
@@ -129,9 +130,11 @@ def run(
         should_stop: asked before every frame; the map so far is returned when it says yes.
 
     Raises:
-        UserError: not one frame of the source can be used, or tracked.
+        UserError: not one frame of the source can be used, or tracked; or `base` was made with another camera.
     """
     config = config or Config()
+    if base is not None:
+        refuse_other_camera(base.camera, source.camera, "the map", config.continued_camera)
     text_map = base.text if base else TextMap(config.text)
     words = TextAdvisor(config.text.advice, text_map.memory.classes)
     advisor: LoopAdvisor = words if text and config.text.advice.enabled else NO_ADVICE
@@ -154,6 +157,7 @@ def run(
                 on_sighting=words.note,
                 on_doubtful=words.note_doubtful,
                 on_lost=words.note_lost,
+                points_seen_by=slam.map.points_seen_by,
             )
         if base is not None:
             slam.trajectory, first_index = base.trajectory, base.trajectory.begin_session()
@@ -164,9 +168,11 @@ def run(
             reader = resources.enter_context(_reading_thread(mapper, config.text.reading, live))
         reading = reader or mapper
         decoded = Prefetched(InOrder(source))
-        frames = Paced(decoded, config.live.backlog) if live else decoded
+        frames = Paced(decoded, config.live.backlog, should_stop) if live else decoded
         started, seconds_tracking, count = time.perf_counter(), 0.0, 0
         is_stopped, reason = False, "it gave none"
+        # Whatever goes wrong in between, its threads end.
+        resources.callback(slam.finish)
         for given in frames:
             if is_stopped := should_stop():
                 break
@@ -176,6 +182,8 @@ def run(
             seconds_tracking += time.perf_counter() - before
             if reading is not None:
                 reading.observe(frame, tracked)
+            if reader is not None and not live:
+                reader.wait_for_place()
             count, reason = count + 1, tracked.reason
             on_progress(
                 Progress(
@@ -186,7 +194,8 @@ def run(
                     len(text_map.memory.long_term),
                 )
             )
-        slam.finish()
+        if is_stopped and reader is not None:
+            reader.abandon()
     if mapper is not None and beside is not None:
         beside.finish(0.0 if is_stopped else config.language.patience_s)
         mapper.take_names()
@@ -207,6 +216,7 @@ def run(
                 "frames_skipped": len(frames.faults),
                 "frames_dropped": frames.dropped if isinstance(frames, Paced) else 0,
                 "frames_unread_for_lack_of_time": reader.dropped if reader is not None else 0,
+                "keyframes_abandoned": slam.keyframes_abandoned,
                 "seconds": time.perf_counter() - started,
                 "seconds_tracking_and_mapping": seconds_tracking,
             },
@@ -238,8 +248,12 @@ def localise(
         text: whether the signs of the map help to find the camera, and to doubt where it was found.
         on_progress: called after every frame.
         should_stop: asked before every frame; what was found so far is returned when it says yes.
+
+    Raises:
+        UserError: not one frame of the source can be used, or the map was made with another camera.
     """
     config = config or Config()
+    refuse_other_camera(world.camera, source.camera, "the map", config.same_camera)
     classes = world.text.memory.classes if text and config.text.advice.enabled else []
     words = TextAdvisor(config.text.advice, classes)
     slam = RgbdSlam(source.camera, config.slam, base=world.slam, grows=False, advisor=words if classes else NO_ADVICE)
@@ -277,7 +291,7 @@ def _naming_beside(language: LanguageModel | None) -> NamingBeside | None:
 
 
 def _reading_thread(mapper: TextMapper, config: ReadingConfig, live: bool) -> ReadingThread:
-    """Live, the newest frame is read; without a camera's pace, none is left out while the queue is not full."""
+    """Live, the newest frame is read; of a recording none is left out."""
     return ReadingThread(mapper, 1, config.live_share) if live else ReadingThread(mapper, config.queue_size)
 
 

@@ -178,3 +178,26 @@ def wait_for_error(back_end: Beside) -> None:
     for keyframe in range(3, 2500):
         back_end.take(keyframe)
         time.sleep(0.002)
+
+
+def test_beside_is_idle_when_nothing_waits_and_nothing_is_mapped() -> None:
+    mapper = Mapper(seconds=0.2)
+    back_end = beside(mapper)
+    assert back_end.is_idle
+    back_end.take(0)
+    assert not back_end.is_idle
+    assert mapper.began.wait(5)
+    assert not back_end.is_idle, "it is still being mapped"
+    wait_for(lambda: back_end.is_idle)
+    back_end.finish()
+    assert mapper.done == [0]
+    assert back_end.abandoned == 0
+
+
+def test_what_finish_leaves_unmapped_is_counted() -> None:
+    mapper = Mapper(seconds=0.8)
+    back_end = beside(mapper)
+    for keyframe in range(6):
+        back_end.take(keyframe)
+    back_end.finish()
+    assert back_end.abandoned == 6 - len(mapper.done) > 0

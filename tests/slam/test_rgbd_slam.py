@@ -147,7 +147,6 @@ def test_without_any_depth_it_goes_on_waiting_and_says_so(walk: Walk, reading: f
         assert "\n" not in frame.reason
     assert slam.map.keyframe_count == 0
     assert slam.trajectory.tracked_count == 0
-    assert not slam.is_levelled
 
 
 def test_it_starts_at_the_first_frame_that_has_depth(walk: Walk) -> None:

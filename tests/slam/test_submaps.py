@@ -10,7 +10,7 @@ from disturbances import Clip, Disturbed, blank_wall, hand_over_lens
 from slam_scenes import SENSOR, add_view, check_graph, descriptors_of, points_ahead, pose_error, rigid, view_of
 
 from lpslam.camera import inverse_transform
-from lpslam.config import SlamConfig, TextConfig, TrackingConfig
+from lpslam.config import LevellingConfig, SlamConfig, TextConfig, TrackingConfig
 from lpslam.frames import RgbdFrame
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.slam.map import SlamMap
@@ -151,8 +151,22 @@ def test_a_longer_stay_in_the_second_place_makes_it_home(clip: Clip) -> None:
     times, poses = story.slam.trajectory.world_from_camera(story.slam.map)
     np.testing.assert_allclose(times, [frame.timestamp for frame in story.away])
     assert len(times) > 20
-    # It is levelled by the floor that was seen there: the camera is held upright.
+    # The camera is held upright there too.
     assert (poses[:, 2, 1] < -0.8).all()
+
+
+@pytest.mark.slow
+def test_a_submap_is_levelled_by_the_floor_that_is_seen_there(clip: Clip, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also where the first place has had all views of the floor that it needs."""
+    tilt = np.radians(10.0)
+    up = np.array([0.0, -np.cos(tilt), -np.sin(tilt)])
+    monkeypatch.setattr("lpslam.slam.system.floor_normal", lambda *_: up)
+    config = SlamConfig(tracking=TrackingConfig(submap_after=0.2), levelling=LevellingConfig(max_views=1))
+    story = carried_away(clip, first=LEFT - 2, config=config)
+    story.slam.finish()
+    assert story.slam.map.home == 1
+    root = next(k for k in range(story.slam.map.keyframe_count) if story.slam.map.is_home(k))
+    np.testing.assert_allclose(story.slam.map.world_from_keyframe(root)[:3, :3] @ up, [0.0, 0.0, 1.0], atol=0.02)
 
 
 @pytest.mark.slow

@@ -63,3 +63,13 @@ def test_a_column_that_is_no_number_is_refused(name: str) -> None:
     arrays[name] = np.full(arrays[name].shape, "x")
     with pytest.raises(ValueError, match=r"could not convert|invalid literal"):
         Trajectory.from_arrays(arrays)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_a_pose_that_is_not_finite_is_refused(value: float) -> None:
+    trajectory = Trajectory()
+    trajectory.append(frame(0, shifted(0)))
+    arrays = trajectory.to_arrays()
+    arrays["keyframe_from_camera"][0, 1, 3] = value
+    with pytest.raises(ValueError, match="not finite"):
+        Trajectory.from_arrays(arrays)

@@ -1,7 +1,10 @@
 """Frames at a camera's pace."""
 
+import threading
 import time
 from collections.abc import Iterator
+from dataclasses import replace
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -126,3 +129,33 @@ def test_a_backlog_is_no_longer_than_it_was_made() -> None:
 def test_a_queue_of_none_is_refused() -> None:
     with pytest.raises(ValueError, match="none"):
         Paced(Recording(1), backlog=0)
+
+
+def test_a_pause_of_the_recording_is_no_wait_for_whoever_stops() -> None:
+    stop = threading.Event()
+    recording = Recording(3)
+    paced = Paced(Pausing(recording, 60.0), should_stop=stop.is_set)
+    frames = iter(paced)
+    assert next(frames).index == 0
+    threading.Timer(0.2, stop.set).start()
+    started = time.perf_counter()
+    assert next(frames).index == 1
+    assert time.perf_counter() - started < 2.0
+
+
+class Pausing:
+    """A recording whose second frame comes so many seconds after the first."""
+
+    name = "pausing"
+    camera = Recording.camera
+    faults: ClassVar[list[FrameFault]] = []
+
+    def __init__(self, recording: Recording, seconds: float) -> None:
+        self.recording, self.seconds = recording, seconds
+
+    def __len__(self) -> int:
+        return len(self.recording)
+
+    def __iter__(self) -> Iterator[RgbdFrame]:
+        for frame in self.recording:
+            yield replace(frame, timestamp=frame.timestamp + self.seconds * (frame.index > 0))

@@ -210,3 +210,24 @@ def test_ground_truth_is_read_where_there_is_one(tmp_path: Path) -> None:
     assert truth is not None
     np.testing.assert_allclose(truth.positions, [[1, 2, 3], [1, 2, 4]])
     np.testing.assert_allclose(truth.world_from_camera[1, :3, :3], np.diag([-1, -1, 1]), atol=1e-12)
+
+
+def test_while_depth_pauses_the_camera_is_seen_in_colour(tmp_path: Path) -> None:
+    folder = write_tum(tmp_path / "walk", frames=30)
+    lines = (folder / "depth.txt").read_text().splitlines()
+    header = len(lines) - 30
+    kept = [line for row, line in enumerate(lines) if not header + 8 <= row < header + 20 and row != header + 25]
+    (folder / "depth.txt").write_text("\n".join(kept))
+    source = open_source(folder)
+    frames = list(source)
+    assert [frame.index for frame in frames if not frame.depth.any()] == list(range(8, 20))
+    assert [fault.index for fault in source.faults] == [25], "one is a slip, and bridged"
+
+
+def test_what_comes_before_depth_begins_is_a_fault(tmp_path: Path) -> None:
+    folder = write_tum(tmp_path / "walk", frames=30)
+    lines = (folder / "depth.txt").read_text().splitlines()
+    (folder / "depth.txt").write_text("\n".join(lines[-18:]))
+    source = open_source(folder)
+    assert [frame.index for frame in source] == list(range(12, 30))
+    assert len(source.faults) == 12

@@ -224,3 +224,57 @@ def test_a_sign_read_in_one_line_with_its_neighbour_keeps_its_number() -> None:
         seen += observations(text, 8.0, 1, first=30 + number)
     found = places_of_class(text_class(seen, "MEETING ROOM 2"), world, CONFIG)
     assert [each.name for each in found] == ["MEETING ROOM 2", "MEETING ROOM 1"]
+
+
+def test_columns_of_a_board_are_joined_and_those_of_two_signs_are_not() -> None:
+    """A line that runs downwards is as wide as its letters: what is near is measured by these."""
+    first, second = (
+        place(0, "药房", 0.0, 0.0, width=0.2, height=0.8),
+        place(1000, "营业中", 0.3, 0.0, width=0.2, height=0.8),
+    )
+    assert len(boards([first, second], CONFIG)) == 1
+    neighbour = place(1000, "茶馆", 0.7, 0.0, width=0.2, height=0.8)
+    assert len(boards([first, neighbour], CONFIG)) == 2
+
+
+def test_someone_who_walks_by_twice_is_no_landmark() -> None:
+    text_class = carried(1.2, seconds=0.7, count=5)
+    again = [replace(each, timestamp=each.timestamp + 60.0, frame=each.frame + 900) for each in text_class.observations]
+    text_class.observations += again
+    assert places_of_class(text_class, lambda _: np.eye(4), InstanceConfig()) == []
+
+
+@pytest.mark.parametrize("count", [4, 5])
+def test_someone_who_is_read_but_twice_a_second_is_no_landmark(count: int) -> None:
+    """At a walking pace one reading is three quarters of a metre from the next: they fall into places of one or two."""
+    text_class = carried(1.5, seconds=0.5 * (count - 1), count=count)
+    assert places_of_class(text_class, lambda _: np.eye(4), InstanceConfig()) == []
+
+
+def test_a_sign_that_someone_walked_by_stands() -> None:
+    text_class = carried(0.0)
+    walker = carried(1.2, seconds=0.7, count=5)
+    text_class.observations += [replace(each, timestamp=each.timestamp + 30.0) for each in walker.observations]
+    (found,) = places_of_class(text_class, lambda _: np.eye(4), InstanceConfig())
+    assert found.observations == 12
+    assert found.position == pytest.approx([0.0, 0.0, 2.0], abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("name", "here", "count"),
+    [("WOMEN", "MEN", 3), ("EXIT 2", "EXIT", 3), ("GAO", "GAP", 2), ("女洗手间", "男洗手间", 2)],
+)
+def test_few_readings_that_agree_name_a_door_against_its_neighbour(name: str, here: str, count: int) -> None:
+    seen = observations(name, 0.0, 6) + observations(here, 8.0, count)
+    found = places_of_class(text_class(seen, name), world, CONFIG)
+    assert [each.name for each in found] == [name, here]
+
+
+@pytest.mark.parametrize("signs", [2, 3, 4])
+def test_equal_signs_in_a_row_stand_though_each_is_read_after_the_other(signs: int) -> None:
+    walk = carried(0.0, seconds=0.35 * signs, count=3 * signs)
+    walk.observations = [
+        replace(each, placement=replace(each.placement, position=(2.0 * (n // 3), 0.0, 2.0 + 0.01 * (n % 3))))
+        for n, each in enumerate(walk.observations)
+    ]
+    assert len(places_of_class(walk, lambda _: np.eye(4), InstanceConfig())) == signs

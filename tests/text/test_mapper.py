@@ -392,3 +392,34 @@ def test_what_is_read_in_a_doubted_place_is_told_and_not_remembered() -> None:
     for index in range(30, 60):
         mapper.observe(frame(index), tracked(index))
     assert [each.name for each in mapper.text_map.landmarks(identity)] == ["GUCCI"]
+
+
+def test_the_first_error_of_a_reader_is_kept_in_words() -> None:
+    statistics = run(TextMapper(CAMERA, BrokenSpotter((box(100, 200), "GUCCI", 0.98)), CONFIG)).statistics
+    assert statistics.reader_errors > 1
+    assert "frame 0" in statistics.first_reader_error
+    assert "the network burst" in statistics.first_reader_error
+
+
+def test_a_wall_of_two_hundred_words_is_bounded_work() -> None:
+    """Each word is settled and then only confirmed: what is read and kept does not grow with the time spent there."""
+    rng = np.random.default_rng(3)
+    words = ["".join(rng.choice(list("ABCDEFGHIJKLMNOPRSTUVW"), 7)) for _ in range(200)]
+    places = [box(30 + 58 * (n % 10), 20 + 22 * (n // 10), 50, 14) for n in range(200)]
+    spotter = ScriptedSpotter(*((place, word, 0.97) for place, word in zip(places, words, strict=True)))
+    mapper = run(TextMapper(CAMERA, spotter, CONFIG), 60)
+    read = spotter.recognised
+    for index in range(60, 120):
+        mapper.observe(frame(index), tracked(index))
+    assert spotter.recognised == read
+    assert mapper.statistics.observations <= 200 * (CONFIG.reading.settled_sightings + 1)
+    assert len(mapper.text_map.long_term) == 200
+
+
+def test_a_blurred_start_at_time_zero_is_read_in_the_end() -> None:
+    """Time 0 is a time, not the want of one."""
+    mapper = TextMapper(CAMERA, ScriptedSpotter((box(100, 200), "GUCCI", 0.98)), CONFIG)
+    mapper.observe(frame(0), tracked(0))
+    for index in range(1, 40):
+        mapper.observe(frame(index, FLAT), tracked(index))
+    assert mapper.statistics.frames_read > 1

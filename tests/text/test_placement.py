@@ -165,3 +165,50 @@ def test_a_box_that_reaches_over_the_edge_of_its_board_is_placed_on_the_board() 
     depth = wall_depth(centre, normal, 0.0022)
     depth[:, : int(box[:, 0].min() + 0.05 * np.ptp(box[:, 0]))] += 0.4
     assert placed(box, depth).position == pytest.approx(centre, abs=0.02)
+
+
+def test_a_glossy_sign_hangs_on_the_wall_around_it() -> None:
+    centre = np.array([0.2, -0.3, 3.0])
+    _, box, normal = sign(centre, 25.0)
+    depth = wall_depth(centre, normal, 0.0022)
+    (left, top), (right, bottom) = box.min(axis=0).astype(int), box.max(axis=0).astype(int)
+    depth[top : bottom + 1, left : right + 1] = 0.0
+    placement = placed(box, depth)
+    assert placement.position == pytest.approx(centre, abs=0.02)
+    assert placement.normal == pytest.approx(normal, abs=0.05)
+
+
+def test_where_depth_fails_the_maps_points_say_where_a_sign_hangs() -> None:
+    centre = np.array([0.2, -0.3, 3.0])
+    _, box, normal = sign(centre, 25.0)
+    local = np.random.default_rng(0).uniform(-1.0, 1.0, (40, 3)) * [0.7, 0.5, 0.0]
+    on_wall, strays = centre + local @ turned(25.0).T, centre + np.array([[0.1, 0.2, 1.0], [0.0, 0.2, -1.0]])
+    none = np.zeros((480, 640), np.float32)
+
+    def points() -> Array:
+        return np.vstack([on_wall, strays])
+
+    placement = place_text(box, none, CAMERA, np.eye(4), CONFIG, points)
+    assert isinstance(placement, Placement)
+    assert placement.position == pytest.approx(centre, abs=0.02)
+    assert placement.normal == pytest.approx(normal, abs=0.05)
+    assert place_text(box, none, CAMERA, np.eye(4), CONFIG, lambda: on_wall[:4]) is PlacementFault.NO_DEPTH
+
+
+def test_points_scattered_in_space_are_no_surface() -> None:
+    _, box, _ = sign(np.array([0.0, 0.0, 3.0]), 0.0)
+    scattered = np.random.default_rng(1).uniform([-1.0, -1.0, 1.5], [1.0, 1.0, 6.0], (60, 3))
+    none = np.zeros((480, 640), np.float32)
+    assert place_text(box, none, CAMERA, np.eye(4), CONFIG, lambda: scattered) is PlacementFault.NO_DEPTH
+
+
+def test_a_vertical_line_before_a_nearer_wall_is_not_hidden_and_one_cut_off_below_is() -> None:
+    """A blade sign across the wall: what lies left of its letters is nearer, and hides none of them."""
+    centre = np.array([0.0, 0.0, 4.0])
+    _, box, normal = sign(centre, 0.0, width=0.15, height=0.8)
+    depth = wall_depth(centre, normal, 0.0022)
+    depth[:, : int(box[:, 0].min()) - 2] = 2.5
+    assert placed(box, depth).position == pytest.approx(centre, abs=0.01)
+    depth = wall_depth(centre, normal, 0.0022)
+    depth[int(box[:, 1].max()) + 2 :] = 2.5
+    assert place_text(box, depth, CAMERA, np.eye(4), CONFIG) is PlacementFault.HIDDEN

@@ -132,3 +132,45 @@ def test_entering_and_leaving_without_a_frame_ends_the_thread() -> None:
         with at_most(2.0), ReadingThread(Mapper(), 1):
             pass
     assert threading.active_count() == before
+
+
+def test_who_waits_for_a_place_loses_no_frame() -> None:
+    mapper = Mapper()
+    with ReadingThread(mapper, 3) as reader:
+        reader.observe(*frame(0))
+        assert mapper.is_reading.wait(10)
+        for index in range(1, 4):
+            reader.observe(*frame(index))
+        threading.Timer(0.2, mapper.let.release, [100]).start()
+        started = time.monotonic()
+        reader.wait_for_place()
+        assert time.monotonic() - started > 0.1
+        reader.observe(*frame(4))
+    assert mapper.read_frames == [0, 1, 2, 3, 4]
+    assert reader.dropped == 0
+
+
+def test_nobody_waits_for_a_place_with_a_reader_that_broke() -> None:
+    mapper = Mapper(fails_at=0)
+    reader = ReadingThread(mapper, 1)
+    reader.__enter__()
+    reader.observe(*frame(0))
+    assert mapper.is_reading.wait(10)
+    reader.observe(*frame(1))
+    mapper.let.release()
+    with at_most(5.0):
+        reader.wait_for_place()
+    with pytest.raises(ValueError, match="broken reader"):
+        reader.observe(*frame(2))
+
+
+def test_what_is_abandoned_is_not_read_and_counted() -> None:
+    mapper = Mapper()
+    with ReadingThread(mapper, 5) as reader:
+        for index in range(4):
+            reader.observe(*frame(index))
+        assert mapper.is_reading.wait(10)
+        reader.abandon()
+        mapper.let.release(100)
+    assert mapper.read_frames == [0]
+    assert reader.dropped == 3

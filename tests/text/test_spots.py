@@ -57,3 +57,31 @@ def test_a_text_is_settled_by_readings_that_agree() -> None:
     assert settled(["New Arrivals", "NEW ARRIVALS", "NewArrivals", "New Arrivals"])
     assert not settled(["New Arrivals", "Newfrrivals", "Newflrrivals", "New Arrivals"])
     assert settled(["New Arrivals", "Newfrrivals"] * 4), "sooner or later there is no more to learn"
+
+
+def test_the_back_of_a_thin_sign_is_a_spot_of_its_own() -> None:
+    spots = Spots()
+    for _ in range(8):
+        spots.add(7, "ENTRANCE", standing(0.0, 0.0), np.eye(4), 1.0)
+    back = Placement((0.0, 0.0, 3.02), (0.0, 0.0, 1.0), (-1.0, 0.0, 0.0), 1.0, 0.2, 0.01)
+    assert spots.classes_at(back, np.eye(4)) == set()
+    assert spots.settled_at(back, np.eye(4), 0.5, 4) is None
+
+
+def test_a_slip_does_not_unsettle_a_text_for_ever() -> None:
+    spots = Spots()
+    spots.add(8, "Free", standing(-0.2, 0.0, width=0.4), np.eye(4), 1.0)
+    for _ in range(4):
+        spots.add(7, "Free Delivery", standing(0.0, 0.0), np.eye(4), 1.0)
+    assert spots.settled_at(standing(0.0, 0.0), np.eye(4), 0.9, 4) == 7
+
+
+def test_a_text_read_as_two_is_settled_in_the_end() -> None:
+    spots = Spots()
+    rounds = 0
+    while spots.settled_at(standing(0.0, 0.0), np.eye(4), 0.9, 4) is None:
+        spots.add(7, "SALE", standing(0.0, 0.0), np.eye(4), 1.0)
+        spots.add(8, "5A1E!", standing(0.0, 0.0), np.eye(4), 1.0)
+        rounds += 1
+        assert rounds < 50, "a robot parked before it would read it for hours"
+    assert rounds > 8

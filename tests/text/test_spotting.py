@@ -9,11 +9,13 @@ from numpy.typing import NDArray
 from lpslam.config import SpottingConfig
 from lpslam.errors import UserError
 from lpslam.text import networks
+from lpslam.text.boxes import letter_heights, touches_border
 from lpslam.text.detection import boxes_from_probability, network_input
 from lpslam.text.networks import load_network
 from lpslam.text.recognition import decode_ctc, rectify
 from lpslam.text.similarity import comparison_key, similarity
-from lpslam.text.spotting import PaddleSpotter, TextSpotter, accepted_texts, letter_heights, spot, touches_border
+from lpslam.text.spotting import PaddleSpotter, TextSpotter, accepted_texts
+from lpslam.text.types import SpottedText
 
 CONFIG = SpottingConfig()
 SIGNS = Path(__file__).parents[3] / "shared" / "data" / "signs"
@@ -22,6 +24,14 @@ SIGNS = Path(__file__).parents[3] / "shared" / "data" / "signs"
 @pytest.fixture(scope="module")
 def spotter() -> PaddleSpotter:
     return PaddleSpotter(CONFIG)
+
+
+def spot(spotter: TextSpotter, rgb: NDArray[np.uint8], config: SpottingConfig) -> list[SpottedText]:
+    """Find and read all text of an image that is wholly in view, large enough and surely read."""
+    boxes, _ = spotter.detect(rgb)
+    boxes = boxes[~touches_border(boxes, rgb.shape[:2], config.border_margin)]
+    boxes = boxes[letter_heights(boxes) >= config.min_letter_height]
+    return [text for text in accepted_texts(boxes, spotter.recognise(rgb, boxes), config) if text is not None]
 
 
 def painted(*lines: tuple[str, int, int, float]) -> NDArray[np.uint8]:
@@ -211,3 +221,23 @@ def test_both_engines_read_the_same(spotter: PaddleSpotter) -> None:
     for mine, theirs in zip(spotter.recognise(image, boxes), other.recognise(image, boxes), strict=True):
         assert mine[0] == theirs[0]
         assert mine[1] == pytest.approx(theirs[1], abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("text", "is_kept"), [("男", True), ("药", True), ("A", False), ("8", False), ("口", False), ("ス", False)]
+)
+def test_a_single_ideograph_is_a_word(text: str, is_kept: bool) -> None:
+    boxes = np.array([[[0, 0], [40, 0], [40, 40], [0, 40]]], np.float64)
+    assert (accepted_texts(boxes, [(text, 0.95)], CONFIG) != [None]) == is_kept
+
+
+def test_of_too_many_regions_the_largest_are_kept() -> None:
+    """Specks come first in the list of contours, being lowest in the image; the sign hangs above them."""
+    probability = np.zeros((480, 640), np.float32)
+    probability[40:60, 200:400] = 0.9
+    for row in range(200, 470, 12):
+        for column in range(10, 630, 12):
+            probability[row : row + 5, column : column + 5] = 0.9
+    boxes, scores = boxes_from_probability(probability, CONFIG)
+    assert len(boxes) == len(scores) == CONFIG.max_boxes
+    assert any(np.ptp(each[:, 0]) > 190 for each in boxes)

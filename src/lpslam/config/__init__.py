@@ -199,7 +199,10 @@ class Config(Section):
 
     calibration: CalibrationCheckConfig = CalibrationCheckConfig()
 
+    # To find a camera in a map, ...
     same_camera: CameraMatchConfig = CameraMatchConfig()
+    # ... and to let the map grow: its old keyframes are adjusted by the new recording's calibration.
+    continued_camera: CameraMatchConfig = CameraMatchConfig(focal_share=0.001, centre_pixels=0.5, distortion_pixels=0.5)
 
     language: LanguageConfig = LanguageConfig()
 

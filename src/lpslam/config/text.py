@@ -37,7 +37,8 @@ class SpottingConfig(Section):
     recognition_batch: int = Field(default=4, ge=1)
     # Texts surer than this are kept (0 to 1); below it most are texture.
     min_confidence: float = Field(default=0.6, ge=0, le=1)
-    # Fewest letters or digits of a text: single ones are mostly logos ("A").
+    # Fewest letters or digits of a text: single ones are mostly logos ("A"). An ideograph, a word of its own, counts
+    # for two.
     min_letters: int = Field(default=2, ge=1)
     # Longest text kept, characters; scene text is untrusted.
     max_length: int = Field(default=80, ge=1)
@@ -78,6 +79,11 @@ class PlacementConfig(Section):
     # Fewest pixels with depth, and the share of the box's pixels they must be.
     min_samples: int = Field(default=12, ge=3)
     min_depth_share: float = Field(default=0.15, ge=0, le=1)
+    # Where a sign gives no depth, its surface is sought so many letter heights around it: first in the depth image, ...
+    surroundings: float = Field(default=1.0, gt=0)
+    # ... then among the map's points, of which so many must lie there.
+    surroundings_of_points: float = Field(default=3.0, gt=0)
+    min_points: int = Field(default=8, ge=3)
     # Triples tried by the plane fit.
     trials: int = Field(default=64, ge=1)
     # Inlier band of the plane in inverse depth, 1/m: three sigma of a sensor whose error is 2.2 mm x depth squared.
@@ -129,6 +135,8 @@ class InstanceConfig(Section):
     # Texts that move faster than this, metres a second, over at least so many metres, are carried by someone.
     carried_speed: float = Field(default=0.2, gt=0)
     carried_distance: float = Field(default=0.4, gt=0)
+    # Seconds without a sighting after which the next one belongs to another visit.
+    visit_pause: float = Field(default=2.0, gt=0)
 
 
 class ReadingConfig(Section):
@@ -148,8 +156,8 @@ class ReadingConfig(Section):
     blur_patience: float = Field(default=2.0, ge=0)
     # Share of the time that live reading may take: on two cores, tracking, mapping and the camera need the rest.
     live_share: float = Field(default=0.7, gt=0, le=1)
-    # Frames worth reading that may wait beside tracking (2 MB each); the oldest is dropped when one more comes.
-    queue_size: int = Field(default=64, ge=1)
+    # Frames worth reading that may wait beside tracking (2 MB each of 640x480); while so many do, a recording waits.
+    queue_size: int = Field(default=16, ge=1)
 
 
 class AdviceConfig(Section):

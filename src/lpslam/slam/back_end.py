@@ -12,7 +12,17 @@ from lpslam.slam.local_mapping import LocalMapper
 
 
 class BackEnd(Protocol):
-    """Takes keyframes in the order in which they are made."""
+    """Takes keyframes in the order in which they are made.
+
+    Attributes:
+        abandoned: keyframes that were left as tracking made them, since `finish` could not wait.
+    """
+
+    abandoned: int
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether no keyframe waits to be worked into the map."""
 
     def take(self, keyframe: int) -> None:
         """Work a keyframe into the map, now or soon."""
@@ -24,9 +34,16 @@ class BackEnd(Protocol):
 class InStep:
     """Maps and closes loops before the next frame: deterministic."""
 
+    abandoned = 0
+
     def __init__(self, mapper: LocalMapper, close_loops: Callable[[int], None]) -> None:
         self._mapper = mapper
         self._close_loops = close_loops
+
+    @property
+    def is_idle(self) -> bool:
+        """Always: nothing waits."""
+        return True
 
     def take(self, keyframe: int) -> None:
         """Work a keyframe into the map."""
@@ -55,6 +72,7 @@ class Beside:
         self._to_map: queue.SimpleQueue[int | None] = queue.SimpleQueue()
         self._to_close: queue.SimpleQueue[int | None] = queue.SimpleQueue()
         self._abandon = False
+        self._mapped = self._taken = self.abandoned = 0
         self._error: Exception | None = None
         self._threads = [
             threading.Thread(target=self._work, args=work, name=name, daemon=True)
@@ -68,12 +86,18 @@ class Beside:
         for thread in self._threads:
             thread.start()
 
+    @property
+    def is_idle(self) -> bool:
+        """Whether no keyframe waits or is being worked into the map."""
+        return self._mapped == self._taken
+
     def take(self, keyframe: int) -> None:
         """Queue a keyframe; an adjustment that is running ends early."""
         if self._error is not None:
             raise self._error
         if not self._to_map.empty():
             self._mapper.hurry()
+        self._taken += 1
         self._to_map.put(keyframe)
 
     def finish(self) -> None:
@@ -86,6 +110,7 @@ class Beside:
             self._mapper.hurry()
             self._interrupt()
             self._wait()
+        self.abandoned = self._taken - self._mapped
         if self._error is not None:
             raise self._error
 
@@ -96,6 +121,7 @@ class Beside:
 
     def _map(self, keyframe: int) -> None:
         self._mapper.process(keyframe)
+        self._mapped += 1
         self._to_close.put(keyframe)
 
     def _work(self, keyframes: "queue.SimpleQueue[int | None]", work: Callable[[int], None]) -> None:

@@ -29,26 +29,30 @@ class Keyframes:
         self._last_time = -np.inf
         self._most_matches = 0
 
-    def wants(self, timestamp: float, features: Features, is_matched: NDArray[np.bool_]) -> bool:
+    def wants(
+        self, timestamp: float, features: Features, is_matched: NDArray[np.bool_], is_mapping_idle: bool = True
+    ) -> bool:
         """Judge a tracked frame.
 
         Args:
             timestamp: seconds.
             features: its keypoints, n rows.
             is_matched: (n,) which of them see a map point.
+            is_mapping_idle: whether the keyframes before are worked into the map; what is not urgent waits for that.
         """
         config = self._config
         matches = int(is_matched.sum())
         self._most_matches = max(self._most_matches, matches)
         elapsed = timestamp - self._last_time
-        if elapsed < config.min_interval:
+        # Half a millisecond of grace: timestamps are rounded.
+        if elapsed < config.min_interval - 5e-4:
             return False
         close = features.has_depth & (features.depth < config.close_depth)
         tracked, untracked = int((close & is_matched).sum()), int((close & ~is_matched).sum())
         needs_close = tracked < config.close_tracked and untracked > config.close_untracked
         thinned = matches < config.tracked_share * self._most_matches
         due = elapsed >= config.max_interval and matches < config.due_share * self._most_matches
-        return thinned or needs_close or due
+        return thinned or needs_close or (due and is_mapping_idle)
 
     def is_known_view(self, estimate: Estimate, reference: int) -> bool:
         """Whether a keyframe was taken from here already and the map explains the view: one more would tell nothing.

@@ -7,8 +7,8 @@ from scipy import ndimage
 from lpslam.camera import PinholeCamera
 from lpslam.config import LevellingConfig
 
-_STRIDE = 8
-"""Pixels between the samples of a depth image."""
+_SAMPLES_ACROSS = 80
+"""Samples of a depth image from its left to its right, and as densely from top to bottom, whatever its size."""
 
 _BAND = 7
 """Samples: wider than the slab of tolerance looks where it cuts an upright wall, at any distance."""
@@ -37,11 +37,12 @@ def floor_normal(
     Returns:
         The normal in the optical frame; None where no surface is large and flat enough to trust.
     """
-    points, rows, columns = _sample(depth, camera)
+    stride = max(1, round(depth.shape[1] / _SAMPLES_ACROSS))
+    points, rows, columns = _sample(depth, camera, stride)
     up = up_in_camera / np.linalg.norm(up_in_camera)
     is_below = points @ up < -config.min_height
     below = points[is_below]
-    grid = np.zeros((depth.shape[0] // _STRIDE + 1, depth.shape[1] // _STRIDE + 1), np.bool_)
+    grid = np.zeros((depth.shape[0] // stride + 1, depth.shape[1] // stride + 1), np.bool_)
     least = config.min_share * grid.size
     if len(below) < max(least, 3):
         return None
@@ -94,11 +95,11 @@ def level_rotation(up_in_world: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _sample(
-    depth: NDArray[np.float32], camera: PinholeCamera
+    depth: NDArray[np.float32], camera: PinholeCamera, stride: int
 ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]]:
-    """(n, 3) points in the camera frame of a coarse grid of pixels, with their rows and columns in it."""
-    z = np.nan_to_num(depth[::_STRIDE, ::_STRIDE].astype(np.float64), nan=0.0, posinf=0.0, neginf=0.0)
-    v, u = np.mgrid[0 : depth.shape[0] : _STRIDE, 0 : depth.shape[1] : _STRIDE]
+    """(n, 3) points in the camera frame of a grid of pixels so far apart, with their rows and columns in it."""
+    z = np.nan_to_num(depth[::stride, ::stride].astype(np.float64), nan=0.0, posinf=0.0, neginf=0.0)
+    v, u = np.mgrid[0 : depth.shape[0] : stride, 0 : depth.shape[1] : stride]
     points = np.stack([(u - camera.cx) / camera.fx * z, (v - camera.cy) / camera.fy * z, z], axis=-1)
     rows, columns = np.nonzero(z > 0)
     return points[rows, columns], rows, columns

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.camera import inverse_transform
+from lpslam.camera import inverse_transform, transform_points
 from lpslam.slam import carrying
 from lpslam.slam.features import Features
 from lpslam.slam.integrity import refuse_broken_columns
@@ -93,9 +93,11 @@ class SlamMap:
     @property
     def columns(self) -> MapColumns:
         """Views for kernels; valid until the map grows."""
-        if self._columns is None:
-            self._columns = MapColumns(*(self._arrays[name] for name in MapColumns._fields))
-        return self._columns
+        # Kept in a variable: another thread that lets the map grow may forget the views meanwhile.
+        columns = self._columns
+        if columns is None:
+            columns = self._columns = MapColumns(*(self._arrays[name] for name in MapColumns._fields))
+        return columns
 
     # Growth ------------------------------------------------------------------------------------------------------
 
@@ -203,6 +205,13 @@ class SlamMap:
     def world_from_keyframe(self, keyframe: int) -> NDArray[np.float64]:
         """4×4, the inverse of `camera_from_world`."""
         return inverse_transform(self.camera_from_world(keyframe))
+
+    def points_seen_by(self, keyframe: int) -> NDArray[np.float64]:
+        """(n, 3) metres, in its camera's frame: the points that a keyframe sees, or one that stands for it."""
+        with self.lock:
+            seen_by = np.array([self.living_ancestor(keyframe)], np.int32)
+            points = graph.points_of(self.columns, seen_by, self.point_count)
+            return transform_points(self.camera_from_world(keyframe), self.columns.position[points])
 
     def features(self, keyframe: int) -> Features:
         """The keypoints of a living keyframe, as views that are valid until the map grows.

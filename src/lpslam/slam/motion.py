@@ -6,43 +6,46 @@ from numpy.typing import NDArray
 
 from lpslam.camera import inverse_transform
 from lpslam.frames import RgbdFrame
-from lpslam.slam.kernels.geometry import orthonormalise
+from lpslam.slam.kernels.geometry import exponential, orthonormalise
+from lpslam.slam.pose_graph import logarithms
 
 _Matrix = NDArray[np.float64]
 
-_MOST_STEPS_AHEAD = 9
-"""Frames for which constant velocity is believed: a third of a second at 30 a second, after which it is a guess."""
+_FARTHEST_AHEAD = 0.3
+"""Seconds for which constant velocity is believed, after which it is a guess."""
 
 _SHARPNESS_RATE = 0.03
 """Share of its difference by which a frame changes the usual sharpness: a second's worth, longer than a jerk."""
+
+_DARK = 0.7
+"""Share of the usual brightness below which missing sharpness is the light's fault: half of it is left then."""
 
 
 class ConstantVelocity:
     """The motion model: the camera goes on as it did from the last frame but one to the last (ORB-SLAM, V-B)."""
 
     def __init__(self) -> None:
-        self._step: _Matrix | None = None
-        self._seconds = np.inf
+        self._velocity: _Matrix | None = None
 
     @property
     def is_known(self) -> bool:
         """Whether two frames in a row had poses."""
-        return self._step is not None
+        return self._velocity is not None
 
     def forget(self) -> None:
         """The camera was lost."""
-        self._step = None
+        self._velocity = None
 
     def note(self, before: _Matrix, now: _Matrix, seconds: float) -> None:
         """Take the camera from world (4×4) of two frames, as the map has them now, so many seconds apart."""
-        self._step, self._seconds = now @ inverse_transform(before), seconds
+        self._velocity = logarithms((now @ inverse_transform(before))[None])[0] / seconds
 
     def ahead(self, camera_from_world: _Matrix, seconds: float) -> _Matrix:
         """Camera from world so many seconds after a pose, also over frames that are missing."""
-        if self._step is None:
+        if self._velocity is None:
             return camera_from_world
-        steps = round(min(seconds / self._seconds, _MOST_STEPS_AHEAD))
-        predicted: _Matrix = np.linalg.matrix_power(self._step, max(steps, 0)) @ camera_from_world
+        ahead = min(max(seconds, 0.0), _FARTHEST_AHEAD)
+        predicted: _Matrix = exponential(self._velocity * ahead) @ camera_from_world
         orthonormalise(predicted)
         return predicted
 
@@ -52,10 +55,11 @@ class UsualSharpness:
 
     def __init__(self) -> None:
         self._usual = 0.0
+        self._brightness = 0.0
 
     def begin(self, frame: RgbdFrame) -> None:
         """Take a first frame for the measure."""
-        self._usual = _sharpness(frame)
+        self._usual, self._brightness = _sharpness(frame), _brightness(frame)
 
     def share(self, frame: RgbdFrame) -> float:
         """Sharpness of a frame as a share of the usual one; 1 where that is not known yet."""
@@ -68,10 +72,20 @@ class UsualSharpness:
             self.begin(frame)
         share = self.share(frame)
         self._usual *= 1.0 + (share - 1.0) * _SHARPNESS_RATE
+        self._brightness += (_brightness(frame) - self._brightness) * _SHARPNESS_RATE
         return share
+
+    def fault(self, frame: RgbdFrame) -> str:
+        """In words why a frame is less sharp than usual: it is blurred, unless it is dark."""
+        why = "dark or blurred" if _brightness(frame) < _DARK * self._brightness else "blurred"
+        return f"{why} (sharpness {self.share(frame):.0%} of the usual)"
 
 
 def _sharpness(frame: RgbdFrame) -> float:
     """Mean squared difference of neighbouring grey values at half resolution; falls with blur."""
     green = frame.rgb[::2, ::2, 1]
     return float(np.square(cv2.subtract(green[:, 1:], green[:, :-1]), dtype=np.float32).mean())
+
+
+def _brightness(frame: RgbdFrame) -> float:
+    return float(frame.rgb[::8, ::8, 1].mean())

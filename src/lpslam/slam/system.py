@@ -73,7 +73,15 @@ class RgbdSlam:
         locator = Locator(self.map, self.sensor, config.tracking, config.locating)
         relocaliser = Relocaliser(self.map, places, locator, config.tracking, config.locating, advisor)
         self._tracker = Tracker(
-            extractor, self.sensor, self.map, relocaliser, config, grows, self.events.append, advisor
+            extractor,
+            self.sensor,
+            self.map,
+            relocaliser,
+            config,
+            grows,
+            self.events.append,
+            lambda: self._back_end.is_idle,
+            advisor,
         )
         self._mapper = LocalMapper(self.map, self.sensor, config)
         self._loop_closer = LoopCloser(self.map, self.sensor, places, locator, config, advisor)
@@ -86,6 +94,11 @@ class RgbdSlam:
         self._is_live = live
         self._depths: dict[int, NDArray[np.float32]] = {}
         self._floor_views: list[tuple[int, NDArray[np.float64]]] = []
+
+    @property
+    def keyframes_abandoned(self) -> int:
+        """Keyframes that `finish` found waiting and left as tracking had made them."""
+        return self._back_end.abandoned
 
     def process(self, frame: RgbdFrame) -> TrackedFrame:
         """Track one frame and let the map grow with it."""
@@ -126,25 +139,25 @@ class RgbdSlam:
     def _look_for_floor(self, keyframe: int) -> None:
         """Turn the map so that z is up when the floor is first seen; later views serve `finish`."""
         depth = self._depths.pop(keyframe, None)
-        if depth is None or not self._is_new or len(self._floor_views) >= self._levelling.max_views:
+        if depth is None or not self._is_new:
             return
         with self.map.lock:
             camera_from_world = self.map.camera_from_world(keyframe)
+            # Sub-maps are level each for itself: any of them may be the map in the end.
+            submaps = self.map.submaps()
+            views = sum(int(submaps[k] == submaps[keyframe]) for k, _ in self._floor_views)
+        if views >= self._levelling.max_views:
+            return
         normal = floor_normal(depth, self.camera, camera_from_world[:3, 2], self._levelling)
         if normal is None:
             return
         self._floor_views.append((keyframe, normal))
-        if len(self._floor_views) == 1 and self.map.is_home(keyframe):
+        if views == 0 and self.map.is_home(keyframe):
             self._level(camera_from_world[:3, :3].T @ normal)
 
     def _level(self, up_in_world: NDArray[np.float64]) -> None:
         with self.map.lock:
             self.map.transform(level_rotation(up_in_world))
-
-    @property
-    def is_levelled(self) -> bool:
-        """Whether the floor has been seen, so that z is up."""
-        return bool(self._floor_views)
 
 
 def _refuse_other_features(base: SlamMap, extractor: FeatureExtractor, grows: bool) -> None:

@@ -42,6 +42,7 @@ class Tracker:
         config: all thresholds.
         grows: whether new places are mapped; else the map is only read.
         on_event: told every change of state.
+        is_mapping_idle: whether no keyframe waits for local mapping; else one that is not urgent is not made.
         advisor: may speak against a place in which the camera was found again.
     """
 
@@ -54,6 +55,7 @@ class Tracker:
         config: SlamConfig,
         grows: bool = True,
         on_event: Callable[[SlamEvent], None] = lambda event: None,
+        is_mapping_idle: Callable[[], bool] = lambda: True,
         advisor: LoopAdvisor = NO_ADVICE,
     ) -> None:
         self._map = slam_map
@@ -66,6 +68,7 @@ class Tracker:
         self._keyframes = Keyframes(slam_map, sensor, config.keyframes)
         self._grows = grows
         self._on_event = on_event
+        self._is_mapping_idle = is_mapping_idle
         founds = grows and slam_map.keyframe_count == 0
         self.state = TrackingState.INITIALISING if founds else TrackingState.LOST
         self._reference = slam_map.keyframe_count - 1
@@ -243,7 +246,7 @@ class Tracker:
             parts.append(f"{depths / features.rows:.0%} of them with depth")
         sharpness = self._sharpness.share(frame)
         if sharpness < self._config.blur_ratio:
-            parts.append(f"blurred (sharpness {sharpness:.0%} of the usual)")
+            parts.append(self._sharpness.fault(frame))
         reason = ", ".join(parts)
         if self.state is not TrackingState.LOST:
             self._tell(EventKind.LOST, frame, reason)
@@ -280,18 +283,19 @@ class Tracker:
         elif not is_sure:
             reason = "most of what was followed disagrees"
         elif sharpness < self._config.blur_ratio:
-            reason = f"blurred (sharpness {sharpness:.0%} of the usual)"
+            reason = self._sharpness.fault(frame)
         else:
             weak, reason = False, ""
         if weak != (self.state is TrackingState.WEAK):
-            self._tell(EventKind.WEAK if weak else EventKind.TRACKING, frame, reason)
+            kind = EventKind.WEAK if weak else EventKind.TRACKING
+            self._tell(kind, frame, reason or f"{estimate.matches} map points matched")
         self.state, self._unknown_since = TrackingState.WEAK if weak else TrackingState.TRACKING, None
         is_keyframe = (
             is_matched
             and is_sure
             and self._grows
             and not self._doubt.is_open
-            and self._keyframes.wants(frame.timestamp, features, estimate.points >= 0)
+            and self._keyframes.wants(frame.timestamp, features, estimate.points >= 0, self._is_mapping_idle())
             and not self._keyframes.is_known_view(estimate, self._reference)
         )
         if is_keyframe:

@@ -122,5 +122,7 @@ class Trajectory:
             ("session", trajectory._sessions),
         ):
             column.frombytes(arrays[name].astype(column.typecode).tobytes())
+        if not np.isfinite(trajectory._poses).all():
+            raise ValueError("trajectory column keyframe_from_camera is not finite")
         trajectory.session = max(trajectory._sessions, default=0)
         return trajectory

@@ -26,7 +26,7 @@ class ImagePair:
     Attributes:
         timestamp: seconds.
         colour: the colour image's file.
-        depth: the depth image's file; None where the recording has none for this frame.
+        depth: the depth image's file; None where the recording has none for this frame, which then comes without depth.
         fault: why the frame cannot be used, where the listing itself shows it; empty otherwise.
     """
 
@@ -130,15 +130,31 @@ class ImagePairSource:
         return depths
 
     def _read(self, index: int, pair: ImagePair) -> RgbdFrame:
-        if pair.depth is None or pair.fault:
-            raise BadImageError(pair.fault or f"{pair.colour.name} has no depth image")
-        rgb = read_colour(pair.colour)
-        depth = read_depth(pair.depth, self._camera.depth_scale, self._invalid_depths)
+        if pair.fault:
+            raise BadImageError(pair.fault)
         wanted = (self._camera.height, self._camera.width)
-        for path, found in ((pair.colour, rgb.shape[:2]), (pair.depth, depth.shape)):
-            if found != wanted:
-                raise BadImageError(f"{path.name} is {found[1]}×{found[0]}; the camera is {wanted[1]}×{wanted[0]}")
+        rgb = read_colour(pair.colour)
+        _refuse_size(pair.colour, rgb.shape[:2], wanted)
+        if pair.depth is None:
+            return RgbdFrame(index, pair.timestamp, rgb, np.zeros(wanted, np.float32))
+        depth = read_depth(pair.depth, self._camera.depth_scale, self._invalid_depths)
+        _refuse_size(pair.depth, depth.shape, wanted)
         return RgbdFrame(index, pair.timestamp, rgb, depth)
+
+
+def _refuse_size(path: Path, found: tuple[int, ...], wanted: tuple[int, int]) -> None:
+    if found != wanted:
+        raise BadImageError(f"{path.name} is {found[1]}×{found[0]}; the camera is {wanted[1]}×{wanted[0]}")
+
+
+_PAUSE = 0.2
+"""Seconds without depth that constant velocity and flow do not bridge."""
+
+
+def depth_pauses(times: NDArray[np.float64]) -> list[tuple[float, float]]:
+    """From when to when, in seconds, there was no depth for long, by the rising times (n,) at which there was."""
+    starts = np.flatnonzero(np.diff(times) > _PAUSE)
+    return [(float(times[row]), float(times[row + 1])) for row in starts]
 
 
 def first_image_size(paths: Sequence[Path]) -> tuple[int, int] | None:

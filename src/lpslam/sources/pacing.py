@@ -2,7 +2,7 @@
 
 import time
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from lpslam.camera import PinholeCamera
 from lpslam.frames import FrameFault, FrameSource, RgbdFrame
@@ -15,17 +15,19 @@ class Paced:
         source: frames in order of time.
         backlog: frames whose time has come that may wait, as in a camera driver's queue: one that took long then costs
             the next ones a delay, and is no gap. The oldest is dropped when one more comes.
+        should_stop: asked while waiting; when it says yes, no frame is waited for any longer.
 
     Attributes:
         dropped: frames that were over before the consumer asked.
     """
 
-    def __init__(self, source: FrameSource, backlog: int = 1) -> None:
+    def __init__(self, source: FrameSource, backlog: int = 1, should_stop: Callable[[], bool] = lambda: False) -> None:
         if backlog < 1:
             raise ValueError(f"a queue of {backlog} frames can hold none")
         self.source = source
         self.dropped = 0
         self._backlog = backlog
+        self._should_stop = should_stop
 
     @property
     def name(self) -> str:
@@ -68,11 +70,17 @@ class Paced:
             if asked - started >= frame.timestamp:
                 self.dropped += 1
             else:
-                yield from _when_due(oldest, started)
+                self._wait_until(started + oldest.timestamp)
+                yield oldest
         while waiting and started is not None:
-            yield from _when_due(waiting.popleft(), started)
+            self._wait_until(started + waiting[0].timestamp)
+            yield waiting.popleft()
+
+    def _wait_until(self, due: float) -> None:
+        # In pieces: a recording may pause for minutes.
+        while (left := due - time.perf_counter()) > 0.0 and not self._should_stop():
+            time.sleep(min(left, _PIECE))
 
 
-def _when_due(frame: RgbdFrame, started: float) -> Iterator[RgbdFrame]:
-    time.sleep(max(0.0, started + frame.timestamp - time.perf_counter()))
-    yield frame
+_PIECE = 0.1
+"""Seconds between two questions whether to stop."""

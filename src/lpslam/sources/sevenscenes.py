@@ -1,6 +1,7 @@
 """Folders in the layout of Microsoft 7-Scenes: frame-NNNNNN.color.*, .depth.png and .pose.txt."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +9,7 @@ import numpy as np
 from lpslam.camera import PinholeCamera
 from lpslam.errors import UserError
 from lpslam.sources.calibration import read_calibration
-from lpslam.sources.image_pairs import ImagePair, ImagePairSource, first_image_size
+from lpslam.sources.image_pairs import ImagePair, ImagePairSource, depth_pauses, first_image_size
 
 FRAMES_PER_SECOND = 30.0
 _DEPTH_SCALE = 1000.0
@@ -41,6 +42,11 @@ def open_seven_scenes(folder: Path, camera_file: Path | None = None, max_frames:
         depth = path.with_name(f"frame-{match[1]}.depth.png")
         fault = "" if depth.is_file() else f"{path.name} has no {depth.name}"
         pairs.append(ImagePair(int(match[1]) / FRAMES_PER_SECOND, path, depth, fault))
+    pauses = depth_pauses(np.sort([pair.timestamp for pair in pairs if not pair.fault]))
+    pairs = [
+        replace(pair, depth=None, fault="") if any(start < pair.timestamp < end for start, end in pauses) else pair
+        for pair in pairs
+    ]
     if not pairs:
         raise UserError(f"{folder}: no frame-NNNNNN.color.jpg or .png is there")
     camera, notes = _find_camera(folder, camera_file, [pair.colour for pair in pairs])

@@ -42,7 +42,9 @@ def _on_one_board(first: Place, second: Place, config: InstanceConfig) -> bool:
     offset = _offset(first, second)
     right, down, out = (abs(float(offset @ axis)) for axis in (first.baseline, first.down, first.normal))
     angle = np.degrees(np.arccos(np.clip(_facing(first, second), -1.0, 1.0)))
-    ratio = max(first.height, second.height) / max(min(first.height, second.height), 1e-6)
+    first_letter, second_letter = _letter(first), _letter(second)
+    ratio = max(first_letter, second_letter) / max(min(first_letter, second_letter), 1e-6)
+    gap = config.line_gap * (first_letter + second_letter) / 2.0
     if out > config.line_offset or angle > config.line_angle or ratio > config.line_height_ratio:
         return False
     if not _on_one_ground(first, second, config):
@@ -50,13 +52,16 @@ def _on_one_board(first: Place, second: Place, config: InstanceConfig) -> bool:
     mean_height = (first.height + second.height) / 2.0
     shared_width = ((first.width + second.width) / 2.0 - right) / min(first.width, second.width)
     shared_height = (mean_height - down) / min(first.height, second.height)
-    stacked = shared_width >= _COLUMN_SHARE and down - mean_height <= config.line_gap * mean_height
+    stacked = shared_width >= _COLUMN_SHARE and down - mean_height <= gap
     side_by_side = (
-        shared_height >= _ROW_SHARE
-        and ratio <= _ROW_HEIGHT_RATIO
-        and right - (first.width + second.width) / 2.0 <= config.line_gap * mean_height
+        shared_height >= _ROW_SHARE and ratio <= _ROW_HEIGHT_RATIO and right - (first.width + second.width) / 2.0 <= gap
     )
     return stacked or side_by_side
+
+
+def _letter(place: Place) -> float:
+    """Metres: a line is as high as its letters, one that runs downwards as wide."""
+    return min(place.width, place.height)
 
 
 def _on_one_ground(first: Place, second: Place, config: InstanceConfig) -> bool:

@@ -9,9 +9,8 @@ from cv2.typing import MatLike
 from numpy.typing import NDArray
 
 from lpslam.config import SpottingConfig
+from lpslam.text.boxes import Boxes
 from lpslam.text.networks import Network
-
-Boxes = NDArray[np.float64]
 
 
 class TextDetector:
@@ -68,11 +67,13 @@ def boxes_from_probability(
     mask = (probability > config.text_probability).astype(np.uint8)
     mask = np.asarray(cv2.dilate(mask, np.ones((2, 2), np.uint8)), dtype=np.uint8)
     contours, _ = cv2.findContours(mask, cv2.RETR_LIST, cv2.CHAIN_APPROX_SIMPLE)
+    regions = [(contour, cv2.minAreaRect(contour)) for contour in contours]
+    regions = [each for each in regions if min(each[1][1]) >= config.min_region_side]
+    if len(regions) > config.max_boxes:
+        # The largest are most likely to be read.
+        regions = sorted(regions, key=lambda each: -each[1][1][0] * each[1][1][1])[: config.max_boxes]
     boxes, scores = [], []
-    for contour in contours[: config.max_boxes]:
-        centre, (width, height), angle = cv2.minAreaRect(contour)
-        if min(width, height) < config.min_region_side:
-            continue
+    for contour, (centre, (width, height), angle) in regions:
         score = _mean_inside(probability, _corners(centre, width, height, angle))
         if score < config.box_score:
             continue

@@ -3,24 +3,26 @@
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from time import perf_counter
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.camera import PinholeCamera, inverse_transform
+from lpslam.camera import PinholeCamera, inverse_transform, transform_points
 from lpslam.config import ReadingConfig, TextConfig
 from lpslam.frames import RgbdFrame
 from lpslam.language.model import LanguageModel
 from lpslam.slam.state import TrackedFrame, TrackingState
+from lpslam.text.boxes import letter_heights, touches_border
 from lpslam.text.instances import KeyframePoses
 from lpslam.text.legibility import UNPLACED, frontal_cosine, ground_colour, legibility
 from lpslam.text.memory import Pool, TextClass
 from lpslam.text.naming import BesideNaming, name_class, needs_name, rename_class
 from lpslam.text.placement import PlacementFault, place_text
 from lpslam.text.spots import Spots
-from lpslam.text.spotting import TextSpotter, accepted_texts, letter_heights, touches_border
+from lpslam.text.spotting import TextSpotter, accepted_texts
 from lpslam.text.text_map import TextMap
 from lpslam.text.types import BoxFate, FrameReading, Placement, SpottedText, TextObservation, TextStatistics
 
@@ -51,6 +53,7 @@ class TextMapper:
         on_sighting: Callable[[int, TextObservation], None] = lambda text_class, observation: None,
         on_doubtful: Callable[[TextObservation], None] = lambda observation: None,
         on_lost: Callable[[Sequence[TextObservation]], None] | None = None,
+        points_seen_by: Callable[[int], Array] = lambda keyframe: np.zeros((0, 3)),
     ) -> None:
         self.text_map = text_map or TextMap(config)
         self.statistics = TextStatistics()
@@ -62,6 +65,7 @@ class TextMapper:
         self._on_sighting = on_sighting
         self._on_doubtful = on_doubtful
         self._on_lost = on_lost
+        self._points_seen_by = points_seen_by
         self._named_beside: set[int] = set()
         self._gate = ReadingGate(config.reading)
         self._spots = Spots()
@@ -118,7 +122,7 @@ class TextMapper:
         world_from_keyframe = None
         if tracked.world_from_camera is not None and not tracked.is_doubted:
             world_from_keyframe = tracked.world_from_camera @ inverse_transform(tracked.keyframe_from_camera)
-        reading = self._read(frame, tracked.keyframe_from_camera, world_from_keyframe)
+        reading = self._read(frame, tracked.keyframe_from_camera, world_from_keyframe, tracked.keyframe)
         if reading is None:
             return None
         if tracked.is_doubted:
@@ -154,13 +158,13 @@ class TextMapper:
         """Tell what a lost camera sees and where before it; nothing is remembered, since it stands nowhere."""
         if self._on_lost is None:
             return
-        reading = self._read(frame, np.eye(4), None)
+        reading = self._read(frame, np.eye(4), None, NOWHERE)
         if reading is not None:
             placed = zip(reading.texts, reading.placements, strict=True)
             self._on_lost([_observation(frame, NOWHERE, text, where) for text, where in placed if where is not None])
 
     def _read(
-        self, frame: RgbdFrame, keyframe_from_camera: Array, world_from_keyframe: Array | None
+        self, frame: RgbdFrame, keyframe_from_camera: Array, world_from_keyframe: Array | None, keyframe: int
     ) -> FrameReading | None:
         """Detect (III-B), drop what is cut off or too small, place (III-F), recognise; None when the reader failed.
 
@@ -178,10 +182,15 @@ class TextMapper:
             fates[touches_border(boxes, frame.rgb.shape[:2], config.border_margin)] = BoxFate.BORDER
 
             started = perf_counter()
-            placements: dict[int, Placement | PlacementFault] = {
-                row: place_text(boxes[row], frame.depth, self._camera, keyframe_from_camera, self._config.placement)
-                for row in np.flatnonzero(fates == BoxFate.KEPT).tolist()
-            }
+            place = partial(
+                place_text,
+                depth=frame.depth,
+                camera=self._camera,
+                keyframe_from_camera=keyframe_from_camera,
+                config=self._config.placement,
+                map_points=partial(self._points_in_view, keyframe, keyframe_from_camera),
+            )
+            placements = {row: place(boxes[row]) for row in np.flatnonzero(fates == BoxFate.KEPT).tolist()}
             cut = (PlacementFault.HIDDEN, PlacementFault.STEPPED)
             fates[[row for row, each in placements.items() if each in cut]] = BoxFate.HIDDEN
             heights = letter_heights(boxes)
@@ -197,7 +206,9 @@ class TextMapper:
             readings = self._spotter.recognise(frame.rgb, boxes[kept]) if len(kept) else []
             self.statistics.recognition_ms += 1000.0 * (perf_counter() - started)
             accepted = accepted_texts(boxes[kept], readings, config)
-        except Exception:
+        except Exception as error:
+            if not self.statistics.reader_errors:
+                self.statistics.first_reader_error = f"frame {frame.index}: {error!r}"
             self.statistics.reader_errors += 1
             return None
         fates[kept[[each is None for each in accepted]]] = BoxFate.UNREAD
@@ -210,6 +221,11 @@ class TextMapper:
             texts=tuple(text for text, _ in texts),
             placements=tuple(None if isinstance(each, PlacementFault) else each for _, each in texts),
         )
+
+    def _points_in_view(self, keyframe: int, keyframe_from_camera: Array) -> Array:
+        if keyframe == NOWHERE:
+            return np.zeros((0, 3))
+        return transform_points(inverse_transform(keyframe_from_camera), self._points_seen_by(keyframe))
 
     def _is_known(self, placement: Placement, seen: float, timestamp: float, world_from_keyframe: Array) -> bool:
         """Whether what stands here is known so well that reading it again would tell nothing; it is confirmed then."""
@@ -305,7 +321,7 @@ class ReadingGate:
         self._sharpness.append(sharpness)
         if sharpness >= self._config.blur_share * usual:
             return True
-        waited = frame.timestamp - (self._last_read or frame.timestamp)
+        waited = frame.timestamp - (frame.timestamp if self._last_read is None else self._last_read)
         return waited >= (1.0 + self._config.blur_patience) * self._config.interval
 
     def hurry(self, timestamp: float) -> None:

@@ -1,5 +1,6 @@
 """From a text box, the depth image and the camera to a place in space (paper, III-F, Eq. 4-7)."""
 
+from collections.abc import Callable
 from enum import StrEnum
 
 import cv2
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera, transform_points
 from lpslam.config import PlacementConfig
+from lpslam.text.boxes import letter_heights, runs_downwards
 from lpslam.text.types import Placement, Vector3
 
 Array = NDArray[np.float64]
@@ -31,12 +33,14 @@ def place_text(
     camera: PinholeCamera,
     keyframe_from_camera: Array,
     config: PlacementConfig,
+    map_points: Callable[[], Array] = lambda: np.zeros((0, 3)),
 ) -> Placement | PlacementFault:
     """Place a text box in its reference keyframe's frame.
 
     The paper back-projects the mean of the box's corners with the depth there (Eq. 7). One pixel's depth is noisy, may
     be a hole or belong to whatever hangs in front, and the middle of a box seen askance is not the middle of the text:
-    so a plane is fitted to all depths inside, the corners' rays are met with it, and the mean is taken in space.
+    so a plane is fitted to all depths inside, the corners' rays are met with it, and the mean is taken in space. Where
+    the sign gives no depth, being glossy or black, the plane is that of the surface around it, or of the map's points.
 
     Args:
         box: (4, 2) raw pixels, ordered top left, top right, bottom right, bottom left.
@@ -44,23 +48,32 @@ def place_text(
         camera: whose raw pixels these are.
         keyframe_from_camera: 4×4.
         config: thresholds.
+        map_points: gives (n, 3) metres, points of the map that are in view, in the camera's frame; asked where depth
+            fails.
 
     Returns:
         The placement, or why there is none.
     """
     middle_of_box = box.mean(axis=0)
     pixels, depths, area = _depths_inside(middle_of_box + (box - middle_of_box) * config.inner_share, depth, config)
-    if len(depths) < max(config.min_samples, config.min_depth_share * area):
-        return PlacementFault.NO_DEPTH
-    unit = np.ones(len(depths))
-    rays = camera.back_project(camera.undistort(pixels), unit)
+    is_own = _are_enough(depths, area, config)
+    rays = camera.back_project(camera.undistort(pixels), np.ones(len(depths)))
     corner_rays = camera.back_project(camera.undistort(box), np.ones(4))
+    if not is_own:
+        pixels, depths, area = _depths_inside(_grown(box, config.surroundings), depth, config)
+        rays = camera.back_project(camera.undistort(pixels), np.ones(len(depths)))
+        if not _are_enough(depths, area, config):
+            rays, depths = _points_inside(_grown(box, config.surroundings_of_points), map_points(), camera)
+            if len(depths) < config.min_points:
+                return PlacementFault.NO_DEPTH
 
     inverse_plane, inliers = fit_inverse_depth_plane(rays, 1.0 / depths, config)
     corner_inverse_depths = corner_rays @ inverse_plane
     # A plane that leaves the box's corners without a believable depth is no surface to write on.
     believable = (corner_inverse_depths > 0.5 / config.max_depth) & (corner_inverse_depths < 2.0 / config.min_depth)
     if inliers.mean() < config.min_inlier_share or not believable.all():
+        if not is_own:
+            return PlacementFault.NO_DEPTH
         middle = np.median(depths)
         corners = corner_rays * middle
         normal = -_unit(corners.mean(axis=0))
@@ -69,9 +82,10 @@ def place_text(
         corners = corner_rays / corner_inverse_depths[:, None]
         # The plane n·p = d, divided by its depth, is linear in the ray: its coefficients point along the normal.
         normal = -_unit(inverse_plane)
-        if any(_hides(strip, depth, camera, inverse_plane, config) for strip in _beyond_ends(box)):
+        line = _along_the_line(box)
+        if any(_hides(strip, depth, camera, inverse_plane, config) for strip in _beyond_ends(line)):
             return PlacementFault.HIDDEN
-        if any(_steps(strip, depth, camera, inverse_plane, config) for strip in _ends(box, config.inner_share)):
+        if any(_steps(strip, depth, camera, inverse_plane, config) for strip in _ends(line, config.inner_share)):
             return PlacementFault.STEPPED
         residuals = 1.0 / depths[inliers] - rays[inliers] @ inverse_plane
         noise = float(np.std(residuals)) * float(np.median(depths)) ** 2
@@ -92,6 +106,30 @@ def place_text(
         height=height,
         uncertainty=float(np.hypot(noise / np.sqrt(len(depths) / 10.0), _BOX_STRAY * height)),
     )
+
+
+def _are_enough(depths: Array, area: int, config: PlacementConfig) -> bool:
+    return len(depths) >= max(config.min_samples, config.min_depth_share * area)
+
+
+def _grown(box: Array, share: float) -> Array:
+    """The box (4, 2) with so large a share of its letters' height added on every side."""
+    top_left, top_right, bottom_right, bottom_left = box
+    along = _unit(top_right + bottom_right - top_left - bottom_left)
+    across = _unit(bottom_left + bottom_right - top_left - top_right)
+    outwards = np.array([-along - across, along - across, along + across, across - along])
+    return np.asarray(box + share * float(letter_heights(box[None])[0]) * outwards, dtype=np.float64)
+
+
+def _points_inside(quadrilateral: Array, points: Array, camera: PinholeCamera) -> tuple[Array, Array]:
+    """Of points (n, 3) in the camera's frame those seen inside: their rays (m, 3) and depths (m,)."""
+    points = points[points[:, 2] > 0.0]
+    quadrilateral = camera.undistort(quadrilateral)
+    sides = np.roll(quadrilateral, -1, axis=0) - quadrilateral
+    offsets = camera.project(points)[:, None] - quadrilateral
+    inside = (sides[:, 0] * offsets[..., 1] - sides[:, 1] * offsets[..., 0] > 0.0).all(axis=1)
+    depths = points[inside, 2]
+    return points[inside] / depths[:, None], depths
 
 
 def fit_inverse_depth_plane(
@@ -127,6 +165,11 @@ def fit_inverse_depth_plane(
             break
         coefficients = np.linalg.lstsq(rays[inliers], inverse_depths[inliers], rcond=None)[0]
     return coefficients, np.abs(inverse_depths - rays @ coefficients) < config.inverse_depth_band
+
+
+def _along_the_line(box: Array) -> Array:
+    """The corners (4, 2) of a line that runs downwards, turned so that its first letter is on the left."""
+    return np.roll(box, -1, axis=0) if runs_downwards(box[None])[0] else box
 
 
 def _beyond_ends(box: Array) -> tuple[Array, Array]:

@@ -21,8 +21,8 @@ from lpslam.text.types import TextObservation
 
 Array = NDArray[np.float64]
 
-# By how much a place's own readings must explain it better than the name of its class: a letter wrong twice.
-_OWN_NAME_COST = 5.0
+# By how much a place's own readings must explain it better than the name of its class: a letter wrong in two or three.
+_OWN_NAME_COST = 4.0
 
 # The most that one reading can cost: three letters wrong, and it is of something else.
 _FOREIGN_COST = 9.0
@@ -78,19 +78,18 @@ def places_of_class(text_class: TextClass, world_from_keyframe: KeyframePoses, c
     A place seen but once is a slip of depth or of reading, unless the class has no other.
     """
     observations = [each for each in text_class.observations if world_from_keyframe(each.keyframe) is not None]
+    standing = _standing(observations, world_placements(observations, world_from_keyframe)[0], config)
+    observations = [observations[row] for row in standing]
     if not observations:
         return []
     positions, normals, baselines = world_placements(observations, world_from_keyframe)
     frames = np.array([each.frame for each in observations])
     groups = list(enumerate(split_places(positions, normals, frames, config)))
-    largest = max(len(rows) for _, rows in groups)
-    enough = min(config.min_observations, largest)
+    enough = min(config.min_observations, max(len(rows) for _, rows in groups))
 
     places = []
     for number, rows in groups:
         if len(rows) < enough or not _is_large_enough([observations[row] for row in rows], config):
-            continue
-        if _is_carried(positions[rows], np.array([observations[row].timestamp for row in rows]), config):
             continue
         position, kept = trimmed_position(positions[rows], config.rounds, config.drop_share)
         seen = [observations[row] for row in rows]
@@ -135,22 +134,37 @@ _IDEOGRAPHS = "\u2e80"
 """The first character of the East Asian scripts."""
 
 
-def _is_carried(positions: Array, timestamps: Array, config: InstanceConfig) -> bool:
-    """Whether positions (n, 3) move steadily on with time (n,) seconds: a text on someone who walks by.
+def _standing(observations: Sequence[TextObservation], positions: Array, config: InstanceConfig) -> list[int]:
+    """Rows of the observations that stand still; visit by visit, since someone may walk by again later.
 
-    Drift moves a text too, but slowly; noise moves it fast, but not far and not steadily.
+    Before they are split into places: where few are read, a walker's fall into several.
     """
-    elapsed = timestamps - timestamps.mean()
-    variance = float(elapsed @ elapsed)
-    if len(positions) < 3 or variance == 0.0:
+    times = np.array([each.timestamp for each in observations])
+    ordered = np.argsort(times, kind="stable")
+    visits = np.split(ordered, np.flatnonzero(np.diff(times[ordered]) > config.visit_pause) + 1)
+    return sorted(
+        row for visit in visits if not _is_carried(positions[visit], times[visit], config) for row in visit.tolist()
+    )
+
+
+def _is_carried(positions: Array, timestamps: Array, config: InstanceConfig) -> bool:
+    """Whether positions (n, 3) move steadily on with rising time (n,) seconds: a text on someone who walks by.
+
+    Drift moves a text too, but slowly; noise moves it fast, but not far and not steadily; and of equal signs in a row
+    one is read after the other, but each stands while it is read.
+    """
+    if len(positions) < 2 or timestamps[-1] == timestamps[0]:
         return False
-    velocity = elapsed @ (positions - positions.mean(axis=0)) / variance
+    elapsed = timestamps - timestamps.mean()
+    velocity = elapsed @ (positions - positions.mean(axis=0)) / float(elapsed @ elapsed)
     speed = float(np.linalg.norm(velocity))
     distance = speed * float(np.ptp(timestamps))
-    strayed = float(
-        np.sqrt(np.mean(np.sum((positions - positions.mean(axis=0) - elapsed[:, None] * velocity) ** 2, 1)))
-    )
-    return speed > config.carried_speed and distance > config.carried_distance and strayed < 0.25 * distance
+    if speed <= config.carried_speed or distance <= config.carried_distance:
+        return False
+    strayed = np.linalg.norm(positions - positions.mean(axis=0) - elapsed[:, None] * velocity, axis=1)
+    moments = np.flatnonzero(np.diff(timestamps) > 0.0)
+    steps = np.diff(positions, axis=0)[moments] @ (velocity / speed) / np.diff(timestamps)[moments]
+    return bool(np.sqrt(np.mean(strayed**2)) < 0.25 * distance and np.median(steps) > 0.5 * speed)
 
 
 def _on_the_side_seen_most(rows: NDArray[np.intp], normals: Array) -> NDArray[np.intp]:

@@ -21,12 +21,16 @@ class ReadingThread:
     Use it as a context manager: leaving reads what is still queued, or abandons it when an exception is on its way.
     An error of the mapper is raised by the next `observe`, or on leaving.
 
+    Args:
+        mapper: reads and remembers.
+        queue_size: frames that may wait.
+        share: of the time, 0 to 1, that may be spent reading.
+
     Attributes:
-        dropped: frames that were worth reading but came faster than they could be read.
+        dropped: frames that were worth reading but were not read for lack of time.
     """
 
     def __init__(self, mapper: TextMapper, queue_size: int, share: float = 1.0) -> None:
-        """Args: mapper; frames that may wait; `share` of the time, 0 to 1, that may be spent reading."""
         self._mapper = mapper
         self._share = share
         self._queue: deque[tuple[RgbdFrame, TrackedFrame]] = deque()
@@ -49,7 +53,18 @@ class ReadingThread:
                 self._queue.popleft()
                 self.dropped += 1
             self._queue.append((frame, tracked))
-            self._changed.notify()
+            self._changed.notify_all()
+
+    def wait_for_place(self) -> None:
+        """Wait until one frame more would drop none: a recording can wait, a camera cannot."""
+        with self._changed:
+            self._changed.wait_for(lambda: len(self._queue) < self._queue_size or self._error is not None)
+
+    def abandon(self) -> None:
+        """Leave what is queued unread: whoever stops early does not wait for it."""
+        with self._changed:
+            self.dropped += len(self._queue)
+            self._queue.clear()
 
     def __enter__(self) -> Self:
         self._thread.start()
@@ -62,7 +77,7 @@ class ReadingThread:
             self._closing = True
             if kind is not None:
                 self._queue.clear()
-            self._changed.notify()
+            self._changed.notify_all()
         # Whoever is in a hurry does not wait for a frame that is being read, or for a language model's answer.
         self._thread.join(_PATIENCE if kind is not None else None)
         if self._error is not None and kind is None:
@@ -76,11 +91,14 @@ class ReadingThread:
                 if not self._queue:
                     return
                 frame, tracked = self._queue.popleft()
+                self._changed.notify_all()
             before = time.perf_counter()
             try:
                 self._mapper.read(frame, tracked)
             except Exception as error:
-                self._error = error
+                with self._changed:
+                    self._error = error
+                    self._changed.notify_all()
                 return
             taken = time.perf_counter() - before
             with self._changed:

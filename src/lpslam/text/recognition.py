@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.config import SpottingConfig
-from lpslam.text.detection import Boxes, network_input
+from lpslam.text.boxes import Boxes
+from lpslam.text.detection import network_input
 from lpslam.text.emblems import without_emblems
 from lpslam.text.networks import Network
 

@@ -16,7 +16,7 @@ from lpslam.text.types import Placement
 Array = NDArray[np.float64]
 
 # Sightings remembered; the oldest go first. Positions are those of the time, so old ones may be out of place.
-_CAPACITY = 4096
+_CAPACITY = 16384
 
 # Texts overlap when their middles are nearer than this share of the longer along the line, and of the higher across.
 _ALONG_SHARE = 0.5
@@ -25,14 +25,18 @@ _ACROSS_SHARE = 0.6
 # Where readings go on differing, so many times the sightings settle a text all the same: more would say no more.
 _PATIENCE = 2
 
+# A class with this share of a spot's sightings is what stands there; the others are slips.
+_LEADING_SHARE = 0.8
+
 
 class Spots:
-    """A table of sightings: class, position and size in the world as it was known then."""
+    """A table of sightings: class, position, facing and size in the world as it was known then."""
 
     def __init__(self) -> None:
         self._classes = np.zeros(0, np.int64)
         self._keys = np.zeros(0, object)
         self._positions = np.zeros((0, 3))
+        self._normals = np.zeros((0, 3))
         self._sizes = np.zeros((0, 2))
         self._legibility = np.zeros(0)
 
@@ -43,43 +47,51 @@ class Spots:
     def settled_at(
         self, placement: Placement, world_from_keyframe: Array, legibility: float, sightings: int
     ) -> int | None:
-        """The one class read here again and again, and at least as legibly as now; None where there is none.
+        """The class read here again and again, and at least as legibly as now; None where there is none.
 
         Args:
             placement, world_from_keyframe: of the text.
             legibility: of the text as it is seen now.
-            sightings: how often it must have been read alike; so many times as often is enough where readings differ.
+            sightings: how often it must have been read alike; twice as often is enough where readings differ, and as
+                often again where they are of several classes.
         """
         here = self._here(placement, world_from_keyframe)
         classes, counts = np.unique(self._classes[here], return_counts=True)
-        if len(classes) != 1 or counts[0] < sightings or self._legibility[here].max() < legibility:
+        if not len(classes) or counts.max() < sightings or self._legibility[here].max() < legibility:
             return None
+        leading = int(classes[counts.argmax()])
+        if counts.max() < _LEADING_SHARE * counts.sum():
+            return leading if counts.max() >= _PATIENCE**2 * sightings else None
         alike = Counter(self._keys[here].tolist()).most_common(1)[0][1]
-        return int(classes[0]) if alike >= sightings or counts[0] >= _PATIENCE * sightings else None
+        return leading if alike >= sightings or counts.max() >= _PATIENCE * sightings else None
 
     def _here(self, placement: Placement, world_from_keyframe: Array) -> NDArray[np.bool_]:
-        position, baseline = _in_world(placement, world_from_keyframe)
+        position, baseline, normal = _in_world(placement, world_from_keyframe)
         offsets = self._positions - position
         along = offsets @ baseline
         across = np.linalg.norm(offsets - along[:, None] * baseline, axis=1)
         lengths = np.maximum(self._sizes[:, 0], placement.width)
         heights = np.maximum(self._sizes[:, 1], placement.height)
-        here: NDArray[np.bool_] = (np.abs(along) < _ALONG_SHARE * lengths) & (across < _ACROSS_SHARE * heights)
+        overlaps = (np.abs(along) < _ALONG_SHARE * lengths) & (across < _ACROSS_SHARE * heights)
+        # The back of a thin sign may say something else.
+        here: NDArray[np.bool_] = overlaps & (self._normals @ normal > 0.0)
         return here
 
     def add(
         self, identifier: int, text: str, placement: Placement, world_from_keyframe: Array, legibility: float
     ) -> None:
         """Note a sighting of a class, as what it was read, and how legible it was."""
-        position, _ = _in_world(placement, world_from_keyframe)
+        position, _, normal = _in_world(placement, world_from_keyframe)
         size = [placement.width, placement.height]
         self._classes = np.append(self._classes, identifier)[-_CAPACITY:]
         self._keys = np.append(self._keys, np.array([comparison_key(text)], object))[-_CAPACITY:]
         self._positions = np.vstack([self._positions, position])[-_CAPACITY:]
+        self._normals = np.vstack([self._normals, normal])[-_CAPACITY:]
         self._sizes = np.vstack([self._sizes, size])[-_CAPACITY:]
         self._legibility = np.append(self._legibility, legibility)[-_CAPACITY:]
 
 
-def _in_world(placement: Placement, world_from_keyframe: Array) -> tuple[Array, Array]:
+def _in_world(placement: Placement, world_from_keyframe: Array) -> tuple[Array, Array, Array]:
     position = transform_points(world_from_keyframe, np.array([placement.position]))[0]
-    return position, world_from_keyframe[:3, :3] @ np.array(placement.baseline)
+    rotation = world_from_keyframe[:3, :3]
+    return position, rotation @ np.array(placement.baseline), rotation @ np.array(placement.normal)

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from lpslam.config import SpottingConfig
 from lpslam.language.sanitise import clean_text
-from lpslam.text.detection import Boxes, TextDetector
+from lpslam.text.boxes import Boxes, letter_heights
+from lpslam.text.detection import TextDetector
 from lpslam.text.emblems import RINGS
 from lpslam.text.networks import load_network
 from lpslam.text.recognition import TextRecogniser
@@ -48,39 +49,20 @@ class PaddleSpotter:
         return self._recogniser.recognise(rgb, boxes)
 
 
-def spot(spotter: TextSpotter, rgb: NDArray[np.uint8], config: SpottingConfig) -> list[SpottedText]:
-    """Find and read all text of an image that is wholly in view, large enough and surely read."""
-    boxes, _ = spotter.detect(rgb)
-    boxes = boxes[~touches_border(boxes, rgb.shape[:2], config.border_margin)]
-    boxes = boxes[letter_heights(boxes) >= config.min_letter_height]
-    return [text for text in accepted_texts(boxes, spotter.recognise(rgb, boxes), config) if text is not None]
-
-
-def touches_border(boxes: Boxes, shape: tuple[int, ...], margin: float) -> NDArray[np.bool_]:
-    """Tell which (n, 4, 2) boxes reach into the rim of an image of this (height, width): text cut off (Fig. 11).
-
-    The rim is `margin` times the width at the sides and `margin` times the height at top and bottom.
-    """
-    height, width = shape
-    rim = np.array([width, height]) * margin
-    inside = (boxes > rim) & (boxes < np.array([width - 1, height - 1]) - rim)
-    return np.asarray(~inside.all(axis=(1, 2)), dtype=np.bool_)
-
-
-def letter_heights(boxes: Boxes) -> NDArray[np.float64]:
-    """Height of the letters in (n, 4, 2) boxes, (n,) pixels: across the direction of writing."""
-    sides = np.linalg.norm(np.roll(boxes, -1, axis=1) - boxes, axis=2)
-    along, across = (sides[:, 0] + sides[:, 2]) / 2.0, (sides[:, 1] + sides[:, 3]) / 2.0
-    # A line that runs downwards is as wide as its letters.
-    return np.asarray(np.where(across >= 1.5 * along, along, across), dtype=np.float64)
-
-
 def _without_logos(text: str) -> str:
     """Drop symbols around a text: a logo beside the name is read as ★ or ●, a ring before a capitalised word as O."""
     rim = {ch for ch in text if unicodedata.category(ch) == "So" or ch in _LOGO_LIKE}
     text = text.strip("".join(rim) + " ")
     return text[1:] if text[:1] in _RINGS and text[1:2].isupper() and text[2:3].islower() else text
 
+
+def _letters(text: str) -> int:
+    """Letters and digits of a text; an ideograph counts for two unless a line, a box or a beam looks like it."""
+    return sum(1 + ("\u4e00" <= ch <= "\u9fff" and ch not in _SHAPES) for ch in text if ch.isalnum())
+
+
+_SHAPES = frozenset("一二三十口日目曰田由甲中回工土王山川人入八个卜丁了口凸凹亚皿四")
+"""Ideographs that frames, tiles and beams are read as."""
 
 _LOGO_LIKE = frozenset("*·•°~^_|<>=←↑→↓")
 """What icons, arrows and edges beside a text are read as."""
@@ -93,6 +75,6 @@ def accepted_texts(boxes: Boxes, readings: list[tuple[str, float]], config: Spot
     texts: list[SpottedText | None] = []
     for box, height, (raw, confidence) in zip(boxes, letter_heights(boxes), readings, strict=True):
         text = _without_logos(clean_text(raw, config.max_length))
-        is_text = confidence >= config.min_confidence and sum(ch.isalnum() for ch in text) >= config.min_letters
+        is_text = confidence >= config.min_confidence and _letters(text) >= config.min_letters
         texts.append(SpottedText(text, confidence, box, float(height)) if is_text else None)
     return texts

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from lpslam.config import SpottingConfig
 from lpslam.errors import UserError
 from lpslam.priority import READING, yield_to_others
-from lpslam.text.detection import Boxes
+from lpslam.text.boxes import Boxes
 from lpslam.text.spotting import PaddleSpotter
 
 _PATIENCE = 2.0
@@ -28,6 +28,9 @@ _PATIENCE = 2.0
 
 _MOST_STARTS = 3
 """Times that the process is started before it is given up: it may die of every image."""
+
+_PROVEN = 100
+"""Answers after which a process counts as sound, and may be started as often again."""
 
 
 class SpottingProcess:
@@ -43,7 +46,7 @@ class SpottingProcess:
         self._config = config
         self._process: subprocess.Popen[bytes] | None = None
         self._channel: Connection | None = None
-        self._starts = 0
+        self._starts = self._answers = 0
 
     @staticmethod
     def is_possible() -> bool:
@@ -78,6 +81,9 @@ class SpottingProcess:
         except (EOFError, OSError) as error:
             self._end()
             raise RuntimeError("the process that reads text ended") from error
+        self._answers += 1
+        if self._answers >= _PROVEN:
+            self._starts = 1
         if isinstance(answer, Exception):
             raise answer
         return answer
@@ -85,7 +91,7 @@ class SpottingProcess:
     def _start(self) -> None:
         if self._starts == _MOST_STARTS:
             raise RuntimeError(f"the process that reads text ended {_MOST_STARTS} times")
-        self._starts += 1
+        self._starts, self._answers = self._starts + 1, 0
         self._channel, other = Pipe()
         with other:
             command = [sys.executable, "-m", "lpslam.text.spotting_process", str(other.fileno())]

@@ -139,7 +139,7 @@ class Landmark:
 
 @dataclass(slots=True)
 class TextStatistics:
-    """What reading has cost and what was lost on the way; plain counts and milliseconds."""
+    """What reading has cost and what was lost on the way: counts, milliseconds, and the first error's words."""
 
     frames_seen: int = 0
     frames_read: int = 0
@@ -155,6 +155,7 @@ class TextStatistics:
     observations: int = 0
     observations_without_depth: int = 0
     reader_errors: int = 0
+    first_reader_error: str = ""
     language_errors: int = 0
     detection_ms: float = 0.0
     recognition_ms: float = 0.0

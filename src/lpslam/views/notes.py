@@ -30,6 +30,12 @@ def run_notes(
     unread = int(world.statistics["run"]["frames_unread_for_lack_of_time"])
     if unread:
         notes.append(f"{_frames(unread)} not read for lack of time; --sequential reads all that are due")
+    abandoned = int(world.statistics["run"].get("keyframes_abandoned", 0))
+    if abandoned:
+        notes.append(f"{abandoned} keyframes left as they were: the machine was too slow to work them into the map")
+    reading = world.statistics["reading"]
+    if reading.get("reader_errors"):
+        notes.append(f"text not read in {_frames(int(reading['reader_errors']))}; {reading['first_reader_error']}")
     later = [f"{note}; 'lpslam distill' asks for names again" for note in naming_notes(world, model)]
     return notes + event_notes(world.events) + later
 

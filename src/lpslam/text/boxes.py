@@ -1,0 +1,36 @@
+"""What the corners of a text's box say of it."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Boxes = NDArray[np.float64]
+"""(n, 4, 2) raw pixels, each box ordered top left, top right, bottom right, bottom left."""
+
+
+def touches_border(boxes: Boxes, shape: tuple[int, ...], margin: float) -> NDArray[np.bool_]:
+    """Tell which (n, 4, 2) boxes reach into the rim of an image of this (height, width): text cut off (Fig. 11).
+
+    The rim is `margin` times the width at the sides and `margin` times the height at top and bottom.
+    """
+    height, width = shape
+    rim = np.array([width, height]) * margin
+    inside = (boxes > rim) & (boxes < np.array([width - 1, height - 1]) - rim)
+    return np.asarray(~inside.all(axis=(1, 2)), dtype=np.bool_)
+
+
+def letter_heights(boxes: Boxes) -> NDArray[np.float64]:
+    """Height of the letters in (n, 4, 2) boxes, (n,) pixels: across the direction of writing."""
+    width, height = _sizes(boxes)
+    # A line that runs downwards is as wide as its letters.
+    return np.where(runs_downwards(boxes), width, height)
+
+
+def runs_downwards(boxes: Boxes) -> NDArray[np.bool_]:
+    """Tell which (n, 4, 2) boxes hold a line that runs downwards: those half again as high as wide."""
+    width, height = _sizes(boxes)
+    return height >= 1.5 * width
+
+
+def _sizes(boxes: Boxes) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    sides = np.linalg.norm(np.roll(boxes, -1, axis=1) - boxes, axis=2)
+    return (sides[:, 0] + sides[:, 2]) / 2.0, (sides[:, 1] + sides[:, 3]) / 2.0
