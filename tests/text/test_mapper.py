@@ -423,3 +423,12 @@ def test_a_blurred_start_at_time_zero_is_read_in_the_end() -> None:
     for index in range(1, 40):
         mapper.observe(frame(index, FLAT), tracked(index))
     assert mapper.statistics.frames_read > 1
+
+
+@pytest.mark.parametrize(("width", "fate"), [(34.0, BoxFate.KEPT), (60.0, BoxFate.UNREAD)])
+def test_one_character_of_a_box_for_two_is_not_believed(width: float, fate: BoxFate) -> None:
+    """Two ideographs seen aslant look like another one; the surface tells how wide they are."""
+    mapper = TextMapper(CAMERA, ScriptedSpotter((box(100, 200, width, 34.0), "男", 0.98)), CONFIG)
+    reading = mapper.observe(frame(0), tracked(0))
+    assert reading is not None
+    assert reading.fates == (fate,)

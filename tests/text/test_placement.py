@@ -212,3 +212,14 @@ def test_a_vertical_line_before_a_nearer_wall_is_not_hidden_and_one_cut_off_belo
     depth = wall_depth(centre, normal, 0.0022)
     depth[int(box[:, 1].max()) + 2 :] = 2.5
     assert place_text(box, depth, CAMERA, np.eye(4), CONFIG) is PlacementFault.HIDDEN
+
+
+@pytest.mark.parametrize("side", ["left", "above"])
+def test_a_sign_beyond_the_sensors_reach_does_not_hang_on_what_is_beside_it(side: str) -> None:
+    _, box, _ = sign(np.array([0.0, 0.0, 7.0]), 0.0, width=1.2, height=0.3)
+    depth = np.zeros((480, 640), np.float32)
+    if side == "left":
+        depth[:, : int(box[:, 0].min())] = 3.0
+    else:
+        depth[: int(box[:, 1].min())] = 3.0
+    assert place_text(box, depth, CAMERA, np.eye(4), CONFIG) is PlacementFault.NO_DEPTH

@@ -238,7 +238,7 @@ class LoopCorrector:
                 self._apply_bundle(gathered, *solved)
 
     def adjust_fully(self, keyframe: int, stop: NDArray[np.bool_]) -> bool:
-        """Bundle adjustment of the whole sub-map of a keyframe; False if it was abandoned, or the sub-map is too large.
+        """Bundle adjustment of the whole sub-map of a keyframe; False if it was abandoned.
 
         What came to the map meanwhile is carried along with its parents.
         """

@@ -206,6 +206,10 @@ class TextMapper:
             readings = self._spotter.recognise(frame.rgb, boxes[kept]) if len(kept) else []
             self.statistics.recognition_ms += 1000.0 * (perf_counter() - started)
             accepted = accepted_texts(boxes[kept], readings, config)
+            accepted = [
+                None if text is not None and _is_squeezed(text.text, placements[row]) else text
+                for row, text in zip(kept.tolist(), accepted, strict=True)
+            ]
         except Exception as error:
             if not self.statistics.reader_errors:
                 self.statistics.first_reader_error = f"frame {frame.index}: {error!r}"
@@ -282,6 +286,19 @@ class TextMapper:
         self.statistics.texts_rejected += int((fates == BoxFate.UNREAD).sum())
         self.statistics.texts_read += len(texts)
         self.statistics.observations_without_depth += sum(isinstance(each, PlacementFault) for _, each in texts)
+
+
+def _is_squeezed(text: str, placement: Placement | PlacementFault) -> bool:
+    """Whether one character was read of what has room for more: two ideographs seen aslant look like another one."""
+    if sum(ch.isalnum() for ch in text) != 1:
+        return False
+    if isinstance(placement, PlacementFault):
+        return True
+    return max(placement.width, placement.height) > _SQUARE * min(placement.width, placement.height)
+
+
+_SQUARE = 1.5
+"""Largest ratio of the sides of a character's box, in metres."""
 
 
 def _observation(frame: RgbdFrame, keyframe: int, text: SpottedText, placement: Placement) -> TextObservation:

@@ -56,14 +56,14 @@ def place_text(
     """
     middle_of_box = box.mean(axis=0)
     pixels, depths, area = _depths_inside(middle_of_box + (box - middle_of_box) * config.inner_share, depth, config)
-    is_own = _are_enough(depths, area, config)
+    is_own = len(depths) >= max(config.min_samples, config.min_depth_share * area)
     rays = camera.back_project(camera.undistort(pixels), np.ones(len(depths)))
     corner_rays = camera.back_project(camera.undistort(box), np.ones(4))
     if not is_own:
-        pixels, depths, area = _depths_inside(_grown(box, config.surroundings), depth, config)
+        pixels, depths, _ = _depths_inside(_grown(box, config.surroundings), depth, config)
         rays = camera.back_project(camera.undistort(pixels), np.ones(len(depths)))
-        if not _are_enough(depths, area, config):
-            rays, depths = _points_inside(_grown(box, config.surroundings_of_points), map_points(), camera)
+        if len(depths) < config.min_samples or not _surround(corner_rays.mean(axis=0), rays):
+            rays, depths = _points_inside(_grown(box, config.surroundings_of_points), map_points(), camera, config)
             if len(depths) < config.min_points:
                 return PlacementFault.NO_DEPTH
 
@@ -71,9 +71,10 @@ def place_text(
     corner_inverse_depths = corner_rays @ inverse_plane
     # A plane that leaves the box's corners without a believable depth is no surface to write on.
     believable = (corner_inverse_depths > 0.5 / config.max_depth) & (corner_inverse_depths < 2.0 / config.min_depth)
-    if inliers.mean() < config.min_inlier_share or not believable.all():
-        if not is_own:
-            return PlacementFault.NO_DEPTH
+    is_plane = inliers.mean() >= config.min_inlier_share and believable.all()
+    if not is_own and not (is_plane and _surround(corner_rays.mean(axis=0), rays[inliers])):
+        return PlacementFault.NO_DEPTH
+    if not is_plane:
         middle = np.median(depths)
         corners = corner_rays * middle
         normal = -_unit(corners.mean(axis=0))
@@ -108,10 +109,6 @@ def place_text(
     )
 
 
-def _are_enough(depths: Array, area: int, config: PlacementConfig) -> bool:
-    return len(depths) >= max(config.min_samples, config.min_depth_share * area)
-
-
 def _grown(box: Array, share: float) -> Array:
     """The box (4, 2) with so large a share of its letters' height added on every side."""
     top_left, top_right, bottom_right, bottom_left = box
@@ -121,9 +118,23 @@ def _grown(box: Array, share: float) -> Array:
     return np.asarray(box + share * float(letter_heights(box[None])[0]) * outwards, dtype=np.float64)
 
 
-def _points_inside(quadrilateral: Array, points: Array, camera: PinholeCamera) -> tuple[Array, Array]:
+def _surround(middle: Array, rays: Array) -> bool:
+    """Whether rays (n, 3) lie on all sides of the middle (3,) of a box: what is on one side may hang before it."""
+    offsets = rays[:, :2] - middle[:2]
+    angles = np.sort(np.arctan2(offsets[:, 1], offsets[:, 0]))
+    gaps = np.diff(angles, append=angles[:1] + 2.0 * np.pi)
+    return bool(len(angles) and gaps.max() < _WIDEST_GAP)
+
+
+_WIDEST_GAP = 0.75 * np.pi
+"""Radians around a box without evidence: one side of it may be cut off, two may not."""
+
+
+def _points_inside(
+    quadrilateral: Array, points: Array, camera: PinholeCamera, config: PlacementConfig
+) -> tuple[Array, Array]:
     """Of points (n, 3) in the camera's frame those seen inside: their rays (m, 3) and depths (m,)."""
-    points = points[points[:, 2] > 0.0]
+    points = points[(points[:, 2] >= config.min_depth) & (points[:, 2] <= config.max_depth)]
     quadrilateral = camera.undistort(quadrilateral)
     sides = np.roll(quadrilateral, -1, axis=0) - quadrilateral
     offsets = camera.project(points)[:, None] - quadrilateral
