@@ -190,7 +190,7 @@ def run(
                     tracked,
                     count,
                     count / (time.perf_counter() - started),
-                    slam.map.keyframe_count,
+                    len(slam.map.living_keyframes()),
                     len(text_map.memory.long_term),
                 )
             )
@@ -277,7 +277,7 @@ def localise(
             reading.observe(frame, tracked)
         count += 1
         rate = count / (time.perf_counter() - started)
-        on_progress(Progress(tracked, count, rate, slam.map.keyframe_count, landmarks))
+        on_progress(Progress(tracked, count, rate, len(slam.map.living_keyframes()), landmarks))
     slam.finish()
     poses = StampedPoses(*slam.trajectory.world_from_camera(slam.map))
     return Localised(poses, count, slam.events, seconds_tracking)

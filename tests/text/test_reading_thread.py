@@ -86,7 +86,7 @@ def test_an_error_is_raised_at_the_next_frame_and_not_only_after_hours() -> None
     offered: list[int] = []
 
     def run() -> None:
-        with ReadingThread(mapper, 3) as reader:
+        with ReadingThread(mapper, 1000) as reader:
             for index in range(1000):
                 reader.observe(*frame(index))
                 offered.append(index)

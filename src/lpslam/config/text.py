@@ -84,6 +84,8 @@ class PlacementConfig(Section):
     # ... then among the map's points, of which so many must lie there.
     surroundings_of_points: float = Field(default=3.0, gt=0)
     min_points: int = Field(default=8, ge=3)
+    # Metres, standard deviation: a sign need not lie in the surface around it.
+    surroundings_uncertainty: float = Field(default=0.3, ge=0)
     # Triples tried by the plane fit.
     trials: int = Field(default=64, ge=1)
     # Inlier band of the plane in inverse depth, 1/m: three sigma of a sensor whose error is 2.2 mm x depth squared.
@@ -135,6 +137,9 @@ class InstanceConfig(Section):
     # Texts that move faster than this, metres a second, over at least so many metres, are carried by someone.
     carried_speed: float = Field(default=0.2, gt=0)
     carried_distance: float = Field(default=0.4, gt=0)
+    # Positions more uncertain than this, metres, count only if none within so many metres is surer.
+    doubtful_uncertainty: float = Field(default=0.2, gt=0)
+    doubtful_distance: float = Field(default=3.0, ge=0)
     # Seconds without a sighting after which the next one belongs to another visit.
     visit_pause: float = Field(default=2.0, gt=0)
 

@@ -128,7 +128,7 @@ class TextMapper:
         if tracked.is_doubted:
             # Where a text stands would be wrong with the place: nothing is remembered until that is known.
             for text, placement in zip(reading.texts, reading.placements, strict=True):
-                if placement is not None:
+                if placement is not None and self._is_sure(placement):
                     self._on_doubtful(_observation(frame, tracked.keyframe, text, placement))
             self._gate.hurry(frame.timestamp)
             return reading
@@ -144,7 +144,8 @@ class TextMapper:
             if placement is not None:
                 observation = _observation(frame, tracked.keyframe, text, placement)
                 text_class.observations.append(observation)
-                self._on_sighting(text_class.id, observation)
+                if self._is_sure(placement):
+                    self._on_sighting(text_class.id, observation)
                 observations.append(observation)
             if text_class.pool is Pool.LONG_TERM and needs_name(text_class):
                 self._name(text_class)
@@ -161,7 +162,8 @@ class TextMapper:
         reading = self._read(frame, np.eye(4), None, NOWHERE)
         if reading is not None:
             placed = zip(reading.texts, reading.placements, strict=True)
-            self._on_lost([_observation(frame, NOWHERE, text, where) for text, where in placed if where is not None])
+            sure = [(text, where) for text, where in placed if where is not None and self._is_sure(where)]
+            self._on_lost([_observation(frame, NOWHERE, text, where) for text, where in sure])
 
     def _read(
         self, frame: RgbdFrame, keyframe_from_camera: Array, world_from_keyframe: Array | None, keyframe: int
@@ -195,7 +197,7 @@ class TextMapper:
             fates[[row for row, each in placements.items() if each in cut]] = BoxFate.HIDDEN
             heights = letter_heights(boxes)
             for row, placement in placements.items():
-                if not isinstance(placement, PlacementFault) and world_from_keyframe is not None:
+                if isinstance(placement, Placement) and self._is_sure(placement) and world_from_keyframe is not None:
                     seen = legibility(heights[row], frontal_cosine(placement, keyframe_from_camera))
                     if self._is_known(placement, seen, frame.timestamp, world_from_keyframe):
                         fates[row] = BoxFate.KNOWN
@@ -231,6 +233,10 @@ class TextMapper:
             return np.zeros((0, 3))
         return transform_points(inverse_transform(keyframe_from_camera), self._points_seen_by(keyframe))
 
+    def _is_sure(self, placement: Placement) -> bool:
+        """Whether a place is certain enough to be evidence of what stands where."""
+        return placement.uncertainty <= self._config.instances.doubtful_uncertainty
+
     def _is_known(self, placement: Placement, seen: float, timestamp: float, world_from_keyframe: Array) -> bool:
         """Whether what stands here is known so well that reading it again would tell nothing; it is confirmed then."""
         settled = self._spots.settled_at(placement, world_from_keyframe, seen, self._config.reading.settled_sightings)
@@ -249,7 +255,7 @@ class TextMapper:
     ) -> TextClass:
         """Classify a text by what it says and where it stands, and strengthen its class (III-C, III-D)."""
         memory = self.text_map.memory
-        if placement is None or world_from_keyframe is None:
+        if placement is None or world_from_keyframe is None or not self._is_sure(placement):
             return memory.sight(text.text, text.confidence, timestamp, legibility=seen)
         here = self._spots.classes_at(placement, world_from_keyframe)
         text_class = memory.sight(text.text, text.confidence, timestamp, here, seen)

@@ -98,6 +98,7 @@ def place_text(
     along = (corners[1] + corners[2] - corners[0] - corners[3]) / 2.0
     across = (corners[2] + corners[3] - corners[0] - corners[1]) / 2.0
     width, height = float(np.linalg.norm(along)), float(np.linalg.norm(across))
+    spread = np.hypot(noise / np.sqrt(len(depths) / 10.0), _BOX_STRAY * height)
     rotation = keyframe_from_camera[:3, :3]
     return Placement(
         position=_vector(transform_points(keyframe_from_camera, centre[None])[0]),
@@ -105,7 +106,7 @@ def place_text(
         baseline=_vector(rotation @ _unit(along)),
         width=width,
         height=height,
-        uncertainty=float(np.hypot(noise / np.sqrt(len(depths) / 10.0), _BOX_STRAY * height)),
+        uncertainty=float(spread if is_own else np.hypot(spread, config.surroundings_uncertainty)),
     )
 
 

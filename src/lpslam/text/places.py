@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import KDTree
 
 from lpslam.config import InstanceConfig
 from lpslam.language.spelling import misreading_cost, weigh
@@ -78,8 +79,9 @@ def places_of_class(text_class: TextClass, world_from_keyframe: KeyframePoses, c
     A place seen but once is a slip of depth or of reading, unless the class has no other.
     """
     observations = [each for each in text_class.observations if world_from_keyframe(each.keyframe) is not None]
-    standing = _standing(observations, world_placements(observations, world_from_keyframe)[0], config)
-    observations = [observations[row] for row in standing]
+    for leave_out in (_doubtful, _carried):
+        left_out = leave_out(observations, world_placements(observations, world_from_keyframe)[0], config)
+        observations = [each for each, is_out in zip(observations, left_out, strict=True) if not is_out]
     if not observations:
         return []
     positions, normals, baselines = world_placements(observations, world_from_keyframe)
@@ -134,17 +136,27 @@ _IDEOGRAPHS = "\u2e80"
 """The first character of the East Asian scripts."""
 
 
-def _standing(observations: Sequence[TextObservation], positions: Array, config: InstanceConfig) -> list[int]:
-    """Rows of the observations that stand still; visit by visit, since someone may walk by again later.
+def _doubtful(observations: Sequence[TextObservation], positions: Array, config: InstanceConfig) -> NDArray[np.bool_]:
+    """Which observations (n,) are much less certain than others near: those say where the text stands."""
+    uncertain = np.array([each.placement.uncertainty > config.doubtful_uncertainty for each in observations], np.bool_)
+    if uncertain.all() or not uncertain.any():
+        return np.zeros(len(observations), np.bool_)
+    distances, _ = KDTree(positions[~uncertain]).query(positions)
+    return np.asarray(uncertain & (distances < config.doubtful_distance), np.bool_)
+
+
+def _carried(observations: Sequence[TextObservation], positions: Array, config: InstanceConfig) -> NDArray[np.bool_]:
+    """Which observations (n,) move along; visit by visit, since someone may walk by again later.
 
     Before they are split into places: where few are read, a walker's fall into several.
     """
     times = np.array([each.timestamp for each in observations])
     ordered = np.argsort(times, kind="stable")
     visits = np.split(ordered, np.flatnonzero(np.diff(times[ordered]) > config.visit_pause) + 1)
-    return sorted(
-        row for visit in visits if not _is_carried(positions[visit], times[visit], config) for row in visit.tolist()
-    )
+    carried = np.zeros(len(observations), np.bool_)
+    for visit in visits:
+        carried[visit] = _is_carried(positions[visit], times[visit], config)
+    return carried
 
 
 def _is_carried(positions: Array, timestamps: Array, config: InstanceConfig) -> bool:
