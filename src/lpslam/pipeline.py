@@ -149,7 +149,7 @@ def run(
                 spotter = resources.enter_context(SpottingProcess(config.text.spotting))
             mapper = TextMapper(
                 source.camera,
-                spotter or _load_spotter(config.text.spotting, is_threaded),
+                spotter or _load_spotter(config.text.spotting, READING if live else 0),
                 config.text,
                 OfflineModel(),
                 text_map,
@@ -269,7 +269,7 @@ def localise(
         if classes and (tracked.is_doubted or tracked.state is TrackingState.LOST):
             reading = reading or TextMapper(
                 source.camera,
-                spotter or _load_spotter(config.text.spotting, is_threaded=False),
+                spotter or _load_spotter(config.text.spotting, 0),
                 config.text,
                 on_doubtful=words.note_doubtful,
                 on_lost=words.note_lost,
@@ -291,14 +291,15 @@ def _naming_beside(language: LanguageModel | None) -> NamingBeside | None:
 
 
 def _reading_thread(mapper: TextMapper, config: ReadingConfig, live: bool) -> ReadingThread:
-    """Live, the newest frame is read; of a recording none is left out."""
-    return ReadingThread(mapper, 1, config.live_share) if live else ReadingThread(mapper, config.queue_size)
+    """Live, the newest frame is read, and tracking comes first; of a recording none is left out."""
+    if live:
+        return ReadingThread(mapper, 1, config.live_share, READING)
+    return ReadingThread(mapper, config.queue_size)
 
 
-def _load_spotter(config: SpottingConfig, is_threaded: bool) -> PaddleSpotter:
+def _load_spotter(config: SpottingConfig, niceness: int) -> PaddleSpotter:
     # The engine's own threads are as patient as the thread that loads it.
-    initializer = partial(yield_to_others, READING) if is_threaded else None
-    with ThreadPoolExecutor(1, initializer=initializer) as loader:
+    with ThreadPoolExecutor(1, initializer=partial(yield_to_others, niceness)) as loader:
         return loader.submit(PaddleSpotter, config).result()
 
 

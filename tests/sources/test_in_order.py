@@ -64,12 +64,19 @@ def test_a_misshapen_frame_is_a_fault() -> None:
     assert [fault.reason for fault in source.faults] == ["its depth is 8×6; the camera is 4×3"]
 
 
-def test_a_picture_that_is_repeated_is_a_camera_that_hangs() -> None:
-    source = InOrder(Listed([0.0, 0.1, 0.2, 0.3, 0.4], shown={2: 1, 3: 1}))
-    assert [frame.index for frame in source] == [0, 1, 4]
-    assert {fault.reason for fault in source.faults} == {
-        "its colour repeats the frame before, byte for byte: the camera hangs"
-    }
+def test_a_picture_that_is_repeated_again_and_again_is_a_camera_that_hangs() -> None:
+    source = InOrder(Listed([0.0, 0.1, 0.2, 0.3, 0.4, 0.5], shown={2: 1, 3: 1, 4: 1}))
+    assert [frame.index for frame in source] == [0, 1, 2, 5]
+    assert [fault.reason for fault in source.faults] == [
+        f"its colour repeats the frames before, byte for byte, {times} times: the camera hangs" for times in (2, 3)
+    ]
+
+
+def test_a_picture_that_is_repeated_once_in_a_while_is_of_a_camera_that_is_slow() -> None:
+    """One frame in six of a real recording."""
+    source = InOrder(InOrder(Listed([0.1 * n for n in range(12)], shown={3: 2, 6: 5, 8: 7, 11: 10})))
+    assert [frame.index for frame in source] == list(range(12))
+    assert source.faults == []
 
 
 def test_a_covered_lens_is_not_held_to_hang() -> None:

@@ -73,6 +73,7 @@ class Tracker:
         self.state = TrackingState.INITIALISING if founds else TrackingState.LOST
         self._reference = slam_map.keyframe_count - 1
         self._last: LastFrame | None = None
+        self._is_repeated = False
         self._motion = ConstantVelocity()
         self._guesser = Guesser(extractor, sensor, slam_map, self._associator, self._motion, config.tracking)
         self._anchored_at = -np.inf
@@ -86,6 +87,7 @@ class Tracker:
     def track(self, frame: RgbdFrame) -> TrackedFrame:
         """Find the pose of a frame; a frame that should become a keyframe is added to the map."""
         gray = gray_of(frame.rgb)
+        self._is_repeated = self._last is not None and np.array_equal(gray, self._last.gray)
         if self._doubt.is_open and self._last is not None:
             self._settle_doubt(frame, self._last)
         followed = self._follow(frame, gray)
@@ -282,6 +284,8 @@ class Tracker:
             reason = f"{estimate.matches} map points matched"
         elif not is_sure:
             reason = "most of what was followed disagrees"
+        elif self._is_repeated:
+            reason = "its picture repeats the one before: it may be of a moment gone by"
         elif sharpness < self._config.blur_ratio:
             reason = self._sharpness.fault(frame)
         else:

@@ -14,8 +14,9 @@ class InOrder:
     """A `FrameSource` that leaves out frames of another one that come late, twice, without a time or misshapen.
 
     Tracking predicts from the frame before: time that runs backwards or stands still has no velocity. A colour picture
-    that is repeated byte for byte is a camera that hangs: no sensor is free of noise, and its pose would be that of a
-    moment gone by. What is left out is a fault like any other.
+    that is repeated byte for byte again and again is a camera that hangs: no sensor is free of noise, and its pose
+    would be that of a moment gone by. Repeated once, it was only a little slow; recordings are full of such. What is
+    left out is a fault like any other.
 
     Args:
         source: where the frames come from.
@@ -52,10 +53,13 @@ class InOrder:
         self._own_faults = faults = []
         latest = -np.inf
         shown: NDArray[np.uint8] | None = None
+        repeats = 0
         for frame in self.source:
             defect = self._shape_defect(frame) or _time_defect(frame.timestamp, latest)
-            if not defect and shown is not None and _is_repeated(frame.rgb, shown):
-                defect = "its colour repeats the frame before, byte for byte: the camera hangs"
+            if not defect:
+                repeats = repeats + 1 if shown is not None and _is_repeated(frame.rgb, shown) else 0
+                if repeats > _SLOW:
+                    defect = f"its colour repeats the frames before, byte for byte, {repeats} times: the camera hangs"
             if defect:
                 faults.append(FrameFault(frame.index, frame.timestamp, defect))
                 continue
@@ -70,6 +74,10 @@ class InOrder:
             if found != wanted:
                 return f"its {kind} is {'×'.join(map(str, found[::-1]))}; the camera is {wanted[1]}×{wanted[0]}"
         return ""
+
+
+_SLOW = 1
+"""Times that a picture may be repeated by a camera that is slow and does not hang."""
 
 
 def _is_repeated(rgb: NDArray[np.uint8], before: NDArray[np.uint8]) -> bool:

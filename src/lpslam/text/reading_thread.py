@@ -7,7 +7,7 @@ from types import TracebackType
 from typing import Self
 
 from lpslam.frames import RgbdFrame
-from lpslam.priority import READING, yield_to_others
+from lpslam.priority import yield_to_others
 from lpslam.slam.state import TrackedFrame
 from lpslam.text.mapper import TextMapper
 
@@ -25,13 +25,15 @@ class ReadingThread:
         mapper: reads and remembers.
         queue_size: frames that may wait.
         share: of the time, 0 to 1, that may be spent reading.
+        niceness: how far the thread stands back behind others.
 
     Attributes:
         dropped: frames that were worth reading but were not read for lack of time.
     """
 
-    def __init__(self, mapper: TextMapper, queue_size: int, share: float = 1.0) -> None:
+    def __init__(self, mapper: TextMapper, queue_size: int, share: float = 1.0, niceness: int = 0) -> None:
         self._mapper = mapper
+        self._niceness = niceness
         self._share = share
         self._queue: deque[tuple[RgbdFrame, TrackedFrame]] = deque()
         self._queue_size = queue_size
@@ -84,7 +86,7 @@ class ReadingThread:
             raise self._error
 
     def _work(self) -> None:
-        yield_to_others(READING)
+        yield_to_others(self._niceness)
         while True:
             with self._changed:
                 self._changed.wait_for(lambda: self._queue or self._closing)
