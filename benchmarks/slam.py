@@ -34,7 +34,7 @@ def main() -> None:
     parser.add_argument("--minutes", type=float, default=30.0, help="scale: length of the run (default 30)")
     parser.add_argument("--keyframes", type=int, default=2000, help="large: size of the map (default 2000)")
     parser.add_argument("--out", type=Path, help="folder for results.jsonl and pictures")
-    given = parser.parse_args()
+    given = parser.parse_intermixed_args()
     # Before numpy loads: its threads would hide processor time from the thread that is measured.
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ[name] = "1"

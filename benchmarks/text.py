@@ -33,7 +33,7 @@ def main() -> None:
     parser.add_argument("--minutes", type=float, default=30.0, help="of a long walk (default 30)")
     parser.add_argument("--engine", choices=["auto", "openvino", "onnxruntime"], default="auto")
     parser.add_argument("--out", type=Path, help="folder for results.jsonl, maps and pictures")
-    given = parser.parse_args()
+    given = parser.parse_intermixed_args()
     # Before numpy loads: its threads would hide processor time from what is measured.
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ[name] = "1"

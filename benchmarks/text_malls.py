@@ -108,7 +108,7 @@ def _mapped(recording: Recording, how: str, config: Config) -> Mapped:
     spent = time.process_time() - started
     signs = read_signs(recording.folder) or []
     scores = evaluate(world, recording.truth, signs, len(source), config.evaluation)
-    # Live, the pipeline loads a reader of its own, which leaves the processor to tracking; its time is the clock's.
+    # Live, the pipeline loads a reader of its own.
     cost = scores.reading.reader_seconds if scores.reading else 0.0
     return Mapped(recording, world, signs, scores, spent, cost if how == "live" else spotter.processor_seconds)
 

@@ -54,7 +54,7 @@ def test_what_is_read_wrongly_elsewhere_or_from_nowhere_does_not_count() -> None
 
 def test_cost_is_told_by_the_minute() -> None:
     statistics = {
-        "frames_read": 40, "texts_read": 60, "texts_rejected": 15, "detection_ms": 4000.0, "recognition_ms": 1500.0,
+        "frames_read": 40, "texts_read": 60, "texts_rejected": 15, "reader_processor_ms": 5500.0,
         "mapping_ms": 900.0,
     }  # fmt: skip
     cost = reading_cost(statistics, 20.0)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from lpslam.config import SpottingConfig
 from lpslam.errors import UserError
-from lpslam.text.spotting import PaddleSpotter
+from lpslam.text.spotting import PaddleSpotter, ReadsElsewhere
 from lpslam.text.spotting_process import SpottingProcess
 
 CONFIG = SpottingConfig()
@@ -74,3 +74,28 @@ def test_a_missing_engine_is_the_users_error() -> None:
     missing = CONFIG.model_copy(update={"engine": "no_such_engine"})
     with pytest.raises(UserError, match="not installed"), SpottingProcess(missing):
         pass
+
+
+def test_the_processor_time_of_the_other_process_is_counted(image: NDArray[np.uint8]) -> None:
+    with SpottingProcess(CONFIG) as process:
+        assert isinstance(process, ReadsElsewhere)
+        process.detect(image)
+        once = process.seconds_elsewhere
+        assert 0.01 < once < 20.0
+        process.detect(image)
+        assert process.seconds_elsewhere > once
+
+
+def test_a_process_that_has_proven_sound_may_be_started_again_as_often(
+    image: NDArray[np.uint8], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Three deaths in a day of reading are no reason to stop."""
+    monkeypatch.setattr("lpslam.text.spotting_process._PROVEN", 1)
+    with SpottingProcess(CONFIG) as process:
+        for _ in range(4):
+            assert len(process.detect(image)[0]) == 1
+            assert process._process is not None
+            process._process.kill()
+            with pytest.raises(RuntimeError, match="ended"):
+                process.detect(image)
+        assert len(process.detect(image)[0]) == 1

@@ -22,7 +22,7 @@ class ReadingCost:
     Attributes:
         seconds: of the recording.
         detections, recognitions: images searched, and boxes read.
-        reader_seconds: that the reader took.
+        reader_seconds: of processor time that reading and placing texts took.
     """
 
     seconds: float
@@ -59,7 +59,7 @@ def reading_cost(statistics: dict[str, float], seconds: float) -> ReadingCost | 
         seconds=seconds,
         detections=int(statistics["frames_read"]),
         recognitions=int(statistics["texts_read"] + statistics["texts_rejected"]),
-        reader_seconds=(statistics["detection_ms"] + statistics["recognition_ms"]) / 1000.0,
+        reader_seconds=statistics.get("reader_processor_ms", 0.0) / 1000.0,
     )
 
 

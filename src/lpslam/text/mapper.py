@@ -4,7 +4,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from time import perf_counter
+from time import perf_counter, thread_time
 
 import cv2
 import numpy as np
@@ -22,7 +22,7 @@ from lpslam.text.memory import Pool, TextClass
 from lpslam.text.naming import BesideNaming, name_class, needs_name, rename_class
 from lpslam.text.placement import PlacementFault, place_text
 from lpslam.text.spots import Spots
-from lpslam.text.spotting import TextSpotter, accepted_texts
+from lpslam.text.spotting import ReadsElsewhere, TextSpotter, accepted_texts
 from lpslam.text.text_map import TextMap
 from lpslam.text.types import BoxFate, FrameReading, Placement, SpottedText, TextObservation, TextStatistics
 
@@ -174,6 +174,7 @@ class TextMapper:
         """
         self.statistics.frames_read += 1
         config = self._config.spotting
+        processor = self._processor_seconds()
         # A reader may raise anything, on one image in a thousand; the map is worth more than that image.
         try:
             started = perf_counter()
@@ -217,6 +218,8 @@ class TextMapper:
                 self.statistics.first_reader_error = f"frame {frame.index}: {error!r}"
             self.statistics.reader_errors += 1
             return None
+        finally:
+            self.statistics.reader_processor_ms += 1000.0 * (self._processor_seconds() - processor)
         fates[kept[[each is None for each in accepted]]] = BoxFate.UNREAD
         texts = [(text, placements[row]) for row, text in zip(kept.tolist(), accepted, strict=True) if text]
         self._count(fates, texts)
@@ -227,6 +230,10 @@ class TextMapper:
             texts=tuple(text for text, _ in texts),
             placements=tuple(None if isinstance(each, PlacementFault) else each for _, each in texts),
         )
+
+    def _processor_seconds(self) -> float:
+        spotter = self._spotter
+        return thread_time() + (spotter.seconds_elsewhere if isinstance(spotter, ReadsElsewhere) else 0.0)
 
     def _points_in_view(self, keyframe: int, keyframe_from_camera: Array) -> Array:
         if keyframe == NOWHERE:

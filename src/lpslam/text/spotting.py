@@ -29,6 +29,17 @@ class TextSpotter(Protocol):
         ...
 
 
+@runtime_checkable
+class ReadsElsewhere(Protocol):
+    """A `TextSpotter` whose work is not done by the thread that asks.
+
+    Attributes:
+        seconds_elsewhere: of processor time that it has taken so far.
+    """
+
+    seconds_elsewhere: float
+
+
 class PaddleSpotter:
     """DBNet detection and CTC recognition with PaddleOCR's networks.
 

@@ -8,6 +8,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Sequence
 from contextlib import suppress
 from multiprocessing import Pipe
@@ -38,6 +39,9 @@ class SpottingProcess:
 
     A process that dies is started again for the next image.
 
+    Attributes:
+        seconds_elsewhere: of processor time that the processes have read for.
+
     Raises:
         UserError: on entering, where the models or the engine are not installed.
     """
@@ -47,6 +51,7 @@ class SpottingProcess:
         self._process: subprocess.Popen[bytes] | None = None
         self._channel: Connection | None = None
         self._starts = self._answers = 0
+        self.seconds_elsewhere = 0.0
 
     @staticmethod
     def is_possible() -> bool:
@@ -77,10 +82,11 @@ class SpottingProcess:
         try:
             channel.send((what, rgb.shape, more))
             channel.send_bytes(np.ascontiguousarray(rgb).reshape(-1).data)
-            answer = channel.recv()
+            answer, seconds = channel.recv()
         except (EOFError, OSError) as error:
             self._end()
             raise RuntimeError("the process that reads text ended") from error
+        self.seconds_elsewhere += seconds
         self._answers += 1
         if self._answers >= _PROVEN:
             self._starts = 1
@@ -133,11 +139,14 @@ def serve(channel: Connection) -> None:
     while True:
         what, shape, more = channel.recv()
         rgb = np.frombuffer(channel.recv_bytes(), np.uint8).reshape(shape)
+        started = time.process_time()
+        answer: Any
         # The parent counts what goes wrong and goes on with the next image.
         try:
-            channel.send(spotter.detect(rgb) if what == "detect" else spotter.recognise(rgb, *more))
+            answer = spotter.detect(rgb) if what == "detect" else spotter.recognise(rgb, *more)
         except Exception as error:
-            channel.send(RuntimeError(repr(error)))
+            answer = RuntimeError(repr(error))
+        channel.send((answer, time.process_time() - started))
 
 
 def _main() -> None:

@@ -157,6 +157,7 @@ class TextStatistics:
     reader_errors: int = 0
     first_reader_error: str = ""
     language_errors: int = 0
+    reader_processor_ms: float = 0.0
     detection_ms: float = 0.0
     recognition_ms: float = 0.0
     mapping_ms: float = 0.0

@@ -44,7 +44,7 @@ def score_facts(scores: Evaluation) -> dict[str, str]:
     if (cost := scores.reading) is not None:
         facts["reading a minute"] = (
             f"{cost.detections_a_minute:.0f} images searched, {cost.recognitions_a_minute:.0f} boxes read, "
-            f"{cost.reader_seconds_a_minute:.1f} s of the reader"
+            f"{cost.reader_seconds_a_minute:.1f} s of processor time"
         )
     return facts
 
