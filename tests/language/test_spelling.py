@@ -52,6 +52,9 @@ def test_repetition_counts_for_less_than_variety() -> None:
         ([("GAO", 5, 0.95)], "GAO"),
         ([("ZAPA", 12, 0.97)], "ZAPA"),
         ([("Stardocks Coffee", 8, 0.97)], "Stardocks Coffee"),
+        # Seen poorly but always so, a warning is not the commoner one.
+        ([("当心碰头", 6, 0.43), ("当心磁头", 1, 0.33)], "当心碰头"),
+        ([("肯德墓", 3, 0.8)], "肯德基"),
         # Whole, where most readings were cut off.
         ([("Blue Lantern", 2, 0.9), ("Blue Lan", 4, 0.95), ("ue Lantern", 2, 0.9)], "Blue Lantern"),
     ],

@@ -14,6 +14,8 @@ from rapidfuzz.distance import Levenshtein
 # Costs of a reader's slips, in natural logarithms of how much rarer they are than a right letter.
 _WRONG_LETTER = 3.0
 _LOOK_ALIKE = 1.5
+# There are thousands of ideographs: one that does not even look like the other is hardly read in its place twice.
+_WRONG_IDEOGRAPH = 4.5
 # Confident wrong readings are mostly cut off: at a pillar, at the end of a box.
 _CUT_END, _CUT_LETTER = 2.0, 0.3
 # A round or square logo beside Chinese is read as a letter of another script, again and again.
@@ -55,8 +57,15 @@ def misreading_cost(painted: str, read: str, looks: Callable[[str], str]) -> flo
         elif step.tag == "replace" and _is_alike(painted[step.src_pos], read[step.dest_pos], looks):
             cost += _LOOK_ALIKE
         elif step.tag != "delete" or first <= step.src_pos <= last:
-            cost += _WRONG_LETTER
+            is_other = (
+                step.tag == "replace" and _is_ideograph(painted[step.src_pos]) and _is_ideograph(read[step.dest_pos])
+            )
+            cost += _WRONG_IDEOGRAPH if is_other else _WRONG_LETTER
     return min(cost, _LOOK_ALIKE) if looks(painted) == looks(read) else cost
+
+
+def _is_ideograph(letter: str) -> bool:
+    return "\u4e00" <= letter <= "\u9fff"
 
 
 def _is_logo(painted: str, read: str, at: int) -> bool:
