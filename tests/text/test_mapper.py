@@ -432,3 +432,10 @@ def test_one_character_of_a_box_for_two_is_not_believed(width: float, fate: BoxF
     reading = mapper.observe(frame(0), tracked(0))
     assert reading is not None
     assert reading.fates == (fate,)
+
+
+def test_a_name_of_five_hundred_characters_is_kept_as_data() -> None:
+    name = "".join(np.random.default_rng(2).choice(list("abcdefghij klmnop"), 500)).replace("  ", "qq").strip()
+    spotter = ScriptedSpotter((box(40, 200, 560, 30), f"\u202e{name}\x07", 0.97))
+    (landmark,) = run(TextMapper(CAMERA, spotter, CONFIG)).text_map.landmarks(identity)
+    assert landmark.name == name

@@ -41,7 +41,7 @@ class SpottingConfig(Section):
     # for two.
     min_letters: int = Field(default=2, ge=1)
     # Longest text kept, characters; scene text is untrusted.
-    max_length: int = Field(default=80, ge=1)
+    max_length: int = Field(default=500, ge=1)
 
 
 class MemoryConfig(Section):

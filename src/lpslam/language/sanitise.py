@@ -9,7 +9,7 @@ _UNSEEN = frozenset({"Cc", "Cf", "Cn", "Co", "Cs"})
 _READ_AHEAD = 4
 
 
-def clean_text(text: str, limit: int = 200) -> str:
+def clean_text(text: str, limit: int = 500) -> str:
     """Return `text` in NFKC, on one line, without unseen characters and at most `limit` code points long.
 
     Control, bidirectional and zero-width characters go, every run of white space becomes one space. Case, script and
