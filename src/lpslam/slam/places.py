@@ -110,17 +110,6 @@ class PlaceIndex:
         with self._lock:
             return self._score(*self._words_of(keyframe), eligible)
 
-    def similarity(self, a: int, b: int) -> float:
-        """The score of one indexed keyframe for another; the same both ways.
-
-        Raises:
-            KeyError: one of them is not indexed.
-        """
-        with self._lock:
-            (words_a, weights_a), (words_b, weights_b) = self._words_of(a), self._words_of(b)
-        _, in_a, in_b = np.intersect1d(words_a, words_b, assume_unique=True, return_indices=True)
-        return float(np.minimum(weights_a[in_a], weights_b[in_b]).sum())
-
     def _holds(self, keyframe: int) -> bool:
         return 0 <= keyframe < len(self._shown) and self._shown[keyframe] is not None
 

@@ -108,17 +108,3 @@ def move(transform: NDArray[np.float64], twist: NDArray[np.float64]) -> None:
     for i in range(3):
         for j in range(4):
             transform[i, j] = result[i, j]
-
-
-@njit(cache=True, nogil=True)
-def inverse(transform: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Inverse of a rigid 4×4 transform."""
-    result = np.eye(4)
-    for i in range(3):
-        for j in range(3):
-            result[i, j] = transform[j, i]
-    for i in range(3):
-        result[i, 3] = -(
-            result[i, 0] * transform[0, 3] + result[i, 1] * transform[1, 3] + result[i, 2] * transform[2, 3]
-        )
-    return result
