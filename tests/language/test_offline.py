@@ -100,7 +100,7 @@ def test_hostile_signs_change_nothing(sign: str) -> None:
     assert MODEL.choose("Where can I buy a piano?", marks).landmark is None
     answers = MODEL.judge([sign, "KFC", "DANGER"], "Is this a restaurant?")
     assert [each.answer for each in answers] == [False, True, False]
-    assert len(MODEL.name([Reading(sign, 3, 0.9)]).name) <= 200
+    assert len(MODEL.name([Reading(sign, 3, 0.9)]).name) <= 500
 
 
 @pytest.mark.parametrize(

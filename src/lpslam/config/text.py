@@ -161,8 +161,9 @@ class ReadingConfig(Section):
     blur_patience: float = Field(default=2.0, ge=0)
     # Share of the time that live reading may take: on two cores, tracking, mapping and the camera need the rest.
     live_share: float = Field(default=0.7, gt=0, le=1)
-    # Frames worth reading that may wait beside tracking (2 MB each of 640x480); while so many do, a recording waits.
-    queue_size: int = Field(default=16, ge=1)
+    # Frames worth reading that may wait beside tracking; while so many do, a recording waits. With more, tracking runs
+    # ahead of what decides how soon to read again.
+    queue_size: int = Field(default=1, ge=1)
 
 
 class AdviceConfig(Section):
