@@ -81,7 +81,9 @@ cli.main()
 
 def test_ctrl_c_does_not_wait_for_a_reader_that_is_behind(clip: Callable[[int], Path], tmp_path: Path) -> None:
     """A dozen frames wait to be read by then, each of which takes a second."""
+    (tmp_path / "config.yaml").write_text("text: {reading: {queue_size: 16}}\n")
     words = [sys.executable, "-c", SLOW_READER, "run", str(clip(90)), "-o", str(tmp_path / "map.lpmap")]
+    words += ["--config", str(tmp_path / "config.yaml")]
     done = subprocess.run(words, capture_output=True, text=True, timeout=180, check=False)
     ended = time.monotonic()
     assert done.returncode == 130
