@@ -439,3 +439,15 @@ def test_a_name_of_five_hundred_characters_is_kept_as_data() -> None:
     spotter = ScriptedSpotter((box(40, 200, 560, 30), f"\u202e{name}\x07", 0.97))
     (landmark,) = run(TextMapper(CAMERA, spotter, CONFIG)).text_map.landmarks(identity)
     assert landmark.name == name
+
+
+def test_readings_whose_place_is_a_guess_weigh_as_little_as_those_without_one() -> None:
+    """What lies beyond the sensor's reach may seem to hang on what is around it."""
+    mapper = TextMapper(CAMERA, ScriptedSpotter((box(200, 200), "Newfrrivals", 0.98)), CONFIG)
+    for index in range(10):
+        seen = frame(index)
+        seen.depth[190:240, 190:330] = 0.0
+        reading = mapper.observe(seen, tracked(index))
+        assert reading is None or reading.placements[0] is not None, "the wall around it stands in"
+    (text_class,) = mapper.text_map.memory.classes
+    assert text_class.variants["Newfrrivals"].confidence < 0.3 * text_class.variants["Newfrrivals"].count

@@ -137,7 +137,7 @@ class TextMapper:
         is_new = False
         for text, placement in zip(reading.texts, reading.placements, strict=True):
             seen = UNPLACED
-            if placement is not None:
+            if placement is not None and self._is_sure(placement):
                 seen = legibility(text.letter_height, frontal_cosine(placement, tracked.keyframe_from_camera))
             text_class = self._remember(text, placement, seen, frame.timestamp, world_from_keyframe)
             is_new |= text_class.count < self._config.reading.settled_sightings
