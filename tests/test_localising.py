@@ -362,3 +362,29 @@ def test_live_on_the_command_line_with_a_map_to_continue(
     assert 5 <= facts["frames"] <= 30
     assert facts["frames_tracked"] >= 0.8 * facts["frames"]
     assert LanguageMap.load(output).trajectory.session == 1
+
+
+def test_a_map_grows_by_its_own_calibration_only_and_is_read_by_one_much_like_it(
+    lpslam: Command, first_half: Path, clip: Callable[[int], Path], tmp_path: Path
+) -> None:
+    """Its keyframes would be adjusted by a calibration that they were not made with."""
+    recording = clip(3)
+    camera = yaml.safe_load((recording / "camera.yaml").read_text())
+    camera["cx"] += 2.0
+    (recording / "camera.yaml").write_text(yaml.safe_dump(camera))
+    complaint = lpslam("run", recording, "--continue", first_half, "-o", tmp_path / "grown.lpmap").complaint
+    assert f"{first_half} was made with another camera: its cx is " in complaint
+    assert lpslam("run", recording, "--localize", first_half, "--trajectory", tmp_path / "poses.txt").code == 0
+    source = open_source(recording)
+    with pytest.raises(UserError, match="made with another camera"):
+        pipeline.run(source, text=False, base=LanguageMap.load(first_half))
+
+
+def test_localisation_says_which_frames_it_could_not_use(
+    lpslam: Command, walked: Path, clip: Callable[[int], Path], tmp_path: Path
+) -> None:
+    recording = clip(6)
+    sorted((recording / "rgb").iterdir())[3].write_bytes(b"torn")
+    done = lpslam("run", recording, "--localize", walked, "--trajectory", tmp_path / "poses.txt")
+    assert done.code == 0
+    assert "1 frame skipped; the first, frame 3: " in done.err

@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 
 from lpslam._version import __version__
-from lpslam.cli_checks import config_of, map_for, refuse_overwriting, refuse_unwritable, refuse_with_localize
+from lpslam.cli_checks import config_of, map_for, refuse_overwriting, refuse_with_localize
 from lpslam.cli_runs import INTERRUPTED, localise_recording, say_usage
 from lpslam.errors import LpSlamError
 from lpslam.views.printed import (
@@ -135,8 +135,6 @@ def run(
         refuse_foreign_file(output)
     if live and sequential:
         raise UserError("--live and --sequential exclude each other: a camera does not wait for reading")
-    if trajectory is not None:
-        refuse_unwritable(trajectory)
     refuse_overwriting(output, trajectory, continued or localize)
     settings = config_of(config)
     frames = InOrder(open_source(source, camera, max_frames, settings.calibration))

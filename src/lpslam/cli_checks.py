@@ -22,7 +22,9 @@ def refuse_unwritable(path: Path) -> None:
 
 
 def refuse_overwriting(output: Path | None, trajectory: Path | None, base: Path | None) -> None:
-    """A map that is read is not written, and no two results go to one file."""
+    """A map that is read is not written, no two results go to one file, and the poses can be written where they go."""
+    if trajectory is not None:
+        refuse_unwritable(trajectory)
     places = {"--output": output, "--trajectory": trajectory}
     for option, path in places.items():
         if path is not None and base is not None and path.resolve() == base.resolve():

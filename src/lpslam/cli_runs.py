@@ -25,7 +25,7 @@ def localise_recording(
 ) -> None:
     """Find a recording's camera in a saved map, write its poses and print how many were found."""
     from lpslam import pipeline
-    from lpslam.views.notes import event_notes
+    from lpslam.views.notes import event_notes, fault_notes
     from lpslam.views.run_progress import InterruptFlag, RunProgress, prepare
 
     prepare()
@@ -39,7 +39,7 @@ def localise_recording(
             should_stop=interrupted.is_set,
         )
         found.poses.to_tum_file(trajectory, [f"camera optical frame in the frame of {map_file.name}"])
-    for note in event_notes(found.events):
+    for note in fault_notes(frames.faults) + event_notes(found.events):
         say(note)
     facts = {
         "map": str(map_file),

@@ -19,9 +19,7 @@ def run_notes(
         first_untracked: the first frame without a pose; it says why.
         model: the language model that was asked for.
     """
-    notes = []
-    if faults:
-        notes.append(f"{_frames(len(faults))} skipped; the first, frame {faults[0].index}: {faults[0].reason}")
+    notes = fault_notes(faults)
     if first_untracked is not None:
         untracked = world.trajectory.frame_count - world.trajectory.tracked_count
         notes.append(
@@ -38,6 +36,13 @@ def run_notes(
         notes.append(f"text not read in {_frames(int(reading['reader_errors']))}; {reading['first_reader_error']}")
     later = [f"{note}; 'lpslam distill' asks for names again" for note in naming_notes(world, model)]
     return notes + event_notes(world.events) + later
+
+
+def fault_notes(faults: Sequence[FrameFault]) -> list[str]:
+    """How many frames were skipped, and why the first."""
+    if not faults:
+        return []
+    return [f"{_frames(len(faults))} skipped; the first, frame {faults[0].index}: {faults[0].reason}"]
 
 
 _WORTH_SAYING = {EventKind.LOST, EventKind.RELOCALISED, EventKind.NEW_SUBMAP, EventKind.MERGE}
