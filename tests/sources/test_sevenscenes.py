@@ -56,6 +56,16 @@ def test_missing_depth_is_a_fault_and_broken_poses_are_left_out(tmp_path: Path) 
     assert len(truth) == 1
 
 
+def test_while_depth_pauses_frames_come_without_it(tmp_path: Path) -> None:
+    folder = write_seven_scenes(tmp_path / "seq-01", frames=20)
+    (folder / "camera-intrinsics.txt").write_text("60 0 31.5\n0 60 23.5\n0 0 1\n")
+    for index in (*range(5, 14), 17):
+        (folder / f"frame-{index:06d}.depth.png").unlink()
+    source = open_source(folder)
+    assert [frame.index for frame in source if not frame.depth.any()] == list(range(5, 14))
+    assert [fault.index for fault in source.faults] == [17]
+
+
 def test_unknown_places_are_told_what_was_looked_for(tmp_path: Path) -> None:
     with pytest.raises(UserError, match="does not exist"):
         open_source(tmp_path / "none")

@@ -11,6 +11,8 @@ from importlib.resources import files
 
 from rapidfuzz.distance import Levenshtein
 
+from lpslam.language.words import is_ideograph
+
 # Costs of a reader's slips, in natural logarithms of how much rarer they are than a right letter.
 _WRONG_LETTER = 3.0
 _LOOK_ALIKE = 1.5
@@ -58,14 +60,10 @@ def misreading_cost(painted: str, read: str, looks: Callable[[str], str]) -> flo
             cost += _LOOK_ALIKE
         elif step.tag != "delete" or first <= step.src_pos <= last:
             is_other = (
-                step.tag == "replace" and _is_ideograph(painted[step.src_pos]) and _is_ideograph(read[step.dest_pos])
+                step.tag == "replace" and is_ideograph(painted[step.src_pos]) and is_ideograph(read[step.dest_pos])
             )
             cost += _WRONG_IDEOGRAPH if is_other else _WRONG_LETTER
     return min(cost, _LOOK_ALIKE) if looks(painted) == looks(read) else cost
-
-
-def _is_ideograph(letter: str) -> bool:
-    return "\u4e00" <= letter <= "\u9fff"
 
 
 def _is_logo(painted: str, read: str, at: int) -> bool:

@@ -151,10 +151,13 @@ _PAUSE = 0.2
 """Seconds without depth that constant velocity and flow do not bridge."""
 
 
-def depth_pauses(times: NDArray[np.float64]) -> list[tuple[float, float]]:
-    """From when to when, in seconds, there was no depth for long, by the rising times (n,) at which there was."""
-    starts = np.flatnonzero(np.diff(times) > _PAUSE)
-    return [(float(times[row]), float(times[row + 1])) for row in starts]
+def in_depth_pauses(times: NDArray[np.float64], depth_times: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Which times (n,) lie where there was no depth for long, by the rising times (m,) at which there was."""
+    after = np.searchsorted(depth_times, times)
+    inside = (after > 0) & (after < len(depth_times))
+    pauses = np.zeros(len(times), np.bool_)
+    pauses[inside] = depth_times[after[inside]] - depth_times[after[inside] - 1] > _PAUSE
+    return pauses & ~np.isin(times, depth_times)
 
 
 def first_image_size(paths: Sequence[Path]) -> tuple[int, int] | None:

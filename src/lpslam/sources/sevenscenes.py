@@ -9,7 +9,7 @@ import numpy as np
 from lpslam.camera import PinholeCamera
 from lpslam.errors import UserError
 from lpslam.sources.calibration import read_calibration
-from lpslam.sources.image_pairs import ImagePair, ImagePairSource, depth_pauses, first_image_size
+from lpslam.sources.image_pairs import ImagePair, ImagePairSource, first_image_size, in_depth_pauses
 
 FRAMES_PER_SECOND = 30.0
 _DEPTH_SCALE = 1000.0
@@ -42,10 +42,10 @@ def open_seven_scenes(folder: Path, camera_file: Path | None = None, max_frames:
         depth = path.with_name(f"frame-{match[1]}.depth.png")
         fault = "" if depth.is_file() else f"{path.name} has no {depth.name}"
         pairs.append(ImagePair(int(match[1]) / FRAMES_PER_SECOND, path, depth, fault))
-    pauses = depth_pauses(np.sort([pair.timestamp for pair in pairs if not pair.fault]))
+    times = np.array([pair.timestamp for pair in pairs])
+    pauses = in_depth_pauses(times, np.sort([pair.timestamp for pair in pairs if not pair.fault]))
     pairs = [
-        replace(pair, depth=None, fault="") if any(start < pair.timestamp < end for start, end in pauses) else pair
-        for pair in pairs
+        replace(pair, depth=None, fault="") if is_pause else pair for pair, is_pause in zip(pairs, pauses, strict=True)
     ]
     if not pairs:
         raise UserError(f"{folder}: no frame-NNNNNN.color.jpg or .png is there")

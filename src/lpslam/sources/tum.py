@@ -8,7 +8,7 @@ import numpy as np
 from lpslam.camera import PinholeCamera
 from lpslam.errors import UserError
 from lpslam.sources.calibration import read_calibration
-from lpslam.sources.image_pairs import ImagePair, ImagePairSource, depth_pauses, first_image_size
+from lpslam.sources.image_pairs import ImagePair, ImagePairSource, first_image_size, in_depth_pauses
 from lpslam.timestamps import associate
 
 CAMERA_FILES = ("camera.yaml", "camera.yml", "calibration.yaml", "calibration.yml")
@@ -53,7 +53,7 @@ def open_tum(
             f"they begin {abs(depth_times[0] - times[0]):.3f} s apart and must use the same clock"
         )
     depth_of = dict(zip(firsts[rows].tolist(), columns.tolist(), strict=True))
-    pauses = depth_pauses(times[rows])
+    pauses = in_depth_pauses(colour_times, times[rows])
     pairs: list[ImagePair] = []
     previous = -np.inf
     for row, (timestamp, path) in enumerate(colours):
@@ -61,7 +61,7 @@ def open_tum(
             pairs.append(ImagePair(timestamp, path, None, f"{path.name} repeats the timestamp {timestamp:.6f}"))
         elif row in depth_of:
             pairs.append(ImagePair(timestamp, path, depths[depth_of[row]][1]))
-        elif any(start < timestamp < end for start, end in pauses):
+        elif pauses[row]:
             pairs.append(ImagePair(timestamp, path, None))
         else:
             fault = f"{path.name} has no depth image within {tolerance * 1000:g} ms"

@@ -6,6 +6,9 @@ from numpy.typing import NDArray
 Boxes = NDArray[np.float64]
 """(n, 4, 2) raw pixels, each box ordered top left, top right, bottom right, bottom left."""
 
+DOWNWARDS = 1.5
+"""Ratio of height to width from which a box holds a line that runs downwards."""
+
 
 def touches_border(boxes: Boxes, shape: tuple[int, ...], margin: float) -> NDArray[np.bool_]:
     """Tell which (n, 4, 2) boxes reach into the rim of an image of this (height, width): text cut off (Fig. 11).
@@ -28,7 +31,7 @@ def letter_heights(boxes: Boxes) -> NDArray[np.float64]:
 def runs_downwards(boxes: Boxes) -> NDArray[np.bool_]:
     """Tell which (n, 4, 2) boxes hold a line that runs downwards: those half again as high as wide."""
     width, height = _sizes(boxes)
-    return height >= 1.5 * width
+    return height >= DOWNWARDS * width
 
 
 def _sizes(boxes: Boxes) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

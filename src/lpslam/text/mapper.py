@@ -181,7 +181,8 @@ class TextMapper:
             boxes, _ = self._spotter.detect(frame.rgb)
             self.statistics.detection_ms += 1000.0 * (perf_counter() - started)
             fates = np.full(len(boxes), BoxFate.KEPT, dtype=object)
-            fates[letter_heights(boxes) < config.min_letter_height] = BoxFate.SMALL
+            heights = letter_heights(boxes)
+            fates[heights < config.min_letter_height] = BoxFate.SMALL
             fates[touches_border(boxes, frame.rgb.shape[:2], config.border_margin)] = BoxFate.BORDER
 
             started = perf_counter()
@@ -196,7 +197,6 @@ class TextMapper:
             placements = {row: place(boxes[row]) for row in np.flatnonzero(fates == BoxFate.KEPT).tolist()}
             cut = (PlacementFault.HIDDEN, PlacementFault.STEPPED)
             fates[[row for row, each in placements.items() if each in cut]] = BoxFate.HIDDEN
-            heights = letter_heights(boxes)
             for row, placement in placements.items():
                 if isinstance(placement, Placement) and self._is_sure(placement) and world_from_keyframe is not None:
                     seen = legibility(heights[row], frontal_cosine(placement, keyframe_from_camera))

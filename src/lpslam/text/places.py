@@ -79,12 +79,13 @@ def places_of_class(text_class: TextClass, world_from_keyframe: KeyframePoses, c
     A place seen but once is a slip of depth or of reading, unless the class has no other.
     """
     observations = [each for each in text_class.observations if world_from_keyframe(each.keyframe) is not None]
+    positions, normals, baselines = world_placements(observations, world_from_keyframe)
     for leave_out in (_doubtful, _carried):
-        left_out = leave_out(observations, world_placements(observations, world_from_keyframe)[0], config)
-        observations = [each for each, is_out in zip(observations, left_out, strict=True) if not is_out]
+        kept = np.flatnonzero(~leave_out(observations, positions, config))
+        observations = [observations[row] for row in kept]
+        positions, normals, baselines = positions[kept], normals[kept], baselines[kept]
     if not observations:
         return []
-    positions, normals, baselines = world_placements(observations, world_from_keyframe)
     frames = np.array([each.frame for each in observations])
     groups = list(enumerate(split_places(positions, normals, frames, config)))
     enough = min(config.min_observations, max(len(rows) for _, rows in groups))

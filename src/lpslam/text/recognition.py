@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.config import SpottingConfig
-from lpslam.text.boxes import Boxes
+from lpslam.text.boxes import DOWNWARDS, Boxes
 from lpslam.text.detection import network_input
 from lpslam.text.emblems import without_emblems
 from lpslam.text.networks import Network
@@ -51,7 +51,7 @@ def rectify(rgb: NDArray[np.uint8], box: NDArray[np.float64], max_width: int) ->
     """
     top, right, bottom, left = np.linalg.norm(np.roll(box, -1, axis=0) - box, axis=1)
     width, height = max(top, bottom, 1.0), max(left, right, 1.0)
-    if height >= 1.5 * width:
+    if height >= DOWNWARDS * width:
         box, width, height = np.roll(box, -1, axis=0), height, width
     columns = int(np.clip(round(width / height * _LINE_HEIGHT), 8, max_width))
     target = np.array([[0, 0], [columns, 0], [columns, _LINE_HEIGHT], [0, _LINE_HEIGHT]], np.float32)

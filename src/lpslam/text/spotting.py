@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from lpslam.config import SpottingConfig
 from lpslam.language.sanitise import clean_text
+from lpslam.language.words import is_ideograph
 from lpslam.text.boxes import Boxes, letter_heights
 from lpslam.text.detection import TextDetector
 from lpslam.text.emblems import RINGS
@@ -69,7 +70,7 @@ def _without_logos(text: str) -> str:
 
 def _letters(text: str) -> int:
     """Letters and digits of a text; an ideograph counts for two unless a line, a box or a beam looks like it."""
-    return sum(1 + ("\u4e00" <= ch <= "\u9fff" and ch not in _SHAPES) for ch in text if ch.isalnum())
+    return sum(1 + (is_ideograph(ch) and ch not in _SHAPES) for ch in text if ch.isalnum())
 
 
 _SHAPES = frozenset("一二三十口日目曰田由甲中回工土王山川人入八个卜丁了口凸凹亚皿四")
