@@ -11,8 +11,6 @@ from importlib.resources import files
 
 from rapidfuzz.distance import Levenshtein
 
-from lpslam.language.words import is_ideograph
-
 # Costs of a reader's slips, in natural logarithms of how much rarer they are than a right letter.
 _WRONG_LETTER = 3.0
 _LOOK_ALIKE = 1.5
@@ -64,6 +62,11 @@ def misreading_cost(painted: str, read: str, looks: Callable[[str], str]) -> flo
             )
             cost += _WRONG_IDEOGRAPH if is_other else _WRONG_LETTER
     return min(cost, _LOOK_ALIKE) if looks(painted) == looks(read) else cost
+
+
+def is_ideograph(letter: str) -> bool:
+    """Whether a letter is a Chinese character: a word, or a part of one, by itself."""
+    return "\u4e00" <= letter <= "\u9fff"
 
 
 def _is_logo(painted: str, read: str, at: int) -> bool:

@@ -117,11 +117,6 @@ def is_mark(unit: str) -> bool:
     return not (unit[0].isalnum() or unit[0] == "_")
 
 
-def is_ideograph(letter: str) -> bool:
-    """Whether a letter is a Chinese character: a word, or a part of one, by itself."""
-    return "\u4e00" <= letter <= "\u9fff"
-
-
 def is_unspaced(text: str) -> bool:
     """Whether `text` begins in a script that writes no spaces between words."""
     return bool(_BEGINS_UNSPACED.match(text))
