@@ -18,6 +18,7 @@ from lpslam.config.slam import (
     MappingConfig,
     PlacesConfig,
     SensorNoiseConfig,
+    ShutterConfig,
     SlamConfig,
     TrackingConfig,
 )
@@ -52,6 +53,7 @@ __all__ = [
     "PlacesConfig",
     "ReadingConfig",
     "SensorNoiseConfig",
+    "ShutterConfig",
     "SimulationConfig",
     "SlamConfig",
     "SpottingConfig",

@@ -30,6 +30,27 @@ class SensorNoiseConfig(Section):
     depth_sigma_quadratic: float = 0.0035  # metres a square metre: disparity noise of structured light and stereo
 
 
+class ShutterConfig(Section):
+    """Rolling shutter: how long a picture's rows take, estimated from pairs of views in different motion."""
+
+    readout: float | None = None  # seconds from the first row to the last, where it is known; 0 for a global shutter
+    views: int = Field(default=12, ge=2)  # latest views that are kept for comparing
+    compared: int = Field(default=3, ge=1)  # of them, those that moved most differently, compared with each new one
+    interval: float = 0.1  # seconds between views that are compared; nearer ones see the same
+    least_difference: float = 0.15  # radians a second between the views; 30 ms bend them by 2 pixels then
+    min_matches: int = Field(default=60, ge=12)  # points of a pair that must agree; fewer hardly hold seven unknowns
+    largest_sigma: float = 0.005  # seconds; a pair that knows less says nothing
+    longest: float = 0.06  # seconds; no camera takes longer, what would is a pair gone wrong
+    pairs: int = Field(default=120, ge=1)  # latest pairs that count; with so many it is settled, and only keyframes ask
+    min_pairs: int = Field(default=6, ge=2)  # before which nothing is corrected: each may be wrong by its velocities
+    certain_sigmas: float = 3.0  # by which another readout must differ from the present one
+    least_change: float = 0.001  # seconds, the same; less is not worth straightening all keyframes
+    noticed_pixels: float = 0.2  # by which another velocity must bend the image for the frame to be optimised again
+    keyframes: int = Field(default=200, ge=0)  # latest ones that are straightened again when the readout changes
+    revised_frames: int = Field(default=300, ge=0)  # latest frames whose poses are optimised anew when it changes
+    longest_gap: float = 0.15  # seconds between two frames that tell a velocity; more, and it has changed between
+
+
 class TrackingConfig(Section):
     """From frame to pose."""
 
@@ -189,6 +210,7 @@ class SlamConfig(Section):
 
     features: FeatureConfig = FeatureConfig()
     noise: SensorNoiseConfig = SensorNoiseConfig()
+    shutter: ShutterConfig = ShutterConfig()
     tracking: TrackingConfig = TrackingConfig()
     places: PlacesConfig = PlacesConfig()
     locating: LocatingConfig = LocatingConfig()

@@ -80,7 +80,7 @@ class FeatureExtractor:
             images.append(as_gray(cv2.resize(images[-1], size, interpolation=cv2.INTER_LINEAR)))
         found = [keypoints for keypoints in self._of_levels(images) if len(keypoints[0])]
         if not found:
-            return _no_features()
+            return no_features()
         raw, octave, angle, descriptor = (np.concatenate(column) for column in zip(*found, strict=True))
         return self._with_depth(raw, frame.depth, octave, angle, descriptor)
 
@@ -139,7 +139,7 @@ class FeatureExtractor:
         return Features(pixels, pixels[:, 0] - disparity, depth, has_depth, octave, angle, descriptor)
 
 
-def _no_features() -> Features:
+def no_features() -> Features:
     column = np.empty(0, np.float32)
     return Features(
         np.empty((0, 2), np.float32),

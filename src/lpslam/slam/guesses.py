@@ -15,13 +15,16 @@ class LastFrame:
 
     Attributes:
         gray: (h, w).
-        features, points: its keypoints (n rows) and the map point of each, or -1.
+        features: its keypoints (n rows), straightened.
+        seen: the same as they are in the image.
+        points: the map point of each, or -1.
         reference, camera_from_reference: its pose, which follows every correction of the map.
     """
 
     timestamp: float
     gray: NDArray[np.uint8]
     features: Features
+    seen: Features
     points: NDArray[np.int32]
     reference: int
     camera_from_reference: NDArray[np.float64]
@@ -59,10 +62,12 @@ class Followed:
     """Keypoints that were followed, and the pose that they give in the world of one version of the map.
 
     Attributes:
+        features, seen: as in `LastFrame`.
         asked: how many were looked for.
     """
 
     features: Features
+    seen: Features
     estimate: Estimate
     version: int
     asked: int

@@ -6,15 +6,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.camera import inverse_transform
-from lpslam.config import TrackingConfig
+from lpslam.config import SlamConfig
 from lpslam.frames import RgbdFrame
 from lpslam.slam.association import Associator, View
 from lpslam.slam.features import FeatureExtractor
 from lpslam.slam.following import choose_followed, follow_flow
 from lpslam.slam.guesses import FirstGuess, Followed, LastFrame
 from lpslam.slam.map import SlamMap
-from lpslam.slam.motion import ConstantVelocity
+from lpslam.slam.motion import ConstantVelocity, velocity
 from lpslam.slam.sensor import SensorModel
+from lpslam.slam.shutter import RollingShutter
 
 _Matrix = NDArray[np.float64]
 _Rows = NDArray[np.int32]
@@ -28,6 +29,7 @@ class Guesser:
         slam_map: in which the poses are.
         associator: matches views with it.
         motion: how the camera has moved; kept by the caller.
+        shutter: straightens what is followed.
         config: thresholds.
     """
 
@@ -38,14 +40,17 @@ class Guesser:
         slam_map: SlamMap,
         associator: Associator,
         motion: ConstantVelocity,
-        config: TrackingConfig,
+        shutter: RollingShutter,
+        config: SlamConfig,
     ) -> None:
         self._extractor = extractor
         self._sensor = sensor
         self._map = slam_map
         self._associator = associator
         self._motion = motion
-        self._config = config
+        self._shutter = shutter
+        self._config = config.tracking
+        self._longest_gap = config.shutter.longest_gap
 
     def can_predict(self, last: LastFrame, frame: RgbdFrame) -> bool:
         """Whether constant velocity says well where a frame is: after a gap in a turn it is off by degrees."""
@@ -71,14 +76,30 @@ class Guesser:
         expected = self._extractor.camera.project(in_camera).astype(np.float32)
         levels = config.flow_levels + (0 if self.can_predict(last, frame) else _LEVELS_FOR_UNKNOWN_MOTION)
         flow = follow_flow(
-            last.gray, gray, last.features.pixels[rows], expected, levels, self._extractor.camera, config
+            last.gray, gray, last.seen.pixels[rows], expected, levels, self._extractor.camera, config
         )
         if len(flow.rows) < config.min_followed:
             return None
-        features = self._extractor.moved(last.features, rows[flow.rows], flow.raw, frame.depth)
+        seen = self._extractor.moved(last.seen, rows[flow.rows], flow.raw, frame.depth)
+        straight = self._shutter.straighten(seen, self._motion.twist)
         match = np.arange(len(flow.rows), dtype=np.int32)
-        estimate = self._associator.optimise(features, predicted, match, positions[flow.rows], points[flow.rows])
-        return None if estimate is None else Followed(features, estimate, version, len(rows))
+        estimate = self._associator.optimise(straight, predicted, match, positions[flow.rows], points[flow.rows])
+        if estimate is None:
+            return None
+        twist = self.twist(last, frame, estimate.camera_from_world)
+        if twist is not None and (self._motion.twist is None or self._shutter.bends(twist, self._motion.twist)):
+            straight = self._shutter.straighten(seen, twist)
+            estimate = self._associator.optimise(
+                straight, estimate.camera_from_world, match, positions[flow.rows], points[flow.rows]
+            )
+        return None if estimate is None else Followed(straight, seen, estimate, version, len(rows))
+
+    def twist(self, last: LastFrame, frame: RgbdFrame, camera_from_world: _Matrix) -> _Matrix | None:
+        """(6,) velocity a second, if that can be said from the last frame to a pose of this one (4×4)."""
+        seconds = frame.timestamp - last.timestamp
+        if not 0.0 < seconds <= self._longest_gap:
+            return None
+        return velocity(self.pose(last), camera_from_world, seconds)
 
     def from_motion(self, last: LastFrame, frame: RgbdFrame, view: View) -> Iterator[FirstGuess]:
         """The last frame's points in windows around where they should appear, then in wider ones."""

@@ -7,6 +7,7 @@ from lpslam.config import SlamConfig
 from lpslam.slam.kernels import bundle, fusing, graph, local_bundle
 from lpslam.slam.map import SlamMap
 from lpslam.slam.sensor import SensorModel
+from lpslam.slam.shutter import RollingShutter
 from lpslam.slam.triangulation import Triangulator
 
 
@@ -16,9 +17,10 @@ class LocalMapper:
     Each step holds the map's lock for itself; the adjustment works on a copy without it.
     """
 
-    def __init__(self, slam_map: SlamMap, sensor: SensorModel, config: SlamConfig) -> None:
+    def __init__(self, slam_map: SlamMap, sensor: SensorModel, shutter: RollingShutter, config: SlamConfig) -> None:
         self._map = slam_map
         self._sensor = sensor
+        self._shutter = shutter
         self._config = config.mapping
         self._close_depth = config.keyframes.close_depth
         self._triangulator = Triangulator(slam_map, sensor, self._config)
@@ -29,6 +31,12 @@ class LocalMapper:
     def process(self, keyframe: int) -> None:
         """Work a new keyframe into the map."""
         self._stop[0] = False
+        if self._shutter.apply():
+            with self._map.lock:
+                everyone = self._map.living_keyframes()
+                submaps = self._map.submaps()
+            for _ in range(_ROUNDS_WHEN_STRAIGHTENED):
+                self._adjust(everyone[submaps[everyone] == submaps[keyframe]])
         with self._map.lock:
             self._cull_points(keyframe)
             self._remember(self._born_in(keyframe), self._config.min_observations)
@@ -36,7 +44,7 @@ class LocalMapper:
         with self._map.lock:
             neighbours = self._neighbours(keyframe)
         self._fuse(keyframe, neighbours)
-        self._adjust(keyframe)
+        self._adjust(self._around(keyframe))
         with self._map.lock:
             self._cull_keyframes(keyframe)
 
@@ -103,12 +111,18 @@ class LocalMapper:
             own = graph.points_of(slam_map.columns, np.array([keyframe], np.int32), slam_map.point_count)
             graph.refresh_points(slam_map.columns, own, slam_map.scales)
 
-    def _adjust(self, keyframe: int) -> None:
-        """Local bundle adjustment: the keyframe and its best covisible ones, all others that see their points fixed."""
+    def _around(self, keyframe: int) -> NDArray[np.int32]:
+        """The keyframe and its best covisible ones."""
+        config = self._config
+        with self._map.lock:
+            covisible = self._map.covisible(keyframe, config.covisible_points)[: config.adjusted_keyframes - 1]
+        return np.concatenate([np.array([keyframe], np.int32), covisible])
+
+    def _adjust(self, free: NDArray[np.int32]) -> None:
+        """Bundle adjustment of keyframes; all others that see their points hold the frame."""
         slam_map, config = self._map, self._config
         with slam_map.lock:
-            covisible = slam_map.covisible(keyframe, config.covisible_points)[: config.adjusted_keyframes - 1]
-            free = np.concatenate([np.array([keyframe], np.int32), covisible])
+            free = free[slam_map.columns.keyframe_slot[free] >= 0]
             roots = [k for k in free.tolist() if slam_map.is_root(k)]
             problem, keyframes, points = local_bundle.gather_bundle(
                 slam_map.columns,
@@ -140,3 +154,7 @@ class LocalMapper:
             share = graph.redundant_share(slam_map.columns, int(other), config.redundant_observers, self._close_depth)
             if share > config.redundant_share:
                 slam_map.remove_keyframe(int(other))
+
+
+_ROUNDS_WHEN_STRAIGHTENED = 2
+"""Adjustments of the whole sub-map when all its pixels have moved: the first one drops what no longer fits."""

@@ -32,13 +32,18 @@ class ConstantVelocity:
         """Whether two frames in a row had poses."""
         return self._velocity is not None
 
+    @property
+    def twist(self) -> _Matrix | None:
+        """(6,) of the world in the camera frame, a second; None while it is not known."""
+        return self._velocity
+
     def forget(self) -> None:
         """The camera was lost."""
         self._velocity = None
 
     def note(self, before: _Matrix, now: _Matrix, seconds: float) -> None:
         """Take the camera from world (4×4) of two frames, as the map has them now, so many seconds apart."""
-        self._velocity = logarithms((now @ inverse_transform(before))[None])[0] / seconds
+        self._velocity = velocity(before, now, seconds)
 
     def ahead(self, camera_from_world: _Matrix, seconds: float) -> _Matrix:
         """Camera from world so many seconds after a pose, also over frames that are missing."""
@@ -48,6 +53,12 @@ class ConstantVelocity:
         predicted: _Matrix = exponential(self._velocity * ahead) @ camera_from_world
         orthonormalise(predicted)
         return predicted
+
+
+def velocity(before: _Matrix, now: _Matrix, seconds: float) -> _Matrix:
+    """(6,) twist a second between two poses, camera from world (4×4), so many seconds apart."""
+    twist: _Matrix = logarithms((now @ inverse_transform(before))[None])[0] / seconds
+    return twist
 
 
 class UsualSharpness:

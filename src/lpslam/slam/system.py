@@ -21,6 +21,7 @@ from lpslam.slam.map import SlamMap
 from lpslam.slam.places import PlaceIndex
 from lpslam.slam.relocalising import Relocaliser
 from lpslam.slam.sensor import SensorModel
+from lpslam.slam.shutter import RollingShutter
 from lpslam.slam.state import SlamEvent, TrackedFrame
 from lpslam.slam.tracking import Tracker
 from lpslam.slam.trajectory import Trajectory
@@ -72,18 +73,20 @@ class RgbdSlam:
         places = PlaceIndex.of(self.map)
         locator = Locator(self.map, self.sensor, config.tracking, config.locating)
         relocaliser = Relocaliser(self.map, places, locator, config.tracking, config.locating, advisor)
+        shutter = RollingShutter(self.sensor, self.map, config.tracking, config.shutter)
         self._tracker = Tracker(
             extractor,
             self.sensor,
             self.map,
             relocaliser,
+            shutter,
             config,
             grows,
             self.events.append,
             lambda: self._back_end.is_idle,
             advisor,
         )
-        self._mapper = LocalMapper(self.map, self.sensor, config)
+        self._mapper = LocalMapper(self.map, self.sensor, shutter, config)
         self._loop_closer = LoopCloser(self.map, self.sensor, places, locator, config, advisor)
         self._back_end: BackEnd = (
             Beside(self._mapper, self._close_loops, self._loop_closer.interrupt)
@@ -115,6 +118,7 @@ class RgbdSlam:
                 if self.map.is_home(tracked.keyframe):
                     tracked = replace(tracked, world_from_camera=self.map.world_from_keyframe(tracked.keyframe))
         self.trajectory.append(tracked)
+        self.trajectory.revise(self._tracker.early_frames.revise())
         return tracked
 
     def finish(self) -> None:

@@ -17,15 +17,17 @@ from lpslam.frames import RgbdFrame
 from lpslam.slam.advice import NO_ADVICE, LoopAdvisor
 from lpslam.slam.association import Associator, Estimate, View
 from lpslam.slam.doubt import Doubt
-from lpslam.slam.features import FeatureExtractor, Features, gray_of
+from lpslam.slam.features import FeatureExtractor, Features, gray_of, no_features
 from lpslam.slam.guesses import FirstGuess, Followed, LastFrame, Search
 from lpslam.slam.guessing import Guesser
 from lpslam.slam.kernels import graph
 from lpslam.slam.keyframes import Keyframes
 from lpslam.slam.map import SlamMap
-from lpslam.slam.motion import ConstantVelocity, UsualSharpness
+from lpslam.slam.motion import ConstantVelocity, UsualSharpness, velocity
 from lpslam.slam.relocalising import Relocaliser
+from lpslam.slam.revising import EarlyFrames
 from lpslam.slam.sensor import SensorModel
+from lpslam.slam.shutter import RollingShutter
 from lpslam.slam.state import EventKind, SlamEvent, TrackedFrame, TrackingState
 
 _Matrix = NDArray[np.float64]
@@ -39,6 +41,7 @@ class Tracker:
         extractor, sensor: of the camera.
         slam_map: where the frames are looked for; keyframes are added to it if the map `grows`.
         relocaliser: finds lost frames.
+        shutter: straightens what is seen in motion.
         config: all thresholds.
         grows: whether new places are mapped; else the map is only read.
         on_event: told every change of state.
@@ -52,6 +55,7 @@ class Tracker:
         sensor: SensorModel,
         slam_map: SlamMap,
         relocaliser: Relocaliser,
+        shutter: RollingShutter,
         config: SlamConfig,
         grows: bool = True,
         on_event: Callable[[SlamEvent], None] = lambda event: None,
@@ -73,9 +77,14 @@ class Tracker:
         self.state = TrackingState.INITIALISING if founds else TrackingState.LOST
         self._reference = slam_map.keyframe_count - 1
         self._last: LastFrame | None = None
+        self._seen = no_features()
         self._is_repeated = False
         self._motion = ConstantVelocity()
-        self._guesser = Guesser(extractor, sensor, slam_map, self._associator, self._motion, config.tracking)
+        self._shutter = shutter
+        self.early_frames = EarlyFrames(
+            slam_map, self._associator, shutter, config.shutter.revised_frames, config.shutter.longest_gap
+        )
+        self._guesser = Guesser(extractor, sensor, slam_map, self._associator, self._motion, self._shutter, config)
         self._anchored_at = -np.inf
         self._followed_first = 0
         self._strict_until = -np.inf
@@ -94,14 +103,16 @@ class Tracker:
         if followed is not None and not self._must_match(frame, followed):
             with self._map.lock:
                 if followed.version == self._map.version:
+                    self._seen = followed.seen
                     return self._accept(frame, gray, followed.features, followed.estimate)
-        features = self._extractor.extract(frame, gray)
+        features = self._seen = self._extractor.extract(frame, gray)
         with self._map.lock:
             if self.state is TrackingState.INITIALISING:
                 return self._initialise(frame, gray, features)
             # A loop was closed while the frame was followed: its pose lies in the world as it was before.
             fits = followed is not None and followed.version == self._map.version
-            return self._match(frame, gray, View.of(features, self._sensor), followed if fits else None)
+            straight = self._shutter.straighten(features, self._motion.twist)
+            return self._match(frame, gray, View.of(straight, self._sensor), followed if fits else None)
 
     # Between matches with the map: optical flow -----------------------------------------------------------------
 
@@ -149,13 +160,26 @@ class Tracker:
         if best is None or best.estimate.matches < needed:
             return self._lose(frame, gray, view.features, None if best is None else best.estimate)
         self._note(best)
+        features, estimate = self._straightened(frame, view.features, best.estimate)
         if lost:
             self._strict_until = frame.timestamp + self._config.strict_seconds
             self._tell(EventKind.RELOCALISED, frame, f"{best.estimate.matches} map points matched")
             self._doubt.begin(self._reference, frame.timestamp)
         if best.is_sure:
             self._anchored_at = frame.timestamp
-        return self._accept(frame, gray, view.features, best.estimate, is_matched=True, is_sure=best.is_sure)
+        return self._accept(frame, gray, features, estimate, is_matched=True, is_sure=best.is_sure)
+
+    def _straightened(self, frame: RgbdFrame, features: Features, estimate: Estimate) -> tuple[Features, Estimate]:
+        """Straighten the keypoints by the velocity that the frame turns out to have, and optimise its pose again."""
+        if self._last is None:
+            return features, estimate
+        twist, used = self._guesser.twist(self._last, frame, estimate.camera_from_world), self._motion.twist
+        if twist is not None and (used is None or self._shutter.bends(twist, used)):
+            straight = self._shutter.straighten(self._seen, twist)
+            again = self._associator.optimise_on_map(straight, estimate.camera_from_world, estimate.points)
+            if again is not None:
+                return straight, again
+        return features, estimate
 
     def _starts(self, frame: RgbdFrame, view: View, followed: Followed | None) -> Iterator[FirstGuess]:
         if followed is not None:
@@ -304,7 +328,7 @@ class Tracker:
         )
         if is_keyframe:
             estimate = self._add_keyframe(frame, features, estimate)
-        return self._commit(frame, gray, features, estimate, is_keyframe, reason)
+        return self._commit(frame, gray, features, estimate, is_keyframe, reason, is_matched and is_sure)
 
     def _commit(
         self,
@@ -314,17 +338,28 @@ class Tracker:
         estimate: Estimate,
         is_keyframe: bool,
         reason: str,
+        is_matched: bool = True,
     ) -> TrackedFrame:
         """Keep the frame as the one that the next is predicted from."""
         world_from_camera = inverse_transform(estimate.camera_from_world)
         reference_from_world = self._map.camera_from_world(self._reference)
+        twist = None
         if self._last is not None and frame.timestamp > self._last.timestamp:
             seconds = frame.timestamp - self._last.timestamp
             self._motion.note(self._guesser.pose(self._last), estimate.camera_from_world, seconds)
+            twist = self._guesser.twist(self._last, frame, estimate.camera_from_world)
         keyframe_from_camera = reference_from_world @ world_from_camera
         self._last = LastFrame(
-            frame.timestamp, gray, features, estimate.points, self._reference, inverse_transform(keyframe_from_camera)
+            frame.timestamp,
+            gray,
+            features,
+            self._seen,
+            estimate.points,
+            self._reference,
+            inverse_transform(keyframe_from_camera),
         )
+        self._shutter.note(self._last, twist, is_matched, is_keyframe)
+        self.early_frames.keep(frame.index, self._last, is_keyframe)
         is_home = self._map.is_home(self._reference)
         return TrackedFrame(
             frame.index,

@@ -4,6 +4,7 @@ A map may grow over several recordings, whose times may overlap: each is a sessi
 """
 
 from array import array
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -55,6 +56,15 @@ class Trajectory:
             self._states[row] = _STATES.index(TrackingState.LOST)
             self._keyframes[row] = -1
             self._poses[16 * row : 16 * (row + 1)] = array("d", np.eye(4).ravel())
+
+    def revise(self, poses: Mapping[int, NDArray[np.float64]]) -> None:
+        """Give frames of the newest session, by index, another pose (4×4) in their reference keyframe's frame."""
+        first = min(poses, default=0)
+        for row in range(len(self._indices) - 1, -1, -1):
+            if self._sessions[row] != self.session or self._indices[row] < first:
+                break
+            if self._indices[row] in poses and self._keyframes[row] >= 0:
+                self._poses[16 * row : 16 * (row + 1)] = array("d", poses[self._indices[row]].ravel())
 
     @property
     def frame_count(self) -> int:

@@ -21,6 +21,7 @@ from lpslam.slam.loop_correction import LoopCorrector, Tie
 from lpslam.slam.map import SlamMap
 from lpslam.slam.places import PlaceIndex
 from lpslam.slam.sensor import SensorModel
+from lpslam.slam.shutter import RollingShutter
 from lpslam.slam.system import RgbdSlam
 
 # What two more processes run, each on its core; a kernel that none of these runs reaches is compiled here, afterwards.
@@ -133,7 +134,8 @@ def run_mapping() -> None:
     descriptor = random.integers(0, 2**63, (count, 4), np.uint64)
     depth = positions[:, 2].astype(np.float32)
     slam_map = SlamMap(count, sensor.scales)
-    mapper = LocalMapper(slam_map, sensor, config)
+    shutter = RollingShutter(sensor, slam_map, config.tracking, config.shutter)
+    mapper = LocalMapper(slam_map, sensor, shutter, config)
     for k in range(3):
         camera_from_world = np.eye(4)
         camera_from_world[0, 3] = -0.1 * k
