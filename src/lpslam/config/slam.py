@@ -84,7 +84,10 @@ class TrackingConfig(Section):
     min_agreement: float = Field(default=0.6, ge=0, le=1)  # share of what is followed that one motion must explain
     min_followed: int = 60  # inliers; fewer, and the frame is matched with the map at once
     min_followed_share: float = Field(default=0.7, ge=0, le=1)  # of those followed first, the same
-    anchor_interval: float = Field(default=0.09, ge=0)  # seconds after which a frame is matched with the map anyway
+    anchor_interval: float = Field(default=0.2, ge=0)  # seconds after which a frame is matched with the map anyway
+    anchor_travel: float = Field(default=0.03, ge=0)  # of the image's width that the picture moves, the same
+    steady_share: float = Field(default=0.5, ge=0)  # of `motion_radius`; predictions farther off, and flow goes first
+    coast_seconds: float = Field(default=0.5, ge=0)  # for which the motion carries the pose where a frame shows nothing
     strict_seconds: float = 1.0  # after relocalising, in which `min_recovery_inliers` must be matched
     predictable_gap: float = Field(default=0.08, gt=0)  # seconds between frames; more, and a turn has changed its pace
     long_gap: float = Field(default=0.3, gt=0)  # seconds without frames after which the same: nothing was predicted
@@ -99,6 +102,8 @@ class KeyframeConfig(Section):
     max_interval: float = 1.0  # seconds after which a keyframe is wanted whatever is seen
     min_interval: float = 0.1  # seconds; denser ones see the same
     tracked_share: float = 0.8  # of the most matches since the last keyframe; fewer, and a keyframe is wanted
+    urgent_share: float = 0.6  # of the same; fewer, and a keyframe is wanted however young the last one is
+    foresight: float = 0.1  # seconds ahead for which the fall of the matches is drawn on
     due_share: float = 0.95  # the same, once `max_interval` has passed
     known_matches: int = 150  # map points matched, from which a view may be known already ...
     known_distance: float = 0.08  # ... where a keyframe is nearer than this, metres, ...

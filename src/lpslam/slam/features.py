@@ -140,6 +140,7 @@ class FeatureExtractor:
 
 
 def no_features() -> Features:
+    """Not one keypoint."""
     column = np.empty(0, np.float32)
     return Features(
         np.empty((0, 2), np.float32),

@@ -64,7 +64,7 @@ class Guesser:
         with self._map.lock:
             version = self._map.version
             rows, points, positions = self._seen(last)
-            predicted = self._predicted(last, frame)
+            predicted = self.predicted(last, frame)
         chosen = choose_followed(
             last.features.pixels[rows], last.features.octave[rows], points >= 0, config.followed_points
         )
@@ -75,9 +75,7 @@ class Guesser:
         in_camera[:, 2] = np.maximum(in_camera[:, 2], 0.05)
         expected = self._extractor.camera.project(in_camera).astype(np.float32)
         levels = config.flow_levels + (0 if self.can_predict(last, frame) else _LEVELS_FOR_UNKNOWN_MOTION)
-        flow = follow_flow(
-            last.gray, gray, last.seen.pixels[rows], expected, levels, self._extractor.camera, config
-        )
+        flow = follow_flow(last.gray, gray, last.seen.pixels[rows], expected, levels, self._extractor.camera, config)
         if len(flow.rows) < config.min_followed:
             return None
         seen = self._extractor.moved(last.seen, rows[flow.rows], flow.raw, frame.depth)
@@ -103,7 +101,7 @@ class Guesser:
 
     def from_motion(self, last: LastFrame, frame: RgbdFrame, view: View) -> Iterator[FirstGuess]:
         """The last frame's points in windows around where they should appear, then in wider ones."""
-        config, predicted = self._config, self._predicted(last, frame)
+        config, predicted = self._config, self.predicted(last, frame)
         rows, points, positions = self._seen(last)
         fx, fy, cx, cy, bf = self._sensor.intrinsics
         x, y, z = (positions @ predicted[:3, :3].T + predicted[:3, 3]).T
@@ -138,7 +136,8 @@ class Guesser:
         """Camera from world of the last frame as the map has it now."""
         return last.camera_from_reference @ self._map.camera_from_world(last.reference)
 
-    def _predicted(self, last: LastFrame, frame: RgbdFrame) -> _Matrix:
+    def predicted(self, last: LastFrame, frame: RgbdFrame) -> _Matrix:
+        """Camera from world at a frame's time, if the camera goes on as it did."""
         return self._motion.ahead(self.pose(last), frame.timestamp - last.timestamp)
 
     def _seen(self, last: LastFrame) -> tuple[NDArray[np.int64], _Rows, _Matrix]:

@@ -28,6 +28,7 @@ class Keyframes:
         self._config = config
         self._last_time = -np.inf
         self._most_matches = 0
+        self._most_at = -np.inf
 
     def wants(
         self, timestamp: float, features: Features, is_matched: NDArray[np.bool_], is_mapping_idle: bool = True
@@ -42,15 +43,18 @@ class Keyframes:
         """
         config = self._config
         matches = int(is_matched.sum())
-        self._most_matches = max(self._most_matches, matches)
+        if matches >= self._most_matches:
+            self._most_matches, self._most_at = matches, timestamp
         elapsed = timestamp - self._last_time
         # Half a millisecond of grace: timestamps are rounded.
-        if elapsed < config.min_interval - 5e-4:
+        if elapsed < config.min_interval - 5e-4 and matches >= config.urgent_share * self._most_matches:
             return False
         close = features.has_depth & (features.depth < config.close_depth)
         tracked, untracked = int((close & is_matched).sum()), int((close & ~is_matched).sum())
         needs_close = tracked < config.close_tracked and untracked > config.close_untracked
-        thinned = matches < config.tracked_share * self._most_matches
+        # A view that leaves the map gets a keyframe before it has left: the fall of the matches is drawn on.
+        fall = (self._most_matches - matches) / max(timestamp - self._most_at, config.foresight)
+        thinned = matches - fall * config.foresight < config.tracked_share * self._most_matches
         due = elapsed >= config.max_interval and matches < config.due_share * self._most_matches
         return thinned or needs_close or (due and is_mapping_idle)
 
@@ -105,5 +109,5 @@ class Keyframes:
         )
         points = estimate.points.copy()
         points[chosen] = np.arange(first, first + len(chosen))
-        self._last_time, self._most_matches = frame.timestamp, 0
+        self._last_time, self._most_matches, self._most_at = frame.timestamp, 0, frame.timestamp
         return keyframe, replace(estimate, points=points)

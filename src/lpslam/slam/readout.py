@@ -77,7 +77,8 @@ def readout_between(
         of_u = np.column_stack([fx * near, none, -fx * x * near**2])
         of_v = np.column_stack([none, fy * near, -fy * y * near**2])
         to_pose = np.vstack([np.hstack([of, np.cross(points, of)]) for of in (of_u, of_v)])
-        to_readout = (to_pose @ seen.twist_after) * np.r_[rows_after, rows_after] + np.r_[(of_u * shift).sum(1), (of_v * shift).sum(1)]
+        to_readout = (to_pose @ seen.twist_after) * np.r_[rows_after, rows_after]
+        to_readout += np.r_[(of_u * shift).sum(axis=1), (of_v * shift).sum(axis=1)]
         error = np.r_[target[:, 0] - (fx * x * near + cx), target[:, 1] - (fy * y * near + cy)]
         chi2 = np.square(error.reshape(2, -1)).sum(axis=0) * seen.information
         weight = seen.information * (scale / (scale + chi2)) ** 2

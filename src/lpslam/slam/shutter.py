@@ -56,9 +56,7 @@ class RollingShutter:
             down, 0 while nothing else is certain.
     """
 
-    def __init__(
-        self, sensor: SensorModel, slam_map: SlamMap, tracking: TrackingConfig, config: ShutterConfig
-    ) -> None:
+    def __init__(self, sensor: SensorModel, slam_map: SlamMap, tracking: TrackingConfig, config: ShutterConfig) -> None:
         self._sensor = sensor
         self._map = slam_map
         self._hamming, self._ratio = tracking.hamming_strict, tracking.ratio_brute_force
@@ -68,6 +66,7 @@ class RollingShutter:
         self._pairs: deque[tuple[float, float]] = deque(maxlen=config.pairs)
         self._noted_at = -np.inf
         self._waiting: _Waiting | None = None
+        self._gaps: deque[float] = deque(maxlen=_GAPS)
         self._better: float | None = None
         self._keyframes: dict[int, tuple[Features, _Matrix | None]] = {}
 
@@ -90,7 +89,7 @@ class RollingShutter:
     def bends(self, twist: _Matrix, other: _Matrix) -> bool:
         """Whether two velocities bend the image noticeably differently."""
         pixels = 0.5 * abs(self.readout) * self._sensor.intrinsics[0] * float(np.linalg.norm((twist - other)[3:]))
-        return pixels > self._config.noticed_pixels
+        return bool(pixels > self._config.noticed_pixels)
 
     def note(self, frame: LastFrame, twist: _Matrix | None, is_matched: bool, is_keyframe: bool) -> None:
         """Take a tracked frame with its velocity (6,) since the frame before, if that is known.
@@ -99,6 +98,7 @@ class RollingShutter:
         The caller holds the map's lock.
         """
         if self._waiting is not None and twist is not None:
+            self._gaps.append(frame.timestamp - self._waiting.frame.timestamp)
             self._complete(self._waiting, twist)
         self._waiting = _Waiting(frame, twist, is_matched, is_keyframe)
         if is_keyframe:
@@ -147,9 +147,7 @@ class RollingShutter:
     def _compare(self, one: _MovingView, other: _MovingView) -> None:
         a, b = one.frame, other.frame
         rows = np.flatnonzero(a.seen.has_depth)
-        match = matching.match_brute_force(
-            a.seen.descriptor[rows], b.seen.descriptor, self._hamming, self._ratio
-        )
+        match = matching.match_brute_force(a.seen.descriptor[rows], b.seen.descriptor, self._hamming, self._ratio)
         matching.keep_consistent_rotations(match, a.seen.angle[rows], b.seen.angle)
         in_b = np.flatnonzero(match >= 0)
         if len(in_b) < self._config.min_matches:
@@ -182,7 +180,9 @@ class RollingShutter:
         if len(self._pairs) < self._config.min_pairs:
             return
         values, weights = np.array(self._pairs).T
-        middle = _weighted_median(values, weights)
+        # No camera reads longer than from one frame to the next.
+        longest = float(np.median(self._gaps))
+        middle = min(max(_weighted_median(values, weights), -longest), longest)
         # The formal sigma knows nothing of errors of the velocities: the spread of the pairs does.
         share = weights / weights.sum()
         sigma = 1.5 * _weighted_median(np.abs(values - middle), weights) * float(np.sqrt(np.square(share).sum()))
@@ -198,8 +198,6 @@ class RollingShutter:
         with self._map.lock:
             if self._better is None:
                 return False
-            import os
-            if "V" in os.environ: print("readout", round(self._better*1e3,2), len(self._pairs), self._noted_at)
             self.readout, self._better = self._better, None
             self._straighten_keyframes()
         return True
@@ -210,6 +208,10 @@ class RollingShutter:
                 _observe_again(self._map.columns, keyframe, self.straighten(seen, twist), self._sensor)
             else:
                 del self._keyframes[keyframe]
+
+
+_GAPS = 31
+"""Latest times between frames whose median is the camera's interval: a frame that is missing does not change it."""
 
 
 def _observe_again(m: MapColumns, keyframe: int, features: Features, sensor: SensorModel) -> None:

@@ -111,13 +111,17 @@ class RgbdSlam:
             self._tracker.disowned_since = None
         if tracked.is_keyframe:
             self._depths[tracked.keyframe] = frame.depth
+        for keyframe in self._tracker.released_keyframes():
             if not self._is_live:
-                self._look_for_floor(tracked.keyframe)
-            self._back_end.take(tracked.keyframe)
+                self._look_for_floor(keyframe)
+            self._back_end.take(keyframe)
+        if tracked.is_keyframe:
             with self.map.lock:
                 if self.map.is_home(tracked.keyframe):
                     tracked = replace(tracked, world_from_camera=self.map.world_from_keyframe(tracked.keyframe))
         self.trajectory.append(tracked)
+        self.trajectory.revise(self._tracker.bridged)
+        self._tracker.bridged = {}
         self.trajectory.revise(self._tracker.early_frames.revise())
         return tracked
 

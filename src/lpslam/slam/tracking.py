@@ -15,7 +15,9 @@ from lpslam.camera import inverse_transform
 from lpslam.config import SlamConfig
 from lpslam.frames import RgbdFrame
 from lpslam.slam.advice import NO_ADVICE, LoopAdvisor
+from lpslam.slam.anchoring import Anchoring
 from lpslam.slam.association import Associator, Estimate, View
+from lpslam.slam.coasting import Coasting
 from lpslam.slam.doubt import Doubt
 from lpslam.slam.features import FeatureExtractor, Features, gray_of, no_features
 from lpslam.slam.guesses import FirstGuess, Followed, LastFrame, Search
@@ -23,7 +25,7 @@ from lpslam.slam.guessing import Guesser
 from lpslam.slam.kernels import graph
 from lpslam.slam.keyframes import Keyframes
 from lpslam.slam.map import SlamMap
-from lpslam.slam.motion import ConstantVelocity, UsualSharpness, velocity
+from lpslam.slam.motion import ConstantVelocity, UsualSharpness
 from lpslam.slam.relocalising import Relocaliser
 from lpslam.slam.revising import EarlyFrames
 from lpslam.slam.sensor import SensorModel
@@ -85,12 +87,14 @@ class Tracker:
             slam_map, self._associator, shutter, config.shutter.revised_frames, config.shutter.longest_gap
         )
         self._guesser = Guesser(extractor, sensor, slam_map, self._associator, self._motion, self._shutter, config)
-        self._anchored_at = -np.inf
-        self._followed_first = 0
+        self._anchoring = Anchoring(sensor, config.tracking)
+        self._coasting = Coasting(config.tracking.coast_seconds)
         self._strict_until = -np.inf
         self._unknown_since: float | None = None
         self._doubt = Doubt(slam_map, advisor, config.tracking.doubt_seconds)
         self.disowned_since: float | None = None
+        self.bridged: dict[int, _Matrix] = {}
+        self._unmapped: list[int] = []
         self._sharpness = UsualSharpness()
 
     def track(self, frame: RgbdFrame) -> TrackedFrame:
@@ -119,55 +123,90 @@ class Tracker:
     def _follow(self, frame: RgbdFrame, gray: NDArray[np.uint8]) -> Followed | None:
         """Follow the last frame's keypoints, unless the frame is easy to predict and will be matched anyway."""
         last = self._last
-        if last is None or (self._is_due(frame) and self._guesser.can_predict(last, frame)):
+        is_predictable = self._anchoring.is_steady and last is not None and self._guesser.can_predict(last, frame)
+        if last is None or (self._anchoring.is_due(frame.timestamp) and is_predictable):
             return None
         followed = self._guesser.follow(last, frame, gray)
-        if followed is not None and self._anchored_at == last.timestamp:
-            self._followed_first = followed.asked
+        if followed is not None:
+            self._anchoring.begin_following(last.timestamp, followed.asked)
         return followed
 
     def _must_match(self, frame: RgbdFrame, followed: Followed) -> bool:
-        """Whether flow is not enough: too few points are left of those followed first, or it has gone on for long."""
-        config, left = self._config, followed.estimate.inliers
-        return (
-            left < max(config.min_followed, config.min_followed_share * self._followed_first)
-            or followed.estimate.matches < config.min_followed
-            or followed.estimate.agreement < config.min_agreement
-            or self._is_due(frame)
-        )
-
-    def _is_due(self, frame: RgbdFrame) -> bool:
-        """Whether a frame will be matched with the map whatever flow would say."""
-        return frame.timestamp - self._anchored_at >= self._config.anchor_interval
+        """Whether flow is not enough: the picture has moved on, or too little is left of what was followed first."""
+        return self._anchoring.is_due(frame.timestamp) or self._anchoring.is_failing(followed)
 
     # Matching with the map --------------------------------------------------------------------------------------
 
     def _match(self, frame: RgbdFrame, gray: NDArray[np.uint8], view: View, followed: Followed | None) -> TrackedFrame:
         """Search the local map from the best first guess that leads to enough matches."""
         lost = self.state is TrackingState.LOST
-        gap = 0.0 if self._last is None else frame.timestamp - self._last.timestamp
-        strict = lost or frame.timestamp < self._strict_until or gap > self._config.long_gap
-        needed = self._config.min_recovery_inliers if strict else self._config.min_inliers
-        best: Search | None = None
-        for start in self._lost_starts(view) if lost else self._starts(frame, view, followed):
-            search = self._search_local_map(view, start)
-            if search is not None and (best is None or search.estimate.matches > best.estimate.matches):
-                best = search
-            if best is not None and best.is_sure and best.estimate.matches >= needed:
-                break
-        if best is not None and not best.is_sure:
-            needed = self._config.min_recovery_inliers
-        if best is None or best.estimate.matches < needed:
-            return self._lose(frame, gray, view.features, None if best is None else best.estimate)
+        best = self._best_search(frame, view, self._lost_starts(view) if lost else self._starts(frame, view, followed))
+        if best is None and not lost:
+            if followed is not None and self._holds(frame, followed):
+                self._seen = followed.seen
+                return self._accept(frame, gray, followed.features, followed.estimate, is_sure=False)
+            # Nothing near where it should be: a frame is given up only after the whole map was searched.
+            best, lost = self._best_search(frame, view, self._lost_starts(view), strict=True), True
+        if best is None:
+            return self._miss(frame, gray, view.features)
+        before, coasted = self._last, self._coasting.since
         self._note(best)
+        if lost:
+            # Nothing leads from where the camera was before to here.
+            self._last = None
+            self._motion.forget()
         features, estimate = self._straightened(frame, view.features, best.estimate)
         if lost:
             self._strict_until = frame.timestamp + self._config.strict_seconds
             self._tell(EventKind.RELOCALISED, frame, f"{best.estimate.matches} map points matched")
             self._doubt.begin(self._reference, frame.timestamp)
         if best.is_sure:
-            self._anchored_at = frame.timestamp
-        return self._accept(frame, gray, features, estimate, is_matched=True, is_sure=best.is_sure)
+            self._anchoring.matched(frame.timestamp)
+            self._anchoring.saw(features)
+        tracked = self._accept(frame, gray, features, estimate, is_matched=True, is_sure=best.is_sure)
+        if coasted is not None:
+            self._bridge(before, coasted, frame, estimate)
+        return tracked
+
+    def _best_search(
+        self, frame: RgbdFrame, view: View, starts: Iterator[FirstGuess], strict: bool = False
+    ) -> Search | None:
+        """The search with most matches, if they are enough; the first that is sure and has enough ends it."""
+        config = self._config
+        gap = 0.0 if self._last is None else frame.timestamp - self._last.timestamp
+        strict = strict or self.state is TrackingState.LOST or frame.timestamp < self._strict_until
+        needed = config.min_recovery_inliers if strict or gap > config.long_gap else config.min_inliers
+        best: Search | None = None
+        for start in starts:
+            search = self._search_local_map(view, start)
+            if search is not None and (best is None or search.estimate.matches > best.estimate.matches):
+                best = search
+            if best is not None and best.is_sure and best.estimate.matches >= needed:
+                return best
+        if best is None or best.estimate.matches >= config.min_recovery_inliers:
+            return best
+        # Where the view is new, few map points and many of the last view's own may hold the pose together.
+        held = best.estimate.matches >= config.min_pose_inliers and best.estimate.inliers >= 2 * needed
+        return best if best.is_sure and held and not strict else None
+
+    def _holds(self, frame: RgbdFrame, followed: Followed) -> bool:
+        """Whether flow alone may carry the pose over a frame that the map does not explain: a blurred one, say."""
+        config, estimate = self._config, followed.estimate
+        return estimate.agreement >= config.min_agreement and estimate.matches >= config.min_inliers
+
+    def _bridge(self, before: LastFrame | None, since: float, frame: RgbdFrame, estimate: Estimate) -> None:
+        """The frames that were coasted over lie between the last pose and this one, if both are of one world."""
+        last, submaps = self._last, self._map.submaps()
+        if before is not None and last is not None and submaps[before.reference] == submaps[last.reference]:
+            self.bridged = self._coasting.bridged(
+                self._map,
+                before.reference,
+                (before.timestamp, self._guesser.pose(before)),
+                (frame.timestamp, self._guesser.pose(last)),
+            )
+        else:
+            self.disowned_since = since
+        self._coasting.end()
 
     def _straightened(self, frame: RgbdFrame, features: Features, estimate: Estimate) -> tuple[Features, Estimate]:
         """Straighten the keypoints by the velocity that the frame turns out to have, and optimise its pose again."""
@@ -235,8 +274,25 @@ class Tracker:
                 return
             self._tell(EventKind.LOST, frame, f"the signs read since {since:.2f} s are not those of the place")
             self._relocaliser.disown(self._reference, self._guesser.pose(last))
+            self._forget_provisional()
         self.state, self._last, self.disowned_since = TrackingState.LOST, None, since
+        self._coasting.end()
         self._motion.forget()
+
+    def _forget_provisional(self) -> None:
+        """Take back the keyframes made while the place was doubted: it is another one."""
+        for keyframe in reversed(self._unmapped):
+            if self._map.is_alive(keyframe) and not self._map.is_root(keyframe):
+                self._map.remove_keyframe(keyframe)
+        self._unmapped.clear()
+        self._reference = self._map.living_ancestor(self._reference)
+
+    def released_keyframes(self) -> list[int]:
+        """New keyframes that are to be worked into the map; while the place is doubted they are held back."""
+        if self._doubt.is_open:
+            return []
+        released, self._unmapped = self._unmapped, []
+        return released
 
     # What becomes of the frame ----------------------------------------------------------------------------------
 
@@ -259,21 +315,51 @@ class Tracker:
         self._sharpness.begin(frame)
         nothing_seen = Estimate(camera_from_world, np.full(features.rows, -1, np.int32), 0)
         estimate = self._add_keyframe(frame, features, nothing_seen)
-        self._anchored_at = frame.timestamp
+        self._anchoring.matched(frame.timestamp)
+        self._anchoring.saw(features)
         return self._commit(frame, gray, features, estimate, is_keyframe=True, reason="")
 
-    def _lose(
-        self, frame: RgbdFrame, gray: NDArray[np.uint8], features: Features, estimate: Estimate | None
-    ) -> TrackedFrame:
+    def _miss(self, frame: RgbdFrame, gray: NDArray[np.uint8], features: Features) -> TrackedFrame:
+        """Nothing fits: coast for a moment, then be lost."""
+        last = self._last
+        if last is None or self.state is TrackingState.LOST or not self._coasting.goes_on(frame.timestamp):
+            return self._lose(frame, gray, features)
+        self._coasting.pass_over(frame.index, frame.timestamp)
+        reason = f"coasting: {self._why(frame, features)}"
+        if self.state is not TrackingState.WEAK:
+            self._tell(EventKind.WEAK, frame, reason)
+        self.state = TrackingState.WEAK
+        predicted = self._guesser.predicted(last, frame)
+        world_from_camera = inverse_transform(predicted)
+        return TrackedFrame(
+            frame.index,
+            frame.timestamp,
+            self.state,
+            last.reference,
+            self._map.camera_from_world(last.reference) @ world_from_camera,
+            world_from_camera if self._map.is_home(last.reference) else None,
+            0,
+            False,
+            reason,
+            is_doubted=True,
+        )
+
+    def _why(self, frame: RgbdFrame, features: Features) -> str:
+        """What a frame shows, for a reason."""
+        parts = [f"{features.rows} keypoints"]
+        if features.rows:
+            parts.append(f"{features.has_depth.mean():.0%} of them with depth")
+        if self._sharpness.share(frame) < self._config.blur_ratio:
+            parts.append(self._sharpness.fault(frame))
+        return ", ".join(parts)
+
+    def _lose(self, frame: RgbdFrame, gray: NDArray[np.uint8], features: Features) -> TrackedFrame:
         """Say why; after usable but unknown views for long, begin a sub-map where the camera was last known to be."""
         depths = int(features.has_depth.sum())
-        parts = [f"{0 if estimate is None else estimate.matches} map points matched", f"{features.rows} keypoints"]
-        if features.rows:
-            parts.append(f"{depths / features.rows:.0%} of them with depth")
-        sharpness = self._sharpness.share(frame)
-        if sharpness < self._config.blur_ratio:
-            parts.append(self._sharpness.fault(frame))
-        reason = ", ".join(parts)
+        reason = f"no place in the map matched, {self._why(frame, features)}"
+        if self._coasting.since is not None:
+            self.disowned_since = self._coasting.since
+            self._coasting.end()
         if self.state is not TrackingState.LOST:
             self._tell(EventKind.LOST, frame, reason)
         self.state, self._last = TrackingState.LOST, None
@@ -322,7 +408,6 @@ class Tracker:
             is_matched
             and is_sure
             and self._grows
-            and not self._doubt.is_open
             and self._keyframes.wants(frame.timestamp, features, estimate.points >= 0, self._is_mapping_idle())
             and not self._keyframes.is_known_view(estimate, self._reference)
         )
@@ -346,7 +431,9 @@ class Tracker:
         twist = None
         if self._last is not None and frame.timestamp > self._last.timestamp:
             seconds = frame.timestamp - self._last.timestamp
-            self._motion.note(self._guesser.pose(self._last), estimate.camera_from_world, seconds)
+            before, predicted = self._guesser.pose(self._last), self._guesser.predicted(self._last, frame)
+            self._anchoring.moved(before, estimate.camera_from_world, predicted)
+            self._motion.note(before, estimate.camera_from_world, seconds)
             twist = self._guesser.twist(self._last, frame, estimate.camera_from_world)
         keyframe_from_camera = reference_from_world @ world_from_camera
         self._last = LastFrame(
@@ -381,6 +468,7 @@ class Tracker:
 
     def _add_keyframe(self, frame: RgbdFrame, features: Features, estimate: Estimate) -> Estimate:
         self._reference, estimate = self._keyframes.add(frame, features, estimate, self._reference)
+        self._unmapped.append(self._reference)
         return estimate
 
 
