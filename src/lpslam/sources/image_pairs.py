@@ -129,6 +129,13 @@ class ImagePairSource:
                 continue
         return depths
 
+    def frame(self, index: int) -> RgbdFrame | None:
+        """The frame at a place in the source's order; None if it cannot be used. Leaves no fault behind."""
+        try:
+            return self._read(index, self._pairs[index])
+        except BadImageError:
+            return None
+
     def _read(self, index: int, pair: ImagePair) -> RgbdFrame:
         if pair.fault:
             raise BadImageError(pair.fault)

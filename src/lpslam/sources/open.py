@@ -7,6 +7,8 @@ from pathlib import Path
 
 from lpslam.config import CalibrationCheckConfig
 from lpslam.errors import UserError
+from lpslam.sources.focal_check import doubts_about_focal
+from lpslam.sources.followed_pairs import pairs_of
 from lpslam.sources.image_pairs import ImagePairSource
 from lpslam.sources.plausibility import Doubt, doubts_about_depth, doubts_about_intrinsics, doubts_about_timing
 from lpslam.sources.sevenscenes import looks_like_seven_scenes, open_seven_scenes
@@ -70,6 +72,9 @@ def open_source(
 def _doubts(source: ImagePairSource, checks: CalibrationCheckConfig) -> list[Doubt]:
     """What refuses the recording first."""
     doubts = doubts_about_intrinsics(source.camera, checks)
+    if not any(doubt.is_fatal for doubt in doubts):
+        pairs = pairs_of(source.frame, source.timestamps, checks.focal)
+        doubts += doubts_about_focal(pairs, source.camera, checks.focal)
     doubts += doubts_about_depth(source.sample_depths(checks.depth_frames), source.camera, checks)
     if source.listed_times is not None:
         doubts += doubts_about_timing(*source.listed_times, checks)
