@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 from pydantic import Field, PositiveFloat, ValidationError
 
+from lpslam.config.calibrating import CalibratingConfig
 from lpslam.config.section import Section
 from lpslam.config.slam import (
     FeatureConfig,
@@ -34,6 +35,7 @@ from lpslam.errors import UserError
 
 __all__ = [
     "AdviceConfig",
+    "CalibratingConfig",
     "CalibrationCheckConfig",
     "CameraMatchConfig",
     "Config",
@@ -239,6 +241,8 @@ class Config(Section):
     """The whole tree."""
 
     calibration: CalibrationCheckConfig = CalibrationCheckConfig()
+
+    calibrating: CalibratingConfig = CalibratingConfig()
 
     # To find a camera in a map, ...
     same_camera: CameraMatchConfig = CameraMatchConfig()

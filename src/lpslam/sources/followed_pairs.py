@@ -39,9 +39,9 @@ def pairs_of(
         first = read(int(start))
         if first is None:
             continue
-        small = _small(first)
-        corners = cv2.goodFeaturesToTrack(small, config.corners, _QUALITY, _APART)
-        if corners is None or len(corners) < config.min_places:
+        small = small_picture(first)
+        corners = corners_of(small, config.corners)
+        if len(corners) < config.min_places:
             continue
         for gap in (apart, apart // 3):
             end = min(int(start) + gap, count - 1)
@@ -57,11 +57,8 @@ def _pair(
     first: RgbdFrame, small: Picture, corners: NDArray[np.float32], other: RgbdFrame, config: FocalCheckConfig
 ) -> ViewPair | None:
     """What was followed and has depth at both ends; None if it is too little, or hardly moved."""
-    other_small = _small(other)
-    ends, found, _ = _flow(small, other_small, corners)
-    back, found_back, _ = _flow(other_small, small, ends)
-    missed = np.linalg.norm((back - corners)[:, 0], axis=1)
-    ok = (found[:, 0] > 0) & (found_back[:, 0] > 0) & (missed < _RETURN)
+    other_small = small_picture(other)
+    ends, ok = followed(small, other_small, corners)
     pixels, other_pixels = (_full_size(each[ok, 0]) for each in (corners, ends))
     depth, other_depth = _depths(first.depth, pixels, config), _depths(other.depth, other_pixels, config)
     both = (depth > 0) & (other_depth > 0)
@@ -73,16 +70,35 @@ def _pair(
     return ViewPair(pixels[both], depth[both], other_pixels[both], other_depth[both])
 
 
-def _small(frame: RgbdFrame) -> Picture:
+def corners_of(picture: Picture, count: int) -> NDArray[np.float32]:
+    """Up to so many corners that can be followed, (n, 1, 2) u, v; none in a blank picture."""
+    found = cv2.goodFeaturesToTrack(picture, count, _QUALITY, _APART)
+    return np.empty((0, 1, 2), np.float32) if found is None else np.asarray(found, np.float32)
+
+
+def small_picture(frame: RgbdFrame) -> Picture:
+    """Grey values at half the size."""
     gray = cv2.cvtColor(frame.rgb, cv2.COLOR_RGB2GRAY)
     return np.asarray(cv2.resize(gray, None, fx=_HALF, fy=_HALF, interpolation=cv2.INTER_AREA), np.uint8)
 
 
-def _flow(start: Picture, end: Picture, corners: NDArray[np.float32]) -> tuple[NDArray[np.float32], ...]:
-    ends, found, errors = cv2.calcOpticalFlowPyrLK(
+def followed(
+    start: Picture, end: Picture, corners: NDArray[np.float32]
+) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+    """Where corners (n, 1, 2) of one picture are in another, and which of them come back when followed back (n,)."""
+    ends, found = _flow(start, end, corners)
+    back, found_back = _flow(end, start, ends)
+    missed = np.linalg.norm((back - corners)[:, 0], axis=1)
+    return ends, (found[:, 0] > 0) & (found_back[:, 0] > 0) & (missed < _RETURN)
+
+
+def _flow(
+    start: Picture, end: Picture, corners: NDArray[np.float32]
+) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
+    ends, found, _ = cv2.calcOpticalFlowPyrLK(
         start, end, corners, corners.copy(), winSize=_WINDOW, maxLevel=_LEVELS, criteria=_UNTIL
     )
-    return np.asarray(ends), np.asarray(found), np.asarray(errors)
+    return np.asarray(ends, np.float32), np.asarray(found, np.uint8)
 
 
 def _full_size(small_pixels: NDArray[np.float32]) -> Array:

@@ -169,4 +169,5 @@ def _rotations(turns: Array) -> Array:
     cross = np.zeros((len(turns), 3, 3))
     cross[:, 0, 1], cross[:, 0, 2], cross[:, 1, 2] = -turns[:, 2], turns[:, 1], -turns[:, 0]
     cross -= cross.transpose(0, 2, 1)
-    return np.eye(3) + np.sinc(angle / np.pi) * cross + 0.5 * np.sinc(angle / (2 * np.pi)) ** 2 * (cross @ cross)
+    turned = np.sinc(angle / np.pi) * cross + 0.5 * np.sinc(angle / (2 * np.pi)) ** 2 * (cross @ cross)
+    return np.asarray(np.eye(3) + turned)
