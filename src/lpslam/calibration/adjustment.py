@@ -1,21 +1,22 @@
-"""Bundle adjustment in which the lens is free: poses, points and nine numbers that agree best with all observations.
+"""Bundle adjustment in which the lens is free: poses, points and ten numbers that agree best with all observations.
 
 Levenberg-Marquardt; points are eliminated (Schur complement), and what is left, poses and lens, is solved for directly.
 The first view holds the frame; depth holds the scale.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array, csr_array
+from scipy.linalg import solve
+from scipy.sparse import bsr_array, coo_array, csr_array
 
-from lpslam.calibration.lens import NEAREST, by_small_turn, project
+from lpslam.calibration.lens import NAMES, NEAREST, by_small_turn, project
 from lpslam.slam.kernels.geometry import move
 
 Array = NDArray[np.float64]
 
-_LENS = 9
+_LENS = len(NAMES)
 _HUBER_PIXEL = 2.448
 """Standard deviations from which a pixel counts less: 95 % of a circular normal distribution lies within."""
 
@@ -33,6 +34,7 @@ class Observations:
     Attributes:
         view, point: (n,) which view saw which point.
         pixels: (n, 2) raw u, v.
+        drag: (n, 2) pixels a second; see `lens.project`.
         inverse_depth: (n,) 1/m; 0 where there is none.
         pixel_sigma: (n,) pixels.
         depth_sigma: (n,) 1/m, of the inverse depth; 1 where there is none.
@@ -41,14 +43,14 @@ class Observations:
     view: NDArray[np.int64]
     point: NDArray[np.int64]
     pixels: Array
+    drag: Array
     inverse_depth: Array
     pixel_sigma: Array
     depth_sigma: Array
 
     def where(self, chosen: NDArray[np.bool_]) -> "Observations":
         """Some of the rows."""
-        columns = (self.view, self.point, self.pixels, self.inverse_depth, self.pixel_sigma, self.depth_sigma)
-        return Observations(*(column[chosen] for column in columns))
+        return Observations(*(getattr(self, each.name)[chosen] for each in fields(self)))
 
     def scaled(self, pixel: float, depth: float) -> "Observations":
         """The same with other standard deviations, by these factors."""
@@ -57,7 +59,7 @@ class Observations:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class State:
-    """What is estimated: lens (9,), camera_from_world (v, 4, 4) and points (p, 3) in the first view's frame, metres."""
+    """What is estimated: lens (10,), camera_from_world (v, 4, 4) and points (p, 3) of the world, metres."""
 
     lens: Array
     camera_from_world: Array
@@ -66,7 +68,7 @@ class State:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Prior:
-    """What is known of a lens beforehand: the numbers expected (9,), and their standard deviations (9,); 0 is fixed.
+    """What is known of a lens beforehand: the numbers expected (10,), and their standard deviations (10,); 0 is fixed.
 
     Attributes:
         aspect_sigma: standard deviation of fx / fy around 1.
@@ -77,23 +79,15 @@ class Prior:
     aspect_sigma: float
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Adjusted:
-    """The best state, and the (9, 9) covariance of its lens for observations as exact as their sigmas say."""
-
-    state: State
-    covariance: Array
-
-
 def errors(seen: Observations, state: State) -> tuple[Array, Array]:
     """Whitened errors: pixels (n, 2), and inverse depths (n,), 0 where there is none."""
     moved = _in_cameras(seen, state)
-    pixel = (seen.pixels - project(moved, state.lens).pixels) / seen.pixel_sigma[:, None]
+    pixel = (seen.pixels - project(moved, state.lens, seen.drag).pixels) / seen.pixel_sigma[:, None]
     depth = (seen.inverse_depth - 1.0 / np.maximum(moved[:, 2], NEAREST)) / seen.depth_sigma
     return pixel, np.where(seen.inverse_depth > 0, depth, 0.0)
 
 
-def adjust(seen: Observations, start: State, prior: Prior, steps: int) -> Adjusted:
+def adjust(seen: Observations, start: State, prior: Prior, steps: int) -> State:
     """Lower the robust (Huber) cost of all observations and of the prior.
 
     Args:
@@ -118,7 +112,13 @@ def adjust(seen: Observations, start: State, prior: Prior, steps: int) -> Adjust
         damping = max(damping * 0.1, 1e-9)
         if gained < _CONVERGED * cost:
             break
-    return Adjusted(state, _System.at(seen, state, prior).lens_covariance(free))
+    return state
+
+
+def lens_covariance(seen: Observations, state: State, prior: Prior) -> Array:
+    """(10, 10) covariance of the lens for observations as exact as their sigmas say; zero where it is fixed."""
+    free = _free_columns(len(state.camera_from_world), prior)
+    return _System.at(seen, state, prior).lens_covariance(free)
 
 
 def _free_columns(views: int, prior: Prior) -> NDArray[np.int64]:
@@ -143,7 +143,7 @@ def _huber(error: Array, bend: float) -> Array:
 
 
 def _prior_errors(lens: Array, prior: Prior) -> tuple[Array, Array]:
-    """Whitened errors (10,) of a lens against what is known of it, and their derivatives (10, 9)."""
+    """Whitened errors (11,) of a lens against what is known of it, and their derivatives (11, 10)."""
     off, slope = np.zeros(_LENS + 1), np.zeros((_LENS + 1, _LENS))
     known = np.flatnonzero(prior.sigma > 0)
     off[known] = (prior.mean[known] - lens[known]) / prior.sigma[known]
@@ -159,7 +159,7 @@ class _System:
 
     hessian: Array
     points: Array
-    cross: Array
+    cross: csr_array
     right: Array
     points_right: Array
 
@@ -182,7 +182,7 @@ class _System:
         by_prior, slope = _prior_errors(state.lens, prior)
         hessian[-_LENS:, -_LENS:] += slope.T @ slope
         off[-_LENS:] += slope.T @ by_prior
-        cross = (frames.T @ structure).toarray()
+        cross = csr_array(frames.T @ structure)
         return cls(hessian, blocks.reshape(-1, 3, 3), cross, off, structure.T @ right.ravel())
 
     def step(self, free: NDArray[np.int64], damping: float) -> tuple[Array, Array]:
@@ -193,16 +193,17 @@ class _System:
         scale = np.sqrt(np.maximum(np.diag(self.hessian)[free], 1e-12))
         reduced = reduced / np.outer(scale, scale) + damping * np.eye(len(free))
         move_frames = np.zeros(len(self.hessian))
-        move_frames[free] = np.linalg.solve(reduced, right / scale) / scale
+        move_frames[free] = solve(reduced, right / scale, assume_a="pos") / scale
         left = (self.points_right - self.cross.T @ move_frames).reshape(-1, 3)
         return move_frames, np.einsum("pij,pj->pi", inverse, left)
 
     def lens_covariance(self, free: NDArray[np.int64]) -> Array:
-        """(9, 9); zero where the lens is fixed."""
+        """(10, 10); zero where the lens is fixed."""
         reduced, _, _ = self._reduced(free, self.points + 1e-9 * np.eye(3))
         lens = np.flatnonzero(free >= len(self.hessian) - _LENS)
         scale = np.sqrt(np.maximum(np.diag(reduced), 1e-12))
-        inverse = np.linalg.pinv(reduced / np.outer(scale, scale), hermitian=True) / np.outer(scale, scale)
+        scaled = reduced / np.outer(scale, scale) + 1e-12 * np.eye(len(free))
+        inverse = np.linalg.inv(scaled) / np.outer(scale, scale)
         covariance = np.zeros((_LENS, _LENS))
         numbers = free[lens] - (len(self.hessian) - _LENS)
         covariance[np.ix_(numbers, numbers)] = inverse[np.ix_(lens, lens)]
@@ -211,16 +212,18 @@ class _System:
     def _reduced(self, free: NDArray[np.int64], points: Array) -> tuple[Array, Array, Array]:
         """The system without points, its right side, and the points' inverse blocks."""
         inverse = np.linalg.inv(points)
+        count = len(points)
+        blocks = bsr_array((inverse, np.arange(count), np.arange(count + 1)), shape=(3 * count, 3 * count))
         cross = self.cross[free]
-        shared = np.einsum("apj,pjk->apk", cross.reshape(len(free), -1, 3), inverse).reshape(len(free), -1)
-        reduced = self.hessian[np.ix_(free, free)] - shared @ cross.T
-        return reduced, self.right[free] - shared @ self.points_right, inverse
+        shared = cross @ csr_array(blocks)
+        reduced = np.asarray(self.hessian[np.ix_(free, free)] - (shared @ cross.T).toarray())
+        return reduced, np.asarray(self.right[free] - shared @ self.points_right), np.asarray(inverse)
 
 
 def _linearised(seen: Observations, state: State) -> tuple[Array, Array, Array]:
-    """Weighted derivatives by pose and lens (n, 3, 15) and by point (n, 3, 3), and weighted errors (n, 3)."""
+    """Weighted derivatives by pose and lens (n, 3, 16) and by point (n, 3, 3), and weighted errors (n, 3)."""
     moved = _in_cameras(seen, state)
-    projected = project(moved, state.lens)
+    projected = project(moved, state.lens, seen.drag)
     w = 1.0 / np.maximum(moved[:, 2], NEAREST)
     count = len(moved)
     by_moved = np.zeros((count, 3, 3))

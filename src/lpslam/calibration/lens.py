@@ -10,8 +10,11 @@ from lpslam.camera import PinholeCamera
 
 Array = NDArray[np.float64]
 
-NAMES = ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3")
-"""The numbers of a lens, in the order of its vector: pixels, and Brown-Conrady distortion."""
+NAMES = ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3", "readout")
+"""The numbers of a lens, in the order of its vector: pixels, Brown-Conrady distortion, and seconds of a rolling shutter
+from the first line of a picture to the last."""
+
+K3 = NAMES.index("k3")
 
 NEAREST = 0.05
 """Metres; a point nearer than this, or behind the camera, is taken to be there."""
@@ -23,7 +26,7 @@ class Projection(NamedTuple):
     Attributes:
         pixels: (n, 2) raw u, v.
         by_point: (n, 2, 3) derivatives by the point in the camera's frame.
-        by_lens: (n, 2, 9) derivatives by the lens.
+        by_lens: (n, 2, 10) derivatives by the lens.
     """
 
     pixels: Array
@@ -32,19 +35,26 @@ class Projection(NamedTuple):
 
 
 def lens_of(camera: PinholeCamera) -> Array:
-    """The (9,) numbers of a camera."""
-    return np.array([camera.fx, camera.fy, camera.cx, camera.cy, *camera.distortion])
+    """The (10,) numbers of a camera whose shutter does not roll."""
+    return np.array([camera.fx, camera.fy, camera.cx, camera.cy, *camera.distortion, 0.0])
 
 
 def with_lens(camera: PinholeCamera, lens: Array) -> PinholeCamera:
     """A camera with other numbers."""
-    fx, fy, cx, cy, k1, k2, p1, p2, k3 = (float(value) for value in lens)
+    fx, fy, cx, cy, k1, k2, p1, p2, k3 = (float(value) for value in lens[:9])
     return replace(camera, fx=fx, fy=fy, cx=cx, cy=cy, distortion=(k1, k2, p1, p2, k3))
 
 
-def project(points: Array, lens: Array) -> Projection:
-    """Raw pixels of points (n, 3) of the optical frame, metres (Brown-Conrady), with derivatives."""
-    fx, fy, cx, cy, k1, k2, p1, p2, k3 = lens
+def project(points: Array, lens: Array, drag: Array) -> Projection:
+    """Raw pixels of points of the optical frame, with derivatives (Brown-Conrady).
+
+    Args:
+        points: (n, 3) metres.
+        lens: (10,) numbers.
+        drag: (n, 2) pixels a second by which a rolling shutter would displace them: how fast the picture moves there,
+            times how far below the middle it is, as a share of the height.
+    """
+    fx, fy, cx, cy, k1, k2, p1, p2, k3, readout = lens
     w = 1.0 / np.maximum(points[:, 2], NEAREST)
     x, y = points[:, 0] * w, points[:, 1] * w
     r2 = x * x + y * y
@@ -59,14 +69,16 @@ def project(points: Array, lens: Array) -> Projection:
     by_point = np.empty((len(points), 2, 3))
     by_point[:, 0, 0], by_point[:, 0, 1], by_point[:, 0, 2] = fx * xx * w, fx * xy * w, -fx * w * (xx * x + xy * y)
     by_point[:, 1, 0], by_point[:, 1, 1], by_point[:, 1, 2] = fy * xy * w, fy * yy * w, -fy * w * (xy * x + yy * y)
-    by_lens = np.zeros((len(points), 2, 9))
+    by_lens = np.zeros((len(points), 2, len(NAMES)))
     by_lens[:, 0, 0], by_lens[:, 1, 1] = bent_x, bent_y
     by_lens[:, 0, 2] = by_lens[:, 1, 3] = 1.0
     for column, power in ((4, r2), (5, r2**2), (8, r2**3)):
         by_lens[:, 0, column], by_lens[:, 1, column] = fx * x * power, fy * y * power
     by_lens[:, 0, 6], by_lens[:, 1, 6] = fx * 2.0 * x * y, fy * (r2 + 2.0 * y * y)
     by_lens[:, 0, 7], by_lens[:, 1, 7] = fx * (r2 + 2.0 * x * x), fy * 2.0 * x * y
-    return Projection(np.column_stack([fx * bent_x + cx, fy * bent_y + cy]), by_point, by_lens)
+    by_lens[:, :, 9] = drag
+    pixels = np.column_stack([fx * bent_x + cx, fy * bent_y + cy]) + readout * drag
+    return Projection(pixels, by_point, by_lens)
 
 
 def by_small_turn(points: Array) -> Array:
@@ -85,7 +97,7 @@ def gap(camera: PinholeCamera, other: PinholeCamera) -> Array:
     raw = np.column_stack([u.ravel(), v.ravel()])
     straight = camera.undistort(raw)
     rays = camera.back_project(straight, np.ones(len(straight)))
-    seen = project(rays, lens_of(other))
+    seen = project(rays, lens_of(other), np.zeros_like(raw))
     by_turn = (seen.by_point @ by_small_turn(rays)).reshape(-1, 3)
     off = (seen.pixels - raw).ravel()
     turn, *_ = np.linalg.lstsq(by_turn, off)

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.calibration.adjustment import Adjusted, Observations, Prior, State, adjust, errors
-from lpslam.calibration.lens import NAMES, with_lens
+from lpslam.calibration.adjustment import Observations, Prior, State, adjust, errors, lens_covariance
+from lpslam.calibration.lens import K3, with_lens
 from lpslam.calibration.tracks import Likeness, first_poses, likenesses, observe, rigid_matches
 from lpslam.calibration.views import View
 from lpslam.camera import PinholeCamera
@@ -28,7 +28,7 @@ class Solution:
 
     Attributes:
         camera: with the lens.
-        covariance: (9, 9) of the lens, in the order of `lens.NAMES`; scaled by how far the observations really stray.
+        covariance: (10, 10) of the lens, in the order of `lens.NAMES`; scaled by how far the observations really stray.
         seen: the observations that agree, with their sigmas as they turned out.
         state: poses and points.
         views: (v,) numbers of the views whose poses these are.
@@ -44,7 +44,7 @@ class Solution:
 
     @property
     def sigma(self) -> Array:
-        """(9,) standard deviations."""
+        """(10,) standard deviations."""
         return np.sqrt(np.diag(self.covariance))
 
 
@@ -73,10 +73,11 @@ def solve(
 
 def prior_of(camera: PinholeCamera, config: CalibratingConfig, *, with_k3: bool) -> Prior:
     """What is known of any lens: the focal length nothing, the rest within what cameras have."""
-    sigma = np.array([1e6, 1e6, *(2 * (config.centre_prior * camera.width,)), *config.distortion_prior])
+    off_centre = config.centre_prior * camera.width
+    sigma = np.array([1e6, 1e6, off_centre, off_centre, *config.distortion_prior, config.readout_prior])
     if not with_k3:
-        sigma[NAMES.index("k3")] = 0.0
-    mean = np.array([camera.fx, camera.fx, (camera.width - 1) / 2, (camera.height - 1) / 2, 0, 0, 0, 0, 0])
+        sigma[K3] = 0.0
+    mean = np.array([camera.fx, camera.fx, (camera.width - 1) / 2, (camera.height - 1) / 2, *(6 * [0.0])])
     return Prior(mean, sigma, config.aspect_prior)
 
 
@@ -92,10 +93,10 @@ def part(solution: Solution, views: NDArray[np.bool_], config: CalibratingConfig
     points, rows = np.unique(seen.point, return_inverse=True)
     poses = solution.state.camera_from_world[views]
     start = State(solution.state.lens, poses, solution.state.points[points])
-    prior = prior_of(solution.camera, config, with_k3=solution.state.lens[-1] != 0)
+    prior = prior_of(solution.camera, config, with_k3=solution.state.lens[K3] != 0)
     seen = replace(seen, point=rows)
-    adjusted = adjust(seen, start, prior, config.steps)
-    return _solution(solution.camera, seen, adjusted, solution.views[views])
+    state = adjust(seen, start, prior, config.steps)
+    return _solution(solution.camera, seen, state, solution.views[views], prior)
 
 
 def _gathered(
@@ -126,20 +127,20 @@ def _settled(
     config: CalibratingConfig,
 ) -> Solution:
     """Adjust, judge what agrees and how far it strays, and again."""
-    adjusted = adjust(seen, start, prior, config.steps)
+    state = adjust(seen, start, prior, config.steps)
     everything = seen
     for _ in range(_ROUNDS):
-        scaled, agrees = _judged(everything, seen, adjusted.state, config.gate)
+        scaled, agrees = _judged(everything, seen, state, config.gate)
         everything, seen = scaled, _shared(scaled.where(agrees))
-        adjusted = adjust(seen, adjusted.state, prior, config.steps)
-    return _solution(camera, seen, adjusted, together)
+        state = adjust(seen, state, prior, config.steps)
+    return _solution(camera, seen, state, together, prior)
 
 
 def _with_k3(camera: PinholeCamera, solution: Solution, config: CalibratingConfig) -> Solution:
     """The same with k3 free, where the views tell it."""
     start, seen = solution.state, solution.seen
     freer = _settled(camera, seen, start, solution.views, prior_of(camera, config, with_k3=True), config)
-    return freer if abs(freer.state.lens[-1]) > config.k3_significance * freer.sigma[-1] else solution
+    return freer if abs(freer.state.lens[K3]) > config.k3_significance * freer.sigma[K3] else solution
 
 
 def _judged(
@@ -172,12 +173,12 @@ def _shared(seen: Observations) -> Observations:
 
 
 def _solution(
-    camera: PinholeCamera, seen: Observations, adjusted: Adjusted, views: NDArray[np.int64]
+    camera: PinholeCamera, seen: Observations, state: State, views: NDArray[np.int64], prior: Prior
 ) -> Solution:
-    pixel, depth = errors(seen, adjusted.state)
+    pixel, depth = errors(seen, state)
     equations = 2 * len(pixel) + int((seen.inverse_depth > 0).sum())
-    unknowns = 3 * len(np.unique(seen.point)) + 6 * len(adjusted.state.camera_from_world) + 3
+    unknowns = 3 * len(np.unique(seen.point)) + 6 * len(state.camera_from_world) + 3
     variance = float(((pixel**2).sum() + (depth**2).sum()) / max(equations - unknowns, 1))
+    covariance = lens_covariance(seen, state, prior) * max(variance, 1e-12)
     rms = float(np.sqrt(np.mean(((pixel * seen.pixel_sigma[:, None]) ** 2).sum(axis=1))))
-    lens = with_lens(camera, adjusted.state.lens)
-    return Solution(lens, adjusted.covariance * max(variance, 1e-12), seen, adjusted.state, views, rms)
+    return Solution(with_lens(camera, state.lens), covariance, seen, state, views, rms)

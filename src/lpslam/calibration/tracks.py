@@ -129,6 +129,7 @@ def observe(
     track[view_of < 0] = -1
     track = _sound(track, view_of, len(together), config.points)
     seen = np.flatnonzero(track >= 0)
+    drag = np.concatenate([view.drag for view in views])[seen]
     pixels, depth, octave = (
         np.concatenate([getattr(view.features, name) for view in views])[seen].astype(np.float64)
         for name in ("pixels", "depth", "octave")
@@ -149,6 +150,7 @@ def observe(
         view,
         point,
         pixels,
+        drag,
         np.where(depth > 0, 1.0 / safe, 0.0),
         np.sqrt(noise.pixel_sigma**2 + (noise.level_pixel_sigma * scales) ** 2),
         np.where(depth > 0, sigma, 1.0),

@@ -1,9 +1,8 @@
-"""The frames that a calibration looks at: sharp ones, each some way from the last."""
+"""The frames that a calibration looks at: calm ones, each some way from the last."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,16 +20,26 @@ _CORNERS = 80
 _FEWEST = 10
 """Corners that must be found again for that; with fewer, so much moved that nothing is told."""
 
+_FIELD_ROUNDS, _FIELD_PIXELS = 4, 2.0
+"""Of fitting a field of motion, each trusting those corners less that missed the last one by more than two pixels."""
+
 _RUN = 10
 """Views that follow one another where not all can be used: each needs neighbours that see the same."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class View:
-    """A chosen frame: its time in seconds, and its keypoints at raw pixels."""
+    """A chosen frame.
+
+    Attributes:
+        timestamp: seconds.
+        features: its keypoints, at raw pixels.
+        drag: (n, 2) pixels a second by which a rolling shutter would displace them; see `lens.project`.
+    """
 
     timestamp: float
     features: Features
+    drag: NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,12 +49,12 @@ class Travel:
     Attributes:
         frames: (n,) their numbers in the recording.
         travelled: (n,) pixels that the picture has moved since the first one, all its motions added up.
-        sharpness: (n,) gradient energy; compared among neighbours.
+        pace: (n,) pixels that it moves from frame to frame around each: blurred, and bent by a shutter that rolls.
     """
 
     frames: NDArray[np.int64]
     travelled: NDArray[np.float64]
-    sharpness: NDArray[np.float64]
+    pace: NDArray[np.float64]
 
 
 def travel_of(read: Read, count: int, config: CalibratingConfig, on_progress: Callable[[int, int], None]) -> Travel:
@@ -54,7 +63,7 @@ def travel_of(read: Read, count: int, config: CalibratingConfig, on_progress: Ca
     length = min(count, config.frames_read // stretches)
     starts = np.linspace(0, count - length, stretches).astype(int)
     numbers = np.unique((starts[:, None] + np.arange(length)).ravel())
-    rows: list[tuple[int, float, float]] = []
+    rows: list[tuple[int, float]] = []
     before, travelled, last = None, 0.0, -1
     for done, number in enumerate(numbers, start=1):
         frame = read(int(number))
@@ -65,11 +74,12 @@ def travel_of(read: Read, count: int, config: CalibratingConfig, on_progress: Ca
         if before is not None:
             is_next = number - last <= config.gap_frames
             travelled += _motion(before, small, config.far_apart) if is_next else config.far_apart
-        sharpness = float(cv2.Laplacian(small, cv2.CV_32F).var())
-        rows.append((int(number), travelled, sharpness))
+        rows.append((int(number), travelled))
         before, last = small, int(number)
-    table = np.array(rows, np.float64).reshape(-1, 3)
-    return Travel(table[:, 0].astype(np.int64), table[:, 1], table[:, 2])
+    table = np.array(rows, np.float64).reshape(-1, 2)
+    steps = np.diff(table[:, 1], prepend=np.inf, append=np.inf)
+    pace = np.minimum(np.maximum(steps[:-1], steps[1:]), config.far_apart)
+    return Travel(table[:, 0].astype(np.int64), table[:, 1], pace)
 
 
 def _motion(before: NDArray[np.uint8], picture: NDArray[np.uint8], at_most: float) -> float:
@@ -84,7 +94,7 @@ def _motion(before: NDArray[np.uint8], picture: NDArray[np.uint8], at_most: floa
 
 
 def chosen(travel: Travel, config: CalibratingConfig) -> NDArray[np.int64]:
-    """Numbers of the frames to use: of every step that the picture moved, the sharpest.
+    """Numbers of the frames to use: of every step that the picture moved, the calmest.
 
     A long way has longer steps, until neighbours would hardly overlap; then runs of steps are used, spread over it.
     """
@@ -97,7 +107,7 @@ def chosen(travel: Travel, config: CalibratingConfig) -> NDArray[np.int64]:
         runs = max(config.views // _RUN, 1)
         starts = np.linspace(0, len(used) - _RUN, runs).astype(int)
         used = used[np.unique((starts[:, None] + np.arange(_RUN)).ravel())]
-    order = np.lexsort((-travel.sharpness, bins))
+    order = np.lexsort((travel.pace, bins))
     bests = order[np.unique(bins[order], return_index=True)[1]]
     return travel.frames[np.sort(bests[np.isin(bins[bests], used)])]
 
@@ -109,6 +119,30 @@ def views_of(read: Read, frames: NDArray[np.int64], camera: PinholeCamera, confi
     views = []
     for number in frames:
         frame = read(int(number))
-        if frame is not None:
-            views.append(View(frame.timestamp, extractor.extract(frame)))
+        if frame is None:
+            continue
+        features = extractor.extract(frame)
+        neighbour = read(int(number) + 1) or read(max(int(number) - 1, 0))
+        velocity = np.zeros((features.rows, 2)) if neighbour is None else _velocity(frame, neighbour, features.pixels)
+        below = (features.pixels[:, 1:].astype(np.float64) + 0.5) / camera.height - 0.5
+        views.append(View(frame.timestamp, features, below * velocity))
     return views
+
+
+def _velocity(frame: RgbdFrame, neighbour: RgbdFrame, pixels: NDArray[np.float32]) -> NDArray[np.float64]:
+    """How fast the picture moves at pixels (n, 2), pixels a second, (n, 2): an affine field through its corners."""
+    seconds = neighbour.timestamp - frame.timestamp
+    small = small_picture(frame)
+    corners = corners_of(small, _CORNERS)
+    field = np.zeros((3, 2))
+    if len(corners) >= _FEWEST and seconds != 0:
+        ends, is_found = followed(small, small_picture(neighbour), corners)
+        places, moved = 2.0 * corners[is_found, 0], 2.0 * (ends - corners)[is_found, 0]
+        weights = np.ones(len(places))
+        for _ in range(_FIELD_ROUNDS if len(places) >= _FEWEST else 0):
+            at = np.column_stack([places, np.ones(len(places))]) * weights[:, None]
+            field, *_ = np.linalg.lstsq(at, moved * weights[:, None])
+            off = np.linalg.norm(moved - np.column_stack([places, np.ones(len(places))]) @ field, axis=1)
+            weights = 1.0 / (1.0 + (off / _FIELD_PIXELS) ** 2)
+        field = field / seconds
+    return np.asarray(np.column_stack([pixels, np.ones(len(pixels))]) @ field)

@@ -4,6 +4,8 @@ from pydantic import Field, PositiveFloat
 
 from lpslam.config.section import Section
 
+Distortion = tuple[PositiveFloat, PositiveFloat, PositiveFloat, PositiveFloat, PositiveFloat]
+
 
 class CalibratingConfig(Section):
     """Which frames are used, what is matched, and what is known of lenses beforehand."""
@@ -46,6 +48,8 @@ class CalibratingConfig(Section):
     search_pairs: int = Field(default=24, ge=4)
     # Focal lengths that it may have, as shares of the image's width: 150 to 15 degrees across.
     search_focals: tuple[PositiveFloat, PositiveFloat] = (0.13, 3.8)
+    # Ratio of the largest to the smallest among nine in ten draws of the pairs; more, and they do not tell.
+    max_guess_ratio: float = Field(default=1.5, gt=1)
     # How many are tried between, at equal ratios.
     search_steps: int = Field(default=25, ge=5)
     # Beforehand: standard deviations of the principal point from the middle, as a share of the image's width, ...
@@ -53,7 +57,9 @@ class CalibratingConfig(Section):
     # ... of fx / fy from 1: pixels are square within a few parts in a thousand, ...
     aspect_prior: float = Field(default=0.004, gt=0)
     # ... of the distortion k1, k2, p1, p2, k3 from none: those of a Kinect are 0.26, -0.95, -0.005, 0.003, 1.16.
-    distortion_prior: tuple[PositiveFloat, ...] = Field(default=(0.4, 1.0, 0.005, 0.005, 1.5), min_length=5, max_length=5)
+    distortion_prior: Distortion = (0.4, 1.0, 0.005, 0.005, 1.5)
+    # ... and of the seconds that a rolling shutter takes from the first line to the last: 0 to 0.03.
+    readout_prior: float = Field(default=0.03, gt=0)
     # Standard deviations that k3 must be from 0 to be used: it bends the corners, where least is seen.
     k3_significance: float = 4.0
     # Share of the focal length that its standard deviation may be; beyond, the recording does not tell it.

@@ -92,9 +92,7 @@ def followed(
     return ends, (found[:, 0] > 0) & (found_back[:, 0] > 0) & (missed < _RETURN)
 
 
-def _flow(
-    start: Picture, end: Picture, corners: NDArray[np.float32]
-) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
+def _flow(start: Picture, end: Picture, corners: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
     ends, found, _ = cv2.calcOpticalFlowPyrLK(
         start, end, corners, corners.copy(), winSize=_WINDOW, maxLevel=_LEVELS, criteria=_UNTIL
     )

@@ -130,7 +130,9 @@ class ImagePairSource:
         return depths
 
     def frame(self, index: int) -> RgbdFrame | None:
-        """The frame at a place in the source's order; None if it cannot be used. Leaves no fault behind."""
+        """The frame of a number; None if it cannot be used, or there is none. Leaves no fault behind."""
+        if not 0 <= index < len(self._pairs):
+            return None
         try:
             return self._read(index, self._pairs[index])
         except BadImageError:
