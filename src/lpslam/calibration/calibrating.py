@@ -54,7 +54,7 @@ class Calibrated:
         guess: the focal length at which pairs of views were most rigid, before anything was adjusted.
         solution: the adjustment.
         halves: None where a half is too little.
-        scale: true metres in a metre of depth; None without a true path.
+        scale: true metres in a metre of depth; None without a true path, or one that tells too little.
     """
 
     camera: PinholeCamera
@@ -181,4 +181,4 @@ def _scale(
         return None
     timestamps = np.array([views[view].timestamp for view in solution.views])
     scale = true_scale(timestamps, solution.state.camera_from_world, truth)
-    return None if scale is None or scale.path < config.min_path else scale
+    return scale if scale is not None and 0 < scale.sigma < config.max_scale_sigma * scale.ratio else None

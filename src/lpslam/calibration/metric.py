@@ -17,11 +17,10 @@ _TOLERANCE = 0.02
 
 @dataclass(frozen=True, slots=True)
 class TrueScale:
-    """True metres in a metre of depth: the ratio, its standard deviation, and metres that the camera moved in all."""
+    """True metres in a metre of depth: the ratio, and its standard deviation."""
 
     ratio: float
     sigma: float
-    path: float
 
 
 def true_scale(timestamps: Array, camera_from_world: Array, truth: StampedPoses) -> TrueScale | None:
@@ -50,5 +49,4 @@ def true_scale(timestamps: Array, camera_from_world: Array, truth: StampedPoses)
     left = b - ratio * a @ (u * handedness @ vt).T
     # Seven numbers were fitted: turn, shift and scale.
     variance = float((left**2).sum() / max(3 * len(rows) - 7, 1))
-    path = float(np.linalg.norm(np.diff(true, axis=0), axis=1).sum())
-    return TrueScale(ratio, float(np.sqrt(variance / spread)), path)
+    return TrueScale(ratio, float(np.sqrt(variance / spread)))

@@ -12,7 +12,7 @@ from lpslam.errors import UserError
 
 _DISTORTION = NAMES[4:9]
 
-NO_METRES = "metres are taken from the depth readings: without the camera's true path nothing tells their scale"
+NO_METRES = "metres are taken from the depth readings: only a true path that is long enough tells their scale"
 """What no recording of this kind tells by itself."""
 
 

@@ -72,5 +72,5 @@ class CalibratingConfig(Section):
     # ... or pixels by which they may show the same ray apart, in the mean over the image, whatever they think of
     # their own exactness.
     half_pixels: float = Field(default=1.0, gt=0)
-    # Metres of truth that the camera must have moved for a depth scale.
-    min_path: float = Field(default=0.3, gt=0)
+    # Share of the depth scale that its standard deviation may be; beyond, the true path does not tell it.
+    max_scale_sigma: float = Field(default=0.01, gt=0)
