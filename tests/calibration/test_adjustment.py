@@ -67,7 +67,7 @@ def test_standard_deviations_are_those_of_the_errors() -> None:
         seen, truth = room(100 + seed, views=6, points=150)
         found = adjust(seen, disturbed(truth, seed), VAGUE, 30)
         sigma = np.sqrt(np.diag(lens_covariance(seen, found, VAGUE)))
-        misses.append(((found.lens - truth.lens)[:8] / sigma[:8]))
+        misses.append((found.lens - truth.lens)[:8] / sigma[:8])
     spread = np.sqrt((np.array(misses) ** 2).mean())
     # 24 rooms, eight numbers that hang together: between 0.8 and 1.25 nineteen times in twenty; Huber costs 5 %.
     assert 0.75 < spread < 1.35

@@ -1,4 +1,4 @@
-"""A recording of a rendered walk, seen through a lens with distortion, tells that lens; what tells nothing is refused."""
+"""A rendered walk, seen through a lens with distortion, tells that lens; what tells nothing is refused."""
 
 import shutil
 from collections.abc import Callable

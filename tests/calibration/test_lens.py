@@ -41,7 +41,7 @@ def test_a_small_turn_moves_points_by_the_cross_product() -> None:
 
 def test_the_gap_is_nought_between_equals_and_leaves_turns_out() -> None:
     assert gap(CAMERA, CAMERA).max() < 1e-3
-    shifted = with_lens(CAMERA, lens_of(CAMERA) + [0, 0, 3, 0, 0, 0, 0, 0, 0, 0])
+    shifted = with_lens(CAMERA, lens_of(CAMERA) + 3.0 * np.eye(10)[2])
     # A principal point 3 px off is nearly a turn; a focal length 1 % off is none.
     assert gap(CAMERA, shifted).mean() < 1.5
     longer = with_lens(CAMERA, lens_of(CAMERA) * [1.01, 1.01, 1, 1, 1, 1, 1, 1, 1, 1])

@@ -95,9 +95,10 @@ def doubts_about_focal(pairs: Sequence[ViewPair], camera: PinholeCamera, config:
     limit = np.log(config.doubtful_ratio)
     if max((ratios > limit).mean(), (ratios < -limit).mean()) < config.min_agreement:
         return []
+    better = float(f"{curve.best:.2g}")
     return [
         Doubt(
-            f"with fx {camera.fx:g} the room bends when the camera turns; about {curve.best:.2g} would keep it rigid: "
+            f"with fx {camera.fx:g} the room bends when the camera turns; about {better:g} would keep it rigid: "
             "run 'lpslam calibrate' on the recording, and give what it writes with --camera"
         )
     ]
