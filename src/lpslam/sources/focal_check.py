@@ -1,4 +1,4 @@
-"""Whether a stated focal length fits the motion of the recording: wrong by a quarter, it shows in every turn."""
+"""Whether a stated focal length fits the motion of the recording: wrong by a third, it shows in turns."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
