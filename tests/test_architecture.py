@@ -19,6 +19,7 @@ ALLOWED: dict[str, set[str]] = {
     "simulation": set(),
     "slam": set(),
     "language": set(),
+    "calibration": {"sources", "slam"},
     "text": {"language.model", "language.sanitise", "language.spelling", "slam.state", "slam.advice"},
     "mapfile": {"slam", "text"},
     "pipeline": {"sources", "slam", "language", "text", "mapfile"},
@@ -35,10 +36,11 @@ ALLOWED: dict[str, set[str]] = {
     },
     "demo": {"simulation", "language", "mapfile", "pipeline", "evaluation", "views"},
     "cli_checks": {"mapfile"},
+    "cli_calibrate": {"sources", "calibration", "views", "cli_checks"},
     "cli_runs": {"language", "pipeline", "views"},
     "cli": {
         *("sources", "simulation", "language", "mapfile", "pipeline", "evaluation", "views", "demo"),
-        *("cli_checks", "cli_runs"),
+        *("cli_calibrate", "cli_checks", "cli_runs"),
     },
 }
 HEAVY = (

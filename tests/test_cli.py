@@ -30,7 +30,7 @@ def test_help_and_version(lpslam: Command) -> None:
     shown = lpslam("--help")
     assert shown.code == 0
     assert widest(shown.out) <= 80
-    for name in ("run", "distill", "ask", "info", "export", "draw", "eval", "simulate", "demo"):
+    for name in ("run", "calibrate", "distill", "ask", "info", "export", "draw", "eval", "simulate", "demo"):
         assert name in shown.out
         assert widest(lpslam(name, "--help").out) <= 80
     assert lpslam("--version").out.startswith("lpslam 0.")

@@ -11,6 +11,7 @@ from typing import Annotated
 import typer
 
 from lpslam._version import __version__
+from lpslam.cli_calibrate import calibrate
 from lpslam.cli_checks import config_of, map_for, refuse_overwriting, refuse_with_localize
 from lpslam.cli_runs import INTERRUPTED, localise_recording, say_usage
 from lpslam.errors import LpSlamError
@@ -74,6 +75,9 @@ def main() -> None:
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         raise SystemExit(1) from None
+
+
+app.command()(calibrate)
 
 
 @app.callback(invoke_without_command=True)
@@ -279,17 +283,14 @@ def export(
     from lpslam.mapfile.export import export_map
     from lpslam.mapfile.language_map import LanguageMap
 
-    written = export_map(LanguageMap.load(map_file), folder)
-    print_written(written, as_json)
+    print_written(export_map(LanguageMap.load(map_file), folder), as_json)
 
 
 @app.command()
 def draw(
     map_file: MapFile,
     output: Annotated[Path, typer.Argument(metavar="OUT.png", help="The picture (.png, .pdf, .svg).")],
-    memory: Annotated[
-        bool, typer.Option("--memory", help="Draw how the classes' memory scores rose and faded instead (Fig. 13).")
-    ] = False,
+    memory: Annotated[bool, typer.Option("--memory", help="Draw how memory scores rose and faded (Fig. 13).")] = False,
     as_json: Json = False,
 ) -> None:
     """Draw the map from above: landmarks in blue, other texts in pink (Fig. 16)."""

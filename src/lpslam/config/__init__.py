@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 from pydantic import Field, PositiveFloat, ValidationError
 
+from lpslam.config.calibrating import CalibratingConfig
 from lpslam.config.section import Section
 from lpslam.config.slam import (
     FeatureConfig,
@@ -35,11 +36,13 @@ from lpslam.errors import UserError
 
 __all__ = [
     "AdviceConfig",
+    "CalibratingConfig",
     "CalibrationCheckConfig",
     "CameraMatchConfig",
     "Config",
     "EvaluationConfig",
     "FeatureConfig",
+    "FocalCheckConfig",
     "InstanceConfig",
     "KeyframeConfig",
     "LanguageConfig",
@@ -149,6 +152,44 @@ class LanguageConfig(Section):
     name_similarity: float = Field(default=0.5, ge=0, le=1)
 
 
+class FocalCheckConfig(Section):
+    """Whether the focal length fits how the picture moves: what is compared, and when it is doubted."""
+
+    # Pairs of frames, spread over the recording; 0: the focal length is not checked. Ten take a third of a second.
+    pairs: int = Field(default=10, ge=0)
+    # Seconds between the frames of a pair: time for a hand or a robot to turn by five degrees.
+    apart_s: float = Field(default=0.33, gt=0)
+    # Corners followed a pair; more say the same.
+    corners: int = Field(default=120, ge=10)
+    # Of which so many must be found again and have depth.
+    min_places: int = Field(default=25, ge=8)
+    # Median motion of the picture, pixels; less tells nothing.
+    min_motion: float = 4.0
+    # Metres within which a depth is used: sensors are blind below, and noisy beyond.
+    depth_reach: tuple[float, float] = (0.3, 8.0)
+    # Share of the depth by which the eight pixels around may differ; more is an edge.
+    depth_edge: float = Field(default=0.03, gt=0)
+    # Standard deviations: pixels by flow, a lens' distortion and rolling shutter included, ...
+    pixel_sigma: float = Field(default=1.0, gt=0)
+    # ... metres of depth at any distance, ...
+    depth_sigma: float = Field(default=0.003, gt=0)
+    # ... and metres a square metre more.
+    depth_sigma_quadratic: float = 0.0035
+    # Focal lengths that are tried, as ratios to the stated one, rising.
+    ratios: tuple[PositiveFloat, ...] = (0.4, 0.5, 0.63, 0.8, 1.0, 1.25, 1.6, 2.0, 2.5)
+    # Fewest pairs that can judge.
+    min_pairs: int = Field(default=4, ge=2)
+    # Ratio of the better focal length to the stated one, or the other way round: distortion that is left out moves it
+    # by up to 6 %, and depth that is not registered to colour by 12 %.
+    doubtful_ratio: float = Field(default=1.2, gt=1)
+    # Times that the pairs are drawn anew, with replacement, ...
+    redraws: int = Field(default=300, ge=1)
+    # ... and share of these draws that must say so: no single pair decides.
+    min_agreement: float = Field(default=0.99, gt=0.5, le=1)
+    # Share by which the pairs must bend more at the stated focal length: where nothing turned, nothing is told.
+    min_gain: float = 0.05
+
+
 class CalibrationCheckConfig(Section):
     """When a calibration is doubted: beyond what is usual is said, beyond what is possible is refused."""
 
@@ -176,6 +217,8 @@ class CalibrationCheckConfig(Section):
     steady_lag: float = Field(default=0.002, gt=0)
     # Fewest frames from which a lag is judged.
     timing_frames: int = Field(default=10, ge=3)
+    # By the motion of the picture.
+    focal: FocalCheckConfig = FocalCheckConfig()
 
 
 class CameraMatchConfig(Section):
@@ -200,6 +243,8 @@ class Config(Section):
     """The whole tree."""
 
     calibration: CalibrationCheckConfig = CalibrationCheckConfig()
+
+    calibrating: CalibratingConfig = CalibratingConfig()
 
     # To find a camera in a map, ...
     same_camera: CameraMatchConfig = CameraMatchConfig()

@@ -129,6 +129,15 @@ class ImagePairSource:
                 continue
         return depths
 
+    def frame(self, index: int) -> RgbdFrame | None:
+        """The frame of a number; None if it cannot be used, or there is none. Leaves no fault behind."""
+        if not 0 <= index < len(self._pairs):
+            return None
+        try:
+            return self._read(index, self._pairs[index])
+        except BadImageError:
+            return None
+
     def _read(self, index: int, pair: ImagePair) -> RgbdFrame:
         if pair.fault:
             raise BadImageError(pair.fault)

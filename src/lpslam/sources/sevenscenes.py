@@ -23,13 +23,16 @@ def looks_like_seven_scenes(folder: Path) -> bool:
     return any(_COLOUR.fullmatch(path.name) for path in folder.glob("frame-*"))
 
 
-def open_seven_scenes(folder: Path, camera_file: Path | None = None, max_frames: int | None = None) -> ImagePairSource:
+def open_seven_scenes(
+    folder: Path, camera_file: Path | None = None, max_frames: int | None = None, *, nominal: bool = False
+) -> ImagePairSource:
     """Open a 7-Scenes folder; its frames carry no times, so frame n is taken at n / 30 s.
 
     Args:
         folder: holds the images.
         camera_file: a calibration to use instead of the folder's own.
         max_frames: use only so many frames, from the first.
+        nominal: makes no difference: a calibration is always known.
 
     Raises:
         UserError: there are no images, or the calibration is malformed.

@@ -13,6 +13,7 @@ from lpslam.timestamps import associate
 
 CAMERA_FILES = ("camera.yaml", "camera.yml", "calibration.yaml", "calibration.yml")
 DEPTH_SCALE = 5000.0
+_NOMINAL_FOCAL = 0.87  # of the width: 60 degrees across, as most RGB-D cameras have it
 
 # The benchmark's published calibrations of its three Kinects: fx, fy, cx, cy and distortion.
 _FREIBURG = {
@@ -28,7 +29,12 @@ def looks_like_tum(folder: Path) -> bool:
 
 
 def open_tum(
-    folder: Path, camera_file: Path | None = None, max_frames: int | None = None, tolerance: float = 0.02
+    folder: Path,
+    camera_file: Path | None = None,
+    max_frames: int | None = None,
+    tolerance: float = 0.02,
+    *,
+    nominal: bool = False,
 ) -> ImagePairSource:
     """Open a TUM folder.
 
@@ -38,6 +44,7 @@ def open_tum(
         max_frames: use only so many frames, from the first.
         tolerance: seconds between a colour image and its depth image. A colour image without one is skipped, unless
             depth pauses: then it comes without depth, by which the camera is tracked on.
+        nominal: where no calibration is known, take that of a usual camera, and say so.
 
     Raises:
         UserError: a list is missing, empty or malformed, no images belong together, or no calibration is known.
@@ -67,7 +74,7 @@ def open_tum(
             fault = f"{path.name} has no depth image within {tolerance * 1000:g} ms"
             pairs.append(ImagePair(timestamp, path, None, fault))
         previous = timestamp
-    camera, notes = _find_camera(folder, camera_file, [path for _, path in colours])
+    camera, notes = _find_camera(folder, camera_file, [path for _, path in colours], nominal)
     return ImagePairSource(
         folder.resolve().name,
         camera,
@@ -78,17 +85,24 @@ def open_tum(
     )
 
 
-def _find_camera(folder: Path, camera_file: Path | None, colours: list[Path]) -> tuple[PinholeCamera, tuple[str, ...]]:
+def _find_camera(
+    folder: Path, camera_file: Path | None, colours: list[Path], nominal: bool
+) -> tuple[PinholeCamera, tuple[str, ...]]:
     own = next((folder / name for name in CAMERA_FILES if (folder / name).is_file()), None)
     size = first_image_size(colours)
     if camera_file is not None or own is not None:
         calibration = read_calibration(camera_file or own or folder, image_size=size, default_depth_scale=DEPTH_SCALE)
         return calibration.camera, calibration.notes
     sensor = re.search(r"(?:freiburg|fr)([123])(?!\d)", folder.resolve().name, re.IGNORECASE)
+    if sensor is None and nominal:
+        width, height = size or (640, 480)
+        focal, note = _NOMINAL_FOCAL * width, f"no {CAMERA_FILES[0]}: depth is taken for {DEPTH_SCALE:g} units a metre"
+        middle = ((width - 1) / 2, (height - 1) / 2)
+        return PinholeCamera(width, height, focal, focal, *middle, depth_scale=DEPTH_SCALE), (note,)
     if sensor is None:
         raise UserError(
             f"{folder} has no {CAMERA_FILES[0]} and is not named after freiburg1, 2 or 3; "
-            "give its calibration with --camera FILE"
+            "give its calibration with --camera FILE, or estimate it with 'lpslam calibrate'"
         )
     (fx, fy, cx, cy), distortion = _FREIBURG[sensor[1]]
     width, height = size or (640, 480)

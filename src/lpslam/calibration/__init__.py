@@ -1,0 +1,1 @@
+"""Estimating a camera's calibration from a recording of any textured room."""
