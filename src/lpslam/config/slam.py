@@ -92,6 +92,7 @@ class TrackingConfig(Section):
     predictable_gap: float = Field(default=0.08, gt=0)  # seconds between frames; more, and a turn has changed its pace
     long_gap: float = Field(default=0.3, gt=0)  # seconds without frames after which the same: nothing was predicted
     recovery_candidates: int = Field(default=4, ge=1)  # places tried a frame when lost
+    recovery_sweep: int = Field(default=3, ge=0)  # further keyframes a frame, whatever they look like: all in turn
     doubt_seconds: float = Field(default=3.0, ge=0)  # after relocalising, in which signs may speak against the place
     submap_after: float = Field(default=1.0, ge=0)  # seconds of usable but unknown views after which a sub-map begins
 
@@ -176,6 +177,7 @@ class LoopConfig(Section):
     pause: int = 10  # keyframes after closing a loop in which none is looked for: what was fused must settle
     covisible_points: int = Field(default=15, ge=1)  # shared points of keyframes that belong to one place
     candidates: int = Field(default=3, ge=1)  # most places tried a keyframe; each costs a brute-force matching
+    merge_candidates: int = Field(default=3, ge=0)  # keyframes of other sub-maps tried however little they look alike
     votes: int = Field(default=3, ge=1)  # keyframes that must find the same correction, each by its own keypoints
     vote_neighbours: int = 4  # covisible keyframes asked at once; else the next keyframes are waited for
     vote_distance: float = 0.1  # metres between keyframes that vote, or ...

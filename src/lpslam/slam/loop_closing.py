@@ -187,7 +187,23 @@ class LoopCloser:
         scores[:count][~old[:count]] = 0
         scores[count:] = 0
         likely = group_candidates(scores, slam_map.covisible, config.candidates, floor=floor)
-        return list(dict.fromkeys([*proposed[: config.candidates], *likely]))
+        return list(dict.fromkeys([*proposed[: config.candidates], *likely, *self._elsewhere(keyframe, scores, old)]))
+
+    def _elsewhere(self, keyframe: int, scores: NDArray[np.float32], old: NDArray[np.bool_]) -> list[int]:
+        """Keyframes of other sub-maps: the last one before this sub-map began, and those that look most alike.
+
+        Between sub-maps a place is worth more tries: what is not joined is lost to whoever asks the map.
+        """
+        slam_map, count = self._map, self._config.merge_candidates
+        submaps = slam_map.submaps()
+        others = np.flatnonzero(old & (submaps != submaps[keyframe]))
+        if not len(others) or not count:
+            return []
+        root = int(np.flatnonzero(submaps == submaps[keyframe])[0])
+        before = others[others < root]
+        known = others[others < len(scores)]
+        alike = known[np.argsort(-scores[known], kind="stable")][:count]
+        return [int(k) for k in (*before[-1:], *alike)]
 
     def _locate(self, view: int, candidate: int, keyframe: int) -> Located | None:
         """Locate the keypoints of one keyframe around another, in what is old for a third."""

@@ -17,7 +17,8 @@ from lpslam.slam.places import PlaceIndex, group_candidates
 class Relocaliser:
     """Believes one place that holds, unless another holds as well elsewhere.
 
-    Candidates are the last keyframe, those that an advisor recalls, and those that look alike.
+    Candidates are the last keyframe, those that an advisor recalls, those that look alike by their words, and, a few a
+    frame, all others in turn: words are learned on some pictures of the world, and a view of another may have none.
     """
 
     def __init__(
@@ -35,6 +36,8 @@ class Relocaliser:
         self._candidates = tracking.recovery_candidates
         self._config = locating
         self._advisor = advisor
+        self._sweep = tracking.recovery_sweep
+        self._swept = -1
         self._disowned: list[tuple[int, NDArray[np.float64]]] = []
 
     def find(self, features: Features, last_reference: int) -> Located | None:
@@ -86,6 +89,19 @@ class Relocaliser:
             if candidate not in tried and self._map.is_alive(candidate):
                 tried.add(candidate)
                 yield candidate, None
+        for candidate in self._next_in_turn():
+            if candidate not in tried:
+                yield candidate, None
+
+    def _next_in_turn(self) -> list[int]:
+        """The next few living keyframes after those of the frame before, the newest first, around and around."""
+        living = self._map.living_keyframes()
+        if not len(living) or not self._sweep:
+            return []
+        first = int(np.searchsorted(living, self._swept)) - 1
+        chosen = living[np.arange(first, first - min(self._sweep, len(living)), -1) % len(living)]
+        self._swept = int(chosen[-1])
+        return [int(keyframe) for keyframe in chosen]
 
     def _is_elsewhere(self, one: Located, other: Located) -> bool:
         """Whether two places contradict each other; in different sub-maps both may be the same place."""
