@@ -158,11 +158,10 @@ class WorldSource:
         rig = self._rig
         world_from_depth = self.trajectory.poses(np.array([time]))[0] @ rig.colour_from_depth
         view, glazing = self._stage.view(rig.camera, world_from_depth, time, with_colour=False)
-        scene = self.place.scene
-        normals = scene.normal @ world_from_depth[:3, :3]
+        normals = self._stage.normals(time) @ world_from_depth[:3, :3]
         canvas_from_depth = inverse_transform(world_from_canvas) @ world_from_depth
         seen = surfaces_of(
-            rig.camera, view, glazing, normals, scene.gloss, colour, self._lens.canvas, canvas_from_depth
+            rig.camera, view, glazing, normals, self.place.scene.gloss, colour, self._lens.canvas, canvas_from_depth
         )
         return rig.measure(rng, seen, self.true_camera)
 

@@ -8,9 +8,11 @@ from numpy.typing import NDArray
 from lpslam.camera import PinholeCamera
 from lpslam.simulation.scene import Scene
 from lpslam.simulation.worlds.factors import World
+from lpslam.simulation.worlds.glazing import Glazing, glaze, glazings_of
 from lpslam.simulation.worlds.places.place import Place
 from lpslam.simulation.worlds.raster import View, view_of
 from lpslam.simulation.worlds.shaking import eased
+from lpslam.simulation.worlds.walking import walked
 
 DARK = 0.004  # share of the lamps' light while they are off
 
@@ -23,10 +25,12 @@ class Stage:
 
     Attributes:
         place: what is drawn.
+        glazings: its glass and mirrors.
         dark: (starts, lengths) in seconds of when the lamps are off.
     """
 
     place: Place
+    glazings: tuple[Glazing, ...]
     dark: tuple[tuple[float, float], ...]
 
     @classmethod
@@ -35,7 +39,7 @@ class Stage:
         rng = np.random.default_rng([world.seed, 115, visit])
         seconds = world.frames / world.fps
         times = [(float(rng.uniform(0.3, 0.5)) * seconds, float(rng.uniform(1.5, 4.0)))] if place.goes_dark else []
-        return cls(place, tuple(times))
+        return cls(place, glazings_of(place.scene, place.panes), tuple(times))
 
     @property
     def scene_without_walkers(self) -> Scene:
@@ -53,5 +57,10 @@ class Stage:
         self, camera: PinholeCamera, world_from_camera: Array, time: float, *, with_colour: bool = True
     ) -> tuple[View, NDArray[np.uint8]]:
         """What an ideal camera sees at a time, and where it sees it in a mirror (1) or through glass (2)."""
-        view = view_of(self.place.scene, camera, world_from_camera, with_colour=with_colour)
-        return view, np.zeros((camera.height, camera.width), np.uint8)
+        scene = walked(self.place.scene, self.place.walkers, time)
+        view = view_of(scene, camera, world_from_camera, with_colour=with_colour)
+        return view, glaze(view, camera, world_from_camera, self.glazings)
+
+    def normals(self, time: float) -> Array:
+        """(faces, 3) unit vectors in the world at a time."""
+        return walked(self.place.scene, self.place.walkers, time).normal

@@ -5,8 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from lpslam.simulation.worlds.places.corridors import corridor, shop_fronts
 from lpslam.simulation.worlds.places.homes import desk, living_room
+from lpslam.simulation.worlds.places.lobbies import glass, office, people
 from lpslam.simulation.worlds.places.malls import mall
+from lpslam.simulation.worlds.places.outdoors import forecourt
 from lpslam.simulation.worlds.places.place import Place
 from lpslam.simulation.worlds.places.workshop import spotlit
 
@@ -14,12 +17,12 @@ _BUILDERS: dict[str, Callable[[np.random.Generator], Place]] = {
     "mall": mall,
     "desk": desk,
     "living": living_room,
-    "corridor": mall,
-    "shop-fronts": mall,
-    "glass": living_room,
-    "people": mall,
-    "lights-off": living_room,
-    "forecourt": desk,
+    "corridor": corridor,
+    "shop-fronts": shop_fronts,
+    "glass": glass,
+    "people": people,
+    "lights-off": office,
+    "forecourt": forecourt,
 }
 
 

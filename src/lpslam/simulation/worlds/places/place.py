@@ -51,7 +51,6 @@ class Route:
         is_closed: whether it goes round; else it is gone to and fro.
         pace: metres a second, of someone who walks it.
         robot_height: metres above the floor of a camera on wheels.
-        turns_in_place: whether who stands still may turn all around.
     """
 
     points: Points
@@ -80,6 +79,8 @@ class Walker:
         start, end: (2,) metres, between which they go to and fro.
         speed: metres a second.
         phase: metres of their way that lie behind them at the start.
+        swings: (rows,) 1 or -1 for faces of limbs that swing forward with one foot or the other, 0 for others.
+        hips: (rows,) metres above the floor about which they swing.
     """
 
     first: int
@@ -88,6 +89,8 @@ class Walker:
     end: Points
     speed: float
     phase: float
+    swings: NDArray[np.int64]
+    hips: Points
 
 
 @dataclass(frozen=True, slots=True, eq=False)

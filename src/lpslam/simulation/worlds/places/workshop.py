@@ -167,9 +167,13 @@ class Workshop:
         corners, along, across, heights = (np.array(each) for each in zip(*rows, strict=True))
         return Solids(np.array([low, high], dtype=np.float64), corners, along, across, heights)
 
+    def build_unlit(self, density: float = 1.0) -> Scene:
+        """Lay out all faces without any light of lamps."""
+        return self.builder.build(density)
+
     def build(self, density: float = 3.0) -> Scene:
         """Lay out all faces and bake the lamps' light, `density` texels of light a metre."""
-        scene = self.builder.build(density)
+        scene = self.build_unlit(density)
         lamps = lighting.Lamps(np.array([place for place, _ in self._lamps]), np.array([s for _, s in self._lamps]))
         lighting.bake(scene, lamps, self._height)
         return scene

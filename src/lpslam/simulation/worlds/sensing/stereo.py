@@ -97,7 +97,7 @@ def _measure(
             if z < NEAREST or z > farthest:
                 continue
             # Dots fade with the square of the range and on dark things; texture helps where there is light.
-            dots = 26.0 * (0.35 + brightness[row, column] / 160.0) * slant[row, column] / (1.0 + 0.35 * z * z)
+            dots = 40.0 * (0.35 + brightness[row, column] / 160.0) * slant[row, column] / (1.0 + 0.35 * z * z)
             trust = dots + 0.7 * texture[row, column]
             limit = 2.6 - 12.0 / (trust + 1.5) - 1.2 * gloss[row, column] - 1.2 * (glass[row, column] > 0.0)
             limit = min(limit, 2.6 - 10.0 * max(0.0, 0.2 - slant[row, column]))
