@@ -103,7 +103,7 @@ def _shoot(
             u1, v1 = fx * (u1 + a[0, 3] * nearness) * z1 + cx, fy * (v1 + a[1, 3] * nearness) * z1 + cy
             u2, v2 = fx * (u2 + b[0, 3] * nearness) * z2 + cx, fy * (v2 + b[1, 3] * nearness) * z2 + cy
             du, dv = u2 - u1, v2 - v1
-            taps = min(MAX_TAPS, int(0.8 * math.sqrt(du * du + dv * dv)) + 1)
+            taps = min(MAX_TAPS, int(0.55 * math.sqrt(du * du + dv * dv)) + 1)
             red = green = blue = 0.0
             for tap in range(taps):
                 share = (tap + 0.5) / taps
