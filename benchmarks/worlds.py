@@ -8,10 +8,10 @@
     python benchmarks/worlds.py carried --set dev --cache DIR                    blanked and set down elsewhere
 
 Seeds count from 1 within a set; 1 to 40 show every value of every factor about equally often, what follows is drawn
-freely. Worlds of `dev` are to develop on; nothing is tuned on those of `test`. Tracked is the share of frames with a pose
-among those in which the camera sees anything. ATE is given in metres and as a share of the path; a camera that only
-turns has no path worth the name, and half a metre for every radian is added. A world has failed below 80 % tracked, or
-above 5 % of the path, or with a wrong loop.
+freely. Worlds of `dev` are to develop on; nothing is tuned on those of `test`. Tracked is the share of frames with a
+pose among those in which the camera sees anything. ATE is given in metres and as a share of the path; a camera that
+only turns has no path worth the name, and half a metre for every radian is added. A world has failed below 80 %
+tracked, or above 5 % of the path, or with a wrong loop.
 """
 
 import argparse
@@ -36,7 +36,7 @@ def main() -> None:
     # Before numpy loads: its threads would hide processor time from the thread that is measured.
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ[name] = "1"
-    import worlds_carried  # noqa
+    import worlds_carried
     import worlds_runs
     from slam_report import Report
     from worlds_recordings import numbered, rendered

@@ -16,7 +16,13 @@ Facts = dict[str, Any]
 def by_factor(rows: Sequence[Facts], report: Report) -> None:
     """A table for every factor, and one line for all."""
     headings = [
-        *("Worlds", "Tracked, least and median", "ATE m, median", "ATE % of path, median and worst", "Spread over starts"),
+        *(
+            "Worlds",
+            "Tracked, least and median",
+            "ATE m, median",
+            "ATE % of path, median and worst",
+            "Spread over starts",
+        ),
         *("Lost", "Wrong", "Failed", "CPU ms"),
     ]
     print()
@@ -57,10 +63,7 @@ def share_of(row: Facts) -> float:
 def has_failed(row: Facts) -> bool:
     """Whether any start did."""
     return any(
-        run["tracked"] < FAILED[0]
-        or run["ate_percent"] is None
-        or run["ate_percent"] > FAILED[1]
-        or run["wrong"] > 0
+        run["tracked"] < FAILED[0] or run["ate_percent"] is None or run["ate_percent"] > FAILED[1] or run["wrong"] > 0
         for run in row["runs"]
     )
 
@@ -111,15 +114,19 @@ def in_ratios(first: Sequence[Facts], second: Sequence[Facts], report: Report) -
     pairs = list(zip(first, second, strict=True))
     table = [["all", "", *_ratio_cells(pairs)]]
     for name in first[0]["factors"]:
-        for value in sorted({row["factors"][name] for row in first}):
-            table.append([name, value, *_ratio_cells([p for p in pairs if p[0]["factors"][name] == value])])
+        table += [
+            [name, value, *_ratio_cells([pair for pair in pairs if pair[0]["factors"][name] == value])]
+            for value in sorted({row["factors"][name] for row in first})
+        ]
     print("\nsecond configuration / first, over pairs:")
     report.table(["By", "", "Worlds", "ATE, median", "ATE, geometric mean", "Worst", "Better", "Tracked", "CPU"], table)
 
 
 def _ratio_cells(pairs: Sequence[tuple[Facts, Facts]]) -> list[str]:
     ratios = np.array([max(share_of(b), 1e-6) / max(share_of(a), 1e-6) for a, b in pairs])
-    tracked = [np.mean([r["tracked"] for r in b["runs"]]) - np.mean([r["tracked"] for r in a["runs"]]) for a, b in pairs]
+    tracked = [
+        np.mean([r["tracked"] for r in b["runs"]]) - np.mean([r["tracked"] for r in a["runs"]]) for a, b in pairs
+    ]
     cost = [np.mean([r["all_ms"] for r in b["runs"]]) / np.mean([r["all_ms"] for r in a["runs"]]) for a, b in pairs]
     return [
         str(len(pairs)),

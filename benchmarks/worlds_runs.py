@@ -63,7 +63,11 @@ def _run(task: Task) -> dict[str, Any]:
     cv2.setNumThreads(1)
     config = Config.from_yaml(task.config) if task.config else Config()
     recording = task.recording
-    facts: dict[str, Any] = {"world": recording.name, "factors": recording.world.factors(), "length_m": round(recording.length, 2)}
+    facts: dict[str, Any] = {
+        "world": recording.name,
+        "factors": recording.world.factors(),
+        "length_m": round(recording.length, 2),
+    }
     facts["runs"] = [_one(recording, config, start) for start in range(task.starts)]
     if task.with_text:
         facts["text"] = _text(recording, config)

@@ -50,9 +50,7 @@ def _write(source: MallSource, folder: Path, on_progress: Callable[[int, int], N
     rows = np.column_stack([truth.timestamps, truth.world_from_camera[:, :3, 3], quaternions])
     lines = [" ".join(f"{value:.6f}" if i == 0 else f"{value:.7f}" for i, value in enumerate(row)) for row in rows]
     write_list(folder / "groundtruth.txt", "timestamp tx ty tz qx qy qz qw", lines)
-    (folder / "camera.yaml").write_text(
-        yaml.safe_dump(camera_fields(source.camera), sort_keys=False), encoding="utf-8"
-    )
+    (folder / "camera.yaml").write_text(yaml.safe_dump(camera_fields(source.camera), sort_keys=False), encoding="utf-8")
     signs = {"signs": [sign.as_json() for sign in source.signs]}
     (folder / "signs.json").write_text(json.dumps(signs, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
     (folder / "readability.csv").write_text("\n".join([_VIEW_COLUMNS, *_view_rows(source)]) + "\n", encoding="utf-8")

@@ -15,9 +15,7 @@ from lpslam.errors import UserError
 FACTORS: dict[str, tuple[str, ...]] = {
     "depth": ("structured", "stereo", "tof", "lidar"),
     "motion": ("handheld", "rotation", "pans", "stop-and-go", "robot", "humanoid", "set-down", "bag"),
-    "place": (
-        *("mall", "corridor", "shop-fronts", "glass", "people", "lights-off", "desk", "living", "forecourt"),
-    ),
+    "place": (*("mall", "corridor", "shop-fronts", "glass", "people", "lights-off", "desk", "living", "forecourt"),),
     "light": ("bright", "normal", "dim", "very-dim", "spots"),
     "shutter": ("global", "rolling"),
     "exposure": ("short", "medium", "long"),
@@ -129,7 +127,10 @@ class World:
     @classmethod
     def from_json(cls, tree: dict[str, Any]) -> "World":
         """What `as_json` wrote."""
-        return cls(**{key: tuple(value) if isinstance(value, list) else value for key, value in tree.items()})
+        fields: dict[str, Any] = {
+            key: tuple(value) if isinstance(value, list) else value for key, value in tree.items()
+        }
+        return cls(**fields)
 
 
 def draw_world(seed: int, **given: Any) -> World:

@@ -1,4 +1,4 @@
-"""Glass and mirrors: what they show is the place drawn once more, mirrored at their plane, where they cover the view."""
+"""Glass and mirrors: where they cover the view, the place is drawn once more, mirrored at their plane."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -53,9 +53,8 @@ def _normal(pane: Pane) -> Array:
 
 def _mirrored(scene: Scene, pane: Pane) -> Glazing:
     normal = _normal(pane)
-    corners = np.stack([
-        scene.origin, scene.origin + scene.edge_u, scene.origin + scene.edge_v, scene.origin + scene.edge_u + scene.edge_v
-    ])  # fmt: skip
+    sides = (0.0, scene.edge_u, scene.edge_v, scene.edge_u + scene.edge_v)
+    corners = np.stack([scene.origin + side for side in sides])
     rows = np.flatnonzero((((corners - pane.corner) @ normal) > 0.02).any(axis=0))
     origin = scene.origin[rows] - 2 * ((scene.origin[rows] - pane.corner) @ normal)[:, None] * normal
     edge_u, edge_v, normals = (
@@ -136,4 +135,4 @@ def _reflected(camera: PinholeCamera, normal: Array) -> NDArray[np.float32]:
     x = ((np.arange(camera.width) - camera.cx) / camera.fx)[None, :]
     y = ((np.arange(camera.height) - camera.cy) / camera.fy)[:, None]
     cosine = np.abs(normal[0] * x + normal[1] * y + normal[2]) / np.sqrt(x * x + y * y + 1)
-    return np.minimum(REFLECTED + (1 - REFLECTED) * (1 - cosine) ** 5, 0.7).astype(np.float32)
+    return np.asarray(np.minimum(REFLECTED + (1 - REFLECTED) * (1 - cosine) ** 5, 0.7), np.float32)

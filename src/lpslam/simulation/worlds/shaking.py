@@ -53,6 +53,10 @@ def waves(rng: np.random.Generator, count: int, step: float, low: float, high: f
     return np.asarray(wave * size / max(float(np.fft.irfft(spectrum, length).std()), 1e-12))
 
 
+def _times(count: int, step: float) -> Array:
+    return np.asarray(np.arange(count) * step, np.float64)
+
+
 def eased(times: Array, start: float, length: float) -> Array:
     """0 before `start`, 1 after `start + length`, with the least jerk in between."""
     share = np.clip((times - start) / length, 0, 1)
@@ -74,7 +78,7 @@ def _handheld(rng: np.random.Generator, count: int, step: float, pace: float, ca
 
 def _rotation(rng: np.random.Generator, count: int, step: float, pace: float) -> Moves:
     """Someone or something that stands and turns; the camera sits a few centimetres off the axis."""
-    times = np.arange(count) * step
+    times = _times(count, step)
     by_hand = bool(rng.random() < 0.5)
     moves = _handheld(rng, count, step, pace, 0.6 if by_hand else 0.0)
     moves.speed[:] = 0.0
@@ -92,7 +96,7 @@ def _rotation(rng: np.random.Generator, count: int, step: float, pace: float) ->
 def _pans(rng: np.random.Generator, count: int, step: float, pace: float) -> Moves:
     """A hand that throws the camera aside and back: 100 to 250 degrees a second for half a second."""
     moves = _handheld(rng, count, step, 0.6 * pace)
-    times, at = np.arange(count) * step, float(rng.uniform(1.5, 3.0))
+    times, at = _times(count, step), float(rng.uniform(1.5, 3.0))
     aside = 0.0
     while at < times[-1] - 1.0:
         turn = -aside if abs(aside) > 20 else float(rng.uniform(35, 95)) * float(rng.choice([-1, 1]))
@@ -105,7 +109,7 @@ def _pans(rng: np.random.Generator, count: int, step: float, pace: float) -> Mov
 def _stop_and_go(rng: np.random.Generator, count: int, step: float, pace: float) -> Moves:
     """Steps of a second or three, and pauses in which only the hand trembles."""
     moves = _handheld(rng, count, step, pace, 0.7)
-    times, at, going = np.arange(count) * step, float(rng.uniform(0.5, 2.0)), 1.0
+    times, at, going = _times(count, step), float(rng.uniform(0.5, 2.0)), 1.0
     share = np.ones(count)
     while at < times[-1]:
         share += (-1.0 if going else 1.0) * eased(times, at, 0.6)
@@ -117,7 +121,7 @@ def _stop_and_go(rng: np.random.Generator, count: int, step: float, pace: float)
 
 def _robot(rng: np.random.Generator, count: int, step: float, pace: float) -> Moves:
     """Wheels: a plane, an even pace, and the floor's vibration."""
-    times = np.arange(count) * step
+    times = _times(count, step)
     speed = pace * float(rng.uniform(0.5, 1.0)) * eased(times, 0.3, 1.0) * (1 + waves(rng, count, step, 0.05, 0.3, 0.1))
     offsets, turns = np.zeros((count, 3)), np.zeros((count, 3))
     strength = float(rng.uniform(0.5, 1.5)) * np.minimum(speed / pace, 1.0)
@@ -130,7 +134,7 @@ def _robot(rng: np.random.Generator, count: int, step: float, pace: float) -> Mo
 
 def _humanoid(rng: np.random.Generator, count: int, step: float, pace: float) -> Moves:
     """Legs: the head goes up and down with each step, from side to side with every other, and jerks as a foot lands."""
-    times = np.arange(count) * step
+    times = _times(count, step)
     rhythm = float(rng.uniform(1.4, 2.1))
     phase = 2 * np.pi * (rhythm * times + np.cumsum(waves(rng, count, step, 0.05, 0.4, 0.05)) * step)
     strength = float(rng.uniform(0.6, 1.2))
@@ -149,7 +153,7 @@ def _humanoid(rng: np.random.Generator, count: int, step: float, pace: float) ->
 def _set_down(rng: np.random.Generator, count: int, step: float, pace: float) -> Moves:
     """Carried, put down for some seconds, tilted and perfectly still, and taken up again."""
     moves = _handheld(rng, count, step, pace)
-    times = np.arange(count) * step
+    times = _times(count, step)
     start, rest = float(rng.uniform(0.3, 0.5)) * times[-1], float(rng.uniform(2.5, 5.0))
     down = eased(times, start, 1.1) * (1 - eased(times, start + 1.1 + rest, 0.9))
     still = 1.0 - down
@@ -167,7 +171,7 @@ def _set_down(rng: np.random.Generator, count: int, step: float, pace: float) ->
 def _bag(rng: np.random.Generator, count: int, step: float, pace: float) -> Moves:
     """Carried, put into a bag, taken some way in it, and out again."""
     moves = _handheld(rng, count, step, pace)
-    times = np.arange(count) * step
+    times = _times(count, step)
     start, inside = float(rng.uniform(0.35, 0.5)) * times[-1], float(rng.uniform(2.0, 4.0))
     moves.cover = eased(times, start, 0.35) * (1 - eased(times, start + 0.35 + inside, 0.4))
     lowered = eased(times, start - 0.3, 0.9) * (1 - eased(times, start + inside - 0.1, 0.9))

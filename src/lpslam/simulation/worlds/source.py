@@ -172,7 +172,9 @@ class WorldSource:
         times = np.interp(knots, np.arange(height), row_times(time, height, self.world.readout))
         ends = []
         for shift in (-0.5, 0.5):
-            moved = inverse_transform(world_from_canvas) @ self.trajectory.poses(times + shift * self.world.shutter_time)
+            moved = inverse_transform(world_from_canvas) @ self.trajectory.poses(
+                times + shift * self.world.shutter_time
+            )
             # Within a frame the camera turns by a few degrees at most: rotations may be interpolated as matrices.
             flat = moved[:, :3].reshape(KNOTS, 12)
             rows = np.column_stack([np.interp(np.arange(height), knots, flat[:, i]) for i in range(12)])
@@ -205,4 +207,3 @@ def _camera(world: World, rng: np.random.Generator) -> PinholeCamera:
         world.width, world.height, round(fx, 3), round(fx * float(rng.uniform(0.997, 1.003)), 3), round(float(cx), 3),
         round(float(cy), 3), world.distortion, DEPTH_SCALES[world.depth], world.fps,
     )  # fmt: skip
-

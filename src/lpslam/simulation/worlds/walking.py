@@ -69,9 +69,7 @@ def walked(scene: Scene, walkers: tuple[Walker, ...], time: float) -> Scene:
     """The scene with everyone where they are at a time."""
     if not walkers:
         return scene
-    origin, edge_u, edge_v, normal = (
-        each.copy() for each in (scene.origin, scene.edge_u, scene.edge_v, scene.normal)
-    )
+    origin, edge_u, edge_v, normal = (each.copy() for each in (scene.origin, scene.edge_u, scene.edge_v, scene.normal))
     for walker in walkers:
         rows = slice(walker.first, walker.last)
         place, heading, stride = _stand(walker, time)

@@ -3,11 +3,11 @@
 import numpy as np
 
 from lpslam.simulation import displays, textures
+from lpslam.simulation.walk import rounded
 from lpslam.simulation.worlds.places import prints
 from lpslam.simulation.worlds.places.materials import FLOORS, WALLS, any_of, cloudy, marble, plaster, tiles
 from lpslam.simulation.worlds.places.place import Place, Route, ahead
 from lpslam.simulation.worlds.places.workshop import Workshop, facing, vec
-from lpslam.simulation.walk import rounded
 
 
 def corridor(rng: np.random.Generator) -> Place:
@@ -20,14 +20,14 @@ def corridor(rng: np.random.Generator) -> Place:
     shop.box(vec(gap, gap), vec(long - 2 * gap, 0), vec(0, wide - 2 * gap), height, bare)
     door = textures.wood(rng, 180, 80)
     walls = (
-        (0.0, long, lambda x: vec(x, 0.01), np.pi / 2), (0.0, long, lambda x: vec(x, wide - 0.01), -np.pi / 2),
-        (0.0, wide, lambda y: vec(0.01, y), 0.0), (0.0, wide, lambda y: vec(long - 0.01, y), np.pi),
-        (gap, long - gap, lambda x: vec(x, gap - 0.01), -np.pi / 2),
-        (gap, wide - gap, lambda y: vec(long - gap + 0.01, y), 0.0),
+        (vec(0, 0), vec(1, 0), long, np.pi / 2), (vec(0, wide), vec(1, 0), long, -np.pi / 2),
+        (vec(0, 0), vec(0, 1), wide, 0.0), (vec(long, 0), vec(0, 1), wide, np.pi),
+        (vec(gap, gap), vec(1, 0), long - 2 * gap, -np.pi / 2),
+        (vec(long - gap, gap), vec(0, 1), wide - 2 * gap, 0.0),
     )  # fmt: skip
-    for low, high, spot_of, heading in walls:
-        for at in np.arange(low + float(rng.uniform(1.0, 2.5)), high - 0.9, float(rng.uniform(2.6, 4.5))):
-            spot = spot_of(float(at))
+    for start, along, length, heading in walls:
+        for at in np.arange(float(rng.uniform(1.0, 2.5)), length - 0.9, float(rng.uniform(2.6, 4.5))):
+            spot = start + float(at) * along + 0.01 * facing(heading)[1]
             shop.hang(spot + vec(0, 0, 1.0), heading, (0.9, 2.0), door)
             right, out = facing(heading)
             if rng.random() < 0.45:
@@ -36,7 +36,9 @@ def corridor(rng: np.random.Generator) -> Place:
                 w, h = (float(v) for v in rng.uniform(0.25, 0.6, 2))
                 notice = spot - 0.85 * right + vec(0, 0, 1.5)
                 shop.hang(notice, heading, (w, h), prints.page(rng, int(h * 400), int(w * 400)))
-    corners = np.array([[gap / 2, gap / 2], [long - gap / 2, gap / 2], [long - gap / 2, wide - gap / 2], [gap / 2, wide - gap / 2]])
+    corners = np.array(
+        [[gap / 2, gap / 2], [long - gap / 2, gap / 2], [long - gap / 2, wide - gap / 2], [gap / 2, wide - gap / 2]]
+    )
     path = rounded(corners, 0.7)
     points = np.column_stack([path, np.full(len(path), float(rng.uniform(1.25, 1.5)))])
     route = Route(points, ahead(points), True, 0.8, float(rng.uniform(0.4, 1.1)))
@@ -68,12 +70,21 @@ def shop_fronts(rng: np.random.Generator) -> Place:
     shop.sign("slogan", "friendly", 0.12, 1.6, end, 0.0)
     shop.hang(vec(long - 0.02, wide / 2, 1.5), np.pi, (1.2, 1.6), prints.picture(rng, 500, 380))
     aside = wide / 2 - 1.35
-    corners = np.array([[1.3, wide / 2 - aside], [long - 1.3, wide / 2 - aside], [long - 1.3, wide / 2 + aside], [1.3, wide / 2 + aside]])
+    corners = np.array(
+        [
+            [1.3, wide / 2 - aside],
+            [long - 1.3, wide / 2 - aside],
+            [long - 1.3, wide / 2 + aside],
+            [1.3, wide / 2 + aside],
+        ]
+    )
     path = rounded(corners, 0.6)
     points = np.column_stack([path, np.full(len(path), float(rng.uniform(1.3, 1.5)))])
     targets = ahead(points)
     if rng.random() < 0.5:
-        targets = np.column_stack([points[:, 0], np.where(points[:, 1] < wide / 2, wide, 0.0), np.full(len(points), 1.4)])
+        targets = np.column_stack(
+            [points[:, 0], np.where(points[:, 1] < wide / 2, wide, 0.0), np.full(len(points), 1.4)]
+        )
         targets = smooth_targets(targets)
     route = Route(points, targets, True, 0.8, float(rng.uniform(0.4, 1.1)))
     return Place(shop.build(2.0), shop.signs(), route, shop.solids((0, 0, 0.05), (long, wide, height)))
@@ -103,4 +114,3 @@ def _front(rng: np.random.Generator, unit: float) -> np.ndarray:
     image[top:sill, pane] = displays.goods(rng, sill - top, pane.stop - pane.start, 150.0)
     image[top - 5 : top, :] = 40
     return image
-

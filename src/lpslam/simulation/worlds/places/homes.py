@@ -4,7 +4,17 @@ import numpy as np
 
 from lpslam.simulation import furniture
 from lpslam.simulation.worlds.places import prints
-from lpslam.simulation.worlds.places.materials import FLOORS, THINGS, WALLS, bricks, cloudy, fabric, tiles, wallpaper, wood_grain
+from lpslam.simulation.worlds.places.materials import (
+    FLOORS,
+    THINGS,
+    WALLS,
+    bricks,
+    cloudy,
+    fabric,
+    tiles,
+    wallpaper,
+    wood_grain,
+)
 from lpslam.simulation.worlds.places.place import Place, Route, ahead, smooth_path
 from lpslam.simulation.worlds.places.workshop import Workshop, vec
 
@@ -34,7 +44,11 @@ def living_room(rng: np.random.Generator) -> Place:
     ring[:, 2] += rng.uniform(-0.12, 0.12, 8)
     points = smooth_path(ring, True)
     outward = rng.random() < 0.5
-    targets = ahead(points) if outward else np.column_stack([2 * table[0] - points[:, 0], 2 * table[1] - points[:, 1], np.full(len(points), 1.0)])
+    targets = (
+        ahead(points)
+        if outward
+        else np.column_stack([2 * table[0] - points[:, 0], 2 * table[1] - points[:, 1], np.full(len(points), 1.0)])
+    )
     route = Route(points, targets, True, 0.55, 0.85)
     return Place(shop.build(), shop.signs(), route, shop.solids((0, 0, 0.05), (long, wide, height)))
 
@@ -55,16 +69,29 @@ def _seats(shop: Workshop, wide: float) -> None:
 def _table(shop: Workshop, centre: np.ndarray, size: tuple[float, float, float], things: int) -> None:
     width, depth, height = size
     top = 0.04
-    shop.box(centre + vec(-width / 2, -depth / 2, height - top), vec(width, 0), vec(0, depth), top, (wood_grain,), bottom=True)
+    shop.box(
+        centre + vec(-width / 2, -depth / 2, height - top),
+        vec(width, 0),
+        vec(0, depth),
+        top,
+        (wood_grain,),
+        bottom=True,
+    )
     for x in (-1, 1):
         for y in (-1, 1):
-            shop.turned_box(centre + vec(x * (width / 2 - 0.06), y * (depth / 2 - 0.06)), (0.05, 0.05, height - top), 0.0, (wood_grain,))
+            shop.turned_box(
+                centre + vec(x * (width / 2 - 0.06), y * (depth / 2 - 0.06)),
+                (0.05, 0.05, height - top),
+                0.0,
+                (wood_grain,),
+            )
     strew(shop, centre + vec(0, 0, height), (width, depth), things)
 
 
 def strew(shop: Workshop, centre: np.ndarray, area: tuple[float, float], count: int) -> None:
     """Small things on a surface: books, papers, cups, packages, side by side."""
-    rng, taken = shop.rng, []
+    rng = shop.rng
+    taken: list[tuple[np.ndarray, float]] = []
     for _ in range(8 * count):
         if len(taken) == count:
             break
@@ -83,7 +110,9 @@ def strew(shop: Workshop, centre: np.ndarray, area: tuple[float, float], count: 
             shop.turned_box(foot, size, turn, paper, is_solid=False)
         elif kind < 0.5:
             cover = shop.builder.add_texture(prints.picture(rng, texels, texels))
-            shop.turned_box(foot, (1.2 * side, 0.85 * side, float(rng.uniform(0.015, 0.07))), turn, cover, is_solid=False)
+            shop.turned_box(
+                foot, (1.2 * side, 0.85 * side, float(rng.uniform(0.015, 0.07))), turn, cover, is_solid=False
+            )
         elif kind < 0.75:
             tall = float(rng.uniform(0.06, 0.26))
             side_picture = shop.builder.add_texture(prints.package(rng, max(16, int(tall * 700)), texels))
@@ -107,16 +136,24 @@ def shelf(shop: Workshop, foot: np.ndarray, heading: float, width: float, height
     rows = max(2, round(height / 0.36))
     gap = height / rows
     for row in range(rows + 1):
-        shop.box(corner + vec(0, 0, row * gap - 0.01), out * depth, right * width, 0.02, wood, bottom=True, is_solid=False)
+        shop.box(
+            corner + vec(0, 0, row * gap - 0.01), out * depth, right * width, 0.02, wood, bottom=True, is_solid=False
+        )
         if row < rows:
             _fill(shop, corner + vec(0, 0, row * gap + 0.01), right, out, width, depth, gap - 0.04)
     shop.block(corner, out * depth, right * width, height)
 
 
-def _fill(shop: Workshop, corner: np.ndarray, right: np.ndarray, out: np.ndarray, width: float, depth: float, gap: float) -> None:
+def _fill(
+    shop: Workshop, corner: np.ndarray, right: np.ndarray, out: np.ndarray, width: float, depth: float, gap: float
+) -> None:
     rng, x = shop.rng, 0.04
     while x < width - 0.15:
-        w, tall, deep = float(rng.uniform(0.1, 0.5)), gap * float(rng.uniform(0.55, 0.95)), depth * float(rng.uniform(0.5, 0.9))
+        w, tall, deep = (
+            float(rng.uniform(0.1, 0.5)),
+            gap * float(rng.uniform(0.55, 0.95)),
+            depth * float(rng.uniform(0.5, 0.9)),
+        )
         w = min(w, width - 0.04 - x)
         size = (max(16, int(tall * 420)), max(16, int(w * 420)))
         maker = prints.spines if rng.random() < 0.6 else prints.package
@@ -164,9 +201,21 @@ def _around_desk(rng: np.random.Generator, top: np.ndarray, width: float, depth:
     away = depth / 2 + rng.uniform(0.05, 0.75, 7)
     rise = rng.uniform(0.18, 0.65, 7)
     corners = np.column_stack([top[0] + across, top[1] + away, top[2] + rise])
-    corners = np.vstack([corners, corners[-2:0:-1] + np.column_stack([np.zeros((5, 1)), rng.uniform(0.1, 0.3, (5, 1)), rng.uniform(0, 0.2, (5, 1))])])
+    corners = np.vstack(
+        [
+            corners,
+            corners[-2:0:-1]
+            + np.column_stack([np.zeros((5, 1)), rng.uniform(0.1, 0.3, (5, 1)), rng.uniform(0, 0.2, (5, 1))]),
+        ]
+    )
     points = smooth_path(corners, True, 0.02)
-    targets = np.column_stack([top[0] + 0.75 * (points[:, 0] - top[0]), np.full(len(points), top[1] - 0.1), np.full(len(points), top[2] + 0.1)])
+    targets = np.column_stack(
+        [
+            top[0] + 0.75 * (points[:, 0] - top[0]),
+            np.full(len(points), top[1] - 0.1),
+            np.full(len(points), top[2] + 0.1),
+        ]
+    )
     return Route(points, targets, True, 0.22, float(top[2] + 0.45))
 
 
@@ -178,9 +227,18 @@ def _screens(shop: Workshop, top: np.ndarray, width: float) -> None:
     shop.turned_box(spot, (0.2, 0.14, 0.012), 0.0, dark)
     shop.turned_box(spot, (0.05, 0.04, 0.16), 0.0, dark)
     shop.turned_box(spot + vec(0, 0, 0.12), (w, 0.03, h), 0.0, dark)
-    shop.hang(spot + vec(0, 0.017, 0.12 + h / 2), np.pi / 2, (w - 0.02, h - 0.02), prints.screen(rng, 260, 420), gloss=0.6, glow=0.8)
+    shop.hang(
+        spot + vec(0, 0.017, 0.12 + h / 2),
+        np.pi / 2,
+        (w - 0.02, h - 0.02),
+        prints.screen(rng, 260, 420),
+        gloss=0.6,
+        glow=0.8,
+    )
     keys = shop.builder.add_texture(prints.keyboard(rng, 120, 360))
-    shop.turned_box(top + vec(spot[0] - top[0], 0.12), (0.42, 0.14, 0.02), float(rng.uniform(-0.1, 0.1)), keys, is_solid=False)
+    shop.turned_box(
+        top + vec(spot[0] - top[0], 0.12), (0.42, 0.14, 0.02), float(rng.uniform(-0.1, 0.1)), keys, is_solid=False
+    )
 
 
 def _wall_board(shop: Workshop, centre: np.ndarray, width: float) -> None:
@@ -188,6 +246,8 @@ def _wall_board(shop: Workshop, centre: np.ndarray, width: float) -> None:
     rng = shop.rng
     for _ in range(14):
         w, h = (float(v) for v in rng.uniform(0.07, 0.26, 2))
-        spot = centre + vec(float(rng.uniform(-0.5, 0.5)) * width, float(rng.uniform(0, 0.006)), float(rng.uniform(-0.3, 0.4)))
+        spot = centre + vec(
+            float(rng.uniform(-0.5, 0.5)) * width, float(rng.uniform(0, 0.006)), float(rng.uniform(-0.3, 0.4))
+        )
         maker = prints.page if rng.random() < 0.5 else prints.picture
         shop.hang(spot, np.pi / 2, (w, h), maker(rng, int(h * 600), int(w * 600)))

@@ -16,7 +16,9 @@ def _ring(centre: np.ndarray, reach: np.ndarray, height: float, rng: np.random.G
     turn = np.linspace(0, 2 * np.pi, 10, endpoint=False)
     swell = rng.uniform(0.94, 1.06, 10)
     rise = height + rng.uniform(-0.08, 0.08, 10)
-    corners = np.column_stack([centre[0] + swell * reach[0] * np.cos(turn), centre[1] + swell * reach[1] * np.sin(turn), rise])
+    corners = np.column_stack(
+        [centre[0] + swell * reach[0] * np.cos(turn), centre[1] + swell * reach[1] * np.sin(turn), rise]
+    )
     return smooth_path(corners if rng.random() < 0.5 else corners[::-1], True)
 
 
@@ -27,10 +29,18 @@ def glass(rng: np.random.Generator) -> Place:
     shop.room((0, 0), (long, wide), height, WALLS, FLOORS)
     hang_pictures(shop, (long, wide), height, 8)
     centre = vec(long / 2, wide / 2)
-    panes = [_mirror(shop, vec(0.3 * long, 0.02, 1.25), np.pi / 2, (1.8, 1.9)), _mirror(shop, vec(long - 0.02, 0.6 * wide, 1.3), np.pi, (1.4, 2.0))]
+    panes = [
+        _mirror(shop, vec(0.3 * long, 0.02, 1.25), np.pi / 2, (1.8, 1.9)),
+        _mirror(shop, vec(long - 0.02, 0.6 * wide, 1.3), np.pi, (1.4, 2.0)),
+    ]
     # A glass box in the middle with things in it, and a screen of glass before one wall.
     half = np.array([0.16 * long, 0.14 * wide])
-    for heading, reach, width in ((0.0, half[0], half[1]), (np.pi, half[0], half[1]), (np.pi / 2, half[1], half[0]), (-np.pi / 2, half[1], half[0])):
+    for heading, reach, width in (
+        (0.0, half[0], half[1]),
+        (np.pi, half[0], half[1]),
+        (np.pi / 2, half[1], half[0]),
+        (-np.pi / 2, half[1], half[0]),
+    ):
         _, out = facing(heading)
         panes.append(_sheet(shop, centre + out * reach + vec(0, 0, 1.1), heading, (2 * width, 2.2)))
     panes.append(_sheet(shop, vec(0.62 * long, wide - 0.9, 1.1), -np.pi / 2, (0.3 * long, 2.2)))

@@ -55,14 +55,26 @@ def wood_grain(rng: np.random.Generator, height: int, width: int, scale: float) 
     shift = rng.uniform(0, 40, int(plank.max()) + 1)[plank.astype(int)]
     bend = cv2.resize(spectral(rng, height, max(8, width // 8), 1.4), (width, height))
     rings = np.sin(2 * np.pi * (y * rng.uniform(30, 80) + shift + 0.8 * bend + 0.6 * np.sin(x * 2 + shift)))
-    field = rings + 0.4 * cv2.resize(rng.standard_normal((height, max(4, width // 24))).astype(np.float32), (width, height))
+    field = rings + 0.4 * cv2.resize(
+        rng.standard_normal((height, max(4, width // 24))).astype(np.float32), (width, height)
+    )
     base = np.array([rng.uniform(95, 200), rng.uniform(62, 140), rng.uniform(30, 90)])
     picture = _coloured(field.astype(np.float32), [tuple(base * 0.6), tuple(base), tuple(np.clip(base * 1.2, 0, 250))])
     edge = np.diff(plank, axis=0, prepend=plank[:1]) != 0
     picture[edge] *= 0.5
     for _ in range(int(rng.poisson(height * width / scale**2 * 0.8))):
         spot = (int(rng.integers(width)), int(rng.integers(height)))
-        cv2.ellipse(picture, spot, (max(2, int(0.02 * scale)), max(1, int(0.009 * scale))), 0, 0, 360, base * 0.4, -1, cv2.LINE_AA)
+        cv2.ellipse(
+            picture,
+            spot,
+            (max(2, int(0.02 * scale)), max(1, int(0.009 * scale))),
+            0,
+            0,
+            360,
+            (base * 0.4).tolist(),
+            -1,
+            cv2.LINE_AA,
+        )
     return to_image(picture)
 
 
@@ -79,10 +91,16 @@ def fabric(rng: np.random.Generator, height: int, width: int, scale: float) -> I
         low = 0
         for colour in colours:
             wide = int(rng.uniform(0.05, 0.25) * period)
-            picture = np.where(((phase >= low) & (phase < low + wide))[..., None], 0.45 * picture + 0.55 * np.array(colour), picture)
+            picture = np.where(
+                ((phase >= low) & (phase < low + wide))[..., None], 0.45 * picture + 0.55 * np.array(colour), picture
+            )
             low += wide + int(rng.uniform(0, 0.2) * period)
     folds = 1 + 0.12 * cv2.resize(spectral(rng, 16, max(4, width // 16), 1.5), (width, height))
-    return to_image((picture * (1 + 0.13 * weave + 0.05 * rng.standard_normal((height, width)))[..., None] * folds[..., None]).astype(np.float32))
+    return to_image(
+        (
+            picture * (1 + 0.13 * weave + 0.05 * rng.standard_normal((height, width)))[..., None] * folds[..., None]
+        ).astype(np.float32)
+    )
 
 
 def carpet(rng: np.random.Generator, height: int, width: int, scale: float) -> Image:
@@ -116,7 +134,9 @@ def asphalt(rng: np.random.Generator, height: int, width: int, scale: float) -> 
     """Grains of grey, patches and cracks."""
     grains = cv2.GaussianBlur(rng.standard_normal((height, width)).astype(np.float32), (0, 0), max(0.6, 0.003 * scale))
     base = np.array(wall_colour(rng, 0.0)) * rng.uniform(0.35, 0.7)
-    picture = base * (1 + 0.25 * (grains / grains.std())[..., None] * 0.8 + 0.14 * spectral(rng, height, width, 1.5)[..., None])
+    picture = base * (
+        1 + 0.25 * (grains / grains.std())[..., None] * 0.8 + 0.14 * spectral(rng, height, width, 1.5)[..., None]
+    )
     picture = picture.astype(np.float32)
     textures.wear(rng, picture, scale, 1.2)
     return to_image(picture)
@@ -133,7 +153,9 @@ def foliage(rng: np.random.Generator, height: int, width: int, scale: float) -> 
             spot = (int(rng.integers(width)), int(rng.integers(height)))
             colour = tone * (0.45 + 0.17 * layer) * rng.uniform(0.7, 1.35) + rng.normal(0, 8, 3)
             axes = (long // 2 + 1, max(1, int(long * rng.uniform(0.15, 0.3))))
-            cv2.ellipse(image, spot, axes, float(rng.uniform(0, 180)), 0, 360, np.clip(colour, 0, 255).tolist(), -1, cv2.LINE_AA)
+            cv2.ellipse(
+                image, spot, axes, float(rng.uniform(0, 180)), 0, 360, np.clip(colour, 0, 255).tolist(), -1, cv2.LINE_AA
+            )
     return to_image(image)
 
 

@@ -57,13 +57,24 @@ def _ground(shop: Workshop, long: float, wide: float) -> None:
         for y in np.arange(-12.0, 12.0, cell):
             row, column = round((12 - y - cell) * 58), round((x + 12) * 58)
             cut = whole[row : row + 348, column : column + 348]
-            shop.builder.add_face(vec(x, y + cell + wide / 2 - 12), vec(cell, 0), vec(0, -cell), shop.builder.add_texture(cut))
+            shop.builder.add_face(
+                vec(x, y + cell + wide / 2 - 12), vec(cell, 0), vec(0, -cell), shop.builder.add_texture(cut)
+            )
     far = shop.builder.add_texture(any_of(rng, STREETS, 512, 512, 50.0))
     reach = SKY
-    for low, high in (((-reach, -reach), (reach, wide / 2 - 24)), ((-reach, wide / 2 - 24), (-12, reach)), ((12, wide / 2 - 24), (reach, reach)), ((-12, wide / 2), (12, reach))):
+    for low, high in (
+        ((-reach, -reach), (reach, wide / 2 - 24)),
+        ((-reach, wide / 2 - 24), (-12, reach)),
+        ((12, wide / 2 - 24), (reach, reach)),
+        ((-12, wide / 2), (12, reach)),
+    ):
         size = np.array(high) - np.array(low)
         shop.builder.add_face(
-            vec(low[0], high[1]), vec(size[0], 0), vec(0, -size[1]), far, repeat=(max(1.1, size[0] / 10), max(1.1, size[1] / 10))
+            vec(low[0], high[1]),
+            vec(size[0], 0),
+            vec(0, -size[1]),
+            far,
+            repeat=(max(1.1, size[0] / 10), max(1.1, size[1] / 10)),
         )
 
 
@@ -137,7 +148,13 @@ def _furnish(shop: Workshop, points: np.ndarray, near: float) -> None:
             shop.drum(foot, 0.14, 2.6, bark, (70, 60, 45))
             leaves = shop.builder.add_texture(foliage(rng, 300, 300, 130.0))
             for k in range(3):
-                shop.turned_box(foot + UP * (2.2 + 0.5 * k), (2.0 - 0.4 * k, 1.9 - 0.4 * k, 0.9), turn + 0.5 * k, leaves, bottom=True)
+                shop.turned_box(
+                    foot + UP * (2.2 + 0.5 * k),
+                    (2.0 - 0.4 * k, 1.9 - 0.4 * k, 0.9),
+                    turn + 0.5 * k,
+                    leaves,
+                    bottom=True,
+                )
         else:
             paint = shop.builder.add_texture(any_of(rng, (cloudy, marble), 100, 200, 120.0))
             shop.turned_box(foot, (1.2, 1.0, 1.9), turn, paint)
@@ -145,7 +162,7 @@ def _furnish(shop: Workshop, points: np.ndarray, near: float) -> None:
 
 def _daylit(scene: Scene, rng: np.random.Generator) -> Scene:
     """Light of the sky and a low or high sun; nothing throws shadows."""
-    sun = vec(*rng.uniform(-1, 1, 2), float(rng.uniform(0.5, 1.5)))
+    sun = rng.uniform([-1.0, -1.0, 0.5], [1.0, 1.0, 1.5])
     sun /= np.linalg.norm(sun)
     shade = 0.62 + 0.12 * scene.normal[:, 2] + 0.45 * np.maximum(scene.normal @ sun, 0)
     counts = scene.light_maps[:, 1] * scene.light_maps[:, 2]

@@ -60,7 +60,8 @@ def picture(rng: np.random.Generator, height: int, width: int) -> Image:
     if kind == 1:
         cells = (max(2, int(rng.integers(3, 14))), max(2, int(rng.integers(3, 14))))
         small = np.array([[pick_colour(rng, (0, 1), (0.05, 1)) for _ in range(cells[1])] for _ in range(cells[0])])
-        return to_image(cv2.resize(small.astype(np.float32), (width, height), interpolation=cv2.INTER_NEAREST))
+        large = cv2.resize(small.astype(np.float32), (width, height), interpolation=cv2.INTER_NEAREST)
+        return to_image(np.asarray(large, np.float32))
     if kind == 2:
         image = np.zeros((height, width, 3), np.float32)
         for _ in range(int(rng.integers(15, 50))):
@@ -72,7 +73,9 @@ def picture(rng: np.random.Generator, height: int, width: int) -> Image:
         for _ in range(int(rng.integers(2, 9))):
             centre = (int(rng.integers(width)), int(rng.integers(height)))
             size = max(2, int(rng.uniform(0.04, 0.3) * min(width, height)))
-            cv2.circle(image, centre, size, pick_colour(rng, (0, 1), (0.05, 1)), int(rng.choice([-1, 2, 4])), cv2.LINE_AA)
+            cv2.circle(
+                image, centre, size, pick_colour(rng, (0, 1), (0.05, 1)), int(rng.choice([-1, 2, 4])), cv2.LINE_AA
+            )
         return to_image(image)
     return poster(rng, height, width)
 

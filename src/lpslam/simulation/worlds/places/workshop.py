@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 import numpy as np
 from numba import njit
@@ -49,7 +50,9 @@ class Workshop:
         options = SimulationConfig.model_validate({"language": language})
         self.painter = SignPainter(self.rng, self.builder, Vocabulary(self.rng, options))
 
-    def paint(self, materials: Sequence[Material], metres: tuple[float, float], scale: float = SCALE) -> tuple[int, tuple[float, float]]:
+    def paint(
+        self, materials: Sequence[Material], metres: tuple[float, float], scale: float = SCALE
+    ) -> tuple[int, tuple[float, float]]:
         """A picture of a material for a surface of (width, height) metres, and how often it is laid there."""
         width, height = metres
         shrink = max(1.0, max(width, height) * scale / LARGEST)
@@ -83,7 +86,12 @@ class Workshop:
         self._solids.append((corner, along, across, height))
 
     def turned_box(
-        self, centre: Vector, size: tuple[float, float, float], turn: float, texture: int | Sequence[Material], **more: bool | int | float
+        self,
+        centre: Vector,
+        size: tuple[float, float, float],
+        turn: float,
+        texture: int | Sequence[Material],
+        **more: bool | int | float,
     ) -> None:
         """A box of (width, depth, height) metres on `centre`'s ground, turned about the vertical."""
         right, out = vec(np.cos(turn), np.sin(turn)), vec(-np.sin(turn), np.cos(turn))
@@ -96,7 +104,7 @@ class Workshop:
         """A round thing: a cup, a tin, a lamp, a column."""
         turn = 2 * np.pi * np.arange(sides + 1) / sides
         ring = foot + radius * np.column_stack([np.cos(turn), np.sin(turn), np.zeros(sides + 1)])
-        for left, right in zip(ring[:-1], ring[1:], strict=True):
+        for left, right in pairwise(ring):
             self.builder.add_face(left + UP * height, right - left, -UP * height, texture)
         colour = self.builder.add_colour(lid)
         # Rectangles between opposite sides cover the whole lid.
@@ -106,7 +114,16 @@ class Workshop:
         side = vec(2 * radius, 0.0)
         self.block(foot - vec(radius, radius), side, vec(0.0, 2 * radius), height)
 
-    def hang(self, centre: Vector, heading: float, size: tuple[float, float], image: Image, *, gloss: float = 0.0, glow: float = 0.0) -> None:
+    def hang(
+        self,
+        centre: Vector,
+        heading: float,
+        size: tuple[float, float],
+        image: Image,
+        *,
+        gloss: float = 0.0,
+        glow: float = 0.0,
+    ) -> None:
         """A flat picture of (width, height) metres that looks along a heading, its middle at `centre`."""
         right, _ = facing(heading)
         corner = centre - right * size[0] / 2 + UP * size[1] / 2
@@ -114,21 +131,38 @@ class Workshop:
             corner, right * size[0], -UP * size[1], self.builder.add_texture(image), gloss=gloss, emission=glow
         )
 
-    def sign(self, kind: str, style: str, letters: float, widest: float, centre: Vector, heading: float, *, double_sided: bool = False) -> None:
+    def sign(
+        self,
+        kind: str,
+        style: str,
+        letters: float,
+        widest: float,
+        centre: Vector,
+        heading: float,
+        *,
+        double_sided: bool = False,
+    ) -> None:
         """A sign that can be read, its middle at `centre`, looking along a heading; letters and width in metres."""
         right, _ = facing(heading)
         board, kind = self.painter.paint(kind, style, letters, widest, min(900.0, 60.0 / letters), centre)
         self.painter.hang(board, kind, centre, right, thickness=0.02, double_sided=double_sided)
 
     def room(
-        self, low: tuple[float, float], high: tuple[float, float], height: float, walls: Sequence[Material], floor: Sequence[Material]
+        self,
+        low: tuple[float, float],
+        high: tuple[float, float],
+        height: float,
+        walls: Sequence[Material],
+        floor: Sequence[Material],
     ) -> None:
         """Floor, ceiling and four walls, seen from inside, with lamps under the ceiling."""
         (x0, y0), (x1, y1) = low, high
         self._height = height
         add = self.builder.add_face
         texture, repeat = self.paint(floor, (x1 - x0, y1 - y0), 160.0)
-        add(vec(x0, y1), vec(x1 - x0, 0), vec(0, y0 - y1), texture, repeat=repeat, gloss=float(self.rng.uniform(0, 0.3)))
+        add(
+            vec(x0, y1), vec(x1 - x0, 0), vec(0, y0 - y1), texture, repeat=repeat, gloss=float(self.rng.uniform(0, 0.3))
+        )
         shade = int(self.rng.uniform(195, 240))
         add(vec(x0, y0, height), vec(x1 - x0, 0), vec(0, y1 - y0), self.builder.add_colour((shade, shade, shade - 6)))
         ring = [vec(x0, y0), vec(x0, y1), vec(x1, y1), vec(x1, y0)]

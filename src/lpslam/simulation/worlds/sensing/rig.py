@@ -71,9 +71,7 @@ class DepthRig:
         colour_from_depth[:3, 3] = [offset, *rng.normal(0, 0.001, 2)]
         return cls(camera, colour_from_depth, model, 1.0 + world.depth_scale_error, world.misregistration)
 
-    def measure(
-        self, rng: np.random.Generator, seen: Surfaces, colour: PinholeCamera
-    ) -> Picture:
+    def measure(self, rng: np.random.Generator, seen: Surfaces, colour: PinholeCamera) -> Picture:
         """Depth in the colour image, (height, width) metres, 0 where there is none."""
         depth, camera = self.scale * self.model.measure(rng, seen), self.camera
         if isinstance(self.model, PhoneLidar):
