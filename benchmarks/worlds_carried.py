@@ -49,8 +49,10 @@ def measure(
     every = [trial for row in rows for trial in row["trials"]]
     table = [["all", "", *_cells(every)]]
     for name in ("visit", "grows"):
-        for value in sorted({trial[name] for trial in every}):
-            table.append([name, str(value), *_cells([trial for trial in every if trial[name] == value])])
+        table += [
+            [name, str(value), *_cells([trial for trial in every if trial[name] == value])]
+            for value in sorted({trial[name] for trial in every})
+        ]
     for name in rows[0]["factors"]:
         for value in sorted({row["factors"][name] for row in rows}):
             trials_of = [trial for row in rows if row["factors"][name] == value for trial in row["trials"]]
@@ -91,17 +93,10 @@ def _carried(task: Task) -> dict[str, Any]:
         start = int(rng.choice(starts)) if len(starts) else 0
         again = RgbdSlam(source.camera, config, base=SlamMap.from_arrays(arrays), grows=grows)
         verdict, waited, error = carry(again, frames, world, start, trial + 1, truth_from_map, recording.world.fps)
-        facts["trials"].append(
-            {
-                "trial": trial,
-                "visit": visit,
-                "grows": grows,
-                "start": start,
-                "verdict": verdict,
-                "frames": waited,
-                "error_m": error,
-            }
-        )
+        facts["trials"].append({
+            "trial": trial, "visit": visit, "grows": grows, "start": start, "verdict": verdict, "frames": waited,
+            "error_m": error,
+        })  # fmt: skip
     return facts
 
 

@@ -14,7 +14,7 @@ Facts = dict[str, Any]
 
 
 def by_factor(rows: Sequence[Facts], report: Report) -> None:
-    """A table for every factor, and one line for all."""
+    """A line for all worlds, and one for every value of every factor."""
     headings = [
         *(
             "Worlds",
@@ -25,11 +25,11 @@ def by_factor(rows: Sequence[Facts], report: Report) -> None:
         ),
         *("Lost", "Wrong", "Failed", "CPU ms"),
     ]
-    print()
-    report.table(["All", *headings], [["all", *_cells(rows)]])
+    table = [["all", "", *_cells(rows)]]
     for name in rows[0]["factors"]:
-        print()
-        report.table([name, *headings], [[value, *_cells(group)] for value, group in _groups(rows, name)])
+        table += [[name, value, *_cells(group)] for value, group in _groups(rows, name)]
+    print()
+    report.table(["By", "", *headings], table)
 
 
 def _groups(rows: Sequence[Facts], name: str) -> Iterator[tuple[str, list[Facts]]]:

@@ -51,7 +51,7 @@ def shop_fronts(rng: np.random.Generator) -> Place:
     units, unit = int(rng.integers(6, 9)), float(rng.uniform(2.6, 3.4))
     long, wide, height = units * unit, float(rng.uniform(4.2, 5.4)), 3.0
     shop.room((0, 0), (long, wide), height, WALLS, FLOORS)
-    names = int(rng.integers(2, 4))
+    names = int(rng.integers(3, 6))
     for heading, y in ((np.pi / 2, 0.0), (-np.pi / 2, wide)):
         front, side = _front(rng, unit), shop.builder.add_colour((70, 66, 60))
         texture = shop.builder.add_texture(front)

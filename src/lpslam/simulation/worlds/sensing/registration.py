@@ -67,9 +67,10 @@ def _register(
             radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
             u = other[0] * (x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x)) + other[2]
             v = other[1] * (y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y) + other[3]
-            # The patch is as large as one depth pixel looks from the colour camera, and at least one pixel.
-            across = max(0.5 * other[0] / own[0] * z0 / z * (1.0 + 0.5 * (radial - 1.0)), 0.5)
-            down = max(0.5 * other[1] / own[1] * z0 / z * (1.0 + 0.5 * (radial - 1.0)), 0.5)
+            # The patch is as large as one depth pixel looks from the colour camera, and a little more against cracks.
+            growth = z0 / z * max(1.0, 1.0 + r2 * (3.0 * k1 + r2 * (5.0 * k2 + r2 * 7.0 * k3)))
+            across = max(0.5 * other[0] / own[0] * growth + 0.08, 0.5)
+            down = max(0.5 * other[1] / own[1] * growth + 0.08, 0.5)
             left, right = max(math.ceil(u - across), 0), min(math.floor(u + across), columns - 1)
             top, bottom = max(math.ceil(v - down), 0), min(math.floor(v + down), rows - 1)
             for i in range(top, bottom + 1):
