@@ -123,7 +123,7 @@ class WorldSource:
         rgb, raw = self.exposed(index, noise)
         if self.world.compression == "jpeg":
             rgb = np.asarray(cv2.imdecode(np.frombuffer(self.compressed(rgb), np.uint8), cv2.IMREAD_COLOR))[..., ::-1]
-        depth = (raw / np.float32(self.camera.depth_scale)).astype(np.float32)
+        depth = raw.astype(np.float32) * np.float32(1.0 / self.camera.depth_scale)
         return RgbdFrame(index, float(self.timestamps[index]), np.ascontiguousarray(rgb), depth)
 
     def compressed(self, rgb: NDArray[np.uint8]) -> bytes:
