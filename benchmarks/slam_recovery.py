@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from lpslam.frames import RgbdFrame
 from lpslam.poses import StampedPoses
 from lpslam.simulation.source import MallSource
+from lpslam.simulation.worlds.source import WorldSource
 from lpslam.slam.map import SlamMap
 from lpslam.slam.state import EventKind
 from lpslam.slam.system import RgbdSlam
@@ -52,7 +53,7 @@ def _elsewhere(recording: Recording, trials: int, report: Report) -> Iterator[li
         for trial in range(trials):
             start = int(rng.integers(0, len(mall) - PATIENCE))
             again = RgbdSlam(source.camera, base=SlamMap.from_arrays(arrays))
-            verdict, waited, error = _carry(again, frames, mall, start, trial + 1, truth_from_map)
+            verdict, waited, error = carry(again, frames, mall, start, trial + 1, truth_from_map)
             verdicts[verdict] += 1
             if waited is not None:
                 waits.append(waited)
@@ -76,26 +77,27 @@ def _keeping_the_last(frames: Prefetched, kept: list[RgbdFrame]) -> Iterator[Rgb
         yield frame
 
 
-def _carry(
+def carry(
     slam: RgbdSlam,
     before: Sequence[RgbdFrame],
-    mall: MallSource,
+    mall: MallSource | WorldSource,
     start: int,
     noise: int,
     truth_from_map: NDArray[np.float64],
+    fps: float = FPS,
 ) -> tuple[str, int | None, float | None]:
     """Blank the camera and uncover it elsewhere: found, later, never or false; frames waited; metres of error."""
-    for frame in (*before, *_blank(before[-1], BLANK)):
+    for frame in (*before, *blank_frames(before[-1], BLANK, fps)):
         slam.process(frame)
-    clock = before[-1].timestamp + (BLANK + 1) / FPS
+    clock = before[-1].timestamp + (BLANK + 1) / fps
     first: int | None = None
     errors: list[float] = []
-    for step in range(PATIENCE):
+    for step in range(min(PATIENCE, len(mall) - start)):
         if first is not None and step >= first + CHECKED:
             break
         frame = mall.frame(start + step, noise)
         index = before[-1].index + BLANK + 1 + step
-        tracked = slam.process(replace(frame, index=index, timestamp=clock + step / FPS))
+        tracked = slam.process(replace(frame, index=index, timestamp=clock + step / fps))
         if tracked.world_from_camera is None:
             continue
         first = step if first is None else first
@@ -109,11 +111,11 @@ def _carry(
     return "found" if first < GOOD else "later", first + 1, round(max(errors), 3)
 
 
-def _blank(last: RgbdFrame, count: int) -> list[RgbdFrame]:
+def blank_frames(last: RgbdFrame, count: int, fps: float = FPS) -> list[RgbdFrame]:
     """Frames in which nothing is seen, after a last one."""
     return [
         RgbdFrame(
-            last.index + 1 + i, last.timestamp + (i + 1) / FPS, np.zeros_like(last.rgb), np.zeros_like(last.depth)
+            last.index + 1 + i, last.timestamp + (i + 1) / fps, np.zeros_like(last.rgb), np.zeros_like(last.depth)
         )
         for i in range(count)
     ]
@@ -157,7 +159,7 @@ def _with_a_gap(frames: Prefetched, half: int, ahead: int) -> Iterator[RgbdFrame
         if position < half or position >= ahead:
             yield frame
         if position == half - 1:
-            yield from _blank(frame, BLANK)
+            yield from blank_frames(frame, BLANK)
 
 
 def _first_back(truth: StampedPoses, until: float, since: float) -> float:

@@ -72,7 +72,7 @@ def measure(recordings: Sequence[Recording], how: str, config: Config, report: R
     """Map every recording and compare: "in step", "live" or with "true poses"."""
     rows, every = [], []
     for recording in recordings:
-        mapped = _mapped(recording, how, config)
+        mapped = map_recording(recording, how, config)
         facts = _facts(mapped)
         every.append(facts)
         report.line(recording=recording.name, how=how, **facts, **_faults(mapped))
@@ -91,7 +91,7 @@ def measure(recordings: Sequence[Recording], how: str, config: Config, report: R
     report.table(headings, rows)
 
 
-def _mapped(recording: Recording, how: str, config: Config) -> Mapped:
+def map_recording(recording: Recording, how: str, config: Config) -> Mapped:
     source, spotter = recording.open(), MeasuredSpotter(config.text.spotting)
     started = time.process_time()
     if how == "true poses":

@@ -38,6 +38,7 @@ ALLOWED: dict[str, set[str]] = {
     "cli_checks": {"mapfile"},
     "cli_calibrate": {"sources", "calibration", "views", "cli_checks"},
     "cli_runs": {"language", "pipeline", "views"},
+    "cli_runs": {"simulation", "language", "pipeline", "views"},
     "cli": {
         *("sources", "simulation", "language", "mapfile", "pipeline", "evaluation", "views", "demo"),
         *("cli_calibrate", "cli_checks", "cli_runs"),

@@ -13,7 +13,7 @@ import typer
 from lpslam._version import __version__
 from lpslam.cli_calibrate import calibrate
 from lpslam.cli_checks import config_of, map_for, refuse_overwriting, refuse_with_localize
-from lpslam.cli_runs import INTERRUPTED, localise_recording, say_usage
+from lpslam.cli_runs import INTERRUPTED, localise_recording, render_simulation, say_usage
 from lpslam.errors import LpSlamError
 from lpslam.views.printed import (
     Spoken,
@@ -343,14 +343,13 @@ def simulate(
     similar_names: Annotated[bool, typer.Option("--similar-names", help="Show GAP and GAO, EXIT and EXIT 2.")] = False,
     projecting_share: Annotated[float | None, typer.Option(help="Of the shops: signs that stand out, 0 to 1.")] = None,
     way: Annotated[str | None, typer.Option(help="around, or there-and-back: signs are seen from both sides.")] = None,
+    world: Annotated[
+        int | None, typer.Option(min=0, help="No mall: camera, motion, place of a seed.")
+    ] = None,
+    factor: Annotated[list[str] | None, typer.Option(metavar="NAME=VALUE", help="Of --world: depth=tof.")] = None,
     as_json: Json = False,
 ) -> None:
-    """Render a mock mall: a recording in TUM layout with camera.yaml, groundtruth.txt and signs.json."""
-    from lpslam.simulation.source import MallSource
-    from lpslam.simulation.writer import refuse_recording, write_sequence
-    from lpslam.views.run_progress import counting
-
-    refuse_recording(folder)
+    """Render a mock mall, or another world: a recording in TUM layout with its ground truth and signs.json."""
     given = {
         "layout": layout,
         "loop_length": loop_length,
@@ -364,14 +363,7 @@ def simulate(
         "way": way,
     }
     options = config_of(None, {"simulation": {key: value for key, value in given.items() if value is not None}})
-    with counting("building the mall") as progress:
-        source = MallSource(seed, frames, options=options.simulation)
-        write_sequence(source, folder, progress)
-    written = {"written": str(folder), "frames": len(source), "signs": len(source.signs)}
-    if as_json:
-        print_json(written)
-    else:
-        print_table({what: str(value) for what, value in written.items()})
+    render_simulation(folder, seed, frames, options.simulation, world, factor or [], as_json=as_json)
 
 
 @app.command()

@@ -5,6 +5,8 @@ from typing import Any
 
 import typer
 
+from lpslam.config import SimulationConfig
+from lpslam.errors import UserError
 from lpslam.views.printed import print_json, print_table, say
 
 INTERRUPTED = 130
@@ -54,3 +56,53 @@ def localise_recording(
         print_table({what.replace("_", " "): str(value) for what, value in facts.items()})
     if interrupted.is_set():
         raise typer.Exit(INTERRUPTED)
+
+
+def render_simulation(
+    folder: Path,
+    seed: int,
+    frames: int | None,
+    options: SimulationConfig,
+    world: int | None,
+    factors: list[str],
+    *,
+    as_json: bool,
+) -> None:
+    """Render a mall of `options`, or the world of a seed with some factors given as NAME=VALUE, and say what it has."""
+    from lpslam.simulation.source import MallSource
+    from lpslam.simulation.writer import refuse_recording, write_sequence
+    from lpslam.views.run_progress import counting
+
+    refuse_recording(folder)
+    written: dict[str, Any] = {"written": str(folder)}
+    if world is None:
+        if factors:
+            raise UserError("option --factor: malls have none; give --world SEED too")
+        with counting("building the mall") as progress:
+            mall = MallSource(seed, frames, options=options)
+            write_sequence(mall, folder, progress)
+        written |= {"frames": len(mall), "signs": len(mall.signs)}
+    else:
+        written |= _render_world(folder, world, frames, factors)
+    if as_json:
+        print_json(written)
+    else:
+        print_table({what: str(value) for what, value in written.items()})
+
+
+def _render_world(folder: Path, seed: int, frames: int | None, factors: list[str]) -> dict[str, Any]:
+    from lpslam.simulation.worlds.factors import FACTORS, draw_world
+    from lpslam.simulation.worlds.source import WorldSource
+    from lpslam.simulation.worlds.writing import write_world
+    from lpslam.views.run_progress import counting
+
+    given = dict(factor.partition("=")[::2] for factor in factors)
+    if unknown := set(given) - set(FACTORS):
+        raise UserError(f"option --factor: {min(unknown)} is no factor; there are {', '.join(FACTORS)}")
+    world = draw_world(seed, **given)
+    if frames is not None:
+        world = draw_world(seed, **given, seconds=frames / world.fps)
+    with counting("building the world") as progress:
+        source = WorldSource(world)
+        write_world(source, folder, progress)
+    return {"frames": len(source), "signs": len(source.signs), **world.factors()}

@@ -31,3 +31,22 @@ def test_what_no_mall_can_be_is_one_clear_line(lpslam: Command, tmp_path: Path, 
     complaint = lpslam("simulate", tmp_path / "mall", f"{option}={value}").complaint
     assert complaint.startswith(f"option {option}: Input should")
     assert not (tmp_path / "mall").exists()
+
+
+@pytest.mark.slow
+def test_a_world_of_a_seed(lpslam: Command, tmp_path: Path) -> None:
+    options = ("--world", 5, "--frames", 3, "--factor", "place=corridor", "--factor", "size=320x240", "--json")
+    done = lpslam("simulate", tmp_path / "world", *options)
+    assert (done.code, done.json["frames"]) == (0, 3)
+    assert (done.json["place"], done.json["size"]) == ("corridor", "320x240")
+    assert read_signs(tmp_path / "world") is not None
+    assert (tmp_path / "world" / "world.json").is_file()
+
+
+def test_what_no_world_has_is_one_clear_line(lpslam: Command, tmp_path: Path) -> None:
+    unknown = lpslam("simulate", tmp_path / "world", "--world", 5, "--factor", "weather=rain").complaint
+    assert unknown.startswith("option --factor: weather is no factor")
+    value = lpslam("simulate", tmp_path / "world", "--world", 5, "--factor", "depth=sonar").complaint
+    assert "depth is 'sonar'; it must be one of structured" in value
+    mall = lpslam("simulate", tmp_path / "world", "--factor", "depth=tof").complaint
+    assert mall.startswith("option --factor: malls have none")

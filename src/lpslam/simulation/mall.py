@@ -41,7 +41,7 @@ class _Dealt:
 
 
 @dataclass(slots=True)
-class _Vocabulary:
+class Vocabulary:
     """Deals wordings so that none comes twice before duplicates are asked for."""
 
     rng: np.random.Generator
@@ -121,7 +121,7 @@ class SignPainter:
 
     rng: np.random.Generator
     builder: SceneBuilder
-    vocabulary: _Vocabulary
+    vocabulary: Vocabulary
     signs: list[Sign] = field(default_factory=list)
 
     def paint(
@@ -203,7 +203,7 @@ def build_mall(seed: int, options: SimulationConfig) -> Mall:
     rng = np.random.default_rng([seed, 7])
     layout = plan(rng, options.layout, options.loop_length)
     builder = SceneBuilder()
-    painter = SignPainter(rng, builder, _Vocabulary(rng, options))
+    painter = SignPainter(rng, builder, Vocabulary(rng, options))
     height = float(rng.uniform(2.9, 3.2))
     _lay_floor(rng, builder, layout)
     _hang_ceiling(rng, builder, layout, height)

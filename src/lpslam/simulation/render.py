@@ -159,7 +159,7 @@ def scan_faces(
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _spread(texel: np.uint32) -> np.uint64:
+def spread(texel: np.uint32) -> np.uint64:
     """Move the three bytes of a texel 21 bits apart, so that one product weighs all of them."""
     value = np.uint64(texel)
     low, middle, high = np.uint64(0xFF), np.uint64(0xFF00), np.uint64(0xFF0000)
@@ -225,10 +225,10 @@ def _shade(
         r = p + np.uint64(width)
         one = np.uint64(1)
         # Weights in sixteenths: the sum of 8 probes fits the 21 bits that each colour has.
-        total += _spread(texels[p]) * np.uint64((16 - du) * (16 - dv))
-        total += _spread(texels[p + one]) * np.uint64(du * (16 - dv))
-        total += _spread(texels[r]) * np.uint64((16 - du) * dv)
-        total += _spread(texels[r + one]) * np.uint64(du * dv)
+        total += spread(texels[p]) * np.uint64((16 - du) * (16 - dv))
+        total += spread(texels[p + one]) * np.uint64(du * (16 - dv))
+        total += spread(texels[r]) * np.uint64((16 - du) * dv)
+        total += spread(texels[r + one]) * np.uint64(du * dv)
     factor = float(emission[i])
     if factor == 0.0:
         first, map_width, map_height = light_maps[i, 0], light_maps[i, 1], light_maps[i, 2]

@@ -68,6 +68,11 @@ class SceneBuilder:
     _texture: list[int] = field(default_factory=list)
     _images: list[Image] = field(default_factory=list)
 
+    @property
+    def count(self) -> int:
+        """Number of faces so far."""
+        return len(self._origins)
+
     def add_texture(self, image: Image) -> int:
         """Store a picture (height, width, 3) RGB; returns its number for `add_face`."""
         self._images.append(np.ascontiguousarray(image))

@@ -98,7 +98,8 @@ class MallSource:
     @cached_property
     def signs(self) -> list[Sign]:
         """All signs of the world with the number of frames in which each is readable, and from when on."""
-        return [_as_seen(sign, views) for sign, views in zip(self._mall.signs, self.sign_views, strict=True)]
+        times = np.arange(len(self)) / FPS
+        return [as_seen(sign, views, times) for sign, views in zip(self._mall.signs, self.sign_views, strict=True)]
 
     @cached_property
     def sign_views(self) -> list[SignViews]:
@@ -174,7 +175,8 @@ class MallSource:
         return self._gains[index]
 
 
-def _as_seen(sign: Sign, views: SignViews) -> Sign:
+def as_seen(sign: Sign, views: SignViews, times: NDArray[np.float64]) -> Sign:
+    """The sign with what its views, at `times` (n,) seconds, say of when it is readable."""
     readable = np.flatnonzero(views.readable())
     return replace(
         sign,
@@ -182,5 +184,5 @@ def _as_seen(sign: Sign, views: SignViews) -> Sign:
             replace(line, readable_frames=int(views.readable(row).sum())) for row, line in enumerate(sign.lines)
         ),
         readable_frames=len(readable),
-        readable_from=float(readable[0]) / FPS if len(readable) else None,
+        readable_from=float(times[readable[0]]) if len(readable) else None,
     )

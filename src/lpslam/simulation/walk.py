@@ -70,7 +70,7 @@ def stroll(
         visit: another number is another walk along the same route.
     """
     rng = np.random.default_rng([seed, 11, *([visit] if visit else [])])
-    path = _rounded(layout.route, radius=1.3)
+    path = rounded(layout.route, radius=1.3)
     if options.way == "there-and-back":
         path, signs = _there_and_back(path), _by_side(signs)
     lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
@@ -116,7 +116,7 @@ def stroll(
     return Walk(np.asarray(times, np.float64), positions, np.column_stack([heading, pitch, roll]), frames)
 
 
-def _rounded(corners: NDArray[np.float64], radius: float) -> NDArray[np.float64]:
+def rounded(corners: NDArray[np.float64], radius: float) -> NDArray[np.float64]:
     """A closed polygon with arcs for corners, as points every few centimetres; the last repeats the first."""
     points: list[NDArray[np.float64]] = []
     count = len(corners)

@@ -49,10 +49,8 @@ def _write(source: MallSource, folder: Path, on_progress: Callable[[int, int], N
     quaternions = Rotation.from_matrix(truth.world_from_camera[:, :3, :3]).as_quat()
     rows = np.column_stack([truth.timestamps, truth.world_from_camera[:, :3, 3], quaternions])
     lines = [" ".join(f"{value:.6f}" if i == 0 else f"{value:.7f}" for i, value in enumerate(row)) for row in rows]
-    _write_list(folder / "groundtruth.txt", "timestamp tx ty tz qx qy qz qw", lines)
-    (folder / "camera.yaml").write_text(
-        yaml.safe_dump(_camera_fields(source.camera), sort_keys=False), encoding="utf-8"
-    )
+    write_list(folder / "groundtruth.txt", "timestamp tx ty tz qx qy qz qw", lines)
+    (folder / "camera.yaml").write_text(yaml.safe_dump(camera_fields(source.camera), sort_keys=False), encoding="utf-8")
     signs = {"signs": [sign.as_json() for sign in source.signs]}
     (folder / "signs.json").write_text(json.dumps(signs, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
     (folder / "readability.csv").write_text("\n".join([_VIEW_COLUMNS, *_view_rows(source)]) + "\n", encoding="utf-8")
@@ -67,7 +65,7 @@ def _write(source: MallSource, folder: Path, on_progress: Callable[[int, int], N
         if on_progress is not None:
             on_progress(done, len(source))
     for name, entries in listed.items():
-        _write_list(folder / f"{name}.txt", "timestamp filename", entries)
+        write_list(folder / f"{name}.txt", "timestamp filename", entries)
 
 
 _VIEW_COLUMNS = "frame,sign,letter_pixels,angle_degrees,distance_m,blur_pixels,seen_share,readable"
@@ -93,11 +91,13 @@ def _write_png(path: Path, picture: np.typing.NDArray[np.generic]) -> None:
     path.write_bytes(encoded.tobytes())
 
 
-def _write_list(path: Path, header: str, lines: list[str]) -> None:
+def write_list(path: Path, header: str, lines: list[str]) -> None:
+    """A text file with a heading."""
     path.write_text("\n".join([f"# {header}", *lines]) + "\n", encoding="utf-8")
 
 
-def _camera_fields(camera: PinholeCamera) -> dict[str, float | int | list[float]]:
+def camera_fields(camera: PinholeCamera) -> dict[str, float | int | list[float]]:
+    """A calibration as camera.yaml holds it."""
     return {
         "width": camera.width,
         "height": camera.height,

@@ -1,0 +1,119 @@
+"""Set down elsewhere in a world: blank frames, then another place of it, in the map that was made.
+
+Half of the trials see frames of the same pass with new noise, half those of another pass, at another height and pace;
+of either, half only localise in the map and half continue it.
+"""
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.config import Config
+from lpslam.frames import RgbdFrame
+from lpslam.poses import StampedPoses
+from lpslam.slam.map import SlamMap
+from lpslam.slam.system import RgbdSlam
+from lpslam.sources.prefetch import Prefetched
+from slam_recovery import GOOD, LEAD_IN, PATIENCE, carry
+from slam_report import Report
+from slam_scores import run, true_pose
+from worlds_recordings import WorldRecording, beside
+
+SEEING = 8  # frames after a start in which the camera must not be blind
+
+
+@dataclass(frozen=True)
+class Task:
+    """A world, and how often the camera is set down in it."""
+
+    recording: WorldRecording
+    config: Path | None
+    trials: int
+
+
+def measure(
+    recordings: Sequence[WorldRecording], config: Path | None, trials: int, processes: int, report: Report
+) -> None:
+    """Map every world, then carry the camera elsewhere in it."""
+    rows: list[dict[str, Any]] = []
+    for facts in beside(_carried, [Task(recording, config, trials) for recording in recordings], processes):
+        for trial in facts["trials"]:
+            report.line(world=facts["world"], factors=facts["factors"], **trial)
+        rows.append(facts)
+    headings = ["Trials", f"Found within {GOOD}", "Later", "Never", "False", "Frames until found"]
+    every = [trial for row in rows for trial in row["trials"]]
+    table = [["all", "", *_cells(every)]]
+    for name in ("visit", "grows"):
+        table += [
+            [name, str(value), *_cells([trial for trial in every if trial[name] == value])]
+            for value in sorted({trial[name] for trial in every})
+        ]
+    for name in rows[0]["factors"]:
+        for value in sorted({row["factors"][name] for row in rows}):
+            trials_of = [trial for row in rows if row["factors"][name] == value for trial in row["trials"]]
+            table.append([name, value, *_cells(trials_of)])
+    print()
+    report.table(["By", "", *headings], table)
+
+
+def _cells(trials: Sequence[dict[str, Any]]) -> list[str]:
+    verdicts = Counter(trial["verdict"] for trial in trials)
+    waits = [trial["frames"] for trial in trials if trial["verdict"] in ("found", "later")]
+    return [
+        str(len(trials)),
+        *(str(verdicts[verdict]) for verdict in ("found", "later", "never", "false")),
+        f"{np.median(waits):.0f}, {max(waits)}" if waits else "-",
+    ]
+
+
+def _carried(task: Task) -> dict[str, Any]:
+    import cv2
+
+    cv2.setNumThreads(1)
+    config = (Config.from_yaml(task.config) if task.config else Config()).slam
+    recording = task.recording
+    source, frames = recording.open(), list[RgbdFrame]()
+    done = run(RgbdSlam(source.camera, config), _keeping_the_last(Prefetched(source), frames))
+    arrays = done.slam.map.to_arrays()
+    facts: dict[str, Any] = {"world": recording.name, "factors": recording.world.factors(), "trials": []}
+    if done.tracked < 3:
+        return facts
+    truth_from_map = _aligned(recording.truth, done.estimate)
+    rng = np.random.default_rng([recording.world.seed, 117])
+    for trial in range(task.trials):
+        visit, grows = trial % 2, trial // 2 % 2 == 0
+        world = recording.source(visit)
+        blind = np.convolve(world.blind, np.ones(SEEING))[SEEING - 1 :]
+        starts = np.flatnonzero(blind[: max(1, len(world) - PATIENCE)] == 0)
+        start = int(rng.choice(starts)) if len(starts) else 0
+        again = RgbdSlam(source.camera, config, base=SlamMap.from_arrays(arrays), grows=grows)
+        verdict, waited, error = carry(again, frames, world, start, trial + 1, truth_from_map, recording.world.fps)
+        facts["trials"].append({
+            "trial": trial, "visit": visit, "grows": grows, "start": start, "verdict": verdict, "frames": waited,
+            "error_m": error,
+        })  # fmt: skip
+    return facts
+
+
+def _keeping_the_last(frames: Prefetched, kept: list[RgbdFrame]) -> Iterator[RgbdFrame]:
+    for frame in frames:
+        kept.append(frame)
+        del kept[:-LEAD_IN]
+        yield frame
+
+
+def _aligned(truth: StampedPoses, estimate: StampedPoses) -> NDArray[np.float64]:
+    """Truth from map (4×4) by whole poses: positions alone do not say how a camera that only turned was turned."""
+    true = np.array([true_pose(truth, timestamp) for timestamp in estimate.timestamps])
+    turn = np.einsum("nij,nkj->ik", true[:, :3, :3], estimate.world_from_camera[:, :3, :3])
+    left, _, right = np.linalg.svd(turn)
+    rotation = left @ np.diag([1.0, 1.0, np.linalg.det(left @ right)]) @ right
+    aligned = np.eye(4)
+    aligned[:3, :3] = rotation
+    aligned[:3, 3] = np.median(true[:, :3, 3] - estimate.positions @ rotation.T, axis=0)
+    return aligned
