@@ -12,7 +12,7 @@ import lpslam
 
 PACKAGE = Path(lpslam.__file__).parent
 FOUNDATION = {
-    *("_version", "assets", "camera", "config", "errors", "frames", "isolated"),
+    *("_version", "assets", "camera", "config", "errors", "frames", "isolated", "kernel_cache"),
     *("poses", "priority", "timestamps"),
 }
 
