@@ -1,10 +1,7 @@
 """The command line: parse, call, print."""
 
-import io
 import json
-import logging
 import os
-import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -13,12 +10,12 @@ import typer
 from lpslam._version import __version__
 from lpslam.cli_calibrate import calibrate
 from lpslam.cli_checks import config_of, map_for, refuse_overwriting, refuse_with_localize
-from lpslam.cli_runs import INTERRUPTED, localise_recording, render_simulation, say_usage
-from lpslam.errors import LpSlamError
+from lpslam.cli_runs import INTERRUPTED, call_to_its_end, localise_recording, render_simulation, say_usage
 from lpslam.views.printed import (
-    Spoken,
     facts_of,
     landmark_records,
+    load_matplotlib,
+    prepare_streams,
     print_facts,
     print_json,
     print_landmarks,
@@ -55,26 +52,8 @@ def main() -> None:
     # Kernels, OpenCV and the reading engine share two cores best with one thread each.
     for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ.setdefault(variable, "1")
-    # A terminal or a pipe that lacks a letter of some sign shows its number instead.
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")
-    logging.getLogger("lpslam").handlers = [Spoken(logging.WARNING)]
-    try:
-        app()
-    except LpSlamError as error:
-        say(str(error))
-        raise SystemExit(2) from None
-    except SystemExit as end:
-        if end.code != INTERRUPTED:
-            raise
-        # The reading engine may be at work in its thread: tearing it down meanwhile would crash.
-        sys.stdout.flush()
-        sys.stderr.flush()
-        os._exit(INTERRUPTED)
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        raise SystemExit(1) from None
+    prepare_streams()
+    call_to_its_end(app)
 
 
 app.command()(calibrate)
@@ -294,6 +273,7 @@ def draw(
     as_json: Json = False,
 ) -> None:
     """Draw the map from above: landmarks in blue, other texts in pink (Fig. 16)."""
+    load_matplotlib()
     from lpslam.mapfile.language_map import LanguageMap
     from lpslam.views.pictures import draw_language_map, draw_score_histories
 
@@ -375,6 +355,7 @@ def demo(
     as_json: Json = False,
 ) -> None:
     """Render a mall, map it, distil, ask the paper's three questions, and write map, pictures and report."""
+    load_matplotlib()
     from lpslam.demo import run_demo
 
     report = run_demo(output, seed=seed, frames=frames, llm=llm, quiet=as_json)

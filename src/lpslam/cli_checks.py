@@ -1,5 +1,6 @@
 """What is wrong with the options of a command, before anything is begun."""
 
+import os
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,8 @@ def refuse_unwritable(path: Path) -> None:
     """A result that cannot be written is refused before the work for it is done."""
     if path.is_dir() or not path.absolute().parent.is_dir():
         raise UserError(f"{path} cannot be written: {'it is a folder' if path.is_dir() else 'its folder is missing'}")
+    if not os.access(path if path.exists() else path.absolute().parent, os.W_OK):
+        raise UserError(f"{path} cannot be written: that is not allowed there; choose another place")
 
 
 def refuse_overwriting(output: Path | None, trajectory: Path | None, base: Path | None) -> None:

@@ -1,16 +1,52 @@
 """What commands of the command line do after their options have been checked."""
 
+import os
+import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import typer
 
 from lpslam.config import SimulationConfig
-from lpslam.errors import UserError
-from lpslam.views.printed import print_json, print_table, say
+from lpslam.errors import LpSlamError, UserError
+from lpslam.views.printed import forget_output, print_json, print_table, say
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells have it."""
+
+
+def call_to_its_end(command: Callable[[], object]) -> None:
+    """Run the command line, whose every failure that is the user's or the system's becomes one line and exit code 2."""
+    try:
+        try:
+            command()
+        finally:
+            sys.stdout.flush()
+    except LpSlamError as error:
+        say(str(error))
+        raise SystemExit(2) from None
+    except SystemExit as end:
+        if end.code != INTERRUPTED:
+            raise
+        _end_at_once()
+    except BrokenPipeError:
+        forget_output()
+        raise SystemExit(1) from None
+    except OSError as error:
+        # Commands name the file that they cannot write; what is left is a full disk under all else.
+        say(f"{error.filename or 'writing'}: {error.strerror or error}")
+        forget_output()
+        raise SystemExit(2) from None
+
+
+def _end_at_once() -> NoReturn:
+    """The reading engine may be at work in its thread: tearing it down meanwhile would crash."""
+    from lpslam.kernel_cache import remove_temporary
+
+    remove_temporary()
+    sys.stderr.flush()
+    os._exit(INTERRUPTED)
 
 
 def say_usage(language: Any) -> None:

@@ -11,6 +11,7 @@ from lpslam.language import chat as chat_module
 from lpslam.language.answer_cache import AnswerCache, user_cache_folder
 from lpslam.language.chat import ChatModel
 from lpslam.language.model import Candidate
+from lpslam.language.registry import language_model
 
 MARKS = [Candidate(3, "KFC"), Candidate(8, "GUCCI")]
 
@@ -106,9 +107,20 @@ def test_it_lives_in_the_users_cache_folder(monkeypatch: pytest.MonkeyPatch, tmp
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     assert user_cache_folder() == tmp_path / "lpslam"
     monkeypatch.setenv("XDG_CACHE_HOME", "relative")
-    assert user_cache_folder().is_absolute()
+    folder = user_cache_folder()
+    assert folder is None or folder.is_absolute()
     monkeypatch.delenv("XDG_CACHE_HOME")
     assert "lpslam" in str(user_cache_folder())
+
+
+def test_without_a_home_there_is_no_folder(monkeypatch: pytest.MonkeyPatch) -> None:
+    def homeless() -> Path:
+        raise RuntimeError("Could not determine home directory.")
+
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    monkeypatch.setattr(Path, "home", homeless)
+    assert user_cache_folder() is None
+    assert language_model("http://127.0.0.1:9/v1#m").model == "http://127.0.0.1:9/v1#m"
 
 
 def test_what_is_kept_comes_back(tmp_path: Path) -> None:

@@ -11,16 +11,20 @@ from pathlib import Path
 from typing import Any
 
 
-def user_cache_folder() -> Path:
-    """Where this user's caches live, on this system; XDG_CACHE_HOME is honoured everywhere."""
+def user_cache_folder() -> Path | None:
+    """Where this user's caches live, on this system; XDG_CACHE_HOME is honoured everywhere. None without a home."""
     named = os.environ.get("XDG_CACHE_HOME")
     if named and Path(named).is_absolute():
         return Path(named) / "lpslam"
+    try:
+        home = Path.home()
+    except RuntimeError:
+        return None
     if sys.platform == "win32":
-        return Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local") / "lpslam" / "Cache"
+        return Path(os.environ.get("LOCALAPPDATA") or home / "AppData" / "Local") / "lpslam" / "Cache"
     if sys.platform == "darwin":
-        return Path.home() / "Library" / "Caches" / "lpslam"
-    return Path.home() / ".cache" / "lpslam"
+        return home / "Library" / "Caches" / "lpslam"
+    return home / ".cache" / "lpslam"
 
 
 class AnswerCache:

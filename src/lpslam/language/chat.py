@@ -46,7 +46,8 @@ class ChatModel:
 
     def __init__(self, endpoint: Endpoint, embedded: LanguageModel, config: LanguageConfig | None = None) -> None:
         self._config = config or LanguageConfig()
-        cache = AnswerCache(user_cache_folder() / "answers" if self._config.cache else None)
+        folder = user_cache_folder() if self._config.cache else None
+        cache = AnswerCache(folder / "answers" if folder else None)
         self._exchange = Exchange(endpoint, self._config, cache)
         self._embedded = embedded
 

@@ -2,7 +2,6 @@
 
 import os
 import subprocess
-import sys
 import time
 from collections.abc import Callable, Sequence
 
@@ -10,6 +9,7 @@ import cv2
 import numpy as np
 from numba.core import event
 
+from lpslam import isolated
 from lpslam.camera import PinholeCamera
 from lpslam.config import KeyframeConfig, SlamConfig
 from lpslam.frames import RgbdFrame
@@ -78,14 +78,14 @@ class FirstCompiled(event.Listener):
 
 def compile_beside() -> None:
     """Compile into the cache in processes of their own; leaves none behind, whatever happens."""
-    if not sys.executable:
+    if not isolated.can_start():
         return
     quiet = subprocess.DEVNULL
     environment = {"NUMBA_OPT": _LEVEL, **os.environ}
     helpers: list[subprocess.Popen[bytes]] = []
     try:
         helpers.extend(
-            subprocess.Popen([sys.executable, "-c", code], stdin=quiet, stdout=quiet, stderr=quiet, env=environment)
+            subprocess.Popen(isolated.python_command(code), stdin=quiet, stdout=quiet, stderr=quiet, env=environment)
             for code in _HELPERS
         )
         for helper in helpers:

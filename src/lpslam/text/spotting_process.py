@@ -20,9 +20,13 @@ from numpy.typing import NDArray
 
 from lpslam.config import SpottingConfig
 from lpslam.errors import UserError
+from lpslam.isolated import can_start, python_command
 from lpslam.priority import READING, yield_to_others
 from lpslam.text.boxes import Boxes
 from lpslam.text.spotting import PaddleSpotter
+
+_SERVE = "from lpslam.text.spotting_process import serve_parent; serve_parent()"
+"""What the other process runs."""
 
 _PATIENCE = 2.0
 """Seconds that the process is given to end by itself."""
@@ -56,7 +60,7 @@ class SpottingProcess:
     @staticmethod
     def is_possible() -> bool:
         """Whether this system can hand a channel to another Python."""
-        return os.name == "posix" and bool(sys.executable)
+        return os.name == "posix" and can_start()
 
     def __enter__(self) -> Self:
         self._start()
@@ -100,10 +104,11 @@ class SpottingProcess:
         self._starts, self._answers = self._starts + 1, 0
         self._channel, other = Pipe()
         with other:
-            command = [sys.executable, "-m", "lpslam.text.spotting_process", str(other.fileno())]
-            environment = os.environ | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
             self._process = subprocess.Popen(
-                command, pass_fds=[other.fileno()], env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL
+                python_command(_SERVE, str(other.fileno())),
+                pass_fds=[other.fileno()],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
             )
         try:
             self._channel.send(self._config)
@@ -149,13 +154,10 @@ def serve(channel: Connection) -> None:
         channel.send((answer, time.process_time() - started))
 
 
-def _main() -> None:
+def serve_parent() -> None:
+    """Serve on the channel whose number is this process's argument."""
     # The terminal's interrupt goes to every process; the parent decides when reading ends.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     yield_to_others(READING)
     with Connection(int(sys.argv[1])) as channel, suppress(EOFError, OSError):
         serve(channel)
-
-
-if __name__ == "__main__":
-    _main()

@@ -1,8 +1,12 @@
 """What the commands print: a line, a table, or JSON."""
 
+import io
 import json
 import logging
+import os
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +17,46 @@ class Spoken(logging.Handler):
     def emit(self, record: logging.LogRecord) -> None:
         """Print a record."""
         say(record.getMessage())
+
+
+def prepare_streams() -> None:
+    """Have output that no letter of a sign can break, and what the library warns of on lines of its own."""
+    # A terminal or a pipe that lacks a letter of some sign shows its number instead.
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+    logging.getLogger("lpslam").handlers = [Spoken(logging.WARNING)]
+
+
+def load_matplotlib() -> None:
+    """Load it without a word: without a home, it and fontconfig, which it asks for fonts, complain at each start."""
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
+    with _unheard():
+        import matplotlib.font_manager  # noqa: F401
+
+
+@contextmanager
+def _unheard() -> Iterator[None]:
+    """Standard error, also of processes that are started meanwhile, goes nowhere."""
+    try:
+        kept = os.dup(2)
+    except OSError:
+        # It is closed.
+        yield
+        return
+    with open(os.devnull, "w") as nowhere:
+        os.dup2(nowhere.fileno(), 2)
+    try:
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+
+
+def forget_output() -> None:
+    """Drop what was not written to standard output yet, which takes nothing more."""
+    with suppress(OSError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def say(line: str) -> None:

@@ -92,12 +92,18 @@ def prepare() -> None:
     """Give OpenCV one thread and have every kernel compiled, saying so when it takes long."""
     import cv2
 
+    from lpslam.kernel_cache import is_kept
     from lpslam.slam.warm_up import warm_up
 
+    def announce(line: str) -> None:
+        # Where kernels cannot be kept, that was said, and what it costs.
+        if is_kept():
+            print(f"lpslam: {line}", file=sys.stderr)
+
     cv2.setNumThreads(1)
-    seconds = warm_up(lambda line: print(f"lpslam: {line}", file=sys.stderr))
+    seconds = warm_up(announce)
     if seconds > _COMPILED_AFTER:
-        print(f"lpslam: kernels compiled in {seconds:.0f} s and kept for the next start", file=sys.stderr)
+        announce(f"kernels compiled in {seconds:.0f} s and kept for the next start")
 
 
 @contextmanager
