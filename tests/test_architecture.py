@@ -40,7 +40,6 @@ ALLOWED: dict[str, set[str]] = {
     "demo": {"simulation", "language", "mapfile", "pipeline", "evaluation", "views"},
     "cli_checks": {"mapfile"},
     "cli_calibrate": {"sources", "calibration", "views", "cli_checks"},
-    "cli_runs": {"language", "pipeline", "views"},
     "cli_runs": {"simulation", "language", "pipeline", "views"},
     "cli": {
         *("sources", "simulation", "language", "mapfile", "pipeline", "evaluation", "views", "demo"),

@@ -70,13 +70,13 @@ class Recalling:
 
 
 def relocaliser(
-    slam_map: SlamMap, scores: list[float], locator: Holding, advisor: Recalling | None = None
+    slam_map: SlamMap, scores: list[float], locator: Holding, advisor: Recalling | None = None, sweep: int = 0
 ) -> Relocaliser:
     return Relocaliser(
         slam_map,
         cast("PlaceIndex", Places(scores)),
         cast("Locator", locator),
-        TrackingConfig(recovery_candidates=4),
+        TrackingConfig(recovery_candidates=4, recovery_sweep=sweep),
         LocatingConfig(rival_share=0.6, rival_distance=0.5),
         cast("LoopAdvisor", advisor or NO_ADVICE),
     )
@@ -96,6 +96,16 @@ def test_a_place_that_is_recalled_is_believed_no_sooner_than_another() -> None:
     assert relocaliser(slam_map, [0.0] * 5, Holding({}), advisor).find(VIEW, 4) is None
     rivals = Holding({2: (1.0, 80), 4: (9.0, 70)})
     assert relocaliser(slam_map, [0.0] * 5, rivals, advisor).find(VIEW, 4) is None
+
+
+def test_a_place_whose_words_say_nothing_is_found_in_its_turn() -> None:
+    """Words are learned on some pictures: a view of another world may share none with its own keyframe."""
+    locator = Holding({2: (0.0, 90)})
+    searching = relocaliser(places_apart(9), [0.0] * 9, locator, sweep=2)
+    found = [searching.find(VIEW, 8) for _ in range(4)]
+    assert [located is not None for located in found] == [False, False, False, True]
+    assert locator.asked.count(8) == 4
+    assert sorted(set(locator.asked)) == [1, 2, 3, 4, 5, 6, 7, 8]
 
 
 def test_where_nothing_holds_there_is_no_place() -> None:
