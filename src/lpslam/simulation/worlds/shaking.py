@@ -42,8 +42,11 @@ def moves_of(kind: str, rng: np.random.Generator, count: int, step: float, pace:
         "bag": _bag,
     }
     moves = makers[kind](rng, count, step, pace)
-    if kind not in ("robot", "rotation"):
-        moves.glances = 1.05 * np.tanh(waves(rng, count, step, 0.06, 0.22, 0.6) / 0.8)
+    if kind in ("robot", "rotation"):
+        return moves
+    aside = 1.05 * np.tanh(waves(rng, count, step, 0.06, 0.22, 0.6) / 0.8)
+    # What lies on a table looks nowhere else.
+    moves.glances = None if kind == "set-down" else aside
     return moves
 
 
