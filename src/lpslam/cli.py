@@ -323,9 +323,7 @@ def simulate(
     similar_names: Annotated[bool, typer.Option("--similar-names", help="Show GAP and GAO, EXIT and EXIT 2.")] = False,
     projecting_share: Annotated[float | None, typer.Option(help="Of the shops: signs that stand out, 0 to 1.")] = None,
     way: Annotated[str | None, typer.Option(help="around, or there-and-back: signs are seen from both sides.")] = None,
-    world: Annotated[
-        int | None, typer.Option(min=0, help="No mall: camera, motion, place of a seed.")
-    ] = None,
+    world: Annotated[int | None, typer.Option(min=0, help="No mall: camera, motion, place of a seed.")] = None,
     factor: Annotated[list[str] | None, typer.Option(metavar="NAME=VALUE", help="Of --world: depth=tof.")] = None,
     as_json: Json = False,
 ) -> None:

@@ -96,7 +96,7 @@ def stroll(
     position = position + side[:, None] * np.column_stack([-np.sin(ahead), np.cos(ahead)])
     positions = np.column_stack([position, eye + bob])
     bound = math.radians(options.max_turn_rate)
-    wanted = _gaze(positions, ahead, signs, 0.8 * bound)
+    wanted = gaze(positions, ahead, signs, 0.8 * bound)
     # Later rounds look where the first one looked at the same place: so the end of a loop shows what its start did.
     rounds, place = np.divmod(travelled - travelled[0], around)
     first, later = rounds == 0, rounds > 0
@@ -173,7 +173,7 @@ def _along(
     return position, np.unwrap(np.arctan2(step[:, 1], step[:, 0]))
 
 
-def _gaze(
+def gaze(
     positions: NDArray[np.float64], ahead: NDArray[np.float64], signs: tuple[Sign, ...], max_rate: float
 ) -> NDArray[np.float64]:
     """Where to look, (n, 2) heading and pitch: at one sign after another while it is well placed, else ahead.

@@ -97,6 +97,8 @@ def _follow(route: Route, moves: Moves, start: float, height: float, swing: floa
     if is_robot:
         angles[:, 1] = np.clip(angles[:, 1].mean(), -0.5, 0.2)
     angles = angles + moves.turns
+    if moves.glances is not None and not np.isfinite(route.targets).all():
+        angles[:, 0] += moves.glances
     heading = angles[:, 0]
     forward = np.column_stack([np.cos(heading), np.sin(heading)])
     left = np.column_stack([-forward[:, 1], forward[:, 0]])

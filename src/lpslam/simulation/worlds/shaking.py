@@ -19,12 +19,14 @@ class Moves:
         offsets: (n, 3) metres forward, to the left and up.
         turns: (n, 3) radians of heading, pitch and roll.
         cover: (n,) 0 to 1.
+        glances: (n,) radians by which someone looks aside who otherwise looks where they go; None: never.
     """
 
     speed: Array
     offsets: Array
     turns: Array
     cover: Array
+    glances: Array | None = None
 
 
 def moves_of(kind: str, rng: np.random.Generator, count: int, step: float, pace: float) -> Moves:
@@ -39,7 +41,13 @@ def moves_of(kind: str, rng: np.random.Generator, count: int, step: float, pace:
         "set-down": _set_down,
         "bag": _bag,
     }
-    return makers[kind](rng, count, step, pace)
+    moves = makers[kind](rng, count, step, pace)
+    if kind in ("robot", "rotation"):
+        return moves
+    aside = 1.05 * np.tanh(waves(rng, count, step, 0.06, 0.22, 0.6) / 0.8)
+    # What lies on a table looks nowhere else.
+    moves.glances = None if kind == "set-down" else aside
+    return moves
 
 
 def waves(rng: np.random.Generator, count: int, step: float, low: float, high: float, size: float) -> Array:
@@ -70,7 +78,7 @@ def _handheld(rng: np.random.Generator, count: int, step: float, pace: float, ca
     offsets, turns = np.empty((count, 3)), np.empty((count, 3))
     for axis, (slow, quick) in enumerate(((0.015, 0.003), (0.025, 0.004), (0.02, 0.005))):
         offsets[:, axis] = waves(rng, count, step, 0.15, 0.8, slow) + waves(rng, count, step, 1.0, 5.0, quick)
-    for axis, (slow, quick) in enumerate(((6.0, 0.7), (4.0, 0.7), (2.5, 0.5))):
+    for axis, (slow, quick) in enumerate(((4.0, 0.4), (2.5, 0.4), (1.5, 0.3))):
         turns[:, axis] = waves(rng, count, step, 0.1, 0.6, slow) + waves(rng, count, step, 1.0, 6.0, quick)
         turns[:, axis] += waves(rng, count, step, 7.0, 11.0, 0.06)
     return Moves(speed, strength * offsets, strength * turns * RADIAN, np.zeros(count))

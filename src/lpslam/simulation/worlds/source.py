@@ -16,6 +16,7 @@ from lpslam.simulation.visibility import SignViews, views_of
 from lpslam.simulation.worlds.factors import World
 from lpslam.simulation.worlds.motions import Trajectory, move
 from lpslam.simulation.worlds.places.building import build_place
+from lpslam.simulation.worlds.places.looking import looking_at_signs
 from lpslam.simulation.worlds.sensing.exposure import Sensor, exposure_gains
 from lpslam.simulation.worlds.sensing.lens import Lens, row_times
 from lpslam.simulation.worlds.sensing.rig import DEPTH_SCALES, DepthRig
@@ -43,8 +44,11 @@ class WorldSource:
         self._visit = visit
         self.place = build_place(world.place, world.seed, world.light)
         self._stage = Stage.of(self.place, world, visit)
+        route = self.place.route
+        if world.motion != "robot":
+            route = looking_at_signs(route, self.place.signs)
         self.trajectory: Trajectory = move(
-            world.motion, world.seed, visit, self.place.route, self.place.solids, len(self) / world.fps
+            world.motion, world.seed, visit, route, self.place.solids, len(self) / world.fps
         )
         rng = np.random.default_rng([world.seed, 109])
         self.true_camera = _camera(world, rng)

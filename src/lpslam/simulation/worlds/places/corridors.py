@@ -31,7 +31,7 @@ def corridor(rng: np.random.Generator) -> Place:
             shop.hang(spot + vec(0, 0, 1.0), heading, (0.9, 2.0), door)
             right, out = facing(heading)
             if rng.random() < 0.45:
-                shop.sign("facility", "plain", 0.05, 0.6, spot + 0.75 * right + 0.02 * out + vec(0, 0, 1.6), heading)
+                shop.sign("facility", "plain", 0.1, 0.8, spot + 0.85 * right + 0.02 * out + vec(0, 0, 1.6), heading)
             elif rng.random() < 0.25:
                 w, h = (float(v) for v in rng.uniform(0.25, 0.6, 2))
                 notice = spot - 0.85 * right + vec(0, 0, 1.5)

@@ -34,9 +34,9 @@ def living_room(rng: np.random.Generator) -> Place:
     hang_pictures(shop, (long, wide), height, int(rng.integers(5, 10)))
     furniture.stand_plant(rng, shop.builder, vec(0.35, wide - 0.4))
     shop.block(vec(0, wide - 0.8), vec(0.75, 0), vec(0, 0.8), 1.5)
-    shop.sign("slogan", "friendly", float(rng.uniform(0.07, 0.12)), 1.3, vec(0.3 * long, 0.02, 1.65), np.pi / 2)
-    shop.sign("restaurant", "shop", float(rng.uniform(0.08, 0.13)), 1.2, vec(0.015, 0.25 * wide, 1.7), 0.0)
-    shop.sign("facility", "plain", 0.07, 0.9, vec(0.8 * long, wide - 0.02, 1.75), -np.pi / 2)
+    shop.sign("slogan", "friendly", float(rng.uniform(0.12, 0.18)), 1.8, vec(0.3 * long, 0.02, 1.65), np.pi / 2)
+    shop.sign("restaurant", "shop", float(rng.uniform(0.13, 0.2)), 1.8, vec(0.015, 0.25 * wide, 1.7), 0.0)
+    shop.sign("facility", "plain", 0.14, 1.5, vec(0.8 * long, wide - 0.02, 1.75), -np.pi / 2)
     # Around the table, between it and what stands along the walls.
     reach = np.array([0.5 * long - 1.25, 0.5 * wide - 1.25])
     turn = np.linspace(0, 2 * np.pi, 8, endpoint=False)
@@ -189,8 +189,8 @@ def desk(rng: np.random.Generator) -> Place:
     _wall_board(shop, vec(0.5 * long, 0.015, tall + 0.75), width)
     shelf(shop, vec(0.32, wide - 1.8, 0), 0.0, 1.4, height - 0.5, 0.3)
     hang_pictures(shop, (long, wide), height, 4)
-    shop.sign("warning", "plain", 0.035, 0.5, vec(0.5 * long - 0.35 * width, 0.03, tall + 0.95), np.pi / 2)
-    shop.sign("shop", "shop", 0.06, 0.7, vec(0.5 * long + 0.3 * width, 0.03, tall + 1.0), np.pi / 2)
+    shop.sign("warning", "plain", 0.035, 0.5, vec(0.5 * long - 0.36 * width, 0.03, tall + 0.36), np.pi / 2)
+    shop.sign("shop", "shop", 0.06, 0.7, vec(0.5 * long + 0.36 * width, 0.03, tall + 0.34), np.pi / 2)
     route = _around_desk(rng, centre + vec(0, 0, tall), width, depth)
     return Place(shop.build(5.0), shop.signs(), route, shop.solids((0, 0, 0.05), (long, wide, height)))
 

@@ -57,10 +57,10 @@ def glass(rng: np.random.Generator) -> Place:
 
 
 def _signs(shop: Workshop, long: float, wide: float) -> None:
-    shop.sign("facility", "plain", 0.1, 1.4, vec(0.7 * long, 0.03, 1.9), np.pi / 2)
-    shop.sign("shop", "shop", 0.16, 2.0, vec(0.02, 0.5 * wide, 2.0), 0.0)
-    shop.sign("slogan", "friendly", 0.1, 1.6, vec(0.25 * long, wide - 0.03, 1.9), -np.pi / 2)
-    shop.sign("restaurant", "shop", 0.12, 1.6, vec(long - 0.03, 0.25 * wide, 1.9), np.pi)
+    shop.sign("facility", "plain", 0.2, 2.2, vec(0.7 * long, 0.03, 1.9), np.pi / 2)
+    shop.sign("shop", "shop", 0.28, 3.0, vec(0.02, 0.5 * wide, 2.0), 0.0)
+    shop.sign("slogan", "friendly", 0.2, 2.6, vec(0.25 * long, wide - 0.03, 1.9), -np.pi / 2)
+    shop.sign("restaurant", "shop", 0.24, 2.6, vec(long - 0.03, 0.25 * wide, 1.9), np.pi)
 
 
 def _pane(centre: np.ndarray, heading: float, size: tuple[float, float], is_mirror: bool) -> Pane:
@@ -145,8 +145,8 @@ def office(rng: np.random.Generator) -> Place:
     shelf(shop, vec(0.3 * long + 1.6, wide - 0.3, 0), -np.pi / 2, 1.6, 1.2, 0.3)
     shop.turned_box(vec(long / 2, wide / 2), (1.4, 0.9, 0.72), float(rng.uniform(0, 0.3)), (wood_grain,))
     strew(shop, vec(long / 2, wide / 2, 0.72), (1.1, 0.7), 10)
-    shop.sign("facility", "plain", 0.08, 1.0, vec(long - 0.03, 0.5 * wide, 1.8), np.pi)
-    shop.sign("warning", "plain", 0.06, 0.9, vec(0.75 * long, wide - 0.03, 1.7), -np.pi / 2)
+    shop.sign("facility", "plain", 0.16, 1.8, vec(long - 0.03, 0.5 * wide, 1.8), np.pi)
+    shop.sign("warning", "plain", 0.14, 1.7, vec(0.75 * long, wide - 0.03, 1.7), -np.pi / 2)
     points = _ring(vec(long / 2, wide / 2), np.array([0.5 * long - 1.6, 0.5 * wide - 1.45]), 1.4, rng)
     targets = ahead(points)
     if rng.random() < 0.5:
