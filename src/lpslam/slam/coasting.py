@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.camera import inverse_transform
-from lpslam.slam.kernels.geometry import exponential
+from lpslam.slam.kernels.geometry import exponential, logarithm
 from lpslam.slam.map import SlamMap
-from lpslam.slam.pose_graph import logarithms
 
 _Matrix = NDArray[np.float64]
 
@@ -58,7 +57,7 @@ class Coasting:
             before, after: seconds and camera from world (4×4) of the last frame and of the next one that were seen.
         """
         (started, first), (ended, last) = before, after
-        velocity = logarithms((last @ inverse_transform(first))[None])[0] / max(ended - started, 1e-6)
+        velocity = logarithm(last @ inverse_transform(first)) / max(ended - started, 1e-6)
         reference_from_world = slam_map.camera_from_world(reference)
         return {
             index: reference_from_world @ inverse_transform(exponential(velocity * (timestamp - started)) @ first)

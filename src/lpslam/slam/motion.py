@@ -6,8 +6,7 @@ from numpy.typing import NDArray
 
 from lpslam.camera import inverse_transform
 from lpslam.frames import RgbdFrame
-from lpslam.slam.kernels.geometry import exponential, orthonormalise
-from lpslam.slam.pose_graph import logarithms
+from lpslam.slam.kernels.geometry import exponential, logarithm, orthonormalise
 
 _Matrix = NDArray[np.float64]
 
@@ -57,7 +56,7 @@ class ConstantVelocity:
 
 def velocity(before: _Matrix, now: _Matrix, seconds: float) -> _Matrix:
     """(6,) twist a second between two poses, camera from world (4×4), so many seconds apart."""
-    twist: _Matrix = logarithms((now @ inverse_transform(before))[None])[0] / seconds
+    twist: _Matrix = logarithm(now @ inverse_transform(before)) / seconds
     return twist
 
 

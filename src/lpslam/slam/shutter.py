@@ -127,7 +127,7 @@ class RollingShutter:
     def _learn(self, now: _MovingView, is_keyframe: bool) -> None:
         """Compare a view that was matched with the map with views in other motion."""
         config, timestamp = self._config, now.frame.timestamp
-        if timestamp - self._noted_at < config.interval or (self.is_settled and not is_keyframe):
+        if timestamp - self._noted_at < (config.settled_interval if self.is_settled else config.interval):
             return
         self._noted_at = timestamp
         others = [(float(np.linalg.norm((view.twist - now.twist)[3:])), view) for view in self._views]

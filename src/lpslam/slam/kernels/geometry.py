@@ -84,6 +84,31 @@ def exponential(twist: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 @njit(cache=True, nogil=True)
+def logarithm(transform: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(6,) twist (translation, rotation vector) of a rigid 4×4 transform: the inverse of `exponential`.
+
+    Turns are those of at most half a revolution; near it the axis loses its sign.
+    """
+    m = transform
+    x, y, z = 0.5 * (m[2, 1] - m[1, 2]), 0.5 * (m[0, 2] - m[2, 0]), 0.5 * (m[1, 0] - m[0, 1])
+    sine = math.sqrt(x * x + y * y + z * z)
+    cosine = 0.5 * (m[0, 0] + m[1, 1] + m[2, 2] - 1.0)
+    theta = math.atan2(sine, cosine)
+    factor = theta / sine if sine > 1e-9 else 1.0
+    x, y, z = x * factor, y * factor, z * factor
+    # The coefficient of the squared rotation vector in the inverse of the left Jacobian; 1/12 in the limit.
+    rest = (1.0 - 0.5 * theta * sine / (1.0 - cosine)) / (theta * theta) if theta > 1e-3 else 1.0 / 12.0
+    p, q, r = m[0, 3], m[1, 3], m[2, 3]
+    u, v, w = y * r - z * q, z * p - x * r, x * q - y * p
+    twist = np.empty(6)
+    twist[0] = p - 0.5 * u + rest * (y * w - z * v)
+    twist[1] = q - 0.5 * v + rest * (z * u - x * w)
+    twist[2] = r - 0.5 * w + rest * (x * v - y * u)
+    twist[3], twist[4], twist[5] = x, y, z
+    return twist
+
+
+@njit(cache=True, nogil=True)
 def orthonormalise(transform: NDArray[np.float64]) -> None:
     """Pull the rotation of a 4×4 transform back onto SO(3), in place; products drift off it by rounding."""
     m = transform
