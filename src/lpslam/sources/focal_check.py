@@ -89,16 +89,33 @@ def doubts_about_focal(pairs: Sequence[ViewPair], camera: PinholeCamera, config:
     if len(pairs) < config.min_pairs:
         return []
     curve = focal_curve(pairs, camera, np.array(config.ratios), config)
-    if curve.gain(camera.fx) < config.min_gain:
+    if not _is_doubtful(curve, camera.fx, config):
         return []
-    ratios = np.log(curve.redrawn(config.redraws) / camera.fx)
-    limit = np.log(config.doubtful_ratio)
-    if max((ratios > limit).mean(), (ratios < -limit).mean()) < config.min_agreement:
-        return []
+    if camera.is_distorted:
+        # A strong lens bends the room as another focal length would: the stated one must not explain it either.
+        straight = focal_curve(_undistorted(pairs, camera), camera, np.array(config.ratios), config)
+        if not _is_doubtful(straight, camera.fx, config):
+            return []
     better = float(f"{curve.best:.2g}")
     return [
         Doubt(
             f"with fx {camera.fx:g} the room bends when the camera turns; about {better:g} would keep it rigid: "
             "run 'lpslam calibrate' on the recording, and give what it writes with --camera"
         )
+    ]
+
+
+def _is_doubtful(curve: FocalCurve, focal: float, config: FocalCheckConfig) -> bool:
+    """Whether nearly all draws of the pairs are much more rigid at a focal length far off on one side."""
+    if curve.gain(focal) < config.min_gain:
+        return False
+    ratios = np.log(curve.redrawn(config.redraws) / focal)
+    limit = np.log(config.doubtful_ratio)
+    return bool(max((ratios > limit).mean(), (ratios < -limit).mean()) >= config.min_agreement)
+
+
+def _undistorted(pairs: Sequence[ViewPair], camera: PinholeCamera) -> list[ViewPair]:
+    return [
+        ViewPair(camera.undistort(pair.pixels), pair.depth, camera.undistort(pair.other_pixels), pair.other_depth)
+        for pair in pairs
     ]
