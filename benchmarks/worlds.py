@@ -9,9 +9,9 @@
 
 Seeds count from 1 within a set; 1 to 40 show every value of every factor about equally often, what follows is drawn
 freely. Worlds of `dev` are to develop on; nothing is tuned on those of `test`. Tracked is the share of frames with a
-pose among those in which the camera sees anything. ATE is given in metres and as a share of the path; a camera that
-only turns has no path worth the name, and half a metre for every radian is added. A world has failed below 80 %
-tracked, or above 5 % of the path, or with a wrong loop.
+pose, in whichever sub-map, among those in which the camera sees anything. ATE is given in metres and as a share of the
+path; a camera that only turns has no path worth the name, and half a metre for every radian is added. A world has
+failed below 80 % tracked, or above 5 % of the path, or with a wrong loop.
 """
 
 import argparse

@@ -1,4 +1,7 @@
-"""Tables of the worlds: by factor, the worst, and one configuration against another."""
+"""Tables of the worlds: by factor, the worst, and one configuration against another.
+
+Tracked is a pose in whichever sub-map; where a bag was opened out of sight of all that was mapped, no more can be had.
+"""
 
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -19,6 +22,7 @@ def by_factor(rows: Sequence[Facts], report: Report) -> None:
         *(
             "Worlds",
             "Tracked, least and median",
+            "In one map, least and median",
             "ATE m, median",
             "ATE % of path, median and worst",
             "Spread over starts",
@@ -40,11 +44,13 @@ def _groups(rows: Sequence[Facts], name: str) -> Iterator[tuple[str, list[Facts]
 def _cells(rows: Sequence[Facts]) -> list[str]:
     runs = [run for row in rows for run in row["runs"]]
     shares, tracked = [share_of(row) for row in rows], [run["tracked"] for run in runs]
+    joined = [run["joined"] for run in runs]
     metres = [run["ate_m"] for run in runs if run["ate_m"] is not None]
     spreads = [spread for row in rows if (spread := _spread(row)) is not None]
     return [
         str(len(rows)),
         f"{min(tracked):.0%}, {np.median(tracked):.1%}",
+        f"{min(joined):.0%}, {np.median(joined):.1%}",
         f"{np.median(metres):.3f}" if metres else "none",
         f"{np.median(shares):.2f}, {max(shares):.2f}",
         f"{np.median(spreads):.2f}x" if spreads else "-",
@@ -84,10 +90,12 @@ def worst(rows: Sequence[Facts], report: Report, count: int = 12) -> None:
         ate = "none" if run["ate_m"] is None else f"{run['ate_m']:.3f}"
         factors = " ".join(row["factors"].values())
         table.append([
-            row["world"], f"{run['tracked']:.0%}", ate, f"{share_of(row):.2f}", str(run["lost"]), str(run["submaps"]),
-            str(run["wrong"]), factors,
+            row["world"], f"{run['tracked']:.1%}", f"{run['joined']:.0%}", ate, f"{share_of(row):.2f}",
+            str(run["lost"]), str(run["submaps"]), str(run["wrong"]), factors,
         ])  # fmt: skip
-    report.table(["World", "Tracked", "ATE m", "% of path", "Lost", "Sub-maps", "Wrong", "Factors"], table)
+    report.table(
+        ["World", "Tracked", "In one map", "ATE m", "% of path", "Lost", "Sub-maps", "Wrong", "Factors"], table
+    )
 
 
 def text_by_factor(rows: Sequence[Facts], report: Report) -> None:

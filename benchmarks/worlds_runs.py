@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lpslam.config import Config
 from lpslam.errors import UserError
@@ -79,12 +80,13 @@ def _one(recording: WorldRecording, config: Config, start: int) -> dict[str, Any
     done = run(RgbdSlam(source.camera, config.slam), islice(Prefetched(source), start, None))
     blind = set(recording.facts["blind"])
     seeing = [float(t) for i, t in enumerate(source.timestamps) if i >= start and i not in blind]
-    known = done.estimate.timestamps if done.tracked else np.empty(0)
-    tracked = sum(bool(len(known)) and float(np.abs(known - t).min()) < 1e-4 for t in seeing)
+    frames = done.slam.trajectory.to_arrays()
+    anywhere = frames["timestamp"][frames["keyframe"] >= 0]
     return {
         "frames": done.frames,
         "seeing": len(seeing),
-        "tracked": round(tracked / max(len(seeing), 1), 4),
+        "tracked": _share_of(seeing, anywhere),
+        "joined": _share_of(seeing, done.estimate.timestamps if done.tracked else np.empty(0)),
         **_accuracy(done, recording),
         "loops": done.count(EventKind.LOOP),
         "merges": done.count(EventKind.MERGE),
@@ -95,6 +97,11 @@ def _one(recording: WorldRecording, config: Config, start: int) -> dict[str, Any
         "all_ms": round(float(done.all_ms.mean()), 2),
         "keyframes": len(done.slam.map.living_keyframes()),
     }
+
+
+def _share_of(seeing: Sequence[float], known: NDArray[np.float64]) -> float:
+    """Of the times at which the camera sees anything, the share with a pose."""
+    return round(float(np.isin(np.round(seeing, 4), np.round(known, 4)).mean()) if seeing else 0.0, 4)
 
 
 def _accuracy(done: Run, recording: WorldRecording) -> dict[str, Any]:

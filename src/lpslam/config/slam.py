@@ -13,6 +13,8 @@ class FeatureConfig(Section):
     scale_factor: float = Field(default=1.2, gt=1)  # size of a level over the next
     fast_threshold: int = 20  # grey values a corner's arc must differ by
     fast_threshold_in_empty_cell: int = 7  # grey values, where the first threshold finds nothing
+    sparse_share: float = Field(default=0.5, ge=0, le=1)  # of a level's quota; fewer corners, and fainter ones are taken
+    faintest_threshold: int = Field(default=3, ge=1)  # grey values, for those: about the noise of a dim picture
     cell_pixels: int = Field(default=35, ge=1)  # side of the cells in which the threshold adapts
     virtual_baseline: float = Field(default=0.08, gt=0)  # metres; scales u_r only, weights come from the noise model
     min_depth: float = 0.3  # metres; structured-light and stereo sensors are blind below
@@ -95,7 +97,7 @@ class TrackingConfig(Section):
     recovery_candidates: int = Field(default=4, ge=1)  # places tried a frame when lost
     recovery_sweep: int = Field(default=3, ge=0)  # further keyframes a frame, whatever they look like: all in turn
     doubt_seconds: float = Field(default=3.0, ge=0)  # after relocalising, in which signs may speak against the place
-    submap_after: float = Field(default=1.0, ge=0)  # seconds of usable but unknown views after which a sub-map begins
+    submap_after: float = Field(default=0.5, ge=0)  # seconds of usable but unknown views after which a sub-map begins
 
 
 class KeyframeConfig(Section):
@@ -115,7 +117,7 @@ class KeyframeConfig(Section):
     close_untracked: int = 70  # ... more close keypoints without a point: a keyframe is wanted
     point_depth: float = 5.0  # metres; nearer keypoints become points, weighted by their depth's noise
     points_in_view: int = 500  # map points a keyframe should see; farther keypoints become points until it does
-    min_start_depths: int = 150  # keypoints with depth that the first keyframe needs
+    min_start_depths: int = 80  # keypoints with depth that the first keyframe needs
 
 
 class MappingConfig(Section):

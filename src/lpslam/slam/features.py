@@ -109,10 +109,12 @@ class FeatureExtractor:
         return raw, np.full(len(corners), level, np.uint8), angles, descriptors
 
     def _detect(self, image: NDArray[np.uint8], quota: int) -> NDArray[np.int32]:
-        config = self.config
-        return kernels.detect_corners(
-            image, config.fast_threshold, config.fast_threshold_in_empty_cell, config.cell_pixels, quota
-        )
+        config, faint = self.config, self.config.fast_threshold_in_empty_cell
+        corners = kernels.detect_corners(image, config.fast_threshold, faint, config.cell_pixels, quota)
+        if len(corners) < config.sparse_share * quota and config.faintest_threshold < faint:
+            # In the dark and on bare walls contrasts are a few grey values: a corner in noise beats none.
+            corners = kernels.detect_corners(image, faint, config.faintest_threshold, config.cell_pixels, quota)
+        return corners
 
     def moved(
         self, features: Features, rows: NDArray[np.int64], raw: NDArray[np.float32], depth: NDArray[np.float32]
