@@ -13,7 +13,7 @@ class FeatureConfig(Section):
     scale_factor: float = Field(default=1.2, gt=1)  # size of a level over the next
     fast_threshold: int = 20  # grey values a corner's arc must differ by
     fast_threshold_in_empty_cell: int = 7  # grey values, where the first threshold finds nothing
-    sparse_share: float = Field(default=0.5, ge=0, le=1)  # of a level's quota; fewer corners, and fainter ones are taken
+    sparse_share: float = Field(default=0.5, ge=0, le=1)  # of a level's quota; fewer, and fainter corners are taken
     faintest_threshold: int = Field(default=3, ge=1)  # grey values, for those: about the noise of a dim picture
     cell_pixels: int = Field(default=35, ge=1)  # side of the cells in which the threshold adapts
     virtual_baseline: float = Field(default=0.08, gt=0)  # metres; scales u_r only, weights come from the noise model
