@@ -12,12 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera
+from lpslam.config import SlamConfig, TrackingConfig
 from lpslam.frames import FrameFault, FrameSource, RgbdFrame
 from lpslam.poses import StampedPoses
 from lpslam.sources.ground_truth import read_ground_truth
 from lpslam.sources.open import open_source
 
 Disturbance = Callable[[Iterator[RgbdFrame]], Iterator[RgbdFrame]]
+
+WITHOUT_COASTING = SlamConfig(tracking=TrackingConfig(coast_seconds=0.0))
+"""For what happens once the camera is lost: with coasting, half a second without a view comes before."""
 
 
 class Clip:

@@ -44,3 +44,10 @@ def test_a_prediction_that_fails_is_remembered_for_some_frames() -> None:
         pose = turned(0.05 + 0.01 * (k + 1))
         anchoring.moved(turned(0.05 + 0.01 * k), pose, pose)
     assert anchoring.is_steady
+
+
+def test_a_way_of_a_moment_is_no_carrying() -> None:
+    anchoring = Anchoring(SensorModel.of(CAMERA, CONFIG), CONFIG.tracking)
+    assert anchoring.may_be_one_way(turned(0.0), turned(1.0))
+    elsewhere = exponential(np.array([5.0, 0, 0, 0, 0, 0]))
+    assert not anchoring.may_be_one_way(turned(0.0), elsewhere)

@@ -51,7 +51,7 @@ def clip(walk: Path) -> Clip:
 
 def covered(clip: Clip, witness: Witness, **tracking: float) -> tuple[RgbdSlam, list[TrackedFrame]]:
     """The clip, with a hand over the lens for six frames."""
-    config = SlamConfig(tracking=TrackingConfig.model_validate(tracking))
+    config = SlamConfig(tracking=TrackingConfig.model_validate({"coast_seconds": 0.0, **tracking}))
     slam = RgbdSlam(clip.camera, config, advisor=witness)
     tracked = [slam.process(frame) for frame in Disturbed(clip, hand_over_lens(HIDDEN.start, HIDDEN.stop))]
     slam.finish()

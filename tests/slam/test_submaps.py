@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from disturbances import Clip, Disturbed, blank_wall, hand_over_lens
+from disturbances import WITHOUT_COASTING, Clip, Disturbed, blank_wall, hand_over_lens
 from slam_scenes import SENSOR, add_view, check_graph, descriptors_of, points_ahead, pose_error, rigid, view_of
 
 from lpslam.camera import inverse_transform
@@ -47,7 +47,7 @@ def carried_away(clip: Clip, first: int = 0, config: SlamConfig | None = None) -
         taken = [frame for frame in frames if first <= frame.index < LEFT or ARRIVED <= frame.index < LAST]
         return hand_over_lens(LEFT - first, LEFT - first + HIDDEN)(iter(taken))
 
-    slam = RgbdSlam(clip.camera, config)
+    slam = RgbdSlam(clip.camera, config or WITHOUT_COASTING)
     tracked = [slam.process(frame) for frame in Disturbed(clip, disturbance)]
     return Story(clip, slam, tracked)
 
@@ -144,7 +144,9 @@ def test_the_trajectory_leaves_out_what_is_not_home_and_the_largest_submap_becom
 
 @pytest.mark.slow
 def test_a_longer_stay_in_the_second_place_makes_it_home(clip: Clip) -> None:
-    story = carried_away(clip, first=LEFT - 2, config=SlamConfig(tracking=TrackingConfig(submap_after=0.2)))
+    story = carried_away(
+        clip, first=LEFT - 2, config=SlamConfig(tracking=TrackingConfig(submap_after=0.2, coast_seconds=0.0))
+    )
     assert story.slam.map.home == 0
     story.slam.finish()
     assert story.slam.map.home == 1
@@ -161,7 +163,9 @@ def test_a_submap_is_levelled_by_the_floor_that_is_seen_there(clip: Clip, monkey
     tilt = np.radians(10.0)
     up = np.array([0.0, -np.cos(tilt), -np.sin(tilt)])
     monkeypatch.setattr("lpslam.slam.system.floor_normal", lambda *_: up)
-    config = SlamConfig(tracking=TrackingConfig(submap_after=0.2), levelling=LevellingConfig(max_views=1))
+    config = SlamConfig(
+        tracking=TrackingConfig(submap_after=0.2, coast_seconds=0.0), levelling=LevellingConfig(max_views=1)
+    )
     story = carried_away(clip, first=LEFT - 2, config=config)
     story.slam.finish()
     assert story.slam.map.home == 1
@@ -181,7 +185,7 @@ def test_views_of_nothing_never_begin_a_submap(clip: Clip, kind: str) -> None:
     else:
         disturbance = (blank_wall if kind == "wall" else hand_over_lens)(nothing.start, nothing.stop)
         source = iter(Disturbed(clip, lambda given: disturbance(f for f in given if f.index < nothing.stop)))
-    slam = RgbdSlam(clip.camera)
+    slam = RgbdSlam(clip.camera, WITHOUT_COASTING)
     tracked = [slam.process(frame) for frame in source]
     assert {frame.state for frame in tracked[9:]} == {TrackingState.LOST}
     assert set(slam.map.submaps().tolist()) == {0}

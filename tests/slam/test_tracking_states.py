@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from disturbances import Clip, Disturbed, gap, hand_over_lens
+from disturbances import WITHOUT_COASTING, Clip, Disturbed, gap, hand_over_lens
 from slam_scenes import pose_error
 
-from lpslam.config import SlamConfig, TrackingConfig
+from lpslam.config import KeyframeConfig, SlamConfig, TrackingConfig
 from lpslam.frames import RgbdFrame
 from lpslam.slam.association import Associator, View
 from lpslam.slam.map import SlamMap
@@ -38,7 +38,7 @@ def run(slam: RgbdSlam, frames: Iterable[RgbdFrame]) -> list[TrackedFrame]:
 @pytest.fixture(scope="module")
 def covered(clip: Clip) -> tuple[RgbdSlam, list[TrackedFrame]]:
     """The clip, with a hand over the lens for six frames."""
-    slam = RgbdSlam(clip.camera)
+    slam = RgbdSlam(clip.camera, WITHOUT_COASTING)
     return slam, run(slam, Disturbed(clip, hand_over_lens(HIDDEN.start, HIDDEN.stop)))
 
 
@@ -72,7 +72,7 @@ def test_no_descriptor_is_compared_with_every_other_where_the_next_view_can_be_p
 
 
 def test_waiting_for_a_first_view_is_no_event_and_the_beginning_is_one(clip: Clip) -> None:
-    slam = RgbdSlam(clip.camera)
+    slam = RgbdSlam(clip.camera, WITHOUT_COASTING)
     frames = list(clip)[:6]
     blind = [replace(frame, depth=np.where(frame.depth < 1.2, frame.depth, 0)) for frame in frames[:3]]
     for frame, tracked in zip(frames[:3], [slam.process(frame) for frame in blind], strict=True):
@@ -80,7 +80,7 @@ def test_waiting_for_a_first_view_is_no_event_and_the_beginning_is_one(clip: Cli
         assert (tracked.index, tracked.timestamp) == (frame.index, frame.timestamp)
         assert tracked.reason.startswith("waiting for a first view: ")
         assert "of " in tracked.reason
-        assert tracked.reason.endswith("150 needed")
+        assert tracked.reason.endswith(f"{KeyframeConfig().min_start_depths} needed")
     assert slam.events == []
     tracked = slam.process(frames[3])
     assert tracked.state is TrackingState.TRACKING
@@ -145,7 +145,7 @@ def test_poses_after_the_hand_are_those_without_it(clip: Clip, covered: tuple[Rg
 
 def test_a_gap_in_time_asks_for_more_matches(clip: Clip) -> None:
     """After frames were missing, a view that fits by few points only could be anywhere."""
-    needs_all = TrackingConfig(min_recovery_inliers=100_000)
+    needs_all = TrackingConfig(min_recovery_inliers=100_000, coast_seconds=0.0)
     for missing, state in ((3, TrackingState.TRACKING), (8, TrackingState.LOST)):
         slam = RgbdSlam(clip.camera, SlamConfig(tracking=needs_all))
         tracked = run(slam, Disturbed(clip, gap(10, 10 + missing)))[:11]
@@ -157,11 +157,11 @@ def test_a_gap_in_time_asks_for_more_matches(clip: Clip) -> None:
 
 
 def test_localisation_changes_not_one_byte_and_finds_the_frames_where_they_were(clip: Clip) -> None:
-    mapping = RgbdSlam(clip.camera)
+    mapping = RgbdSlam(clip.camera, WITHOUT_COASTING)
     run(mapping, clip)
     _, poses = mapping.trajectory.world_from_camera(mapping.map)
     before, version = fingerprint(mapping.map), mapping.map.version
-    reading = RgbdSlam(clip.camera, base=mapping.map, grows=False)
+    reading = RgbdSlam(clip.camera, WITHOUT_COASTING, base=mapping.map, grows=False)
     # With a hand over the lens, and upside down for more than the time after which a sub-map would begin.
     strange = [
         replace(frame, index=FRAMES + n, timestamp=5.0 + n / 15, rgb=frame.rgb[::-1].copy(), depth=frame.depth[::-1])
@@ -196,7 +196,7 @@ def test_a_map_of_nothing_that_is_only_read_stays_empty(clip: Clip) -> None:
 
 
 def test_in_a_map_that_grows_the_first_frame_is_looked_for_before_anything_is_added(clip: Clip) -> None:
-    mapping = RgbdSlam(clip.camera)
+    mapping = RgbdSlam(clip.camera, WITHOUT_COASTING)
     run(mapping, list(clip)[:30])
     keyframes = mapping.map.keyframe_count
     going_on = RgbdSlam(clip.camera, base=mapping.map)

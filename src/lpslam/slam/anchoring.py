@@ -38,9 +38,9 @@ class Anchoring:
 
     def moved(self, before: NDArray[np.float64], now: NDArray[np.float64], predicted: NDArray[np.float64]) -> None:
         """Take a frame's pose, that of the frame before it and the one predicted: camera from world, 4×4."""
-        self._step = self._pixels(before, now)
+        self._step = self.pixels(before, now)
         self._travel += self._step
-        self._surprise = max(self._pixels(predicted, now), _MEMORY * self._surprise)
+        self._surprise = max(self.pixels(predicted, now), _MEMORY * self._surprise)
 
     def saw(self, features: Features) -> None:
         """Take keypoints: how near things are decides how far the picture moves when the camera does."""
@@ -60,6 +60,10 @@ class Anchoring:
         """Whether constant velocity has lately said well where points would be seen."""
         return self._surprise < self._config.steady_share * self._config.motion_radius
 
+    def may_be_one_way(self, one: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
+        """Whether a camera that was not seen for a moment may have gone from one pose to another, not been carried."""
+        return self.pixels(one, other) <= self._config.bridged_travel * self._sensor.image_size[0]
+
     def is_failing(self, followed: Followed) -> bool:
         """Whether too little is left of what was followed first, or one motion does not explain it."""
         config, left = self._config, followed.estimate.inliers
@@ -69,8 +73,8 @@ class Anchoring:
             or followed.estimate.agreement < config.min_agreement
         )
 
-    def _pixels(self, one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
-        """By how many pixels the picture moves between two poses, about."""
+    def pixels(self, one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
+        """By how many pixels the picture moves between two poses (camera from world, 4×4), about."""
         relative = other @ inverse_transform(one)
         cosine = 0.5 * (float(np.trace(relative[:3, :3])) - 1.0)
         angle = float(np.arccos(min(max(cosine, -1.0), 1.0)))

@@ -29,7 +29,7 @@ class Coasting:
 
     def goes_on(self, timestamp: float) -> bool:
         """Whether a frame that shows too little may be passed over."""
-        return self.since is None or timestamp - self.since <= self.seconds
+        return self.seconds > 0.0 and (self.since is None or timestamp - self.since <= self.seconds)
 
     def pass_over(self, index: int, timestamp: float) -> None:
         """Take a frame that gets the pose that the motion predicts, until it is known better."""

@@ -197,15 +197,14 @@ class Tracker:
     def _bridge(self, before: LastFrame | None, since: float, frame: RgbdFrame, estimate: Estimate) -> None:
         """The frames that were coasted over lie between the last pose and this one, if both are of one world."""
         last, submaps = self._last, self._map.submaps()
+        self.disowned_since = since
         if before is not None and last is not None and submaps[before.reference] == submaps[last.reference]:
-            self.bridged = self._coasting.bridged(
-                self._map,
-                before.reference,
-                (before.timestamp, self._guesser.pose(before)),
-                (frame.timestamp, self._guesser.pose(last)),
-            )
-        else:
-            self.disowned_since = since
+            seen_last, seen_now = self._guesser.pose(before), self._guesser.pose(last)
+            if self._anchoring.may_be_one_way(seen_last, seen_now):
+                self.disowned_since = None
+                self.bridged = self._coasting.bridged(
+                    self._map, before.reference, (before.timestamp, seen_last), (frame.timestamp, seen_now)
+                )
         self._coasting.end()
 
     def _straightened(self, frame: RgbdFrame, features: Features, estimate: Estimate) -> tuple[Features, Estimate]:
@@ -325,6 +324,8 @@ class Tracker:
         if last is None or self.state is TrackingState.LOST or not self._coasting.goes_on(frame.timestamp):
             return self._lose(frame, gray, features)
         self._coasting.pass_over(frame.index, frame.timestamp)
+        if self._unknown_since is None and features.has_depth.sum() >= self._keyframe_config.min_start_depths:
+            self._unknown_since = frame.timestamp
         reason = f"coasting: {self._why(frame, features)}"
         if self.state is not TrackingState.WEAK:
             self._tell(EventKind.WEAK, frame, reason)
@@ -341,7 +342,7 @@ class Tracker:
             0,
             False,
             reason,
-            is_doubted=True,
+            is_coasted=True,
         )
 
     def _why(self, frame: RgbdFrame, features: Features) -> str:

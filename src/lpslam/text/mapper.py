@@ -113,6 +113,9 @@ class TextMapper:
 
     def read(self, frame: RgbdFrame, tracked: TrackedFrame) -> FrameReading | None:
         """Read a frame and remember what it says; None when it has no pose or the reader failed."""
+        if tracked.is_coasted:
+            # Where it was taken is a guess: what is written there will be read when it is known.
+            return None
         if tracked.keyframe_from_camera is None:
             self._read_lost(frame)
             return None
