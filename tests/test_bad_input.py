@@ -106,7 +106,7 @@ def test_frames_without_a_pose_are_said_with_their_reason(lpslam: Command, clip:
         cv2.imwrite(str(path), np.full((480, 640, 3), 40, np.uint8))
     done = lpslam("run", recording, "-o", tmp_path / "map.lpmap", "--no-text", "--json")
     assert done.json["frames_tracked"] == 4
-    assert done.err.startswith("lpslam: 2 frames not tracked; the first, frame 4: 0 map points matched")
+    assert done.err.startswith("lpslam: 2 frames not tracked; the first, frame 4: coasting: 0 keypoints")
 
 
 def test_places_that_cannot_be_written(lpslam: Command, walked: Path, clip: Clip, tmp_path: Path) -> None:

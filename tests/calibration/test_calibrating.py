@@ -57,7 +57,8 @@ def test_the_lens_is_found_though_its_focal_length_is_stated_twice_as_long(
     recording = through_a_lens(walk, tmp_path / "bent", true, 2.0, 5000)
     output = tmp_path / "found.yaml"
     done = lpslam("calibrate", recording, "-o", output, "--json")
-    assert done.err == (
+    # The first start after installing says that it compiles.
+    assert done.err.endswith(
         "lpslam: bent: metres are taken from the depth readings: only a true path that is long enough tells their "
         "scale\n"
     )

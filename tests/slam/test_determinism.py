@@ -91,7 +91,7 @@ def test_the_stories_are_what_they_are_said_to_be(clip: Clip) -> None:
     _, tracked = run(lost_and_found(clip))
     states = [frame.state for frame in tracked]
     assert states[:20] == [TrackingState.TRACKING] * 20
-    assert states[20:26] == [TrackingState.LOST] * 6
+    assert states[20:26] == [TrackingState.WEAK] * 6
     assert tracked[-1].is_tracked
     slam, tracked = run(carried_away(clip))
     assert [frame.state for frame in tracked[:20]] == [TrackingState.TRACKING] * 20

@@ -23,6 +23,7 @@ from lpslam.text.text_map import TextMap
 
 LEFT, HIDDEN, ARRIVED = 20, 3, 70  # frames before the hand, behind it, and the one after it in the recording
 LAST = 108  # of the recording
+SOON = TrackingConfig(submap_after=0.2, coast_seconds=0.0)
 
 
 @dataclass(frozen=True)

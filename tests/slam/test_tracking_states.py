@@ -96,7 +96,7 @@ def test_losing_and_finding_are_said_once_each_with_reasons(covered: tuple[RgbdS
     lost = [event for event in slam.events if event.kind is EventKind.LOST]
     found = [event for event in slam.events if event.kind is EventKind.RELOCALISED]
     assert [event.frame for event in lost] == [HIDDEN.start]
-    assert "map points matched" in lost[0].reason
+    assert "no place in the map matched" in lost[0].reason
     assert "keypoints" in lost[0].reason
     assert len(found) == 1
     assert HIDDEN.stop <= found[0].frame <= HIDDEN.stop + 2

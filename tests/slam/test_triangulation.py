@@ -365,7 +365,10 @@ def test_a_sensor_that_sees_three_metres_is_enough_with_triangulation_and_not_wi
     assert tracked == WALK
     assert error.rmse < 0.012
     assert error.max < 0.03
-    assert walk.track(frames, 0)[0] < 0.75 * WALK
+    # Without, flow and the motion carry some frames over, and the way is lost sooner or later.
+    tracked, error = walk.track(frames, 0)
+    assert tracked < WALK
+    assert error.count < 0.95 * WALK
 
 
 def test_when_depth_fails_for_good_the_map_goes_on_growing(walk: Walk) -> None:

@@ -14,7 +14,8 @@ class FeatureConfig(Section):
     fast_threshold: int = 20  # grey values a corner's arc must differ by
     fast_threshold_in_empty_cell: int = 7  # grey values, where the first threshold finds nothing
     sparse_share: float = Field(default=0.5, ge=0, le=1)  # of a level's quota; fewer, and fainter corners are taken
-    faintest_threshold: int = Field(default=3, ge=1)  # grey values, for those: about the noise of a dim picture
+    faintest_threshold: int = Field(default=3, ge=1)  # grey values, for those, ...
+    noise_multiple: float = Field(default=4.0, ge=0)  # ... and so many times the picture's noise
     cell_pixels: int = Field(default=35, ge=1)  # side of the cells in which the threshold adapts
     virtual_baseline: float = Field(default=0.08, gt=0)  # metres; scales u_r only, weights come from the noise model
     min_depth: float = 0.3  # metres; structured-light and stereo sensors are blind below

@@ -60,7 +60,7 @@ class TrackedFrame:
         is_keyframe: whether this frame became a keyframe (then `keyframe` is its own id).
         reason: why the state is what it is, in a few words with figures; empty when all is well.
         is_doubted: whether the camera was found again in a place whose signs are not checked yet: nothing is mapped.
-        is_coasted: whether the frame shows too little, and has the pose that the motion predicts until it is known better.
+        is_coasted: whether the frame shows too little, and has the pose that the motion predicts for now.
     """
 
     index: int

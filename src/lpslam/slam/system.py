@@ -127,6 +127,9 @@ class RgbdSlam:
 
     def finish(self) -> None:
         """End all work and level the map by all views of the floor together; call after the last frame."""
+        self._tracker.finish()
+        if self._tracker.disowned_since is not None:
+            self.trajectory.disown(self._tracker.disowned_since)
         self._back_end.finish()
         if self._keypoints is not None:
             self._keypoints.shutdown()

@@ -286,6 +286,11 @@ class Tracker:
         self._unmapped.clear()
         self._reference = self._map.living_ancestor(self._reference)
 
+    def finish(self) -> None:
+        """The last frame has come: what was only predicted is not confirmed any more."""
+        self.disowned_since = self._coasting.since
+        self._coasting.end()
+
     def released_keyframes(self) -> list[int]:
         """New keyframes that are to be worked into the map; while the place is doubted they are held back."""
         if self._doubt.is_open:

@@ -20,8 +20,8 @@ def run_notes(
         model: the language model that was asked for.
     """
     notes = fault_notes(faults)
-    if first_untracked is not None:
-        untracked = world.trajectory.frame_count - world.trajectory.tracked_count
+    untracked = world.trajectory.frame_count - world.trajectory.tracked_count
+    if first_untracked is not None and untracked:
         notes.append(
             f"{_frames(untracked)} not tracked; the first, frame {first_untracked.index}: {first_untracked.reason}"
         )

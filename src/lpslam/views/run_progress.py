@@ -41,8 +41,10 @@ class RunProgress:
 
     def update(self, progress: "RunState") -> None:
         """Show where the run stands."""
-        if self.first_untracked is None and not progress.frame.is_tracked:
-            self.first_untracked = progress.frame
+        frame, first = progress.frame, self.first_untracked
+        # A frame that was coasted over may have a pose in the end; one that is lost has none.
+        if (first is None and frame.is_coasted) or ((first is None or first.is_coasted) and not frame.is_tracked):
+            self.first_untracked = frame
         self._bar.update(
             self._task,
             completed=progress.frames,
