@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from lpslam.slam.association import Estimate
 from lpslam.slam.features import Features
+from lpslam.slam.map import SlamMap
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,6 +29,11 @@ class LastFrame:
     points: NDArray[np.int32]
     reference: int
     camera_from_reference: NDArray[np.float64]
+
+    def camera_from_world(self, slam_map: SlamMap) -> NDArray[np.float64]:
+        """4×4 pose as the map has it now."""
+        pose: NDArray[np.float64] = self.camera_from_reference @ slam_map.camera_from_world(self.reference)
+        return pose
 
 
 @dataclass(frozen=True, slots=True, eq=False)

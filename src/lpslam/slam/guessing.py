@@ -94,10 +94,13 @@ class Guesser:
 
     def twist(self, last: LastFrame, frame: RgbdFrame, camera_from_world: _Matrix) -> _Matrix | None:
         """(6,) velocity a second, if that can be said from the last frame to a pose of this one (4×4)."""
-        seconds = frame.timestamp - last.timestamp
-        if not 0.0 < seconds <= self._longest_gap:
+        if not self.tells_velocity(last, frame):
             return None
-        return velocity(self.pose(last), camera_from_world, seconds)
+        return velocity(self.pose(last), camera_from_world, frame.timestamp - last.timestamp)
+
+    def tells_velocity(self, last: LastFrame, frame: RgbdFrame) -> bool:
+        """Whether the last frame is so near in time that the camera has kept its velocity."""
+        return 0.0 < frame.timestamp - last.timestamp <= self._longest_gap
 
     def from_motion(self, last: LastFrame, frame: RgbdFrame, view: View) -> Iterator[FirstGuess]:
         """The last frame's points in windows around where they should appear, then in wider ones."""
@@ -134,7 +137,7 @@ class Guesser:
 
     def pose(self, last: LastFrame) -> _Matrix:
         """Camera from world of the last frame as the map has it now."""
-        return last.camera_from_reference @ self._map.camera_from_world(last.reference)
+        return last.camera_from_world(self._map)
 
     def predicted(self, last: LastFrame, frame: RgbdFrame) -> _Matrix:
         """Camera from world at a frame's time, if the camera goes on as it did."""

@@ -77,7 +77,7 @@ class EarlyFrames:
             if kept.is_keyframe or twist is None:
                 continue
             straight = self._shutter.straighten(frame.seen, twist)
-            found = self._associator.optimise_on_map(straight, self._pose(frame), points)
+            found = self._associator.optimise_on_map(straight, frame.camera_from_world(self._map), points)
             if found is not None and found.matches >= _LEAST_SHARE * np.count_nonzero(points >= 0):
                 reference = self._map.world_from_keyframe(frame.reference)
                 kept.frame = replace(frame, camera_from_reference=found.camera_from_world @ reference)
@@ -88,11 +88,7 @@ class EarlyFrames:
         seconds = last.timestamp - first.timestamp
         if not 0.0 < seconds <= 2.0 * self._longest_gap:
             return None
-        return velocity(self._pose(first), self._pose(last), seconds)
-
-    def _pose(self, frame: LastFrame) -> _Matrix:
-        pose: _Matrix = frame.camera_from_reference @ self._map.camera_from_world(frame.reference)
-        return pose
+        return velocity(first.camera_from_world(self._map), last.camera_from_world(self._map), seconds)
 
 
 _NO_IMAGE = np.empty((0, 0), np.uint8)

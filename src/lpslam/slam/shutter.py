@@ -162,7 +162,7 @@ class RollingShutter:
                 other.twist,
                 self._sensor.pixel_information[b.seen.octave[in_b]],
             ),
-            self._pose(b) @ np.linalg.inv(self._pose(a)),
+            b.camera_from_world(self._map) @ np.linalg.inv(a.camera_from_world(self._map)),
             self.readout,
             self._sensor,
         )
@@ -170,10 +170,6 @@ class RollingShutter:
             return
         if found.agreeing >= self._config.min_matches:
             self._pairs.append((found.readout, found.sigma**-2))
-
-    def _pose(self, frame: LastFrame) -> _Matrix:
-        pose: _Matrix = frame.camera_from_reference @ self._map.camera_from_world(frame.reference)
-        return pose
 
     def _reconsider(self) -> None:
         """Correct for another readout where the pairs are sure of it."""

@@ -142,7 +142,7 @@ class Tracker:
         lost = self.state is TrackingState.LOST
         best = self._best_search(frame, view, self._lost_starts(view) if lost else self._starts(frame, view, followed))
         if best is None and not lost:
-            if followed is not None and self._holds(frame, followed):
+            if followed is not None and self._holds(followed):
                 self._seen = followed.seen
                 return self._accept(frame, gray, followed.features, followed.estimate, is_sure=False)
             # Nothing near where it should be: a frame is given up only after the whole map was searched.
@@ -189,7 +189,7 @@ class Tracker:
         held = best.estimate.matches >= config.min_pose_inliers and best.estimate.inliers >= 2 * needed
         return best if best.is_sure and held and not strict else None
 
-    def _holds(self, frame: RgbdFrame, followed: Followed) -> bool:
+    def _holds(self, followed: Followed) -> bool:
         """Whether flow alone may carry the pose over a frame that the map does not explain: a blurred one, say."""
         config, estimate = self._config, followed.estimate
         return estimate.agreement >= config.min_agreement and estimate.matches >= config.min_inliers
@@ -440,7 +440,7 @@ class Tracker:
             before, predicted = self._guesser.pose(self._last), self._guesser.predicted(self._last, frame)
             self._anchoring.moved(before, estimate.camera_from_world, predicted)
             self._motion.note(before, estimate.camera_from_world, seconds)
-            twist = self._guesser.twist(self._last, frame, estimate.camera_from_world)
+            twist = self._motion.twist if self._guesser.tells_velocity(self._last, frame) else None
         keyframe_from_camera = reference_from_world @ world_from_camera
         self._last = LastFrame(
             frame.timestamp,
