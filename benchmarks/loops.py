@@ -23,10 +23,10 @@ from lpslam.camera import inverse_transform
 from lpslam.config import SlamConfig
 from lpslam.evaluation.trajectory import absolute_trajectory_error
 from lpslam.poses import StampedPoses
-from lpslam.slam.locating import Locator
-from lpslam.slam.loop_closing import LoopCloser
 from lpslam.slam.map import SlamMap
-from lpslam.slam.places import PlaceIndex
+from lpslam.slam.places.index import PlaceIndex
+from lpslam.slam.places.locating import Locator
+from lpslam.slam.places.loop_closing import LoopCloser
 from lpslam.slam.sensor import SensorModel
 from lpslam.slam.system import RgbdSlam
 from lpslam.sources.ground_truth import read_ground_truth

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from lpslam.config import FeatureConfig
 from lpslam.slam.features import FeatureExtractor
-from lpslam.slam.places import PlaceIndex
+from lpslam.slam.places.index import PlaceIndex
 from lpslam.sources.ground_truth import read_ground_truth
 from lpslam.sources.open import open_source
 

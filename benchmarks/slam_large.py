@@ -10,9 +10,9 @@ import numpy as np
 
 from loops import side_by_side
 from lpslam.config import SlamConfig
-from lpslam.slam.loop_correction import LoopCorrector, Tie
 from lpslam.slam.map import SlamMap
-from lpslam.slam.places import PlaceIndex
+from lpslam.slam.places.index import PlaceIndex
+from lpslam.slam.places.loop_correction import LoopCorrector, Tie
 from lpslam.slam.system import RgbdSlam
 from lpslam.sources.prefetch import Prefetched
 from slam_recordings import Recording

@@ -37,8 +37,8 @@ from lpslam.frames import RgbdFrame
 from lpslam.language.offline import OfflineModel
 from lpslam.poses import StampedPoses
 from lpslam.slam.advice import NO_ADVICE, KeyframeMap
-from lpslam.slam.places import PlaceIndex
-from lpslam.slam.relocalising import Relocaliser
+from lpslam.slam.places.index import PlaceIndex
+from lpslam.slam.places.relocalising import Relocaliser
 from lpslam.slam.state import EventKind
 from lpslam.slam.system import RgbdSlam
 from lpslam.sources.prefetch import Prefetched

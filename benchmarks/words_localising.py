@@ -21,7 +21,7 @@ from lpslam import pipeline
 from lpslam.config import Config
 from lpslam.evaluation.trajectory import absolute_trajectory_error
 from lpslam.mapfile.language_map import LanguageMap
-from lpslam.slam.places import PlaceIndex
+from lpslam.slam.places.index import PlaceIndex
 from lpslam.text.spotting import PaddleSpotter
 from slam_recordings import Recording
 from slam_report import Report

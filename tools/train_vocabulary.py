@@ -24,7 +24,7 @@ from lpslam.simulation.lettering import paint_board
 from lpslam.simulation.source import MallSource
 from lpslam.slam.features import FeatureExtractor, as_gray, gray_of
 from lpslam.slam.kernels import image as kernels
-from lpslam.slam.vocabulary import Vocabulary
+from lpslam.slam.places.vocabulary import Vocabulary
 
 ASSETS = Path(__file__).parents[1] / "src" / "lpslam" / "slam" / "assets"
 FIRST_SEED = 900

@@ -10,10 +10,10 @@ from lpslam.config import SlamConfig
 from lpslam.slam.advice import NO_ADVICE, LoopAdvisor
 from lpslam.slam.kernels import graph
 from lpslam.slam.kernels.geometry import exponential
-from lpslam.slam.locating import Locator
-from lpslam.slam.loop_closing import LoopCloser
 from lpslam.slam.map import SlamMap
-from lpslam.slam.places import PlaceIndex
+from lpslam.slam.places.index import PlaceIndex
+from lpslam.slam.places.locating import Locator
+from lpslam.slam.places.loop_closing import LoopCloser
 
 RADIUS = 3.0
 WALKED = 1.0

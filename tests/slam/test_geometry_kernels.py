@@ -9,7 +9,7 @@ from slam_scenes import descriptors_of, hamming_table, rigid, rotation_angle, tw
 
 from lpslam.camera import inverse_transform
 from lpslam.slam.kernels.geometry import exponential, hamming, orthonormalise
-from lpslam.slam.levelling import level_rotation
+from lpslam.slam.mapping.levelling import level_rotation
 
 
 def generator(twist: np.ndarray) -> np.ndarray:

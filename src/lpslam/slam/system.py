@@ -11,19 +11,19 @@ from lpslam.config import SlamConfig
 from lpslam.errors import UserError
 from lpslam.frames import RgbdFrame
 from lpslam.slam.advice import NO_ADVICE, LoopAdvisor
-from lpslam.slam.back_end import BackEnd, Beside, InStep
 from lpslam.slam.features import FeatureExtractor
-from lpslam.slam.levelling import floor_normal, level_rotation
-from lpslam.slam.local_mapping import LocalMapper
-from lpslam.slam.locating import Locator
-from lpslam.slam.loop_closing import LoopCloser
 from lpslam.slam.map import SlamMap
-from lpslam.slam.places import PlaceIndex
-from lpslam.slam.relocalising import Relocaliser
+from lpslam.slam.mapping.back_end import BackEnd, Beside, InStep
+from lpslam.slam.mapping.levelling import floor_normal, level_rotation
+from lpslam.slam.mapping.local_mapping import LocalMapper
+from lpslam.slam.places.index import PlaceIndex
+from lpslam.slam.places.locating import Locator
+from lpslam.slam.places.loop_closing import LoopCloser
+from lpslam.slam.places.relocalising import Relocaliser
 from lpslam.slam.sensor import SensorModel
-from lpslam.slam.shutter import RollingShutter
+from lpslam.slam.shutter.straightening import RollingShutter
 from lpslam.slam.state import SlamEvent, TrackedFrame
-from lpslam.slam.tracking import Tracker
+from lpslam.slam.tracking.tracker import Tracker
 from lpslam.slam.trajectory import Trajectory
 
 

@@ -16,12 +16,12 @@ from lpslam.frames import RgbdFrame
 from lpslam.slam.features import Features
 from lpslam.slam.kernels import bundle, graph
 from lpslam.slam.kernels.geometry import median
-from lpslam.slam.local_mapping import LocalMapper
-from lpslam.slam.loop_correction import LoopCorrector, Tie
 from lpslam.slam.map import SlamMap
-from lpslam.slam.places import PlaceIndex
+from lpslam.slam.mapping.local_mapping import LocalMapper
+from lpslam.slam.places.index import PlaceIndex
+from lpslam.slam.places.loop_correction import LoopCorrector, Tie
 from lpslam.slam.sensor import SensorModel
-from lpslam.slam.shutter import RollingShutter
+from lpslam.slam.shutter.straightening import RollingShutter
 from lpslam.slam.system import RgbdSlam
 
 # What two more processes run, each on its core; a kernel that none of these runs reaches is compiled here, afterwards.

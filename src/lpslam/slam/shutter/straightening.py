@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 
 from lpslam.config import ShutterConfig, TrackingConfig
 from lpslam.slam.features import Features
-from lpslam.slam.guesses import LastFrame
 from lpslam.slam.kernels import matching
 from lpslam.slam.kernels import shutter as kernels
 from lpslam.slam.kernels.graph import MapColumns
 from lpslam.slam.map import SlamMap
-from lpslam.slam.readout import Correspondences, readout_between
 from lpslam.slam.sensor import SensorModel
+from lpslam.slam.shutter.readout import Correspondences, readout_between
+from lpslam.slam.tracking.guesses import LastFrame
 
 _Matrix = NDArray[np.float64]
 

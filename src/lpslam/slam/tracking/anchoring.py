@@ -6,8 +6,8 @@ from numpy.typing import NDArray
 from lpslam.camera import inverse_transform
 from lpslam.config import TrackingConfig
 from lpslam.slam.features import Features
-from lpslam.slam.guesses import Followed
 from lpslam.slam.sensor import SensorModel
+from lpslam.slam.tracking.guesses import Followed
 
 
 class Anchoring:

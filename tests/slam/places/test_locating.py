@@ -16,9 +16,9 @@ from lpslam.simulation.replay import NoisyAgain
 from lpslam.simulation.source import MallSource
 from lpslam.slam.features import FeatureExtractor, Features
 from lpslam.slam.kernels.geometry import exponential
-from lpslam.slam.locating import Located, Locator
-from lpslam.slam.places import PlaceIndex
-from lpslam.slam.relocalising import Relocaliser
+from lpslam.slam.places.index import PlaceIndex
+from lpslam.slam.places.locating import Located, Locator
+from lpslam.slam.places.relocalising import Relocaliser
 from lpslam.slam.system import RgbdSlam
 
 pytestmark = pytest.mark.slow

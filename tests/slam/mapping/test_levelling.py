@@ -7,7 +7,7 @@ from slam_scenes import CAMERA, LOOKING_AHEAD, rotation_angle
 
 from lpslam.camera import PinholeCamera
 from lpslam.config import LevellingConfig
-from lpslam.slam.levelling import floor_normal, level_rotation
+from lpslam.slam.mapping.levelling import floor_normal, level_rotation
 
 CONFIG = LevellingConfig()
 FIRST_UP = np.array([0.0, -1.0, 0.0])

@@ -7,8 +7,8 @@ from lpslam.camera import inverse_transform
 from lpslam.config import SlamConfig
 from lpslam.slam.integrity import refuse_broken_columns
 from lpslam.slam.kernels import fusing
-from lpslam.slam.loop_correction import LoopCorrector, Tie
 from lpslam.slam.map import SlamMap
+from lpslam.slam.places.loop_correction import LoopCorrector, Tie
 
 GO = np.zeros(1, np.bool_)
 OFF = rigid([0.1, -0.05, 0.08], [0.01, 0.03, -0.02])

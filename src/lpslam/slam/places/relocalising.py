@@ -9,9 +9,9 @@ from lpslam.camera import inverse_transform
 from lpslam.config import LocatingConfig, TrackingConfig
 from lpslam.slam.advice import NO_ADVICE, LoopAdvisor
 from lpslam.slam.features import Features
-from lpslam.slam.locating import Located, Locator
 from lpslam.slam.map import SlamMap
-from lpslam.slam.places import PlaceIndex, group_candidates
+from lpslam.slam.places.index import PlaceIndex, group_candidates
+from lpslam.slam.places.locating import Located, Locator
 
 
 class Relocaliser:

@@ -5,9 +5,10 @@ from scipy.optimize import least_squares
 from slam_scenes import pose_error, rigid, rotation_angle, twists
 
 from lpslam.camera import inverse_transform
-from lpslam.slam import carrying, pose_graph
+from lpslam.slam import carrying
 from lpslam.slam.kernels.geometry import exponential
 from lpslam.slam.kernels.graph import covisible_pairs
+from lpslam.slam.places import pose_graph
 
 LEVER = 3.0
 

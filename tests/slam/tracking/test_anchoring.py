@@ -5,9 +5,9 @@ from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera
 from lpslam.config import SlamConfig
-from lpslam.slam.anchoring import Anchoring
 from lpslam.slam.kernels.geometry import exponential
 from lpslam.slam.sensor import SensorModel
+from lpslam.slam.tracking.anchoring import Anchoring
 
 CAMERA = PinholeCamera(640, 480, 520.0, 520.0, 320.0, 240.0)
 CONFIG = SlamConfig()

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from lpslam.camera import inverse_transform
 from lpslam.config import SlamConfig
 from lpslam.slam.advice import NO_ADVICE, LoopAdvisor
-from lpslam.slam.locating import Located, Locator
-from lpslam.slam.loop_correction import LoopCorrector, Tie
 from lpslam.slam.map import SlamMap
-from lpslam.slam.places import PlaceIndex, group_candidates
+from lpslam.slam.places.index import PlaceIndex, group_candidates
+from lpslam.slam.places.locating import Located, Locator
+from lpslam.slam.places.loop_correction import LoopCorrector, Tie
 from lpslam.slam.sensor import SensorModel
 from lpslam.slam.state import EventKind
 

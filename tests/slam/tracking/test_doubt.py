@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from lpslam.config import SlamConfig, TrackingConfig
 from lpslam.slam.advice import KeyframeMap, Recalled
-from lpslam.slam.doubt import Doubt
 from lpslam.slam.map import SlamMap
 from lpslam.slam.state import EventKind, TrackedFrame, TrackingState
 from lpslam.slam.system import RgbdSlam
+from lpslam.slam.tracking.doubt import Doubt
 
 FRAMES = 60
 HIDDEN = range(22, 28)

@@ -15,22 +15,22 @@ from lpslam.camera import inverse_transform
 from lpslam.config import SlamConfig
 from lpslam.frames import RgbdFrame
 from lpslam.slam.advice import NO_ADVICE, LoopAdvisor
-from lpslam.slam.anchoring import Anchoring
 from lpslam.slam.association import Associator, Estimate, View
-from lpslam.slam.coasting import Coasting
-from lpslam.slam.doubt import Doubt
 from lpslam.slam.features import FeatureExtractor, Features, gray_of, no_features
-from lpslam.slam.guesses import FirstGuess, Followed, LastFrame, Search
-from lpslam.slam.guessing import Guesser
 from lpslam.slam.kernels import graph
-from lpslam.slam.keyframes import Keyframes
 from lpslam.slam.map import SlamMap
-from lpslam.slam.motion import ConstantVelocity, UsualSharpness
-from lpslam.slam.relocalising import Relocaliser
-from lpslam.slam.revising import EarlyFrames
+from lpslam.slam.places.relocalising import Relocaliser
 from lpslam.slam.sensor import SensorModel
-from lpslam.slam.shutter import RollingShutter
+from lpslam.slam.shutter.revising import EarlyFrames
+from lpslam.slam.shutter.straightening import RollingShutter
 from lpslam.slam.state import EventKind, SlamEvent, TrackedFrame, TrackingState
+from lpslam.slam.tracking.anchoring import Anchoring
+from lpslam.slam.tracking.coasting import Coasting
+from lpslam.slam.tracking.doubt import Doubt
+from lpslam.slam.tracking.guesses import FirstGuess, Followed, LastFrame, Search
+from lpslam.slam.tracking.guessing import Guesser
+from lpslam.slam.tracking.keyframes import Keyframes
+from lpslam.slam.tracking.motion import ConstantVelocity, UsualSharpness
 
 _Matrix = NDArray[np.float64]
 _Rows = NDArray[np.int32]

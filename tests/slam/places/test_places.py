@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from lpslam.config import FeatureConfig
 from lpslam.simulation.source import MallSource
 from lpslam.slam.features import FeatureExtractor
-from lpslam.slam.places import PlaceIndex, group_candidates
-from lpslam.slam.vocabulary import Vocabulary
+from lpslam.slam.places.index import PlaceIndex, group_candidates
+from lpslam.slam.places.vocabulary import Vocabulary
 
 VOCABULARY = Vocabulary.load()
 
@@ -224,7 +224,7 @@ def test_frames_of_a_mall_find_the_keyframes_beside_them() -> None:
 
 @pytest.fixture(scope="module")
 def trainer() -> ModuleType:
-    path = Path(__file__).parents[2] / "tools" / "train_vocabulary.py"
+    path = Path(__file__).parents[3] / "tools" / "train_vocabulary.py"
     spec = importlib.util.spec_from_file_location("train_vocabulary", path)
     assert spec is not None
     assert spec.loader is not None

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Protocol
 
 from lpslam.priority import MAPPING, yield_to_others
-from lpslam.slam.local_mapping import LocalMapper
+from lpslam.slam.mapping.local_mapping import LocalMapper
 
 
 class BackEnd(Protocol):

@@ -8,7 +8,7 @@ import pytest
 
 from lpslam.camera import PinholeCamera
 from lpslam.config import TrackingConfig
-from lpslam.slam.following import Flow, choose_followed, follow_flow
+from lpslam.slam.tracking.following import Flow, choose_followed, follow_flow
 
 WIDTH, HEIGHT = 320, 240
 CAMERA = PinholeCamera(WIDTH, HEIGHT, 260.0, 260.0, 159.3, 121.8)

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from lpslam.camera import inverse_transform
 from lpslam.config import LoopConfig, MappingConfig
-from lpslam.slam import pose_graph
 from lpslam.slam.carrying import inverses
 from lpslam.slam.kernels import bundle, fusing, graph, local_bundle
 from lpslam.slam.map import SlamMap
+from lpslam.slam.places import pose_graph
 from lpslam.slam.sensor import SensorModel
 
 _Matrix = NDArray[np.float64]

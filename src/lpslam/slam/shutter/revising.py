@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from lpslam.camera import inverse_transform
 from lpslam.slam.association import Associator
-from lpslam.slam.guesses import LastFrame
 from lpslam.slam.map import SlamMap
-from lpslam.slam.motion import velocity
-from lpslam.slam.shutter import RollingShutter
+from lpslam.slam.shutter.straightening import RollingShutter
+from lpslam.slam.tracking.guesses import LastFrame
+from lpslam.slam.tracking.motion import velocity
 
 _Matrix = NDArray[np.float64]
 

@@ -7,8 +7,8 @@ from typing import cast
 
 import pytest
 
-from lpslam.slam.back_end import Beside, InStep
-from lpslam.slam.local_mapping import LocalMapper
+from lpslam.slam.mapping.back_end import Beside, InStep
+from lpslam.slam.mapping.local_mapping import LocalMapper
 
 
 class Mapper:

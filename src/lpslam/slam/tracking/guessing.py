@@ -10,12 +10,12 @@ from lpslam.config import SlamConfig
 from lpslam.frames import RgbdFrame
 from lpslam.slam.association import Associator, View
 from lpslam.slam.features import FeatureExtractor
-from lpslam.slam.following import choose_followed, follow_flow
-from lpslam.slam.guesses import FirstGuess, Followed, LastFrame
 from lpslam.slam.map import SlamMap
-from lpslam.slam.motion import ConstantVelocity, velocity
 from lpslam.slam.sensor import SensorModel
-from lpslam.slam.shutter import RollingShutter
+from lpslam.slam.shutter.straightening import RollingShutter
+from lpslam.slam.tracking.following import choose_followed, follow_flow
+from lpslam.slam.tracking.guesses import FirstGuess, Followed, LastFrame
+from lpslam.slam.tracking.motion import ConstantVelocity, velocity
 
 _Matrix = NDArray[np.float64]
 _Rows = NDArray[np.int32]

@@ -14,8 +14,8 @@ from lpslam.evaluation.trajectory import absolute_trajectory_error
 from lpslam.poses import StampedPoses
 from lpslam.slam.kernels.geometry import exponential, logarithm
 from lpslam.slam.kernels.shutter import straighten
-from lpslam.slam.readout import Correspondences, readout_between
 from lpslam.slam.sensor import SensorModel
+from lpslam.slam.shutter.readout import Correspondences, readout_between
 from lpslam.slam.system import RgbdSlam
 from lpslam.sources.ground_truth import read_ground_truth
 from lpslam.sources.open import open_source
@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 
 CAMERA = PinholeCamera(640, 480, 520.0, 525.0, 320.0, 240.0)
 SENSOR = SensorModel.of(CAMERA, SlamConfig())
-DESK = Path(__file__).parents[3] / "shared" / "data" / "desk_rotations"
+DESK = Path(__file__).parents[4] / "shared" / "data" / "desk_rotations"
 
 twists = st.lists(st.floats(-1.5, 1.5), min_size=6, max_size=6).map(np.array)
 

@@ -6,7 +6,7 @@ from slam_scenes import check_graph, pose_error, rigid
 from lpslam.camera import inverse_transform
 from lpslam.slam.advice import KeyframeMap
 from lpslam.slam.integrity import refuse_broken_columns
-from lpslam.slam.loop_closing import LoopEvent
+from lpslam.slam.places.loop_closing import LoopEvent
 from lpslam.slam.state import EventKind
 
 DRIFT = 0.003

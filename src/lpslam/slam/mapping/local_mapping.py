@@ -6,9 +6,9 @@ from numpy.typing import NDArray
 from lpslam.config import SlamConfig
 from lpslam.slam.kernels import bundle, fusing, graph, local_bundle
 from lpslam.slam.map import SlamMap
+from lpslam.slam.mapping.triangulation import Triangulator
 from lpslam.slam.sensor import SensorModel
-from lpslam.slam.shutter import RollingShutter
-from lpslam.slam.triangulation import Triangulator
+from lpslam.slam.shutter.straightening import RollingShutter
 
 
 class LocalMapper:

@@ -10,10 +10,10 @@ from lpslam.camera import inverse_transform
 from lpslam.config import LocatingConfig, TrackingConfig
 from lpslam.slam.advice import NO_ADVICE, KeyframeMap, LoopAdvisor, Recalled
 from lpslam.slam.features import Features
-from lpslam.slam.locating import Located, Locator
 from lpslam.slam.map import SlamMap
-from lpslam.slam.places import PlaceIndex
-from lpslam.slam.relocalising import Relocaliser
+from lpslam.slam.places.index import PlaceIndex
+from lpslam.slam.places.locating import Located, Locator
+from lpslam.slam.places.relocalising import Relocaliser
 
 VIEW = view_of(np.eye(4), np.array([[0.0, 0.0, 2.0]]), np.zeros((1, 4), np.uint64))
 

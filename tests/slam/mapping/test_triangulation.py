@@ -30,8 +30,8 @@ from lpslam.slam.features import Features
 from lpslam.slam.kernels import graph
 from lpslam.slam.kernels.triangulation import Rays, match_epipolar
 from lpslam.slam.map import SlamMap
+from lpslam.slam.mapping.triangulation import Triangulator, intersect_rays
 from lpslam.slam.system import RgbdSlam
-from lpslam.slam.triangulation import Triangulator, intersect_rays
 
 seeds = st.integers(0, 2**32 - 1)
 SIDEWAYS = rigid([-0.5, 0.05, 0.1], [0.02, -0.06, 0.03])

@@ -7,7 +7,7 @@ from slam_scenes import pose_error, rigid
 
 from lpslam.camera import transform_points
 from lpslam.config import AdviceConfig
-from lpslam.slam.loop_closing import LoopEvent
+from lpslam.slam.places.loop_closing import LoopEvent
 from lpslam.slam.state import EventKind
 from lpslam.text.advising import SIGNS_DIFFER, TextAdvisor
 from lpslam.text.types import Placement, TextObservation

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from lpslam.camera import inverse_transform
 from lpslam.frames import RgbdFrame
 from lpslam.slam.kernels.geometry import exponential
-from lpslam.slam.motion import ConstantVelocity, UsualSharpness
+from lpslam.slam.tracking.motion import ConstantVelocity, UsualSharpness
 
 TWIST = np.array([0.4, -0.1, 0.9, 0.2, 1.9, -0.3])
 """Metres and radians a second: a walk with a quick turn."""

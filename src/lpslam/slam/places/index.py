@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from lpslam.config import PlacesConfig
 from lpslam.slam.kernels import words as kernels
 from lpslam.slam.map import SlamMap
-from lpslam.slam.vocabulary import Vocabulary
+from lpslam.slam.places.vocabulary import Vocabulary
 
 
 class PlaceIndex:

@@ -1,0 +1,1 @@
+"""Local mapping: what happens to a keyframe after tracking."""

@@ -1,0 +1,1 @@
+"""Places seen before: recalling, verifying and joining them."""

@@ -1,0 +1,1 @@
+"""Rolling shutters: how keypoints are straightened, and how the readout is learned."""

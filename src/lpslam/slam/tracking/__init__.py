@@ -1,0 +1,1 @@
+"""Following the camera: the pose of each frame against the map."""
