@@ -72,6 +72,7 @@ class TrackingConfig(Section):
     min_inliers: int = 30  # after the local map; fewer is lost
     min_recovery_inliers: int = 50  # to leave the lost state; stricter, since a wrong place ruins the map
     weak_inliers: int = 60  # fewer is reported as weak
+    bearings_below: int = 120  # map points in the last view; fewer, and keypoints without depth help to hold the turn
     local_keyframes: int = 60  # most covisible keyframes whose points are searched
     pose_rounds: int = Field(default=4, ge=1)  # rounds of outlier judgement
     pose_iterations: int = 10  # Gauss-Newton steps a round at most

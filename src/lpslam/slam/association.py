@@ -25,7 +25,8 @@ class Estimate:
         points: (n,) the map point of each keypoint, or -1; inliers only.
         inliers: how many keypoints agree with the pose, counting points that are not in the map.
         agreement: share of the points whose word counts that agree.
-        loose: (n, 3) where the keypoints stand, in the world, that agree without being of the map; else not a number.
+        loose: (n, 4) where the keypoints stand, in the world, that agree without being of the map, and by how many
+            pixels² that is uncertain; else not a number.
     """
 
     camera_from_world: _Matrix
@@ -84,7 +85,13 @@ class Associator:
         self._config = config
 
     def optimise(
-        self, features: Features, guess: _Matrix, match: _Rows, positions: _Matrix, points: _Rows
+        self,
+        features: Features,
+        guess: _Matrix,
+        match: _Rows,
+        positions: _Matrix,
+        points: _Rows,
+        spread: _Matrix | None = None,
     ) -> Estimate | None:
         """Pose from matches; None when too few keypoints agree with any.
 
@@ -94,15 +101,17 @@ class Associator:
             match: (n,) the row of `positions` and `points` that each keypoint sees, or -1.
             positions: (m, 3) world frame.
             points: (m,) ids of map points; -1 for positions that are not in the map.
+            spread: (m,) pixels² by which the projections are uncertain since the positions are; none where not given.
         """
         keypoints = np.flatnonzero(match >= 0)
         seen = positions[match[keypoints]]
-        camera_from_world, agreeing = self._refine(features, keypoints, guess, seen)
+        unsure = np.zeros(len(keypoints)) if spread is None else spread[match[keypoints]]
+        camera_from_world, agreeing = self._refine(features, keypoints, guess, seen, unsure)
         judges = self._judges(points[match[keypoints]])
         heard = np.count_nonzero(judges[agreeing])
         if heard < self._config.doubtful_share * np.count_nonzero(judges):
             # Least squares is pulled by what moves near the camera, and by a guess that is far off; a majority is not.
-            majority = self._majority(features, keypoints, seen, np.flatnonzero(judges))
+            majority = self._majority(features, keypoints, seen, unsure, np.flatnonzero(judges))
             if majority is not None and np.count_nonzero(judges[majority[1]]) > heard:
                 camera_from_world, agreeing = majority
         if len(agreeing) < self._config.min_pose_inliers:
@@ -110,22 +119,24 @@ class Associator:
         held = np.full(features.rows, -1, np.int32)
         held[keypoints[agreeing]] = points[match[keypoints[agreeing]]]
         agreement = float(judges[agreeing].sum() / judges.sum())
-        loose = np.full((features.rows, 3), np.nan)
+        loose = np.full((features.rows, 4), np.nan)
         is_loose = points[match[keypoints[agreeing]]] < 0
-        loose[keypoints[agreeing[is_loose]]] = seen[agreeing[is_loose]]
+        loose[keypoints[agreeing[is_loose]], :3] = seen[agreeing[is_loose]]
+        loose[keypoints[agreeing[is_loose]], 3] = unsure[agreeing[is_loose]]
         return Estimate(camera_from_world, held, len(agreeing), agreement, loose)
 
     def _refine(
-        self, features: Features, keypoints: NDArray[np.int64], guess: _Matrix, seen: _Matrix
+        self, features: Features, keypoints: NDArray[np.int64], guess: _Matrix, seen: _Matrix, unsure: _Matrix
     ) -> tuple[_Matrix, NDArray[np.int64]]:
         """Robust least squares from a guess; the pose, and the rows of `keypoints` and `seen` (m, 3) that agree."""
+        information = self._sensor.pixel_information[features.octave[keypoints]]
         camera_from_world, inlier, _, _ = pose.optimise_pose(
             guess,
             seen,
             features.pixels[keypoints],
             features.pixels[keypoints, 0] - features.u_right[keypoints],
             features.has_depth[keypoints],
-            self._sensor.pixel_information[features.octave[keypoints]],
+            (information / (1.0 + unsure * information)).astype(np.float32),
             self._sensor.disparity_information(features.depth[keypoints]),
             self._sensor.intrinsics,
             self._config.pose_rounds,
@@ -139,7 +150,12 @@ class Associator:
         return confirmed if np.count_nonzero(confirmed) >= self._config.min_judges else np.ones(len(points), np.bool_)
 
     def _majority(
-        self, features: Features, keypoints: NDArray[np.int64], seen: _Matrix, judges: NDArray[np.int64]
+        self,
+        features: Features,
+        keypoints: NDArray[np.int64],
+        seen: _Matrix,
+        unsure: _Matrix,
+        judges: NDArray[np.int64],
     ) -> tuple[_Matrix, NDArray[np.int64]] | None:
         """The pose on which most of the judges agree (rows of `keypoints` and `seen`), and all who agree with it."""
         config = self._config
@@ -150,12 +166,14 @@ class Associator:
         if found is None or len(found.rows) < config.min_motion_matches:
             return None
         rows = judges[found.rows]
-        camera_from_world, _ = self._refine(features, keypoints[rows], found.camera_from_world, seen[rows])
+        camera_from_world, _ = self._refine(
+            features, keypoints[rows], found.camera_from_world, seen[rows], unsure[rows]
+        )
         fx, fy, cx, cy, _ = self._sensor.intrinsics
         x, y, z = (seen @ camera_from_world[:3, :3].T + camera_from_world[:3, 3]).T
         projected = np.column_stack([fx * x, fy * y]) / np.maximum(z, 1e-3)[:, None] + [cx, cy]
         near = np.flatnonzero(np.linalg.norm(projected - pixels, axis=1) < config.majority_pixels)
-        refined, agreeing = self._refine(features, keypoints[near], camera_from_world, seen[near])
+        refined, agreeing = self._refine(features, keypoints[near], camera_from_world, seen[near], unsure[near])
         return refined, near[agreeing]
 
     def optimise_on_map(
@@ -167,10 +185,11 @@ class Associator:
         match = np.full(features.rows, -1, np.int32)
         match[seeing] = np.arange(len(seeing))
         ids = points[seeing]
-        positions = self._map.columns.position[ids]
+        positions, spread = self._map.columns.position[ids], np.zeros(len(ids))
         if loose is not None:
-            positions[ids < 0] = loose[seeing[ids < 0]]
-        return self.optimise(features, guess, match, positions, ids)
+            positions[ids < 0] = loose[seeing[ids < 0], :3]
+            spread[ids < 0] = loose[seeing[ids < 0], 3]
+        return self.optimise(features, guess, match, positions, ids, spread)
 
     def match_descriptors(self, view: View, keyframe: int) -> _Rows:
         """(n,) points of a keyframe by appearance alone, wherever they are in the image; -1 for none."""

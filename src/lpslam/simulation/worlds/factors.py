@@ -31,7 +31,7 @@ FACTORS: dict[str, tuple[str, ...]] = {
 }
 """Each factor's values; one that is listed twice is drawn twice as often."""
 
-EDITION = 4  # of what a seed means; worlds of another edition are drawn anew
+EDITION = 5  # of what a seed means; worlds of another edition are drawn anew
 STRATIFIED = 40  # seeds at the beginning of each thousand
 MOST_FRAMES = 600
 SETS = {"dev": 1000, "test": 5000}  # first seed

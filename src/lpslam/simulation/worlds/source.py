@@ -26,6 +26,7 @@ from lpslam.simulation.worlds.staging import Stage
 KNOTS = 9  # instants of a frame's readout at which the pose is computed; rows in between are interpolated
 BLIND_COVER = 0.6  # share of the view from which on a covered camera counts as blind
 BLIND_LIGHT = 0.05  # brightness of the lamps, against what they usually give, below which it counts as blind
+VIEWED = 0.1  # seconds between views in which people may hide only so much
 SMALL = 40  # pixels across the pictures by which the exposure is measured
 
 Array = NDArray[np.float64]
@@ -43,7 +44,6 @@ class WorldSource:
         self.world = world
         self._visit = visit
         self.place = build_place(world.place, world.seed, world.light)
-        self._stage = Stage.of(self.place, world, visit)
         route = self.place.route
         if world.motion != "robot":
             route = looking_at_signs(route, self.place.signs)
@@ -52,6 +52,10 @@ class WorldSource:
         )
         rng = np.random.default_rng([world.seed, 109])
         self.true_camera = _camera(world, rng)
+        times = np.arange(0.0, len(self) / world.fps, VIEWED)
+        self._stage = Stage.of(self.place, world, visit).passed_through(
+            self.true_camera, self.trajectory.poses(times), times
+        )
         self._lens = Lens.of(self.true_camera)
         self._rig = DepthRig.of(world, rng)
         vignette = vignette_of(self.true_camera, float(rng.uniform(0.05, 0.35)))

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from lpslam.camera import PinholeCamera
 from lpslam.simulation import textures
 from lpslam.simulation.scene import Scene
 from lpslam.simulation.worlds.places.materials import THINGS, any_of
@@ -14,6 +15,9 @@ from lpslam.simulation.worlds.places.workshop import Workshop, vec
 WAITING = -40.0  # metres below the floor at which people are built, so that they throw no light or shadow
 STRIDE = 0.75  # metres
 LIT = 0.85  # brightness of people, wherever they are
+MOST_COVERED = 0.4  # share of a view that people may hide
+GIRTH, HEIGHT = 0.3, 1.75  # metres: the box of someone, from its middle to its sides, and upwards
+CELLS = (24, 32)  # rows and columns of a view in which hidden parts are counted
 
 Array = NDArray[np.float64]
 
@@ -80,6 +84,37 @@ def walked(scene: Scene, walkers: tuple[Walker, ...], time: float) -> Scene:
         for each in (edge_u, edge_v, normal):
             each[rows] = _swung(each[rows], angle) @ turn.T
     return replace(scene, origin=origin, edge_u=edge_u, edge_v=edge_v, normal=normal)
+
+
+def thinned(
+    walkers: tuple[Walker, ...], camera: PinholeCamera, world_from_camera: Array, times: Array
+) -> tuple[Walker, ...]:
+    """The walkers without those by whom more than `MOST_COVERED` of some view (n, 4, 4) at a time (n,) was hidden."""
+    hidden = np.array([
+        [_hidden(_stand(walker, time)[0], camera, pose) for time, pose in zip(times, world_from_camera, strict=True)]
+        for walker in walkers
+    ])  # fmt: skip
+    kept = list(range(len(walkers)))
+    while kept:
+        cover = hidden[kept].any(axis=0).mean(axis=(1, 2))
+        if cover.max() <= MOST_COVERED:
+            break
+        kept.remove(max(kept, key=lambda k: float(hidden[k, cover.argmax()].mean())))
+    return tuple(walkers[k] for k in kept)
+
+
+def _hidden(place: Array, camera: PinholeCamera, world_from_camera: Array) -> NDArray[np.bool_]:
+    """(rows, columns) the cells of a view that someone who stands at a place (2,) hides."""
+    sides = np.array([(x, y, z) for x in (-GIRTH, GIRTH) for y in (-GIRTH, GIRTH) for z in (0.0, HEIGHT)])
+    x, y, z = ((sides + [*place, 0.0] - world_from_camera[:3, 3]) @ world_from_camera[:3, :3]).T
+    result = np.zeros(CELLS, np.bool_)
+    if z.max() > 0.05:
+        z = np.maximum(z, 0.05)
+        u, v = camera.fx * x / z + camera.cx, camera.fy * y / z + camera.cy
+        left, right = np.clip(np.rint([u.min() / camera.width * CELLS[1], u.max() / camera.width * CELLS[1]]), 0, None)
+        top, low = np.clip(np.rint([v.min() / camera.height * CELLS[0], v.max() / camera.height * CELLS[0]]), 0, None)
+        result[int(top) : int(low), int(left) : int(right)] = True
+    return result
 
 
 def _swung(vectors: Array, angle: Array) -> Array:

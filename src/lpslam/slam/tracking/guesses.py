@@ -42,7 +42,7 @@ class FirstGuess:
 
     Attributes:
         agreement: share of what led to the pose that agrees with it.
-        loose: (n, 3) places of keypoints that agree without being of the map; not a number for others.
+        loose: (n, 4) as in `Estimate`.
     """
 
     camera_from_world: NDArray[np.float64]
@@ -61,6 +61,27 @@ class FirstGuess:
         """From an estimate by other keypoints: of these rows none is known yet."""
         nothing = np.full(rows, -1, np.int32)
         return cls(estimate.camera_from_world, nothing, estimate.points, estimate.agreement)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sighted:
+    """Keypoints of the last frame whose place is known, m of them.
+
+    Attributes:
+        rows: (m,) of its keypoints.
+        points: (m,) ids of map points, or -1.
+        positions: (m, 3) world frame.
+        spread: (m,) pixels² by which their projections into the next frame are uncertain.
+    """
+
+    rows: NDArray[np.int64]
+    points: NDArray[np.int32]
+    positions: NDArray[np.float64]
+    spread: NDArray[np.float64]
+
+    def kept(self, chosen: NDArray[np.int64]) -> "Sighted":
+        """Some of them."""
+        return Sighted(self.rows[chosen], self.points[chosen], self.positions[chosen], self.spread[chosen])
 
 
 @dataclass(frozen=True, slots=True, eq=False)

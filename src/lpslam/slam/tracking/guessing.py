@@ -14,7 +14,7 @@ from lpslam.slam.map import SlamMap
 from lpslam.slam.sensor import SensorModel
 from lpslam.slam.shutter.straightening import RollingShutter
 from lpslam.slam.tracking.following import choose_followed, follow_flow
-from lpslam.slam.tracking.guesses import FirstGuess, Followed, LastFrame
+from lpslam.slam.tracking.guesses import FirstGuess, Followed, LastFrame, Sighted
 from lpslam.slam.tracking.motion import ConstantVelocity, velocity
 
 _Matrix = NDArray[np.float64]
@@ -51,6 +51,7 @@ class Guesser:
         self._shutter = shutter
         self._config = config.tracking
         self._longest_gap = config.shutter.longest_gap
+        self._reach = np.inf
 
     def can_predict(self, last: LastFrame, frame: RgbdFrame) -> bool:
         """Whether constant velocity says well where a frame is: after a gap in a turn it is off by degrees."""
@@ -63,15 +64,17 @@ class Guesser:
             return None
         with self._map.lock:
             version = self._map.version
-            rows, points, positions = self._seen(last)
             predicted = self.predicted(last, frame)
+            sighted = self._sighted(last, predicted)
+        rows = sighted.rows
         chosen = choose_followed(
-            last.features.pixels[rows], last.features.octave[rows], points >= 0, config.followed_points
+            last.features.pixels[rows], last.features.octave[rows], sighted.points >= 0, config.followed_points
         )
-        rows, points, positions = rows[chosen], points[chosen], positions[chosen]
+        sighted = sighted.kept(chosen)
+        rows = sighted.rows
         if len(rows) < config.min_followed:
             return None
-        in_camera = positions @ predicted[:3, :3].T + predicted[:3, 3]
+        in_camera = sighted.positions @ predicted[:3, :3].T + predicted[:3, 3]
         in_camera[:, 2] = np.maximum(in_camera[:, 2], 0.05)
         expected = self._extractor.camera.project(in_camera).astype(np.float32)
         levels = config.flow_levels + (0 if self.can_predict(last, frame) else _LEVELS_FOR_UNKNOWN_MOTION)
@@ -80,16 +83,15 @@ class Guesser:
             return None
         seen = self._extractor.moved(last.seen, rows[flow.rows], flow.raw, frame.depth)
         straight = self._shutter.straighten(seen, self._motion.twist)
-        match = np.arange(len(flow.rows), dtype=np.int32)
-        estimate = self._associator.optimise(straight, predicted, match, positions[flow.rows], points[flow.rows])
+        match, found = np.arange(len(flow.rows), dtype=np.int32), sighted.kept(flow.rows)
+        known = (match, found.positions, found.points, found.spread)
+        estimate = self._associator.optimise(straight, predicted, *known)
         if estimate is None:
             return None
         twist = self.twist(last, frame, estimate.camera_from_world)
         if twist is not None and (self._motion.twist is None or self._shutter.bends(twist, self._motion.twist)):
             straight = self._shutter.straighten(seen, twist)
-            estimate = self._associator.optimise(
-                straight, estimate.camera_from_world, match, positions[flow.rows], points[flow.rows]
-            )
+            estimate = self._associator.optimise(straight, estimate.camera_from_world, *known)
         return None if estimate is None else Followed(straight, seen, estimate, version, len(rows))
 
     def twist(self, last: LastFrame, frame: RgbdFrame, camera_from_world: _Matrix) -> _Matrix | None:
@@ -105,15 +107,16 @@ class Guesser:
     def from_motion(self, last: LastFrame, frame: RgbdFrame, view: View) -> Iterator[FirstGuess]:
         """The last frame's points in windows around where they should appear, then in wider ones."""
         config, predicted = self._config, self.predicted(last, frame)
-        rows, points, positions = self._seen(last)
+        sighted = self._sighted(last, predicted)
         fx, fy, cx, cy, bf = self._sensor.intrinsics
-        x, y, z = (positions @ predicted[:3, :3].T + predicted[:3, 3]).T
+        x, y, z = (sighted.positions @ predicted[:3, :3].T + predicted[:3, 3]).T
         width, height = self._sensor.image_size
         with np.errstate(divide="ignore", invalid="ignore"):
             u, v = fx * x / z + cx, fy * y / z + cy
             kept = np.flatnonzero((z > 0.05) & (u >= 0) & (u < width) & (v >= 0) & (v < height))
             projections = np.column_stack([u, v, u - bf / z])[kept].astype(np.float32)
-        before = rows[kept]
+        sighted = sighted.kept(kept)
+        before = sighted.rows
         octaves = last.features.octave[before].astype(np.int32)
         for radius in (config.motion_radius, 2 * config.motion_radius):
             match = self._associator.match_windows(
@@ -121,7 +124,9 @@ class Guesser:
             )
             if np.count_nonzero(match >= 0) < config.min_motion_matches:
                 continue
-            estimate = self._associator.optimise(view.features, predicted, match, positions[kept], points[kept])
+            estimate = self._associator.optimise(
+                view.features, predicted, match, sighted.positions, sighted.points, sighted.spread
+            )
             if estimate is not None:
                 yield FirstGuess.of(estimate)
 
@@ -143,21 +148,50 @@ class Guesser:
         """Camera from world at a frame's time, if the camera goes on as it did."""
         return self._motion.ahead(self.pose(last), frame.timestamp - last.timestamp)
 
-    def _seen(self, last: LastFrame) -> tuple[NDArray[np.int64], _Rows, _Matrix]:
-        """Keypoints of the last frame whose place is known: rows, map points or -1, and positions (m, 3) in the world.
+    def _sighted(self, last: LastFrame, predicted: _Matrix) -> Sighted:
+        """Keypoints of the last frame whose place is known; `predicted` is the next frame's camera from world.
 
-        Keypoints without a map point stand where their depth puts them.
+        Keypoints without a map point stand where their depth puts them. Where those are few, keypoints without depth
+        say how the camera turns and nothing of how it moves: they lie far away in the direction in which the predicted
+        camera sees what stands between the sensor's reach and infinity.
         """
         alive = self._map.columns.point_alive
         points = np.where((last.points >= 0) & alive[last.points], last.points, -1).astype(np.int32)
-        rows = np.flatnonzero((points >= 0) | last.features.has_depth)
-        world_from_camera = inverse_transform(self.pose(last))
-        in_camera = self._sensor.back_project(last.features.pixels[rows], last.features.depth[rows])
+        mapped = points >= 0
+        is_placed = mapped | last.features.has_depth
+        far = self._reach_of(last) / _REACH_TO_MIDDLE
+        needs_bearings = np.isfinite(far) and np.count_nonzero(mapped) < self._config.bearings_below
+        rows = np.arange(last.features.rows) if needs_bearings else np.flatnonzero(is_placed)
+        pose = self.pose(last)
+        depth = np.where(is_placed[rows], last.features.depth[rows], far).astype(np.float32)
+        in_camera = self._sensor.back_project(last.features.pixels[rows], depth)
+        world_from_camera = inverse_transform(pose)
         positions = in_camera @ world_from_camera[:3, :3].T + world_from_camera[:3, 3]
-        mapped = points[rows] >= 0
-        positions[mapped] = self._map.columns.position[points[rows][mapped]]
-        return rows, points[rows], positions
+        known = mapped[rows]
+        positions[known] = self._map.columns.position[points[rows][known]]
+        centre = inverse_transform(predicted)[:3, 3]
+        positions[~is_placed[rows]] = centre + _BEYOND * (positions[~is_placed[rows]] - centre)
+        shift = self._sensor.intrinsics[0] * np.linalg.norm((predicted @ world_from_camera)[:3, 3])
+        spread = np.where(is_placed[rows], 0.0, (shift / far) ** 2)
+        return Sighted(rows, points[rows], positions, spread)
 
+    def _reach_of(self, last: LastFrame) -> float:
+        """Metres beyond which depth has been read nowhere, but for a few pixels; infinite before any was read."""
+        depths = last.features.depth[last.features.has_depth]
+        if len(depths) >= self._config.min_followed:
+            seen = float(np.quantile(depths, _REACHED))
+            self._reach = seen if np.isinf(self._reach) else max(self._reach, seen)
+        return self._reach
+
+
+_REACHED = 0.95
+"""Share of the depth readings within the reach: the last few may be false."""
+
+_REACH_TO_MIDDLE = 0.5
+"""The middle, by inverse depth, between the sensor's reach and infinity, in parts of the reach's inverse."""
+
+_BEYOND = 100.0
+"""Times as far as that middle: from there a camera's step changes no direction."""
 
 _LEVELS_FOR_UNKNOWN_MOTION = 2
 """Pyramid levels more for flow where the motion cannot be predicted: four times the reach."""
