@@ -106,9 +106,7 @@ class RgbdSlam:
     def process(self, frame: RgbdFrame) -> TrackedFrame:
         """Track one frame and let the map grow with it."""
         tracked = self._tracker.track(frame)
-        if self._tracker.disowned_since is not None:
-            self.trajectory.disown(self._tracker.disowned_since)
-            self._tracker.disowned_since = None
+        self._tracker.hindsight.disown(self.trajectory)
         if tracked.is_keyframe:
             self._depths[tracked.keyframe] = frame.depth
         for keyframe in self._tracker.released_keyframes():
@@ -120,16 +118,14 @@ class RgbdSlam:
                 if self.map.is_home(tracked.keyframe):
                     tracked = replace(tracked, world_from_camera=self.map.world_from_keyframe(tracked.keyframe))
         self.trajectory.append(tracked)
-        self.trajectory.revise(self._tracker.bridged)
-        self._tracker.bridged = {}
+        self._tracker.hindsight.revise(self.trajectory)
         self.trajectory.revise(self._tracker.early_frames.revise())
         return tracked
 
     def finish(self) -> None:
         """End all work and level the map by all views of the floor together; call after the last frame."""
         self._tracker.finish()
-        if self._tracker.disowned_since is not None:
-            self.trajectory.disown(self._tracker.disowned_since)
+        self._tracker.hindsight.disown(self.trajectory)
         self._back_end.finish()
         if self._keypoints is not None:
             self._keypoints.shutdown()

@@ -1,4 +1,4 @@
-"""Constant velocity, and how sharp and bright frames are."""
+"""Constant velocity."""
 
 import numpy as np
 import pytest
@@ -6,9 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lpslam.camera import inverse_transform
-from lpslam.frames import RgbdFrame
 from lpslam.slam.kernels.geometry import exponential
-from lpslam.slam.tracking.motion import ConstantVelocity, UsualSharpness
+from lpslam.slam.tracking.motion import ConstantVelocity
 
 TWIST = np.array([0.4, -0.1, 0.9, 0.2, 1.9, -0.3])
 """Metres and radians a second: a walk with a quick turn."""
@@ -43,15 +42,3 @@ def test_before_two_frames_and_after_losing_it_stands_still() -> None:
     motion.forget()
     assert not motion.is_known
     assert motion.ahead(camera_at(0.2), 0.1) == pytest.approx(camera_at(0.2))
-
-
-def frame(rgb: np.ndarray) -> RgbdFrame:
-    return RgbdFrame(0, 0.0, rgb.astype(np.uint8), np.zeros(rgb.shape[:2], np.float32))
-
-
-def test_a_dark_frame_is_called_dark_and_a_blurred_one_blurred() -> None:
-    texture = np.random.default_rng(0).integers(60, 250, (120, 160, 3))
-    usual = UsualSharpness()
-    usual.begin(frame(texture))
-    assert usual.fault(frame(texture * 0.4)).startswith("dark or blurred (sharpness 1")
-    assert usual.fault(frame(np.full_like(texture, texture.mean()))).startswith("blurred (sharpness 0%")

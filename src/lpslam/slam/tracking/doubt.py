@@ -21,6 +21,7 @@ class Doubt:
         self._map = slam_map
         self._advisor = advisor
         self._seconds = seconds
+        self._held: list[int] = []
         self.since = np.inf
 
     @property
@@ -48,3 +49,22 @@ class Doubt:
     def end(self) -> None:
         """Doubt no more."""
         self.since = np.inf
+
+    def hold(self, keyframe: int) -> None:
+        """Take a new keyframe, which is to be worked into the map."""
+        self._held.append(keyframe)
+
+    def released(self) -> list[int]:
+        """The new keyframes that may be worked into the map; while the place is doubted they are held back."""
+        if self.is_open:
+            return []
+        released, self._held = self._held, []
+        return released
+
+    def take_back(self, reference: int) -> int:
+        """Remove the keyframes that are held back: the place is another one. Returns the reference that is left."""
+        for keyframe in reversed(self._held):
+            if self._map.is_alive(keyframe) and not self._map.is_root(keyframe):
+                self._map.remove_keyframe(keyframe)
+        self._held.clear()
+        return self._map.living_ancestor(reference)
