@@ -94,6 +94,7 @@ class TrackingConfig(Section):
     bridged_travel: float = Field(default=1.5, ge=0)  # of the same, over which frames that showed nothing are bridged
     steady_share: float = Field(default=0.5, ge=0)  # of `motion_radius`; predictions farther off, and flow goes first
     coast_seconds: float = Field(default=0.5, ge=0)  # for which the motion carries the pose where a frame shows nothing
+    backtracked_seconds: float = Field(default=1.0, ge=0)  # before the camera is found, in which frames are placed late
     strict_seconds: float = 1.0  # after relocalising, in which `min_recovery_inliers` must be matched
     predictable_gap: float = Field(default=0.08, gt=0)  # seconds between frames; more, and a turn has changed its pace
     long_gap: float = Field(default=0.3, gt=0)  # seconds without frames after which the same: nothing was predicted

@@ -66,6 +66,17 @@ class Trajectory:
             if self._indices[row] in poses and self._keyframes[row] >= 0:
                 self._poses[16 * row : 16 * (row + 1)] = array("d", poses[self._indices[row]].ravel())
 
+    def place(self, poses: Mapping[int, tuple[int, NDArray[np.float64]]]) -> None:
+        """Give frames of the newest session without a pose, by index, a reference keyframe and a pose (4×4) in it."""
+        first = min(poses, default=0)
+        for row in range(len(self._indices) - 1, -1, -1):
+            if self._sessions[row] != self.session or self._indices[row] < first:
+                break
+            if self._indices[row] in poses and self._keyframes[row] < 0:
+                self._keyframes[row], pose = poses[self._indices[row]]
+                self._states[row] = _STATES.index(TrackingState.WEAK)
+                self._poses[16 * row : 16 * (row + 1)] = array("d", pose.ravel())
+
     @property
     def frame_count(self) -> int:
         """Number of frames of the newest session."""

@@ -106,7 +106,7 @@ def thinned(
 def _hidden(place: Array, camera: PinholeCamera, world_from_camera: Array) -> NDArray[np.bool_]:
     """(rows, columns) the cells of a view that someone who stands at a place (2,) hides."""
     sides = np.array([(x, y, z) for x in (-GIRTH, GIRTH) for y in (-GIRTH, GIRTH) for z in (0.0, HEIGHT)])
-    x, y, z = ((sides + [*place, 0.0] - world_from_camera[:3, 3]) @ world_from_camera[:3, :3]).T
+    x, y, z = ((sides + np.append(place, 0.0) - world_from_camera[:3, 3]) @ world_from_camera[:3, :3]).T
     result = np.zeros(CELLS, np.bool_)
     if z.max() > 0.05:
         z = np.maximum(z, 0.05)

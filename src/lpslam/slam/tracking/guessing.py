@@ -64,7 +64,7 @@ class Guesser:
             return None
         with self._map.lock:
             version = self._map.version
-            predicted = self.predicted(last, frame)
+            predicted = self.predicted(last, frame.timestamp)
             sighted = self._sighted(last, predicted)
         rows = sighted.rows
         chosen = choose_followed(
@@ -104,9 +104,9 @@ class Guesser:
         """Whether the last frame is so near in time that the camera has kept its velocity."""
         return 0.0 < frame.timestamp - last.timestamp <= self._longest_gap
 
-    def from_motion(self, last: LastFrame, frame: RgbdFrame, view: View) -> Iterator[FirstGuess]:
+    def from_motion(self, last: LastFrame, timestamp: float, view: View) -> Iterator[FirstGuess]:
         """The last frame's points in windows around where they should appear, then in wider ones."""
-        config, predicted = self._config, self.predicted(last, frame)
+        config, predicted = self._config, self.predicted(last, timestamp)
         sighted = self._sighted(last, predicted)
         fx, fy, cx, cy, bf = self._sensor.intrinsics
         x, y, z = (sighted.positions @ predicted[:3, :3].T + predicted[:3, 3]).T
@@ -144,9 +144,9 @@ class Guesser:
         """Camera from world of the last frame as the map has it now."""
         return last.camera_from_world(self._map)
 
-    def predicted(self, last: LastFrame, frame: RgbdFrame) -> _Matrix:
-        """Camera from world at a frame's time, if the camera goes on as it did."""
-        return self._motion.ahead(self.pose(last), frame.timestamp - last.timestamp)
+    def predicted(self, last: LastFrame, timestamp: float) -> _Matrix:
+        """Camera from world at a time in seconds, if the camera goes on as it did."""
+        return self._motion.ahead(self.pose(last), timestamp - last.timestamp)
 
     def _sighted(self, last: LastFrame, predicted: _Matrix) -> Sighted:
         """Keypoints of the last frame whose place is known; `predicted` is the next frame's camera from world.

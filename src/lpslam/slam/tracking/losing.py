@@ -9,6 +9,7 @@ from lpslam.camera import inverse_transform
 from lpslam.config import SlamConfig
 from lpslam.slam.state import EventKind, TrackedFrame, TrackingState
 from lpslam.slam.tracking.anchoring import Anchoring
+from lpslam.slam.tracking.backtracking import Placed
 from lpslam.slam.tracking.coasting import Coasting
 from lpslam.slam.tracking.guesses import LastFrame
 from lpslam.slam.tracking.guessing import Guesser
@@ -25,10 +26,12 @@ class Hindsight:
     Attributes:
         disowned_since: seconds from which poses are taken back, since they were of another place.
         bridged: frames by index, with a better keyframe from camera (4×4).
+        placed: frames by index that had no pose, with their reference keyframe and keyframe from camera (4×4).
     """
 
     disowned_since: float | None = None
     bridged: dict[int, NDArray[np.float64]] = field(default_factory=dict)
+    placed: Placed = field(default_factory=dict)
 
     def disown(self, trajectory: Trajectory) -> None:
         """Take poses back."""
@@ -37,9 +40,10 @@ class Hindsight:
             self.disowned_since = None
 
     def revise(self, trajectory: Trajectory) -> None:
-        """Mend poses."""
+        """Mend poses, and give poses to frames that had none."""
         trajectory.revise(self.bridged)
-        self.bridged = {}
+        trajectory.place(self.placed)
+        self.bridged, self.placed = {}, {}
 
 
 class Losing:
@@ -96,7 +100,7 @@ class Losing:
         if where.state is not TrackingState.WEAK:
             where.tell(EventKind.WEAK, frame, reason)
         where.state = TrackingState.WEAK
-        world_from_camera = inverse_transform(self._guesser.predicted(last, frame))
+        world_from_camera = inverse_transform(self._guesser.predicted(last, frame.timestamp))
         return TrackedFrame(
             frame.index,
             frame.timestamp,
@@ -129,12 +133,15 @@ class Losing:
             return None
         return where.unknown(frame, reason)
 
-    def bridge(self, before: LastFrame | None, since: float) -> None:
+    def bridge(self, before: LastFrame | None, since: float) -> bool:
         """The camera is seen again: what was coasted over lies on the way here, if both ends are of one world.
 
         Args:
             before: the last frame that was seen before.
             since: seconds at which the first one was coasted over.
+
+        Returns:
+            Whether the frames that were coasted over have poses now.
         """
         now, slam_map = self._where.last, self._where.map
         submaps = slam_map.submaps()
@@ -147,6 +154,7 @@ class Losing:
                     slam_map, before.reference, (before.timestamp, seen_before), (now.timestamp, seen_now)
                 )
         self._coasting.end()
+        return self.hindsight.disowned_since is None
 
     def disown(self, since: float) -> None:
         """The poses from a time on, in seconds, are not where the camera was."""

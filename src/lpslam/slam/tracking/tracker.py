@@ -25,6 +25,7 @@ from lpslam.slam.shutter.revising import EarlyFrames
 from lpslam.slam.shutter.straightening import RollingShutter
 from lpslam.slam.state import EventKind, SlamEvent, TrackedFrame, TrackingState
 from lpslam.slam.tracking.anchoring import Anchoring
+from lpslam.slam.tracking.backtracking import Backtracking
 from lpslam.slam.tracking.doubt import Doubt
 from lpslam.slam.tracking.guesses import FirstGuess, Followed, LastFrame, Search
 from lpslam.slam.tracking.guessing import Guesser
@@ -83,6 +84,7 @@ class Tracker:
         self._search = LocalSearch(slam_map, associator, config.tracking)
         self._keyframes = Keyframes(slam_map, sensor, config.keyframes)
         self._guesser = Guesser(extractor, sensor, slam_map, associator, where.motion, shutter, config)
+        self._backtracking = Backtracking(extractor, sensor, slam_map, associator, self._search, shutter, config)
         self._anchoring = Anchoring(sensor, config.tracking)
         self._quality = Quality(config.tracking)
         self._doubt = Doubt(slam_map, advisor, config.tracking.doubt_seconds)
@@ -180,9 +182,16 @@ class Tracker:
             self._anchoring.matched(picture.timestamp)
             self._anchoring.saw(picture.features)
         tracked = self._accept(picture, estimate, is_matched=True, is_sure=found.is_sure)
-        if coasted_since is not None:
-            self._losing.bridge(before, coasted_since)
+        is_bridged = coasted_since is not None and self._losing.bridge(before, coasted_since)
+        self._go_back(is_bridged)
         return tracked
+
+    def _go_back(self, is_bridged: bool = False) -> None:
+        """Place the frames before this one that nothing placed when they came, unless that is done."""
+        if is_bridged or self._where.last is None:
+            self._backtracking.forget()
+        else:
+            self.hindsight.placed = self._backtracking.back_from(self._where.last)
 
     def _holds(self, followed: Followed) -> bool:
         """Whether flow alone may carry the pose over a frame that the map does not explain: a blurred one, say."""
@@ -207,7 +216,7 @@ class Tracker:
         if followed is not None:
             yield FirstGuess.near(followed.estimate, view.features.rows)
         if last is not None:
-            yield from self._guesser.from_motion(last, frame, view)
+            yield from self._guesser.from_motion(last, frame.timestamp, view)
         # Asked for only if that led nowhere: it compares every descriptor with every other.
         yield from self._guesser.from_reference(last, view, self._where.reference)
 
@@ -238,10 +247,13 @@ class Tracker:
         estimate = self._add_keyframe(picture, nothing_seen)
         self._anchoring.matched(picture.timestamp)
         self._anchoring.saw(picture.features)
-        return self._commit(picture, estimate, "", is_matched=True, is_keyframe=True)
+        tracked = self._commit(picture, estimate, "", is_matched=True, is_keyframe=True)
+        self._go_back()
+        return tracked
 
     def _miss(self, picture: Picture) -> TrackedFrame:
         """Nothing fits: coast for a moment, then be lost, then begin a sub-map where the camera was last."""
+        self._backtracking.keep(picture)
         coasted = self._losing.coast(picture)
         if coasted is not None:
             return coasted
@@ -263,7 +275,7 @@ class Tracker:
             where.reference = self._doubt.take_back(where.reference)
         where.state = TrackingState.LOST
         where.forget()
-        self._losing.disown(since)
+        self._losing.disown(min(since, self._backtracking.since))
 
     def _accept(
         self, picture: Picture, estimate: Estimate, *, is_matched: bool = False, is_sure: bool = True
