@@ -21,6 +21,7 @@ from lpslam.config.slam import (
     SensorNoiseConfig,
     ShutterConfig,
     SlamConfig,
+    SurfaceConfig,
     TrackingConfig,
 )
 from lpslam.config.text import (
@@ -60,6 +61,7 @@ __all__ = [
     "SimulationConfig",
     "SlamConfig",
     "SpottingConfig",
+    "SurfaceConfig",
     "TextConfig",
     "TrackingConfig",
 ]

@@ -104,6 +104,24 @@ class TrackingConfig(Section):
     submap_after: float = Field(default=0.5, ge=0)  # seconds of usable but unknown views after which a sub-map begins
 
 
+class SurfaceConfig(Section):
+    """Alignment of whole images, where keypoints do not say where a frame was taken."""
+
+    width: int = Field(default=80, ge=16)  # pixels across; noise of the shades is averaged, slopes of depth stay
+    steps: int = Field(default=15, ge=1)  # of Gauss-Newton at most
+    edge: float = Field(default=0.1, gt=0)  # of the depth; neighbours that differ by more are of two surfaces
+    guess_metres: float = Field(default=0.01, gt=0)  # sigma of the guess a frame; it fills in what images do not say
+    guess_radians: float = Field(default=0.01, gt=0)  # the same of its turn
+    least_shade: float = Field(default=0.3, gt=0)  # grey values; sigma of the shades at least: they are rounded
+    slope_sigmas: float = Field(default=2.0, ge=0)  # of the noise of a slope; flatter pixels say nothing
+    least_shared: float = Field(default=0.4, gt=0, le=1)  # of the reference's pixels with depth must be in view
+    least_pixels: int = Field(default=400, ge=6)  # with depth in both images
+    least_agreement: float = Field(default=0.8, ge=0, le=1)  # of the pixels' depths, within three sigmas
+    loosest_metres: float = Field(default=0.003, gt=0)  # sigma in the direction that the images tell worst
+    renewed_share: float = Field(default=0.8, gt=0, le=1)  # of the reference in view; less, and the next one is taken
+    held_seconds: float = Field(default=10.0, ge=0)  # for which images alone tell the way; they drift by a twentieth
+
+
 class KeyframeConfig(Section):
     """When a frame becomes a keyframe."""
 
@@ -226,6 +244,7 @@ class SlamConfig(Section):
     noise: SensorNoiseConfig = SensorNoiseConfig()
     shutter: ShutterConfig = ShutterConfig()
     tracking: TrackingConfig = TrackingConfig()
+    surfaces: SurfaceConfig = SurfaceConfig()
     places: PlacesConfig = PlacesConfig()
     locating: LocatingConfig = LocatingConfig()
     keyframes: KeyframeConfig = KeyframeConfig()

@@ -10,7 +10,7 @@ from lpslam.camera import inverse_transform
 from lpslam.slam.association import Associator
 from lpslam.slam.map import SlamMap
 from lpslam.slam.shutter.straightening import RollingShutter
-from lpslam.slam.tracking.guesses import LastFrame
+from lpslam.slam.tracking.guesses import LastFrame, without_images
 from lpslam.slam.tracking.motion import velocity
 
 _Matrix = NDArray[np.float64]
@@ -49,7 +49,7 @@ class EarlyFrames:
     def keep(self, index: int, frame: LastFrame, is_keyframe: bool) -> None:
         """Take a tracked frame, while the readout may still change."""
         if not self._shutter.is_settled:
-            self._kept.append(_Kept(index, replace(frame, gray=_NO_IMAGE), is_keyframe))
+            self._kept.append(_Kept(index, without_images(frame), is_keyframe))
 
     def revise(self) -> dict[int, _Matrix]:
         """Frames by index with the keyframe-from-camera (4×4) that they have now; none if the readout is as it was."""
@@ -90,8 +90,6 @@ class EarlyFrames:
             return None
         return velocity(first.camera_from_world(self._map), last.camera_from_world(self._map), seconds)
 
-
-_NO_IMAGE = np.empty((0, 0), np.uint8)
 
 _LEAST_SHARE = 0.5
 """Of the points that a frame saw; where fewer agree with its new pose, the old one stays."""

@@ -120,13 +120,11 @@ class Backtracking:
         reference_from_world = self._map.camera_from_world(found.reference)
         return LastFrame(
             kept.timestamp,
-            _NO_IMAGE,
+            np.empty((0, 0), np.uint8),
+            np.empty((0, 0), np.float32),
             features,
             kept.seen,
             found.estimate.points,
             found.reference,
             found.estimate.camera_from_world @ inverse_transform(reference_from_world),
         )
-
-
-_NO_IMAGE = np.empty((0, 0), np.uint8)

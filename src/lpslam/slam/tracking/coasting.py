@@ -1,4 +1,4 @@
-"""Going on for a moment by the motion alone, where a frame shows too little to say where it was taken."""
+"""Going on for a moment without the map, where a frame shows too little to say where in it it was taken."""
 
 from dataclasses import dataclass, field
 
@@ -7,59 +7,72 @@ from numpy.typing import NDArray
 
 from lpslam.camera import inverse_transform
 from lpslam.slam.kernels.geometry import exponential, logarithm
-from lpslam.slam.map import SlamMap
 
 _Matrix = NDArray[np.float64]
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Passed:
+    """A frame that was passed over: its number, its time in seconds, and its pose (4×4, camera from keyframe)."""
+
+    index: int
+    timestamp: float
+    camera_from_keyframe: _Matrix
+
+
 @dataclass(slots=True, eq=False)
 class Coasting:
-    """The frames that are passed over since the last one with a pose of its own.
+    """The frames that are passed over since the last one with a place in the map.
 
     Args:
-        seconds: for which it is believed; by then the camera may be anywhere.
+        seconds: for which the motion alone is believed; by then the camera may be anywhere.
+        held_seconds: for which it is while surfaces tell it.
 
     Attributes:
         since: time of the first such frame; None while there is none.
+        guessed_since: time of the first since surfaces have told the way last; None while they do.
     """
 
     seconds: float
+    held_seconds: float
     since: float | None = None
-    _frames: list[tuple[int, float]] = field(default_factory=list)
+    guessed_since: float | None = None
+    _frames: list[_Passed] = field(default_factory=list)
 
-    def goes_on(self, timestamp: float) -> bool:
-        """Whether a frame that shows too little may be passed over."""
-        return self.seconds > 0.0 and (self.since is None or timestamp - self.since <= self.seconds)
+    def goes_on(self, timestamp: float, is_held: bool) -> bool:
+        """Whether a frame that shows too little may be passed over; `is_held` if surfaces tell its pose."""
+        if self.since is None:
+            return self.seconds > 0.0
+        if is_held:
+            return timestamp - self.since <= self.held_seconds
+        return self.guessed_since is None or timestamp - self.guessed_since <= self.seconds
 
-    def pass_over(self, index: int, timestamp: float) -> None:
-        """Take a frame that gets the pose that the motion predicts, until it is known better."""
+    def pass_over(self, index: int, timestamp: float, camera_from_keyframe: _Matrix, is_held: bool) -> None:
+        """Take a frame with the pose that it has until it is known better."""
         if self.since is None:
             self.since = timestamp
-        self._frames.append((index, timestamp))
+        if is_held:
+            self.guessed_since = None
+        elif self.guessed_since is None:
+            self.guessed_since = timestamp
+        self._frames.append(_Passed(index, timestamp, camera_from_keyframe))
 
     def end(self) -> None:
         """Forget them: the camera was found again, or is lost."""
-        self.since = None
+        self.since = self.guessed_since = None
         self._frames.clear()
 
-    def bridged(
-        self,
-        slam_map: SlamMap,
-        reference: int,
-        before: tuple[float, _Matrix],
-        after: tuple[float, _Matrix],
-    ) -> dict[int, _Matrix]:
-        """Poses in a keyframe's frame (4×4), by frame index, on the even way between two known poses.
+    def bridged(self, started: float, ended: float, expected: _Matrix, found: _Matrix) -> dict[int, _Matrix]:
+        """Poses (4×4, keyframe from camera) by frame index, bent so that the way leads to where the camera was found.
 
         Args:
-            slam_map: of the keyframe.
-            reference: on which the frames hang.
-            before, after: seconds and camera from world (4×4) of the last frame and of the next one that were seen.
+            started, ended: seconds of the last frame with a place and of the next one.
+            expected, found: camera from keyframe (4×4) of the next one, where the way led and where it is.
         """
-        (started, first), (ended, last) = before, after
-        velocity = logarithm(last @ inverse_transform(first)) / max(ended - started, 1e-6)
-        reference_from_world = slam_map.camera_from_world(reference)
+        astray = logarithm(found @ inverse_transform(expected)) / max(ended - started, 1e-6)
         return {
-            index: reference_from_world @ inverse_transform(exponential(velocity * (timestamp - started)) @ first)
-            for index, timestamp in self._frames
+            passed.index: inverse_transform(
+                exponential(astray * (passed.timestamp - started)) @ passed.camera_from_keyframe
+            )
+            for passed in self._frames
         }

@@ -1,6 +1,6 @@
 """What a frame's pose is guessed from: the last frame, what optical flow made of it, and points of the map."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ class LastFrame:
     """The last frame with a pose: what the next one is predicted from.
 
     Attributes:
-        gray: (h, w).
+        gray, depth: (h, w), the depth in metres.
         features: its keypoints (n rows), straightened.
         seen: the same as they are in the image.
         points: the map point of each, or -1.
@@ -24,6 +24,7 @@ class LastFrame:
 
     timestamp: float
     gray: NDArray[np.uint8]
+    depth: NDArray[np.float32]
     features: Features
     seen: Features
     points: NDArray[np.int32]
@@ -34,6 +35,11 @@ class LastFrame:
         """4×4 pose as the map has it now."""
         pose: NDArray[np.float64] = self.camera_from_reference @ slam_map.camera_from_world(self.reference)
         return pose
+
+
+def without_images(frame: LastFrame) -> LastFrame:
+    """A frame that is kept for its keypoints."""
+    return replace(frame, gray=np.empty((0, 0), np.uint8), depth=np.empty((0, 0), np.float32))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,6 +61,11 @@ class FirstGuess:
     def of(cls, estimate: Estimate) -> "FirstGuess":
         """From an estimate: its points are known, and others are near them."""
         return cls(estimate.camera_from_world, estimate.points, estimate.points, estimate.agreement, estimate.loose)
+
+    @classmethod
+    def at(cls, camera_from_world: NDArray[np.float64], rows: int, nearby: NDArray[np.int32]) -> "FirstGuess":
+        """A pose without a match: of so many rows none is known yet."""
+        return cls(camera_from_world, np.full(rows, -1, np.int32), nearby)
 
     @classmethod
     def near(cls, estimate: Estimate, rows: int) -> "FirstGuess":

@@ -10,13 +10,15 @@ from lpslam.config import SlamConfig
 from lpslam.slam.state import EventKind, TrackedFrame, TrackingState
 from lpslam.slam.tracking.anchoring import Anchoring
 from lpslam.slam.tracking.backtracking import Placed
+from lpslam.slam.tracking.carrying_on import CarryingOn
 from lpslam.slam.tracking.coasting import Coasting
 from lpslam.slam.tracking.guesses import LastFrame
-from lpslam.slam.tracking.guessing import Guesser
 from lpslam.slam.tracking.picture import Picture
 from lpslam.slam.tracking.quality import Quality
 from lpslam.slam.tracking.whereabouts import Whereabouts
 from lpslam.slam.trajectory import Trajectory
+
+_Matrix = NDArray[np.float64]
 
 
 @dataclass(slots=True, eq=False)
@@ -30,7 +32,7 @@ class Hindsight:
     """
 
     disowned_since: float | None = None
-    bridged: dict[int, NDArray[np.float64]] = field(default_factory=dict)
+    bridged: dict[int, _Matrix] = field(default_factory=dict)
     placed: Placed = field(default_factory=dict)
 
     def disown(self, trajectory: Trajectory) -> None:
@@ -51,9 +53,9 @@ class Losing:
 
     Args:
         where: the camera is; follows what happens.
-        guesser: predicts poses.
         anchoring: knows how far the picture moves.
         quality: says what a frame shows.
+        carrying_on: follows the camera where the map does not tell its way.
         config: thresholds.
         grows: whether new places are mapped.
     """
@@ -61,20 +63,20 @@ class Losing:
     def __init__(
         self,
         where: Whereabouts,
-        guesser: Guesser,
         anchoring: Anchoring,
         quality: Quality,
+        carrying_on: CarryingOn,
         config: SlamConfig,
         grows: bool,
     ) -> None:
+        self._carrying_on = carrying_on
         self._where = where
-        self._guesser = guesser
         self._anchoring = anchoring
         self._quality = quality
         self._submap_after = config.tracking.submap_after
         self._min_depths = config.keyframes.min_start_depths
         self._grows = grows
-        self._coasting = Coasting(config.tracking.coast_seconds)
+        self._coasting = Coasting(config.tracking.coast_seconds, config.surfaces.held_seconds)
         self._unknown_since: float | None = None
         self.hindsight = Hindsight()
 
@@ -83,31 +85,42 @@ class Losing:
         """Seconds at which the first frame was coasted over since the last that was seen; None while there is none."""
         return self._coasting.since
 
+    def expected(self, timestamp: float) -> _Matrix | None:
+        """Camera from world (4×4) at a time in seconds, while frames are coasted over."""
+        last = self._where.last
+        ahead = None if last is None else self._carrying_on.ahead(last, timestamp)
+        return None if last is None or ahead is None else ahead @ self._where.map.camera_from_world(last.reference)
+
     def seen(self) -> None:
         """A frame has a pose of its own: what is in view is known."""
         self._unknown_since = None
 
     def coast(self, picture: Picture) -> TrackedFrame | None:
-        """Give a frame that fits nothing the pose that the motion predicts; None if that is not believed any more."""
+        """Give a frame that fits nothing the pose that surfaces or the motion tell; None if they are not believed."""
         where, frame = self._where, picture.frame
         last = where.last
-        if last is None or where.state is TrackingState.LOST or not self._coasting.goes_on(frame.timestamp):
+        if last is None or where.state is TrackingState.LOST or not self._coasting.seconds:
             return None
-        self._coasting.pass_over(frame.index, frame.timestamp)
+        camera_from_keyframe = self._carrying_on.follow(last, picture)
+        is_held = self._carrying_on.is_held
+        if not self._coasting.goes_on(frame.timestamp, is_held):
+            return None
+        self._coasting.pass_over(frame.index, frame.timestamp, camera_from_keyframe, is_held)
         if self._unknown_since is None and picture.depths >= self._min_depths:
             self._unknown_since = frame.timestamp
-        reason = f"coasting: {self._quality.shown(picture)}"
+        reason = f"{'carried by surfaces' if is_held else 'coasting'}: {self._quality.shown(picture)}"
         if where.state is not TrackingState.WEAK:
             where.tell(EventKind.WEAK, frame, reason)
         where.state = TrackingState.WEAK
-        world_from_camera = inverse_transform(self._guesser.predicted(last, frame.timestamp))
+        keyframe_from_camera = inverse_transform(camera_from_keyframe)
+        world_from_keyframe = where.map.world_from_keyframe(last.reference)
         return TrackedFrame(
             frame.index,
             frame.timestamp,
             where.state,
             last.reference,
-            where.map.camera_from_world(last.reference) @ world_from_camera,
-            world_from_camera if where.map.is_home(last.reference) else None,
+            keyframe_from_camera,
+            world_from_keyframe @ keyframe_from_camera if where.map.is_home(last.reference) else None,
             0,
             False,
             reason,
@@ -119,7 +132,8 @@ class Losing:
         where, frame = self._where, picture.frame
         reason = f"no place in the map matched, {self._quality.shown(picture)}"
         if self._coasting.since is not None:
-            self.disown(self._coasting.since)
+            # Poses that surfaces told stay.
+            self.disown(self._coasting.guessed_since if self._coasting.guessed_since else frame.timestamp)
         if where.state is not TrackingState.LOST:
             where.tell(EventKind.LOST, frame, reason)
         where.state = TrackingState.LOST
@@ -147,14 +161,30 @@ class Losing:
         submaps = slam_map.submaps()
         self.hindsight.disowned_since = since
         if before is not None and now is not None and submaps[before.reference] == submaps[now.reference]:
-            seen_before, seen_now = before.camera_from_world(slam_map), now.camera_from_world(slam_map)
-            if self._anchoring.may_be_one_way(seen_before, seen_now):
+            keyframe_from_world = slam_map.world_from_keyframe(before.reference)
+            found = now.camera_from_world(slam_map) @ keyframe_from_world
+            expected = self._carrying_on.ahead(before, now.timestamp)
+            is_told = expected is not None and self._coasting.guessed_since is None
+            if expected is not None and self._anchoring.may_be_one_way(
+                expected if is_told else before.camera_from_reference, found
+            ):
                 self.hindsight.disowned_since = None
-                self.hindsight.bridged = self._coasting.bridged(
-                    slam_map, before.reference, (before.timestamp, seen_before), (now.timestamp, seen_now)
-                )
+                self.hindsight.bridged = self._coasting.bridged(before.timestamp, now.timestamp, expected, found)
         self._coasting.end()
         return self.hindsight.disowned_since is None
+
+    def continued(self, picture: Picture) -> _Matrix | None:
+        """Camera from world (4×4) of a frame with which the map goes on, though it shares no point with it; or None.
+
+        It does where surfaces tell the way, and what is in view has been unknown for long.
+        """
+        last, since = self._where.last, self._unknown_since
+        if last is None or since is None or not self._grows or not self._carrying_on.is_held:
+            return None
+        if picture.depths < self._min_depths or picture.timestamp - since < self._submap_after:
+            return None
+        self._coasting.end()
+        return self.expected(picture.timestamp)
 
     def disown(self, since: float) -> None:
         """The poses from a time on, in seconds, are not where the camera was."""
@@ -163,5 +193,5 @@ class Losing:
 
     def finish(self) -> None:
         """The last frame has come: what was only predicted is not confirmed any more."""
-        self.hindsight.disowned_since = self._coasting.since
+        self.hindsight.disowned_since = self._coasting.guessed_since
         self._coasting.end()

@@ -8,7 +8,7 @@ from lpslam.slam.kernels.geometry import exponential, logarithm, orthonormalise
 
 _Matrix = NDArray[np.float64]
 
-_FARTHEST_AHEAD = 0.3
+FARTHEST_AHEAD = 0.3
 """Seconds for which constant velocity is believed, after which it is a guess."""
 
 
@@ -40,7 +40,7 @@ class ConstantVelocity:
         """Camera from world so many seconds after a pose, also over frames that are missing."""
         if self._velocity is None:
             return camera_from_world
-        ahead = min(max(seconds, 0.0), _FARTHEST_AHEAD)
+        ahead = min(max(seconds, 0.0), FARTHEST_AHEAD)
         predicted: _Matrix = exponential(self._velocity * ahead) @ camera_from_world
         orthonormalise(predicted)
         return predicted

@@ -57,6 +57,7 @@ class MovingOn:
         where.last = LastFrame(
             picture.timestamp,
             picture.gray,
+            picture.frame.depth,
             picture.features,
             picture.seen,
             estimate.points,

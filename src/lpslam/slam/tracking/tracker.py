@@ -26,6 +26,7 @@ from lpslam.slam.shutter.straightening import RollingShutter
 from lpslam.slam.state import EventKind, SlamEvent, TrackedFrame, TrackingState
 from lpslam.slam.tracking.anchoring import Anchoring
 from lpslam.slam.tracking.backtracking import Backtracking
+from lpslam.slam.tracking.carrying_on import CarryingOn
 from lpslam.slam.tracking.doubt import Doubt
 from lpslam.slam.tracking.guesses import FirstGuess, Followed, LastFrame, Search
 from lpslam.slam.tracking.guessing import Guesser
@@ -35,6 +36,7 @@ from lpslam.slam.tracking.losing import Hindsight, Losing
 from lpslam.slam.tracking.moving_on import MovingOn
 from lpslam.slam.tracking.picture import Picture
 from lpslam.slam.tracking.quality import Quality
+from lpslam.slam.tracking.surfaces import Surfaces
 from lpslam.slam.tracking.whereabouts import Whereabouts
 
 _Matrix = NDArray[np.float64]
@@ -88,7 +90,9 @@ class Tracker:
         self._anchoring = Anchoring(sensor, config.tracking)
         self._quality = Quality(config.tracking)
         self._doubt = Doubt(slam_map, advisor, config.tracking.doubt_seconds)
-        self._losing = Losing(where, self._guesser, self._anchoring, self._quality, config, grows)
+        surfaces = Surfaces(extractor.camera, sensor, config.surfaces)
+        carrying_on = CarryingOn(surfaces, where.motion, config.surfaces.renewed_share)
+        self._losing = Losing(where, self._anchoring, self._quality, carrying_on, config, grows)
         self.early_frames = EarlyFrames(
             slam_map, associator, shutter, config.shutter.revised_frames, config.shutter.longest_gap
         )
@@ -215,6 +219,9 @@ class Tracker:
         last = self._where.last
         if followed is not None:
             yield FirstGuess.near(followed.estimate, view.features.rows)
+        carried = self._losing.expected(frame.timestamp)
+        if carried is not None and last is not None:
+            yield FirstGuess.at(carried, view.features.rows, last.points)
         if last is not None:
             yield from self._guesser.from_motion(last, frame.timestamp, view)
         # Asked for only if that led nowhere: it compares every descriptor with every other.
@@ -237,6 +244,19 @@ class Tracker:
         self._where.tell(EventKind.INITIALISED, picture.frame, f"{depths} keypoints with depth")
         return self._found(picture, inverse_transform(_FIRST_WORLD_FROM_CAMERA))
 
+    def _go_on(self, picture: Picture, camera_from_world: _Matrix) -> TrackedFrame:
+        """Let the map go on with a keyframe that shares no point with it."""
+        where = self._where
+        where.state = TrackingState.TRACKING
+        where.tell(EventKind.TRACKING, picture.frame, "the map goes on from where surfaces have carried the camera")
+        self._losing.seen()
+        self._backtracking.forget()
+        nothing_seen = Estimate(camera_from_world, np.full(picture.features.rows, -1, np.int32), 0)
+        estimate = self._add_keyframe(picture, nothing_seen)
+        self._anchoring.matched(picture.timestamp)
+        self._anchoring.saw(picture.features)
+        return self._commit(picture, estimate, "", is_matched=True, is_keyframe=True)
+
     def _found(self, picture: Picture, camera_from_world: _Matrix) -> TrackedFrame:
         """Begin a map or sub-map: every keypoint with depth is a point."""
         self._where.state, self._where.reference = TrackingState.TRACKING, -1
@@ -256,7 +276,8 @@ class Tracker:
         self._backtracking.keep(picture)
         coasted = self._losing.coast(picture)
         if coasted is not None:
-            return coasted
+            here = None if self._doubt.is_open else self._losing.continued(picture)
+            return coasted if here is None else self._go_on(picture, here)
         self._doubt.end()
         lost = self._losing.lose(picture)
         return self._found(picture, self._map.camera_from_world(self._where.reference)) if lost is None else lost

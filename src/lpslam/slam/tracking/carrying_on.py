@@ -1,0 +1,74 @@
+"""The camera's way since the last frame with a place in the map, as surfaces and shades tell it."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.camera import inverse_transform
+from lpslam.slam.kernels.geometry import exponential, logarithm
+from lpslam.slam.tracking.guesses import LastFrame
+from lpslam.slam.tracking.motion import FARTHEST_AHEAD, ConstantVelocity
+from lpslam.slam.tracking.picture import Picture
+from lpslam.slam.tracking.surfaces import Surfaces
+
+_Matrix = NDArray[np.float64]
+
+
+class CarryingOn:
+    """Follows the camera frame by frame against a reference image, which is renewed when it leaves the view.
+
+    Args:
+        surfaces: aligns images.
+        motion: how the camera has moved while the map told it.
+        renewed_share: of the reference in view; less, and the next image is taken for it.
+    """
+
+    def __init__(self, surfaces: Surfaces, motion: ConstantVelocity, renewed_share: float) -> None:
+        self._surfaces = surfaces
+        self._motion = motion
+        self._renewed_share = renewed_share
+        self._from: LastFrame | None = None
+        self._timestamp = 0.0
+        self._reference = _NOTHING
+        self._reference_from_keyframe = np.eye(4)
+        self._image_from_reference = np.eye(4)
+        self._twist = np.zeros(6)
+        self.is_held = False
+
+    def follow(self, last: LastFrame, picture: Picture) -> _Matrix:
+        """The pose of the next frame (4×4, camera from the reference keyframe of `last`, the last with a place).
+
+        Where the images do not tell it, the camera goes on as it did; `is_held` says which.
+        """
+        if self._from is not last:
+            self._begin(last)
+        seconds = picture.timestamp - self._timestamp
+        guess = exponential(self._twist * min(max(seconds, 0.0), FARTHEST_AHEAD)) @ self._image_from_reference
+        image = self._surfaces.images.reference(picture.gray, picture.frame.depth)
+        aligned = self._surfaces.align(self._reference, image, guess)
+        pose = guess if aligned is None else aligned.image_from_reference
+        self.is_held = aligned is not None and aligned.holds
+        if self.is_held and seconds > 0.0:
+            self._twist = logarithm(pose @ inverse_transform(self._image_from_reference)) / seconds
+        self._image_from_reference, self._timestamp = pose, picture.timestamp
+        camera_from_keyframe: _Matrix = pose @ self._reference_from_keyframe
+        if aligned is not None and self.is_held and aligned.shared < self._renewed_share:
+            self._reference, self._reference_from_keyframe = image, camera_from_keyframe
+            self._image_from_reference = np.eye(4)
+        return camera_from_keyframe
+
+    def ahead(self, last: LastFrame, timestamp: float) -> _Matrix | None:
+        """Where a frame should be (4×4, as above) if the camera goes on as it did; None before the first step."""
+        if self._from is not last:
+            return None
+        seconds = min(max(timestamp - self._timestamp, 0.0), FARTHEST_AHEAD)
+        ahead: _Matrix = exponential(self._twist * seconds) @ self._image_from_reference @ self._reference_from_keyframe
+        return ahead
+
+    def _begin(self, last: LastFrame) -> None:
+        self._from, self._timestamp = last, last.timestamp
+        self._reference = self._surfaces.images.reference(last.gray, last.depth)
+        self._reference_from_keyframe, self._image_from_reference = last.camera_from_reference, np.eye(4)
+        self._twist = np.zeros(6) if self._motion.twist is None else self._motion.twist
+
+
+_NOTHING = np.empty((2, 0, 0), np.float32)

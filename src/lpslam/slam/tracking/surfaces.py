@@ -1,0 +1,134 @@
+"""The camera's way from surfaces and shades where keypoints do not tell it (Steinbrücker 2011; Kerl 2013)."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.camera import PinholeCamera, inverse_transform
+from lpslam.config import SurfaceConfig
+from lpslam.slam.kernels.dense import align_terms
+from lpslam.slam.kernels.geometry import exponential, logarithm
+from lpslam.slam.sensor import SensorModel
+
+_Matrix = NDArray[np.float64]
+_Image = NDArray[np.float32]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Aligned:
+    """How an image lies to a reference.
+
+    Attributes:
+        image_from_reference: 4×4.
+        shared: of the reference's pixels with depth, the share that the image shows.
+        holds: whether the images agree, and say all six degrees of freedom by themselves.
+    """
+
+    image_from_reference: _Matrix
+    shared: float
+    holds: bool
+
+
+class SmallImages:
+    """Makes small images without lens distortion of a camera's frames.
+
+    Args:
+        camera: of the frames.
+        width: pixels across the small images.
+    """
+
+    def __init__(self, camera: PinholeCamera, width: int) -> None:
+        self._size = (width, max(round(width * camera.height / camera.width), 2))
+        shrink = np.array([camera.width / self._size[0], camera.height / self._size[1]])
+        focal, centre = np.array([camera.fx, camera.fy]), np.array([camera.cx, camera.cy])
+        self.intrinsics = np.concatenate([focal / shrink, (centre + 0.5) / shrink - 0.5])
+        rows, columns = np.mgrid[: self._size[1], : self._size[0]]
+        places = (np.column_stack([columns.ravel(), rows.ravel()]) + 0.5) * shrink - 0.5
+        raw = camera.distort(places)
+        small = ((raw + 0.5) / shrink - 0.5).astype(np.float32).reshape(*self._size[::-1], 2)
+        self._shades_at = np.ascontiguousarray(small[..., 0]), np.ascontiguousarray(small[..., 1])
+        pixels = np.rint(raw).astype(np.int64).reshape(*self._size[::-1], 2)
+        self._is_seen = ((pixels >= 0) & (pixels < [camera.width, camera.height])).all(axis=2)
+        self._depth_at = (
+            np.clip(pixels[..., 1], 0, camera.height - 1),
+            np.clip(pixels[..., 0], 0, camera.width - 1),
+        )
+
+    def reference(self, gray: NDArray[np.uint8], depth: _Image) -> _Image:
+        """(2, h, w) grey value and depth, as `align_terms` takes them."""
+        shades = cv2.resize(gray, self._size, interpolation=cv2.INTER_AREA)
+        shades = cv2.remap(shades, *self._shades_at, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        distance = np.where(self._is_seen & np.isfinite(depth[self._depth_at]), depth[self._depth_at], 0.0)
+        return np.stack([shades.astype(np.float32), distance.astype(np.float32)])
+
+
+def sloped(reference: _Image, edge: float) -> _Image:
+    """(6, h, w) of (2, h, w): with slopes along u and v; depth where neighbours differ by less than `edge` of it."""
+    shades, depth = reference
+    kernel = np.ones((3, 3), np.uint8)
+    far, near = cv2.dilate(depth, kernel), cv2.erode(depth, kernel)
+    smooth = np.where((near > 0) & (far - near < edge * far), depth, np.nan).astype(np.float32)
+    slopes = [cv2.Sobel(depth, cv2.CV_32F, *way, ksize=3, scale=0.125) for way in _WAYS]
+    shade_slopes = [cv2.Sobel(shades, cv2.CV_32F, *way, ksize=3, scale=0.125) for way in _WAYS]
+    return np.stack([shades, *shade_slopes, smooth, *slopes])
+
+
+class Surfaces:
+    """Aligns frames with a reference by what every pixel shows.
+
+    Args:
+        camera, sensor: of the frames.
+        config: thresholds.
+    """
+
+    def __init__(self, camera: PinholeCamera, sensor: SensorModel, config: SurfaceConfig) -> None:
+        self.images = SmallImages(camera, config.width)
+        self._noise = (sensor.depth_sigma, sensor.depth_sigma_quadratic)
+        self._config = config
+
+    def align(self, reference: _Image, image: _Image, guess: _Matrix) -> Aligned | None:
+        """Find the pose between two small images (2, h, w) from a guess of it (4×4, image from reference).
+
+        Where the images say nothing, the guess stays. None if they hardly overlap.
+        """
+        config = self._config
+        here = sloped(image, config.edge)
+        hessian, gradient = np.empty((6, 6)), np.empty(6)
+        residuals = np.empty(image[0].size)
+        prior = np.diag([config.guess_metres**-2] * 3 + [config.guess_radians**-2] * 3)
+        pose: _Matrix = guess.copy()
+        sigma = _FIRST_SIGMA
+        offset = float(np.median(reference[0]) - np.median(image[0]))
+        known = max(int((reference[1] > 0).sum()), 1)
+        for _ in range(config.steps):
+            brightness, slope = (offset, sigma), config.slope_sigmas * _SOBEL_NOISE * sigma
+            inside, measured, agreeing = align_terms(
+                reference, here, self.images.intrinsics, pose, brightness, slope, self._noise,
+                hessian, gradient, residuals,
+            )  # fmt: skip
+            if inside < config.least_shared * known or measured < config.least_pixels:
+                return None
+            sigma = max(1.4826 * float(np.median(residuals[:inside])), config.least_shade)
+            hessian += np.triu(hessian, 1).T
+            astray = logarithm(pose @ inverse_transform(guess))
+            step = np.linalg.solve(hessian + prior, -(gradient + prior @ astray))
+            pose = exponential(step) @ pose
+            if np.abs(step).max() < _SMALL_STEP:
+                break
+        is_firm = bool(np.linalg.eigvalsh(hessian)[0] > config.loosest_metres**-2)
+        holds = is_firm and agreeing >= config.least_agreement * measured
+        return Aligned(pose, inside / known, holds)
+
+
+_WAYS = ((1, 0), (0, 1))
+
+_FIRST_SIGMA = 5.0
+"""Grey values: of the residuals, before they are known."""
+
+_SOBEL_NOISE = 0.31
+"""Slope that noise of one grey value makes: √12 / 8 of independent pixels; a residual has the noise of two."""
+
+_SMALL_STEP = 1e-5
+"""Metres and radians: no further step is made."""
