@@ -1,9 +1,7 @@
 """The recordings of the benchmarks: malls rendered once into a folder, and what is on disk."""
 
-import multiprocessing
 import shutil
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,9 +9,9 @@ from lpslam.config import SimulationConfig
 from lpslam.poses import StampedPoses
 from lpslam.simulation.source import MallSource
 from lpslam.simulation.writer import write_sequence
-from lpslam.sources.ground_truth import read_ground_truth
 from lpslam.sources.image_pairs import ImagePairSource
 from lpslam.sources.open import open_source
+from side_by_side import beside, truth_of
 
 
 @dataclass(frozen=True)
@@ -75,10 +73,7 @@ class Recording:
     @property
     def truth(self) -> StampedPoses:
         """The true poses."""
-        truth = read_ground_truth(self.folder)
-        if truth is None:
-            raise SystemExit(f"{self.folder} has no ground truth")
-        return truth
+        return truth_of(self.folder)
 
     def mall(self, visit: int = 0) -> MallSource:
         """The mall of which this is a recording, to be walked again."""
@@ -123,10 +118,8 @@ def _all_rendered(recordings: list[Recording], processes: int) -> list[Recording
     missing = [recording for recording in recordings if not _is_complete(recording.folder)]
     if missing:
         print(f"rendering {len(missing)} malls: two to eight minutes each", flush=True)
-        # Spawned, not forked: the parent may have threads already.
-        with ProcessPoolExecutor(processes, multiprocessing.get_context("spawn")) as pool:
-            for recording in pool.map(_render, missing):
-                print(f"rendered {recording.name}", flush=True)
+        for recording in beside(_render, missing, processes):
+            print(f"rendered {recording.name}", flush=True)
     return recordings
 
 

@@ -19,10 +19,11 @@ from lpslam.poses import StampedPoses
 from lpslam.slam.map import SlamMap
 from lpslam.slam.system import RgbdSlam
 from lpslam.sources.prefetch import Prefetched
+from side_by_side import beside
 from slam_recovery import GOOD, LEAD_IN, PATIENCE, carry
 from slam_report import Report
 from slam_scores import run, true_pose
-from worlds_recordings import WorldRecording, beside
+from worlds_recordings import WorldRecording
 
 SEEING = 8  # frames after a start in which the camera must not be blind
 

@@ -1,26 +1,21 @@
 """The worlds of the benchmark: rendered once into a folder."""
 
 import json
-import multiprocessing
 import shutil
 import time
-from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from lpslam.poses import StampedPoses
 from lpslam.simulation.worlds.factors import EDITION, SETS, World, draw_world
 from lpslam.simulation.worlds.source import WorldSource
 from lpslam.simulation.worlds.writing import read_world, write_world
-from lpslam.sources.ground_truth import read_ground_truth
 from lpslam.sources.image_pairs import ImagePairSource
 from lpslam.sources.open import open_source
-
-Task = TypeVar("Task")
-Answer = TypeVar("Answer")
+from side_by_side import beside, truth_of
 
 
 @dataclass(frozen=True)
@@ -47,10 +42,7 @@ class WorldRecording:
     @property
     def truth(self) -> StampedPoses:
         """The true poses."""
-        truth = read_ground_truth(self.folder)
-        if truth is None:
-            raise SystemExit(f"{self.folder} has no ground truth")
-        return truth
+        return truth_of(self.folder)
 
     @property
     def length(self) -> float:
@@ -83,16 +75,6 @@ def rendered(cache: Path, seeds: Iterable[int], processes: int) -> list[WorldRec
     for line in beside(_render, missing, processes):
         print(line, flush=True)
     return [WorldRecording(folder) for folder in folders.values()]
-
-
-def beside(work: Callable[[Task], Answer], tasks: Sequence[Task], processes: int) -> Iterable[Answer]:
-    """Do all tasks, in so many processes, and give their answers in order."""
-    if processes <= 1 or len(tasks) <= 1:
-        yield from map(work, tasks)
-        return
-    # Spawned, not forked: the parent may have threads already.
-    with ProcessPoolExecutor(processes, multiprocessing.get_context("spawn")) as pool:
-        yield from pool.map(work, tasks)
 
 
 def _is_complete(folder: Path) -> bool:

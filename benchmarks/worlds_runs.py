@@ -14,11 +14,12 @@ from lpslam.errors import UserError
 from lpslam.slam.state import EventKind
 from lpslam.slam.system import RgbdSlam
 from lpslam.sources.prefetch import Prefetched
+from side_by_side import beside
 from slam_recordings import Recording
 from slam_report import Report
 from slam_scores import Run, run
 from text_malls import map_recording
-from worlds_recordings import WorldRecording, beside
+from worlds_recordings import WorldRecording
 from worlds_report import by_factor, in_ratios, text_by_factor, worst
 
 

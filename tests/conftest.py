@@ -1,5 +1,7 @@
 """A walk past a few shops, rendered once, and the map of it: what the tests of the whole path share."""
 
+import fcntl
+import os
 import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -52,21 +54,42 @@ class _EverySecondFrame:
             yield replace(self._walk.frame(2 * index), index=index)
 
 
+Once = Callable[[str, Callable[[Path], object]], Path]
+
+
 @pytest.fixture(scope="session")
-def walk(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def once(tmp_path_factory: pytest.TempPathFactory) -> Once:
+    """Makes a folder of the session, by name, in whichever process asks first: the others wait for it."""
+    base = tmp_path_factory.getbasetemp()
+    shared = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
+
+    def made(name: str, make: Callable[[Path], object]) -> Path:
+        folder = shared / name
+        with (shared / f"{name}.lock").open("w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            if not folder.exists():
+                unfinished = shared / f"{name}.unfinished"
+                shutil.rmtree(unfinished, ignore_errors=True)
+                unfinished.mkdir()
+                make(unfinished)
+                unfinished.rename(folder)
+        return folder
+
+    return made
+
+
+@pytest.fixture(scope="session")
+def walk(once: Once) -> Path:
     """A TUM folder with ground truth and signs: eight seconds in a mock mall, 15 frames a second. Not to be changed."""
-    folder = tmp_path_factory.mktemp("recording") / "walk"
     cv2.setNumThreads(1)
-    write_sequence(_EverySecondFrame(MallSource(7, 2 * FRAMES, options=SimulationConfig(loop_length=26.0))), folder)
-    return folder
+    mall = MallSource(7, 2 * FRAMES, options=SimulationConfig(loop_length=26.0))
+    return once("recording", lambda folder: write_sequence(_EverySecondFrame(mall), folder / "walk")) / "walk"
 
 
 @pytest.fixture(scope="session")
-def walked(walk: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def walked(walk: Path, once: Once) -> Path:
     """The map file of `walk`, mapped in sequential mode and not distilled. Not to be changed."""
-    path = tmp_path_factory.mktemp("map") / "walk.lpmap"
-    pipeline.run(open_source(walk)).save(path)
-    return path
+    return once("map", lambda folder: pipeline.run(open_source(walk)).save(folder / "walk.lpmap")) / "walk.lpmap"
 
 
 @pytest.fixture

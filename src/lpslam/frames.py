@@ -66,3 +66,32 @@ class FrameSource(Protocol):
     def __iter__(self) -> Iterator[RgbdFrame]:
         """Yield the frames in order of time."""
         ...
+
+
+class PassedOn:
+    """What a `FrameSource` that does something with the frames of another one says of itself: what that one says.
+
+    Args:
+        source: where the frames come from.
+    """
+
+    def __init__(self, source: FrameSource) -> None:
+        self.source = source
+
+    @property
+    def name(self) -> str:
+        """The source's name."""
+        return self.source.name
+
+    @property
+    def camera(self) -> PinholeCamera:
+        """The source's calibration."""
+        return self.source.camera
+
+    @property
+    def faults(self) -> list[FrameFault]:
+        """The source's faults."""
+        return self.source.faults
+
+    def __len__(self) -> int:
+        return len(self.source)

@@ -166,6 +166,26 @@ def spread(texel: np.uint32) -> np.uint64:
     return (value & low) | ((value & middle) << np.uint64(13)) | ((value & high) << np.uint64(26))
 
 
+@njit(cache=True, nogil=True, fastmath=True, inline="always")
+def between(texels: Texels, start: int, width: int, u: float, v: float) -> np.uint64:
+    """256 times the colour at a place in a picture, `spread`, from the four texels around it.
+
+    Args:
+        texels: of all pictures.
+        start, width: where the picture begins, and its row's length.
+        u, v: column and row, inside the picture.
+    """
+    u0, v0 = np.int64(u), np.int64(v)
+    du, dv = np.int64((u - u0) * 16.0 + 0.5), np.int64((v - v0) * 16.0 + 0.5)
+    p = np.uint64(start + v0 * width + u0)
+    r = p + np.uint64(width)
+    one = np.uint64(1)
+    # Weights in sixteenths: the sum of all probes fits the 21 bits that each colour has.
+    upper = spread(texels[p]) * np.uint64((16 - du) * (16 - dv)) + spread(texels[p + one]) * np.uint64(du * (16 - dv))
+    lower = spread(texels[r]) * np.uint64((16 - du) * dv) + spread(texels[r + one]) * np.uint64(du * dv)
+    return upper + lower
+
+
 @njit(cache=True, nogil=True, fastmath=True)
 def _shade(
     k: np.int64,
@@ -219,16 +239,7 @@ def _shade(
             v -= math.floor(v)
         u = min(max(u * width - 0.5, 0.0), width - 1.001)
         v = min(max(v * height - 0.5, 0.0), height - 1.001)
-        u0, v0 = np.int64(u), np.int64(v)
-        du, dv = np.int64((u - u0) * 16.0 + 0.5), np.int64((v - v0) * 16.0 + 0.5)
-        p = np.uint64(start + v0 * width + u0)
-        r = p + np.uint64(width)
-        one = np.uint64(1)
-        # Weights in sixteenths: the sum of 8 probes fits the 21 bits that each colour has.
-        total += spread(texels[p]) * np.uint64((16 - du) * (16 - dv))
-        total += spread(texels[p + one]) * np.uint64(du * (16 - dv))
-        total += spread(texels[r]) * np.uint64((16 - du) * dv)
-        total += spread(texels[r + one]) * np.uint64(du * dv)
+        total += between(texels, start, width, u, v)
     factor = float(emission[i])
     if factor == 0.0:
         first, map_width, map_height = light_maps[i, 0], light_maps[i, 1], light_maps[i, 2]

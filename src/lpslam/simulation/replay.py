@@ -5,12 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from lpslam.camera import PinholeCamera
-from lpslam.frames import FrameFault, FrameSource, RgbdFrame
+from lpslam.frames import FrameSource, PassedOn, RgbdFrame
 from lpslam.simulation import sensor
 
 
-class NoisyAgain:
+class NoisyAgain(PassedOn):
     """A `FrameSource` that puts new noise on each frame of another one.
 
     The old noise stays beneath, so two passes are a little more alike than two visits would be, and each is a little
@@ -23,29 +22,11 @@ class NoisyAgain:
     """
 
     def __init__(self, source: FrameSource, seed: int, share: float = 0.7) -> None:
-        self.source = source
+        super().__init__(source)
         self._seed = seed
         self._share = share
         # The fields are the sensor's, whatever the pass.
         self._noise = sensor.draw_noise(np.random.default_rng(17), source.camera.width, source.camera.height)
-
-    @property
-    def name(self) -> str:
-        """The source's name."""
-        return self.source.name
-
-    @property
-    def camera(self) -> PinholeCamera:
-        """The source's calibration."""
-        return self.source.camera
-
-    @property
-    def faults(self) -> list[FrameFault]:
-        """The source's faults."""
-        return self.source.faults
-
-    def __len__(self) -> int:
-        return len(self.source)
 
     def __iter__(self) -> Iterator[RgbdFrame]:
         """Yield the source's frames with noise that depends on the seed and the frame's index alone."""

@@ -5,12 +5,11 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.camera import PinholeCamera
 from lpslam.errors import UserError
-from lpslam.frames import FrameFault, FrameSource, RgbdFrame
+from lpslam.frames import FrameFault, FrameSource, PassedOn, RgbdFrame
 
 
-class InOrder:
+class InOrder(PassedOn):
     """A `FrameSource` that leaves out frames of another one that come late, twice, without a time or misshapen.
 
     Tracking predicts from the frame before: time that runs backwards or stands still has no velocity. A colour picture
@@ -23,26 +22,13 @@ class InOrder:
     """
 
     def __init__(self, source: FrameSource) -> None:
-        self.source = source
+        super().__init__(source)
         self._own_faults: list[FrameFault] = []
-
-    @property
-    def name(self) -> str:
-        """The source's name."""
-        return self.source.name
-
-    @property
-    def camera(self) -> PinholeCamera:
-        """The source's calibration."""
-        return self.source.camera
 
     @property
     def faults(self) -> list[FrameFault]:
         """The source's faults and those found here, by index."""
         return sorted([*self.source.faults, *self._own_faults], key=lambda fault: fault.index)
-
-    def __len__(self) -> int:
-        return len(self.source)
 
     def __iter__(self) -> Iterator[RgbdFrame]:
         """Yield the frames that follow the one before in time.

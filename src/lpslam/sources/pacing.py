@@ -4,11 +4,10 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator
 
-from lpslam.camera import PinholeCamera
-from lpslam.frames import FrameFault, FrameSource, RgbdFrame
+from lpslam.frames import FrameSource, PassedOn, RgbdFrame
 
 
-class Paced:
+class Paced(PassedOn):
     """A `FrameSource` that gives each frame when its time has come, and only the newest to a consumer that is late.
 
     Args:
@@ -24,28 +23,10 @@ class Paced:
     def __init__(self, source: FrameSource, backlog: int = 1, should_stop: Callable[[], bool] = lambda: False) -> None:
         if backlog < 1:
             raise ValueError(f"a queue of {backlog} frames can hold none")
-        self.source = source
+        super().__init__(source)
         self.dropped = 0
         self._backlog = backlog
         self._should_stop = should_stop
-
-    @property
-    def name(self) -> str:
-        """The source's name."""
-        return self.source.name
-
-    @property
-    def camera(self) -> PinholeCamera:
-        """The source's calibration."""
-        return self.source.camera
-
-    @property
-    def faults(self) -> list[FrameFault]:
-        """The source's faults."""
-        return self.source.faults
-
-    def __len__(self) -> int:
-        return len(self.source)
 
     def __iter__(self) -> Iterator[RgbdFrame]:
         """Yield frames at their times, counted from the first."""

@@ -5,8 +5,7 @@ import threading
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from lpslam.camera import PinholeCamera
-from lpslam.frames import FrameFault, FrameSource, RgbdFrame
+from lpslam.frames import FrameSource, PassedOn, RgbdFrame
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,10 +15,11 @@ class _End:
     error: BaseException | None = None
 
 
-class Prefetched:
+class Prefetched(PassedOn):
     """A `FrameSource` that reads another one up to `depth` frames ahead.
 
     An error of the source is raised where the frame would have come. When the consumer stops early, so does the thread.
+    Faults are those of up to `depth` frames ahead of what has been consumed.
 
     Args:
         source: where the frames come from.
@@ -29,26 +29,8 @@ class Prefetched:
     def __init__(self, source: FrameSource, depth: int = 8) -> None:
         if depth < 1:
             raise ValueError(f"a queue of {depth} frames can hold none")
-        self.source = source
+        super().__init__(source)
         self._depth = depth
-
-    @property
-    def name(self) -> str:
-        """The source's name."""
-        return self.source.name
-
-    @property
-    def camera(self) -> PinholeCamera:
-        """The source's calibration."""
-        return self.source.camera
-
-    @property
-    def faults(self) -> list[FrameFault]:
-        """The source's faults; up to `depth` frames ahead of what has been consumed."""
-        return self.source.faults
-
-    def __len__(self) -> int:
-        return len(self.source)
 
     def __iter__(self) -> Iterator[RgbdFrame]:
         """Yield the source's frames in order; closing the iterator ends the thread."""

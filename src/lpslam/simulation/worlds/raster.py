@@ -12,7 +12,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera
-from lpslam.simulation.render import Affine, Column, IntColumn, Texels, project_faces, scan_faces, spread
+from lpslam.simulation.render import Affine, Column, IntColumn, Texels, between, project_faces, scan_faces
 from lpslam.simulation.scene import Scene
 
 PROBES = 3  # texture samples along the longer side of a pixel's footprint
@@ -143,7 +143,7 @@ def _add_run(
     top = levels.shape[1] - 1
     glow = float(emission[i])
     base, map_width, map_height = light_maps[i, 0], light_maps[i, 1], light_maps[i, 2]
-    one, lane = np.uint64(1), np.uint64(0x1FFFFF)
+    lane = np.uint64(0x1FFFFF)
     for column in range(first, first + count):
         x = column + dx
         z = 1.0 / (w_x * x + w_0)
@@ -177,15 +177,7 @@ def _add_run(
                 v -= math.floor(v)
             u = min(max(u * width - 0.5, 0.0), width - 1.001)
             v = min(max(v * height - 0.5, 0.0), height - 1.001)
-            u0, v0 = np.int64(u), np.int64(v)
-            du, dv = np.int64((u - u0) * 16.0 + 0.5), np.int64((v - v0) * 16.0 + 0.5)
-            p = np.uint64(start + v0 * width + u0)
-            r = p + np.uint64(width)
-            # Weights in sixteenths: the sum of all probes fits the 21 bits that each colour has.
-            total += spread(texels[p]) * np.uint64((16 - du) * (16 - dv))
-            total += spread(texels[p + one]) * np.uint64(du * (16 - dv))
-            total += spread(texels[r]) * np.uint64((16 - du) * dv)
-            total += spread(texels[r + one]) * np.uint64(du * dv)
+            total += between(texels, start, width, u, v)
         factor = glow
         if factor == 0.0:
             u, v = min(max(a, 0.0), 1.0) * (map_width - 1), min(max(b, 0.0), 1.0) * (map_height - 1)

@@ -4,7 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.config import SlamConfig
-from lpslam.slam.kernels import bundle, fusing, graph, local_bundle
+from lpslam.slam.adjusting import Adjuster
+from lpslam.slam.kernels import fusing, graph
 from lpslam.slam.map import SlamMap
 from lpslam.slam.mapping.triangulation import Triangulator
 from lpslam.slam.sensor import SensorModel
@@ -23,6 +24,7 @@ class LocalMapper:
         self._shutter = shutter
         self._config = config.mapping
         self._close_depth = config.keyframes.close_depth
+        self._adjuster = Adjuster(slam_map, sensor)
         self._triangulator = Triangulator(slam_map, sensor, self._config)
         self._recent_points = np.empty(0, np.int32)
         self._observations_needed = np.empty(0, np.int32)
@@ -119,31 +121,8 @@ class LocalMapper:
         return np.concatenate([np.array([keyframe], np.int32), covisible])
 
     def _adjust(self, free: NDArray[np.int32]) -> None:
-        """Bundle adjustment of keyframes; all others that see their points hold the frame."""
-        slam_map, config = self._map, self._config
-        with slam_map.lock:
-            free = free[slam_map.columns.keyframe_slot[free] >= 0]
-            roots = [k for k in free.tolist() if slam_map.is_root(k)]
-            problem, keyframes, points = local_bundle.gather_bundle(
-                slam_map.columns,
-                free,
-                slam_map.keyframe_count,
-                slam_map.point_count,
-                self._sensor.pixel_information,
-                roots[0] if roots else -1,
-            )
-            version = slam_map.version
-        if problem.free_count == 0 or len(keyframes) < 2:
-            return
-        poses, positions, inlier = bundle.adjust_bundle(
-            problem, self._sensor.intrinsics, config.first_iterations, config.iterations, self._stop
-        )
-        with slam_map.lock:
-            # A loop has been closed meanwhile: this solution lies in the world as it was before.
-            if slam_map.version == version:
-                local_bundle.apply_bundle(
-                    slam_map.columns, problem, keyframes, points, poses, positions, inlier, slam_map.scales
-                )
+        """Bundle adjustment of keyframes; one that is hurried counts as far as it came."""
+        self._adjuster.adjust(free, (self._config.first_iterations, self._config.iterations), self._stop)
 
     def _cull_keyframes(self, keyframe: int) -> None:
         """Remove covisible keyframes whose close points others see as well."""

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from lpslam.camera import inverse_transform
 from lpslam.config import LoopConfig, MappingConfig
+from lpslam.slam.adjusting import Adjuster
 from lpslam.slam.carrying import inverses
-from lpslam.slam.kernels import bundle, fusing, graph, local_bundle
+from lpslam.slam.kernels import fusing, graph
 from lpslam.slam.map import SlamMap
 from lpslam.slam.places import pose_graph
 from lpslam.slam.sensor import SensorModel
@@ -78,6 +79,7 @@ class LoopCorrector:
     def __init__(self, slam_map: SlamMap, sensor: SensorModel, config: LoopConfig, mapping: MappingConfig) -> None:
         self._map = slam_map
         self._sensor = sensor
+        self._adjuster = Adjuster(slam_map, sensor)
         self._config = config
         self._mapping = mapping
 
@@ -230,12 +232,8 @@ class LoopCorrector:
 
     def _weld(self, keyframes: _Rows, stop: NDArray[np.bool_]) -> None:
         """Adjust the new side of the seam; the old side, which sees points of it now, holds it."""
-        with self._map.lock:
-            gathered = self._gather_bundle(keyframes)
-        solved = self._solve_bundle(gathered, self._mapping.first_iterations, self._mapping.iterations, stop)
-        with self._map.lock:
-            if solved is not None and self._map.version == gathered.version:
-                self._apply_bundle(gathered, *solved)
+        iterations = (self._mapping.first_iterations, self._mapping.iterations)
+        self._adjuster.adjust(keyframes, iterations, stop, keeps_part=False)
 
     def adjust_fully(self, keyframe: int, stop: NDArray[np.bool_]) -> bool:
         """Bundle adjustment of the whole sub-map of a keyframe; False if it was abandoned.
@@ -245,63 +243,16 @@ class LoopCorrector:
         slam_map = self._map
         with slam_map.lock:
             living = slam_map.living_keyframes()
-            free = living[slam_map.submaps()[living] == slam_map.submaps()[keyframe]]
-            gathered = self._gather_bundle(free)
-        solved = self._solve_bundle(gathered, self._config.first_adjusting, self._config.adjusting, stop)
+            gathered = self._adjuster.gather(living[slam_map.submaps()[living] == slam_map.submaps()[keyframe]])
+        solution = self._adjuster.solve(gathered, (self._config.first_adjusting, self._config.adjusting), stop)
         with slam_map.lock:
-            if solved is None or slam_map.version != gathered.version:
+            if solution is None or stop[0] or slam_map.version != gathered.version:
                 return False
-            adjusted = gathered.keyframes[: gathered.problem.free_count]
+            adjusted = gathered.free
             alive = slam_map.columns.keyframe_slot[adjusted] >= 0
-            slam_map.carry(adjusted[alive], solved[0][: len(adjusted)][alive])
-            self._apply_bundle(gathered, *solved)
+            slam_map.carry(adjusted[alive], solution[0][: len(adjusted)][alive])
+            self._adjuster.apply(gathered, solution)
         return True
-
-    def _gather_bundle(self, free: _Rows) -> "_Bundle":
-        slam_map = self._map
-        free = free[slam_map.columns.keyframe_slot[free] >= 0]
-        roots = [k for k in free.tolist() if slam_map.is_root(k)]
-        return _Bundle(
-            slam_map.version,
-            *local_bundle.gather_bundle(
-                slam_map.columns,
-                free,
-                slam_map.keyframe_count,
-                slam_map.point_count,
-                self._sensor.pixel_information,
-                roots[0] if roots else -1,
-            ),
-        )
-
-    def _solve_bundle(
-        self, gathered: "_Bundle", first_iterations: int, iterations: int, stop: NDArray[np.bool_]
-    ) -> tuple[_Matrix, _Matrix, NDArray[np.bool_]] | None:
-        if gathered.problem.free_count == 0 or len(gathered.keyframes) < 2:
-            return None
-        solved = bundle.adjust_bundle(gathered.problem, self._sensor.intrinsics, first_iterations, iterations, stop)
-        return None if stop[0] else solved
-
-    def _apply_bundle(self, gathered: "_Bundle", poses: _Matrix, positions: _Matrix, inlier: NDArray[np.bool_]) -> None:
-        local_bundle.apply_bundle(
-            self._map.columns,
-            gathered.problem,
-            gathered.keyframes,
-            gathered.points,
-            poses,
-            positions,
-            inlier,
-            self._map.scales,
-        )
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Bundle:
-    """An adjustment problem with the rows of the map that it came from."""
-
-    version: int
-    problem: bundle.BundleProblem
-    keyframes: _Rows
-    points: _Rows
 
 
 _SHORTEST_EDGE = 0.1

@@ -1,0 +1,102 @@
+"""Bundle adjustment of a part of the map: gathered and written back under its lock, solved on a copy without it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.slam.kernels import bundle, local_bundle
+from lpslam.slam.map import SlamMap
+from lpslam.slam.sensor import SensorModel
+
+_Matrix = NDArray[np.float64]
+_Rows = NDArray[np.int32]
+_Solution = tuple[_Matrix, _Matrix, NDArray[np.bool_]]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Gathered:
+    """An adjustment problem with the rows of the map that it came from.
+
+    Attributes:
+        version: of the map.
+        problem: keyframes that are free come first.
+        keyframes, points: ids.
+    """
+
+    version: int
+    problem: bundle.BundleProblem
+    keyframes: _Rows
+    points: _Rows
+
+    @property
+    def free(self) -> _Rows:
+        """Ids of the keyframes that may move."""
+        return self.keyframes[: self.problem.free_count]
+
+
+class Adjuster:
+    """Adjusts keyframes and the points that they see; all others that see those points hold the frame, and so does a
+    root.
+
+    Args:
+        slam_map: is changed by `apply` and `adjust` alone.
+        sensor: of the camera.
+    """
+
+    def __init__(self, slam_map: SlamMap, sensor: SensorModel) -> None:
+        self._map = slam_map
+        self._sensor = sensor
+
+    def gather(self, free: _Rows) -> Gathered:
+        """Copy what the adjustment of keyframes needs; the caller holds the map's lock."""
+        slam_map = self._map
+        free = free[slam_map.columns.keyframe_slot[free] >= 0]
+        roots = [k for k in free.tolist() if slam_map.is_root(k)]
+        return Gathered(
+            slam_map.version,
+            *local_bundle.gather_bundle(
+                slam_map.columns,
+                free,
+                slam_map.keyframe_count,
+                slam_map.point_count,
+                self._sensor.pixel_information,
+                roots[0] if roots else -1,
+            ),
+        )
+
+    def solve(self, gathered: Gathered, iterations: tuple[int, int], stop: NDArray[np.bool_]) -> _Solution | None:
+        """Poses, positions and which observations agree; None where nothing can move.
+
+        Args:
+            gathered: the problem.
+            iterations: at most, before outliers are dropped and after it.
+            stop: (1,) set to True from another thread to end with what there is.
+        """
+        if gathered.problem.free_count == 0 or len(gathered.keyframes) < 2:
+            return None
+        return bundle.adjust_bundle(gathered.problem, self._sensor.intrinsics, *iterations, stop)
+
+    def apply(self, gathered: Gathered, solution: _Solution) -> None:
+        """Write a solution into the map, whose version is that of the copy; the caller holds the lock."""
+        local_bundle.apply_bundle(
+            self._map.columns, gathered.problem, gathered.keyframes, gathered.points, *solution, self._map.scales
+        )
+
+    def adjust(
+        self, free: _Rows, iterations: tuple[int, int], stop: NDArray[np.bool_], *, keeps_part: bool = True
+    ) -> None:
+        """Gather, solve and apply; arguments as of `solve`.
+
+        Args:
+            keeps_part: whether a solution that was stopped on its way counts.
+        """
+        with self._map.lock:
+            gathered = self.gather(free)
+        solution = self.solve(gathered, iterations, stop)
+        if solution is None or (stop[0] and not keeps_part):
+            return
+        with self._map.lock:
+            # A loop may have been closed meanwhile: this solution would lie in the world as it was before.
+            if self._map.version == gathered.version:
+                self.apply(gathered, solution)
