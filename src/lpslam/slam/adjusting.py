@@ -53,16 +53,19 @@ class Adjuster:
         slam_map = self._map
         free = free[slam_map.columns.keyframe_slot[free] >= 0]
         roots = [k for k in free.tolist() if slam_map.is_root(k)]
+        gathered = self._gathered(free, roots[0] if roots else -1)
+        if not roots and len(free) and gathered.problem.free_count == len(gathered.keyframes):
+            # Nobody else sees their points, where surfaces alone have carried the camera on: the oldest one holds.
+            return self._gathered(free, int(free.min()))
+        return gathered
+
+    def _gathered(self, free: _Rows, held: int) -> Gathered:
+        """The problem of keyframes of which one may be held."""
+        slam_map = self._map
+        columns, counts = slam_map.columns, (slam_map.keyframe_count, slam_map.point_count)
         return Gathered(
             slam_map.version,
-            *local_bundle.gather_bundle(
-                slam_map.columns,
-                free,
-                slam_map.keyframe_count,
-                slam_map.point_count,
-                self._sensor.pixel_information,
-                roots[0] if roots else -1,
-            ),
+            *local_bundle.gather_bundle(columns, free, *counts, self._sensor.pixel_information, held),
         )
 
     def solve(self, gathered: Gathered, iterations: tuple[int, int], stop: NDArray[np.bool_]) -> _Solution | None:

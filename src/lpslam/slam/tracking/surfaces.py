@@ -113,7 +113,7 @@ class Surfaces:
             sigma = max(1.4826 * float(np.median(residuals[:inside])), config.least_shade)
             hessian += np.triu(hessian, 1).T
             astray = logarithm(pose @ inverse_transform(guess))
-            step = np.linalg.solve(hessian + prior, -(gradient + prior @ astray))
+            step = np.asarray(np.linalg.solve(hessian + prior, -(gradient + prior @ astray)), np.float64)
             pose = exponential(step) @ pose
             if np.abs(step).max() < _SMALL_STEP:
                 break
