@@ -1,7 +1,7 @@
 """Finding the way back: twenty blank frames, then another place that is mapped, or one that is not yet."""
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -85,30 +85,38 @@ def carry(
     noise: int,
     truth_from_map: NDArray[np.float64],
     fps: float = FPS,
+    is_mapped: Callable[[RgbdFrame, NDArray[np.float64]], bool] = lambda frame, pose: True,
 ) -> tuple[str, int | None, float | None]:
-    """Blank the camera and uncover it elsewhere: found, later, never or false; frames waited; metres of error."""
+    """Blank the camera and uncover it elsewhere: found, later, never, false or unmapped; frames; metres of error.
+
+    Frames are counted from the first that shows a mapped place: `is_mapped` says so of a frame and its true pose.
+    """
     for frame in (*before, *blank_frames(before[-1], BLANK, fps)):
         slam.process(frame)
     clock = before[-1].timestamp + (BLANK + 1) / fps
     first: int | None = None
+    mapped: int | None = None
     errors: list[float] = []
     for step in range(min(PATIENCE, len(mall) - start)):
         if first is not None and step >= first + CHECKED:
             break
+        true = mall.ground_truth.world_from_camera[start + step]
         frame = mall.frame(start + step, noise)
+        if mapped is None and is_mapped(frame, true):
+            mapped = step
         index = before[-1].index + BLANK + 1 + step
         tracked = slam.process(replace(frame, index=index, timestamp=clock + step / fps))
         if tracked.world_from_camera is None:
             continue
         first = step if first is None else first
-        true = mall.ground_truth.world_from_camera[start + step]
         metres, degrees = pose_error(truth_from_map @ tracked.world_from_camera, true)
         errors.append(metres)
         if metres > WRONG[0] or degrees > WRONG[1]:
             return "false", first + 1, round(metres, 3)
     if first is None:
-        return "never", None, None
-    return "found" if first < GOOD else "later", first + 1, round(max(errors), 3)
+        return "unmapped" if mapped is None else "never", None, None
+    waited = first - (first if mapped is None else min(mapped, first))
+    return "found" if waited < GOOD else "later", waited + 1, round(max(errors), 3)
 
 
 def blank_frames(last: RgbdFrame, count: int, fps: float = FPS) -> list[RgbdFrame]:

@@ -1,7 +1,7 @@
 """Set down elsewhere in a world: blank frames, then another place of it, in the map that was made.
 
 Half of the trials see frames of the same pass with new noise, half those of another pass, at another height and pace;
-of either, half only localise in the map and half continue it.
+of either, half only localise in the map and half continue it. Frames count from the first that shows a mapped place.
 """
 
 from collections import Counter
@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lpslam.camera import PinholeCamera, inverse_transform, transform_points
 from lpslam.config import Config
 from lpslam.frames import RgbdFrame
 from lpslam.poses import StampedPoses
@@ -25,6 +26,9 @@ from slam_report import Report
 from slam_scores import run, true_pose
 from worlds_recordings import WorldRecording
 
+MAPPED_SHARE = 0.5  # of a frame's depth readings that one keyframe has in view: its place is mapped
+GRID = 12  # readings across and down of which that is asked
+LIKE_DISTANCE = 2.0  # factor between the distances from which both see a point
 SEEING = 8  # frames after a start in which the camera must not be blind
 
 
@@ -37,6 +41,46 @@ class Task:
     trials: int
 
 
+@dataclass(frozen=True)
+class MappedViews:
+    """What a map's keyframes have in view: their true poses (n, 4, 4), and the camera."""
+
+    camera_from_world: NDArray[np.float64]
+    camera: PinholeCamera
+
+    @classmethod
+    def of(cls, slam_map: SlamMap, truth_from_map: NDArray[np.float64], camera: PinholeCamera) -> "MappedViews":
+        """Of the living keyframes of the map proper."""
+        poses = [
+            inverse_transform(truth_from_map @ slam_map.world_from_keyframe(int(k)))
+            for k in slam_map.living_keyframes()
+            if slam_map.is_home(int(k))
+        ]
+        return cls(np.array(poses).reshape(-1, 4, 4), camera)
+
+    def show(self, frame: RgbdFrame, world_from_camera: NDArray[np.float64]) -> bool:
+        """Whether some keyframe has most of what a frame shows in view, from a like distance."""
+        camera = self.camera
+        rows = np.linspace(0, camera.height - 1, GRID).astype(int)
+        columns = np.linspace(0, camera.width - 1, GRID).astype(int)
+        v, u = (axis.ravel() for axis in np.meshgrid(rows, columns, indexing="ij"))
+        depth = frame.depth[v, u].astype(float)
+        seen = depth > 0
+        if np.count_nonzero(seen) < GRID:
+            return False
+        pixels = camera.undistort(np.column_stack([u, v])[seen].astype(float))
+        points = transform_points(world_from_camera, camera.back_project(pixels, depth[seen]))
+        for pose in self.camera_from_world:
+            x, y, z = transform_points(pose, points).T
+            ahead = np.maximum(z, 1e-3)
+            across, down = camera.fx * x / ahead + camera.cx, camera.fy * y / ahead + camera.cy
+            inside = (z > 0.1) & (across >= 0) & (across < camera.width) & (down >= 0) & (down < camera.height)
+            ratio = ahead / depth[seen]
+            if np.mean(inside & (ratio < LIKE_DISTANCE) & (ratio > 1 / LIKE_DISTANCE)) >= MAPPED_SHARE:
+                return True
+        return False
+
+
 def measure(
     recordings: Sequence[WorldRecording], config: Path | None, trials: int, processes: int, report: Report
 ) -> None:
@@ -46,7 +90,7 @@ def measure(
         for trial in facts["trials"]:
             report.line(world=facts["world"], factors=facts["factors"], **trial)
         rows.append(facts)
-    headings = ["Trials", f"Found within {GOOD}", "Later", "Never", "False", "Frames until found"]
+    headings = ["Trials", f"Found within {GOOD}", "Later", "Never", "False", "Not mapped", "Frames until found"]
     every = [trial for row in rows for trial in row["trials"]]
     table = [["all", "", *_cells(every)]]
     for name in ("visit", "grows"):
@@ -67,7 +111,7 @@ def _cells(trials: Sequence[dict[str, Any]]) -> list[str]:
     waits = [trial["frames"] for trial in trials if trial["verdict"] in ("found", "later")]
     return [
         str(len(trials)),
-        *(str(verdicts[verdict]) for verdict in ("found", "later", "never", "false")),
+        *(str(verdicts[verdict]) for verdict in ("found", "later", "never", "false", "unmapped")),
         f"{np.median(waits):.0f}, {max(waits)}" if waits else "-",
     ]
 
@@ -93,7 +137,10 @@ def _carried(task: Task) -> dict[str, Any]:
         starts = np.flatnonzero(blind[: max(1, len(world) - PATIENCE)] == 0)
         start = int(rng.choice(starts)) if len(starts) else 0
         again = RgbdSlam(source.camera, config, base=SlamMap.from_arrays(arrays), grows=grows)
-        verdict, waited, error = carry(again, frames, world, start, trial + 1, truth_from_map, recording.world.fps)
+        views = MappedViews.of(done.slam.map, truth_from_map, source.camera)
+        verdict, waited, error = carry(
+            again, frames, world, start, trial + 1, truth_from_map, recording.world.fps, views.show
+        )
         facts["trials"].append({
             "trial": trial, "visit": visit, "grows": grows, "start": start, "verdict": verdict, "frames": waited,
             "error_m": error,
