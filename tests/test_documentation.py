@@ -29,7 +29,7 @@ def test_modules_that_are_named_exist(document: Path) -> None:
     missing = [
         name
         for name in named
-        if not any((home / name).is_file() for home in homes) and not any(ROOT.glob(f"src/lpslam/*/{name}"))
+        if not any((home / name).is_file() for home in homes) and not any(ROOT.glob(f"src/lpslam/**/{name}"))
     ]
     assert [name for name in missing if name != "__init__.py"] == []
 
