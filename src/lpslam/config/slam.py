@@ -110,14 +110,14 @@ class SurfaceConfig(Section):
     width: int = Field(default=80, ge=16)  # pixels across; noise of the shades is averaged, slopes of depth stay
     steps: int = Field(default=15, ge=1)  # of Gauss-Newton at most
     edge: float = Field(default=0.1, gt=0)  # of the depth; neighbours that differ by more are of two surfaces
-    guess_metres: float = Field(default=0.01, gt=0)  # sigma of the guess a frame; it fills in what images do not say
-    guess_radians: float = Field(default=0.01, gt=0)  # the same of its turn
+    guess_speed: float = Field(default=0.3, gt=0)  # m/s; sigma of the guess, which fills in what images do not say
+    guess_turn: float = Field(default=0.5, gt=0)  # rad/s; the same of its turn
     least_shade: float = Field(default=0.3, gt=0)  # grey values; sigma of the shades at least: they are rounded
     slope_sigmas: float = Field(default=2.0, ge=0)  # of the noise of a slope; flatter pixels say nothing
     least_shared: float = Field(default=0.4, gt=0, le=1)  # of the reference's pixels with depth must be in view
-    least_pixels: int = Field(default=400, ge=6)  # with depth in both images
+    least_measured: float = Field(default=0.1, gt=0, le=1)  # of the pixels must have depth in both images
     least_agreement: float = Field(default=0.8, ge=0, le=1)  # of the pixels' depths, within three sigmas
-    loosest_metres: float = Field(default=0.003, gt=0)  # sigma in the direction that the images tell worst
+    told_share: float = Field(default=0.33, gt=0)  # of the guess's sigma; images that tell no better do not hold
     renewed_share: float = Field(default=0.8, gt=0, le=1)  # of the reference in view; less, and the next one is taken
     held_seconds: float = Field(default=10.0, ge=0)  # for which images alone tell the way; they drift by a twentieth
 

@@ -37,21 +37,22 @@ class CarryingOn:
     def follow(self, last: LastFrame, picture: Picture) -> _Matrix:
         """The pose of the next frame (4×4, camera from the reference keyframe of `last`, the last with a place).
 
-        Where the images do not tell it, the camera goes on as it did; `is_held` says which.
+        Where the images do not tell it, the camera goes on as it did; `is_held` until that has happened.
         """
         if self._from is not last:
             self._begin(last)
         seconds = picture.timestamp - self._timestamp
         guess = exponential(self._twist * min(max(seconds, 0.0), FARTHEST_AHEAD)) @ self._image_from_reference
         image = self._surfaces.images.reference(picture.gray, picture.frame.depth)
-        aligned = self._surfaces.align(self._reference, image, guess)
+        aligned = self._surfaces.align(self._reference, image, guess, seconds)
         pose = guess if aligned is None else aligned.image_from_reference
-        self.is_held = aligned is not None and aligned.holds
-        if self.is_held and seconds > 0.0:
+        holds = aligned is not None and aligned.holds
+        self.is_held = self.is_held and holds
+        if holds and seconds > 0.0:
             self._twist = logarithm(pose @ inverse_transform(self._image_from_reference)) / seconds
         self._image_from_reference, self._timestamp = pose, picture.timestamp
         camera_from_keyframe: _Matrix = pose @ self._reference_from_keyframe
-        if aligned is not None and self.is_held and aligned.shared < self._renewed_share:
+        if aligned is None or not holds or aligned.shared < self._renewed_share:
             self._reference, self._reference_from_keyframe = image, camera_from_keyframe
             self._image_from_reference = np.eye(4)
         return camera_from_keyframe
@@ -65,7 +66,7 @@ class CarryingOn:
         return ahead
 
     def _begin(self, last: LastFrame) -> None:
-        self._from, self._timestamp = last, last.timestamp
+        self._from, self._timestamp, self.is_held = last, last.timestamp, True
         self._reference = self._surfaces.images.reference(last.gray, last.depth)
         self._reference_from_keyframe, self._image_from_reference = last.camera_from_reference, np.eye(4)
         self._twist = np.zeros(6) if self._motion.twist is None else self._motion.twist

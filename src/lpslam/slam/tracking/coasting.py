@@ -30,7 +30,7 @@ class Coasting:
 
     Attributes:
         since: time of the first such frame; None while there is none.
-        guessed_since: time of the first since surfaces have told the way last; None while they do.
+        guessed_since: time of the first to which surfaces did not tell the way; None while they do.
     """
 
     seconds: float
@@ -51,9 +51,7 @@ class Coasting:
         """Take a frame with the pose that it has until it is known better."""
         if self.since is None:
             self.since = timestamp
-        if is_held:
-            self.guessed_since = None
-        elif self.guessed_since is None:
+        if not is_held and self.guessed_since is None:
             self.guessed_since = timestamp
         self._frames.append(_Passed(index, timestamp, camera_from_keyframe))
 

@@ -88,27 +88,39 @@ class Surfaces:
         self._noise = (sensor.depth_sigma, sensor.depth_sigma_quadratic)
         self._config = config
 
-    def align(self, reference: _Image, image: _Image, guess: _Matrix) -> Aligned | None:
+    def align(self, reference: _Image, image: _Image, guess: _Matrix, seconds: float) -> Aligned | None:
         """Find the pose between two small images (2, h, w) from a guess of it (4×4, image from reference).
 
-        Where the images say nothing, the guess stays. None if they hardly overlap.
+        Coarse images first, for the reach, then as they are. Where they say nothing, the guess stays, which has been
+        made for so many seconds. None if they hardly overlap.
         """
-        config = self._config
-        here = sloped(image, config.edge)
-        hessian, gradient = np.empty((6, 6)), np.empty(6)
-        residuals = np.empty(image[0].size)
-        prior = np.diag([config.guess_metres**-2] * 3 + [config.guess_radians**-2] * 3)
-        pose: _Matrix = guess.copy()
-        sigma = _FIRST_SIGMA
-        offset = float(np.median(reference[0]) - np.median(image[0]))
+        pose = guess
+        for halvings in (1, 0):
+            levels = halved(reference, halvings), sloped(halved(image, halvings), self._config.edge)
+            aligned = self._aligned(*levels, pose, guess, halvings, max(seconds, _LEAST_SECONDS))
+            if aligned is None:
+                return None
+            pose = aligned.image_from_reference
+        return aligned
+
+    def _aligned(
+        self, reference: _Image, image: _Image, pose: _Matrix, guess: _Matrix, halvings: int, seconds: float
+    ) -> Aligned | None:
+        """Gauss-Newton from a pose on one level; `image` as of `sloped`."""
+        config, shrink = self._config, 2.0**halvings
+        intrinsics = self.images.intrinsics / shrink
+        intrinsics[2:] += 0.5 / shrink - 0.5
+        hessian, gradient, residuals = np.empty((6, 6)), np.empty(6), np.empty(image[0].size)
+        sigmas = np.repeat([config.guess_speed, config.guess_turn], 3) * seconds
+        prior = np.diag(sigmas**-2)
+        sigma, offset = _FIRST_SIGMA, float(np.median(reference[0]) - np.median(image[0]))
         known = max(int((reference[1] > 0).sum()), 1)
         for _ in range(config.steps):
             brightness, slope = (offset, sigma), config.slope_sigmas * _SOBEL_NOISE * sigma
             inside, measured, agreeing = align_terms(
-                reference, here, self.images.intrinsics, pose, brightness, slope, self._noise,
-                hessian, gradient, residuals,
-            )  # fmt: skip
-            if inside < config.least_shared * known or measured < config.least_pixels:
+                reference, image, intrinsics, pose, brightness, slope, self._noise, hessian, gradient, residuals
+            )
+            if inside < config.least_shared * known or measured < config.least_measured * image[0].size:
                 return None
             sigma = max(1.4826 * float(np.median(residuals[:inside])), config.least_shade)
             hessian += np.triu(hessian, 1).T
@@ -117,9 +129,18 @@ class Surfaces:
             pose = exponential(step) @ pose
             if np.abs(step).max() < _SMALL_STEP:
                 break
-        is_firm = bool(np.linalg.eigvalsh(hessian)[0] > config.loosest_metres**-2)
-        holds = is_firm and agreeing >= config.least_agreement * measured
-        return Aligned(pose, inside / known, holds)
+        # By eigenvalues in units of the guess: in the direction that the images tell worst.
+        told = np.linalg.eigvalsh(hessian * np.outer(sigmas, sigmas))[0]
+        is_firm = bool(told * config.told_share**2 > 1.0)
+        return Aligned(pose, inside / known, is_firm and agreeing >= config.least_agreement * measured)
+
+
+def halved(image: _Image, times: int) -> _Image:
+    """(2, h, w) at half the size, so many times."""
+    for _ in range(times):
+        shades = cv2.resize(image[0], None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
+        image = np.stack([shades, image[1, : 2 * shades.shape[0] : 2, : 2 * shades.shape[1] : 2]])
+    return image
 
 
 _WAYS = ((1, 0), (0, 1))
@@ -129,6 +150,9 @@ _FIRST_SIGMA = 5.0
 
 _SOBEL_NOISE = 0.31
 """Slope that noise of one grey value makes: √12 / 8 of independent pixels; a residual has the noise of two."""
+
+_LEAST_SECONDS = 0.01
+"""Seconds for which a guess has been made at least: clocks are rounded."""
 
 _SMALL_STEP = 1e-5
 """Metres and radians: no further step is made."""
