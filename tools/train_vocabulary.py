@@ -1,11 +1,13 @@
 r"""Learn the descriptor's test pairs and the words of place recognition, on imagery of many kinds.
 
-    python tools/train_vocabulary.py pairs --pictures FOLDER        # src/lpslam/slam/assets/test_pairs.npy
+    python tools/train_vocabulary.py pairs                          # src/lpslam/slam/assets/test_pairs.npy
     python tools/train_vocabulary.py vocabulary --pictures FOLDER   # src/lpslam/slam/assets/vocabulary.npz
 
 The imagery: photographs, drawings and documents; frames of worlds, of seeds from 9000 on, and of rendered malls, of
 seeds from 900 on, that nothing else uses; pictures of noise, shapes, materials and words. The vocabulary is learned
-with the pairs as they are. The same command on the same pictures gives the same files, to the byte.
+with the pairs as they are. The pairs that lpslam has were learned on malls and generated pictures; `pairs --pictures`
+learns them on all kinds, which is no better (docs/benchmarks.md), and other pairs make saved maps useless. The same
+command on the same pictures gives the same files, to the byte.
 
 The pictures come from Debian 12, whose licences allow any use; none of them is part of this project:
 
@@ -14,7 +16,7 @@ The pictures come from Debian 12, whose licences allow any use; none of them is 
                 palapeli-data opencv-doc tuxpaint-stamps-default hugin-data gimp-help-en stellarium-data; do
         apt-get download $each && dpkg -x ${each}_*.deb $each && rm ${each}_*.deb
     done
-    mv stellarium-data/usr/share/stellarium/landscapes . && rm -r stellarium-data
+    mv stellarium-data/usr/share/stellarium/landscapes stellarium-landscapes && rm -r stellarium-data
 
 What is learned is compared on others, with `benchmarks/descriptors.py`:
 
@@ -28,6 +30,7 @@ What is learned is compared on others, with `benchmarks/descriptors.py`:
 import argparse
 from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
+from itertools import chain
 from pathlib import Path
 
 import cv2
@@ -43,11 +46,11 @@ from lpslam.slam.places.vocabulary import Vocabulary
 from training_pictures import FIRST_SEED, generated_pictures, mall_frames, photographed, world_frames
 
 ASSETS = Path(__file__).parents[1] / "src" / "lpslam" / "slam" / "assets"
-# Photographs; worlds and frames of each; malls and frames of each; generated pictures.
-IMAGERY = {"pairs": (120, (40, 3), (10, 6), 60), "vocabulary": (240, (40, 6), (10, 12), 100)}
-BRANCHES, LEVELS = 10, 4
+MALLS_FOR_PAIRS, GENERATED_FOR_PAIRS = (6, 14), 60  # without pictures
+PHOTOGRAPHS, WORLDS, MALLS, GENERATED = 320, (40, 7), (10, 24), 100  # views; worlds and malls, and frames of each
+BRANCHES, LEVELS = 22, 3
 
-PATCHES, TESTS, SAMPLE = 5_000, 100_000, 250_000  # patches of a kind compared, tests tried, descriptors clustered
+PATCHES, TESTS, SAMPLE = 20_000, 100_000, 250_000  # patches compared, tests tried, descriptors clustered
 # From 0.4 the chosen tests are too fine to survive a change of view as well, from 0.7 they say the same too often.
 START_CORRELATION = 0.5
 PATCH_LEVELS = 4  # of a pyramid, each 1.44 times smaller
@@ -228,33 +231,35 @@ def train_vocabulary(pictures: Sequence[Bits], branches: int, levels: int, sampl
     return Vocabulary(tree, branches, rarity_of(bare.words, bare.size, pictures).astype(np.float32))
 
 
-def imagery(what: str, folder: Path) -> Iterator[Iterator[NDArray[np.uint8]]]:
-    """The pictures to learn something from, kind by kind."""
-    photographs, worlds, malls, generated = IMAGERY[what]
-    yield photographed(folder, photographs)
-    yield world_frames(*worlds)
-    yield mall_frames(*malls)
-    yield generated_pictures(generated)
+def imagery(folder: Path) -> Iterator[Iterator[NDArray[np.uint8]]]:
+    """The pictures to learn from, kind by kind."""
+    yield photographed(folder, PHOTOGRAPHS)
+    yield world_frames(*WORLDS)
+    yield mall_frames(*MALLS)
+    yield generated_pictures(GENERATED)
 
 
-def learn_pairs(kinds: Iterator[Iterator[NDArray[np.uint8]]]) -> NDArray[np.int8]:
+def learn_pairs(kinds: Sequence[Iterator[NDArray[np.uint8]]]) -> NDArray[np.int8]:
     """Test pairs (512, 2) from as many patches of each kind."""
     rng, points = np.random.default_rng(FIRST_SEED), reachable_points()
     chosen = []
     for pictures in kinds:
         patches = np.concatenate([patches_in_two_views(rng, each, points) for each in pictures], axis=1)
-        chosen.append(patches[:, np.sort(rng.permutation(patches.shape[1])[:PATCHES])])
+        chosen.append(patches[:, np.sort(rng.permutation(patches.shape[1])[: PATCHES // len(kinds)])])
     return choose_pairs(rng, np.concatenate(chosen, axis=1), points, TESTS)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", choices=("pairs", "vocabulary"))
-    parser.add_argument("--pictures", type=Path, required=True, help="a folder with a folder of pictures per package")
+    parser.add_argument("--pictures", type=Path, help="a folder with a folder of pictures per package")
     parser.add_argument("--out", type=Path, default=ASSETS)
     arguments = parser.parse_args()
     cv2.setNumThreads(1)
-    kinds = imagery(arguments.what, arguments.pictures)
+    if arguments.what == "vocabulary" and arguments.pictures is None:
+        parser.error("the vocabulary needs --pictures")
+    rendered = chain(mall_frames(*MALLS_FOR_PAIRS), generated_pictures(GENERATED_FOR_PAIRS))
+    kinds = [rendered] if arguments.pictures is None else list(imagery(arguments.pictures))
     if arguments.what == "pairs":
         np.save(arguments.out / "test_pairs.npy", learn_pairs(kinds))
         return
