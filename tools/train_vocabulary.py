@@ -1,13 +1,14 @@
 r"""Learn the descriptor's test pairs and the words of place recognition, on imagery of many kinds.
 
-    python tools/train_vocabulary.py pairs                          # src/lpslam/slam/assets/test_pairs.npy
+    python tools/train_vocabulary.py pairs --out FOLDER             # test_pairs.npy, to compare
     python tools/train_vocabulary.py vocabulary --pictures FOLDER   # src/lpslam/slam/assets/vocabulary.npz
 
 The imagery: photographs, drawings and documents; frames of worlds, of seeds from 9000 on, and of rendered malls, of
 seeds from 900 on, that nothing else uses; pictures of noise, shapes, materials and words. The vocabulary is learned
 with the pairs as they are. The pairs that lpslam has were learned on malls and generated pictures; `pairs --pictures`
 learns them on all kinds, which is no better (docs/benchmarks.md), and other pairs make saved maps useless. The same
-command on the same pictures gives the same files, to the byte.
+command on the same pictures gives the same files, to the byte; but malls have changed since the pairs were learned, and
+`pairs` gives others now. Raise the version of the map file with them.
 
 The pictures come from Debian 12, whose licences allow any use; none of them is part of this project:
 
