@@ -1,14 +1,36 @@
-"""Learn the descriptor's test pairs and the words of place recognition, on imagery that this script makes.
+r"""Learn the descriptor's test pairs and the words of place recognition, on imagery of many kinds.
 
-    python tools/train_vocabulary.py pairs        # src/lpslam/slam/assets/test_pairs.npy, about two minutes
-    python tools/train_vocabulary.py vocabulary   # src/lpslam/slam/assets/vocabulary.npz, with the pairs as they are
+    python tools/train_vocabulary.py pairs --out FOLDER             # test_pairs.npy, to compare
+    python tools/train_vocabulary.py vocabulary --pictures FOLDER   # src/lpslam/slam/assets/vocabulary.npz
 
-The imagery: frames of rendered malls, of seeds from 900 on that nothing else uses, and pictures of noise, shapes,
-materials and words. The same command gives the same files, to the byte.
+The imagery: photographs, drawings and documents; frames of worlds, of seeds from 9000 on, and of rendered malls, of
+seeds from 900 on, that nothing else uses; pictures of noise, shapes, materials and words. The vocabulary is learned
+with the pairs as they are. The pairs that lpslam has were learned on malls and generated pictures; `pairs --pictures`
+learns them on all kinds, which is no better (docs/benchmarks.md), and other pairs make saved maps useless. The same
+command on the same pictures gives the same files, to the byte; but malls have changed since the pairs were learned, and
+`pairs` gives others now. Raise the version of the map file with them.
+
+The pictures come from Debian 12, whose licences allow any use; none of them is part of this project:
+
+    mkdir pictures && cd pictures
+    for each in plasma-workspace-wallpapers lomiri-wallpapers-16.04 lomiri-wallpapers-20.04 ukui-wallpapers \
+                palapeli-data opencv-doc tuxpaint-stamps-default hugin-data gimp-help-en stellarium-data; do
+        apt-get download $each && dpkg -x ${each}_*.deb $each && rm ${each}_*.deb
+    done
+    mv stellarium-data/usr/share/stellarium/landscapes stellarium-landscapes && rm -r stellarium-data
+
+What is learned is compared on others, with `benchmarks/descriptors.py`:
+
+    mkdir others && cd others
+    apt-get download mate-backgrounds && dpkg -x mate-backgrounds_*.deb mate-backgrounds
+    pip download --no-deps --only-binary :all: --python-version 3.7 --platform manylinux1_x86_64 scikit-image==0.16.2
+    pip download --no-deps scikit-learn==1.5.2
+    for each in scikit_*.whl; do python -m zipfile -e $each ${each%%-*}; done
 """
 
 import argparse
 from collections.abc import Callable, Iterator, Sequence
+from functools import lru_cache
 from itertools import chain
 from pathlib import Path
 
@@ -17,21 +39,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera
-from lpslam.config import FeatureConfig, SimulationConfig
+from lpslam.config import FeatureConfig
 from lpslam.frames import RgbdFrame
-from lpslam.simulation import lexicon, textures
-from lpslam.simulation.lettering import paint_board
-from lpslam.simulation.source import MallSource
 from lpslam.slam.features import FeatureExtractor, as_gray, gray_of
 from lpslam.slam.kernels import image as kernels
 from lpslam.slam.places.vocabulary import Vocabulary
+from training_pictures import FIRST_SEED, generated_pictures, mall_frames, photographed, world_frames
 
 ASSETS = Path(__file__).parents[1] / "src" / "lpslam" / "slam" / "assets"
-FIRST_SEED = 900
-IMAGERY = {"pairs": (6, 14, 60), "vocabulary": (10, 24, 100)}  # malls, frames of each, generated pictures
-BRANCHES, LEVELS = 10, 4
+MALLS_FOR_PAIRS, GENERATED_FOR_PAIRS = (6, 14), 60  # without pictures
+PHOTOGRAPHS, WORLDS, MALLS, GENERATED = 320, (40, 7), (10, 24), 100  # views; worlds and malls, and frames of each
+BRANCHES, LEVELS = 22, 3
 
-CAMERA = PinholeCamera(width=640, height=480, fx=560.0, fy=560.0, cx=320.0, cy=240.0)
 PATCHES, TESTS, SAMPLE = 20_000, 100_000, 250_000  # patches compared, tests tried, descriptors clustered
 # From 0.4 the chosen tests are too fine to survive a change of view as well, from 0.7 they say the same too often.
 START_CORRELATION = 0.5
@@ -40,73 +59,6 @@ PATCH_LEVELS = 4  # of a pyramid, each 1.44 times smaller
 Gray = NDArray[np.uint8]
 Patches = NDArray[np.uint8]
 Bits = NDArray[np.uint64]
-
-
-# Imagery ----------------------------------------------------------------------------------------------------------
-
-
-def mall_frames(malls: int, frames: int) -> Iterator[NDArray[np.uint8]]:
-    """Frames (480, 640, 3) spread over the walks through several malls, every third of them dark."""
-    for seed in range(FIRST_SEED, FIRST_SEED + malls):
-        mall = MallSource(seed, options=SimulationConfig(light=0.4 if seed % 3 == 2 else 1.0))
-        for index in np.linspace(0, len(mall) - 1, frames).astype(int):
-            yield mall.frame(int(index)).rgb
-
-
-def generated_pictures(count: int) -> Iterator[NDArray[np.uint8]]:
-    """Pictures (480, 640, 3) of materials, posters, words and noise, each seen a little aside and unsharp."""
-    painters: Sequence[Callable[[np.random.Generator], NDArray[np.uint8]]] = (_noise, _shelf, _material, _words)
-    for index in range(count):
-        rng = np.random.default_rng([FIRST_SEED, index])
-        yield _seen_aside(rng, painters[index % len(painters)](rng))
-
-
-def _noise(rng: np.random.Generator) -> NDArray[np.uint8]:
-    """Blobs of all sizes; thresholded in half of the pictures, which gives sharp edges of any shape."""
-    field = textures.clouds(rng, 480, 640, rng.uniform(60, 200), rng.uniform(2, 6))
-    if rng.random() < 0.5:
-        field = np.tanh(field * rng.uniform(3, 12)) * rng.uniform(0.4, 0.9)
-    return textures.to_image(np.repeat((128 + 110 * field)[..., None], 3, axis=2))
-
-
-def _shelf(rng: np.random.Generator) -> NDArray[np.uint8]:
-    """Posters side by side, as goods on a shelf."""
-    rows, columns = int(rng.integers(1, 5)), int(rng.integers(2, 8))
-    height, width = 480 // rows, 640 // columns
-    goods = [np.hstack([textures.poster(rng, height, width) for _ in range(columns)]) for _ in range(rows)]
-    return np.asarray(cv2.resize(np.vstack(goods), (640, 480)), np.uint8)
-
-
-def _material(rng: np.random.Generator) -> NDArray[np.uint8]:
-    scale = float(rng.uniform(80, 240))
-    if rng.random() < 0.5:
-        return textures.floor(rng, 480, 640, scale)
-    kind = str(rng.choice(["brick", "tiles", "panels", "paper", "stone"]))
-    return textures.wall(rng, 480, 640, scale, kind, textures.wall_colour(rng, 0.4))
-
-
-def _words(rng: np.random.Generator) -> NDArray[np.uint8]:
-    """Boards with words on a plain wall."""
-    picture = np.full((480, 640, 3), textures.wall_colour(rng, 0.3), np.uint8)
-    for _ in range(12):
-        wording = lexicon.EVERYTHING[int(rng.integers(len(lexicon.EVERYTHING)))]
-        style = str(rng.choice(["plain", "shop", "friendly"]))
-        lines = wording.lines("mixed")
-        board = paint_board(rng, lines, wording.kind, style, rng.uniform(0.08, 0.25), 1.2, 200.0).image[:400, :500]
-        top, left = int(rng.integers(480 - board.shape[0])), int(rng.integers(640 - board.shape[1]))
-        picture[top : top + board.shape[0], left : left + board.shape[1]] = board
-    return picture
-
-
-def _seen_aside(rng: np.random.Generator, picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    corners = np.array([[0, 0], [640, 0], [640, 480], [0, 480]], np.float32)
-    aside = corners + rng.normal(0, 60, (4, 2)).astype(np.float32)
-    turned = cv2.warpPerspective(
-        picture, cv2.getPerspectiveTransform(corners, aside), (640, 480), borderMode=cv2.BORDER_REFLECT
-    )
-    unsharp = cv2.GaussianBlur(turned, (0, 0), float(rng.uniform(0.4, 1.6)))
-    noisy = unsharp * rng.uniform(0.5, 1.1) + rng.normal(0, rng.uniform(1, 5), unsharp.shape)
-    return np.clip(noisy, 0, 255).astype(np.uint8)
 
 
 # Test pairs -------------------------------------------------------------------------------------------------------
@@ -121,7 +73,7 @@ def reachable_points() -> NDArray[np.float64]:
 
 def patches_in_two_views(rng: np.random.Generator, picture: NDArray[np.uint8], points: NDArray[np.float64]) -> Patches:
     """Grey values (2, n, points) about the corners of a picture, turned upright, and the same after a turn."""
-    extractor = FeatureExtractor(CAMERA, FeatureConfig())
+    extractor = extractor_for(640, 480)
     level = gray_of(picture)
     found: list[Patches] = []
     for _ in range(PATCH_LEVELS):
@@ -199,11 +151,18 @@ def choose_pairs(
 # Words ------------------------------------------------------------------------------------------------------------
 
 
-def describe(pictures: Iterator[NDArray[np.uint8]]) -> list[Bits]:
-    """Descriptors (n, 4) of each picture."""
-    extractor = FeatureExtractor(CAMERA, FeatureConfig())
-    blind = np.zeros((480, 640), np.float32)
-    return [extractor.extract(RgbdFrame(0, 0.0, picture, blind)).descriptor for picture in pictures]
+@lru_cache(maxsize=16)
+def extractor_for(width: int, height: int) -> FeatureExtractor:
+    """Finds and describes the keypoints of pictures of a size; lens and focal length do not matter."""
+    camera = PinholeCamera(width=width, height=height, fx=560.0, fy=560.0, cx=width / 2, cy=height / 2)
+    return FeatureExtractor(camera, FeatureConfig())
+
+
+def describe(picture: NDArray[np.uint8]) -> Bits:
+    """Descriptors (n, 4) of a picture."""
+    height, width = picture.shape[:2]
+    frame = RgbdFrame(0, 0.0, picture, np.zeros((height, width), np.float32))
+    return extractor_for(width, height).extract(frame).descriptor
 
 
 def signs_of(descriptors: Bits) -> NDArray[np.float32]:
@@ -273,21 +232,40 @@ def train_vocabulary(pictures: Sequence[Bits], branches: int, levels: int, sampl
     return Vocabulary(tree, branches, rarity_of(bare.words, bare.size, pictures).astype(np.float32))
 
 
+def imagery(folder: Path) -> Iterator[Iterator[NDArray[np.uint8]]]:
+    """The pictures to learn from, kind by kind."""
+    yield photographed(folder, PHOTOGRAPHS)
+    yield world_frames(*WORLDS)
+    yield mall_frames(*MALLS)
+    yield generated_pictures(GENERATED)
+
+
+def learn_pairs(kinds: Sequence[Iterator[NDArray[np.uint8]]]) -> NDArray[np.int8]:
+    """Test pairs (512, 2) from as many patches of each kind."""
+    rng, points = np.random.default_rng(FIRST_SEED), reachable_points()
+    chosen = []
+    for pictures in kinds:
+        patches = np.concatenate([patches_in_two_views(rng, each, points) for each in pictures], axis=1)
+        chosen.append(patches[:, np.sort(rng.permutation(patches.shape[1])[: PATCHES // len(kinds)])])
+    return choose_pairs(rng, np.concatenate(chosen, axis=1), points, TESTS)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", choices=("pairs", "vocabulary"))
+    parser.add_argument("--pictures", type=Path, help="a folder with a folder of pictures per package")
     parser.add_argument("--out", type=Path, default=ASSETS)
     arguments = parser.parse_args()
     cv2.setNumThreads(1)
-    malls, frames, generated = IMAGERY[arguments.what]
-    pictures = chain(mall_frames(malls, frames), generated_pictures(generated))
+    if arguments.what == "vocabulary" and arguments.pictures is None:
+        parser.error("the vocabulary needs --pictures")
+    rendered = chain(mall_frames(*MALLS_FOR_PAIRS), generated_pictures(GENERATED_FOR_PAIRS))
+    kinds = [rendered] if arguments.pictures is None else list(imagery(arguments.pictures))
     if arguments.what == "pairs":
-        rng, points = np.random.default_rng(FIRST_SEED), reachable_points()
-        patches = np.concatenate([patches_in_two_views(rng, each, points) for each in pictures], axis=1)
-        patches = patches[:, np.sort(rng.permutation(patches.shape[1])[:PATCHES])]
-        np.save(arguments.out / "test_pairs.npy", choose_pairs(rng, patches, points, TESTS))
+        np.save(arguments.out / "test_pairs.npy", learn_pairs(kinds))
         return
-    vocabulary = train_vocabulary(describe(pictures), BRANCHES, LEVELS, SAMPLE)
+    described = [describe(picture) for pictures in kinds for picture in pictures]
+    vocabulary = train_vocabulary(described, BRANCHES, LEVELS, SAMPLE)
     path = arguments.out / "vocabulary.npz"
     np.savez(path, tree=vocabulary.tree, branches=vocabulary.branches, rarity=vocabulary.rarity.astype(np.float16))
     print(f"{path}: {vocabulary.size} words, {path.stat().st_size} bytes")

@@ -1,9 +1,11 @@
-import importlib.util
+import importlib
 import threading
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 
+import cv2
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -40,7 +42,7 @@ def test_words_are_the_leaves_of_a_walk_to_the_nearest_children() -> None:
 
 
 def test_the_vocabulary_is_small_and_every_word_of_it_can_be_reached() -> None:
-    assert VOCABULARY.size == 10_000
+    assert VOCABULARY.size == 22**3
     assert VOCABULARY.tree.nbytes + 2 * VOCABULARY.size < 400_000
     leaves = VOCABULARY.tree[-VOCABULARY.size :]
     reached = VOCABULARY.words(leaves)
@@ -223,14 +225,33 @@ def test_frames_of_a_mall_find_the_keyframes_beside_them() -> None:
 
 
 @pytest.fixture(scope="module")
-def trainer() -> ModuleType:
-    path = Path(__file__).parents[3] / "tools" / "train_vocabulary.py"
-    spec = importlib.util.spec_from_file_location("train_vocabulary", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+def trainer() -> Iterator[ModuleType]:
+    with pytest.MonkeyPatch.context() as patched:
+        patched.syspath_prepend(str(Path(__file__).parents[3] / "tools"))
+        yield importlib.import_module("train_vocabulary")
+
+
+def test_views_are_cut_from_large_pictures_of_every_package_in_turn(trainer: ModuleType, tmp_path: Path) -> None:
+    pictures = importlib.import_module("training_pictures")
+    random = np.random.default_rng(0)
+    for package, channel in (("red", 0), ("blue", 2)):
+        (tmp_path / package / "deep").mkdir(parents=True)
+        coarse = random.integers(0, 256, (60, 80, 3), np.uint8)
+        coarse[..., channel] = 0
+        large = cv2.resize(coarse, (800, 600), interpolation=cv2.INTER_NEAREST)
+        cv2.imwrite(str(tmp_path / package / "deep" / "large.png"), large)
+        cv2.imwrite(str(tmp_path / package / "smaller.png"), cv2.resize(large, (640, 480)))
+        cv2.imwrite(str(tmp_path / package / "icon.png"), random.integers(0, 256, (100, 100, 3), np.uint8))
+    views = list(pictures.photographed(tmp_path, 100))
+    # The smaller file is the same picture, and the icon is too small.
+    assert 8 <= len(views) <= 2 * pictures.MOST_VIEWS
+    assert all(view.shape == (480, 640, 3) and view.dtype == np.uint8 for view in views)
+    blue, red = (view.mean(axis=(0, 1)) for view in views[:2])
+    assert red[0] > red[2] + 40
+    assert blue[2] > blue[0] + 40
+    again = list(pictures.photographed(tmp_path, 5))
+    assert len(again) == 5
+    assert all((one == other).all() for one, other in zip(views, again, strict=False))
 
 
 def test_training_twice_gives_the_same_words_and_they_hold_clusters_together(trainer: ModuleType) -> None:

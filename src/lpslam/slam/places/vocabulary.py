@@ -1,4 +1,4 @@
-"""Visual words: a tree of binary descriptors that sorts every descriptor to one of ten thousand leaves."""
+"""Visual words: a tree of binary descriptors that sorts every descriptor to one of some ten thousand leaves."""
 
 from dataclasses import dataclass
 from functools import lru_cache
