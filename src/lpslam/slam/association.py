@@ -198,15 +198,18 @@ class Associator:
         if slot < 0:
             return np.full(view.features.rows, -1, np.int32)
         rows = np.flatnonzero(m.point[slot, : m.feature_count[slot]] >= 0).astype(np.int32)
-        match = matching.match_brute_force(
-            m.descriptor[slot, rows],
-            view.features.descriptor,
-            self._config.hamming_strict,
-            self._config.ratio_brute_force,
-        )
-        matching.keep_consistent_rotations(match, m.angle[slot, rows], view.features.angle)
+        match = self.match_anywhere(view, m.descriptor[slot, rows], m.angle[slot, rows])
         points: _Rows = np.where(match >= 0, m.point[slot, rows][match] if len(rows) else -1, -1).astype(np.int32)
         return points
+
+    def match_anywhere(self, view: View, descriptors: NDArray[np.uint64], angles: NDArray[np.float32]) -> _Rows:
+        """(n,) for each keypoint the row of the descriptors (m, 4) that it is, by appearance alone; -1 for none."""
+        config = self._config
+        match = matching.match_brute_force(
+            descriptors, view.features.descriptor, config.hamming_strict, config.ratio_brute_force
+        )
+        matching.keep_consistent_rotations(match, angles, view.features.angle)
+        return match
 
     def match_windows(
         self,

@@ -114,6 +114,7 @@ class Backtracking:
 
     def _starts(self, after: LastFrame, view: View, elapsed: float) -> Iterator[FirstGuess]:
         yield from self._guesser.from_motion(after, after.timestamp + elapsed, view)
+        yield from self._guesser.from_appearance(after, view)
         yield from self._guesser.from_reference(after, view, after.reference)
 
     def _last_frame(self, kept: _Kept, features: Features, found: Search) -> LastFrame:

@@ -140,6 +140,21 @@ class Guesser:
         if estimate is not None:
             yield FirstGuess.of(estimate)
 
+    def from_appearance(self, last: LastFrame, view: View) -> Iterator[FirstGuess]:
+        """Match descriptors against the last frame, wherever they are in the image: the camera may have swung round."""
+        config, pose = self._config, self.pose(last)
+        sighted = self._sighted(last, pose)
+        match = self._associator.match_anywhere(
+            view, last.features.descriptor[sighted.rows], last.features.angle[sighted.rows]
+        )
+        if np.count_nonzero(match >= 0) < config.min_motion_matches:
+            return
+        estimate = self._associator.optimise(
+            view.features, pose, match, sighted.positions, sighted.points, sighted.spread
+        )
+        if estimate is not None:
+            yield FirstGuess.of(estimate)
+
     def pose(self, last: LastFrame) -> _Matrix:
         """Camera from world of the last frame as the map has it now."""
         return last.camera_from_world(self._map)
