@@ -2,52 +2,20 @@
 
 import numpy as np
 import pytest
+from corner_room import CAMERA, CORNER, WALL, Planes, shot
 from hypothesis import given, settings
 from slam_scenes import pose_error, rigid, twists
 
-from lpslam.camera import PinholeCamera, inverse_transform
+from lpslam.camera import PinholeCamera
 from lpslam.config import SlamConfig, SurfaceConfig
 from lpslam.slam.kernels.dense import align_terms
 from lpslam.slam.kernels.geometry import exponential
 from lpslam.slam.sensor import SensorModel
 from lpslam.slam.tracking.surfaces import SmallImages, Surfaces, sloped
 
-CAMERA = PinholeCamera(320, 240, 262.0, 261.0, 158.4, 121.2)
 SENSOR = SensorModel.of(CAMERA, SlamConfig())
 CONFIG = SurfaceConfig()
 SURFACES = Surfaces(CAMERA, SENSOR, CONFIG)
-
-CORNER = (
-    (np.array([1.0, 0.1, 1.0]), 2.2),
-    (np.array([-1.0, 0.2, 1.0]), 2.4),
-    (np.array([0.1, 1.0, 0.4]), 1.6),
-)
-"""Two walls and a floor: their normals in the frame of the first camera, and how far off they are along z, metres."""
-
-WALL = ((np.array([0.0, 0.0, 1.0]), 1.5),)
-
-Planes = tuple[tuple[np.ndarray, float], ...]
-
-
-def shot(planes: Planes, camera_from_world: np.ndarray, contrast: float) -> tuple[np.ndarray, np.ndarray]:
-    """Grey values and depth of planes that meet, as a camera sees them; the shades are waves of a few decimetres."""
-    v, u = np.mgrid[: CAMERA.height, : CAMERA.width]
-    rays = CAMERA.back_project(np.column_stack([u.ravel(), v.ravel()]).astype(np.float64), np.ones(u.size))
-    world_from_camera = inverse_transform(camera_from_world)
-    rotation, centre = world_from_camera[:3, :3], world_from_camera[:3, 3]
-    directions = rays @ rotation.T
-    depth = np.full(len(rays), np.inf)
-    for normal, distance in planes:
-        along = directions @ normal
-        with np.errstate(divide="ignore"):
-            reached = (distance * normal[2] - centre @ normal) / along
-        depth = np.where((reached > 0.1) & (reached < depth), reached, depth)
-    x, y, z = (centre + directions * np.where(np.isfinite(depth), depth, 0.0)[:, None]).T
-    waves = np.sin(9.0 * x + 2.0 * y) + np.sin(8.0 * y - 3.0 * z) + np.sin(7.0 * z + 4.0 * x)
-    shades = 120.0 + contrast * waves
-    depth[~np.isfinite(depth)] = 0.0
-    shape = CAMERA.height, CAMERA.width
-    return shades.reshape(shape).round().astype(np.uint8), depth.reshape(shape).astype(np.float32)
 
 
 def small(planes: Planes, camera_from_world: np.ndarray, contrast: float = 12.0, noise: float = 0.0) -> np.ndarray:
