@@ -25,11 +25,12 @@ _RAYS = CAMERA.back_project(
 
 
 def shot(
-    planes: Planes, camera_from_world: np.ndarray, contrast: float, *, is_checked: bool = False
+    planes: Planes, camera_from_world: np.ndarray, contrast: float, *, checks: int = 0
 ) -> tuple[np.ndarray, np.ndarray]:
     """Grey values and depth of planes as a camera sees them.
 
-    The shades are waves of a few decimetres, or checks of eight centimetres whose corners are keypoints.
+    The shades are waves of a few decimetres, or checks of eight centimetres whose corners are keypoints: other numbers
+    are other checks.
     """
     world_from_camera = inverse_transform(camera_from_world)
     rotation, centre = world_from_camera[:3, :3], world_from_camera[:3, 3]
@@ -41,9 +42,9 @@ def shot(
         depth = np.where((reached > 0.1) & (reached < depth), reached, depth)
     depth[~np.isfinite(depth)] = 0.0
     x, y, z = (centre + directions * depth[:, None]).T
-    if is_checked:
+    if checks:
         a, b, c = (np.floor(each / 0.08 + 0.5).astype(np.int64) for each in (x, y, z))
-        shades = _CHECKS[(a * 73 + b * 179 + c * 283) % 4096].astype(np.float64)
+        shades = _CHECKS[(a * 73 + b * 179 + c * 283 + 997 * checks) % 4096].astype(np.float64)
     else:
         waves = np.sin(9.0 * x + 2.0 * y) + np.sin(8.0 * y - 3.0 * z) + np.sin(7.0 * z + 4.0 * x)
         shades = 120.0 + contrast * waves

@@ -1,7 +1,5 @@
 """A room whose pattern vanishes for a second: surfaces and shades carry the camera over it, without the map."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 from corner_room import CAMERA, CORNER, shot
@@ -15,7 +13,7 @@ from lpslam.slam.state import EventKind, TrackedFrame, TrackingState
 from lpslam.slam.system import RgbdSlam
 from lpslam.slam.tracking.coasting import Coasting
 
-FRAMES, RATE = 44, 20.0
+FRAMES, LATE, RATE = 44, 50, 20.0
 BARE = range(12, 32)
 """Frames without a keypoint: a second."""
 
@@ -26,12 +24,11 @@ def truth(index: int) -> np.ndarray:
     return exponential(np.array([0.12 * np.sin(1.5 * way), 0.03 * way, -0.08 * way, 0.0, 0.15 * np.sin(way), 0.03]))
 
 
-@pytest.fixture(scope="module")
-def frames() -> list[RgbdFrame]:
-    """The camera's frames; colour and depth have noise."""
-    random, taken = np.random.default_rng(6), []
-    for index in range(FRAMES):
-        gray, depth = shot(CORNER, truth(index), 12.0, is_checked=index not in BARE)
+def taken(first: int, last: int, checks: int) -> list[RgbdFrame]:
+    """Some of the camera's frames; colour and depth have noise."""
+    random, taken = np.random.default_rng([6, first]), []
+    for index in range(first, last):
+        gray, depth = shot(CORNER, truth(index), 12.0, checks=checks)
         noisy = (gray + random.normal(0.0, 0.7, gray.shape)).clip(0, 255).round().astype(np.uint8)
         strayed = random.normal(depth, 0.001 + 0.0015 * depth**2).astype(np.float32)
         taken.append(
@@ -40,36 +37,64 @@ def frames() -> list[RgbdFrame]:
     return taken
 
 
-Track = Callable[[SlamConfig], tuple[RgbdSlam, list[TrackedFrame]]]
+@pytest.fixture(scope="module")
+def until_found() -> list[RgbdFrame]:
+    return taken(0, BARE.start, 1) + taken(BARE.start, BARE.stop, 0)
 
 
 @pytest.fixture(scope="module")
-def track(frames: list[RgbdFrame]) -> Track:
-    def tracked(config: SlamConfig) -> tuple[RgbdSlam, list[TrackedFrame]]:
-        slam = RgbdSlam(CAMERA, config)
-        told = [slam.process(frame) for frame in frames]
-        slam.finish()
-        return slam, told
+def frames(until_found: list[RgbdFrame]) -> list[RgbdFrame]:
+    return until_found + taken(BARE.stop, FRAMES, 1)
 
-    return tracked
+
+def track(frames: list[RgbdFrame], config: SlamConfig) -> tuple[RgbdSlam, list[TrackedFrame]]:
+    slam = RgbdSlam(CAMERA, config)
+    told = [slam.process(frame) for frame in frames]
+    slam.finish()
+    return slam, told
+
+
+def worst(slam: RgbdSlam) -> tuple[float, float]:
+    """Metres and degrees by which the pose that is farthest off in the first camera's frame is."""
+    times, poses = slam.trajectory.world_from_camera(slam.map)
+    errors = np.array([
+        pose_error(inverse_transform(poses[0]) @ pose, truth(0) @ inverse_transform(truth(round(RATE * time))))
+        for time, pose in zip(times, poses, strict=True)
+    ])  # fmt: skip
+    return float(errors[:, 0].max()), float(np.degrees(errors[:, 1].max()))
 
 
 @pytest.mark.slow
-def test_a_second_without_keypoints_is_carried_over_in_one_map(track: Track) -> None:
-    slam, tracked = track(SlamConfig())
+def test_a_second_without_keypoints_is_carried_over_in_one_map(frames: list[RgbdFrame]) -> None:
+    slam, tracked = track(frames, SlamConfig())
     assert all(frame.is_tracked for frame in tracked)
     assert all(frame.is_coasted and frame.state is TrackingState.WEAK for frame in tracked[BARE.start : BARE.stop])
     assert all(frame.reason.startswith("carried by surfaces: ") for frame in tracked[BARE.start : BARE.stop])
     assert set(slam.map.submaps().tolist()) == {0}
     assert {event.kind for event in slam.events} == {EventKind.INITIALISED, EventKind.WEAK, EventKind.TRACKING}
-    _, poses = slam.trajectory.world_from_camera(slam.map)
-    assert len(poses) == FRAMES
-    errors = np.array([
-        pose_error(inverse_transform(poses[0]) @ pose, truth(0) @ inverse_transform(truth(index)))
-        for index, pose in enumerate(poses)
-    ])  # fmt: skip
-    assert errors[:, 0].max() < 0.02
-    assert np.degrees(errors[:, 1].max()) < 0.7
+    assert slam.trajectory.tracked_count == FRAMES
+    metres, degrees = worst(slam)
+    assert metres < 0.02
+    assert degrees < 0.7
+
+
+@pytest.mark.slow
+def test_the_map_goes_on_where_the_camera_was_carried_to_what_is_unknown(until_found: list[RgbdFrame]) -> None:
+    slam, tracked = track(until_found + taken(BARE.stop, LATE, 2), SlamConfig())
+    assert all(frame.is_tracked for frame in tracked)
+    assert set(slam.map.submaps().tolist()) == {0}
+    begun = next(frame for frame in tracked[BARE.stop :] if frame.is_keyframe)
+    assert begun.timestamp - BARE.stop / RATE == pytest.approx(TrackingConfig().submap_after, abs=1.1 / RATE)
+    (event,) = [event for event in slam.events if event.frame == begun.index]
+    assert (event.kind, event.reason) == (
+        EventKind.TRACKING,
+        "the map goes on from where surfaces have carried the camera",
+    )
+    assert not slam.map.is_root(begun.keyframe)
+    assert all(frame.state is TrackingState.TRACKING for frame in tracked[begun.index :])
+    metres, degrees = worst(slam)
+    assert metres < 0.03
+    assert degrees < 1.0
 
 
 @pytest.mark.slow
@@ -77,12 +102,12 @@ def test_a_second_without_keypoints_is_carried_over_in_one_map(track: Track) -> 
     "config",
     [
         SlamConfig(tracking=TrackingConfig(coast_seconds=0.0)),
-        SlamConfig(surfaces=SurfaceConfig(held_seconds=0.3)),
+        SlamConfig(surfaces=SurfaceConfig(held_seconds=0.32)),
     ],
     ids=["none", "short"],
 )
-def test_it_is_not_where_that_is_not_wanted(track: Track, config: SlamConfig) -> None:
-    slam, tracked = track(config)
+def test_it_is_not_where_that_is_not_wanted(frames: list[RgbdFrame], config: SlamConfig) -> None:
+    slam, tracked = track(frames, config)
     assert tracked[BARE.stop - 1].state is TrackingState.LOST
     assert any(event.kind is EventKind.LOST for event in slam.events)
     assert sum(frame.is_coasted for frame in tracked) == (7 if config.tracking.coast_seconds else 0)
