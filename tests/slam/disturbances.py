@@ -140,6 +140,19 @@ def without_depth(first: int, last: int) -> Disturbance:
     return _each(first, last, lambda _, frame: replace(frame, depth=np.zeros_like(frame.depth)))
 
 
+def hardly_any_depth(first: int, last: int, pixels: int = 60) -> Disturbance:
+    """Depth is left in a square in the middle of the picture."""
+
+    def change(_: int, frame: RgbdFrame) -> RgbdFrame:
+        (height, width), depth = frame.depth.shape, np.zeros_like(frame.depth)
+        top, left = (height - pixels) // 2, (width - pixels) // 2
+        middle = np.s_[top : top + pixels, left : left + pixels]
+        depth[middle] = frame.depth[middle]
+        return replace(frame, depth=depth)
+
+    return _each(first, last, change)
+
+
 def frozen_colour(first: int, last: int) -> Disturbance:
     """The colour camera repeats its last picture, with a fresh time, while depth goes on."""
 

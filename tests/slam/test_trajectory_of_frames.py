@@ -44,6 +44,24 @@ def test_disowned_frames_lose_their_poses() -> None:
     assert arrays["keyframe_from_camera"][:, 0, 3].tolist() == [0, 1, 2, 3, 0, 0]
 
 
+def test_frames_without_a_pose_are_placed_late_and_no_others() -> None:
+    trajectory = Trajectory()
+    trajectory.append(frame(0, None))
+    assert trajectory.begin_session() == 1
+    for index in range(1, 7):
+        trajectory.append(frame(index, None if index in (2, 3, 5) else shifted(index)))
+    # One of an earlier session, one with a pose, two without, and one that has not come.
+    trajectory.place({index: (4, shifted(10 + index)) for index in (0, 1, 3, 5, 9)})
+    arrays = trajectory.to_arrays()
+    assert arrays["keyframe"].tolist() == [-1, 7, -1, 4, 7, 4, 7]
+    assert arrays["keyframe_from_camera"][:, 0, 3].tolist() == [0, 1, 0, 13, 4, 15, 6]
+    weak, lost, tracked = (list(TrackingState).index(TrackingState(state)) for state in ("weak", "lost", "tracking"))
+    assert arrays["state"].tolist() == [lost, tracked, lost, weak, tracked, weak, tracked]
+    assert trajectory.tracked_count == 5
+    trajectory.place({})
+    np.testing.assert_array_equal(trajectory.to_arrays()["keyframe"], arrays["keyframe"])
+
+
 def test_a_day_of_walking_fits_in_memory() -> None:
     trajectory, pose, count = Trajectory(), shifted(1.0), 20_000
     tracemalloc.start()

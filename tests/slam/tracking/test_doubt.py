@@ -80,9 +80,10 @@ def test_a_place_whose_signs_differ_is_given_up_and_its_poses_taken_back(clip: C
     assert tracked[anew].timestamp - tracked[given_up].timestamp >= TrackingConfig().submap_after
     assert all(frame.state is TrackingState.LOST for frame in tracked[given_up:anew])
     columns = slam.trajectory.to_arrays()
-    assert (columns["keyframe"][found:anew] < 0).all()
+    assert (columns["keyframe"][HIDDEN.start : given_up] < 0).all()
     assert (columns["keyframe"][: HIDDEN.start] >= 0).all()
-    assert set(slam.map.submaps()[columns["keyframe"][anew:]].tolist()) == {1}
+    # The frames before it that showed its place are placed in it.
+    assert set(slam.map.submaps()[columns["keyframe"][given_up:]].tolist()) == {1}
 
 
 @pytest.mark.slow
@@ -124,3 +125,14 @@ def test_a_doubt_ends_with_an_answer_or_with_time() -> None:
         assert doubt.is_open
         assert doubt.settle(0, at) is verdict
         assert doubt.is_open is is_open
+
+
+def test_a_doubt_reaches_back_to_frames_that_came_before() -> None:
+    doubt = Doubt(SlamMap(4, np.array([1.0])), Witness(None), 3.0)
+    doubt.begin(0, 10.0)
+    assert doubt.placed_since == 10.0
+    for placed, since in ((np.inf, 10.0), (9.2, 9.2), (9.7, 9.2)):
+        doubt.reach_back(placed)
+        assert doubt.placed_since == since
+    doubt.begin(0, 20.0)
+    assert doubt.placed_since == 20.0, "an earlier doubt is settled"

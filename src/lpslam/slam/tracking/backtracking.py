@@ -92,7 +92,7 @@ class Backtracking:
             seconds = origin - kept.timestamp
             if seconds <= 0.0:  # the frame itself
                 continue
-            if seconds - passed > self._longest_gap:
+            if seconds > self._seconds or seconds - passed > self._longest_gap:
                 break
             before = self._placed(kept, after, passed, seconds)
             if before is not None:

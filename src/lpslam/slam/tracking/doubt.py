@@ -15,6 +15,10 @@ class Doubt:
         slam_map: in which the camera was found; its lock is held by whoever calls.
         advisor: judges the place.
         seconds: after which an advisor that says nothing is not waited for any more.
+
+    Attributes:
+        since: time in seconds at which the camera was found again; infinite while nothing is doubted.
+        placed_since: time of the first frame whose pose rests on that place: it may have come before.
     """
 
     def __init__(self, slam_map: SlamMap, advisor: LoopAdvisor, seconds: float) -> None:
@@ -22,7 +26,7 @@ class Doubt:
         self._advisor = advisor
         self._seconds = seconds
         self._held: list[int] = []
-        self.since = np.inf
+        self.since = self.placed_since = np.inf
 
     @property
     def is_open(self) -> bool:
@@ -32,7 +36,11 @@ class Doubt:
     def begin(self, keyframe: int, timestamp: float) -> None:
         """Doubt that the camera is near a keyframe, if there is anything to judge that by."""
         if self._advisor.knows(self._map, keyframe):
-            self.since = timestamp
+            self.since = self.placed_since = timestamp
+
+    def reach_back(self, timestamp: float) -> None:
+        """Frames from a time on, in seconds, have poses since the camera was found."""
+        self.placed_since = min(self.placed_since, timestamp)
 
     def settle(self, keyframe: int, timestamp: float) -> bool | None:
         """Ask the advisor: whether the camera is near a keyframe; None while nobody knows. The answer ends the doubt.

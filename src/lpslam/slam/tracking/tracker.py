@@ -186,16 +186,21 @@ class Tracker:
             self._anchoring.matched(picture.timestamp)
             self._anchoring.saw(picture.features)
         tracked = self._accept(picture, estimate, is_matched=True, is_sure=found.is_sure)
-        is_bridged = coasted_since is not None and self._losing.bridge(before, coasted_since)
-        self._go_back(is_bridged)
+        if coasted_since is not None and self._losing.bridge(before, coasted_since):
+            self._backtracking.forget()
+            placed_since = coasted_since
+        else:
+            placed_since = self._go_back()
+        if is_refound:
+            self._doubt.reach_back(placed_since)
         return tracked
 
-    def _go_back(self, is_bridged: bool = False) -> None:
-        """Place the frames before this one that nothing placed when they came, unless that is done."""
-        if is_bridged or self._where.last is None:
-            self._backtracking.forget()
-        else:
-            self.hindsight.placed = self._backtracking.back_from(self._where.last)
+    def _go_back(self) -> float:
+        """Place the frames before this one that nothing placed when they came; the time of the first in seconds."""
+        if self._where.last is None:
+            return np.inf
+        self.hindsight.placed = self._backtracking.back_from(self._where.last)
+        return self._backtracking.since
 
     def _holds(self, followed: Followed) -> bool:
         """Whether flow alone may carry the pose over a frame that the map does not explain: a blurred one, say."""
@@ -284,7 +289,7 @@ class Tracker:
 
     def _settle_doubt(self, frame: RgbdFrame, last: LastFrame) -> None:
         """After a relocalisation, give the place up again where the signs that are read there are others."""
-        where, since = self._where, self._doubt.since
+        where, since, placed_since = self._where, self._doubt.since, self._doubt.placed_since
         with self._map.lock:
             is_right = self._doubt.settle(where.reference, frame.timestamp)
             if is_right:
@@ -296,7 +301,7 @@ class Tracker:
             where.reference = self._doubt.take_back(where.reference)
         where.state = TrackingState.LOST
         where.forget()
-        self._losing.disown(min(since, self._backtracking.since))
+        self._losing.disown(placed_since)
 
     def _accept(
         self, picture: Picture, estimate: Estimate, *, is_matched: bool = False, is_sure: bool = True

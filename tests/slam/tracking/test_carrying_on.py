@@ -1,0 +1,133 @@
+"""A room whose pattern vanishes for a second: surfaces and shades carry the camera over it, without the map."""
+
+import numpy as np
+import pytest
+from corner_room import CAMERA, CORNER, shot
+from slam_scenes import pose_error
+
+from lpslam.camera import inverse_transform
+from lpslam.config import SlamConfig, SurfaceConfig, TrackingConfig
+from lpslam.frames import RgbdFrame
+from lpslam.slam.kernels.geometry import exponential
+from lpslam.slam.state import EventKind, TrackedFrame, TrackingState
+from lpslam.slam.system import RgbdSlam
+from lpslam.slam.tracking.coasting import Coasting
+
+FRAMES, LATE, RATE = 44, 50, 20.0
+BARE = range(12, 32)
+"""Frames without a keypoint: a second."""
+
+
+def truth(index: int) -> np.ndarray:
+    """Camera from world: the camera sways, turns and comes nearer."""
+    way = index / RATE
+    return exponential(np.array([0.12 * np.sin(1.5 * way), 0.03 * way, -0.08 * way, 0.0, 0.15 * np.sin(way), 0.03]))
+
+
+def taken(first: int, last: int, checks: int) -> list[RgbdFrame]:
+    """Some of the camera's frames; colour and depth have noise."""
+    random, taken = np.random.default_rng([6, first]), []
+    for index in range(first, last):
+        gray, depth = shot(CORNER, truth(index), 12.0, checks=checks)
+        noisy = (gray + random.normal(0.0, 0.7, gray.shape)).clip(0, 255).round().astype(np.uint8)
+        strayed = random.normal(depth, 0.001 + 0.0015 * depth**2).astype(np.float32)
+        taken.append(
+            RgbdFrame(index, index / RATE, np.repeat(noisy[:, :, None], 3, axis=2), np.where(depth > 0, strayed, 0))
+        )
+    return taken
+
+
+@pytest.fixture(scope="module")
+def until_found() -> list[RgbdFrame]:
+    return taken(0, BARE.start, 1) + taken(BARE.start, BARE.stop, 0)
+
+
+@pytest.fixture(scope="module")
+def frames(until_found: list[RgbdFrame]) -> list[RgbdFrame]:
+    return until_found + taken(BARE.stop, FRAMES, 1)
+
+
+def track(frames: list[RgbdFrame], config: SlamConfig) -> tuple[RgbdSlam, list[TrackedFrame]]:
+    slam = RgbdSlam(CAMERA, config)
+    told = [slam.process(frame) for frame in frames]
+    slam.finish()
+    return slam, told
+
+
+def worst(slam: RgbdSlam) -> tuple[float, float]:
+    """Metres and degrees by which the pose that is farthest off in the first camera's frame is."""
+    times, poses = slam.trajectory.world_from_camera(slam.map)
+    errors = np.array([
+        pose_error(inverse_transform(poses[0]) @ pose, truth(0) @ inverse_transform(truth(round(RATE * time))))
+        for time, pose in zip(times, poses, strict=True)
+    ])  # fmt: skip
+    return float(errors[:, 0].max()), float(np.degrees(errors[:, 1].max()))
+
+
+@pytest.mark.slow
+def test_a_second_without_keypoints_is_carried_over_in_one_map(frames: list[RgbdFrame]) -> None:
+    slam, tracked = track(frames, SlamConfig())
+    assert all(frame.is_tracked for frame in tracked)
+    assert all(frame.is_coasted and frame.state is TrackingState.WEAK for frame in tracked[BARE.start : BARE.stop])
+    assert all(frame.reason.startswith("carried by surfaces: ") for frame in tracked[BARE.start : BARE.stop])
+    assert set(slam.map.submaps().tolist()) == {0}
+    assert {event.kind for event in slam.events} == {EventKind.INITIALISED, EventKind.WEAK, EventKind.TRACKING}
+    assert slam.trajectory.tracked_count == FRAMES
+    metres, degrees = worst(slam)
+    assert metres < 0.02
+    assert degrees < 0.7
+
+
+@pytest.mark.slow
+def test_the_map_goes_on_where_the_camera_was_carried_to_what_is_unknown(until_found: list[RgbdFrame]) -> None:
+    slam, tracked = track(until_found + taken(BARE.stop, LATE, 2), SlamConfig())
+    assert all(frame.is_tracked for frame in tracked)
+    assert set(slam.map.submaps().tolist()) == {0}
+    begun = next(frame for frame in tracked[BARE.stop :] if frame.is_keyframe)
+    assert begun.timestamp - BARE.stop / RATE == pytest.approx(TrackingConfig().submap_after, abs=1.1 / RATE)
+    (event,) = [event for event in slam.events if event.frame == begun.index]
+    assert (event.kind, event.reason) == (
+        EventKind.TRACKING,
+        "the map goes on from where surfaces have carried the camera",
+    )
+    assert not slam.map.is_root(begun.keyframe)
+    assert all(frame.state is TrackingState.TRACKING for frame in tracked[begun.index :])
+    metres, degrees = worst(slam)
+    assert metres < 0.03
+    assert degrees < 1.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "config",
+    [
+        SlamConfig(tracking=TrackingConfig(coast_seconds=0.0)),
+        SlamConfig(surfaces=SurfaceConfig(held_seconds=0.32)),
+    ],
+    ids=["none", "short"],
+)
+def test_it_is_not_where_that_is_not_wanted(frames: list[RgbdFrame], config: SlamConfig) -> None:
+    slam, tracked = track(frames, config)
+    assert tracked[BARE.stop - 1].state is TrackingState.LOST
+    assert any(event.kind is EventKind.LOST for event in slam.events)
+    assert sum(frame.is_coasted for frame in tracked) == (7 if config.tracking.coast_seconds else 0)
+
+
+# Frames that are passed over -----------------------------------------------------------------------------------------
+
+
+def test_what_surfaces_tell_is_believed_for_longer_than_the_motion_alone() -> None:
+    coasting = Coasting(0.5, 10.0)
+    assert coasting.goes_on(0.0, is_held=False)
+    for index, held in enumerate((True, True, False, False, True)):
+        coasting.pass_over(index, float(index), np.eye(4), held)
+        assert (coasting.guessed_since is None) == held
+    assert coasting.guessed_since is None
+    assert coasting.goes_on(9.9, is_held=True)
+    assert not coasting.goes_on(10.1, is_held=True)
+    coasting.pass_over(5, 5.0, np.eye(4), is_held=False)
+    assert coasting.goes_on(5.4, is_held=False)
+    assert not coasting.goes_on(5.6, is_held=False)
+    coasting.end()
+    assert coasting.since is None
+    assert not Coasting(0.0, 10.0).goes_on(0.0, is_held=True)
