@@ -39,18 +39,19 @@ def run(clip: Clip, count: int = FRAMES, **tracking: int) -> tuple[RgbdSlam, lis
 
 def test_a_camera_is_followed_on_while_depth_is_missing(clip: Clip) -> None:
     slam, tracked = run(clip)
-    assert all(frame.is_tracked and not frame.is_coasted for frame in tracked)
-    assert all(frame.state is TrackingState.TRACKING for frame in tracked[FLAT.stop + 2 :])
+    assert all(frame.is_tracked for frame in tracked)
+    assert sum(frame.is_coasted for frame in tracked) <= 3
+    assert all(frame.state is TrackingState.TRACKING for frame in tracked[FLAT.stop + 3 :])
     assert set(slam.map.submaps().tolist()) == {0}
     error = absolute_trajectory_error(clip.truth, StampedPoses(*slam.trajectory.world_from_camera(slam.map)))
     assert error.count == FRAMES
-    assert error.max < 0.03
+    assert error.max < 0.04
 
 
 def test_without_bearings_it_is_lost(clip: Clip) -> None:
     slam, tracked = run(clip, bearings_below=0)
     assert EventKind.LOST in {event.kind for event in slam.events}
-    assert not all(frame.is_tracked and not frame.is_coasted for frame in tracked)
+    assert not all(frame.is_tracked for frame in tracked)
 
 
 @pytest.mark.parametrize(("below", "helps"), [(10_000, True), (0, False)])

@@ -67,14 +67,16 @@ def test_a_camera_that_exposes_longer_moves_no_farther() -> None:
     assert pose_error(aligned.image_from_reference, moved)[0] < 0.005
 
 
-def test_a_wall_alone_without_shades_holds_nothing_and_leaves_the_guess_along_it() -> None:
+@pytest.mark.parametrize("noise", [0.0, 0.3])
+def test_a_wall_alone_without_shades_holds_nothing_and_leaves_the_guess_along_it(noise: float) -> None:
+    """Also where slopes are a little noise: with the noise that is supposed, they add up to what a corner tells."""
     guess = rigid([0.02, -0.01, 0.0], [0.0, 0.0, 0.01])
-    aligned = SURFACES.align(small(WALL, np.eye(4), 0.0), small(WALL, np.eye(4), 0.0), guess)
+    aligned = SURFACES.align(small(WALL, np.eye(4), 0.0), small(WALL, np.eye(4), 0.0, noise), guess)
     assert aligned is not None
     assert not aligned.holds
     metres, radians = pose_error(aligned.image_from_reference, guess)
-    assert metres < 0.004
-    assert np.degrees(radians) < 0.3
+    assert metres < 0.01
+    assert np.degrees(radians) < 0.4
 
 
 def test_a_wall_with_shades_holds() -> None:
