@@ -117,6 +117,10 @@ class SurfaceConfig(Section):
     least_shared: float = Field(default=0.4, gt=0, le=1)  # of the reference's pixels with depth must be in view
     least_measured: float = Field(default=0.1, gt=0, le=1)  # of the pixels must have depth in both images
     least_agreement: float = Field(default=0.8, ge=0, le=1)  # of the pixels' depths, within three sigmas
+    least_contrast: float = Field(
+        default=4.0, ge=0
+    )  # grey values; a picture with less is blank or dark and says nothing
+    least_correlation: float = Field(default=0.5, ge=-1, le=1)  # of two pictures with contrast; those of others differ
     told_share: float = Field(default=0.33, gt=0)  # of the guess's sigma; images that tell no better do not hold
     renewed_share: float = Field(default=0.8, gt=0, le=1)  # of the reference in view; less, and the next one is taken
     held_seconds: float = Field(default=10.0, ge=0)  # for which images alone tell the way; they drift by a twentieth

@@ -57,7 +57,8 @@ def align_terms(
         least_slope: grey values a pixel; flatter pixels show noise only.
         depth_noise: c in metres and q a metre of σ = c + q z².
         hessian, gradient: (6, 6), of which the upper half is filled, and (6,); overwritten.
-        residuals: (h·w,) overwritten with the sizes of the grey values' residuals.
+        residuals: (2, h·w) overwritten for each pixel that fell into the image: by how much its grey value differs, and
+            the reference's grey value.
 
     Returns:
         How many pixels fell into the image, how many have depth in both, and how many of these agree.
@@ -90,7 +91,7 @@ def align_terms(
                 below = image[k, top + 1, left] * (1.0 - right_share) + image[k, top + 1, left + 1] * right_share
                 value[k] = above * (1.0 - low_share) + below * low_share
             residual = value[0] + offset - np.float64(reference[0, row, column])
-            residuals[inside] = abs(residual)
+            residuals[0, inside], residuals[1, inside] = residual, reference[0, row, column]
             inside += 1
             u_x, u_z, v_y, v_z = fx / z, -fx * x / (z * z), fy / z, -fy * y / (z * z)
             if value[1] * value[1] + value[2] * value[2] > least_slope * least_slope:

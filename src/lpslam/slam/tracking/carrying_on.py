@@ -28,7 +28,7 @@ class CarryingOn:
         self._renewed_share = renewed_share
         self._from: LastFrame | None = None
         self._timestamp = 0.0
-        self._reference = _NOTHING
+        self._reference = self._newest = _NOTHING
         self._reference_from_keyframe = np.eye(4)
         self._image_from_reference = np.eye(4)
         self._twist = np.zeros(6)
@@ -45,6 +45,11 @@ class CarryingOn:
         guess = exponential(self._twist * min(max(seconds, 0.0), FARTHEST_AHEAD)) @ self._image_from_reference
         image = self._surfaces.images.reference(picture.gray, picture.frame.depth)
         aligned = self._surfaces.align(self._reference, image, guess, seconds)
+        if (aligned is None or not aligned.holds) and self._newest is not self._reference:
+            # What the reference tells no more, the image before may.
+            guess = guess @ inverse_transform(self._image_from_reference)
+            self._renew(self._newest)
+            aligned = self._surfaces.align(self._reference, image, guess, seconds)
         pose = guess if aligned is None else aligned.image_from_reference
         holds = aligned is not None and aligned.holds
         self.is_held = self.is_held and holds
@@ -53,9 +58,14 @@ class CarryingOn:
         self._image_from_reference, self._timestamp = pose, picture.timestamp
         camera_from_keyframe: _Matrix = pose @ self._reference_from_keyframe
         if aligned is None or not holds or aligned.shared < self._renewed_share:
-            self._reference, self._reference_from_keyframe = image, camera_from_keyframe
-            self._image_from_reference = np.eye(4)
+            self._renew(image)
+        self._newest = image
         return camera_from_keyframe
+
+    def _renew(self, image: NDArray[np.float32]) -> None:
+        """Take the image at the newest pose for the reference."""
+        self._reference_from_keyframe = self._image_from_reference @ self._reference_from_keyframe
+        self._reference, self._image_from_reference = image, np.eye(4)
 
     def ahead(self, last: LastFrame, timestamp: float) -> _Matrix | None:
         """Where a frame should be (4×4, as above) if the camera goes on as it did; None before the first step."""
@@ -67,7 +77,7 @@ class CarryingOn:
 
     def _begin(self, last: LastFrame) -> None:
         self._from, self._timestamp, self.is_held = last, last.timestamp, True
-        self._reference = self._surfaces.images.reference(last.gray, last.depth)
+        self._reference = self._newest = self._surfaces.images.reference(last.gray, last.depth)
         self._reference_from_keyframe, self._image_from_reference = last.camera_from_reference, np.eye(4)
         self._twist = np.zeros(6) if self._motion.twist is None else self._motion.twist
 

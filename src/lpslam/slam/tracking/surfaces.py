@@ -120,7 +120,7 @@ class Surfaces:
         config, shrink = self._config, 2.0**halvings
         intrinsics = self.images.intrinsics / shrink
         intrinsics[2:] += 0.5 / shrink - 0.5
-        hessian, gradient, residuals = np.empty((6, 6)), np.empty(6), np.empty(image[0].size)
+        hessian, gradient, residuals = np.empty((6, 6)), np.empty(6), np.empty((2, image[0].size))
         sigmas = np.repeat([config.guess_speed, config.guess_turn], 3) * seconds
         prior = np.diag(sigmas**-2)
         sigma, offset = _FIRST_SIGMA, float(np.median(reference[0]) - np.median(image[0]))
@@ -132,17 +132,48 @@ class Surfaces:
             )
             if inside < config.least_shared * known or measured < config.least_measured * image[0].size:
                 return None
-            sigma = max(1.4826 * float(np.median(residuals[:inside])), config.least_shade)
+            sigma = max(1.4826 * float(np.median(np.abs(residuals[0, :inside]))), config.least_shade)
             hessian += np.triu(hessian, 1).T
             astray = logarithm(pose @ inverse_transform(guess))
             step = np.asarray(np.linalg.solve(hessian + prior, -(gradient + prior @ astray)), np.float64)
             pose = exponential(step) @ pose
             if np.abs(step).max() < _SMALL_STEP:
                 break
+        noise = self._depth_noise(image[3])
+        told = hessian - noise**2 * measured / inside * self._told_by_noise(reference, pose, intrinsics)
         # By eigenvalues in units of the guess: in the direction that the images tell worst.
-        told = np.linalg.eigvalsh(hessian * np.outer(sigmas, sigmas))[0]
-        is_firm = bool(told * config.told_share**2 > 1.0)
-        return Aligned(pose, inside / known, is_firm and agreeing >= config.least_agreement * measured)
+        is_firm = bool(np.linalg.eigvalsh(told * np.outer(sigmas, sigmas))[0] * config.told_share**2 > 1.0)
+        agrees = agreeing >= config.least_agreement * measured and self._looks_alike(residuals[:, :inside])
+        return Aligned(pose, inside / known, is_firm and agrees)
+
+    def _depth_noise(self, depth: _Image) -> float:
+        """How many sigmas the readings (h, w) of smooth surfaces are off, by how little they lie in planes."""
+        off_plane = np.abs(cv2.Laplacian(depth, cv2.CV_32F)) / (self._noise[0] + self._noise[1] * depth**2)
+        known = off_plane[np.isfinite(off_plane)]
+        return 1.4826 * float(np.median(known)) / _LAPLACE_NOISE if len(known) else 1.0
+
+    def _told_by_noise(self, reference: _Image, pose: _Matrix, intrinsics: _Matrix) -> _Matrix:
+        """(6, 6) what slopes of depth that are noise alone add to the hessian, where readings are off by a sigma.
+
+        A slope's noise is a share of the reading's, by which it is weighed: how large it is plays no part.
+        """
+        fx, fy, cx, cy = intrinsics
+        v, u = np.nonzero(reference[1] > 0)
+        depth = reference[1][v, u].astype(np.float64)
+        points = np.column_stack([(u - cx) / fx * depth, (v - cy) / fy * depth, depth]) @ pose[:3, :3].T + pose[:3, 3]
+        x, y, z = points[points[:, 2] > _NEAREST].T
+        nothing = np.zeros_like(z)
+        across = np.stack([fx / z, nothing, -fx * x / (z * z)]), np.stack([nothing, fy / z, -fy * y / (z * z)])
+        jacobians = [np.concatenate([along, np.cross([x, y, z], along, axis=0)]) for along in across]
+        told: _Matrix = _SOBEL_NOISE**2 * sum((each @ each.T for each in jacobians), np.zeros((6, 6)))
+        return told
+
+    def _looks_alike(self, shades: NDArray[np.float64]) -> bool:
+        """Whether pictures by their residuals and grey values (2, n) are of the same; without contrast they may be."""
+        there, here = shades[1], shades[0] + shades[1]
+        if min(there.std(), here.std()) < self._config.least_contrast:
+            return True
+        return float(np.corrcoef(there, here)[0, 1]) >= self._config.least_correlation
 
 
 def halved(image: _Image, times: int) -> _Image:
@@ -155,11 +186,17 @@ def halved(image: _Image, times: int) -> _Image:
 
 _WAYS = ((1, 0), (0, 1))
 
+_NEAREST = 0.05
+"""Metres before the camera; what is nearer is not seen."""
+
 _FIRST_SIGMA = 5.0
 """Grey values: of the residuals, before they are known."""
 
 _SOBEL_NOISE = 0.31
 """Slope that noise of one grey value makes: √12 / 8 of independent pixels; a residual has the noise of two."""
+
+_LAPLACE_NOISE = 4.47
+"""What noise of one makes of the difference between four neighbours and the pixel: √20."""
 
 _LEAST_SECONDS = 0.01
 """Seconds for which a guess has been made at least: clocks are rounded."""
