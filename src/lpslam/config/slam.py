@@ -64,6 +64,7 @@ class DepthDelayConfig(Section):
     settled_interval: float = 2.0  # the same, once there are `views`: only to notice that it was wrong
     least_motion: float = 50.0  # pixels a second; slower, and 20 ms move depth by less than a pixel
     min_observers: int = Field(default=3, ge=1)  # keyframes that must see a point: its place is not one depth's then
+    most_points: int = Field(default=250, ge=3)  # of a view that are asked; more only cost time
     min_points: int = Field(default=30, ge=3)  # that must have depth at all times tried; fewer are easily one surface
     largest_sigma: float = Field(default=0.004, gt=0)  # seconds; a view that knows less says nothing
     views: int = Field(default=60, ge=2)  # latest ones that count

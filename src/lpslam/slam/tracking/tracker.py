@@ -95,7 +95,7 @@ class Tracker:
             slam_map, associator, shutter, config.shutter.revised_frames, config.shutter.longest_gap
         )
         delay = DepthDelay(extractor.camera, sensor, config.features, config.delay)
-        watch = DelayWatch(where, delay, config.delay.min_observers)
+        watch = DelayWatch(where, delay, config.delay)
         self._moving_on = MovingOn(where, self._guesser, self._anchoring, shutter, self.early_frames, watch)
         self._strict_until = -np.inf
 
