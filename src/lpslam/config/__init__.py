@@ -11,6 +11,7 @@ from pydantic import Field, PositiveFloat, ValidationError
 from lpslam.config.calibrating import CalibratingConfig
 from lpslam.config.section import Section
 from lpslam.config.slam import (
+    DepthDelayConfig,
     FeatureConfig,
     KeyframeConfig,
     LevellingConfig,
@@ -41,6 +42,7 @@ __all__ = [
     "CalibrationCheckConfig",
     "CameraMatchConfig",
     "Config",
+    "DepthDelayConfig",
     "EvaluationConfig",
     "FeatureConfig",
     "FocalCheckConfig",

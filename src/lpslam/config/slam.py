@@ -55,6 +55,24 @@ class ShutterConfig(Section):
     longest_gap: float = 0.15  # seconds between two frames that tell a velocity; more, and it has changed between
 
 
+class DepthDelayConfig(Section):
+    """How much later than colour depth is taken, estimated from views in motion."""
+
+    longest: float = Field(default=0.048, gt=0)  # seconds to either side that are tried; more is another frame's depth
+    steps: int = Field(default=8, ge=2)  # times tried to either side, 6 ms apart: a pixel or two in a turn
+    interval: float = 0.2  # seconds between views that are asked; nearer ones say the same
+    settled_interval: float = 2.0  # the same, once there are `views`: only to notice that it was wrong
+    least_motion: float = 50.0  # pixels a second; slower, and 20 ms move depth by less than a pixel
+    min_observers: int = Field(default=3, ge=1)  # keyframes that must see a point: its place is not one depth's then
+    most_points: int = Field(default=250, ge=3)  # of a view that are asked; more only cost time
+    min_points: int = Field(default=30, ge=3)  # that must have depth at all times tried; fewer are easily one surface
+    largest_sigma: float = Field(default=0.004, gt=0)  # seconds; a view that knows less says nothing
+    views: int = Field(default=60, ge=2)  # latest ones that count
+    min_views: int = Field(default=6, ge=1)  # that move one way, and as many the other, before anything is said
+    certain_sigmas: float = 3.0  # by which another delay must differ from what was said
+    least_change: float = 0.006  # seconds, the same; half of what quick turns begin to suffer from
+
+
 class TrackingConfig(Section):
     """From frame to pose."""
 
@@ -247,6 +265,7 @@ class SlamConfig(Section):
     features: FeatureConfig = FeatureConfig()
     noise: SensorNoiseConfig = SensorNoiseConfig()
     shutter: ShutterConfig = ShutterConfig()
+    delay: DepthDelayConfig = DepthDelayConfig()
     tracking: TrackingConfig = TrackingConfig()
     surfaces: SurfaceConfig = SurfaceConfig()
     places: PlacesConfig = PlacesConfig()

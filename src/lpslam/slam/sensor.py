@@ -47,13 +47,17 @@ class SensorModel:
             depth_sigma_quadratic=config.noise.depth_sigma_quadratic,
         )
 
+    def depth_sigma_at(self, z: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Metres, of depths (n,) in metres: σ_z = c + q z², since disparity noise is seen through a baseline."""
+        return self.depth_sigma + self.depth_sigma_quadratic * z**2
+
     def disparity_information(self, depth: NDArray[np.float32]) -> NDArray[np.float32]:
         """1/σ² of the disparity b·fx / z for depths (n,) in metres; 0 where there is none.
 
-        The sensor's noise σ_z = c + q z² (disparity noise seen through its baseline) makes σ_d = b·fx / z² · σ_z.
+        The sensor's noise σ_z makes σ_d = b·fx / z² · σ_z.
         """
         z = np.where(depth > 0, depth, 1.0).astype(np.float64)
-        sigma = self.intrinsics[4] / z**2 * (self.depth_sigma + self.depth_sigma_quadratic * z**2)
+        sigma = self.intrinsics[4] / z**2 * self.depth_sigma_at(z)
         return np.where(depth > 0, 1.0 / sigma**2, 0.0).astype(np.float32)
 
     def back_project(self, pixels: NDArray[np.float32], depth: NDArray[np.float32]) -> NDArray[np.float64]:

@@ -27,6 +27,7 @@ class EventKind(StrEnum):
     NEW_SUBMAP = "new sub-map"
     LOOP = "loop"
     MERGE = "merge"
+    DEPTH_DELAY = "depth delay"
 
 
 @dataclass(frozen=True, slots=True)

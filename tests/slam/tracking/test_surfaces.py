@@ -182,7 +182,7 @@ def level_images() -> tuple[np.ndarray, np.ndarray]:
 def terms(pose: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[int, int, int]]:
     """Hessian, gradient and counts at a pose."""
     reference, image = level_images()
-    hessian, gradient, residuals = np.empty((6, 6)), np.empty(6), np.empty(reference[0].size)
+    hessian, gradient, residuals = np.empty((6, 6)), np.empty(6), np.empty((2, reference[0].size))
     noise = (SENSOR.depth_sigma, SENSOR.depth_sigma_quadratic)
     counts = align_terms(
         reference, image, SURFACES.images.intrinsics, pose, (BRIGHTER, SHADE_SIGMA), 0.0, noise,

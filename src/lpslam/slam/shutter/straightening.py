@@ -17,6 +17,7 @@ from lpslam.slam.kernels import matching
 from lpslam.slam.kernels import shutter as kernels
 from lpslam.slam.kernels.graph import MapColumns
 from lpslam.slam.map import SlamMap
+from lpslam.slam.medians import weighted_median
 from lpslam.slam.sensor import SensorModel
 from lpslam.slam.shutter.readout import Correspondences, readout_between
 from lpslam.slam.tracking.guesses import LastFrame
@@ -178,10 +179,10 @@ class RollingShutter:
         values, weights = np.array(self._pairs).T
         # No camera reads longer than from one frame to the next.
         longest = float(np.median(self._gaps))
-        middle = min(max(_weighted_median(values, weights), -longest), longest)
+        middle = min(max(weighted_median(values, weights), -longest), longest)
         # The formal sigma knows nothing of errors of the velocities: the spread of the pairs does.
         share = weights / weights.sum()
-        sigma = 1.5 * _weighted_median(np.abs(values - middle), weights) * float(np.sqrt(np.square(share).sum()))
+        sigma = 1.5 * weighted_median(np.abs(values - middle), weights) * float(np.sqrt(np.square(share).sum()))
         difference = abs(middle - self.readout)
         if difference > max(self._config.least_change, self._config.certain_sigmas * sigma):
             self._better = middle
@@ -220,9 +221,3 @@ def _observe_again(m: MapColumns, keyframe: int, features: Features, sensor: Sen
     m.position[points[rows]] += (after - before) @ m.camera_from_world[keyframe, :3, :3]
     for name in ("pixels", "u_right", "depth"):
         getattr(m, name)[slot, : features.rows] = getattr(features, name)
-
-
-def _weighted_median(values: _Matrix, weights: _Matrix) -> float:
-    order = np.argsort(values)
-    reached = np.cumsum(weights[order])
-    return float(values[order[np.searchsorted(reached, 0.5 * reached[-1])]])

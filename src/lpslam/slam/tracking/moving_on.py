@@ -8,6 +8,7 @@ from lpslam.slam.association import Estimate
 from lpslam.slam.shutter.revising import EarlyFrames
 from lpslam.slam.shutter.straightening import RollingShutter
 from lpslam.slam.tracking.anchoring import Anchoring
+from lpslam.slam.tracking.delay_watch import DelayWatch
 from lpslam.slam.tracking.guesses import LastFrame
 from lpslam.slam.tracking.guessing import Guesser
 from lpslam.slam.tracking.picture import Picture
@@ -22,7 +23,7 @@ class MovingOn:
     Args:
         where: the camera is; gets the frame as its last.
         guesser: knows which frames tell a velocity.
-        anchoring, shutter, early_frames: told of the frame.
+        anchoring, shutter, early_frames, delay: told of the frame.
     """
 
     def __init__(
@@ -32,12 +33,14 @@ class MovingOn:
         anchoring: Anchoring,
         shutter: RollingShutter,
         early_frames: EarlyFrames,
+        delay: DelayWatch,
     ) -> None:
         self._where = where
         self._guesser = guesser
         self._anchoring = anchoring
         self._shutter = shutter
         self._early_frames = early_frames
+        self._delay = delay
 
     def keep(self, picture: Picture, estimate: Estimate, *, is_matched: bool, is_keyframe: bool) -> _Matrix:
         """Keep a frame as the one that the next is predicted from.
@@ -66,6 +69,8 @@ class MovingOn:
         )
         self._shutter.note(where.last, twist, is_matched, is_keyframe)
         self._early_frames.keep(picture.frame.index, where.last, is_keyframe)
+        if is_matched and twist is not None:
+            self._delay.note(picture, estimate, twist)
         return keyframe_from_camera
 
     def _moved(self, picture: Picture, camera_from_world: _Matrix) -> _Matrix | None:

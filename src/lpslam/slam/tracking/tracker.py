@@ -17,6 +17,7 @@ from lpslam.config import SlamConfig
 from lpslam.frames import RgbdFrame
 from lpslam.slam.advice import NO_ADVICE, LoopAdvisor
 from lpslam.slam.association import Associator, Estimate, View
+from lpslam.slam.delay import DepthDelay
 from lpslam.slam.features import FeatureExtractor, gray_of
 from lpslam.slam.map import SlamMap
 from lpslam.slam.places.relocalising import Relocaliser
@@ -27,6 +28,7 @@ from lpslam.slam.state import EventKind, SlamEvent, TrackedFrame, TrackingState
 from lpslam.slam.tracking.anchoring import Anchoring
 from lpslam.slam.tracking.backtracking import Backtracking
 from lpslam.slam.tracking.carrying_on import CarryingOn
+from lpslam.slam.tracking.delay_watch import DelayWatch
 from lpslam.slam.tracking.doubt import Doubt
 from lpslam.slam.tracking.guesses import FirstGuess, Followed, LastFrame, Search
 from lpslam.slam.tracking.guessing import Guesser
@@ -96,7 +98,9 @@ class Tracker:
         self.early_frames = EarlyFrames(
             slam_map, associator, shutter, config.shutter.revised_frames, config.shutter.longest_gap
         )
-        self._moving_on = MovingOn(where, self._guesser, self._anchoring, shutter, self.early_frames)
+        delay = DepthDelay(extractor.camera, sensor, config.features, config.delay)
+        watch = DelayWatch(where, delay, config.delay)
+        self._moving_on = MovingOn(where, self._guesser, self._anchoring, shutter, self.early_frames, watch)
         self._strict_until = -np.inf
 
     @property
