@@ -25,10 +25,10 @@ def truth(index: int) -> np.ndarray:
 
 
 def taken(first: int, last: int, checks: int) -> list[RgbdFrame]:
-    """Some of the camera's frames; colour and depth have noise."""
+    """Some of the camera's frames; colour and depth have noise, and without checks the room is all but one shade."""
     random, taken = np.random.default_rng([6, first]), []
     for index in range(first, last):
-        gray, depth = shot(CORNER, truth(index), 12.0, checks=checks)
+        gray, depth = shot(CORNER, truth(index), 2.0, checks=checks)
         noisy = (gray + random.normal(0.0, 0.7, gray.shape)).clip(0, 255).round().astype(np.uint8)
         strayed = random.normal(depth, 0.001 + 0.0015 * depth**2).astype(np.float32)
         taken.append(
@@ -119,13 +119,14 @@ def test_it_is_not_where_that_is_not_wanted(frames: list[RgbdFrame], config: Sla
 def test_what_surfaces_tell_is_believed_for_longer_than_the_motion_alone() -> None:
     coasting = Coasting(0.5, 10.0)
     assert coasting.goes_on(0.0, is_held=False)
-    for index, held in enumerate((True, True, False, False, True)):
+    for index, held in enumerate((True, True, True)):
         coasting.pass_over(index, float(index), np.eye(4), held)
-        assert (coasting.guessed_since is None) == held
-    assert coasting.guessed_since is None
+        assert coasting.guessed_since is None
     assert coasting.goes_on(9.9, is_held=True)
     assert not coasting.goes_on(10.1, is_held=True)
-    coasting.pass_over(5, 5.0, np.eye(4), is_held=False)
+    for timestamp in (5.0, 5.2):
+        coasting.pass_over(5, timestamp, np.eye(4), is_held=False)
+        assert coasting.guessed_since == 5.0
     assert coasting.goes_on(5.4, is_held=False)
     assert not coasting.goes_on(5.6, is_held=False)
     coasting.end()

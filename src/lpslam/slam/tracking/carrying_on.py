@@ -29,6 +29,7 @@ class CarryingOn:
         self._from: LastFrame | None = None
         self._timestamp = 0.0
         self._reference = self._newest = _NOTHING
+        self._shared = 1.0
         self._reference_from_keyframe = np.eye(4)
         self._image_from_reference = np.eye(4)
         self._twist = np.zeros(6)
@@ -42,30 +43,36 @@ class CarryingOn:
         if self._from is not last:
             self._begin(last)
         seconds = picture.timestamp - self._timestamp
-        guess = exponential(self._twist * min(max(seconds, 0.0), FARTHEST_AHEAD)) @ self._image_from_reference
-        image = self._surfaces.images.reference(picture.gray, picture.frame.depth)
-        aligned = self._surfaces.align(self._reference, image, guess, seconds)
-        if (aligned is None or not aligned.holds) and self._newest is not self._reference:
-            # What the reference tells no more, the image before may.
-            guess = guess @ inverse_transform(self._image_from_reference)
-            self._renew(self._newest)
-            aligned = self._surfaces.align(self._reference, image, guess, seconds)
-        pose = guess if aligned is None else aligned.image_from_reference
-        holds = aligned is not None and aligned.holds
-        self.is_held = self.is_held and holds
-        if holds and seconds > 0.0:
+        step = exponential(self._twist * min(max(seconds, 0.0), FARTHEST_AHEAD))
+        pose = self._told(picture, step, seconds) if self.is_held else None
+        self.is_held = pose is not None
+        if pose is None:
+            pose = step @ self._image_from_reference
+        elif seconds > 0.0:
             self._twist = logarithm(pose @ inverse_transform(self._image_from_reference)) / seconds
         self._image_from_reference, self._timestamp = pose, picture.timestamp
-        camera_from_keyframe: _Matrix = pose @ self._reference_from_keyframe
-        if aligned is None or not holds or aligned.shared < self._renewed_share:
-            self._renew(image)
-        self._newest = image
+        if self._shared < self._renewed_share:
+            self._renew(self._newest)
+        camera_from_keyframe: _Matrix = self._image_from_reference @ self._reference_from_keyframe
         return camera_from_keyframe
+
+    def _told(self, picture: Picture, step: _Matrix, seconds: float) -> _Matrix | None:
+        """The pose (4×4, image from reference) if the images hold; `step` is the camera's as it is expected."""
+        image = self._surfaces.images.reference(picture.gray, picture.frame.depth)
+        aligned = self._surfaces.align(self._reference, image, step @ self._image_from_reference, seconds)
+        if (aligned is None or not aligned.holds) and self._newest is not self._reference:
+            # What the reference tells no more, the image before may.
+            self._renew(self._newest)
+            aligned = self._surfaces.align(self._reference, image, step, seconds)
+        if aligned is None or not aligned.holds:
+            return None
+        self._newest, self._shared = image, aligned.shared
+        return aligned.image_from_reference
 
     def _renew(self, image: NDArray[np.float32]) -> None:
         """Take the image at the newest pose for the reference."""
         self._reference_from_keyframe = self._image_from_reference @ self._reference_from_keyframe
-        self._reference, self._image_from_reference = image, np.eye(4)
+        self._reference, self._image_from_reference, self._shared = image, np.eye(4), 1.0
 
     def ahead(self, last: LastFrame, timestamp: float) -> _Matrix | None:
         """Where a frame should be (4×4, as above) if the camera goes on as it did; None before the first step."""
@@ -77,6 +84,7 @@ class CarryingOn:
 
     def _begin(self, last: LastFrame) -> None:
         self._from, self._timestamp, self.is_held = last, last.timestamp, True
+        self._shared = 1.0
         self._reference = self._newest = self._surfaces.images.reference(last.gray, last.depth)
         self._reference_from_keyframe, self._image_from_reference = last.camera_from_reference, np.eye(4)
         self._twist = np.zeros(6) if self._motion.twist is None else self._motion.twist
