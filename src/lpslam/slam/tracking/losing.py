@@ -133,7 +133,8 @@ class Losing:
         reason = f"no place in the map matched, {self._quality.shown(picture)}"
         if self._coasting.since is not None:
             # Poses that surfaces told stay.
-            self.disown(self._coasting.guessed_since if self._coasting.guessed_since else frame.timestamp)
+            guessed_since = self._coasting.guessed_since
+            self.disown(frame.timestamp if guessed_since is None else guessed_since)
         if where.state is not TrackingState.LOST:
             where.tell(EventKind.LOST, frame, reason)
         where.state = TrackingState.LOST
