@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from lpslam.camera import PinholeCamera
 from lpslam.config import DepthDelayConfig, FeatureConfig, SlamConfig
 from lpslam.frames import RgbdFrame
-from lpslam.slam.delay import DepthDelay, Sighted
+from lpslam.slam.delay import DepthDelay, PointsInView
 from lpslam.slam.kernels.geometry import exponential
 from lpslam.slam.sensor import SensorModel
 from lpslam.slam.state import EventKind
@@ -40,14 +40,14 @@ def depths(pixels: Array, twist: Array, seconds: float) -> Array:
     return nearest
 
 
-def view(rng: np.random.Generator, twist: Array, delay: float, beside: float = 0.0) -> Sighted:
+def view(rng: np.random.Generator, twist: Array, delay: float, beside: float = 0.0) -> PointsInView:
     """The corner in motion; depth is taken `delay` seconds late, and lies `beside` its colour by some pixels."""
     v, u = np.mgrid[: CAMERA.height, : CAMERA.width].reshape(2, -1).astype(float)
     z = depths(np.column_stack([u - beside, v]), twist, delay)
     noise = rng.normal(0.0, 1.0, len(z)) * (0.001 + 0.001 * z**2)
     image = (z + noise).reshape(CAMERA.height, CAMERA.width).astype(np.float32)
     pixels = rng.uniform((30, 30), (290, 210), (150, 2))
-    return Sighted(pixels.astype(np.float32), depths(pixels, twist, 0.0), image, twist)
+    return PointsInView(pixels.astype(np.float32), depths(pixels, twist, 0.0), image, twist)
 
 
 def estimated(delay: float, twists: list[Array], beside: float = 0.0) -> float:

@@ -25,7 +25,7 @@ from lpslam.slam.sensor import SensorModel
 _Matrix = NDArray[np.float64]
 
 
-class Sighted(NamedTuple):
+class PointsInView(NamedTuple):
     """Points of the map seen in one frame.
 
     Attributes:
@@ -88,7 +88,7 @@ class DepthDelay:
         moves = self._sensor.intrinsics[0] * float(np.linalg.norm(twist[3:]) + np.linalg.norm(twist[:3]) / _FAR)
         return timestamp - self._noted_at >= interval and moves > config.least_motion
 
-    def note(self, timestamp: float, seen: Sighted) -> bool:
+    def note(self, timestamp: float, seen: PointsInView) -> bool:
         """Ask a frame; returns whether the delay is another one by it."""
         self._noted_at = timestamp
         vote = self._vote(seen)
@@ -97,7 +97,7 @@ class DepthDelay:
         self._votes.append(vote)
         return self._reconsider()
 
-    def _vote(self, seen: Sighted) -> _Vote | None:
+    def _vote(self, seen: PointsInView) -> _Vote | None:
         config = self._config
         read, nearer, motion = self._depths(seen)
         usable = (read > 0).all(axis=0)
@@ -117,7 +117,7 @@ class DepthDelay:
         seconds = self._candidates[least] + 0.5 * step * (before - after) / bend
         return _Vote(float(seconds), float(bend / (2.0 * step**2)), motion[usable].mean(axis=0))
 
-    def _depths(self, seen: Sighted) -> tuple[_Matrix, _Matrix, _Matrix]:
+    def _depths(self, seen: PointsInView) -> tuple[_Matrix, _Matrix, _Matrix]:
         """Depths (k, n) read for every candidate, what the motion adds to them (k, n), and pixels a second (n, 2)."""
         fx, fy, cx, cy, _ = self._sensor.intrinsics
         z = seen.depth

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from lpslam.config import DepthDelayConfig
 from lpslam.slam.association import Estimate
-from lpslam.slam.delay import DepthDelay, Sighted
+from lpslam.slam.delay import DepthDelay, PointsInView
 from lpslam.slam.kernels.reprojection import MIN_DEPTH
 from lpslam.slam.state import EventKind
 from lpslam.slam.tracking.picture import Picture
@@ -37,6 +37,6 @@ class DelayWatch:
             rows = rows[np.linspace(0, len(rows) - 1, config.most_points).astype(np.int64)]
         depth = m.position[estimate.points[rows]] @ pose[2, :3] + pose[2, 3]
         before = depth > MIN_DEPTH
-        seen = Sighted(picture.seen.pixels[rows[before]], depth[before], picture.frame.depth, twist)
+        seen = PointsInView(picture.seen.pixels[rows[before]], depth[before], picture.frame.depth, twist)
         if self._delay.note(picture.timestamp, seen):
             self._where.tell(EventKind.DEPTH_DELAY, picture.frame, self._delay.reason)
