@@ -104,6 +104,8 @@ def test_frames_without_a_pose_are_said_with_their_reason(lpslam: Command, clip:
     recording = clip(6)
     for path in images(recording, "rgb")[4:]:
         cv2.imwrite(str(path), np.full((480, 640, 3), 40, np.uint8))
+    for path in images(recording, "depth")[4:]:
+        cv2.imwrite(str(path), np.zeros((480, 640), np.uint16))
     done = lpslam("run", recording, "-o", tmp_path / "map.lpmap", "--no-text", "--json")
     assert done.json["frames_tracked"] == 4
     assert done.err.startswith("lpslam: 2 frames not tracked; the first, frame 4: coasting: 0 keypoints")

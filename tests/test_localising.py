@@ -240,6 +240,8 @@ def test_the_frames_that_were_not_tracked_are_counted_in_this_recording_only(
     # To the end: what is seen again after a moment has a pose.
     for file in sorted((recording / "rgb").iterdir())[18:]:
         cv2.imwrite(str(file), np.random.default_rng(int(file.stat().st_size)).integers(20, 24, (480, 640, 3)))
+    for file in sorted((recording / "depth").iterdir())[18:]:
+        cv2.imwrite(str(file), np.zeros((480, 640), np.uint16))
     done = lpslam("run", recording, "--continue", first_half, "-o", tmp_path / "grown.lpmap", "--no-text", "--json")
     untracked = done.json["frames"] - done.json["frames_tracked"]
     assert done.json["frames"] == 24

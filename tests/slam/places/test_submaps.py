@@ -21,6 +21,9 @@ from lpslam.text.text_map import TextMap
 
 # A walk ------------------------------------------------------------------------------------------------------------
 
+LOST_AT_ONCE = SlamConfig(tracking=TrackingConfig(coast_seconds=0.0, backtracked_seconds=0.0))
+"""Nothing is passed over, and nothing gets a place later."""
+
 LEFT, HIDDEN, ARRIVED = 20, 3, 70  # frames before the hand, behind it, and the one after it in the recording
 LAST = 108  # of the recording
 SOON = TrackingConfig(submap_after=0.2, coast_seconds=0.0)
@@ -48,7 +51,7 @@ def carried_away(clip: Clip, first: int = 0, config: SlamConfig | None = None) -
         taken = [frame for frame in frames if first <= frame.index < LEFT or ARRIVED <= frame.index < LAST]
         return hand_over_lens(LEFT - first, LEFT - first + HIDDEN)(iter(taken))
 
-    slam = RgbdSlam(clip.camera, config or WITHOUT_COASTING)
+    slam = RgbdSlam(clip.camera, config or LOST_AT_ONCE)
     tracked = [slam.process(frame) for frame in Disturbed(clip, disturbance)]
     return Story(clip, slam, tracked)
 
@@ -146,7 +149,9 @@ def test_the_trajectory_leaves_out_what_is_not_home_and_the_largest_submap_becom
 @pytest.mark.slow
 def test_a_longer_stay_in_the_second_place_makes_it_home(clip: Clip) -> None:
     story = carried_away(
-        clip, first=LEFT - 2, config=SlamConfig(tracking=TrackingConfig(submap_after=0.2, coast_seconds=0.0))
+        clip,
+        first=LEFT - 2,
+        config=SlamConfig(tracking=TrackingConfig(submap_after=0.2, coast_seconds=0.0, backtracked_seconds=0.0)),
     )
     assert story.slam.map.home == 0
     story.slam.finish()
