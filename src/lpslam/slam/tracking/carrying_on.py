@@ -43,7 +43,7 @@ class CarryingOn:
         if self._from is not last:
             self._begin(last)
         seconds = picture.timestamp - self._timestamp
-        step = exponential(self._twist * min(max(seconds, 0.0), FARTHEST_AHEAD))
+        step = self._step(seconds)
         pose = self._told(picture, step, seconds) if self.is_held else None
         self.is_held = pose is not None
         if pose is None:
@@ -78,9 +78,14 @@ class CarryingOn:
         """Where a frame should be (4×4, as above) if the camera goes on as it did; None before the first step."""
         if self._from is not last:
             return None
-        seconds = min(max(timestamp - self._timestamp, 0.0), FARTHEST_AHEAD)
-        ahead: _Matrix = exponential(self._twist * seconds) @ self._image_from_reference @ self._reference_from_keyframe
+        step = self._step(timestamp - self._timestamp)
+        ahead: _Matrix = step @ self._image_from_reference @ self._reference_from_keyframe
         return ahead
+
+    def _step(self, seconds: float) -> _Matrix:
+        """How the camera moves (4×4) in so many seconds, if it goes on as it did."""
+        step: _Matrix = exponential(self._twist * min(max(seconds, 0.0), FARTHEST_AHEAD))
+        return step
 
     def _begin(self, last: LastFrame) -> None:
         self._from, self._timestamp, self.is_held = last, last.timestamp, True

@@ -139,6 +139,8 @@ class Surfaces:
             pose = exponential(step) @ pose
             if np.abs(step).max() < _SMALL_STEP:
                 break
+        if halvings:
+            return Aligned(pose, inside / known, False)  # only the finest images are asked whether they hold
         noise = self._depth_noise(image[3])
         told = hessian - noise**2 * measured / inside * self._told_by_noise(reference, pose, intrinsics)
         # By eigenvalues in units of the guess: in the direction that the images tell worst.

@@ -260,11 +260,7 @@ class Tracker:
         where.tell(EventKind.TRACKING, picture.frame, "the map goes on from where surfaces have carried the camera")
         self._losing.seen()
         self._backtracking.forget()
-        nothing_seen = Estimate(camera_from_world, np.full(picture.features.rows, -1, np.int32), 0)
-        estimate = self._add_keyframe(picture, nothing_seen)
-        self._anchoring.matched(picture.timestamp)
-        self._anchoring.saw(picture.features)
-        return self._commit(picture, estimate, "", is_matched=True, is_keyframe=True)
+        return self._make_keyframe(picture, camera_from_world)
 
     def _found(self, picture: Picture, camera_from_world: _Matrix) -> TrackedFrame:
         """Begin a map or sub-map: every keypoint with depth is a point."""
@@ -272,13 +268,17 @@ class Tracker:
         self._losing.seen()
         self._relocaliser.forget()
         self._quality.begin(picture)
+        tracked = self._make_keyframe(picture, camera_from_world)
+        self._go_back()
+        return tracked
+
+    def _make_keyframe(self, picture: Picture, camera_from_world: _Matrix) -> TrackedFrame:
+        """Make a keyframe of a frame that sees no point of the map."""
         nothing_seen = Estimate(camera_from_world, np.full(picture.features.rows, -1, np.int32), 0)
         estimate = self._add_keyframe(picture, nothing_seen)
         self._anchoring.matched(picture.timestamp)
         self._anchoring.saw(picture.features)
-        tracked = self._commit(picture, estimate, "", is_matched=True, is_keyframe=True)
-        self._go_back()
-        return tracked
+        return self._commit(picture, estimate, "", is_matched=True, is_keyframe=True)
 
     def _miss(self, picture: Picture) -> TrackedFrame:
         """Nothing fits: coast for a moment, then be lost, then begin a sub-map where the camera was last."""
