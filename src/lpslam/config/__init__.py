@@ -24,6 +24,7 @@ from lpslam.config.slam import (
     SlamConfig,
     SurfaceConfig,
     TrackingConfig,
+    TurningConfig,
 )
 from lpslam.config.text import (
     AdviceConfig,
@@ -66,6 +67,7 @@ __all__ = [
     "SurfaceConfig",
     "TextConfig",
     "TrackingConfig",
+    "TurningConfig",
 ]
 
 

@@ -112,6 +112,7 @@ class TrackingConfig(Section):
     bridged_travel: float = Field(default=1.5, ge=0)  # of the same, over which frames that showed nothing are bridged
     steady_share: float = Field(default=0.5, ge=0)  # of `motion_radius`; predictions farther off, and flow goes first
     coast_seconds: float = Field(default=0.5, ge=0)  # for which the motion carries the pose where a frame shows nothing
+    coast_metres: float = Field(default=0.5, ge=0)  # by which the position may be wrong where only the turn is told
     backtracked_seconds: float = Field(default=1.0, ge=0)  # before the camera is found, in which frames are placed late
     strict_seconds: float = 1.0  # after relocalising, in which `min_recovery_inliers` must be matched
     predictable_gap: float = Field(default=0.08, gt=0)  # seconds between frames; more, and a turn has changed its pace
@@ -130,6 +131,7 @@ class SurfaceConfig(Section):
     edge: float = Field(default=0.1, gt=0)  # of the depth; neighbours that differ by more are of two surfaces
     guess_speed: float = Field(default=0.3, gt=0)  # m/s; sigma of the guess, which fills in what images do not say
     guess_turn: float = Field(default=0.5, gt=0)  # rad/s; the same of its turn
+    guess_sigmas: float = Field(default=6.0, gt=0)  # of the guess; images that are farther off slid along a pattern
     least_shade: float = Field(default=0.3, gt=0)  # grey values; sigma of the shades at least: they are rounded
     slope_sigmas: float = Field(default=2.0, ge=0)  # of the noise of a slope; flatter pixels say nothing
     least_shared: float = Field(default=0.4, gt=0, le=1)  # of the reference's pixels with depth must be in view
@@ -142,6 +144,20 @@ class SurfaceConfig(Section):
     told_share: float = Field(default=0.33, gt=0)  # of the guess's sigma; images that tell no better do not hold
     renewed_share: float = Field(default=0.8, gt=0, le=1)  # of the reference in view; less, and the next one is taken
     held_seconds: float = Field(default=10.0, ge=0)  # for which images alone tell the way; they drift by a twentieth
+
+
+class TurningConfig(Section):
+    """The camera's turn between two pictures, where nothing else says where a frame was taken."""
+
+    width: int = Field(default=320, ge=32)  # pixels across at most; noise and blur leave no more
+    corners: int = Field(default=200, ge=3)  # followed at most
+    corner_quality: float = Field(default=0.01, gt=0, lt=1)  # of the best corner's strength, at least
+    corner_distance: float = Field(default=0.02, ge=0)  # of the width between corners: they are spread over the picture
+    window: int = Field(default=15, ge=5)  # pixels, in which a corner is followed
+    levels: int = Field(default=4, ge=0)  # of the pyramid: 16 times the window's reach
+    min_corners: int = Field(default=20, ge=3)  # followed; fewer may agree on anything
+    pixels: float = Field(default=1.5, gt=0)  # of the small picture, within which a corner agrees with a turn
+    agreement: float = Field(default=0.6, ge=0, le=1)  # of the corners; for less, something else turns as well
 
 
 class KeyframeConfig(Section):
@@ -268,6 +284,7 @@ class SlamConfig(Section):
     delay: DepthDelayConfig = DepthDelayConfig()
     tracking: TrackingConfig = TrackingConfig()
     surfaces: SurfaceConfig = SurfaceConfig()
+    turning: TurningConfig = TurningConfig()
     places: PlacesConfig = PlacesConfig()
     locating: LocatingConfig = LocatingConfig()
     keyframes: KeyframeConfig = KeyframeConfig()

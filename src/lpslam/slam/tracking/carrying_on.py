@@ -1,4 +1,7 @@
-"""The camera's way since the last frame with a place in the map, as surfaces and shades tell it."""
+"""The camera's way since the last frame with a place in the map, as surfaces, shades and corners tell it."""
+
+from dataclasses import dataclass
+from enum import IntEnum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,9 +11,40 @@ from lpslam.slam.kernels.geometry import exponential, logarithm
 from lpslam.slam.tracking.guesses import LastFrame
 from lpslam.slam.tracking.motion import FARTHEST_AHEAD, ConstantVelocity
 from lpslam.slam.tracking.picture import Picture
-from lpslam.slam.tracking.surfaces import Surfaces
+from lpslam.slam.tracking.surfaces import Aligned, Surfaces
+from lpslam.slam.tracking.turning import Glance, Turning
 
 _Matrix = NDArray[np.float64]
+
+
+class Told(IntEnum):
+    """How much of the camera's way is told, and not guessed from its motion before."""
+
+    NOTHING = 0
+    TURN = 1
+    WAY = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Doubtful:
+    """What is not told of the way since the last frame with a place.
+
+    Attributes:
+        metres: by which the position may be wrong, since only the motion says how the camera stepped.
+        seconds: in which only the motion says how it turned as well.
+    """
+
+    metres: float = 0.0
+    seconds: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Sight:
+    """A small image (2, h, w) whose pose was told, its pose (4×4, image from reference), and how doubtful it is."""
+
+    image: NDArray[np.float32]
+    from_reference: _Matrix
+    doubtful: Doubtful
 
 
 class CarryingOn:
@@ -18,61 +52,95 @@ class CarryingOn:
 
     Args:
         surfaces: aligns images.
+        turning: finds turns from corners.
         motion: how the camera has moved while the map told it.
         renewed_share: of the reference in view; less, and the next image is taken for it.
+
+    Attributes:
+        told: how the newest frame has got its pose.
+        doubtful: what is not told of the way to it.
     """
 
-    def __init__(self, surfaces: Surfaces, motion: ConstantVelocity, renewed_share: float) -> None:
+    def __init__(self, surfaces: Surfaces, turning: Turning, motion: ConstantVelocity, renewed_share: float) -> None:
         self._surfaces = surfaces
+        self._turning = turning
         self._motion = motion
         self._renewed_share = renewed_share
         self._from: LastFrame | None = None
-        self._timestamp = 0.0
-        self._reference = self._newest = _NOTHING
-        self._shared = 1.0
+        self._before: Glance | None = None
+        self._timestamp = self._told_at = 0.0
+        self._reference = self._newest = _Sight(_NOTHING, np.eye(4), Doubtful())
         self._reference_from_keyframe = np.eye(4)
         self._image_from_reference = np.eye(4)
         self._twist = np.zeros(6)
-        self.is_held = False
+        self.told = Told.NOTHING
+        self.doubtful = Doubtful()
+
+    @property
+    def is_told(self) -> bool:
+        """Whether the whole way since the last frame with a place is told."""
+        return self.told is Told.WAY and self.doubtful == Doubtful()
 
     def follow(self, last: LastFrame, picture: Picture) -> _Matrix:
         """The pose of the next frame (4×4, camera from the reference keyframe of `last`, the last with a place).
 
-        Where the images do not tell it, the camera goes on as it did; `is_held` until that has happened.
+        Where nothing tells it, the camera goes on as it did; an image from before may tell it again.
         """
         if self._from is not last:
             self._begin(last)
-        seconds = picture.timestamp - self._timestamp
+        seconds = max(picture.timestamp - self._timestamp, 0.0)
+        image = self._surfaces.images.reference(picture.gray, picture.frame.depth)
         step = self._step(seconds)
-        pose = self._told(picture, step, seconds) if self.is_held else None
-        self.is_held = pose is not None
-        if pose is None:
-            pose = step @ self._image_from_reference
-        elif seconds > 0.0:
+        guess, aligned = self._aligned(image, step, picture.timestamp)
+        glance, before, moved = self._turning.glance(picture.gray, picture.frame.depth), self._before, None
+        if before is not None and (aligned is None or not aligned.holds):
+            moved = self._turning.told(before, glance, step, picture.timestamp - self._told_at)
+        pose, self.told = guess, Told.NOTHING
+        is_aligned = aligned is not None and aligned.holds
+        if aligned is not None and (is_aligned or moved is None):
+            pose, self.told = aligned.image_from_reference, Told.WAY if is_aligned else Told.TURN
+        elif moved is not None:
+            pose = moved.motion @ self._image_from_reference
+            self.told = Told.WAY if moved.is_step_told else Told.TURN
+        if self.told and seconds > 0.0:
             self._twist = logarithm(pose @ inverse_transform(self._image_from_reference)) / seconds
         self._image_from_reference, self._timestamp = pose, picture.timestamp
-        if self._shared < self._renewed_share:
-            self._renew(self._newest)
+        self._before = glance
+        self._doubt(seconds, is_aligned)
+        if self.told:
+            self._newest, self._told_at = _Sight(image, pose, self.doubtful), picture.timestamp
+            if not is_aligned or aligned is None or aligned.shared < self._renewed_share:
+                self._renew()
         camera_from_keyframe: _Matrix = self._image_from_reference @ self._reference_from_keyframe
         return camera_from_keyframe
 
-    def _told(self, picture: Picture, step: _Matrix, seconds: float) -> _Matrix | None:
-        """The pose (4×4, image from reference) if the images hold; `step` is the camera's as it is expected."""
-        image = self._surfaces.images.reference(picture.gray, picture.frame.depth)
-        aligned = self._surfaces.align(self._reference, image, step @ self._image_from_reference, seconds)
+    def _aligned(self, image: NDArray[np.float32], step: _Matrix, timestamp: float) -> tuple[_Matrix, Aligned | None]:
+        """Where an image is expected (4×4, image from reference), and how it lies there if that tells its turn."""
+        seconds = timestamp - self._told_at
+        guess = step @ self._image_from_reference
+        aligned = self._surfaces.align(self._reference.image, image, guess, seconds)
         if (aligned is None or not aligned.holds) and self._newest is not self._reference:
             # What the reference tells no more, the image before may.
-            self._renew(self._newest)
-            aligned = self._surfaces.align(self._reference, image, step, seconds)
-        if aligned is None or not aligned.holds:
-            return None
-        self._newest, self._shared = image, aligned.shared
-        return aligned.image_from_reference
+            self._renew()
+            guess = step @ self._image_from_reference
+            aligned = self._surfaces.align(self._reference.image, image, guess, seconds)
+        return guess, aligned if aligned is not None and aligned.tells_turn else None
 
-    def _renew(self, image: NDArray[np.float32]) -> None:
-        """Take the image at the newest pose for the reference."""
-        self._reference_from_keyframe = self._image_from_reference @ self._reference_from_keyframe
-        self._reference, self._image_from_reference, self._shared = image, np.eye(4), 1.0
+    def _doubt(self, seconds: float, is_aligned: bool) -> None:
+        """Say how doubtful the way is after a step of so many seconds, aligned with the reference or not."""
+        if self.told is Told.WAY:
+            self.doubtful = self._reference.doubtful if is_aligned else self.doubtful
+            return
+        speed = max(float(np.linalg.norm(self._twist[:3])), _LEAST_SPEED)
+        untold = seconds if self.told is Told.NOTHING else 0.0
+        self.doubtful = Doubtful(self.doubtful.metres + speed * seconds, self.doubtful.seconds + untold)
+
+    def _renew(self) -> None:
+        """Take the newest image whose pose was told for the reference."""
+        newest = self._newest
+        self._reference_from_keyframe = newest.from_reference @ self._reference_from_keyframe
+        self._image_from_reference = self._image_from_reference @ inverse_transform(newest.from_reference)
+        self._reference = self._newest = _Sight(newest.image, np.eye(4), newest.doubtful)
 
     def ahead(self, last: LastFrame, timestamp: float) -> _Matrix | None:
         """Where a frame should be (4×4, as above) if the camera goes on as it did; None before the first step."""
@@ -88,11 +156,15 @@ class CarryingOn:
         return step
 
     def _begin(self, last: LastFrame) -> None:
-        self._from, self._timestamp, self.is_held = last, last.timestamp, True
-        self._shared = 1.0
-        self._reference = self._newest = self._surfaces.images.reference(last.gray, last.depth)
+        self._from, self._timestamp, self._told_at = last, last.timestamp, last.timestamp
+        self._before, self.doubtful = self._turning.glance(last.gray, last.depth), Doubtful()
+        image = self._surfaces.images.reference(last.gray, last.depth)
+        self._reference = self._newest = _Sight(image, np.eye(4), self.doubtful)
         self._reference_from_keyframe, self._image_from_reference = last.camera_from_reference, np.eye(4)
         self._twist = np.zeros(6) if self._motion.twist is None else self._motion.twist
 
 
 _NOTHING = np.empty((2, 0, 0), np.float32)
+
+_LEAST_SPEED = 0.05
+"""Metres a second by which a camera that stood may move unseen: a hand's sway."""

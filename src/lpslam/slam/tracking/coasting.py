@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from lpslam.camera import inverse_transform
 from lpslam.slam.kernels.geometry import exponential, logarithm
+from lpslam.slam.tracking.carrying_on import Doubtful, Told
 
 _Matrix = NDArray[np.float64]
 
@@ -26,32 +27,37 @@ class Coasting:
 
     Args:
         seconds: for which the motion alone is believed; by then the camera may be anywhere.
-        held_seconds: for which it is while surfaces tell it.
+        held_seconds: for which it is while something tells it.
+        metres: by which a position may be wrong.
 
     Attributes:
         since: time of the first such frame; None while there is none.
-        guessed_since: time of the first to which surfaces did not tell the way; None while they do.
+        guessed_since: time of the first to which only the motion tells the way; None once surfaces tell it again.
     """
 
     seconds: float
     held_seconds: float
+    metres: float
     since: float | None = None
     guessed_since: float | None = None
     _frames: list[_Passed] = field(default_factory=list)
 
-    def goes_on(self, timestamp: float, is_held: bool) -> bool:
-        """Whether a frame that shows too little may be passed over; `is_held` if surfaces tell its pose."""
+    def goes_on(self, timestamp: float, told: Told, doubtful: Doubtful) -> bool:
+        """Whether a frame that shows too little may be passed over, as doubtful as its way is."""
         if self.since is None:
             return self.seconds > 0.0
-        if is_held:
-            return timestamp - self.since <= self.held_seconds
-        return self.guessed_since is None or timestamp - self.guessed_since <= self.seconds
+        if doubtful.seconds > self.seconds:
+            return False
+        # For a moment the motion is believed whatever its pace.
+        return told is Told.NOTHING or (timestamp - self.since <= self.held_seconds and doubtful.metres <= self.metres)
 
-    def pass_over(self, index: int, timestamp: float, camera_from_keyframe: _Matrix, is_held: bool) -> None:
+    def pass_over(self, index: int, timestamp: float, camera_from_keyframe: _Matrix, told: Told) -> None:
         """Take a frame with the pose that it has until it is known better."""
         if self.since is None:
             self.since = timestamp
-        if not is_held and self.guessed_since is None:
+        if told is Told.WAY:
+            self.guessed_since = None
+        elif told is Told.NOTHING and self.guessed_since is None:
             self.guessed_since = timestamp
         self._frames.append(_Passed(index, timestamp, camera_from_keyframe))
 

@@ -10,7 +10,7 @@ from lpslam.config import SlamConfig
 from lpslam.slam.state import EventKind, TrackedFrame, TrackingState
 from lpslam.slam.tracking.anchoring import Anchoring
 from lpslam.slam.tracking.backtracking import Placed
-from lpslam.slam.tracking.carrying_on import CarryingOn
+from lpslam.slam.tracking.carrying_on import CarryingOn, Told
 from lpslam.slam.tracking.coasting import Coasting
 from lpslam.slam.tracking.guesses import LastFrame
 from lpslam.slam.tracking.picture import Picture
@@ -76,7 +76,9 @@ class Losing:
         self._submap_after = config.tracking.submap_after
         self._min_depths = config.keyframes.min_start_depths
         self._grows = grows
-        self._coasting = Coasting(config.tracking.coast_seconds, config.surfaces.held_seconds)
+        self._coasting = Coasting(
+            config.tracking.coast_seconds, config.surfaces.held_seconds, config.tracking.coast_metres
+        )
         self._unknown_since: float | None = None
         self.hindsight = Hindsight()
 
@@ -96,19 +98,19 @@ class Losing:
         self._unknown_since = None
 
     def coast(self, picture: Picture) -> TrackedFrame | None:
-        """Give a frame that fits nothing the pose that surfaces or the motion tell; None if they are not believed."""
+        """Give a frame that fits nothing a pose by surfaces, its keypoints or the motion; None if none is believed."""
         where, frame = self._where, picture.frame
         last = where.last
         if last is None or where.state is TrackingState.LOST or not self._coasting.seconds:
             return None
         camera_from_keyframe = self._carrying_on.follow(last, picture)
-        is_held = self._carrying_on.is_held
-        if not self._coasting.goes_on(frame.timestamp, is_held):
+        told = self._carrying_on.told
+        if not self._coasting.goes_on(frame.timestamp, told, self._carrying_on.doubtful):
             return None
-        self._coasting.pass_over(frame.index, frame.timestamp, camera_from_keyframe, is_held)
+        self._coasting.pass_over(frame.index, frame.timestamp, camera_from_keyframe, told)
         if self._unknown_since is None and picture.depths >= self._min_depths:
             self._unknown_since = frame.timestamp
-        reason = f"{'carried by surfaces' if is_held else 'coasting'}: {self._quality.shown(picture)}"
+        reason = f"{_SAID[told]}: {self._quality.shown(picture)}"
         if where.state is not TrackingState.WEAK:
             where.tell(EventKind.WEAK, frame, reason)
         where.state = TrackingState.WEAK
@@ -132,7 +134,7 @@ class Losing:
         where, frame = self._where, picture.frame
         reason = f"no place in the map matched, {self._quality.shown(picture)}"
         if self._coasting.since is not None:
-            # Poses that surfaces told stay.
+            # Poses that something told stay.
             guessed_since = self._coasting.guessed_since
             self.disown(frame.timestamp if guessed_since is None else guessed_since)
         if where.state is not TrackingState.LOST:
@@ -180,7 +182,7 @@ class Losing:
         It does where surfaces tell the way, and what is in view has been unknown for long.
         """
         last, since = self._where.last, self._unknown_since
-        if last is None or since is None or not self._grows or not self._carrying_on.is_held:
+        if last is None or since is None or not self._grows or not self._carrying_on.is_told:
             return None
         if picture.depths < self._min_depths or picture.timestamp - since < self._submap_after:
             return None
@@ -196,3 +198,7 @@ class Losing:
         """The last frame has come: what was only predicted is not confirmed any more."""
         self.hindsight.disowned_since = self._coasting.guessed_since
         self._coasting.end()
+
+
+_SAID = {Told.NOTHING: "coasting", Told.TURN: "only its turn is known", Told.WAY: "carried by surfaces"}
+"""How a frame without a place of its own has got its pose."""

@@ -24,11 +24,13 @@ class Aligned:
         image_from_reference: 4×4.
         shared: of the reference's pixels with depth, the share that the image shows.
         holds: whether the images agree, and say all six degrees of freedom by themselves.
+        tells_turn: whether they agree, and say how the camera turned.
     """
 
     image_from_reference: _Matrix
     shared: float
     holds: bool
+    tells_turn: bool
 
 
 class SmallImages:
@@ -140,13 +142,18 @@ class Surfaces:
             if np.abs(step).max() < _SMALL_STEP:
                 break
         if halvings:
-            return Aligned(pose, inside / known, False)  # only the finest images are asked whether they hold
+            return Aligned(pose, inside / known, False, False)  # only the finest images are asked whether they hold
         noise = self._depth_noise(image[3])
         told = hessian - noise**2 * measured / inside * self._told_by_noise(reference, pose, intrinsics)
         # By eigenvalues in units of the guess: in the direction that the images tell worst.
-        is_firm = bool(np.linalg.eigvalsh(told * np.outer(sigmas, sigmas))[0] * config.told_share**2 > 1.0)
+        told *= np.outer(sigmas, sigmas) * config.told_share**2
+        is_firm = bool(np.linalg.eigvalsh(told)[0] > 1.0)
+        # Of the turn alone, wherever the camera has stepped.
+        turn = told[3:, 3:] - told[3:, :3] @ np.linalg.pinv(told[:3, :3], hermitian=True) @ told[:3, 3:]
+        is_turn_firm = is_firm or bool(np.linalg.eigvalsh(turn)[0] > 1.0)
         agrees = agreeing >= config.least_agreement * measured and self._looks_alike(residuals[:, :inside])
-        return Aligned(pose, inside / known, is_firm and agrees)
+        agrees &= bool((np.abs(logarithm(pose @ inverse_transform(guess))) <= config.guess_sigmas * sigmas).all())
+        return Aligned(pose, inside / known, is_firm and agrees, is_turn_firm and agrees)
 
     def _depth_noise(self, depth: _Image) -> float:
         """How many sigmas the readings (h, w) of smooth surfaces are off, by how little they lie in planes."""

@@ -39,6 +39,7 @@ from lpslam.slam.tracking.moving_on import MovingOn
 from lpslam.slam.tracking.picture import Picture
 from lpslam.slam.tracking.quality import Quality
 from lpslam.slam.tracking.surfaces import Surfaces
+from lpslam.slam.tracking.turning import Turning
 from lpslam.slam.tracking.whereabouts import Whereabouts
 
 _Matrix = NDArray[np.float64]
@@ -93,7 +94,8 @@ class Tracker:
         self._quality = Quality(config.tracking)
         self._doubt = Doubt(slam_map, advisor, config.tracking.doubt_seconds)
         surfaces = Surfaces(extractor.camera, sensor, config.surfaces)
-        carrying_on = CarryingOn(surfaces, where.motion, config.surfaces.renewed_share)
+        turning = Turning(extractor.camera, config.turning, config.surfaces)
+        carrying_on = CarryingOn(surfaces, turning, where.motion, config.surfaces.renewed_share)
         self._losing = Losing(where, self._anchoring, self._quality, carrying_on, config, grows)
         self.early_frames = EarlyFrames(
             slam_map, associator, shutter, config.shutter.revised_frames, config.shutter.longest_gap
@@ -247,6 +249,7 @@ class Tracker:
         """The first frame with enough depth founds the map."""
         depths, needed, rows = picture.depths, self._min_depths, picture.features.rows
         if depths < needed:
+            self._backtracking.keep(picture)
             return self._where.unknown(
                 picture.frame, f"waiting for a first view: {depths} of {rows} keypoints have depth, {needed} needed"
             )
