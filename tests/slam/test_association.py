@@ -129,6 +129,31 @@ def test_what_was_confirmed_decides_against_a_majority_that_moves(seed: int) -> 
     assert pose_error(astray.camera_from_world, truth)[0] < 0.01
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_someone_near_who_steps_aside_does_not_take_the_camera_along(seed: int) -> None:
+    """What stands still is far and in one corner of the view: a step with a turn all but explains both."""
+    random = np.random.default_rng([7, seed])
+    room = random.uniform([-2.5, -0.8, 5.5], [-1.0, 0.4, 6.0], (120, 3))
+    person = random.uniform([0.6, -0.8, 2.3], [1.1, 0.8, 2.5], (120, 3))
+    points, descriptors = np.concatenate([room, person]), descriptors_of(random, 240)
+    slam_map = SlamMap(240, SENSOR.scales)
+    add_view(slam_map, np.eye(4), view_of(np.eye(4), points, descriptors), -1)
+    slam_map.add_points(0, np.arange(240, dtype=np.int32), points)
+    second = add_view(slam_map, np.eye(4), view_of(np.eye(4), room, descriptors[:120]), 0)
+    graph.link_all(slam_map.columns, np.arange(120, dtype=np.int32), int(slam_map.columns.keyframe_slot[second]))
+    graph.refresh_points(slam_map.columns, np.arange(240, dtype=np.int32), SENSOR.scales)
+    now = np.concatenate([room, person + np.array([0.15, 0.0, 0.0])])
+    features = features_at(
+        CAMERA.project(now) + random.normal(0.0, 0.4, (240, 2)), now[:, 2] * (1 + random.normal(0, 0.03, 240)),
+        descriptors, np.zeros(240, np.uint8),
+    )  # fmt: skip
+    estimate = Associator(slam_map, SENSOR, CONFIG).optimise_on_map(features, np.eye(4), np.arange(240, dtype=np.int32))
+    assert estimate is not None
+    assert pose_error(estimate.camera_from_world, np.eye(4))[0] < 0.04
+    assert (estimate.points[:120] >= 0).mean() > 0.85
+    assert (estimate.points[120:] >= 0).mean() < 0.3
+
+
 def test_keypoints_that_are_not_in_the_map_hold_a_pose_but_are_no_matches() -> None:
     random = np.random.default_rng(8)
     world, truth = scene(random), moved_camera(random)

@@ -97,6 +97,7 @@ class TrackingConfig(Section):
     doubtful_share: float = Field(default=0.7, ge=0, le=1)  # of the matches; fewer agree, and a majority is looked for
     majority_trials: int = Field(default=100, ge=1)  # RANSAC hypotheses at most; half wrong matches need about 70
     min_judges: int = Field(default=30, ge=4)  # points seen by two keyframes; from so many on only they make a majority
+    contradicted_share: float = Field(default=0.6, ge=0, le=1)  # of the others; fewer agree with them, and they decide
     majority_pixels: float = Field(default=4.0, gt=0)  # reprojection error of those who agree, before refinement
     blur_ratio: float = 0.35  # share of the usual gradient energy below which a frame is called blurred
     followed_points: int = Field(default=250, ge=0)  # keypoints followed by optical flow between ORB frames; 0: never

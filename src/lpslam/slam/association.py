@@ -106,8 +106,12 @@ class Associator:
         keypoints = np.flatnonzero(match >= 0)
         seen = positions[match[keypoints]]
         unsure = np.zeros(len(keypoints)) if spread is None else spread[match[keypoints]]
-        camera_from_world, agreeing = self._refine(features, keypoints, guess, seen, unsure)
         judges = self._judges(points[match[keypoints]])
+        camera_from_world, agreeing = self._refine(features, keypoints, guess, seen, unsure)
+        if not judges.all():
+            by_judges = self._by_judges(features, keypoints, guess, seen, unsure, judges)
+            if by_judges is not None and np.count_nonzero(judges[by_judges[1]]) >= np.count_nonzero(judges[agreeing]):
+                camera_from_world, agreeing = by_judges
         heard = np.count_nonzero(judges[agreeing])
         if heard < self._config.doubtful_share * np.count_nonzero(judges):
             # Least squares is pulled by what moves near the camera, and by a guess that is far off; a majority is not.
@@ -144,6 +148,25 @@ class Associator:
         )
         return camera_from_world, np.flatnonzero(inlier)
 
+    def _by_judges(
+        self,
+        features: Features,
+        keypoints: NDArray[np.int64],
+        guess: _Matrix,
+        seen: _Matrix,
+        unsure: _Matrix,
+        judges: NDArray[np.bool_],
+    ) -> tuple[_Matrix, NDArray[np.int64]] | None:
+        """The judges' pose and who agrees with it, if most of the others do not: they move, and pull at the pose.
+
+        Someone who walks by is new to the map again and again, and a step aside may explain him as well as all that
+        stands far away.
+        """
+        first, _ = self._refine(features, keypoints[judges], guess, seen[judges], unsure[judges])
+        pose, agreeing = self._agreeing_with(features, keypoints, seen, unsure, first)
+        others = np.count_nonzero(~judges[agreeing])
+        return (pose, agreeing) if others < self._config.contradicted_share * np.count_nonzero(~judges) else None
+
     def _judges(self, points: _Rows) -> NDArray[np.bool_]:
         """Whose word counts: points that a second keyframe confirmed, for what moves seldom is; all where few were."""
         confirmed: NDArray[np.bool_] = (points >= 0) & (self._map.columns.observations[points] > 1)
@@ -169,6 +192,18 @@ class Associator:
         camera_from_world, _ = self._refine(
             features, keypoints[rows], found.camera_from_world, seen[rows], unsure[rows]
         )
+        return self._agreeing_with(features, keypoints, seen, unsure, camera_from_world)
+
+    def _agreeing_with(
+        self,
+        features: Features,
+        keypoints: NDArray[np.int64],
+        seen: _Matrix,
+        unsure: _Matrix,
+        camera_from_world: _Matrix,
+    ) -> tuple[_Matrix, NDArray[np.int64]]:
+        """A pose refined with all who stand where it puts them, and who they are."""
+        config, pixels = self._config, features.pixels[keypoints]
         fx, fy, cx, cy, _ = self._sensor.intrinsics
         x, y, z = (seen @ camera_from_world[:3, :3].T + camera_from_world[:3, 3]).T
         projected = np.column_stack([fx * x, fy * y]) / np.maximum(z, 1e-3)[:, None] + [cx, cy]

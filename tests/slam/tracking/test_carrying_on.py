@@ -11,6 +11,7 @@ from lpslam.frames import RgbdFrame
 from lpslam.slam.kernels.geometry import exponential
 from lpslam.slam.state import EventKind, TrackedFrame, TrackingState
 from lpslam.slam.system import RgbdSlam
+from lpslam.slam.tracking.carrying_on import Doubtful, Told
 from lpslam.slam.tracking.coasting import Coasting
 
 FRAMES, LATE, RATE = 44, 50, 20.0
@@ -69,7 +70,7 @@ def test_a_second_without_keypoints_is_carried_over_in_one_map(frames: list[Rgbd
     slam, tracked = track(frames, SlamConfig())
     assert all(frame.is_tracked for frame in tracked)
     assert all(frame.is_coasted and frame.state is TrackingState.WEAK for frame in tracked[BARE.start : BARE.stop])
-    assert all(frame.reason.startswith("carried by surfaces: ") for frame in tracked[BARE.start : BARE.stop])
+    assert all(frame.reason.startswith("carried without the map: ") for frame in tracked[BARE.start : BARE.stop])
     assert set(slam.map.submaps().tolist()) == {0}
     assert {event.kind for event in slam.events} == {EventKind.INITIALISED, EventKind.WEAK, EventKind.TRACKING}
     assert slam.trajectory.tracked_count == FRAMES
@@ -88,7 +89,7 @@ def test_the_map_goes_on_where_the_camera_was_carried_to_what_is_unknown(until_f
     (event,) = [event for event in slam.events if event.frame == begun.index]
     assert (event.kind, event.reason) == (
         EventKind.TRACKING,
-        "the map goes on from where surfaces have carried the camera",
+        "the map goes on from where the camera was carried without it",
     )
     assert not slam.map.is_root(begun.keyframe)
     assert all(frame.state is TrackingState.TRACKING for frame in tracked[begun.index :])
@@ -116,19 +117,29 @@ def test_it_is_not_where_that_is_not_wanted(frames: list[RgbdFrame], config: Sla
 # Frames that are passed over -----------------------------------------------------------------------------------------
 
 
-def test_what_surfaces_tell_is_believed_for_longer_than_the_motion_alone() -> None:
-    coasting = Coasting(0.5, 10.0)
-    assert coasting.goes_on(0.0, is_held=False)
-    for index, held in enumerate((True, True, True)):
-        coasting.pass_over(index, float(index), np.eye(4), held)
+def test_what_is_told_is_believed_for_longer_than_the_motion_alone() -> None:
+    coasting = Coasting(0.5, 10.0, 0.4)
+    assert coasting.goes_on(0.0, Told.NOTHING, Doubtful())
+    for index in range(3):
+        coasting.pass_over(index, float(index), np.eye(4), Told.WAY)
         assert coasting.guessed_since is None
-    assert coasting.goes_on(9.9, is_held=True)
-    assert not coasting.goes_on(10.1, is_held=True)
+    assert coasting.goes_on(9.9, Told.WAY, Doubtful())
+    assert not coasting.goes_on(10.1, Told.WAY, Doubtful())
     for timestamp in (5.0, 5.2):
-        coasting.pass_over(5, timestamp, np.eye(4), is_held=False)
+        coasting.pass_over(5, timestamp, np.eye(4), Told.NOTHING)
         assert coasting.guessed_since == 5.0
-    assert coasting.goes_on(5.4, is_held=False)
-    assert not coasting.goes_on(5.6, is_held=False)
+    assert coasting.goes_on(5.4, Told.NOTHING, Doubtful(9.0, 0.4))
+    assert not coasting.goes_on(5.6, Told.NOTHING, Doubtful(0.0, 0.6))
+    coasting.pass_over(6, 5.7, np.eye(4), Told.WAY)
+    assert coasting.guessed_since is None
     coasting.end()
     assert coasting.since is None
-    assert not Coasting(0.0, 10.0).goes_on(0.0, is_held=True)
+    assert not Coasting(0.0, 10.0, 0.4).goes_on(0.0, Told.WAY, Doubtful())
+
+
+def test_a_turn_is_believed_until_the_position_may_be_too_far_off() -> None:
+    coasting = Coasting(0.5, 10.0, 0.4)
+    coasting.pass_over(0, 0.0, np.eye(4), Told.TURN)
+    assert coasting.guessed_since is None
+    assert coasting.goes_on(3.0, Told.TURN, Doubtful(0.39))
+    assert not coasting.goes_on(3.0, Told.TURN, Doubtful(0.41))

@@ -200,5 +200,5 @@ class Losing:
         self._coasting.end()
 
 
-_SAID = {Told.NOTHING: "coasting", Told.TURN: "only its turn is known", Told.WAY: "carried by surfaces"}
+_SAID = {Told.NOTHING: "coasting", Told.TURN: "only its turn is known", Told.WAY: "carried without the map"}
 """How a frame without a place of its own has got its pose."""

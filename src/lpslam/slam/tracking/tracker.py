@@ -260,7 +260,7 @@ class Tracker:
         """Let the map go on with a keyframe that shares no point with it."""
         where = self._where
         where.state = TrackingState.TRACKING
-        where.tell(EventKind.TRACKING, picture.frame, "the map goes on from where surfaces have carried the camera")
+        where.tell(EventKind.TRACKING, picture.frame, "the map goes on from where the camera was carried without it")
         self._losing.seen()
         self._backtracking.forget()
         return self._make_keyframe(picture, camera_from_world)
