@@ -17,7 +17,7 @@ from lpslam.evaluation.report import evaluate
 from lpslam.evaluation.signs import TrueSign, read_signs
 from lpslam.simulation.boards.labels import LabelledBoard, read_labelled
 from lpslam.simulation.boards.ornaments import ORNAMENTS, paint_ornament
-from lpslam.simulation.boards.street import StreetSource, read_distractors, streets_of, write_distractors
+from lpslam.simulation.boards.street import StreetSource, drawn_boards, read_distractors, streets_of, write_distractors
 from lpslam.simulation.writer import write_sequence
 from lpslam.slam.warm_up import warm_up
 from lpslam.text.boxes import letter_heights, touches_border
@@ -111,17 +111,18 @@ def _streets_of_photographs(folder: Path) -> list[StreetOf]:
 def _measure_street(
     street: StreetOf, cache: Path, spotter: PaddleSpotter, config: Config, report: Report, total: Total
 ) -> list[LabelledBoard]:
-    source = StreetSource(street.seed, street.boards)
+    boards = list(street.boards or drawn_boards(street.seed))
     folder = cache / street.name
-    if not (folder / "ornaments.json").exists():
+    if not (folder / "ornaments.json").exists():  # written last
         shutil.rmtree(folder, ignore_errors=True)
+        source = StreetSource(street.seed, boards)
         write_sequence(source, folder)
         write_distractors(folder, source.distractors)
     recording = Recording.at(folder)
     world = pipeline.run(recording.open(), config, spotter=spotter, sequential=True)
     pipeline.distill(world)
-    signs = read_signs(folder) or []
-    scores = evaluate(world, recording.truth, signs, len(source), config.evaluation)
+    signs, frames = read_signs(folder) or [], len(recording.truth)
+    scores = evaluate(world, recording.truth, signs, frames, config.evaluation)
     truth_from_map = scores.ate.truth_from_estimate
     judged, of_signs = judge(world.landmarks(), signs, read_distractors(folder), truth_from_map, config.evaluation)
     total.judged += judged
@@ -130,7 +131,7 @@ def _measure_street(
     expected = [each for each in of_signs if each.expected]
     report.line(
         street=street.name,
-        frames=len(source),
+        frames=frames,
         tracked=scores.frames_tracked,
         ate_rmse_m=round(scores.ate.rmse, 4),
         expected=len(expected),
@@ -138,14 +139,14 @@ def _measure_street(
         fates=dict(Counter(each.fate for each in judged)),
     )
     _print_errors(judged, of_signs, config.evaluation.readable_frames)
-    return list(source.boards)
+    return boards
 
 
 def _print_errors(judged: Sequence[Judged], scores: Sequence[SignScore], frames: int) -> None:
     """Each error with what was painted and what came out."""
     for score in scores:
         if score.expected and not score.found:
-            came = [f"{each.mark.name!r} ({each.fate})" for each in judged if each.sign is score.sign]
+            came = [f"{each.mark.name!r} ({each.fate})" for each in judged if each.is_of(score.sign)]
             print(f"  missed  {_painted(score.sign)}: came out {', '.join(came) or 'nothing'}")
         elif score.found and not score.exact:
             came = [repr(each.mark.name) for each in score.name_marks]
@@ -157,13 +158,15 @@ def _print_errors(judged: Sequence[Judged], scores: Sequence[SignScore], frames:
             print(f"  unsaid  {unsaid} of {_painted(score.sign)}")
     for each in judged:
         if each.fate != "real":
-            beside = _painted(each.sign) if each.sign else "nothing"
-            print(f"  {each.fate:8}{each.mark.name!r} ({each.mark.observations} sightings) beside {beside}")
+            beside = [_painted(sign) for sign in each.merged or [each.sign] if sign]
+            print(f"  {each.fate:9}{each.mark.name!r} ({each.mark.observations} sightings) at {' and '.join(beside)}")
 
 
 def _painted(sign: TrueSign) -> str:
     lines = " / ".join(f"{line.text} [{line.role or 'line'}]" for line in sign.lines)
-    return f"{lines} ({', '.join(sign.features.get(factor, '?') for factor in FACTORS[:3])})"
+    made = [sign.features[factor] for factor in FACTORS[:3] if factor in sign.features]
+    made += ["no depth"] if sign.features.get("depth") == "no" else []
+    return f"{lines} ({', '.join(made)})"
 
 
 def read_flat(boards: Sequence[LabelledBoard], spotter: PaddleSpotter, config: SpottingConfig) -> Plain:
@@ -200,7 +203,7 @@ def _texts(image: Any, spotter: PaddleSpotter, config: SpottingConfig, scale: fl
     return [each.text for each in accepted if each is not None]
 
 
-def read_ornaments(spotter: PaddleSpotter, config: SpottingConfig, pictures: int = 8) -> None:
+def read_ornaments(spotter: PaddleSpotter, config: SpottingConfig, pictures: int = 4) -> None:
     """Texture sets: what plain reading takes for text on so many pictures of every ornament."""
     print("Ornaments read as text, of so many pictures:")
     for kind in ORNAMENTS:
@@ -233,7 +236,7 @@ def _tables(total: Total, plain: Plain, report: Report) -> None:
             ["elsewhere", str(fates["invented"]), str(plain.spurious)],
             ["misread", str(fates["misread"]), ""],
             ["misplaced", str(fates["misplaced"]), ""],
-            ["Merged boards", str(sum(each.merged for each in total.scores)), ""],
+            ["Merged boards", f"{sum(each.merged for each in total.scores)}, in {fates['merged']} landmarks", ""],
             ["Split boards", str(sum(each.split for each in total.scores)), ""],
             ["Duplicates", str(sum(each.doubles for each in total.scores)), ""],
             ["Roles", _roles(total.judged), ""],

@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 BESIDE = 0.35  # metres beside a board's ink at which a landmark is still its own: half of a shop's margin and more
 BEFORE = 0.5  # metres before or behind its face: what depth from the wall around it is off by
 ON_ORNAMENT = 0.15  # metres beside an ornament
+NEIGHBOUR = 2.5  # metres between a landmark and the boards that it may have merged: one board and a half
+SHORTEST = 3  # letters of a line that tell a merged board: shorter ones are in other words by chance
 MISREAD = 0.5  # similarity from which a landmark on a board is a line of it, misread
 Fate = Literal["real", "merged", "misread", "misplaced", "ornament", "invented"]
 
@@ -33,14 +35,20 @@ class Judged:
         fate: what it is.
         sign: whose line or lines it says, or the nearest; None without signs.
         lines: those that it says.
-        distance: metres from the middle of these, or from the sign's middle.
+        distance: metres from the middle of these; 0 unless real or misplaced.
+        merged: the signs whose lines it says together, if there are several.
     """
 
     mark: Landmark
     fate: Fate
     sign: TrueSign | None
     lines: tuple[TrueLine, ...]
-    distance: float
+    distance: float = 0.0
+    merged: tuple[TrueSign, ...] = ()
+
+    def is_of(self, sign: TrueSign) -> bool:
+        """Whether it comes of a sign."""
+        return sign is self.sign or any(sign is each for each in self.merged)
 
 
 @dataclass
@@ -113,24 +121,31 @@ def _judge_one(
     said = {id(each): lines_said(mark.name, each.sign.lines, like) for each in near}
     for each in sorted(near, key=lambda each: -len(said[id(each)])):
         lines = said[id(each)]
-        if lines and similarity(mark.name, " ".join(line.text for line in lines)) >= like:
+        if lines and alike(mark.name, " ".join(line.text for line in lines)) >= like:
             return Judged(mark, "real", each.sign, lines, _distance(each.sign, lines, place))
-    speaking = [each for each in near if said[id(each)]]
+    around = [each for each in scores if np.linalg.norm(_local(each.sign, place)) <= NEIGHBOUR]
+    speaking = [each for each in around if _long(lines_said(mark.name, each.sign.lines, like))]
     if len(speaking) > 1:
         for each in speaking:
             each.merged = True
-        return Judged(mark, "merged", speaking[0].sign, said[id(speaking[0])], 0.0)
+        signs = tuple(each.sign for each in speaking)
+        return Judged(mark, "merged", signs[0], lines_said(mark.name, signs[0].lines, like), merged=signs)
     for each in scores:
         lines = lines_said(mark.name, each.sign.lines, like)
-        if each not in near and lines and similarity(mark.name, " ".join(line.text for line in lines)) >= like:
+        if each not in near and lines and alike(mark.name, " ".join(line.text for line in lines)) >= like:
             return Judged(mark, "misplaced", each.sign, lines, _distance(each.sign, lines, place))
     likest = max(near, key=lambda each: _likeness(mark.name, each.sign), default=None)
     if likest is not None and (said[id(likest)] or _likeness(mark.name, likest.sign) >= MISREAD):
-        return Judged(mark, "misread", likest.sign, said[id(likest)], 0.0)
+        return Judged(mark, "misread", likest.sign, said[id(likest)])
     closest = min(scores, key=lambda each: float(np.linalg.norm(np.array(each.sign.centre) - place)), default=None)
     on_board = any(_is_on(each.sign, place, 0.0) for each in near)
     fate: Fate = "ornament" if not on_board and any(_is_ornament(each, place) for each in distractors) else "invented"
-    return Judged(mark, fate, closest.sign if closest else None, (), 0.0)
+    return Judged(mark, fate, closest.sign if closest else None, ())
+
+
+def alike(first: str, second: str) -> float:
+    """Eq. 3 similarity but for case and spaces."""
+    return similarity(comparison_key(first), comparison_key(second))
 
 
 def lines_said(name: str, lines: Sequence[TrueLine], like: float) -> tuple[TrueLine, ...]:
@@ -141,7 +156,7 @@ def lines_said(name: str, lines: Sequence[TrueLine], like: float) -> tuple[TrueL
         if not wanted or len(key) < like * len(wanted):
             continue
         if len(wanted) <= 2 or len(key) <= len(wanted):
-            start, is_in = key.find(wanted), (wanted in key or similarity(name, line.text) >= like)
+            start, is_in = key.find(wanted), (wanted in key or alike(name, line.text) >= like)
         else:
             part = fuzz.partial_ratio_alignment(wanted, key)
             start, is_in = (part.dest_start, part.score >= 100 * like) if part else (0, False)
@@ -150,8 +165,12 @@ def lines_said(name: str, lines: Sequence[TrueLine], like: float) -> tuple[TrueL
     return tuple(line for _, line in sorted(found, key=lambda each: each[0]))
 
 
+def _long(lines: Sequence[TrueLine]) -> bool:
+    return any(len(comparison_key(line.text)) >= SHORTEST for line in lines)
+
+
 def _likeness(name: str, sign: TrueSign) -> float:
-    return max(similarity(name, each) for each in (*sign.names, *(line.text for line in sign.lines)))
+    return max(alike(name, each) for each in (*sign.names, *(line.text for line in sign.lines)))
 
 
 def _distance(sign: TrueSign, lines: Sequence[TrueLine], place: Array) -> float:
