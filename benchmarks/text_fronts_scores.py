@@ -119,9 +119,9 @@ def _judge_one(
 ) -> Judged:
     near = [each for each in scores if _is_on(each.sign, place)]
     said = {id(each): lines_said(mark.name, each.sign.lines, like) for each in near}
-    for each in sorted(near, key=lambda each: -len(said[id(each)])):
-        lines = said[id(each)]
-        if lines and alike(mark.name, " ".join(line.text for line in lines)) >= like:
+    whole = [(each, explained(mark.name, said[id(each)], like)) for each in near]
+    for each, lines in sorted(whole, key=lambda one: -len(one[1])):
+        if lines:
             return Judged(mark, "real", each.sign, lines, _distance(each.sign, lines, place))
     around = [each for each in scores if np.linalg.norm(_local(each.sign, place)) <= NEIGHBOUR]
     speaking = [each for each in around if _long(lines_said(mark.name, each.sign.lines, like))]
@@ -131,8 +131,8 @@ def _judge_one(
         signs = tuple(each.sign for each in speaking)
         return Judged(mark, "merged", signs[0], lines_said(mark.name, signs[0].lines, like), merged=signs)
     for each in scores:
-        lines = lines_said(mark.name, each.sign.lines, like)
-        if each not in near and lines and alike(mark.name, " ".join(line.text for line in lines)) >= like:
+        lines = explained(mark.name, lines_said(mark.name, each.sign.lines, like), like)
+        if each not in near and lines:
             return Judged(mark, "misplaced", each.sign, lines, _distance(each.sign, lines, place))
     likest = max(near, key=lambda each: _likeness(mark.name, each.sign), default=None)
     if likest is not None and (said[id(likest)] or _likeness(mark.name, likest.sign) >= MISREAD):
@@ -159,10 +159,19 @@ def lines_said(name: str, lines: Sequence[TrueLine], like: float) -> tuple[TrueL
             start, is_in = key.find(wanted), (wanted in key or alike(name, line.text) >= like)
         else:
             part = fuzz.partial_ratio_alignment(wanted, key)
-            start, is_in = (part.dest_start, part.score >= 100 * like) if part else (0, False)
+            start = part.dest_start if part else 0
+            is_in = part is not None and similarity(wanted, key[start : part.dest_end]) >= like
         if is_in:
             found.append((start, line))
     return tuple(line for _, line in sorted(found, key=lambda each: each[0]))
+
+
+def explained(name: str, lines: Sequence[TrueLine], like: float) -> tuple[TrueLine, ...]:
+    """Of lines that a name has in it, those that are all of it: all together, else the one that is likest."""
+    whole = tuple(lines)
+    choices = [whole, *((line,) for line in lines)]
+    best = max(choices, key=lambda some: alike(name, " ".join(line.text for line in some)))
+    return best if best and alike(name, " ".join(line.text for line in best)) >= like else ()
 
 
 def _long(lines: Sequence[TrueLine]) -> bool:
