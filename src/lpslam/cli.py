@@ -9,8 +9,15 @@ import typer
 
 from lpslam._version import __version__
 from lpslam.cli_calibrate import calibrate
-from lpslam.cli_checks import config_of, map_for, refuse_overwriting, refuse_with_localize
-from lpslam.cli_runs import INTERRUPTED, call_to_its_end, localise_recording, render_simulation, say_usage
+from lpslam.cli_checks import config_of, map_for, refuse_overwriting, refuse_with_fronts, refuse_with_localize
+from lpslam.cli_runs import (
+    INTERRUPTED,
+    call_to_its_end,
+    localise_recording,
+    render_fronts,
+    render_simulation,
+    say_usage,
+)
 from lpslam.views.printed import (
     facts_of,
     landmark_records,
@@ -325,6 +332,9 @@ def simulate(
     way: Annotated[str | None, typer.Option(help="around, or there-and-back: signs are seen from both sides.")] = None,
     world: Annotated[int | None, typer.Option(min=0, help="No mall: camera, motion, place of a seed.")] = None,
     factor: Annotated[list[str] | None, typer.Option(metavar="NAME=VALUE", help="Of --world: depth=tof.")] = None,
+    fronts: Annotated[
+        Path | None, typer.Option(metavar="FOLDER", help="No mall: shops with your pictures and labels.json.")
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Render a mock mall, or another world: a recording in TUM layout with its ground truth and signs.json."""
@@ -341,6 +351,10 @@ def simulate(
         "way": way,
     }
     options = config_of(None, {"simulation": {key: value for key, value in given.items() if value is not None}})
+    if fronts is not None:
+        refuse_with_fronts(frames, world, factor, given)
+        render_fronts(folder, seed, fronts, options.simulation, as_json=as_json)
+        return
     render_simulation(folder, seed, frames, options.simulation, world, factor or [], as_json=as_json)
 
 

@@ -16,6 +16,14 @@ def refuse_with_localize(output: Path | None, continued: Path | None, live: bool
         raise UserError("where should the poses go? give --trajectory OUT.txt with --localize")
 
 
+def refuse_with_fronts(frames: int | None, world: int | None, factor: list[str] | None, given: dict[str, Any]) -> None:
+    """A street of one's own boards is as long as they are, and has no floor plan and no words to choose."""
+    others = {"frames": frames, "world": world, "factor": factor or None, **given}
+    for name, value in others.items():
+        if value is not None and name != "light":
+            raise UserError(f"--fronts and --{name.replace('_', '-')} exclude each other")
+
+
 def refuse_unwritable(path: Path) -> None:
     """A result that cannot be written is refused before the work for it is done."""
     if path.is_dir() or not path.absolute().parent.is_dir():

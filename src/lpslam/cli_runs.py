@@ -126,6 +126,27 @@ def render_simulation(
         print_table({what: str(value) for what, value in written.items()})
 
 
+def render_fronts(folder: Path, seed: int, fronts: Path, options: SimulationConfig, *, as_json: bool) -> None:
+    """Render a walk past the labelled pictures of a folder, as many as hang on one wall, and say what it has."""
+    from lpslam.simulation.boards.labels import read_labelled
+    from lpslam.simulation.boards.street import StreetSource, write_distractors
+    from lpslam.simulation.writer import refuse_recording, write_sequence
+    from lpslam.views.run_progress import counting
+
+    refuse_recording(folder)
+    boards = read_labelled(fronts)
+    with counting("building the street") as progress:
+        street = StreetSource(seed, boards, options=options)
+        write_sequence(street, folder, progress)
+        write_distractors(folder, street.distractors)
+    hung = f"{len(street.boards)} of {len(boards)}"
+    written = {"written": str(folder), "frames": len(street), "signs": len(street.signs), "boards": hung}
+    if as_json:
+        print_json(written)
+    else:
+        print_table({what: str(value) for what, value in written.items()})
+
+
 def _render_world(folder: Path, seed: int, frames: int | None, factors: list[str]) -> dict[str, Any]:
     from lpslam.simulation.worlds.factors import FACTORS, draw_world
     from lpslam.simulation.worlds.source import WorldSource

@@ -6,6 +6,8 @@ import pytest
 
 from command_line import Command
 from lpslam.evaluation.signs import read_signs
+from lpslam.simulation.boards.labels import write_labelled
+from lpslam.simulation.boards.painting import paint_shop_board
 
 
 @pytest.mark.slow
@@ -50,3 +52,21 @@ def test_what_no_world_has_is_one_clear_line(lpslam: Command, tmp_path: Path) ->
     assert "depth is 'sonar'; it must be one of structured" in value
     mall = lpslam("simulate", tmp_path / "world", "--factor", "depth=tof").complaint
     assert mall.startswith("option --factor: malls have none")
+
+
+@pytest.mark.slow
+def test_fronts_of_ones_own_pictures(lpslam: Command, tmp_path: Path) -> None:
+    write_labelled(tmp_path / "mine", [paint_shop_board(3, 0)])
+    done = lpslam("simulate", tmp_path / "street", "--fronts", tmp_path / "mine", "--json")
+    assert (done.code, done.json["signs"], done.json["boards"]) == (0, 1, "1 of 1")
+    signs = read_signs(tmp_path / "street")
+    assert signs is not None
+    assert signs[0].lines[0].role == "primary"
+    assert (tmp_path / "street" / "ornaments.json").is_file()
+
+
+def test_fronts_that_cannot_be_are_one_clear_line(lpslam: Command, tmp_path: Path) -> None:
+    assert "cannot be read" in lpslam("simulate", tmp_path / "street", "--fronts", tmp_path / "none").complaint
+    complaint = lpslam("simulate", tmp_path / "street", "--fronts", tmp_path, "--frames", 9).complaint
+    assert complaint == "--fronts and --frames exclude each other"
+    assert not (tmp_path / "street").exists()

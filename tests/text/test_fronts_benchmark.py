@@ -1,0 +1,77 @@
+"""What becomes of landmarks on shop fronts: real, merged, split, misread, ornaments, inventions."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lpslam.config import EvaluationConfig
+from lpslam.evaluation.signs import TrueSign, listed_signs
+from lpslam.simulation.boards.street import Distractor
+from lpslam.text.types import Landmark
+
+BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
+
+
+@pytest.fixture(autouse=True)
+def _beside_the_benchmarks(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+
+
+def line(text: str, x: float, z: float, role: str) -> dict[str, object]:
+    return {"text": text, "centre": [x, 0, z], "width": 0.9, "height": 0.2, "readable_frames": 20, "role": role}
+
+
+def sign(name: str, motto: str, x: float) -> dict[str, object]:
+    lines = [line(name, x, 2.6, "primary"), line(motto, x, 2.3, "secondary")]
+    return {"text": name, "centre": [x, 0, 2.6], "normal": [0, -1, 0], "readable_frames": 20, "lines": lines}
+
+
+SIGNS = [sign("青山五金", "OPEN DAILY", 0.0), sign("Copper Fox", "批发零售", 1.4), sign("福源花店", "鲜花速递", 8.0)]
+FRIEZE = Distractor("frieze", np.array([[3.0, 0, 3.2], [5.0, 0, 3.2], [5.0, 0, 3.0], [3.0, 0, 3.0]]))
+
+
+def mark(name: str, x: float, z: float) -> Landmark:
+    out = np.array([0.0, -1.0, 0.0])
+    return Landmark(int(1000 * x), name, {name: 3}, np.array([x, 0.0, z]), out, 0.01, 0.9, 0.2, 5, 0.9)
+
+
+def judged(*marks: Landmark) -> tuple[list[str], list[object]]:
+    from text_fronts_scores import judge
+
+    truth: list[TrueSign] = listed_signs(SIGNS, "here")
+    each, scores = judge(marks, truth, [FRIEZE], np.eye(4), EvaluationConfig())
+    return [one.fate for one in each], list(scores)
+
+
+def test_landmarks_are_what_they_say_where_they_hang() -> None:
+    fates, scores = judged(
+        mark("青山五金 OPEN DAILY", 0.0, 2.45),
+        mark("Coppar Fox", 1.4, 2.6),
+        mark("批发零售", 1.4, 2.3),
+        mark("0X0X0X", 4.0, 3.1),
+        mark("习", 6.0, 1.0),
+        mark("福源花店", 4.6, 2.0),
+        mark("鲜花逋遁", 8.0, 2.3),
+    )
+    assert fates == ["real", "real", "real", "ornament", "invented", "misplaced", "misread"]
+    first, second, third = scores
+    assert (first.found, first.exact, first.split) == (True, True, False)  # type: ignore[attr-defined]
+    assert (second.found, second.exact, second.split) == (True, False, True)  # type: ignore[attr-defined]
+    assert not third.found  # type: ignore[attr-defined]
+
+
+def test_one_landmark_of_two_boards_finds_neither() -> None:
+    fates, scores = judged(mark("青山五金 Copper Fox OPEN DAILY 批发零售", 0.7, 2.45))
+    assert fates == ["merged"]
+    assert [(each.merged, each.found) for each in scores] == [(True, False), (True, False), (False, False)]  # type: ignore[attr-defined]
+
+
+def test_duplicates_are_counted_and_short_lines_are_not_found_in_long_ones() -> None:
+    from text_fronts_scores import lines_said
+
+    _, scores = judged(mark("Copper Fox", 1.4, 2.6), mark("COPPER FOX", 1.41, 2.62))
+    assert scores[1].doubles == 1  # type: ignore[attr-defined]
+    lines = listed_signs([sign("茶行", "花", 0.0)], "here")[0].lines
+    assert [each.text for each in lines_said("花店 茶行", lines, 0.8)] == ["花", "茶行"]
+    assert lines_said("茶花女", lines[:1], 0.8) == ()
