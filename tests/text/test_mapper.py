@@ -293,6 +293,12 @@ def test_the_map_survives_its_document() -> None:
         assert mine.position.tolist() == theirs.position.tolist()
 
 
+def test_a_map_with_a_threshold_that_was_given_up_is_read() -> None:
+    document = json.loads(json.dumps(mall().to_document()))
+    document["config"]["spotting"]["border_margin"] = 0.02
+    assert TextMap.from_document(document).memory.classes == mall().memory.classes
+
+
 @pytest.mark.parametrize("spoil", ["config", "memory", "judgements", "question"])
 def test_a_spoilt_document_is_a_clear_error(spoil: str) -> None:
     document = json.loads(json.dumps(mall().to_document()))

@@ -15,7 +15,8 @@ from lpslam.config import ReadingConfig, TextConfig
 from lpslam.frames import RgbdFrame
 from lpslam.language.model import LanguageModel
 from lpslam.slam.state import TrackedFrame, TrackingState
-from lpslam.text.boxes import letter_heights, touches_border
+from lpslam.text.borders import cut_by_border
+from lpslam.text.boxes import letter_heights
 from lpslam.text.instances import KeyframePoses
 from lpslam.text.legibility import UNPLACED, frontal_cosine, ground_colour, legibility
 from lpslam.text.memory import Pool, TextClass
@@ -186,7 +187,7 @@ class TextMapper:
             fates = np.full(len(boxes), BoxFate.KEPT, dtype=object)
             heights = letter_heights(boxes)
             fates[heights < config.min_letter_height] = BoxFate.SMALL
-            fates[touches_border(boxes, frame.rgb.shape[:2], config.border_margin)] = BoxFate.BORDER
+            fates[cut_by_border(frame.rgb, boxes)] = BoxFate.BORDER
 
             started = perf_counter()
             place = partial(
