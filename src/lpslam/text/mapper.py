@@ -15,6 +15,7 @@ from lpslam.config import ReadingConfig, TextConfig
 from lpslam.frames import RgbdFrame
 from lpslam.language.model import LanguageModel
 from lpslam.slam.state import TrackedFrame, TrackingState
+from lpslam.text.bearings import bearing_of
 from lpslam.text.borders import cut_by_border
 from lpslam.text.boxes import letter_heights
 from lpslam.text.instances import KeyframePoses
@@ -77,7 +78,7 @@ class TextMapper:
         for text_class in self.text_map.memory.classes:
             for each in text_class.observations:
                 pose = world_from_keyframe(each.keyframe)
-                if pose is not None:
+                if pose is not None and each.placement is not None:
                     seen = legibility(each.letter_height, frontal_cosine(each.placement, np.eye(4)))
                     self._spots.add(text_class.id, each.text, each.placement, pose, seen)
 
@@ -133,7 +134,9 @@ class TextMapper:
             # Where a text stands would be wrong with the place: nothing is remembered until that is known.
             for text, placement in zip(reading.texts, reading.placements, strict=True):
                 if placement is not None and self._is_sure(placement):
-                    self._on_doubtful(_observation(frame, tracked.keyframe, text, placement))
+                    self._on_doubtful(
+                        self._observation(frame, tracked.keyframe, tracked.keyframe_from_camera, text, placement)
+                    )
             self._gate.hurry(frame.timestamp)
             return reading
         started = perf_counter()
@@ -145,9 +148,9 @@ class TextMapper:
                 seen = legibility(text.letter_height, frontal_cosine(placement, tracked.keyframe_from_camera))
             text_class = self._remember(text, placement, seen, frame.timestamp, world_from_keyframe)
             is_new |= text_class.count < self._config.reading.settled_sightings
+            observation = self._observation(frame, tracked.keyframe, tracked.keyframe_from_camera, text, placement)
+            text_class.observations.append(observation)
             if placement is not None:
-                observation = _observation(frame, tracked.keyframe, text, placement)
-                text_class.observations.append(observation)
                 if self._is_sure(placement):
                     self._on_sighting(text_class.id, observation)
                 observations.append(observation)
@@ -167,7 +170,7 @@ class TextMapper:
         if reading is not None:
             placed = zip(reading.texts, reading.placements, strict=True)
             sure = [(text, where) for text, where in placed if where is not None and self._is_sure(where)]
-            self._on_lost([_observation(frame, NOWHERE, text, where) for text, where in sure])
+            self._on_lost([self._observation(frame, NOWHERE, np.eye(4), text, where) for text, where in sure])
 
     def _read(
         self, frame: RgbdFrame, keyframe_from_camera: Array, world_from_keyframe: Array | None, keyframe: int
@@ -233,6 +236,26 @@ class TextMapper:
             fates=tuple(fates),
             texts=tuple(text for text, _ in texts),
             placements=tuple(None if isinstance(each, PlacementFault) else each for _, each in texts),
+        )
+
+    def _observation(
+        self,
+        frame: RgbdFrame,
+        keyframe: int,
+        keyframe_from_camera: Array,
+        text: SpottedText,
+        placement: Placement | None,
+    ) -> TextObservation:
+        return TextObservation(
+            frame.index,
+            frame.timestamp,
+            keyframe,
+            text.text,
+            text.confidence,
+            placement,
+            text.letter_height,
+            ground_colour(frame.rgb, text.box),
+            bearing_of(text.box, self._camera, keyframe_from_camera),
         )
 
     def _processor_seconds(self) -> float:
@@ -316,19 +339,6 @@ def _is_squeezed(text: str, placement: Placement | PlacementFault) -> bool:
 
 _SQUARE = 1.5
 """Largest ratio of the sides of a character's box, in metres."""
-
-
-def _observation(frame: RgbdFrame, keyframe: int, text: SpottedText, placement: Placement) -> TextObservation:
-    return TextObservation(
-        frame.index,
-        frame.timestamp,
-        keyframe,
-        text.text,
-        text.confidence,
-        placement,
-        text.letter_height,
-        ground_colour(frame.rgb, text.box),
-    )
 
 
 class ReadingGate:
