@@ -22,6 +22,7 @@ from lpslam.text.instances import KeyframePoses
 from lpslam.text.legibility import UNPLACED, frontal_cosine, ground_colour, legibility
 from lpslam.text.memory import Pool, TextClass
 from lpslam.text.naming import BesideNaming, name_class, needs_name, rename_class
+from lpslam.text.ornaments import are_ornaments
 from lpslam.text.placement import PlacementFault, place_text
 from lpslam.text.spots import Spots
 from lpslam.text.spotting import ReadsElsewhere, TextSpotter, accepted_texts
@@ -175,7 +176,7 @@ class TextMapper:
     def _read(
         self, frame: RgbdFrame, keyframe_from_camera: Array, world_from_keyframe: Array | None, keyframe: int
     ) -> FrameReading | None:
-        """Detect (III-B), drop what is cut off or too small, place (III-F), recognise; None when the reader failed.
+        """Detect (III-B), drop what is cut off, too small or no text, place (III-F), recognise; None when that failed.
 
         What stands where a text was read often enough, and no less legibly, is confirmed without being read again.
         """
@@ -212,6 +213,8 @@ class TextMapper:
             self.statistics.mapping_ms += 1000.0 * (perf_counter() - started)
 
             started = perf_counter()
+            kept = np.flatnonzero(fates == BoxFate.KEPT)
+            fates[kept[are_ornaments(frame.rgb, boxes[kept])]] = BoxFate.ORNAMENT
             kept = np.flatnonzero(fates == BoxFate.KEPT)
             readings = self._spotter.recognise(frame.rgb, boxes[kept]) if len(kept) else []
             self.statistics.recognition_ms += 1000.0 * (perf_counter() - started)
@@ -323,6 +326,7 @@ class TextMapper:
         self.statistics.boxes_too_small += int((fates == BoxFate.SMALL).sum())
         self.statistics.boxes_hidden += int((fates == BoxFate.HIDDEN).sum())
         self.statistics.boxes_known += int((fates == BoxFate.KNOWN).sum())
+        self.statistics.boxes_ornamental += int((fates == BoxFate.ORNAMENT).sum())
         self.statistics.texts_rejected += int((fates == BoxFate.UNREAD).sum())
         self.statistics.texts_read += len(texts)
         self.statistics.observations_without_depth += sum(isinstance(each, PlacementFault) for _, each in texts)

@@ -37,6 +37,7 @@ class BoxFate(StrEnum):
     SMALL = "small"
     HIDDEN = "hidden"
     KNOWN = "known"
+    ORNAMENT = "ornament"
     UNREAD = "unread"
 
 
@@ -176,6 +177,7 @@ class TextStatistics:
     boxes_too_small: int = 0
     boxes_hidden: int = 0
     boxes_known: int = 0
+    boxes_ornamental: int = 0
     texts_rejected: int = 0
     texts_read: int = 0
     observations: int = 0
