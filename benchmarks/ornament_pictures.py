@@ -210,8 +210,11 @@ def text(random: np.random.Generator) -> tuple[str, Picture, NDArray[np.float64]
     word = str(random.choice(words))
     if prefix == "latin" and random.random() < 0.15:
         word = str(random.integers(0, 10 ** int(random.integers(2, 6))))
+    if prefix == "latin" and random.random() < 0.3:
+        # Spaced out, letters stand as evenly as motifs do.
+        word = (" ", "\u2009", "  ")[int(random.integers(0, 3))].join(word.replace(" ", ""))
     ground, ink = _colours(random)
-    font = ImageFont.truetype(str(font_path(str(random.choice(font_names(prefix))))), int(random.integers(18, 80)))
+    font = ImageFont.truetype(str(font_path(str(random.choice(font_names(prefix))))), int(random.integers(12, 80)))
     wall = Image.new("RGB", SIZE, ground)
     pen = ImageDraw.Draw(wall)
     downwards = prefix == "chinese" and random.random() < 0.3
