@@ -10,7 +10,8 @@ import numpy as np
 
 from lpslam.config import SpottingConfig
 from lpslam.evaluation.reading import LineScore, score_lines
-from lpslam.text.boxes import letter_heights, touches_border
+from lpslam.text.borders import cut_by_border
+from lpslam.text.boxes import letter_heights
 from lpslam.text.spotting import PaddleSpotter, accepted_texts
 
 
@@ -29,8 +30,7 @@ def measure(folders: Sequence[Path], config: SpottingConfig) -> None:
             started = time.process_time()
             boxes, _ = spotter.detect(image)
             detected = time.process_time()
-            # A photograph is framed by a person: nothing is cut off, so only boxes on the very edge are dropped.
-            boxes = boxes[~touches_border(boxes, image.shape[:2], 0.0)]
+            boxes = boxes[~cut_by_border(image, boxes)]
             boxes = boxes[letter_heights(boxes) >= config.min_letter_height]
             accepted = accepted_texts(boxes, spotter.recognise(image, boxes), config)
             texts = [each.text for each in accepted if each is not None]

@@ -163,6 +163,36 @@ def test_boxes_at_the_border_and_tiny_ones_are_dropped_unread_and_counted() -> N
     assert spotter.recognised == 3
 
 
+def test_an_ornament_is_not_even_read() -> None:
+    spotter = ScriptedSpotter((box(300, 200, 200, 40), "mmmmmmm", 0.99), (box(300, 300), "KFC", 0.99))
+    railing = frame(0)
+    for column in range(305, 500, 20):
+        railing.rgb[202:238, column : column + 6] = 220
+    mapper = TextMapper(CAMERA, spotter, CONFIG)
+    reading = mapper.observe(railing, tracked(0))
+    assert reading is not None
+    assert list(reading.fates) == [BoxFate.ORNAMENT, BoxFate.KEPT]
+    assert spotter.recognised == 1
+    assert mapper.statistics.boxes_ornamental == 1
+
+
+def test_text_without_depth_enters_the_map_by_its_bearings() -> None:
+    spotter = ScriptedSpotter()
+    mapper = TextMapper(CAMERA, spotter, CONFIG)
+    # The sign stands 2 m ahead of where the camera passes from left to right.
+    poses = {}
+    for index in range(0, 60, 6):
+        aside = -0.4 + index / 60
+        spotter.seen = [(box(270 - 285 * aside, 200), "GUCCI", 0.98)]
+        moved = np.eye(4)
+        moved[0, 3] = aside
+        poses[index] = moved
+        mapper.observe(frame(index, depth=0.0), replace(tracked(index), keyframe=index, world_from_camera=moved))
+    (mark,) = mapper.text_map.landmarks(lambda keyframe: poses[keyframe])
+    assert mark.name == "GUCCI"
+    assert mark.position[2] == pytest.approx(2.0, abs=0.1)
+
+
 def test_text_hidden_by_something_nearer_is_not_even_read() -> None:
     spotter = ScriptedSpotter((box(300, 200), "RMATION", 0.99))
     hidden = frame(0)
@@ -291,6 +321,12 @@ def test_the_map_survives_its_document() -> None:
             theirs.is_landmark,
         )
         assert mine.position.tolist() == theirs.position.tolist()
+
+
+def test_a_map_with_a_threshold_that_was_given_up_is_read() -> None:
+    document = json.loads(json.dumps(mall().to_document()))
+    document["config"]["spotting"]["border_margin"] = 0.02
+    assert TextMap.from_document(document).memory.classes == mall().memory.classes
 
 
 @pytest.mark.parametrize("spoil", ["config", "memory", "judgements", "question"])

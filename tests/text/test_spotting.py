@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from lpslam.config import SpottingConfig
 from lpslam.errors import UserError
 from lpslam.text import networks
-from lpslam.text.boxes import letter_heights, touches_border
+from lpslam.text.borders import cut_by_border
+from lpslam.text.boxes import letter_heights
 from lpslam.text.detection import boxes_from_probability, network_input
 from lpslam.text.networks import load_network
 from lpslam.text.recognition import decode_ctc, rectify
@@ -29,7 +30,7 @@ def spotter() -> PaddleSpotter:
 def spot(spotter: TextSpotter, rgb: NDArray[np.uint8], config: SpottingConfig) -> list[SpottedText]:
     """Find and read all text of an image that is wholly in view, large enough and surely read."""
     boxes, _ = spotter.detect(rgb)
-    boxes = boxes[~touches_border(boxes, rgb.shape[:2], config.border_margin)]
+    boxes = boxes[~cut_by_border(rgb, boxes)]
     boxes = boxes[letter_heights(boxes) >= config.min_letter_height]
     return [text for text in accepted_texts(boxes, spotter.recognise(rgb, boxes), config) if text is not None]
 
@@ -88,29 +89,17 @@ def test_it_is_a_text_spotter(spotter: PaddleSpotter) -> None:
 @pytest.mark.slow
 def test_photographed_signs_are_read(spotter: PaddleSpotter) -> None:
     labels = json.loads((SIGNS / "labels.json").read_text(encoding="utf-8"))["images"]
-    config = SpottingConfig(border_margin=0.0)
     wanted = found = 0
     for name, lines in labels.items():
         image = cv2.cvtColor(cv2.imread(str(SIGNS / name)), cv2.COLOR_BGR2RGB)
-        read = [comparison_key(each.text) for each in spot(spotter, np.asarray(image, np.uint8), config)]
+        read = [comparison_key(each.text) for each in spot(spotter, np.asarray(image, np.uint8), CONFIG)]
         for line in lines:
             wanted += 1
             found += any(similarity(comparison_key(line), each) >= 0.8 for each in read)
     assert found / wanted >= 0.75, f"{found} of {wanted} lines"
 
 
-@pytest.mark.parametrize(
-    ("corner", "touches"),
-    [((7, 200), False), ((6, 200), True), ((300, 5), False), ((300, 4), True), ((512, 200), False), ((513, 200), True)],
-)
-def test_the_rim_is_a_share_of_width_and_height(corner: tuple[float, float], touches: bool) -> None:
-    box = np.array([[0, 0], [120, 0], [120, 30], [0, 30]], float) + corner
-    # 1 % of 640 x 480: 6.4 and 4.8 px; the last pixel is 639.
-    assert touches_border(box[None], (480, 640), 0.01).tolist() == [touches]
-
-
-def test_no_boxes_touch_nothing() -> None:
-    assert touches_border(np.zeros((0, 4, 2)), (480, 640), 0.01).shape == (0,)
+def test_no_boxes_have_no_letters() -> None:
     assert letter_heights(np.zeros((0, 4, 2))).shape == (0,)
 
 

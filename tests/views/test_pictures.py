@@ -165,7 +165,7 @@ def test_labels_of_boxes_stay_in_the_image_and_may_be_hostile() -> None:
     box = np.array([[150, 0], [159, 0], [159, 9], [150, 9]], float)
     beyond = box + np.array([1000, -500])
     boxes = np.stack([box, beyond, np.full((4, 2), np.nan)] + [box] * len(HOSTILE))
-    out = draw_boxes(image, boxes, [True] * len(boxes), ["STAR", "FAR", "NAN", *HOSTILE], border_margin=0.05)
+    out = draw_boxes(image, boxes, [True] * len(boxes), ["STAR", "FAR", "NAN", *HOSTILE])
     assert near(out, (40, 200, 80)).any()
     assert (draw_boxes(image, np.zeros((0, 4, 2)), [], []) == 0).all()
 

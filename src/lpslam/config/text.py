@@ -27,8 +27,6 @@ class SpottingConfig(Section):
     min_region_side: float = Field(default=3.0, ge=0)
     # Most boxes of one image; beyond it the image is texture, not text.
     max_boxes: int = Field(default=200, ge=1)
-    # Share of width and height at the image's rim that a box must not touch: text cut off there misleads (Fig. 11).
-    border_margin: float = Field(default=0.02, ge=0, lt=0.5)
     # Boxes lower than this, pixels, are not read: their letters are guesses.
     min_letter_height: float = Field(default=10.0, ge=0)
     # Widest rectified line, pixels at 48 pixels high; longer lines are squeezed.

@@ -125,10 +125,12 @@ def _sightings(
     text_class: TextClass, world_from_keyframe: Callable[[int], Array | None], truth_from_map: Array
 ) -> _Sightings:
     placed = [
-        (each, pose) for each in text_class.observations if (pose := world_from_keyframe(each.keyframe)) is not None
+        (each, pose)
+        for each in text_class.observations
+        if each.placement is not None and (pose := world_from_keyframe(each.keyframe)) is not None
     ]
     positions = np.array(
-        [transform_points(truth_from_map @ pose, np.array([each.placement.position]))[0] for each, pose in placed]
+        [transform_points(truth_from_map @ pose, np.array([each.place.position]))[0] for each, pose in placed]
     )
     return _Sightings(
         texts=np.array([each.text for each, _ in placed], dtype=np.str_),

@@ -69,7 +69,8 @@ class TextAdvisor:
         self.vetoed = 0
         for text_class in classes:
             for observation in text_class.observations:
-                self.note(text_class.id, observation)
+                if observation.placement is not None:
+                    self.note(text_class.id, observation)
 
     def note(self, text_class: int, observation: TextObservation) -> None:
         """Take a sighting of a class of texts."""

@@ -10,17 +10,6 @@ DOWNWARDS = 1.5
 """Ratio of height to width from which a box holds a line that runs downwards."""
 
 
-def touches_border(boxes: Boxes, shape: tuple[int, ...], margin: float) -> NDArray[np.bool_]:
-    """Tell which (n, 4, 2) boxes reach into the rim of an image of this (height, width): text cut off (Fig. 11).
-
-    The rim is `margin` times the width at the sides and `margin` times the height at top and bottom.
-    """
-    height, width = shape
-    rim = np.array([width, height]) * margin
-    inside = (boxes > rim) & (boxes < np.array([width - 1, height - 1]) - rim)
-    return np.asarray(~inside.all(axis=(1, 2)), dtype=np.bool_)
-
-
 def letter_heights(boxes: Boxes) -> NDArray[np.float64]:
     """Height of the letters in (n, 4, 2) boxes, (n,) pixels: across the direction of writing."""
     width, height = _sizes(boxes)
@@ -32,6 +21,11 @@ def runs_downwards(boxes: Boxes) -> NDArray[np.bool_]:
     """Tell which (n, 4, 2) boxes hold a line that runs downwards: those half again as high as wide."""
     width, height = _sizes(boxes)
     return height >= DOWNWARDS * width
+
+
+def along_the_lines(boxes: Boxes) -> Boxes:
+    """The (n, 4, 2) boxes, those whose line runs downwards turned so that its first letter is on the left."""
+    return np.where(runs_downwards(boxes)[:, None, None], np.roll(boxes, -1, axis=1), boxes)
 
 
 def _sizes(boxes: Boxes) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

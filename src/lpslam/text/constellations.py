@@ -140,8 +140,8 @@ def _text(
         position,
         _unit(normals.mean(axis=0)),
         _unit(baselines.mean(axis=0)),
-        float(np.median([each.placement.width for each in readings])),
-        float(np.median([each.placement.height for each in readings])),
+        float(np.median([each.place.width for each in readings])),
+        float(np.median([each.place.height for each in readings])),
     )
 
 

@@ -5,7 +5,7 @@ from typing import Any
 
 from lpslam.language.model import Judgement, Naming
 from lpslam.text.memory import ForgottenClass, LongShortTermMemory, Pool, TextClass, Variant
-from lpslam.text.types import Placement, TextObservation
+from lpslam.text.types import Bearing, Placement, TextObservation
 
 Document = dict[str, Any]
 
@@ -60,12 +60,20 @@ def _text_class(document: Document) -> TextClass:
 
 def _observation(document: Document) -> TextObservation:
     fields = dict(document)
-    placement: Document = {
-        key: tuple(value) if isinstance(value, list | tuple) else value
-        for key, value in fields.pop("placement").items()
-    }
-    ground = fields.pop("ground")
-    return TextObservation(placement=Placement(**placement), ground=tuple(ground) if ground else None, **fields)
+    placement, ground = fields.pop("placement"), fields.pop("ground")
+    # Older maps have no bearings.
+    bearing = fields.pop("bearing", None)
+    return TextObservation(
+        placement=Placement(**{key: _frozen(value) for key, value in placement.items()}) if placement else None,
+        ground=tuple(ground) if ground else None,
+        bearing=Bearing(**{key: _frozen(value) for key, value in bearing.items()}) if bearing else None,
+        **fields,
+    )
+
+
+def _frozen(value: Any) -> Any:
+    """Lists as the tuples that they were."""
+    return tuple(_frozen(each) for each in value) if isinstance(value, list | tuple) else value
 
 
 def _samples(history: list[list[float]]) -> list[tuple[float, float]]:

@@ -104,11 +104,11 @@ def world_placements(
     """Positions, normals and baselines of observations in the world, each (n, 3), by their keyframes' present poses.
 
     Raises:
-        ValueError: the place of a keyframe is not known.
+        ValueError: the place of a keyframe, or of an observation in it, is not known.
     """
     keyframes = np.array([each.keyframe for each in observations], dtype=np.int64)
     local = np.array(
-        [(each.placement.position, each.placement.normal, each.placement.baseline) for each in observations],
+        [(each.place.position, each.place.normal, each.place.baseline) for each in observations],
         dtype=np.float64,
     ).reshape(-1, 3, 3)
     world = np.empty_like(local)

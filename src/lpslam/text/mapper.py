@@ -15,11 +15,14 @@ from lpslam.config import ReadingConfig, TextConfig
 from lpslam.frames import RgbdFrame
 from lpslam.language.model import LanguageModel
 from lpslam.slam.state import TrackedFrame, TrackingState
-from lpslam.text.boxes import letter_heights, touches_border
+from lpslam.text.bearings import bearing_of
+from lpslam.text.borders import cut_by_border
+from lpslam.text.boxes import letter_heights
 from lpslam.text.instances import KeyframePoses
 from lpslam.text.legibility import UNPLACED, frontal_cosine, ground_colour, legibility
 from lpslam.text.memory import Pool, TextClass
 from lpslam.text.naming import BesideNaming, name_class, needs_name, rename_class
+from lpslam.text.ornaments import are_ornaments
 from lpslam.text.placement import PlacementFault, place_text
 from lpslam.text.spots import Spots
 from lpslam.text.spotting import ReadsElsewhere, TextSpotter, accepted_texts
@@ -76,7 +79,7 @@ class TextMapper:
         for text_class in self.text_map.memory.classes:
             for each in text_class.observations:
                 pose = world_from_keyframe(each.keyframe)
-                if pose is not None:
+                if pose is not None and each.placement is not None:
                     seen = legibility(each.letter_height, frontal_cosine(each.placement, np.eye(4)))
                     self._spots.add(text_class.id, each.text, each.placement, pose, seen)
 
@@ -132,7 +135,9 @@ class TextMapper:
             # Where a text stands would be wrong with the place: nothing is remembered until that is known.
             for text, placement in zip(reading.texts, reading.placements, strict=True):
                 if placement is not None and self._is_sure(placement):
-                    self._on_doubtful(_observation(frame, tracked.keyframe, text, placement))
+                    self._on_doubtful(
+                        self._observation(frame, tracked.keyframe, tracked.keyframe_from_camera, text, placement)
+                    )
             self._gate.hurry(frame.timestamp)
             return reading
         started = perf_counter()
@@ -144,9 +149,9 @@ class TextMapper:
                 seen = legibility(text.letter_height, frontal_cosine(placement, tracked.keyframe_from_camera))
             text_class = self._remember(text, placement, seen, frame.timestamp, world_from_keyframe)
             is_new |= text_class.count < self._config.reading.settled_sightings
+            observation = self._observation(frame, tracked.keyframe, tracked.keyframe_from_camera, text, placement)
+            text_class.observations.append(observation)
             if placement is not None:
-                observation = _observation(frame, tracked.keyframe, text, placement)
-                text_class.observations.append(observation)
                 if self._is_sure(placement):
                     self._on_sighting(text_class.id, observation)
                 observations.append(observation)
@@ -166,12 +171,12 @@ class TextMapper:
         if reading is not None:
             placed = zip(reading.texts, reading.placements, strict=True)
             sure = [(text, where) for text, where in placed if where is not None and self._is_sure(where)]
-            self._on_lost([_observation(frame, NOWHERE, text, where) for text, where in sure])
+            self._on_lost([self._observation(frame, NOWHERE, np.eye(4), text, where) for text, where in sure])
 
     def _read(
         self, frame: RgbdFrame, keyframe_from_camera: Array, world_from_keyframe: Array | None, keyframe: int
     ) -> FrameReading | None:
-        """Detect (III-B), drop what is cut off or too small, place (III-F), recognise; None when the reader failed.
+        """Detect (III-B), drop what is cut off, too small or no text, place (III-F), recognise; None when that failed.
 
         What stands where a text was read often enough, and no less legibly, is confirmed without being read again.
         """
@@ -186,7 +191,7 @@ class TextMapper:
             fates = np.full(len(boxes), BoxFate.KEPT, dtype=object)
             heights = letter_heights(boxes)
             fates[heights < config.min_letter_height] = BoxFate.SMALL
-            fates[touches_border(boxes, frame.rgb.shape[:2], config.border_margin)] = BoxFate.BORDER
+            fates[cut_by_border(frame.rgb, boxes)] = BoxFate.BORDER
 
             started = perf_counter()
             place = partial(
@@ -208,6 +213,8 @@ class TextMapper:
             self.statistics.mapping_ms += 1000.0 * (perf_counter() - started)
 
             started = perf_counter()
+            kept = np.flatnonzero(fates == BoxFate.KEPT)
+            fates[kept[are_ornaments(frame.rgb, boxes[kept])]] = BoxFate.ORNAMENT
             kept = np.flatnonzero(fates == BoxFate.KEPT)
             readings = self._spotter.recognise(frame.rgb, boxes[kept]) if len(kept) else []
             self.statistics.recognition_ms += 1000.0 * (perf_counter() - started)
@@ -232,6 +239,26 @@ class TextMapper:
             fates=tuple(fates),
             texts=tuple(text for text, _ in texts),
             placements=tuple(None if isinstance(each, PlacementFault) else each for _, each in texts),
+        )
+
+    def _observation(
+        self,
+        frame: RgbdFrame,
+        keyframe: int,
+        keyframe_from_camera: Array,
+        text: SpottedText,
+        placement: Placement | None,
+    ) -> TextObservation:
+        return TextObservation(
+            frame.index,
+            frame.timestamp,
+            keyframe,
+            text.text,
+            text.confidence,
+            placement,
+            text.letter_height,
+            ground_colour(frame.rgb, text.box),
+            bearing_of(text.box, self._camera, keyframe_from_camera),
         )
 
     def _processor_seconds(self) -> float:
@@ -299,6 +326,7 @@ class TextMapper:
         self.statistics.boxes_too_small += int((fates == BoxFate.SMALL).sum())
         self.statistics.boxes_hidden += int((fates == BoxFate.HIDDEN).sum())
         self.statistics.boxes_known += int((fates == BoxFate.KNOWN).sum())
+        self.statistics.boxes_ornamental += int((fates == BoxFate.ORNAMENT).sum())
         self.statistics.texts_rejected += int((fates == BoxFate.UNREAD).sum())
         self.statistics.texts_read += len(texts)
         self.statistics.observations_without_depth += sum(isinstance(each, PlacementFault) for _, each in texts)
@@ -315,19 +343,6 @@ def _is_squeezed(text: str, placement: Placement | PlacementFault) -> bool:
 
 _SQUARE = 1.5
 """Largest ratio of the sides of a character's box, in metres."""
-
-
-def _observation(frame: RgbdFrame, keyframe: int, text: SpottedText, placement: Placement) -> TextObservation:
-    return TextObservation(
-        frame.index,
-        frame.timestamp,
-        keyframe,
-        text.text,
-        text.confidence,
-        placement,
-        text.letter_height,
-        ground_colour(frame.rgb, text.box),
-    )
 
 
 class ReadingGate:

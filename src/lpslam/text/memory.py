@@ -54,7 +54,7 @@ class TextClass:
         pool: short-term until the score first reaches the promotion threshold.
         first_seen, last_seen, promoted_at: seconds.
         history: (seconds, score) after each change by a sighting, and as it fades (Fig. 13).
-        observations: the sightings that could be placed.
+        observations: its sightings, placed by depth or known by their bearings.
         naming: the name chosen for it, once it is in long-term memory.
         named_at_count: how many readings that choice rested on.
     """

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera, transform_points
 from lpslam.config import PlacementConfig
-from lpslam.text.boxes import letter_heights, runs_downwards
+from lpslam.text.boxes import along_the_lines, letter_heights
 from lpslam.text.types import Placement, Vector3
 
 Array = NDArray[np.float64]
@@ -83,7 +83,7 @@ def place_text(
         corners = corner_rays / corner_inverse_depths[:, None]
         # The plane n·p = d, divided by its depth, is linear in the ray: its coefficients point along the normal.
         normal = -_unit(inverse_plane)
-        line = _along_the_line(box)
+        line = along_the_lines(box[None])[0]
         if any(_hides(strip, depth, camera, inverse_plane, config) for strip in _beyond_ends(line)):
             return PlacementFault.HIDDEN
         if any(_steps(strip, depth, camera, inverse_plane, config) for strip in _ends(line, config.inner_share)):
@@ -177,11 +177,6 @@ def fit_inverse_depth_plane(
             break
         coefficients = np.linalg.lstsq(rays[inliers], inverse_depths[inliers], rcond=None)[0]
     return coefficients, np.abs(inverse_depths - rays @ coefficients) < config.inverse_depth_band
-
-
-def _along_the_line(box: Array) -> Array:
-    """The corners (4, 2) of a line that runs downwards, turned so that its first letter is on the left."""
-    return np.roll(box, -1, axis=0) if runs_downwards(box[None])[0] else box
 
 
 def _beyond_ends(box: Array) -> tuple[Array, Array]:

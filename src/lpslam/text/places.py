@@ -15,6 +15,7 @@ from scipy.spatial import KDTree
 
 from lpslam.config import InstanceConfig
 from lpslam.language.spelling import misreading_cost, weigh
+from lpslam.text.bearings import placed
 from lpslam.text.instances import KeyframePoses, split_places, trimmed_position, world_placements
 from lpslam.text.memory import TextClass
 from lpslam.text.similarity import comparison_key, is_fragment, similarity
@@ -78,7 +79,8 @@ def places_of_class(text_class: TextClass, world_from_keyframe: KeyframePoses, c
 
     A place seen but once is a slip of depth or of reading, unless the class has no other.
     """
-    observations = [each for each in text_class.observations if world_from_keyframe(each.keyframe) is not None]
+    known = [each for each in text_class.observations if world_from_keyframe(each.keyframe) is not None]
+    observations = placed(known, world_from_keyframe, config)
     positions, normals, baselines = world_placements(observations, world_from_keyframe)
     for leave_out in (_doubtful, _carried):
         kept = np.flatnonzero(~leave_out(observations, positions, config))
@@ -110,8 +112,8 @@ def places_of_class(text_class: TextClass, world_from_keyframe: KeyframePoses, c
                 normal=normal,
                 baseline=_mean_direction((baseline - normal * (baseline @ normal))[None]),
                 spread=float(np.sqrt(np.mean(np.sum((positions[rows[kept]] - position) ** 2, axis=1)))),
-                width=float(np.median([observations[row].placement.width for row in trusted])),
-                height=float(np.median([observations[row].placement.height for row in trusted])),
+                width=float(np.median([observations[row].place.width for row in trusted])),
+                height=float(np.median([observations[row].place.height for row in trusted])),
                 positions_by_frame={observations[row].frame: positions[row] for row in rows},
                 normals_by_frame={observations[row].frame: normals[row] for row in rows},
                 grounds_by_frame={each.frame: each.ground for each in seen if each.ground is not None},
@@ -139,7 +141,7 @@ _IDEOGRAPHS = "\u2e80"
 
 def _doubtful(observations: Sequence[TextObservation], positions: Array, config: InstanceConfig) -> NDArray[np.bool_]:
     """Which observations (n,) are much less certain than others near: those say where the text stands."""
-    uncertain = np.array([each.placement.uncertainty > config.doubtful_uncertainty for each in observations], np.bool_)
+    uncertain = np.array([each.place.uncertainty > config.doubtful_uncertainty for each in observations], np.bool_)
     if uncertain.all() or not uncertain.any():
         return np.zeros(len(observations), np.bool_)
     distances, _ = KDTree(positions[~uncertain]).query(positions)

@@ -109,7 +109,7 @@ class TextMap:
             UserError: the document is not one of `to_document`.
         """
         try:
-            text_map = cls(TextConfig.model_validate(document["config"]))
+            text_map = cls(TextConfig.model_validate(_without_superseded(document["config"])))
             documents.restore_memory(text_map.memory, document["memory"])
             text_map.judgements = documents.to_judgements(document["judgements"])
             text_map.question = document["question"]
@@ -117,3 +117,15 @@ class TextMap:
             reason = " ".join(str(error).split())
             raise UserError(f"the texts of this map cannot be read ({reason}); map the sequence again") from error
         return text_map
+
+
+def _without_superseded(config: dict[str, Any]) -> dict[str, Any]:
+    """The thresholds of a map, without those that older maps have and reading no longer knows."""
+    return {
+        section: {key: value for key, value in values.items() if (section, key) not in _SUPERSEDED}
+        for section, values in config.items()
+    }
+
+
+_SUPERSEDED = frozenset({("spotting", "border_margin")})
+"""Section and name of thresholds that were given up; format version 2 may have them."""

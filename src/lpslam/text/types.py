@@ -37,6 +37,7 @@ class BoxFate(StrEnum):
     SMALL = "small"
     HIDDEN = "hidden"
     KNOWN = "known"
+    ORNAMENT = "ornament"
     UNREAD = "unread"
 
 
@@ -82,6 +83,19 @@ class Placement:
 
 
 @dataclass(frozen=True, slots=True)
+class Bearing:
+    """In which directions the corners of a text's box were seen, in the frame of its reference keyframe's camera.
+
+    Attributes:
+        origin: metres, where the camera was.
+        corners: unit, ordered top left, top right, bottom right, bottom left.
+    """
+
+    origin: Vector3
+    corners: tuple[Vector3, Vector3, Vector3, Vector3]
+
+
+@dataclass(frozen=True, slots=True)
 class TextObservation:
     """One sighting of a text, hung on its reference keyframe so that it moves when the keyframe is corrected.
 
@@ -90,9 +104,10 @@ class TextObservation:
         timestamp: seconds.
         keyframe: id of the reference keyframe.
         text, confidence: as read.
-        placement: in the frame of that keyframe's camera.
+        placement: in the frame of that keyframe's camera, by depth; None where depth does not say.
         letter_height: pixels, as it was seen.
         ground: (red, green, blue) of the surface around the letters, 0 to 255; None where it is not known.
+        bearing: in the same frame; None in older maps.
     """
 
     frame: int
@@ -100,9 +115,21 @@ class TextObservation:
     keyframe: int
     text: str
     confidence: float
-    placement: Placement
+    placement: Placement | None
     letter_height: float
     ground: tuple[int, int, int] | None = None
+    bearing: Bearing | None = None
+
+    @property
+    def place(self) -> Placement:
+        """Its placement.
+
+        Raises:
+            ValueError: it has none.
+        """
+        if self.placement is None:
+            raise ValueError(f"{self.text!r} in frame {self.frame} was not placed")
+        return self.placement
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -150,6 +177,7 @@ class TextStatistics:
     boxes_too_small: int = 0
     boxes_hidden: int = 0
     boxes_known: int = 0
+    boxes_ornamental: int = 0
     texts_rejected: int = 0
     texts_read: int = 0
     observations: int = 0

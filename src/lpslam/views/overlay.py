@@ -10,17 +10,16 @@ from lpslam.assets import font_path
 from lpslam.text.types import BoxFate, FrameReading
 from lpslam.views.drawable import printable
 
-_KEPT, _DROPPED, _MARGIN = (40, 200, 80), (250, 205, 30), (255, 255, 255)
+_KEPT, _DROPPED = (40, 200, 80), (250, 205, 30)
 _FONT_PIXELS = 16
 
 
-def draw_reading(rgb: NDArray[np.uint8], reading: FrameReading, *, border_margin: float = 0.0) -> NDArray[np.uint8]:
+def draw_reading(rgb: NDArray[np.uint8], reading: FrameReading) -> NDArray[np.uint8]:
     """Draw what reading made of a frame: its texts with their confidence in green, dropped boxes with the reason.
 
     Args:
         rgb: (height, width, 3), the frame's image.
         reading: of this frame.
-        border_margin: as in `draw_boxes`.
     """
     texts = iter(reading.texts)
     kept = [fate == BoxFate.KEPT for fate in reading.fates]
@@ -28,7 +27,7 @@ def draw_reading(rgb: NDArray[np.uint8], reading: FrameReading, *, border_margin
     for is_kept, fate in zip(kept, reading.fates, strict=True):
         text = next(texts, None) if is_kept else None
         labels.append(f"{text.text} {text.confidence:.2f}" if text is not None else str(fate))
-    return draw_boxes(rgb, reading.boxes, kept, labels, border_margin=border_margin)
+    return draw_boxes(rgb, reading.boxes, kept, labels)
 
 
 def draw_boxes(
@@ -36,8 +35,6 @@ def draw_boxes(
     boxes: NDArray[np.float64],
     kept: Sequence[bool],
     labels: Sequence[str],
-    *,
-    border_margin: float = 0.0,
 ) -> NDArray[np.uint8]:
     """Draw boxes and what was read in them over a copy of the image.
 
@@ -46,7 +43,6 @@ def draw_boxes(
         boxes: (n, 4, 2) pixels, corner by corner.
         kept: one a box.
         labels: one a box, empty where nothing was read; untrusted.
-        border_margin: share of width and height that a box must not touch; drawn as a thin frame where not 0.
 
     Returns:
         (height, width, 3), like the image.
@@ -55,9 +51,6 @@ def draw_boxes(
     pen = ImageDraw.Draw(picture)
     font = ImageFont.truetype(str(font_path("map")), _FONT_PIXELS)
     height, width = rgb.shape[:2]
-    if border_margin > 0:
-        dx, dy = border_margin * width, border_margin * height
-        pen.rectangle((dx, dy, width - 1 - dx, height - 1 - dy), outline=_MARGIN)
     for box, is_kept, text in zip(np.asarray(boxes, dtype=np.float64).reshape(-1, 4, 2), kept, labels, strict=True):
         colour = _KEPT if is_kept else _DROPPED
         if not np.isfinite(box).all():
