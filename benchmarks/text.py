@@ -4,6 +4,9 @@
     python benchmarks/text.py malls --cache DIR --set dev       those to develop on
     python benchmarks/text.py malls FOLDER...                   recordings with ground truth and signs.json
     python benchmarks/text.py photographs [FOLDER]              photographs with labels.json
+    python benchmarks/text.py photographed --cache DIR          walks past photographed shop fronts
+    python benchmarks/text.py photographed --set test --seeds 101-106
+    python benchmarks/text.py photographed FOLDER               the same of your photographs with labels.json
     python benchmarks/text.py render --cache DIR [--set dev]    only the malls
 
 A sign is expected in the map when its letters were 12 pixels high (Chinese 16), seen within 50 degrees, sharp and
@@ -22,10 +25,15 @@ PHOTOGRAPHS = Path(__file__).parents[2] / "shared" / "data" / "signs"
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=["malls", "photographs", "render", "long"])
+    parser.add_argument("what", choices=["malls", "photographs", "photographed", "render", "long"])
     parser.add_argument("folders", nargs="*", type=Path, help="recordings instead of the malls; or of photographs")
     parser.add_argument("--cache", type=Path, help="where rendered malls are kept")
-    parser.add_argument("--set", choices=["dev", "eval"], default="eval", help="which malls (default eval)")
+    parser.add_argument(
+        "--set",
+        choices=["dev", "eval", "development", "test"],
+        help="which malls (default eval, or development fronts)",
+    )
+    parser.add_argument("--seeds", help="of photographed fronts, A-B (default: all of the set)")
     parser.add_argument("--kind", action="append", choices=["dark", "duplicates", "chinese", "protruding"])
     parser.add_argument("--processes", type=int, default=2, help="that render (default 2)")
     parser.add_argument("--live", action="store_true", help="at the camera's pace, reading beside tracking")
@@ -39,6 +47,7 @@ def main() -> None:
         os.environ[name] = "1"
     import cv2
 
+    import text_fronts
     import text_long
     import text_malls
     import text_photographs
@@ -52,10 +61,14 @@ def main() -> None:
     if given.what == "photographs":
         text_photographs.measure(given.folders or [PHOTOGRAPHS], config.text.spotting)
         return
+    if given.what == "photographed":
+        text_fronts.measure(given, config, Report(given.out), PHOTOGRAPHS)
+        return
+    which = "dev" if given.set in ("dev", "development") else "eval"
     if not given.folders and given.cache is None:
         parser.error("name recordings, or a folder for rendered malls: --cache DIR")
     recordings = [Recording.at(folder) for folder in given.folders]
-    recordings = recordings or rendered_for_text(given.cache, given.set, given.kind, given.processes)
+    recordings = recordings or rendered_for_text(given.cache, which, given.kind, given.processes)
     if given.what == "render":
         return
     print(f"kernels ready in {warm_up(print):.1f} s; load average {os.getloadavg()[0]:.1f}")

@@ -1,4 +1,4 @@
-"""Build the font subsets in src/lpslam/assets/fonts from Debian's font packages.
+"""Build the font subsets in src/lpslam/assets/fonts from Debian's font packages and two of npm's.
 
 Get the packages into one folder first (no root needed), then run this script with that folder:
 
@@ -6,6 +6,7 @@ Get the packages into one folder first (no root needed), then run this script wi
         fonts-roboto-unhinted fonts-roboto-slab fonts-open-sans fonts-bebas-neue fonts-lobster fonts-dancingscript \
         fonts-kaushanscript fonts-leckerli-one fonts-ebgaramond-extra fonts-vollkorn fonts-league-spartan \
         fonts-comfortaa fonts-yanone-kaffeesatz fonts-comic-neue fonts-play
+    npm pack @fontsource/ma-shan-zheng @fontsource/zcool-kuaile
     python -m pip install fonttools
     python tools/build_fonts.py FOLDER
 
@@ -15,6 +16,7 @@ licence entries inside the font stay, and the package's own copyright file goes 
 
 import subprocess
 import sys
+import tarfile
 import tempfile
 from pathlib import Path
 
@@ -23,6 +25,7 @@ from fontTools.merge import Merger
 from fontTools.ttLib import TTFont
 from fontTools.ttLib.scaleUpem import scale_upem
 
+from lpslam.simulation.boards import wording
 from lpslam.simulation.lexicon import characters
 
 OUT = Path(__file__).resolve().parents[1] / "src" / "lpslam" / "assets" / "fonts"
@@ -54,6 +57,8 @@ CHINESE_FONTS = {
     "chinese-song-bold": ("fonts-noto-cjk", "NotoSerifCJK-Bold.ttc", 2),
     "chinese-kai-bold": ("fonts-lxgw-wenkai", "LXGWWenKai-Bold.ttf", -1),
 }
+# Cut into many files of a hundred characters each.
+BRUSH_FONTS = {"chinese-brush": "ma-shan-zheng", "chinese-hand": "zcool-kuaile"}
 MAP_FONT = {"map": ("fonts-droid-fallback", "DroidSansFallbackFull.ttf", -1)}
 LATIN_OF_MAP = ("fonts-open-sans", "OpenSans-Regular.ttf")
 
@@ -124,6 +129,37 @@ def lend_latin(target: Path, source: Path) -> None:
     latin.unlink()
 
 
+def join(name: str, folder: Path, package: str, into: Path, text: str) -> Path:
+    """One font of the pieces in an npm package that have characters of a text."""
+    (archive,) = folder.glob(f"fontsource-{package}-*.tgz")
+    with tarfile.open(archive) as tar:
+        tar.extractall(into / package, filter="data")
+    root = into / package / "package"
+    (OUT / "licences" / f"fontsource-{package}.txt").write_bytes((root / "LICENSE").read_bytes())
+    pieces, wanted = [], set(map(ord, text))
+    for path in sorted((root / "files").glob("*-400-normal.woff")):
+        font = TTFont(path)
+        has = wanted & set(font.getBestCmap())
+        wanted -= has
+        if has:
+            font.flavor = None
+            tool = subset.Subsetter(subset.Options(hinting=False, layout_features=[], notdef_outline=True))
+            tool.populate(unicodes=has)
+            tool.subset(font)
+            font.save(into / f"{path.stem}.ttf")
+            pieces.append(str(into / f"{path.stem}.ttf"))
+    whole = into / f"{name}.ttf"
+    Merger().merge(pieces).save(whole)
+    return build(name, whole, -1, text)
+
+
+def report(target: Path, text: str) -> None:
+    present = TTFont(target).getBestCmap()
+    missing = [letter for letter in dict.fromkeys(text) if ord(letter) not in present]
+    print(f"{target.name}: {target.stat().st_size // 1024} KiB, {len(present)} characters", end="")
+    print(f", missing {''.join(missing[:60])!r}" if missing else "")
+
+
 def unpack(folder: Path, package: str, into: Path) -> Path:
     root = into / package
     if not root.exists():
@@ -138,7 +174,8 @@ def unpack(folder: Path, package: str, into: Path) -> Path:
 def main() -> None:
     folder = Path(sys.argv[1])
     (OUT / "licences").mkdir(parents=True, exist_ok=True)
-    groups = ((LATIN_FONTS, LATIN), (CHINESE_FONTS, LATIN + characters()), (MAP_FONT, map_characters()))
+    on_boards = "".join(sorted(set(LATIN + characters() + wording.characters())))
+    groups = ((LATIN_FONTS, LATIN), (CHINESE_FONTS, on_boards), (MAP_FONT, map_characters()))
     with tempfile.TemporaryDirectory() as scratch:
         for fonts, text in groups:
             for name, (package, file, number) in fonts.items():
@@ -146,10 +183,9 @@ def main() -> None:
                 target = build(name, source, number, text)
                 if name == "map":
                     lend_latin(target, next(unpack(folder, LATIN_OF_MAP[0], Path(scratch)).rglob(LATIN_OF_MAP[1])))
-                present = TTFont(target).getBestCmap()
-                missing = [letter for letter in dict.fromkeys(text) if ord(letter) not in present]
-                print(f"{target.name}: {target.stat().st_size // 1024} KiB, {len(present)} characters", end="")
-                print(f", missing {''.join(missing[:60])!r}" if missing else "")
+                report(target, text)
+        for name, package in BRUSH_FONTS.items():
+            report(join(name, folder, package, Path(scratch), on_boards), on_boards)
 
 
 if __name__ == "__main__":

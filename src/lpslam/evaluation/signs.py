@@ -1,8 +1,8 @@
 """The true signs of a recording, as its signs.json lists them."""
 
 import json
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +24,7 @@ class TrueLine:
         centre: metres, middle of its ink, in the frame of the true trajectory.
         width, height: metres, of its ink.
         readable_frames: in how many frames a person could read it; None where not stated.
+        role: primary, secondary, contact or list; empty where not stated.
     """
 
     text: str
@@ -31,6 +32,7 @@ class TrueLine:
     width: float
     height: float
     readable_frames: int | None = None
+    role: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +52,7 @@ class TrueSign:
         thickness: metres between its two sides.
         readable_from: seconds of the first frame in which a person could read it; None where there is none, or not
             stated.
+        features: what it is made of, by factor; empty where not stated.
     """
 
     id: int | str
@@ -63,6 +66,7 @@ class TrueSign:
     double_sided: bool = False
     thickness: float = 0.0
     readable_from: float | None = None
+    features: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -155,6 +159,7 @@ def _sign(entry: Any, row: int, source: Path | str) -> TrueSign:
         double_sided=entry.get("double_sided") is True,
         thickness=_number(entry.get("thickness")) or 0.0,
         readable_from=_number(entry.get("readable_from")),
+        features=_features(entry.get("features")),
     )
 
 
@@ -166,8 +171,14 @@ def _lines(listed: Any) -> tuple[TrueLine, ...]:
         if centre is None or not isinstance(entry.get("text"), str):
             return ()
         width, height = _number(entry.get("width")) or 0.0, _number(entry.get("height")) or 0.0
-        lines.append(TrueLine(entry["text"], centre, width, height, _count(entry.get("readable_frames"))))
+        role = entry.get("role")
+        frames = _count(entry.get("readable_frames"))
+        lines.append(TrueLine(entry["text"], centre, width, height, frames, role if isinstance(role, str) else ""))
     return tuple(lines)
+
+
+def _features(value: Any) -> dict[str, str]:
+    return {str(key): str(each) for key, each in value.items()} if isinstance(value, dict) else {}
 
 
 def _centre(entry: dict[str, Any]) -> Vector3 | None:

@@ -38,6 +38,7 @@ class PaintedLine:
         text: what it says.
         left, top, right, bottom: the ink's box.
         letter_height: height of a capital or of a Chinese character.
+        role: what the line is for, "primary", "secondary", "contact" or "list"; empty where nobody said.
     """
 
     text: str
@@ -46,6 +47,7 @@ class PaintedLine:
     right: float
     bottom: float
     letter_height: float
+    role: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,7 +1,9 @@
 """Builds the mall: the floor plan's walls become shop fronts, doors and poster walls, with signs on them."""
 
+from collections.abc import Mapping
 from copy import deepcopy
 from dataclasses import dataclass, field
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -148,13 +150,17 @@ class SignPainter:
         thickness: float,
         double_sided: bool = False,
         gloss: float = 0.0,
+        emission: float = 0.0,
+        features: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
         """Hang a board upright with its face's middle at `centre`; `right` is the reader's right (unit, horizontal)."""
         up = np.array([0.0, 0.0, 1.0])
         normal = np.cross(right, up)
         corner = centre - right * board.width / 2 + up * board.height / 2
         texture = self.builder.add_texture(board.image)
-        face = self.builder.add_face(corner, right * board.width, -up * board.height, texture, gloss=gloss)
+        face = self.builder.add_face(
+            corner, right * board.width, -up * board.height, texture, gloss=gloss, emission=emission
+        )
         far = corner + right * board.width - normal * thickness
         back = texture if double_sided else self.builder.add_colour((60, 60, 60))
         self.builder.add_face(far, -right * board.width, -up * board.height, back, gloss=gloss)
@@ -166,7 +172,10 @@ class SignPainter:
         self.builder.add_face(low, right * board.width, -normal * thickness, rim)
         lines = tuple(
             SignLine(
-                line.text, _corners(corner, right, line.left, line.top, line.right, line.bottom), line.letter_height
+                line.text,
+                _corners(corner, right, line.left, line.top, line.right, line.bottom),
+                line.letter_height,
+                role=line.role,
             )
             for line in board.lines
         )
@@ -185,6 +194,7 @@ class SignPainter:
                 thickness=thickness,
                 double_sided=double_sided,
                 face=face,
+                features=dict(features),
             )
         )
 
@@ -205,8 +215,8 @@ def build_mall(seed: int, options: SimulationConfig) -> Mall:
     builder = SceneBuilder()
     painter = SignPainter(rng, builder, Vocabulary(rng, options))
     height = float(rng.uniform(2.9, 3.2))
-    _lay_floor(rng, builder, layout)
-    _hang_ceiling(rng, builder, layout, height)
+    lay_floor(rng, builder, layout)
+    hang_ceiling(rng, builder, layout, height)
     lamps = lighting.hang_lamps(rng, builder, layout, height)
     front = WallBuilder(rng, builder, painter, height, options.projecting_share)
     for wall in sorted(layout.walls, key=lambda each: -each.length):
@@ -217,7 +227,7 @@ def build_mall(seed: int, options: SimulationConfig) -> Mall:
     return Mall(scene, layout, tuple(painter.signs), polish=float(rng.uniform(0.05, 0.4)))
 
 
-def _lay_floor(rng: np.random.Generator, builder: SceneBuilder, layout: Layout) -> None:
+def lay_floor(rng: np.random.Generator, builder: SceneBuilder, layout: Layout) -> None:
     """Cut one large worn floor into cells and lay those that a corridor touches."""
     (x0, y0), (x1, y1) = layout.outline
     scale = min(200.0, float(np.sqrt(24e6 / ((x1 - x0) * (y1 - y0)))))
@@ -239,7 +249,8 @@ def _lay_floor(rng: np.random.Generator, builder: SceneBuilder, layout: Layout) 
             builder.add_face(np.array([low_x, high_y, 0.0]), edge_u, edge_v, texture, gloss=0.15)
 
 
-def _hang_ceiling(rng: np.random.Generator, builder: SceneBuilder, layout: Layout, height: float) -> None:
+def hang_ceiling(rng: np.random.Generator, builder: SceneBuilder, layout: Layout, height: float) -> None:
+    """One ceiling over all, `height` metres up."""
     (x0, y0), (x1, y1) = layout.outline
     texture = builder.add_texture(textures.ceiling(rng, 150.0))
     repeat = ((x1 - x0) / 2.4, (y1 - y0) / 2.4)
@@ -269,4 +280,4 @@ def _hang_overhead_signs(rng: np.random.Generator, painter: SignPainter, layout:
             painter.builder.add_box(foot, ahead, right * 0.02, height - foot[2], rod)
 
 
-__all__ = ["Mall", "SignPainter", "Wall", "build_mall"]
+__all__ = ["Mall", "SignPainter", "Wall", "build_mall", "hang_ceiling", "lay_floor"]

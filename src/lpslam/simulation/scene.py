@@ -22,7 +22,7 @@ class Scene:
     Attributes:
         origin, edge_u, edge_v, normal: (n, 3) metres in the world frame.
         two_sided: (n,) whether the back is drawn too (then it shows the same texture mirrored).
-        gloss: (n,) 0 matt to 1 mirror-like: depth sensors see such faces badly.
+        gloss: (n,) 0 matt to 1 mirror-like: depth sensors see such faces badly; those of `NO_RETURN` not at all.
         emission: (n,) brightness of the face's own light; 0 for faces that are lit.
         repeat: (n, 2) how many times the texture is laid along u and v.
         texture: (n,) row of `levels`.
@@ -52,6 +52,8 @@ class Scene:
 
 
 MIP_LEVELS = 9
+NO_RETURN = 4.0
+"""Gloss of what sends nothing back to a depth sensor, dark glass and lamps: no noise makes up for so much."""
 
 
 @dataclass(slots=True)

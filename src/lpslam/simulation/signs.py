@@ -1,6 +1,7 @@
 """The ground truth of a sign: what it says, where it hangs, how large its letters are, when it can be read."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -18,12 +19,14 @@ class SignLine:
         corners: (4, 3) metres, of its ink: upper left, upper right, lower right, lower left, seen from the front.
         letter_height: metres, of a capital or of a Chinese character.
         readable_frames: in how many frames a person could read it; see `visibility.views_of`.
+        role: what it is for, "primary", "secondary", "contact" or "list"; empty where nobody said.
     """
 
     text: str
     corners: Array
     letter_height: float
     readable_frames: int = 0
+    role: str = ""
 
     @property
     def centre(self) -> Array:
@@ -39,7 +42,7 @@ class SignLine:
             "height": round(_distance(self.corners[0], self.corners[3]), 4),
             "letter_height": round(self.letter_height, 4),
             "readable_frames": self.readable_frames,
-        }
+        } | ({"role": self.role} if self.role else {})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,6 +61,7 @@ class Sign:
         face: row of the sign's front in the scene, for visibility tests; the back is the next row.
         readable_frames: in how many frames a person could read `text`; see `visibility.views_of`.
         readable_from: seconds of the first of them; None without.
+        features: what it is made of, by factor ("lettering", "ageing", "script"); empty where nobody said.
     """
 
     id: int
@@ -71,6 +75,7 @@ class Sign:
     face: int
     readable_frames: int = 0
     readable_from: float | None = None
+    features: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def text(self) -> str:
@@ -114,7 +119,7 @@ class Sign:
             "thickness": round(self.thickness, 4),
             "readable_frames": self.readable_frames,
             "readable_from": None if self.readable_from is None else round(self.readable_from, 4),
-        }
+        } | ({"features": dict(self.features)} if self.features else {})
 
 
 def rounded(vector: Array, digits: int) -> list[float]:

@@ -14,11 +14,11 @@ from lpslam.config import SimulationConfig
 from lpslam.errors import UserError
 from lpslam.frames import FrameFault, RgbdFrame
 from lpslam.simulation import sensor
-from lpslam.simulation.mall import build_mall
+from lpslam.simulation.mall import Mall, build_mall
 from lpslam.simulation.render import render
 from lpslam.simulation.signs import Sign
 from lpslam.simulation.visibility import SignViews, views_of
-from lpslam.simulation.walk import FPS, stroll
+from lpslam.simulation.walk import FPS, Walk, stroll
 
 TARGET_BRIGHTNESS = 118.0  # mean grey value that the exposure aims at
 MAX_GAIN = 2.0  # the exposure cannot do more: a dark mall stays dark
@@ -35,33 +35,25 @@ class GroundTruth:
     world_from_camera: NDArray[np.float64]
 
 
-class MallSource:
-    """A `FrameSource` that renders a walk through a mock mall; the same seed and options give the same frames.
+class WalkSource:
+    """A `FrameSource` that renders a walk through a world.
 
     Args:
-        seed: of the world, the walk and the noise.
-        frames: how many; None for once around the route and three metres more.
-        options: size, layout, light, languages.
-        visit: which walk through that world with that camera; each begins elsewhere and goes at its own pace.
-
-    Raises:
-        UserError: `frames` is not positive, or `seed` or `visit` is negative.
+        name: of the source.
+        seed: of the camera and its noise.
+        mall: the world.
+        walk: through it.
+        options: light, shutter and noise.
+        visit: which walk through that world with that camera.
     """
 
-    def __init__(
-        self, seed: int = 0, frames: int | None = None, *, options: SimulationConfig | None = None, visit: int = 0
-    ) -> None:
-        if frames is not None and frames < 1:
-            raise UserError(f"simulation: frames is {frames}; it must be at least 1")
-        if seed < 0:
-            raise UserError(f"simulation: seed is {seed}; it must be 0 or more")
-        if visit < 0:
-            raise UserError(f"simulation: visit is {visit}; it must be 0 or more")
+    def __init__(self, name: str, seed: int, mall: Mall, walk: Walk, options: SimulationConfig, visit: int = 0) -> None:
+        self._name = name
         self._seed = seed
         self._visit = visit
-        self._options = options or SimulationConfig()
-        self._mall = build_mall(seed, self._options)
-        self._walk = stroll(seed, self._mall.layout, self._mall.signs, self._options, frames, visit)
+        self._options = options
+        self._mall = mall
+        self._walk = walk
         rng = np.random.default_rng([seed, 3])
         focal = float(rng.uniform(525.0, 612.0))
         cx, cy = 319.5 + rng.uniform(-6, 6), 239.5 + rng.uniform(-6, 6)
@@ -76,8 +68,8 @@ class MallSource:
 
     @property
     def name(self) -> str:
-        """The word mall and the seed."""
-        return f"mall-{self._seed}"
+        """Of the world, with its seed."""
+        return self._name
 
     @property
     def camera(self) -> PinholeCamera:
@@ -173,6 +165,34 @@ class MallSource:
             last = self._gains[-1] / self._options.light if self._gains else aim
             self._gains.append((last + EXPOSURE_LAG * (aim - last)) * self._options.light)
         return self._gains[index]
+
+
+class MallSource(WalkSource):
+    """A `FrameSource` that renders a walk through a mock mall; the same seed and options give the same frames.
+
+    Args:
+        seed: of the world, the walk and the noise.
+        frames: how many; None for once around the route and three metres more.
+        options: size, layout, light, languages.
+        visit: which walk through that world with that camera; each begins elsewhere and goes at its own pace.
+
+    Raises:
+        UserError: `frames` is not positive, or `seed` or `visit` is negative.
+    """
+
+    def __init__(
+        self, seed: int = 0, frames: int | None = None, *, options: SimulationConfig | None = None, visit: int = 0
+    ) -> None:
+        if frames is not None and frames < 1:
+            raise UserError(f"simulation: frames is {frames}; it must be at least 1")
+        if seed < 0:
+            raise UserError(f"simulation: seed is {seed}; it must be 0 or more")
+        if visit < 0:
+            raise UserError(f"simulation: visit is {visit}; it must be 0 or more")
+        options = options or SimulationConfig()
+        mall = build_mall(seed, options)
+        walk = stroll(seed, mall.layout, mall.signs, options, frames, visit)
+        super().__init__(f"mall-{seed}", seed, mall, walk, options, visit)
 
 
 def as_seen(sign: Sign, views: SignViews, times: NDArray[np.float64]) -> Sign:

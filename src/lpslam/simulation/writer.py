@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from lpslam.errors import UserError
 from lpslam.simulation.recording import as_png, recorded, write_list
-from lpslam.simulation.source import MallSource
+from lpslam.simulation.source import WalkSource
 
 
 def refuse_recording(folder: Path) -> None:
@@ -19,7 +19,7 @@ def refuse_recording(folder: Path) -> None:
         raise UserError(f"simulation: {folder} holds a recording that is not overwritten; choose another folder")
 
 
-def write_sequence(source: MallSource, folder: Path, on_progress: Callable[[int, int], None] | None = None) -> None:
+def write_sequence(source: WalkSource, folder: Path, on_progress: Callable[[int, int], None] | None = None) -> None:
     """Render every frame into a folder.
 
     The folder gets `rgb/`, `depth/` (16 bit, 5000 a metre), `rgb.txt`, `depth.txt`, `groundtruth.txt` (TUM format, the
@@ -47,7 +47,7 @@ def write_sequence(source: MallSource, folder: Path, on_progress: Callable[[int,
                 on_progress(done, len(source))
 
 
-def _true_path(source: MallSource) -> list[str]:
+def _true_path(source: WalkSource) -> list[str]:
     """A line for each pose."""
     truth = source.ground_truth
     quaternions = Rotation.from_matrix(truth.world_from_camera[:, :3, :3]).as_quat()
@@ -58,7 +58,7 @@ def _true_path(source: MallSource) -> list[str]:
 _VIEW_COLUMNS = "frame,sign,letter_pixels,angle_degrees,distance_m,blur_pixels,seen_share,readable"
 
 
-def _view_rows(source: MallSource) -> Iterator[str]:
+def _view_rows(source: WalkSource) -> Iterator[str]:
     """A line for each frame and sign that it shows some of."""
     views = source.sign_views
     readable = [each.readable() for each in views]

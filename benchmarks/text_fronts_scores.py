@@ -1,0 +1,191 @@
+"""What a map's landmarks make of shop fronts: names, lines, roles, merged and split boards, inventions."""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from rapidfuzz import fuzz
+
+from lpslam.camera import transform_points
+from lpslam.config import EvaluationConfig
+from lpslam.evaluation.signs import TrueLine, TrueSign
+from lpslam.simulation.boards.street import Distractor
+from lpslam.text.similarity import comparison_key, similarity
+from lpslam.text.types import Landmark
+
+Array = NDArray[np.float64]
+BESIDE = 0.35  # metres beside a board's ink at which a landmark is still its own: half of a shop's margin and more
+BEFORE = 0.5  # metres before or behind its face: what depth from the wall around it is off by
+ON_ORNAMENT = 0.15  # metres beside an ornament
+MISREAD = 0.5  # similarity from which a landmark on a board is a line of it, misread
+Fate = Literal["real", "merged", "misread", "misplaced", "ornament", "invented"]
+
+
+@dataclass(frozen=True)
+class Judged:
+    """One landmark.
+
+    Attributes:
+        mark: the landmark.
+        fate: what it is.
+        sign: whose line or lines it says, or the nearest; None without signs.
+        lines: those that it says.
+        distance: metres from the middle of these, or from the sign's middle.
+    """
+
+    mark: Landmark
+    fate: Fate
+    sign: TrueSign | None
+    lines: tuple[TrueLine, ...]
+    distance: float
+
+
+@dataclass
+class SignScore:
+    """One sign and the landmarks that are its."""
+
+    sign: TrueSign
+    expected: bool
+    marks: list[Judged] = field(default_factory=list)
+    merged: bool = False
+
+    @property
+    def name_marks(self) -> list[Judged]:
+        """Landmarks that say its name."""
+        return [each for each in self.marks if self.sign.lines[0] in each.lines]
+
+    @property
+    def found(self) -> bool:
+        """Whether its name is in the map where it hangs."""
+        return bool(self.name_marks)
+
+    @property
+    def exact(self) -> bool:
+        """Whether it is so to the letter, but for case, spaces and marks."""
+        key = comparison_key(self.sign.text)
+        return any(key in comparison_key(each.mark.name) for each in self.name_marks)
+
+    @property
+    def split(self) -> bool:
+        """Whether different lines of it are different landmarks."""
+        return len({each.lines for each in self.marks}) > 1
+
+    @property
+    def doubles(self) -> int:
+        """Landmarks too many that say the same lines."""
+        return sum(count - 1 for count in Counter(each.lines for each in self.marks).values())
+
+    def expected_lines(self, frames: int) -> list[TrueLine]:
+        """Those that could be read for so many frames."""
+        return [line for line in self.sign.lines if (line.readable_frames or 0) >= frames]
+
+    def said(self, line: TrueLine) -> bool:
+        """Whether a landmark says a line."""
+        return any(line in each.lines for each in self.marks)
+
+
+def judge(
+    marks: Sequence[Landmark],
+    signs: Sequence[TrueSign],
+    distractors: Sequence[Distractor],
+    truth_from_map: Array,
+    config: EvaluationConfig,
+) -> tuple[list[Judged], list[SignScore]]:
+    """Say what every landmark is, and what became of every sign."""
+    scores = [SignScore(sign, (sign.readable_frames or 0) >= config.readable_frames) for sign in signs]
+    judged = []
+    for mark in marks:
+        place = transform_points(truth_from_map, mark.position[None])[0]
+        one = _judge_one(mark, place, scores, distractors, config.name_similarity)
+        judged.append(one)
+        if one.fate == "real":
+            next(each for each in scores if each.sign is one.sign).marks.append(one)
+    return judged, scores
+
+
+def _judge_one(
+    mark: Landmark, place: Array, scores: Sequence[SignScore], distractors: Sequence[Distractor], like: float
+) -> Judged:
+    near = [each for each in scores if _is_on(each.sign, place)]
+    said = {id(each): lines_said(mark.name, each.sign.lines, like) for each in near}
+    for each in sorted(near, key=lambda each: -len(said[id(each)])):
+        lines = said[id(each)]
+        if lines and similarity(mark.name, " ".join(line.text for line in lines)) >= like:
+            return Judged(mark, "real", each.sign, lines, _distance(each.sign, lines, place))
+    speaking = [each for each in near if said[id(each)]]
+    if len(speaking) > 1:
+        for each in speaking:
+            each.merged = True
+        return Judged(mark, "merged", speaking[0].sign, said[id(speaking[0])], 0.0)
+    for each in scores:
+        lines = lines_said(mark.name, each.sign.lines, like)
+        if each not in near and lines and similarity(mark.name, " ".join(line.text for line in lines)) >= like:
+            return Judged(mark, "misplaced", each.sign, lines, _distance(each.sign, lines, place))
+    likest = max(near, key=lambda each: _likeness(mark.name, each.sign), default=None)
+    if likest is not None and (said[id(likest)] or _likeness(mark.name, likest.sign) >= MISREAD):
+        return Judged(mark, "misread", likest.sign, said[id(likest)], 0.0)
+    closest = min(scores, key=lambda each: float(np.linalg.norm(np.array(each.sign.centre) - place)), default=None)
+    on_board = any(_is_on(each.sign, place, 0.0) for each in near)
+    fate: Fate = "ornament" if not on_board and any(_is_ornament(each, place) for each in distractors) else "invented"
+    return Judged(mark, fate, closest.sign if closest else None, (), 0.0)
+
+
+def lines_said(name: str, lines: Sequence[TrueLine], like: float) -> tuple[TrueLine, ...]:
+    """The lines that a name has in it, in the order in which it says them."""
+    key, found = comparison_key(name), []
+    for line in lines:
+        wanted = comparison_key(line.text)
+        if not wanted or len(key) < like * len(wanted):
+            continue
+        if len(wanted) <= 2 or len(key) <= len(wanted):
+            start, is_in = key.find(wanted), (wanted in key or similarity(name, line.text) >= like)
+        else:
+            part = fuzz.partial_ratio_alignment(wanted, key)
+            start, is_in = (part.dest_start, part.score >= 100 * like) if part else (0, False)
+        if is_in:
+            found.append((start, line))
+    return tuple(line for _, line in sorted(found, key=lambda each: each[0]))
+
+
+def _likeness(name: str, sign: TrueSign) -> float:
+    return max(similarity(name, each) for each in (*sign.names, *(line.text for line in sign.lines)))
+
+
+def _distance(sign: TrueSign, lines: Sequence[TrueLine], place: Array) -> float:
+    reach = [_local(sign, np.array(line.centre)) for line in lines]
+    halves = np.array([[line.width / 2, line.height / 2, 0.0] for line in lines])
+    middle = ((np.array(reach) - halves).min(axis=0) + (np.array(reach) + halves).max(axis=0)) / 2
+    return float(np.linalg.norm(_local(sign, place) - middle))
+
+
+def _local(sign: TrueSign, place: Array) -> Array:
+    """To the right, up and out of a sign's face, metres from its name's middle."""
+    normal = np.array(sign.normal if sign.normal is not None else (0.0, -1.0, 0.0))
+    right = np.cross([0.0, 0.0, 1.0], normal)
+    return np.array([right, [0.0, 0.0, 1.0], normal]) @ (place - np.array(sign.centre))
+
+
+def _is_on(sign: TrueSign, place: Array, beside: float = BESIDE) -> bool:
+    x, y, out = _local(sign, place)
+    lefts, tops = [], []
+    for line in sign.lines:
+        u, v, _ = _local(sign, np.array(line.centre))
+        lefts += [u - line.width / 2, u + line.width / 2]
+        tops += [v - line.height / 2, v + line.height / 2]
+    inside = min(lefts) - beside <= x <= max(lefts) + beside and min(tops) - beside <= y <= max(tops) + beside
+    return bool(inside and abs(out) <= BEFORE)
+
+
+def _is_ornament(each: Distractor, place: Array) -> bool:
+    low, high = each.corners.min(axis=0) - ON_ORNAMENT, each.corners.max(axis=0) + ON_ORNAMENT
+    low[1], high[1] = low[1] - BEFORE, high[1] + BEFORE
+    return bool(((place >= low) & (place <= high)).all())
+
+
+def role_of(mark: Landmark) -> str | None:
+    """The role that a landmark has, where landmarks have roles."""
+    role: Any = getattr(mark, "role", None)
+    return role if isinstance(role, str) and role else None
