@@ -19,7 +19,7 @@ def looks(text: str) -> str:
 
 
 def misreading_cost(painted: str, read: str, looks: Callable[[str], str], right: float = 0.8) -> float:
-    return -log_likelihood(painted, Seen(read, right, 1.0), looks)
+    return -log_likelihood(painted, [Seen(read, right, 1.0)], looks)
 
 
 @given(letters, letters)
@@ -41,7 +41,7 @@ def test_letters_that_look_alike_are_cheaper_to_confuse() -> None:
 
 
 def test_repetition_counts_for_less_than_variety() -> None:
-    readings = [Reading("a", 4, 0.8), Reading("b", 1, 0.8), Reading("B.", 1, 0.8), Reading("-", 3, 1.0)]
+    readings = [Reading("a", 4, 0.8), Reading("b", 1, 0.8), Reading("B ", 1, 0.8), Reading("-", 3, 1.0)]
     seen = {each.key: each for each in evidence_of(readings)}
     assert set(seen) == {"a", "b"}
     assert 2.0 < seen["a"].weight < 4.0
@@ -70,8 +70,8 @@ def test_what_the_reader_held_for_possible_is_cheap() -> None:
     unsure = evidence_of(
         [Reading("abc", 1, 0.9, 0.9, 1.0, ((("a", 0.99),), (("b", 0.55), ("x", 0.4)), (("c", 0.99),)))]
     )[0]
-    assert log_likelihood("axc", unsure, looks) > log_likelihood("axc", sure, looks) + 2.0
-    assert log_likelihood("axc", unsure, looks) < log_likelihood("abc", unsure, looks)
+    assert log_likelihood("axc", [unsure], looks) > log_likelihood("axc", [sure], looks) + 2.0
+    assert log_likelihood("axc", [unsure], looks) < log_likelihood("abc", [unsure], looks)
 
 
 def test_a_key_keeps_the_form_of_its_letters() -> None:
@@ -116,6 +116,12 @@ def test_names(readings: list[tuple[str, int, float]], name: str) -> None:
         ([("QUORVEX", 8, 0.9, 2.3), ("QUORVEX 47", 1, 0.985, 1.0)], "QUORVEX 47"),
         # A mark that was read twice from near, against many unsure readings without the head.
         ([("Melf&Tarrow", 2, 0.97, 1.3), ("Tarow", 12, 0.3, 2.2), ("Tarrw", 13, 0.2, 2.2)], "Melf&Tarrow"),
+        # One letter that is failed on in many ways is one failure.
+        ([("Tall Meadow", 10, 0.74, 3.6), ("Tallfeadow", 15, 0.25, 3.8), ("Tall feadow", 9, 0.2, 1.6),
+          ("Tallfieadow", 7, 0.2, 1.4), ("Tallfleadow", 7, 0.15, 1.3), ("Tall fleadow", 3, 0.3, 0.5)], "Tall Meadow"),
+        # A mark read for a digit is no sign that there was none.
+        ([("BAY STALL :", 4, 0.35, 1.2), ("BAY STALL 1", 4, 0.45, 1.3), ("BAY STALL!", 1, 0.1, 0.3),
+          ("BAY STALL :]", 1, 0.3, 0.4), ("BAY STALL:", 1, 0.2, 0.3)], "BAY STALL 1"),
         # Whole, against one letter of it.
         ([("鵝葉仔", 12, 0.9, 2.5), ("葉", 6, 0.7, 1.5)], "鵝葉仔"),
     ],

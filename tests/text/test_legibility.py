@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from lpslam.text.legibility import frontal_cosine, ground_colour, ground_difference, seen_size
+from lpslam.text.legibility import SeenSize, frontal_cosine, ground_colour, ground_difference
 from lpslam.text.types import Placement
 
 BOX = np.array([[20.0, 20.0], [180.0, 20.0], [180.0, 60.0], [20.0, 60.0]])
@@ -30,9 +30,9 @@ def test_a_dimmer_board_keeps_apart_from_another_colour() -> None:
 
 
 def test_larger_and_more_frontal_is_seen_better() -> None:
-    assert seen_size(70.0, 1.0) > 2.0 * seen_size(28.0, 1.0)
-    assert seen_size(24.0, 0.6) < seen_size(24.0, 1.0)
-    assert seen_size(24.0, -1.0) == 0.0
+    assert SeenSize(70.0, 1.0).effective > 2.0 * SeenSize(28.0, 1.0).effective
+    assert SeenSize(24.0, 0.6).effective < SeenSize(24.0, 1.0).effective
+    assert SeenSize(24.0, -1.0).effective == 0.0
 
 
 def test_frontal_is_where_the_normal_points() -> None:

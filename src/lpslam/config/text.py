@@ -164,6 +164,9 @@ class ReadingConfig(Section):
     # the recogniser can use; or reaching farther than any reading of it by this factor.
     better_size: float = Field(default=1.5, gt=1)
     full_size: float = Field(default=72.0, gt=0)
+    # Box height, pixels, that is better than anything below it: what was never seen so large may not be believed
+    # (`min_landmark_height_ideographs`).
+    believed_height: float = Field(default=20.0, ge=0)
     longer: float = Field(default=1.15, gt=1)
     # A frame is blurred when its variance of the Laplacian is below this share of the running median ...
     blur_share: float = Field(default=0.35, ge=0)

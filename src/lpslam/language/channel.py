@@ -28,6 +28,10 @@ _LOGO = 0.8
 _OWN_ODDS = 0.9
 # The same slip again is this much rarer than another failure, or than the same letters where they are painted.
 _AGAIN = 0.7
+# A slip that another reading of the same sign shows as well.
+_KNOWN = 2.8
+# A letter for which a mark was read: 1 as : or ].
+_MARKED = 0.7
 # A reading of something else altogether.
 _FOREIGN = 16.0
 # Where nothing says how many views a reading stands for: its number to this power.
@@ -35,6 +39,10 @@ _REPETITION = 0.75
 _LEAST_RIGHT, _MOST_RIGHT = 0.02, 0.995
 # Most log odds by which readings that contradict each other are lowered, and how finely.
 _MOST_HUMBLED, _HUMBLED_STEP = 6.0, 0.05
+
+
+_Slip = tuple[str, int, str]
+"""What was done to a letter, its place in the painted key, and the letter that was read."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,6 +55,7 @@ class Seen:
         weight: views of its own that it stands for.
         letters: for each letter of the key, what else it may be, with the reader's probability; empty if not known.
         gaps: before which letter of the key another one was nearly read, and how surely.
+        marks: before which letters of the key a mark was read.
     """
 
     key: str
@@ -54,6 +63,7 @@ class Seen:
     weight: float
     letters: tuple[Mapping[str, float], ...] = ()
     gaps: Mapping[int, Mapping[str, float]] | None = None
+    marks: frozenset[int] = frozenset()
 
 
 def paint_key(text: str) -> str:
@@ -62,8 +72,8 @@ def paint_key(text: str) -> str:
 
 
 def evidence_of(readings: Iterable[Reading]) -> list[Seen]:
-    """Take readings as evidence, the weightiest first; equal keys are one, and what has no letter is none."""
-    grouped: dict[str, list[Seen]] = {}
+    """Take readings as evidence, the weightiest first; equal keys with equal marks are one; none without a letter."""
+    grouped: dict[tuple[str, frozenset[int]], list[Seen]] = {}
     for each in readings:
         key = paint_key(each.text)
         if not key or each.count <= 0:
@@ -72,14 +82,18 @@ def evidence_of(readings: Iterable[Reading]) -> list[Seen]:
         right = min(max(each.confidence, 0.0), 1.0) ** len(key) if each.right is None else each.right
         weight = each.count**_REPETITION if each.looks is None else each.looks
         letters, gaps = _aligned(key, each.slots)
-        grouped.setdefault(key, []).append(Seen(key, min(max(right, _LEAST_RIGHT), _MOST_RIGHT), weight, letters, gaps))
+        right, marks = min(max(right, _LEAST_RIGHT), _MOST_RIGHT), _marks(each.text)
+        grouped.setdefault((key, marks), []).append(Seen(key, right, weight, letters, gaps, marks))
     seen = _humbled([_together(same) for same in grouped.values()])
     return sorted(seen, key=lambda each: (-each.weight * each.right, each.key))
 
 
 def _humbled(seen: list[Seen]) -> list[Seen]:
     """Lower how sure readings are, all by the same odds, until no more of them are right than agree: one can be."""
-    most = max((each.weight for each in seen), default=0.0)
+    agreeing: dict[str, float] = {}
+    for each in seen:
+        agreeing[each.key] = agreeing.get(each.key, 0.0) + each.weight
+    most = max(agreeing.values(), default=0.0)
 
     def right(each: Seen, shift: float) -> float:
         return 1.0 / (1.0 + (1.0 - each.right) / each.right * exp(shift))
@@ -98,7 +112,12 @@ def _together(same: Sequence[Seen]) -> Seen:
     best = max(same, key=lambda each: each.right)
     weight = sum(each.weight for each in same)
     odds = sum(each.weight * log(each.right / (1.0 - each.right)) for each in same) / max(weight, 1e-9)
-    return Seen(best.key, 1.0 / (1.0 + exp(-odds)), weight, best.letters, best.gaps)
+    return replace(best, right=1.0 / (1.0 + exp(-odds)), weight=weight)
+
+
+def _marks(text: str) -> frozenset[int]:
+    """Before which letters of a text's key a mark stands, that is no space."""
+    return frozenset(len(paint_key(text[:at])) for at, ch in enumerate(text) if not ch.isalnum() and not ch.isspace())
 
 
 def _aligned(key: str, slots: Slots) -> tuple[tuple[Mapping[str, float], ...], Mapping[int, Mapping[str, float]]]:
@@ -119,27 +138,35 @@ def _aligned(key: str, slots: Slots) -> tuple[tuple[Mapping[str, float], ...], M
     return (tuple(letters), gaps) if taken == key else ((), {})
 
 
-def log_likelihood(painted: str, seen: Seen, looks: Callable[[str], str]) -> float:
-    """Logarithm of how likely a sign that says `painted` is read as `seen`, in all of its looks.
+def log_likelihood(painted: str, evidence: Iterable[Seen], looks: Callable[[str], str]) -> float:
+    """Logarithm of how likely a sign that says `painted` is read as all of the evidence, in all of its looks.
 
-    What kind of slip it is counts once: a reader that fails on a letter fails on it again in the same way.
+    What kind of slip it is counts once: a reader that fails on a letter of a sign fails on it again in the same way.
 
     Args:
         painted: key, not empty.
-        seen: what was read.
+        evidence: what was read, the weightiest first.
         looks: takes a letter to what it looks like.
     """
+    known: set[_Slip] = set()
+    return sum(_of_one(painted, seen, looks, known) for seen in evidence)
+
+
+def _of_one(painted: str, seen: Seen, looks: Callable[[str], str], known: set[_Slip]) -> float:
     all_right = log(seen.right)
     if painted == seen.key:
         return seen.weight * all_right
-    ends, slips = _costs(painted, seen, looks)
+    ends, slips = _costs(painted, seen, looks, known)
     first = max(all_right - ends - slips, -_FOREIGN)
     again = max(min(log(1.0 - seen.right), all_right) - _AGAIN - ends, first) if slips else first
     return min(seen.weight, 1.0) * first + max(seen.weight - 1.0, 0.0) * again
 
 
-def _costs(painted: str, seen: Seen, looks: Callable[[str], str]) -> tuple[float, float]:
-    """Costs of the likeliest way from a painted key to the one read: of its ends, and of its slips."""
+def _costs(painted: str, seen: Seen, looks: Callable[[str], str], known: set[_Slip]) -> tuple[float, float]:
+    """Costs of the likeliest way from a painted key to the one read: of its ends, and of its slips.
+
+    Slips that are `known` of this sign cost little; those of this reading are, from then on.
+    """
     read = seen.key
     letter_right = seen.right ** (1.0 / len(read))
     slip = -log(1.0 - letter_right) + log(letter_right)
@@ -148,20 +175,30 @@ def _costs(painted: str, seen: Seen, looks: Callable[[str], str]) -> tuple[float
     steps = Levenshtein.editops(painted, read)
     cut = _ends({step.src_pos for step in steps if step.tag == "delete"}, len(painted))
     joined = _ends({step.dest_pos for step in steps if step.tag == "insert"}, len(read))
-    ends = sum(_CUT_END + _CUT_LETTER * (len(end) - 1) for end in cut if end)
+    ends = sum(_cut_cost(len(end), at in seen.marks) for end, at in zip(cut, (0, len(read)), strict=True) if end)
     for end in joined:
         slips = sum(_added_cost(painted, seen, at, slip) for at in end)
         ends += min(_JOINED_END + _JOINED_LETTER * len(end), slips) if end else 0.0
     ends_lost, ends_added = cut[0] | cut[1], joined[0] | joined[1]
     cost = 0.0
     for step in steps:
+        own = (step.tag, step.src_pos, read[step.dest_pos] if step.tag != "delete" else "")
         if step.tag == "replace":
-            cost += _replaced_cost(painted[step.src_pos], seen, step.dest_pos, slip, looks)
+            one = _replaced_cost(painted[step.src_pos], seen, step.dest_pos, slip, looks)
         elif step.tag == "delete" and step.src_pos not in ends_lost:
-            cost += _lost_cost(painted[step.src_pos], seen, step.dest_pos, slip)
+            one = _lost_cost(painted[step.src_pos], seen, step.dest_pos, slip)
         elif step.tag == "insert" and step.dest_pos not in ends_added:
-            cost += _added_cost(painted, seen, step.dest_pos, slip)
+            one = _added_cost(painted, seen, step.dest_pos, slip)
+        else:
+            continue
+        cost += min(one, _KNOWN) if own in known else one
+        known.add(own)
     return ends, cost
+
+
+def _cut_cost(letters: int, is_marked: bool) -> float:
+    """Cost of letters missing at an end; where a mark was read in their place, they were seen and not hidden."""
+    return (_MARKED if is_marked else _CUT_END) + _CUT_LETTER * (letters - 1)
 
 
 def _ends(places: set[int], length: int) -> tuple[set[int], set[int]]:

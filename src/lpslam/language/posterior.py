@@ -32,7 +32,7 @@ def posterior(candidates: Mapping[str, float], seen: Sequence[Seen], looks: Look
         seen: what was read.
         looks: takes a letter to what it looks like.
     """
-    scores = {key: prior + sum(log_likelihood(key, each, looks) for each in seen) for key, prior in candidates.items()}
+    scores = {key: prior + log_likelihood(key, seen, looks) for key, prior in candidates.items()}
     scores[ELSE] = -_ELSE + sum(each.weight * (log(1.0 - each.right) - _ELSE_LOOK) for each in seen)
     top = max(scores.values())
     weights = {key: exp(score - top) for key, score in scores.items()}

@@ -1,5 +1,7 @@
 """How a text is seen: how well it can be read, and on what ground it stands."""
 
+from typing import NamedTuple
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -22,9 +24,16 @@ def frontal_cosine(placement: Placement, keyframe_from_camera: Array) -> float:
     return float(np.array(placement.normal) @ ray / max(float(np.linalg.norm(ray)), 1e-9))
 
 
-def seen_size(letter_height: float, frontal: float) -> float:
-    """How well letters are seen, pixels: their height times the cosine of the viewing angle, which narrows them."""
-    return letter_height * min(max(frontal, 0.0), 1.0)
+class SeenSize(NamedTuple):
+    """How large letters are seen: height of the box, pixels, and cosine of the viewing angle."""
+
+    height: float
+    frontal: float
+
+    @property
+    def effective(self) -> float:
+        """Pixels of height times the cosine, which narrows the letters."""
+        return self.height * min(max(self.frontal, 0.0), 1.0)
 
 
 def ground_colour(rgb: NDArray[np.uint8], box: Array) -> tuple[int, int, int]:

@@ -19,7 +19,7 @@ from lpslam.text.boxes import letter_heights, touches_border
 from lpslam.text.certainty import probability_right
 from lpslam.text.evidence import Glance
 from lpslam.text.instances import KeyframePoses
-from lpslam.text.legibility import UNPLACED, frontal_cosine, ground_colour, seen_size
+from lpslam.text.legibility import UNPLACED, SeenSize, frontal_cosine, ground_colour
 from lpslam.text.memory import Pool, TextClass
 from lpslam.text.naming import BesideNaming, name_class, needs_name, rename_class
 from lpslam.text.placement import PlacementFault, place_text
@@ -79,7 +79,7 @@ class TextMapper:
             for each in text_class.observations:
                 pose = world_from_keyframe(each.keyframe)
                 if pose is not None:
-                    seen = seen_size(each.letter_height, frontal_cosine(each.placement, np.eye(4)))
+                    seen = SeenSize(each.letter_height, frontal_cosine(each.placement, np.eye(4)))
                     self._spots.add(text_class.id, each.text, each.placement, pose, seen)
 
     def observe(self, frame: RgbdFrame, tracked: TrackedFrame) -> FrameReading | None:
@@ -202,7 +202,7 @@ class TextMapper:
             fates[[row for row, each in placements.items() if each in cut]] = BoxFate.HIDDEN
             for row, placement in placements.items():
                 if isinstance(placement, Placement) and self._is_sure(placement) and world_from_keyframe is not None:
-                    seen = seen_size(heights[row], frontal_cosine(placement, keyframe_from_camera))
+                    seen = SeenSize(heights[row], frontal_cosine(placement, keyframe_from_camera))
                     if self._is_known(placement, seen, frame.timestamp, world_from_keyframe):
                         fates[row] = BoxFate.KNOWN
             self.statistics.mapping_ms += 1000.0 * (perf_counter() - started)
@@ -247,7 +247,7 @@ class TextMapper:
         """Whether a place is certain enough to be evidence of what stands where."""
         return placement.uncertainty <= self._config.instances.doubtful_uncertainty
 
-    def _is_known(self, placement: Placement, seen: float, timestamp: float, world_from_keyframe: Array) -> bool:
+    def _is_known(self, placement: Placement, seen: SeenSize, timestamp: float, world_from_keyframe: Array) -> bool:
         """Whether what stands here is known so well that reading it again would tell nothing; it is confirmed then."""
         settled = self._spots.settled_at(
             placement, world_from_keyframe, seen, self._is_sure_of_name, self._config.reading
@@ -282,7 +282,7 @@ class TextMapper:
             return memory.sight(text.text, text.confidence, timestamp, glance=glance)
         here = self._spots.classes_at(placement, world_from_keyframe)
         text_class = memory.sight(text.text, text.confidence, timestamp, here, glance)
-        seen = seen_size(glance.height, glance.frontal)
+        seen = SeenSize(glance.height, glance.frontal)
         self._spots.add(text_class.id, text.text, placement, world_from_keyframe, seen)
         return text_class
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from lpslam.config import InstanceConfig, MemoryConfig
-from lpslam.language.channel import Seen, evidence_of, log_likelihood, paint_key
+from lpslam.language.channel import evidence_of, log_likelihood, paint_key
 from lpslam.text.evidence import looks_of, readings_of
 from lpslam.text.instances import KeyframePoses, split_places, trimmed_position, world_placements
 from lpslam.text.memory import TextClass
@@ -204,11 +204,11 @@ def _name_here(
     here = evidence_of(readings_of(looks_of(readings), config))
     if not stands_elsewhere or not here or not key:
         return name, sure
-    by_class = _log_likelihood(key, here)
+    by_class = log_likelihood(key, here, _looks)
     # That another name is just this one is as improbable as a slip of an unsure reader would be.
     by_own = {
-        each: _log_likelihood(each.key, here)
-        + log_likelihood(key, replace(each, right=0.5, weight=1.0), _looks)
+        each: log_likelihood(each.key, here, _looks)
+        + log_likelihood(key, [replace(each, right=0.5, weight=1.0)], _looks)
         - _OTHER_NAME
         for each in here
         if _looks(each.key) != _looks(key)
@@ -219,10 +219,6 @@ def _name_here(
     counts = Counter(each.text for each in readings if paint_key(each.text) == best.key)
     ahead = min(by_own[best] - by_class, _SUREST)
     return counts.most_common(1)[0][0], best.right / (1.0 + exp(-ahead))
-
-
-def _log_likelihood(painted: str, here: Sequence[Seen]) -> float:
-    return sum(log_likelihood(painted, each, _looks) for each in here)
 
 
 def _looks(text: str) -> str:

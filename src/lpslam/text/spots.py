@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from lpslam.camera import transform_points
 from lpslam.config import ReadingConfig
+from lpslam.text.legibility import SeenSize
 from lpslam.text.similarity import comparison_key
 from lpslam.text.types import Placement
 
@@ -40,7 +41,7 @@ class Spots:
         self._positions = np.zeros((0, 3))
         self._normals = np.zeros((0, 3))
         self._sizes = np.zeros((0, 2))
-        self._seen = np.zeros(0)
+        self._seen = np.zeros((0, 2))
 
     def classes_at(self, placement: Placement, world_from_keyframe: Array) -> set[int]:
         """The classes read before where this text stands."""
@@ -50,7 +51,7 @@ class Spots:
         self,
         placement: Placement,
         world_from_keyframe: Array,
-        size: float,
+        seen: SeenSize,
         is_sure: Callable[[int], bool],
         config: ReadingConfig,
     ) -> int | None:
@@ -58,14 +59,14 @@ class Spots:
 
         Args:
             placement, world_from_keyframe: of the text.
-            size: pixels, how well it is seen now (`legibility.seen_size`).
+            seen: how large it is seen now.
             is_sure: whether the name of a class is sure already: half as many readings are enough then.
             config: how often a text must have been read alike; twice as often is enough where readings differ, and as
                 often again where they are of several classes.
         """
         here = self._here(placement, world_from_keyframe)
         classes, counts = np.unique(self._classes[here], return_counts=True)
-        if not len(classes) or self._is_better(here, placement, size, config):
+        if not len(classes) or self._is_better(here, placement, seen, config):
             return None
         leading = int(classes[counts.argmax()])
         sightings = config.settled_sightings
@@ -78,10 +79,11 @@ class Spots:
         alike = Counter(self._keys[here].tolist()).most_common(1)[0][1]
         return leading if alike >= sightings or counts.max() >= _PATIENCE * sightings else None
 
-    def _is_better(self, here: NDArray[np.bool_], placement: Placement, size: float, config: ReadingConfig) -> bool:
+    def _is_better(self, here: NDArray[np.bool_], placement: Placement, seen: SeenSize, config: ReadingConfig) -> bool:
         """Whether a text is seen larger or longer than in any reading of it, so that another one may say more."""
-        best = float(self._seen[here].max())
-        is_larger = best < config.full_size and size >= min(config.better_size * best, config.full_size)
+        highest, best = self._seen[here].max(axis=0).tolist()
+        is_larger = best < config.full_size and seen.effective >= min(config.better_size * best, config.full_size)
+        is_larger |= highest < config.believed_height <= seen.height
         return is_larger or placement.width > config.longer * float(self._sizes[here, 0].max())
 
     def _here(self, placement: Placement, world_from_keyframe: Array) -> NDArray[np.bool_]:
@@ -96,8 +98,8 @@ class Spots:
         here: NDArray[np.bool_] = overlaps & (self._normals @ normal > 0.0)
         return here
 
-    def add(self, identifier: int, text: str, placement: Placement, world_from_keyframe: Array, seen: float) -> None:
-        """Note a sighting of a class, as what it was read, and how well it was seen, pixels."""
+    def add(self, identifier: int, text: str, placement: Placement, world_from_keyframe: Array, seen: SeenSize) -> None:
+        """Note a sighting of a class, as what it was read, and how large it was seen."""
         position, _, normal = _in_world(placement, world_from_keyframe)
         size = [placement.width, placement.height]
         self._classes = np.append(self._classes, identifier)[-_CAPACITY:]
@@ -105,7 +107,7 @@ class Spots:
         self._positions = np.vstack([self._positions, position])[-_CAPACITY:]
         self._normals = np.vstack([self._normals, normal])[-_CAPACITY:]
         self._sizes = np.vstack([self._sizes, size])[-_CAPACITY:]
-        self._seen = np.append(self._seen, seen)[-_CAPACITY:]
+        self._seen = np.vstack([self._seen, [seen.height, seen.effective]])[-_CAPACITY:]
 
 
 def _in_world(placement: Placement, world_from_keyframe: Array) -> tuple[Array, Array, Array]:
