@@ -20,6 +20,8 @@ from lpslam.language.words import is_unspaced
 _ADVANCE_LETTER, _ADVANCE_IDEOGRAPH, _ADVANCE_WORD = 1.2, 3.0, 1.0
 # ... where nothing that was read is like it, the share of that; and at most: what is known decides between near-equals.
 _ADVANCE_UNREAD, _MOST_AHEAD = 0.5, 10.0
+# What a string is behind in which traditional and simplified characters stand beside each other: few signs mix them.
+_MIXED = 4.0
 # What a string that nobody read is behind one that was.
 _UNREAD = 0.5
 _READINGS_WEIGHED = 24  # spellings, the weightiest; what many readings explain, all do
@@ -113,9 +115,9 @@ class Namer:
         return forms
 
     def _add_known(self, forms: dict[str, str], painted: str, like: str) -> None:
-        """Add a known name in the script of what was read; a form of it that was read is the same name already."""
+        """Add a known name in the script of what was read; a consistent form that was read is the same name already."""
         key = self._fold.key(painted)
-        if any(self._fold.key(other) == key for other in forms):
+        if any(self._fold.key(other) == key and not self._fold.is_mixed(other) for other in forms):
             return
         text = self._fold.traditional(painted) if self._fold.is_traditional(like) else painted
         forms.setdefault(paint_key(text), cased_like(text, like))
@@ -133,12 +135,14 @@ class Namer:
     def _advance(self, key: str, known: Known | None, letters_in_words: int, is_read: bool) -> float:
         letter = _ADVANCE_IDEOGRAPH if is_unspaced(key) else _ADVANCE_LETTER
         if known is not None:
-            advance = letter * len(key) * (1.0 if is_read else _ADVANCE_UNREAD)
+            # A known name is no worse than one of which only some words are known.
+            words = _ADVANCE_WORD * letters_in_words
+            advance = max(letter * len(key) * (1.0 if is_read else _ADVANCE_UNREAD), words)
         else:
             # “必胜客欢乐餐厅” is no listed name, but begins with one.
             head = self._signs.brand_head(self._fold.key(key))
             advance = _ADVANCE_WORD * letters_in_words + _ADVANCE_UNREAD * letter * head
-        return min(advance, _MOST_AHEAD)
+        return min(advance, _MOST_AHEAD) - _MIXED * self._fold.is_mixed(key)
 
     def _painted(
         self, key: str, form: str, known: Known | None, readings: Sequence[Reading], is_read: bool
