@@ -38,6 +38,13 @@ def test_slips_of_one_view_share_what_the_view_is_worth() -> None:
     assert sum(each.looks or 0.0 for each in slips) == pytest.approx(8.0**MEMORY.repetition)
 
 
+def test_readings_without_a_place_are_one_view_of_a_visit() -> None:
+    looks: list[Look] = []
+    for height in (10.0, 14.0, 20.0, 30.0):
+        note(looks, "HARNOW", 0.9, 0, Glance(height, 0.5, 0.8, is_placed=False))
+    assert len(looks) == 1
+
+
 def test_the_runners_up_of_the_surest_reading_are_kept() -> None:
     looks: list[Look] = []
     for right, letter in ((0.4, "X"), (0.9, "Y"), (0.6, "Z")):

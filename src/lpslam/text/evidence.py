@@ -18,18 +18,30 @@ View = tuple[int, int, int]
 
 # Sizes of one view differ by this factor at most, and cosines of its angles by so much.
 _SIZE_STEP, _ANGLE_STEP = 1.3, 0.2
+# Steps of size and angle of what has no place.
+_NO_VIEW = (-1, -1)
 # Spellings of views kept for one class; those that are least likely right go first.
 _KEPT = 192
 
 
 @dataclass(frozen=True, slots=True)
 class Glance:
-    """How one reading came about: box height, pixels; cosine of the viewing angle; P(right), 0 to 1; runners-up."""
+    """How one reading came about.
+
+    Attributes:
+        height: pixels, of the box.
+        frontal: cosine of the viewing angle.
+        right: probability, 0 to 1, that the reading is exactly what is painted.
+        slots: the letters' runners-up.
+        is_placed: whether it is known where the text stands. Beyond the depth sensor's reach and all but edge-on slips
+            repeat themselves: all such readings of a visit are one view.
+    """
 
     height: float
     frontal: float
     right: float
     slots: Slots = ()
+    is_placed: bool = True
 
 
 @dataclass(slots=True)
@@ -69,7 +81,7 @@ def view_of(visit: int, height: float, frontal: float) -> View:
 
 def note(looks: list[Look], text: str, confidence: float, visit: int, glance: Glance) -> None:
     """Add a reading to the looks of its class."""
-    view = view_of(visit, glance.height, glance.frontal)
+    view = view_of(visit, glance.height, glance.frontal) if glance.is_placed else (visit, *_NO_VIEW)
     own = next((each for each in reversed(looks) if each.view == view and each.text == text), None)
     if own is None:
         own = Look(text, view)

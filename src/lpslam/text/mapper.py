@@ -266,7 +266,7 @@ class TextMapper:
         is_placed = placement is not None and self._is_sure(placement)
         frontal = frontal_cosine(placement, keyframe_from_camera) if placement is not None and is_placed else UNPLACED
         right = probability_right(text.text, text.confidence, text.slots, text.sharpness, text.letter_height, frontal)
-        return Glance(text.letter_height, frontal, right, text.slots)
+        return Glance(text.letter_height, frontal, right, text.slots, is_placed)
 
     def _remember(
         self,

@@ -211,7 +211,8 @@ def _name_here(
         + log_likelihood(key, [replace(each, right=0.5, weight=1.0)], _looks)
         - _OTHER_NAME
         for each in here
-        if _looks(each.key) != _looks(key)
+        # Where a mark was read for a letter, there was one.
+        if _looks(each.key) != _looks(key) and not (each.marks and each.key in key)
     }
     best = max(by_own, key=lambda each: by_own[each], default=None)
     if best is None or by_own[best] <= by_class:
