@@ -17,6 +17,7 @@ from lpslam.evaluation.report import Evaluation, evaluate
 from lpslam.evaluation.signs import TrueSign, read_signs
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.text.spotting import PaddleSpotter
+from lpslam.text.types import Recognition
 from lpslam.views.pictures import draw_language_map, draw_score_histories
 from slam_recordings import Recording
 from slam_report import Report
@@ -41,7 +42,7 @@ class MeasuredSpotter:
         self.processor_seconds += time.process_time() - started
         return found
 
-    def recognise(self, rgb: NDArray[np.uint8], boxes: NDArray[np.float64]) -> list[tuple[str, float]]:
+    def recognise(self, rgb: NDArray[np.uint8], boxes: NDArray[np.float64]) -> list[Recognition]:
         """As `PaddleSpotter`."""
         started = time.process_time()
         texts = self._spotter.recognise(rgb, boxes)

@@ -46,6 +46,7 @@ from lpslam.text.advising import SIGNS_DIFFER, TextAdvisor
 from lpslam.text.boxes import Boxes
 from lpslam.text.mapper import TextMapper
 from lpslam.text.spotting import PaddleSpotter
+from lpslam.text.types import Recognition
 from slam_recordings import Recording
 from slam_report import Report
 from slam_scores import pose_error, true_pose
@@ -62,7 +63,7 @@ class Kept:
     def __init__(self, reader: PaddleSpotter) -> None:
         self._reader = reader
         self._boxes: dict[int, tuple[Boxes, NDArray[np.float64]]] = {}
-        self._texts: dict[tuple[int, bytes], tuple[str, float]] = {}
+        self._texts: dict[tuple[int, bytes], Recognition] = {}
 
     def detect(self, rgb: NDArray[np.uint8]) -> tuple[Boxes, NDArray[np.float64]]:
         """As a `TextSpotter`."""
@@ -71,7 +72,7 @@ class Kept:
             self._boxes[key] = self._reader.detect(rgb)
         return self._boxes[key]
 
-    def recognise(self, rgb: NDArray[np.uint8], boxes: Boxes) -> list[tuple[str, float]]:
+    def recognise(self, rgb: NDArray[np.uint8], boxes: Boxes) -> list[Recognition]:
         """As a `TextSpotter`."""
         frame = zlib.crc32(rgb)
         keys = [(frame, box.tobytes()) for box in boxes]

@@ -24,6 +24,7 @@ from lpslam.slam.state import EventKind
 from lpslam.sources.ground_truth import read_ground_truth
 from lpslam.sources.open import open_source
 from lpslam.text.spotting import PaddleSpotter
+from lpslam.text.types import Recognition
 
 pytestmark = pytest.mark.slow
 
@@ -96,7 +97,7 @@ class CountingSpotter:
         self.asked += 1
         return self._spotter.detect(rgb)
 
-    def recognise(self, rgb: NDArray[np.uint8], boxes: NDArray[np.float64]) -> list[tuple[str, float]]:
+    def recognise(self, rgb: NDArray[np.uint8], boxes: NDArray[np.float64]) -> list[Recognition]:
         """As `TextSpotter`."""
         return self._spotter.recognise(rgb, boxes)
 

@@ -112,7 +112,7 @@ def main() -> None:
             found: dict[str, list[float]] = {}
             for _ in range(int(rng.integers(*VIEWS))):
                 picture, box = photograph(rng, board)
-                text, sure = recogniser.recognise(np.ascontiguousarray(picture), box[None])[0]
+                text, sure, *_ = recogniser.recognise(np.ascontiguousarray(picture), box[None])[0]
                 text = text.strip()
                 if len(text) > 1 and sure >= SURE and Levenshtein.normalized_similarity(text, painted) >= 0.4:
                     found.setdefault(text, []).append(sure)

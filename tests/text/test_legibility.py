@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from lpslam.text.legibility import frontal_cosine, ground_colour, ground_difference, legibility
+from lpslam.text.legibility import SeenSize, frontal_cosine, ground_colour, ground_difference
 from lpslam.text.types import Placement
 
 BOX = np.array([[20.0, 20.0], [180.0, 20.0], [180.0, 60.0], [20.0, 60.0]])
@@ -29,11 +29,10 @@ def test_a_dimmer_board_keeps_apart_from_another_colour() -> None:
     assert ground_difference((3, 1, 0), (0, 2, 4)) < 0.15, "in the dark, colours are noise"
 
 
-def test_larger_and_more_frontal_is_more_legible() -> None:
-    assert legibility(28.0, 1.0) == 1.0
-    assert legibility(14.0, 1.0) < legibility(24.0, 1.0)
-    assert legibility(24.0, 0.6) < legibility(24.0, 1.0)
-    assert legibility(2.0, -1.0) > 0.0
+def test_larger_and_more_frontal_is_seen_better() -> None:
+    assert SeenSize(70.0, 1.0).effective > 2.0 * SeenSize(28.0, 1.0).effective
+    assert SeenSize(24.0, 0.6).effective < SeenSize(24.0, 1.0).effective
+    assert SeenSize(24.0, -1.0).effective == 0.0
 
 
 def test_frontal_is_where_the_normal_points() -> None:

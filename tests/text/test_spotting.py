@@ -16,7 +16,7 @@ from lpslam.text.networks import load_network
 from lpslam.text.recognition import decode_ctc, rectify
 from lpslam.text.similarity import comparison_key, similarity
 from lpslam.text.spotting import PaddleSpotter, TextSpotter, accepted_texts
-from lpslam.text.types import SpottedText
+from lpslam.text.types import Recognition, SpottedText
 
 CONFIG = SpottingConfig()
 SIGNS = Path(__file__).parents[3] / "shared" / "data" / "signs"
@@ -105,7 +105,7 @@ def test_no_boxes_have_no_letters() -> None:
 
 def test_unsure_short_and_empty_readings_are_refused() -> None:
     boxes = np.tile(np.array([[0, 0], [50, 0], [50, 20], [0, 20]], float), (5, 1, 1))
-    readings = [("KFC", 0.95), ("KFC", 0.3), ("A", 0.99), ("", 0.0), ("-/-", 0.9)]
+    readings = [Recognition(*each) for each in (("KFC", 0.95), ("KFC", 0.3), ("A", 0.99), ("", 0.0), ("-/-", 0.9))]
     accepted = accepted_texts(boxes, readings, CONFIG)
     assert [each and each.text for each in accepted] == ["KFC", None, None, None, None]
 
@@ -121,7 +121,7 @@ def test_a_logo_beside_the_name_is_not_part_of_it() -> None:
         "OPPO": "OPPO",
         "Omega": "Omega",
     }.items():
-        (accepted,) = accepted_texts(box, [(raw, 0.99)], CONFIG)
+        (accepted,) = accepted_texts(box, [Recognition(raw, 0.99)], CONFIG)
         assert accepted is not None
         assert accepted.text == text
 
@@ -149,10 +149,21 @@ def test_ctc_removes_repeats_and_blanks() -> None:
     steps = [1, 1, 0, 1, 2, 2, 0, 0, 3, 2]
     probabilities = np.full((len(steps), 4), 0.1, np.float32)
     probabilities[np.arange(len(steps)), steps] = 0.7
-    text, confidence = decode_ctc(probabilities, alphabet)
+    text, confidence, _, _ = decode_ctc(probabilities, alphabet)
     assert text == "AAB B"
     assert confidence == pytest.approx(0.7)
-    assert decode_ctc(probabilities[[2, 6]], alphabet) == ("", 0.0)
+    assert decode_ctc(probabilities[[2, 6]], alphabet) == Recognition("", 0.0)
+
+
+def test_a_letter_keeps_what_else_it_may_be_and_a_gap_what_was_nearly_read() -> None:
+    alphabet = np.array(["", "A", "B", "C"])
+    steps = [[0.02, 0.6, 0.38, 0.0], [0.02, 0.9, 0.08, 0.0], [0.7, 0.0, 0.0, 0.3], [0.01, 0.0, 0.99, 0.0]]
+    read = decode_ctc(np.array(steps, np.float32), alphabet)
+    assert read.text == "AB"
+    (first, between, last) = read.slots
+    assert [letter for letter, _ in first] == ["A", "B", ""], "where the letter is surest"
+    assert between == (("", pytest.approx(0.7)), ("C", pytest.approx(0.3)))
+    assert [letter for letter, _ in last] == ["B", ""]
 
 
 def test_a_region_of_the_probability_map_becomes_a_grown_box() -> None:
@@ -217,7 +228,7 @@ def test_both_engines_read_the_same(spotter: PaddleSpotter) -> None:
 )
 def test_a_single_ideograph_is_a_word(text: str, is_kept: bool) -> None:
     boxes = np.array([[[0, 0], [40, 0], [40, 40], [0, 40]]], np.float64)
-    assert (accepted_texts(boxes, [(text, 0.95)], CONFIG) != [None]) == is_kept
+    assert (accepted_texts(boxes, [Recognition(text, 0.95)], CONFIG) != [None]) == is_kept
 
 
 def test_of_too_many_regions_the_largest_are_kept() -> None:

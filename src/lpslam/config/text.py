@@ -60,6 +60,10 @@ class MemoryConfig(Section):
     # What a sighting counts at most: one that comes twice that long after the last, and says the same, is a look of its
     # own and no repeated slip. Where frames are few, two sure ones are enough.
     independent_weight: float = Field(default=1.5, ge=1)
+    # Readings of one view repeat their slips: n of them are worth n to this power. After so many seconds without a
+    # sighting, the next one belongs to another visit, and so to another view.
+    repetition: float = Field(default=0.4, ge=0, le=1)
+    visit_pause: float = Field(default=2.0, gt=0)
     # Longest score history of a class, samples; thinned by half when full.
     history: int = Field(default=512, ge=8)
 
@@ -150,8 +154,18 @@ class ReadingConfig(Section):
     # The same after a text was seen that was read fewer times than follows, for so many seconds: it may be gone soon.
     new_text_interval: float = Field(default=0.06, ge=0)
     new_text_patience: float = Field(default=0.5, ge=0)
-    # Readings of a text at its place after which it is only read again when it is seen better than before.
+    # Readings of a text at its place after which it is only read again when it is seen better than before; half of
+    # them where its name is this sure already.
     settled_sightings: int = Field(default=8, ge=1)
+    settled_certainty: float = Field(default=0.97, ge=0, le=1)
+    # Seen better: so many times as large, in pixels of height times the cosine of the angle, until it is as large as
+    # the recogniser can use; or reaching farther than any reading of it by this factor.
+    better_size: float = Field(default=1.5, gt=1)
+    full_size: float = Field(default=72.0, gt=0)
+    # Box height, pixels, that is better than anything below it: what was never seen so large may not be believed
+    # (`min_landmark_height_ideographs`).
+    believed_height: float = Field(default=20.0, ge=0)
+    longer: float = Field(default=1.15, gt=1)
     # A frame is blurred when its variance of the Laplacian is below this share of the running median ...
     blur_share: float = Field(default=0.35, ge=0)
     # ... of so many frames; reading then waits for a sharper one, no longer than so many intervals.

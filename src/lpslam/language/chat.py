@@ -65,7 +65,11 @@ class ChatModel:
         """Ask for the most reasonable name; one that is far from every reading is refused (III-E)."""
         own = self._embedded.name(readings)
         sent = [
-            {"text": text, "count": reading.count, "confidence": round(reading.confidence, 3)}
+            {
+                "text": text,
+                "count": reading.count,
+                "confidence": round(reading.confidence if reading.right is None else reading.right, 3),
+            }
             for reading in readings[: self._config.readings_sent]
             if (text := clean_text(reading.text))
         ]

@@ -8,14 +8,33 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+Slot = tuple[tuple[str, float], ...]
+"""What may stand at one place of a line: (letter, probability), the letter taken first; "" is no letter."""
+
+Slots = tuple[Slot, ...]
+"""A line as a recogniser saw it, place by place in the order of reading."""
+
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """One spelling of a class of homologous texts with how often and how surely it was read."""
+    """One spelling of a class of homologous texts with how often and how surely it was read.
+
+    Attributes:
+        text: as read.
+        count: how often.
+        confidence: mean probability of its letters, 0 to 1.
+        right: probability, 0 to 1, that such a reading is exactly what is painted, from how it was seen; None where
+            that is not known.
+        looks: views that are worth one of their own in which it was read; None is not known either.
+        slots: the letters' runners-up in the best of these readings.
+    """
 
     text: str
     count: int
     confidence: float
+    right: float | None = None
+    looks: float | None = None
+    slots: Slots = ()
 
 
 @dataclass(frozen=True, slots=True)

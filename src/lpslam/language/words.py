@@ -60,6 +60,10 @@ class Folder:
         """Whether a Chinese text is written in traditional characters: it has some, and none that is simplified."""
         return any(ch in self._traditional for ch in text) and not any(ch in self._simplified for ch in text)
 
+    def is_mixed(self, text: str) -> bool:
+        """Whether a Chinese text has characters that are only traditional beside some that are only simplified."""
+        return any(ch in self._traditional for ch in text) and any(ch in self._simplified for ch in text)
+
     def traditional(self, text: str) -> str:
         """Return a simplified text in traditional characters, letter by letter."""
         return "".join(self._simplified.get(ch, ch) for ch in text)

@@ -4,6 +4,7 @@ from dataclasses import asdict
 from typing import Any
 
 from lpslam.language.model import Judgement, Naming
+from lpslam.text.evidence import Look
 from lpslam.text.memory import ForgottenClass, LongShortTermMemory, Pool, TextClass, Variant
 from lpslam.text.types import Bearing, Placement, TextObservation
 
@@ -53,9 +54,16 @@ def _text_class(document: Document) -> TextClass:
         pool=Pool(fields.pop("pool")),
         history=_samples(fields.pop("history")),
         observations=[_observation(each) for each in fields.pop("observations")],
+        looks=[_look(each) for each in fields.pop("looks", ())],
         naming=Naming(**naming) if naming else None,
         **fields,
     )
+
+
+def _look(document: Document) -> Look:
+    slots = tuple(tuple((letter, sure) for letter, sure in slot) for slot in document["slots"])
+    visit, size, angle = document["view"]
+    return Look(**{**document, "slots": slots, "view": (visit, size, angle)})
 
 
 def _observation(document: Document) -> TextObservation:

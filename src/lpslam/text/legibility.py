@@ -1,5 +1,7 @@
 """How a text is seen: how well it can be read, and on what ground it stands."""
 
+from typing import NamedTuple
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -8,12 +10,8 @@ from lpslam.text.types import Placement
 
 Array = NDArray[np.float64]
 
-# Box height from which a text is as legible as it gets, pixels; boxes are half as high again as their letters.
-_FULL_HEIGHT = 28.0
-# What a reading is worth at least, seen from afar or aslant: it is evidence all the same.
-_LEAST = 0.4
-# What a reading without a place is worth: beyond the depth sensor's reach or all but edge-on, slips repeat themselves.
-UNPLACED = 0.2
+# Cosine of the viewing angle of what has no sure place: beyond the depth sensor's reach, or all but edge-on.
+UNPLACED = 0.5
 # How far beyond a box's long sides its ground is looked at too, as a share of its height.
 _BEYOND = 0.1
 # Brightness below which colours are mostly noise.
@@ -26,15 +24,16 @@ def frontal_cosine(placement: Placement, keyframe_from_camera: Array) -> float:
     return float(np.array(placement.normal) @ ray / max(float(np.linalg.norm(ray)), 1e-9))
 
 
-def legibility(letter_height: float, frontal: float) -> float:
-    """What a reading is worth, 0 to 1: large letters from straight ahead are read right more often.
+class SeenSize(NamedTuple):
+    """How large letters are seen: height of the box, pixels, and cosine of the viewing angle."""
 
-    Args:
-        letter_height: pixels, of the box.
-        frontal: cosine of the viewing angle.
-    """
-    seen = min(letter_height / _FULL_HEIGHT, 1.0) * min(max(frontal, 0.0), 1.0)
-    return max(_LEAST, seen)
+    height: float
+    frontal: float
+
+    @property
+    def effective(self) -> float:
+        """Pixels of height times the cosine, which narrows the letters."""
+        return self.height * min(max(self.frontal, 0.0), 1.0)
 
 
 def ground_colour(rgb: NDArray[np.uint8], box: Array) -> tuple[int, int, int]:

@@ -18,8 +18,10 @@ from lpslam.slam.state import TrackedFrame, TrackingState
 from lpslam.text.bearings import bearing_of
 from lpslam.text.borders import cut_by_border
 from lpslam.text.boxes import letter_heights
+from lpslam.text.certainty import probability_right
+from lpslam.text.evidence import Glance
 from lpslam.text.instances import KeyframePoses
-from lpslam.text.legibility import UNPLACED, frontal_cosine, ground_colour, legibility
+from lpslam.text.legibility import UNPLACED, SeenSize, frontal_cosine, ground_colour
 from lpslam.text.memory import Pool, TextClass
 from lpslam.text.naming import BesideNaming, name_class, needs_name, rename_class
 from lpslam.text.ornaments import are_ornaments
@@ -80,7 +82,7 @@ class TextMapper:
             for each in text_class.observations:
                 pose = world_from_keyframe(each.keyframe)
                 if pose is not None and each.placement is not None:
-                    seen = legibility(each.letter_height, frontal_cosine(each.placement, np.eye(4)))
+                    seen = SeenSize(each.letter_height, frontal_cosine(each.placement, np.eye(4)))
                     self._spots.add(text_class.id, each.text, each.placement, pose, seen)
 
     def observe(self, frame: RgbdFrame, tracked: TrackedFrame) -> FrameReading | None:
@@ -144,12 +146,11 @@ class TextMapper:
         observations = []
         is_new = False
         for text, placement in zip(reading.texts, reading.placements, strict=True):
-            seen = UNPLACED
-            if placement is not None and self._is_sure(placement):
-                seen = legibility(text.letter_height, frontal_cosine(placement, tracked.keyframe_from_camera))
-            text_class = self._remember(text, placement, seen, frame.timestamp, world_from_keyframe)
+            glance = self._glance(text, placement, tracked.keyframe_from_camera)
+            text_class = self._remember(text, placement, glance, frame.timestamp, world_from_keyframe)
             is_new |= text_class.count < self._config.reading.settled_sightings
             observation = self._observation(frame, tracked.keyframe, tracked.keyframe_from_camera, text, placement)
+            observation = replace(observation, right=glance.right)
             text_class.observations.append(observation)
             if placement is not None:
                 if self._is_sure(placement):
@@ -207,7 +208,7 @@ class TextMapper:
             fates[[row for row, each in placements.items() if each in cut]] = BoxFate.HIDDEN
             for row, placement in placements.items():
                 if isinstance(placement, Placement) and self._is_sure(placement) and world_from_keyframe is not None:
-                    seen = legibility(heights[row], frontal_cosine(placement, keyframe_from_camera))
+                    seen = SeenSize(heights[row], frontal_cosine(placement, keyframe_from_camera))
                     if self._is_known(placement, seen, frame.timestamp, world_from_keyframe):
                         fates[row] = BoxFate.KNOWN
             self.statistics.mapping_ms += 1000.0 * (perf_counter() - started)
@@ -274,28 +275,42 @@ class TextMapper:
         """Whether a place is certain enough to be evidence of what stands where."""
         return placement.uncertainty <= self._config.instances.doubtful_uncertainty
 
-    def _is_known(self, placement: Placement, seen: float, timestamp: float, world_from_keyframe: Array) -> bool:
+    def _is_known(self, placement: Placement, seen: SeenSize, timestamp: float, world_from_keyframe: Array) -> bool:
         """Whether what stands here is known so well that reading it again would tell nothing; it is confirmed then."""
-        settled = self._spots.settled_at(placement, world_from_keyframe, seen, self._config.reading.settled_sightings)
+        settled = self._spots.settled_at(
+            placement, world_from_keyframe, seen, self._is_sure_of_name, self._config.reading
+        )
         if settled is None:
             return False
         self.text_map.memory.confirm(settled, timestamp)
         return True
 
+    def _is_sure_of_name(self, identifier: int) -> bool:
+        text_class = self.text_map.memory.long_term.get(identifier)
+        naming = text_class.naming if text_class is not None else None
+        return naming is not None and naming.confidence >= self._config.reading.settled_certainty
+
+    def _glance(self, text: SpottedText, placement: Placement | None, keyframe_from_camera: Array) -> Glance:
+        is_placed = placement is not None and self._is_sure(placement)
+        frontal = frontal_cosine(placement, keyframe_from_camera) if placement is not None and is_placed else UNPLACED
+        right = probability_right(text.text, text.confidence, text.slots, text.sharpness, text.letter_height, frontal)
+        return Glance(text.letter_height, frontal, right, text.slots, is_placed)
+
     def _remember(
         self,
         text: SpottedText,
         placement: Placement | None,
-        seen: float,
+        glance: Glance,
         timestamp: float,
         world_from_keyframe: Array | None,
     ) -> TextClass:
         """Classify a text by what it says and where it stands, and strengthen its class (III-C, III-D)."""
         memory = self.text_map.memory
         if placement is None or world_from_keyframe is None or not self._is_sure(placement):
-            return memory.sight(text.text, text.confidence, timestamp, legibility=seen)
+            return memory.sight(text.text, text.confidence, timestamp, glance=glance)
         here = self._spots.classes_at(placement, world_from_keyframe)
-        text_class = memory.sight(text.text, text.confidence, timestamp, here, seen)
+        text_class = memory.sight(text.text, text.confidence, timestamp, here, glance)
+        seen = SeenSize(glance.height, glance.frontal)
         self._spots.add(text_class.id, text.text, placement, world_from_keyframe, seen)
         return text_class
 
@@ -304,10 +319,10 @@ class TextMapper:
         if text_class.id in self._named_beside:
             # The slow model's name stays until it has seen the new evidence too.
             text_class.named_at_count = text_class.count
-        elif not name_class(text_class, self._language, self._config.spotting.max_length):
+        elif not name_class(text_class, self._language, self._config):
             self.statistics.language_errors += 1
         if self._beside is not None:
-            self._beside.ask(text_class.id, text_class.readings)
+            self._beside.ask(text_class.id, text_class.readings(self._config.memory))
 
     def take_names(self) -> None:
         """Take the names that a slow model has found meanwhile; call it once more at the end."""

@@ -12,11 +12,16 @@ from enum import StrEnum
 
 from lpslam.config import MemoryConfig
 from lpslam.language.model import Naming, Reading
+from lpslam.text.certainty import probability_right
+from lpslam.text.evidence import Glance, Look, note, readings_of
 from lpslam.text.similarity import best_class
 from lpslam.text.types import TextObservation
 
 # A class is recognised by its commonest spellings only: else each slip would admit the next, and classes would drift.
 _LEADING_SPELLINGS = 4
+
+# Pixels, of a box that nothing is known of.
+_USUAL_HEIGHT = 24.0
 
 # Forgetting is given a frame, for the camera's usual 30 frames a second, and acts on time.
 _FRAMES_PER_SECOND = 30.0
@@ -37,7 +42,7 @@ class Pool(StrEnum):
 
 @dataclass(slots=True)
 class Variant:
-    """One spelling of a class: how often it was read, and the sum of the readings' confidences."""
+    """One spelling of a class: how often it was read, and the sum of its confidences, each times P(right)."""
 
     count: int = 0
     confidence: float = 0.0
@@ -55,6 +60,8 @@ class TextClass:
         first_seen, last_seen, promoted_at: seconds.
         history: (seconds, score) after each change by a sighting, and as it fades (Fig. 13).
         observations: its sightings, placed by depth or known by their bearings.
+        looks: all sightings, spelling by spelling and view by view; none in maps of older programs.
+        visits: how often it came into view after a pause.
         naming: the name chosen for it, once it is in long-term memory.
         named_at_count: how many readings that choice rested on.
     """
@@ -68,6 +75,8 @@ class TextClass:
     promoted_at: float | None = None
     history: list[tuple[float, float]] = field(default_factory=list)
     observations: list[TextObservation] = field(default_factory=list)
+    looks: list[Look] = field(default_factory=list)
+    visits: int = 0
     naming: Naming | None = None
     named_at_count: int = 0
 
@@ -77,17 +86,21 @@ class TextClass:
         return sum(variant.count for variant in self.variants.values())
 
     @property
-    def readings(self) -> list[Reading]:
-        """Its spellings as the language layer sees them, surest first."""
-        return [
-            Reading(text, variant.count, variant.confidence / variant.count)
-            for text, variant in sorted(self.variants.items(), key=lambda item: (-item[1].confidence, item[0]))
-        ]
+    def spellings(self) -> list[str]:
+        """Its spellings, those first that were read most often and surely."""
+        return sorted(self.variants, key=lambda text: (-self.variants[text].confidence, text))
+
+    def readings(self, config: MemoryConfig) -> list[Reading]:
+        """Its spellings as the language layer sees them, weightiest first."""
+        if self.looks:
+            return readings_of(self.looks, config)
+        counted = [(text, self.variants[text]) for text in self.spellings]
+        return [Reading(text, variant.count, variant.confidence / variant.count) for text, variant in counted]
 
     @property
     def name(self) -> str:
         """The name chosen for it, or its surest spelling while none is."""
-        return self.naming.name if self.naming else self.readings[0].text
+        return self.naming.name if self.naming else self.spellings[0]
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,7 +151,12 @@ class LongShortTermMemory:
             self.forgotten.append(ForgottenClass(text_class.id, text_class.name, tuple(text_class.history)))
 
     def sight(
-        self, text: str, confidence: float, timestamp: float, here: Collection[int] = (), legibility: float = 1.0
+        self,
+        text: str,
+        confidence: float,
+        timestamp: float,
+        here: Collection[int] = (),
+        glance: Glance | None = None,
     ) -> TextClass:
         """Classify a reading by similarity (III-C) and strengthen its class; a text like no other founds one.
 
@@ -148,13 +166,17 @@ class LongShortTermMemory:
             text, confidence: as read.
             timestamp: seconds.
             here: ids of classes read before at the spot of this text; less similarity is asked of them.
-            legibility: 0 to 1; what the spelling weighs when the class is named.
+            glance: how it was seen; None counts as a usual way.
         """
+        glance = glance or Glance(_USUAL_HEIGHT, 1.0, probability_right(text, confidence))
         text_class = self._classify(text, here) or self._found(timestamp)
         says_the_same = text in text_class.variants
         variant = text_class.variants.setdefault(text, Variant())
         variant.count += 1
-        variant.confidence += confidence * legibility
+        variant.confidence += confidence * glance.right
+        if timestamp - text_class.last_seen > self.config.visit_pause:
+            text_class.visits += 1
+        note(text_class.looks, text, confidence, text_class.visits, glance)
         self._strengthen(text_class, confidence, timestamp, says_the_same)
         return text_class
 
@@ -180,7 +202,7 @@ class LongShortTermMemory:
             self._promote(text_class, timestamp)
 
     def _classify(self, text: str, here: Collection[int]) -> TextClass | None:
-        known = {each.id: [reading.text for reading in each.readings[:_LEADING_SPELLINGS]] for each in self.classes}
+        known = {each.id: each.spellings[:_LEADING_SPELLINGS] for each in self.classes}
         identifier = best_class(text, known, self.config.similarity)
         if identifier is None:
             known_here = {key: spellings for key, spellings in known.items() if key in here}

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from typing import Protocol
 
+from lpslam.config import TextConfig
 from lpslam.language.model import LanguageModel, Naming, Reading
 from lpslam.language.sanitise import clean_text
 from lpslam.text.memory import TextClass
@@ -32,21 +33,22 @@ def needs_name(text_class: TextClass) -> bool:
     return text_class.naming is None or text_class.count >= _GROWTH * text_class.named_at_count
 
 
-def name_class(text_class: TextClass, language: LanguageModel | None, max_length: int) -> bool:
+def name_class(text_class: TextClass, language: LanguageModel | None, config: TextConfig) -> bool:
     """Name a class by the language model, or by its surest spelling where there is none or it fails.
 
     Returns:
         Whether a model that was asked answered usably.
     """
+    readings = text_class.readings(config.memory)
     naming, failed = None, False
     if language is not None:
         # Any model behind the protocol may fail in any way; mapping goes on.
         try:
-            naming = _checked(language.name(text_class.readings), text_class, max_length)
+            naming = _checked(language.name(readings), text_class, config.spotting.max_length)
         except Exception:
             naming = None
         failed = naming is None
-    text_class.naming = naming or _surest(text_class)
+    text_class.naming = naming or _surest(text_class, readings[0])
     text_class.named_at_count = text_class.count
     return not failed
 
@@ -71,7 +73,11 @@ def _checked(naming: Naming, text_class: TextClass, max_length: int) -> Naming |
     return Naming(name, naming.confidence, naming.evidence, naming.model)
 
 
-def _surest(text_class: TextClass) -> Naming:
-    best = text_class.readings[0]
+def _surest(text_class: TextClass, best: Reading) -> Naming:
     share = best.count / text_class.count
-    return Naming(best.text, share * best.confidence, f"read {best.count} of {text_class.count} times", "majority")
+    return Naming(
+        best.text,
+        share * (best.confidence if best.right is None else best.right),
+        f"read {best.count} of {text_class.count} times",
+        "majority",
+    )

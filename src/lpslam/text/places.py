@@ -6,28 +6,27 @@ stays.
 """
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import exp
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
-from lpslam.config import InstanceConfig
-from lpslam.language.spelling import misreading_cost, weigh
+from lpslam.config import InstanceConfig, MemoryConfig
+from lpslam.language.channel import evidence_of, log_likelihood, paint_key
 from lpslam.text.bearings import placed
+from lpslam.text.evidence import looks_of, readings_of
 from lpslam.text.instances import KeyframePoses, split_places, trimmed_position, world_placements
 from lpslam.text.memory import TextClass
-from lpslam.text.similarity import comparison_key, is_fragment, similarity
+from lpslam.text.similarity import comparison_key, is_fragment
 from lpslam.text.types import TextObservation
 
 Array = NDArray[np.float64]
 
-# By how much a place's own readings must explain it better than the name of its class: a letter wrong in two or three.
-_OWN_NAME_COST = 4.0
-
-# The most that one reading can cost: three letters wrong, and it is of something else.
-_FOREIGN_COST = 9.0
+# Log odds that a place has the name of its class and no other: one in five has not. And the most that are believed.
+_OTHER_NAME, _SUREST = 1.4, 7.0
 
 # A whole text is believed over its fragment with this share of the fragment's evidence: from near, pieces are read.
 _WHOLE_OVER_FRAGMENT = 0.25
@@ -49,7 +48,7 @@ class Place:
         grounds_by_frame: for each frame, the (red, green, blue) of the surface around it, where it is known.
         observations: number of sightings.
         evidence: sum of their confidences.
-        confidence: 0 to 1, mean over the sightings of confidence times similarity to the name.
+        confidence: 0 to 1, how surely the name is exactly what is painted.
     """
 
     id: int
@@ -74,7 +73,9 @@ class Place:
         return np.asarray(np.cross(-self.normal, self.baseline), dtype=np.float64)
 
 
-def places_of_class(text_class: TextClass, world_from_keyframe: KeyframePoses, config: InstanceConfig) -> list[Place]:
+def places_of_class(
+    text_class: TextClass, world_from_keyframe: KeyframePoses, config: InstanceConfig, memory: MemoryConfig
+) -> list[Place]:
     """Find the places of one class; none when it was never placed.
 
     A place seen but once is a slip of depth or of reading, unless the class has no other.
@@ -101,8 +102,7 @@ def places_of_class(text_class: TextClass, world_from_keyframe: KeyframePoses, c
         trusted = _on_the_side_seen_most(rows[kept], normals)
         normal = _mean_direction(normals[trusted])
         baseline = _mean_direction(baselines[trusted])
-        name = _name_here(text_class, seen, len(groups) > 1)
-        key = comparison_key(name)
+        name, sure = _name_here(text_class, seen, len(groups) > 1, memory)
         places.append(
             Place(
                 id=text_class.id * 1000 + number,
@@ -119,9 +119,7 @@ def places_of_class(text_class: TextClass, world_from_keyframe: KeyframePoses, c
                 grounds_by_frame={each.frame: each.ground for each in seen if each.ground is not None},
                 observations=len(rows),
                 evidence=sum(each.confidence for each in seen),
-                confidence=float(
-                    np.mean([each.confidence * similarity(comparison_key(each.text), key) for each in seen])
-                ),
+                confidence=sure,
             )
         )
     return places
@@ -194,27 +192,36 @@ def _mean_direction(directions: Array) -> Array:
     return np.asarray(mean / max(float(np.linalg.norm(mean)), 1e-12), dtype=np.float64)
 
 
-def _name_here(text_class: TextClass, readings: Sequence[TextObservation], stands_elsewhere: bool) -> str:
-    """The class's name, unless it stands elsewhere too and what was read here is explained better by a reading of here.
+def _name_here(
+    text_class: TextClass, readings: Sequence[TextObservation], stands_elsewhere: bool, config: MemoryConfig
+) -> tuple[str, float]:
+    """The class's name, unless it stands elsewhere too and another one explains what was read here; and how sure it is.
 
-    WASHROOM and BATHROOM, MEETING ROOM 1 and 2 may share a class, never a door.
+    All places vote for the name together, each for what hangs there: WASHROOM and BATHROOM, MEETING ROOM 1 and 2 may
+    share a class, never a door.
     """
-    if not stands_elsewhere:
-        return text_class.name
-    counts = Counter(each.text for each in readings)
-    weights = weigh((comparison_key(each.text), 1, each.confidence) for each in readings if comparison_key(each.text))
-    costs = {text: _cost_of(comparison_key(text), weights) for text, _ in counts.most_common()}
-    best = min(costs, key=lambda text: costs[text])
-    by_class = _cost_of(comparison_key(text_class.name), weights)
-    return best if costs[best] + _OWN_NAME_COST < by_class else text_class.name
-
-
-def _cost_of(painted: str, weights: Mapping[str, float]) -> float:
-    """What it costs to explain the weighted readings by a key; what is quite unlike it is explained by something else.
-
-    A sign read in one line with its neighbour says nothing against its own letters.
-    """
-    return sum(weight * min(misreading_cost(painted, read, _looks), _FOREIGN_COST) for read, weight in weights.items())
+    naming = text_class.naming
+    name, sure = (naming.name, naming.confidence) if naming is not None else (text_class.name, 0.5)
+    key = paint_key(name)
+    here = evidence_of(readings_of(looks_of(readings), config))
+    if not stands_elsewhere or not here or not key:
+        return name, sure
+    by_class = log_likelihood(key, here, _looks)
+    # That another name is just this one is as improbable as a slip of an unsure reader would be.
+    by_own = {
+        each: log_likelihood(each.key, here, _looks)
+        + log_likelihood(key, [replace(each, right=0.5, weight=1.0)], _looks)
+        - _OTHER_NAME
+        for each in here
+        # Where a mark was read for a letter, there was one.
+        if _looks(each.key) != _looks(key) and not (each.marks and each.key in key)
+    }
+    best = max(by_own, key=lambda each: by_own[each], default=None)
+    if best is None or by_own[best] <= by_class:
+        return name, sure
+    counts = Counter(each.text for each in readings if paint_key(each.text) == best.key)
+    ahead = min(by_own[best] - by_class, _SUREST)
+    return counts.most_common(1)[0][0], best.right / (1.0 + exp(-ahead))
 
 
 def _looks(text: str) -> str:

@@ -7,13 +7,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.config import SpottingConfig
+from lpslam.language.model import Slot, Slots
 from lpslam.text.boxes import DOWNWARDS, Boxes
 from lpslam.text.detection import network_input
 from lpslam.text.emblems import without_emblems
 from lpslam.text.networks import Network
+from lpslam.text.types import Recognition
 
 # What the model was built for: lines of this height.
 _LINE_HEIGHT = 48
+# Letters kept of one place, and the least probability of a runner-up: what is less likely never decides.
+_KEPT_LETTERS, _LEAST_LETTER = 4, 0.003
+# Probability from which a letter between two others counts as nearly read.
+_NEARLY_READ = 0.1
+# Grey values; below it a line has noise for edges.
+_LEAST_CONTRAST = 8.0
 
 
 class TextRecogniser:
@@ -25,15 +33,16 @@ class TextRecogniser:
         # CTC's blank comes first, the space last.
         self._alphabet = np.array(["", *network.alphabet, " "])
 
-    def recognise(self, rgb: NDArray[np.uint8], boxes: Boxes) -> list[tuple[str, float]]:
-        """Read (n, 4, 2) boxes of an (h, w, 3) image: for each its text, perhaps empty, and confidence 0 to 1."""
+    def recognise(self, rgb: NDArray[np.uint8], boxes: Boxes) -> list[Recognition]:
+        """Read (n, 4, 2) boxes of an (h, w, 3) image."""
         lines = [rectify(rgb, box, self._config.max_line_width) for box in boxes]
-        results = [("", 0.0)] * len(lines)
+        results = [Recognition("", 0.0)] * len(lines)
         for batch in self._batches([_padded(line.shape[1]) for line in lines]):
             probabilities = self._network.infer(_stack([lines[index] for index in batch]))
             for index, line in zip(batch, probabilities, strict=True):
-                text, confidence = decode_ctc(line, self._alphabet)
-                results[index] = without_emblems(lines[index], text), confidence
+                read = decode_ctc(line, self._alphabet)
+                text = without_emblems(lines[index], read.text)
+                results[index] = read._replace(text=text, sharpness=edge_sharpness(lines[index]))
         return results
 
     def _batches(self, widths: Sequence[int]) -> Iterator[list[int]]:
@@ -75,23 +84,61 @@ def rectify(rgb: NDArray[np.uint8], box: NDArray[np.float64], max_width: int) ->
     return np.asarray(line, dtype=np.uint8)
 
 
-def decode_ctc(probabilities: NDArray[np.float32], alphabet: NDArray[np.str_]) -> tuple[str, float]:
-    """Decode greedily: the best class of each step, repeats and blanks (class 0) removed.
+def decode_ctc(probabilities: NDArray[np.float32], alphabet: NDArray[np.str_]) -> Recognition:
+    """Decode greedily: the best class of each step, repeats and blanks (class 0) removed; runners-up are kept.
 
     Args:
         probabilities: (steps, classes).
         alphabet: (classes,) one character each.
 
     Returns:
-        The text, and the mean probability of its letters; ("", 0.0) when there are none.
+        The text, the mean probability of its letters, and the slots; an empty text when there are none.
     """
     best = probabilities.argmax(axis=1)
-    kept = best != 0
-    kept[1:] &= best[1:] != best[:-1]
-    if not kept.any():
-        return "", 0.0
-    letters = best[kept]
-    return "".join(alphabet[letters].tolist()), float(probabilities[kept, letters].mean())
+    starts = np.flatnonzero(np.concatenate([[True], best[1:] != best[:-1]]))
+    kept = starts[best[starts] != 0]
+    if not len(kept):
+        return Recognition("", 0.0)
+    text = "".join(alphabet[best[kept]].tolist())
+    return Recognition(
+        text, float(probabilities[kept, best[kept]].mean()), _slots(probabilities, best, starts, alphabet)
+    )
+
+
+def _slots(
+    probabilities: NDArray[np.float32], best: NDArray[np.intp], starts: NDArray[np.intp], alphabet: NDArray[np.str_]
+) -> Slots:
+    """What may stand at each letter, where it is surest; and between letters, where one was nearly read."""
+    slots: list[Slot] = []
+    ends = [*starts[1:].tolist(), len(best)]
+    for start, end in zip(starts.tolist(), ends, strict=True):
+        run = probabilities[start:end]
+        if best[start] != 0:
+            slots.append(_likeliest(run[run[:, best[start]].argmax()], alphabet))
+            continue
+        # At the rim of a letter its own probability fades: what is read there already is no letter between.
+        beside = [int(best[at]) for at in (start - 1, end) if 0 <= at < len(best)]
+        letters = run[:, 1:].copy()
+        letters[:, [each - 1 for each in beside if each]] = 0.0
+        step = int(letters.max(axis=1).argmax())
+        if letters[step].max() >= _NEARLY_READ:
+            slots.append(_likeliest(run[step], alphabet))
+    return tuple(slots)
+
+
+def _likeliest(step: NDArray[np.float32], alphabet: NDArray[np.str_]) -> Slot:
+    rows = np.argpartition(step, -_KEPT_LETTERS)[-_KEPT_LETTERS:]
+    rows = rows[np.argsort(-step[rows], kind="stable")]
+    kept = [row for place, row in enumerate(rows.tolist()) if place == 0 or step[row] >= _LEAST_LETTER]
+    return tuple((str(alphabet[row]), round(float(step[row]), 4)) for row in kept)
+
+
+def edge_sharpness(line: NDArray[np.uint8]) -> float:
+    """Steepest edge along an upright (h, w, 3) line, as a share of the line's contrast a pixel, 0 to 1."""
+    grey = line[..., 1].astype(np.float32)
+    dark, bright = np.percentile(grey[::2, ::2], (5.0, 95.0))
+    steepest = np.percentile(np.abs(np.diff(grey[::2], axis=1)), 99.0)
+    return float(min(steepest / max(bright - dark, _LEAST_CONTRAST), 1.0))
 
 
 def _padded(width: int) -> int:

@@ -5,11 +5,14 @@ another kind, and lets readings join a class that resemble it less.
 """
 
 from collections import Counter
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.camera import transform_points
+from lpslam.config import ReadingConfig
+from lpslam.text.legibility import SeenSize
 from lpslam.text.similarity import comparison_key
 from lpslam.text.types import Placement
 
@@ -38,32 +41,50 @@ class Spots:
         self._positions = np.zeros((0, 3))
         self._normals = np.zeros((0, 3))
         self._sizes = np.zeros((0, 2))
-        self._legibility = np.zeros(0)
+        self._seen = np.zeros((0, 2))
 
     def classes_at(self, placement: Placement, world_from_keyframe: Array) -> set[int]:
         """The classes read before where this text stands."""
         return set(self._classes[self._here(placement, world_from_keyframe)].tolist())
 
     def settled_at(
-        self, placement: Placement, world_from_keyframe: Array, legibility: float, sightings: int
+        self,
+        placement: Placement,
+        world_from_keyframe: Array,
+        seen: SeenSize,
+        is_sure: Callable[[int], bool],
+        config: ReadingConfig,
     ) -> int | None:
-        """The class read here again and again, and at least as legibly as now; None where there is none.
+        """The class read here again and again, and nearly as well as it is seen now; None where there is none.
 
         Args:
             placement, world_from_keyframe: of the text.
-            legibility: of the text as it is seen now.
-            sightings: how often it must have been read alike; twice as often is enough where readings differ, and as
+            seen: how large it is seen now.
+            is_sure: whether the name of a class is sure already: half as many readings are enough then.
+            config: how often a text must have been read alike; twice as often is enough where readings differ, and as
                 often again where they are of several classes.
         """
         here = self._here(placement, world_from_keyframe)
         classes, counts = np.unique(self._classes[here], return_counts=True)
-        if not len(classes) or counts.max() < sightings or self._legibility[here].max() < legibility:
+        if not len(classes) or self._is_better(here, placement, seen, config):
             return None
         leading = int(classes[counts.argmax()])
+        sightings = config.settled_sightings
+        if is_sure(leading):
+            sightings = -(-sightings // _PATIENCE)
+        if counts.max() < sightings:
+            return None
         if counts.max() < _LEADING_SHARE * counts.sum():
             return leading if counts.max() >= _PATIENCE**2 * sightings else None
         alike = Counter(self._keys[here].tolist()).most_common(1)[0][1]
         return leading if alike >= sightings or counts.max() >= _PATIENCE * sightings else None
+
+    def _is_better(self, here: NDArray[np.bool_], placement: Placement, seen: SeenSize, config: ReadingConfig) -> bool:
+        """Whether a text is seen larger or longer than in any reading of it, so that another one may say more."""
+        highest, best = self._seen[here].max(axis=0).tolist()
+        is_larger = best < config.full_size and seen.effective >= min(config.better_size * best, config.full_size)
+        is_larger |= highest < config.believed_height <= seen.height
+        return is_larger or placement.width > config.longer * float(self._sizes[here, 0].max())
 
     def _here(self, placement: Placement, world_from_keyframe: Array) -> NDArray[np.bool_]:
         position, baseline, normal = _in_world(placement, world_from_keyframe)
@@ -77,10 +98,8 @@ class Spots:
         here: NDArray[np.bool_] = overlaps & (self._normals @ normal > 0.0)
         return here
 
-    def add(
-        self, identifier: int, text: str, placement: Placement, world_from_keyframe: Array, legibility: float
-    ) -> None:
-        """Note a sighting of a class, as what it was read, and how legible it was."""
+    def add(self, identifier: int, text: str, placement: Placement, world_from_keyframe: Array, seen: SeenSize) -> None:
+        """Note a sighting of a class, as what it was read, and how large it was seen."""
         position, _, normal = _in_world(placement, world_from_keyframe)
         size = [placement.width, placement.height]
         self._classes = np.append(self._classes, identifier)[-_CAPACITY:]
@@ -88,7 +107,7 @@ class Spots:
         self._positions = np.vstack([self._positions, position])[-_CAPACITY:]
         self._normals = np.vstack([self._normals, normal])[-_CAPACITY:]
         self._sizes = np.vstack([self._sizes, size])[-_CAPACITY:]
-        self._legibility = np.append(self._legibility, legibility)[-_CAPACITY:]
+        self._seen = np.vstack([self._seen, [seen.height, seen.effective]])[-_CAPACITY:]
 
 
 def _in_world(placement: Placement, world_from_keyframe: Array) -> tuple[Array, Array, Array]:

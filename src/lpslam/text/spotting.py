@@ -14,7 +14,7 @@ from lpslam.text.detection import TextDetector
 from lpslam.text.emblems import RINGS
 from lpslam.text.networks import load_network
 from lpslam.text.recognition import TextRecogniser
-from lpslam.text.types import SpottedText
+from lpslam.text.types import Recognition, SpottedText
 
 
 @runtime_checkable
@@ -25,8 +25,8 @@ class TextSpotter(Protocol):
         """Find text in an (h, w, 3) image: boxes (n, 4, 2) px, ordered tl, tr, br, bl, and scores (n,)."""
         ...
 
-    def recognise(self, rgb: NDArray[np.uint8], boxes: Boxes) -> list[tuple[str, float]]:
-        """Read the boxes: for each its text, perhaps empty, and confidence 0 to 1."""
+    def recognise(self, rgb: NDArray[np.uint8], boxes: Boxes) -> list[Recognition]:
+        """Read the boxes."""
         ...
 
 
@@ -56,7 +56,7 @@ class PaddleSpotter:
         """See `TextSpotter`."""
         return self._detector.detect(rgb)
 
-    def recognise(self, rgb: NDArray[np.uint8], boxes: Boxes) -> list[tuple[str, float]]:
+    def recognise(self, rgb: NDArray[np.uint8], boxes: Boxes) -> list[Recognition]:
         """See `TextSpotter`."""
         return self._recogniser.recognise(rgb, boxes)
 
@@ -82,11 +82,11 @@ _LOGO_LIKE = frozenset("*·•°~^_|<>=←↑→↓")
 _RINGS = RINGS | {"Q", "@"}
 
 
-def accepted_texts(boxes: Boxes, readings: list[tuple[str, float]], config: SpottingConfig) -> list[SpottedText | None]:
+def accepted_texts(boxes: Boxes, readings: list[Recognition], config: SpottingConfig) -> list[SpottedText | None]:
     """Clean what was read in (n, 4, 2) boxes; None in place of what is too unsure or too short to be a text."""
     texts: list[SpottedText | None] = []
-    for box, height, (raw, confidence) in zip(boxes, letter_heights(boxes), readings, strict=True):
+    for box, height, (raw, confidence, slots, sharpness) in zip(boxes, letter_heights(boxes), readings, strict=True):
         text = _without_logos(clean_text(raw, config.max_length))
         is_text = confidence >= config.min_confidence and _letters(text) >= config.min_letters
-        texts.append(SpottedText(text, confidence, box, float(height)) if is_text else None)
+        texts.append(SpottedText(text, confidence, box, float(height), slots, sharpness) if is_text else None)
     return texts

@@ -24,6 +24,7 @@ from lpslam.isolated import can_start, python_command
 from lpslam.priority import READING, yield_to_others
 from lpslam.text.boxes import Boxes
 from lpslam.text.spotting import PaddleSpotter
+from lpslam.text.types import Recognition
 
 _SERVE = "from lpslam.text.spotting_process import serve_parent; serve_parent()"
 """What the other process runs."""
@@ -74,7 +75,7 @@ class SpottingProcess:
         boxes, scores = self._asked("detect", rgb, ())
         return boxes, scores
 
-    def recognise(self, rgb: NDArray[np.uint8], boxes: Boxes) -> list[tuple[str, float]]:
+    def recognise(self, rgb: NDArray[np.uint8], boxes: Boxes) -> list[Recognition]:
         """See `TextSpotter`."""
         return list(self._asked("recognise", rgb, (boxes,)))
 

@@ -48,7 +48,10 @@ class TextMap:
             Landmarks by id, whatever their judgement.
         """
         instances = self.config.instances
-        places = [place for each in self.long_term for place in places_of_class(each, world_from_keyframe, instances)]
+        memory = self.config.memory
+        places = [
+            place for each in self.long_term for place in places_of_class(each, world_from_keyframe, instances, memory)
+        ]
         groups = boards(without_overlaps(places, instances), instances)
         return [self._landmark(group) for group in groups]
 
@@ -87,7 +90,7 @@ class TextMap:
             width=right - left,
             height=bottom - top,
             observations=max(line.observations for line in lines),
-            confidence=float(np.mean([line.confidence for line in lines])),
+            confidence=float(np.prod([line.confidence for line in lines])),
             judgements=judgements,
             is_landmark=current.answer if current else None,
         )

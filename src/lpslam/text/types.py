@@ -3,13 +3,30 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.language.model import Judgement
+from lpslam.language.model import Judgement, Slots
 
 Vector3 = tuple[float, float, float]
+
+
+class Recognition(NamedTuple):
+    """What a recogniser makes of one box.
+
+    Attributes:
+        text: perhaps empty.
+        confidence: mean probability of its letters, 0 to 1.
+        slots: what each letter may be instead; empty where the recogniser does not say.
+        sharpness: steepest edge of the rectified line, share of its contrast a pixel; None where nobody looked.
+    """
+
+    text: str
+    confidence: float
+    slots: Slots = ()
+    sharpness: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -21,12 +38,15 @@ class SpottedText:
         confidence: mean probability of its letters, 0 to 1.
         box: (4, 2) raw pixels, ordered top left, top right, bottom right, bottom left.
         letter_height: pixels, mean of the box's two upright sides.
+        slots, sharpness: as of its `Recognition`.
     """
 
     text: str
     confidence: float
     box: NDArray[np.float64]
     letter_height: float
+    slots: Slots = ()
+    sharpness: float | None = None
 
 
 class BoxFate(StrEnum):
@@ -108,6 +128,7 @@ class TextObservation:
         letter_height: pixels, as it was seen.
         ground: (red, green, blue) of the surface around the letters, 0 to 255; None where it is not known.
         bearing: in the same frame; None in older maps.
+        right: probability, 0 to 1, that the reading is exactly what is painted; None in maps of older programs.
     """
 
     frame: int
@@ -119,6 +140,7 @@ class TextObservation:
     letter_height: float
     ground: tuple[int, int, int] | None = None
     bearing: Bearing | None = None
+    right: float | None = None
 
     @property
     def place(self) -> Placement:
@@ -145,7 +167,7 @@ class Landmark:
         spread: metres, root mean square distance of the kept observations from the position.
         width, height: metres, of the text.
         observations: how many sightings stand behind it.
-        confidence: 0 to 1, share of agreement with the name, weighted by the readings' confidence.
+        confidence: 0 to 1, how surely the name is exactly what is painted.
         judgements: by question.
         is_landmark: the answer to the map's current question; None while nobody has judged.
     """
