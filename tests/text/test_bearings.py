@@ -88,7 +88,7 @@ def test_text_without_depth_is_placed_by_its_bearings(middle: tuple[float, float
     assert offsets.max() < min(0.15, 3.0 * found[0].place.uncertainty)
     assert found[0].place.width == pytest.approx(0.6, rel=0.1)
     assert found[0].place.height == pytest.approx(0.15, rel=0.15)
-    (place,) = places_of_class(text_class(observations), poses_of(WALK), CONFIG)
+    (place,) = places_of_class(text_class(observations), poses_of(WALK), CONFIG, MemoryConfig())
     assert place.position == pytest.approx(middle, abs=0.15)
 
 
@@ -104,7 +104,7 @@ def test_without_parallax_there_is_no_place() -> None:
     standing = [looking(0.01 * n) for n in range(6)]
     observations = [seen(n, pose, sign((0.2, -0.4, 3.0)), 0.5) for n, pose in enumerate(standing)]
     assert placed(observations, poses_of(standing), CONFIG) == []
-    assert places_of_class(text_class(observations), poses_of(standing), CONFIG) == []
+    assert places_of_class(text_class(observations), poses_of(standing), CONFIG, MemoryConfig()) == []
     # Two directions of one plane meet somewhere.
     assert placed([*observations[:1], seen(5, WALK[5], sign((0.2, -0.4, 3.0)))], poses_of(WALK), CONFIG) == []
 
@@ -126,7 +126,7 @@ def test_equal_texts_in_two_places_are_kept_apart() -> None:
     found = placed(observations, poses_of(WALK), CONFIG)
     assert where(found, WALK)[::2] == pytest.approx(np.array([middles[0]] * len(WALK)), abs=0.05)
     assert where(found, WALK)[1::2] == pytest.approx(np.array([middles[1]] * len(WALK)), abs=0.05)
-    assert len(places_of_class(text_class(observations), poses_of(WALK), CONFIG)) == 2
+    assert len(places_of_class(text_class(observations), poses_of(WALK), CONFIG, MemoryConfig())) == 2
 
 
 def test_depth_refines_what_bearings_say() -> None:

@@ -29,7 +29,7 @@ _OWN_ODDS = 0.9
 # The same slip again is this much rarer than another failure, or than the same letters where they are painted.
 _AGAIN = 0.7
 # A slip that another reading of the same sign shows as well.
-_KNOWN = 2.8
+_KNOWN = 2.2
 # A letter for which a mark was read: 1 as : or ].
 _MARKED = 0.7
 # A reading of something else altogether.

@@ -18,8 +18,8 @@ View = tuple[int, int, int]
 
 # Sizes of one view differ by this factor at most, and cosines of its angles by so much.
 _SIZE_STEP, _ANGLE_STEP = 1.3, 0.2
-# Steps of size and angle of what has no place.
-_NO_VIEW = (-1, -1)
+# Steps of size and angle of what has no place, and what such a view is worth: its slips are those of the next visit.
+_NO_VIEW, _NO_VIEW_WORTH = (-1, -1), 0.2
 # Spellings of views kept for one class; those that are least likely right go first.
 _KEPT = 192
 
@@ -102,7 +102,12 @@ def readings_of(looks: Iterable[Look], config: MemoryConfig) -> list[Reading]:
         by_text.setdefault(each.text, []).append(each)
     readings = []
     for text, own in by_text.items():
-        shares = [each.count * in_view[each.view] ** (config.repetition - 1.0) for each in own]
+        shares = [
+            each.count
+            * in_view[each.view] ** (config.repetition - 1.0)
+            * (_NO_VIEW_WORTH if each.view[1:] == _NO_VIEW else 1.0)
+            for each in own
+        ]
         odds = sum(share * each.odds / each.count for share, each in zip(shares, own, strict=True)) / sum(shares)
         count = sum(each.count for each in own)
         slots = max(own, key=lambda each: each.best).slots

@@ -25,8 +25,8 @@ from lpslam.text.types import TextObservation
 
 Array = NDArray[np.float64]
 
-# Log odds that a place has the name of its class and no other: one in five has not. And the most that are believed.
-_OTHER_NAME, _SUREST = 1.4, 7.0
+# Most log odds by which one name is ahead of another that are believed.
+_SUREST = 7.0
 
 # A whole text is believed over its fragment with this share of the fragment's evidence: from near, pieces are read.
 _WHOLE_OVER_FRAGMENT = 0.25
@@ -211,7 +211,6 @@ def _name_here(
     by_own = {
         each: log_likelihood(each.key, here, _looks)
         + log_likelihood(key, [replace(each, right=0.5, weight=1.0)], _looks)
-        - _OTHER_NAME
         for each in here
         # Where a mark was read for a letter, there was one.
         if _looks(each.key) != _looks(key) and not (each.marks and each.key in key)
