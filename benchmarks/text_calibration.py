@@ -32,7 +32,8 @@ from lpslam.language.namer import Certain
 from lpslam.language.offline import OfflineModel
 from lpslam.language.sanitise import clean_text
 from lpslam.simulation import lexicon
-from lpslam.text.boxes import letter_heights, touches_border
+from lpslam.text.borders import cut_by_border
+from lpslam.text.boxes import letter_heights
 from lpslam.text.certainty import READING, Certainty, terms
 from lpslam.text.evidence import Glance, Look, note, readings_of
 from lpslam.text.similarity import comparison_key
@@ -137,7 +138,7 @@ def _read(which: str, folders: Sequence[Path]) -> Iterator[Row]:
     fonts = [font for font in fonts_of(which, folders) if set("AZaz") <= font.letters]
     for image, lines in drawn(seed, count, words(), fonts):
         boxes, _ = spotter.detect(image)
-        boxes = boxes[~touches_border(boxes, image.shape[:2], config.border_margin)]
+        boxes = boxes[~cut_by_border(image, boxes)]
         boxes = boxes[letter_heights(boxes) >= config.min_letter_height]
         if not len(boxes):
             continue

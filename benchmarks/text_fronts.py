@@ -20,7 +20,8 @@ from lpslam.simulation.boards.ornaments import ORNAMENTS, paint_ornament
 from lpslam.simulation.boards.street import StreetSource, drawn_boards, read_distractors, streets_of, write_distractors
 from lpslam.simulation.writer import write_sequence
 from lpslam.slam.warm_up import warm_up
-from lpslam.text.boxes import letter_heights, touches_border
+from lpslam.text.borders import cut_by_border
+from lpslam.text.boxes import letter_heights
 from lpslam.text.similarity import comparison_key
 from lpslam.text.spotting import PaddleSpotter, accepted_texts
 from slam_recordings import Recording
@@ -197,7 +198,7 @@ def _texts(image: Any, spotter: PaddleSpotter, config: SpottingConfig, scale: fl
     framed = cv2.copyMakeBorder(small, EDGE, EDGE, EDGE, EDGE, cv2.BORDER_CONSTANT, value=(128, 126, 122))
     framed = np.asarray(framed, np.uint8)
     boxes, _ = spotter.detect(framed)
-    boxes = boxes[~touches_border(boxes, framed.shape[:2], 0.0)]
+    boxes = boxes[~cut_by_border(framed, boxes)]
     boxes = boxes[letter_heights(boxes) >= config.min_letter_height]
     accepted = accepted_texts(boxes, spotter.recognise(framed, boxes), config)
     return [each.text for each in accepted if each is not None]
