@@ -56,7 +56,7 @@ def trajectory_error(slam: RgbdSlam, truth: StampedPoses) -> AteResult:
 
 
 def blind(frame: RgbdFrame) -> RgbdFrame:
-    return replace(frame, rgb=np.full_like(frame.rgb, 30))
+    return replace(frame, rgb=np.full_like(frame.rgb, 30), depth=np.zeros_like(frame.depth))
 
 
 def states(tracked: list[TrackedFrame]) -> list[TrackingState]:

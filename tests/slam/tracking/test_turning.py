@@ -64,6 +64,9 @@ def test_noise_and_blank_pictures_tell_nothing() -> None:
     assert turning.told(before, now, np.eye(4), SECONDS) is None
     blank = turning.glance(np.full(depth.shape, 90, np.uint8), depth)
     assert turning.told(blank, blank, np.eye(4), SECONDS) is None
+    seen = glance(turning, np.eye(4), 0, 1.0, 2.0)
+    assert turning.told(seen, blank, np.eye(4), SECONDS) is None
+    assert turning.told(seen, turning.glance(np.zeros(depth.shape, np.uint8), depth), np.eye(4), SECONDS) is None
 
 
 def test_where_a_third_of_the_picture_moves_by_itself_the_rest_tells() -> None:

@@ -95,19 +95,28 @@ class Turning:
         pixels, start = pixels[in_image], start[in_image]
         if len(pixels) < config.min_corners:
             return None
-        moved, status, _ = cv2.calcOpticalFlowPyrLK(
-            before.gray,
-            now.gray,
-            pixels,
-            start.copy(),
-            winSize=(config.window, config.window),
-            maxLevel=config.levels,
-            flags=cv2.OPTFLOW_USE_INITIAL_FLOW,
-        )
-        ok = status.reshape(-1) == 1
+        moved, found_there = self._flow(before.gray, now.gray, pixels, start)
+        # A blank picture is agreed with everywhere; nothing of it leads back.
+        back, found_back = self._flow(now.gray, before.gray, moved, pixels)
+        ok = found_there & found_back & (np.linalg.norm(back - pixels, axis=1) < config.pixels)
         if np.count_nonzero(ok) < config.min_corners:
             return None
-        return pixels[ok], moved.reshape(-1, 2)[ok].astype(np.float32)
+        return pixels[ok], moved[ok]
+
+    def _flow(
+        self, before: NDArray[np.uint8], now: NDArray[np.uint8], pixels: NDArray[np.float32], start: NDArray[np.float32]
+    ) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+        """Where pixels (n, 2) of one picture are in another, sought from `start` (n, 2), and whether that is said."""
+        moved, status, _ = cv2.calcOpticalFlowPyrLK(
+            before,
+            now,
+            pixels,
+            start.copy(),
+            winSize=(self._config.window, self._config.window),
+            maxLevel=self._config.levels,
+            flags=cv2.OPTFLOW_USE_INITIAL_FLOW,
+        )
+        return moved.reshape(-1, 2).astype(np.float32), status.reshape(-1) == 1
 
     def _smaller(self, raw: _Matrix) -> _Matrix:
         """Pixels (n, 2) of the camera in the smaller picture."""
