@@ -61,8 +61,8 @@ class Namer:
         self._signs = signs
 
     def name(self, readings: Sequence[Reading], model: str) -> Naming:
-        """Name a class; where no reading has a letter in it, without any certainty."""
-        if not any(paint_key(each.text) for each in readings):
+        """Name a class; where nothing with a letter in it was read, without any certainty."""
+        if not evidence_of(readings):
             text = vote(readings).text
             return Naming(text, 0.0, "no reading has a letter in it" if text else "no reading has a character", model)
         best = self.most_certain(readings)
