@@ -72,8 +72,8 @@ def _observation(document: Document) -> TextObservation:
         key: tuple(value) if isinstance(value, list | tuple) else value
         for key, value in fields.pop("placement").items()
     }
-    ground = fields.pop("ground")
-    return TextObservation(placement=Placement(**placement), ground=tuple(ground) if ground else None, **fields)
+    fields |= {key: tuple(fields[key]) for key in ("ground", "ink", "clear") if fields.get(key)}
+    return TextObservation(placement=Placement(**placement), **fields)
 
 
 def _samples(history: list[list[float]]) -> list[tuple[float, float]]:

@@ -19,12 +19,13 @@ from lpslam.text.boxes import letter_heights, touches_border
 from lpslam.text.certainty import probability_right
 from lpslam.text.evidence import Glance
 from lpslam.text.instances import KeyframePoses
-from lpslam.text.legibility import UNPLACED, SeenSize, frontal_cosine, ground_colour
+from lpslam.text.legibility import UNPLACED, SeenSize, frontal_cosine
 from lpslam.text.memory import Pool, TextClass
 from lpslam.text.naming import BesideNaming, name_class, needs_name, rename_class
 from lpslam.text.placement import PlacementFault, place_text
 from lpslam.text.spots import Spots
 from lpslam.text.spotting import ReadsElsewhere, TextSpotter, accepted_texts
+from lpslam.text.surroundings import surroundings
 from lpslam.text.text_map import TextMap
 from lpslam.text.types import BoxFate, FrameReading, Placement, SpottedText, TextObservation, TextStatistics
 
@@ -332,6 +333,7 @@ _SQUARE = 1.5
 
 
 def _observation(frame: RgbdFrame, keyframe: int, text: SpottedText, placement: Placement) -> TextObservation:
+    around = surroundings(frame.rgb, text.box)
     return TextObservation(
         frame.index,
         frame.timestamp,
@@ -340,7 +342,9 @@ def _observation(frame: RgbdFrame, keyframe: int, text: SpottedText, placement: 
         text.confidence,
         placement,
         text.letter_height,
-        ground_colour(frame.rgb, text.box),
+        around.ground,
+        ink=around.ink,
+        clear=around.clear,
     )
 
 
