@@ -26,7 +26,7 @@ from lpslam.text.similarity import comparison_key
 from lpslam.text.spotting import PaddleSpotter, accepted_texts
 from slam_recordings import Recording
 from slam_report import Report
-from text_fronts_scores import Judged, SignScore, judge, lines_said, role_of
+from text_fronts_scores import Judged, SignScore, judge, lines_said, texts_of
 
 SETS = {"development": range(1, 7), "test": range(101, 107)}
 """Seeds of streets: those to develop on, and those that nothing is tuned on."""
@@ -150,10 +150,13 @@ def _print_errors(judged: Sequence[Judged], scores: Sequence[SignScore], frames:
             came = [f"{each.mark.name!r} ({each.fate})" for each in judged if each.is_of(score.sign)]
             print(f"  missed  {_painted(score.sign)}: came out {', '.join(came) or 'nothing'}")
         elif score.found and not score.exact:
-            came = [repr(each.mark.name) for each in score.name_marks]
+            came = [repr(text) for each in score.name_marks for text in texts_of(each.mark)]
             print(f"  inexact {_painted(score.sign)}: came out {', '.join(came)}")
         if score.split:
             print(f"  split   {_painted(score.sign)}: into {[each.mark.name for each in score.marks]}")
+        for each in score.marks:
+            if each.stray:
+                print(f"  stray   lines of {each.mark.name!r}: {texts_of(each.mark)} beside {_painted(score.sign)}")
         unsaid = [line.text for line in score.expected_lines(frames)[1:] if not score.said(line)]
         if unsaid:
             print(f"  unsaid  {unsaid} of {_painted(score.sign)}")
@@ -221,11 +224,14 @@ def _tables(total: Total, plain: Plain, report: Report) -> None:
     expected = [each for each in total.scores if each.expected]
     fates = Counter(each.fate for each in total.judged)
     lines = [(each, line) for each in total.scores for line in each.expected_lines(10)]
+    lines_all = sum(len(texts_of(each.mark)) for each in total.judged)
+    lines_right = sum(len(texts_of(each.mark)) - each.stray for each in total.judged if each.fate == "real")
     off = [each.distance for each in total.judged if each.fate == "real"]
     report.table(
         ["Figure", "Map of a walk", "Plain reading of the flat board"],
         [
             ["Main names found", _share([each.found for each in expected]), _share(plain.named)],
+            ["landmarks called by them", _share([each.called for each in expected]), ""],
             ["exact to the letter", _share([each.exact for each in expected]), _share(plain.exact)],
             ["All lines found", _share([each.said(line) for each, line in lines]), f"{plain.read} of {plain.lines}"],
             [
@@ -233,6 +239,7 @@ def _tables(total: Total, plain: Plain, report: Report) -> None:
                 f"{fates['real']} of {len(total.judged)}",
                 f"{plain.texts - plain.spurious} of {plain.texts}",
             ],
+            ["Precision of lines", f"{lines_right} of {lines_all}", ""],
             ["Inventions: on ornaments", str(fates["ornament"]), ""],
             ["elsewhere", str(fates["invented"]), str(plain.spurious)],
             ["misread", str(fates["misread"]), ""],
@@ -240,7 +247,7 @@ def _tables(total: Total, plain: Plain, report: Report) -> None:
             ["Merged boards", f"{sum(each.merged for each in total.scores)}, in {fates['merged']} landmarks", ""],
             ["Split boards", str(sum(each.split for each in total.scores)), ""],
             ["Duplicates", str(sum(each.doubles for each in total.scores)), ""],
-            ["Roles", _roles(total.judged), ""],
+            ["Lines right in role", _share([own == true for each in total.judged for own, true in each.roles]), ""],
             ["Position, median", f"{np.median(off):.3f} m" if off else "none", ""],
             ["ATE, median", f"{np.median(total.ate):.4f} m" if total.ate else "none", ""],
         ],
@@ -262,13 +269,6 @@ def _tables(total: Total, plain: Plain, report: Report) -> None:
 def _kinds(features: Mapping[str, str], factor: str) -> list[str]:
     """What a board is by a factor: of two kinds of age, both."""
     return features.get(factor, "photograph").split("+")
-
-
-def _roles(judged: Sequence[Judged]) -> str:
-    """How many landmarks of one line have its role."""
-    told = [(role_of(each.mark), each.lines[0].role) for each in judged if each.fate == "real" and each.lines]
-    known = [(role, true) for role, true in told if role is not None and true]
-    return _share([role == true for role, true in known]) if known else "not available"
 
 
 def _share(right: Sequence[bool]) -> str:

@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,8 +34,11 @@ class Judged:
         mark: the landmark.
         fate: what it is.
         sign: whose line or lines it says, or the nearest; None without signs.
-        lines: those that it says.
-        distance: metres from the middle of these; 0 unless real or misplaced.
+        lines: those that it says, with all its own.
+        named: those that its name says.
+        stray: how many of its own lines say none of the sign's.
+        roles: what it takes each of the sign's lines for that one of its own says, and what that is.
+        distance: metres from the middle of these, or from the sign's middle.
         merged: the signs whose lines it says together, if there are several.
     """
 
@@ -44,6 +47,9 @@ class Judged:
     sign: TrueSign | None
     lines: tuple[TrueLine, ...]
     distance: float = 0.0
+    named: tuple[TrueLine, ...] = ()
+    stray: int = 0
+    roles: tuple[tuple[str, str], ...] = ()
     merged: tuple[TrueSign, ...] = ()
 
     def is_of(self, sign: TrueSign) -> bool:
@@ -71,10 +77,16 @@ class SignScore:
         return bool(self.name_marks)
 
     @property
+    def called(self) -> bool:
+        """Whether a landmark is called by its name, rather than having it as one of its lines."""
+        return any(self.sign.lines[0] in each.named for each in self.marks)
+
+    @property
     def exact(self) -> bool:
         """Whether it is so to the letter, but for case, spaces and marks."""
         key = comparison_key(self.sign.text)
-        return any(key in comparison_key(each.mark.name) for each in self.name_marks)
+        texts = [text for each in self.name_marks for text in texts_of(each.mark)]
+        return any(key in comparison_key(text) for text in texts)
 
     @property
     def split(self) -> bool:
@@ -118,11 +130,19 @@ def _judge_one(
     mark: Landmark, place: Array, scores: Sequence[SignScore], distractors: Sequence[Distractor], like: float
 ) -> Judged:
     near = [each for each in scores if _is_on(each.sign, place)]
+    told = {id(each): [_told(text, each.sign.lines, like) for text in texts_of(mark)] for each in near}
+    for each in sorted(near, key=lambda each: -sum(map(bool, told[id(each)]))):
+        named = _told(mark.name, each.sign.lines, like)
+        if not named:
+            continue
+        others = [other for other in near if other is not each and _has_more(told[id(other)], told[id(each)])]
+        if others:
+            for one in (each, *others):
+                one.merged = True
+            signs = tuple(one.sign for one in (each, *others))
+            return Judged(mark, "merged", each.sign, named, 0.0, named, merged=signs)
+        return _real(mark, place, each.sign, told[id(each)], named)
     said = {id(each): lines_said(mark.name, each.sign.lines, like) for each in near}
-    whole = [(each, explained(mark.name, said[id(each)], like)) for each in near]
-    for each, lines in sorted(whole, key=lambda one: -len(one[1])):
-        if lines:
-            return Judged(mark, "real", each.sign, lines, _distance(each.sign, lines, place))
     around = [each for each in scores if np.linalg.norm(_local(each.sign, place)) <= NEIGHBOUR]
     speaking = [each for each in around if _long(lines_said(mark.name, each.sign.lines, like))]
     if len(speaking) > 1:
@@ -131,7 +151,7 @@ def _judge_one(
         signs = tuple(each.sign for each in speaking)
         return Judged(mark, "merged", signs[0], lines_said(mark.name, signs[0].lines, like), merged=signs)
     for each in scores:
-        lines = explained(mark.name, lines_said(mark.name, each.sign.lines, like), like)
+        lines = _told(mark.name, each.sign.lines, like)
         if each not in near and lines:
             return Judged(mark, "misplaced", each.sign, lines, _distance(each.sign, lines, place))
     likest = max(near, key=lambda each: _likeness(mark.name, each.sign), default=None)
@@ -146,6 +166,43 @@ def _judge_one(
 def alike(first: str, second: str) -> float:
     """Eq. 3 similarity but for case and spaces."""
     return similarity(comparison_key(first), comparison_key(second))
+
+
+def texts_of(mark: Landmark) -> list[str]:
+    """All that a landmark says, line by line."""
+    return [line.text for line in mark.lines] or [mark.name]
+
+
+def _told(text: str, lines: Sequence[TrueLine], like: float) -> tuple[TrueLine, ...]:
+    """The lines that a text says, if it says no more than these."""
+    said = lines_said(text, lines, like)
+    whole = max(lines, key=lambda line: similarity(comparison_key(text), comparison_key(line.text)), default=None)
+    if whole is not None and similarity(comparison_key(text), comparison_key(whole.text)) >= like:
+        # A word of the name may be a line of its own: Norah's Ironmongers, IRONMONGERS.
+        return (whole,)
+    return said if said and similarity(text, " ".join(line.text for line in said)) >= like else ()
+
+
+def _has_more(other: Sequence[tuple[TrueLine, ...]], own: Sequence[tuple[TrueLine, ...]]) -> bool:
+    """Whether a line of a landmark is another sign's and not this one's."""
+    return any(theirs and not ours for theirs, ours in zip(other, own, strict=True))
+
+
+def _real(
+    mark: Landmark,
+    place: Array,
+    sign: TrueSign,
+    told: Sequence[tuple[TrueLine, ...]],
+    named: tuple[TrueLine, ...],
+) -> Judged:
+    lines = tuple(line for line in sign.lines if any(line in each for each in told))
+    roles = [
+        (own.role, each[0].role)
+        for own, each in zip(mark.lines, told, strict=bool(mark.lines))
+        if len(each) == 1 and each[0].role
+    ]
+    stray = sum(not each for each in told)
+    return Judged(mark, "real", sign, lines, _distance(sign, lines, place), named, stray, tuple(roles))
 
 
 def lines_said(name: str, lines: Sequence[TrueLine], like: float) -> tuple[TrueLine, ...]:
@@ -211,9 +268,3 @@ def _is_ornament(each: Distractor, place: Array) -> bool:
     low, high = each.corners.min(axis=0) - ON_ORNAMENT, each.corners.max(axis=0) + ON_ORNAMENT
     low[1], high[1] = low[1] - BEFORE, high[1] + BEFORE
     return bool(((place >= low) & (place <= high)).all())
-
-
-def role_of(mark: Landmark) -> str | None:
-    """The role that a landmark has, where landmarks have roles."""
-    role: Any = getattr(mark, "role", None)
-    return role if isinstance(role, str) and role else None

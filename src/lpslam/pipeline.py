@@ -351,7 +351,7 @@ def ask(
         heading = looked if heading is None else heading
     else:
         here = np.concatenate([position, here[len(position) :]])
-    candidates = [Candidate(mark.id, mark.name, tuple(mark.variants)) for mark in landmarks]
+    candidates = [Candidate(mark.id, mark.name, tuple(mark.variants), mark.other_lines) for mark in landmarks]
     choice = choose_trusted(language or OfflineModel(), question, candidates)
     by_id = {mark.id: mark for mark in landmarks}
     if choice.landmark is not None and choice.landmark not in by_id:

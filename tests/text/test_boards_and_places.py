@@ -7,8 +7,10 @@ from numpy.typing import NDArray
 from lpslam.config import InstanceConfig, MemoryConfig
 from lpslam.language.model import Naming
 from lpslam.text.boards import boards
+from lpslam.text.lines import lines_of
 from lpslam.text.memory import Pool, TextClass, Variant
-from lpslam.text.places import Place, overlap, places_of_class, without_overlaps
+from lpslam.text.overlaps import overlap, without_overlaps
+from lpslam.text.places import Place, places_of_class
 from lpslam.text.types import Placement, TextObservation
 
 CONFIG, MEMORY = InstanceConfig(), MemoryConfig()
@@ -51,7 +53,8 @@ def place(
 
 
 def names(groups: list[list[Place]]) -> list[list[str]]:
-    return [[each.name for each in group] for group in groups]
+    """What boards say, line by line."""
+    return [[line.text for line in lines_of(group)[1]] for group in groups]
 
 
 def test_lines_of_a_bilingual_board_are_joined_top_to_bottom() -> None:
@@ -61,7 +64,7 @@ def test_lines_of_a_bilingual_board_are_joined_top_to_bottom() -> None:
 
 def test_words_of_a_line_are_joined_left_to_right() -> None:
     words = [place(0, "HUT", 0.95, 0.01, width=0.6), place(1000, "PIZZA", 0.0, 0.0), place(2000, "必胜客", 0.4, -0.25)]
-    assert names(boards(words, CONFIG)) == [["必胜客", "PIZZA", "HUT"]]
+    assert names(boards(words, CONFIG)) == [["必胜客", "PIZZA HUT"]]
 
 
 @pytest.mark.parametrize(
@@ -69,7 +72,6 @@ def test_words_of_a_line_are_joined_left_to_right() -> None:
     [
         place(1000, "DOOR", 0.0, 0.9),  # far below
         place(1000, "NEXT SHOP", 1.6, 0.0),  # the neighbour on the same fascia
-        place(1000, "SMALL PRINT", 0.0, 0.25, height=0.04),  # not of a size
         place(1000, "BEHIND", 0.0, 0.25, z=3.4),  # on another surface
         place(1000, "TURNED", 0.0, 0.25, normal=(-0.8, 0.0, -0.6)),
     ],

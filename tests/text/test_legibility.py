@@ -4,7 +4,8 @@ import cv2
 import numpy as np
 import pytest
 
-from lpslam.text.legibility import SeenSize, frontal_cosine, ground_colour, ground_difference
+from lpslam.text.legibility import SeenSize, frontal_cosine, ground_difference
+from lpslam.text.surroundings import ground_colour
 from lpslam.text.types import Placement
 
 BOX = np.array([[20.0, 20.0], [180.0, 20.0], [180.0, 60.0], [20.0, 60.0]])

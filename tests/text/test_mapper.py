@@ -285,7 +285,12 @@ def mall() -> TextMap:
 
 def test_lines_of_a_board_are_one_landmark() -> None:
     landmarks = mall().landmarks(identity)
-    assert [each.name for each in landmarks] == ["GUCCI", "星巴克 STARBUCKS"]
+    assert [(each.name, each.wording) for each in landmarks] == [("GUCCI", "GUCCI"), ("STARBUCKS", "星巴克 STARBUCKS")]
+    assert [(line.text, line.role) for line in landmarks[1].lines] == [
+        ("星巴克", "secondary"),
+        ("STARBUCKS", "primary"),
+    ]
+    assert landmarks[1].other_lines == ("星巴克",)
     settled = CONFIG.reading.settled_sightings
     assert landmarks[1].variants == {"星巴克": settled, "STARBUCKS": settled}
     assert landmarks[1].position[1] == pytest.approx((131 - 240) / 570 * 2, abs=1e-6)
@@ -295,7 +300,7 @@ def test_lines_of_a_board_are_one_landmark() -> None:
 def test_distilling_judges_and_keeps_what_fails() -> None:
     text_map = mall()
     landmarks = distil(text_map, identity, Namer(None), "Is this GUCCI?").landmarks  # type: ignore[arg-type]
-    assert {each.name: each.is_landmark for each in landmarks} == {"GUCCI": True, "星巴克 STARBUCKS": False}
+    assert {each.name: each.is_landmark for each in landmarks} == {"GUCCI": True, "STARBUCKS": False}
     assert landmarks[0].judgements["Is this GUCCI?"].model == "namer"
     # The next question is answered beside the first.
     again = distil(text_map, identity, Namer(None), "Is this a shop?").landmarks  # type: ignore[arg-type]

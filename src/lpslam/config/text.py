@@ -123,15 +123,8 @@ class InstanceConfig(Section):
     min_observations: int = Field(default=2, ge=1)
     # Two texts that overlap by more than this share of the smaller are readings of the same paint.
     overlap: float = Field(default=0.5, gt=0, le=1)
-    # Lines of one board: gap between them in letter heights, and largest ratio of their letter heights.
-    line_gap: float = Field(default=0.9, ge=0)
-    line_height_ratio: float = Field(default=3.0, ge=1)
-    # Distance of their surfaces, metres, and angle between their normals, degrees, that lines of one board may have.
-    line_offset: float = Field(default=0.08, ge=0)
-    line_angle: float = Field(default=30.0, ge=0)
-    # Largest difference of their grounds' colours, as a share of the brighter (0.01 to 0.05 on one board): two books
-    # may lie on one table.
-    line_ground_difference: float = Field(default=0.15, ge=0)
+    # Texts farther apart than so many letter heights, edge to edge, are not asked whether they are on one board.
+    board_reach: float = Field(default=6.0, gt=0)
     # Box height, pixels, at which a text must have been seen once to be a landmark: letters of 10 pixels.
     min_landmark_height: float = Field(default=15.0, ge=0)
     # The same for texts without a Latin letter: Chinese that is smaller is misread, often as digits.

@@ -186,7 +186,9 @@ class ChatModel:
     def _place(self, landmark: Candidate) -> dict[str, Any]:
         name, longest = landmark.name, self._config.name_length
         aliases = [
-            clean_text(alias, longest) for alias in landmark.aliases if alias != name and commands(alias) is None
+            clean_text(alias, longest)
+            for alias in dict.fromkeys((*landmark.lines, *landmark.aliases))
+            if alias != name and commands(alias) is None
         ][: self._config.aliases_sent]
         place: dict[str, Any] = {"name": clean_text(name, longest)}
         return {**place, "aliases": aliases} if aliases else place

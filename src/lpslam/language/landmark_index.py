@@ -60,6 +60,8 @@ class LandmarkIndex:
                     self._ids_by_gram.setdefault(gram, set()).add(landmark.id)
             for part in _in_each_script(landmark.name):
                 add(part, (landmark.id,), is_brand=False)
+            for line in landmark.lines:
+                add(line, (landmark.id,), is_brand=False)
             if "'" in landmark.name:
                 # Who types quickly leaves the apostrophe out.
                 add(landmark.name.replace("'", ""), (landmark.id,), bool(sign.identity))
@@ -159,5 +161,7 @@ def _sign_of(landmark: Candidate, signs: SignReader) -> SignMeaning:
     sign = signs.read(landmark.name)
     if sign.kinds:
         return sign
-    # The name says nothing: another reading of the same sign may.
-    return next((other for alias in landmark.aliases if (other := signs.read(alias)).kinds), sign)
+    # The name says nothing: another line of the same board may, or another reading.
+    said = (signs.read(line) for line in landmark.lines)
+    line = next((other for other in said if other.kinds and other.is_place), None)
+    return line or next((other for alias in landmark.aliases if (other := signs.read(alias)).kinds), sign)

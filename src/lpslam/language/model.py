@@ -60,11 +60,12 @@ class Judgement:
 
 @dataclass(frozen=True, slots=True)
 class Candidate:
-    """A landmark as the language layer sees it: an id, its name and other readings of it."""
+    """A landmark as the language layer sees it: an id, its name, other readings of it, and what else its board says."""
 
     id: int
     name: str
     aliases: tuple[str, ...] = ()
+    lines: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ from typing import Any
 from lpslam.errors import UserError
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.mapfile.point_cloud import write_ply
-from lpslam.text.types import Landmark
+from lpslam.text.types import Landmark, LandmarkLine
 
 _FRAME = "camera optical frame (x right, y down, z forward) in the map frame (z up), metres"
 
@@ -41,6 +41,8 @@ def landmark_record(mark: Landmark) -> dict[str, Any]:
     return {
         "id": mark.id,
         "name": mark.name,
+        "role": mark.role,
+        "lines": [_line_record(line) for line in mark.lines],
         "variants": dict(mark.variants),
         "position": [round(float(value), 4) for value in mark.position],
         "normal": [round(float(value), 4) for value in mark.normal],
@@ -51,4 +53,16 @@ def landmark_record(mark: Landmark) -> dict[str, Any]:
         "confidence": round(mark.confidence, 4),
         "is_landmark": mark.is_landmark,
         "judgements": [asdict(judgement) for judgement in mark.judgements.values()],
+    }
+
+
+def _line_record(line: LandmarkLine) -> dict[str, Any]:
+    return {
+        "text": line.text,
+        "role": line.role,
+        "confidence": round(line.confidence, 4),
+        "position": [round(float(value), 4) for value in line.position],
+        "width": round(line.width, 4),
+        "height": round(line.height, 4),
+        "observations": line.observations,
     }

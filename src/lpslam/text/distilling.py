@@ -39,7 +39,7 @@ def distil(
     errors = 0
     for text_class in text_map.long_term:
         errors += not name_class(text_class, language, text_map.config)
-    names = list(dict.fromkeys(landmark.name for landmark in text_map.landmarks(world_from_keyframe)))
+    names = list(dict.fromkeys(landmark.wording for landmark in text_map.landmarks(world_from_keyframe)))
     judgements = language.judge(names, question) if names else []
     text_map.judge(list(zip(names, judgements, strict=True)), question)
     return Distilled(text_map.landmarks(world_from_keyframe), errors)

@@ -68,12 +68,12 @@ def _look(document: Document) -> Look:
 
 def _observation(document: Document) -> TextObservation:
     fields = dict(document)
-    placement, ground = fields.pop("placement"), fields.pop("ground")
+    placement = fields.pop("placement")
     # Older maps have no bearings.
     bearing = fields.pop("bearing", None)
+    fields |= {key: tuple(fields[key]) for key in ("ground", "ink", "clear") if fields.get(key)}
     return TextObservation(
         placement=Placement(**{key: _frozen(value) for key, value in placement.items()}) if placement else None,
-        ground=tuple(ground) if ground else None,
         bearing=Bearing(**{key: _frozen(value) for key, value in bearing.items()}) if bearing else None,
         **fields,
     )

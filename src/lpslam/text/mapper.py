@@ -21,13 +21,14 @@ from lpslam.text.boxes import letter_heights
 from lpslam.text.certainty import probability_right
 from lpslam.text.evidence import Glance
 from lpslam.text.instances import KeyframePoses
-from lpslam.text.legibility import UNPLACED, SeenSize, frontal_cosine, ground_colour
+from lpslam.text.legibility import UNPLACED, SeenSize, frontal_cosine
 from lpslam.text.memory import Pool, TextClass
 from lpslam.text.naming import BesideNaming, name_class, needs_name, rename_class
 from lpslam.text.ornaments import are_ornaments
 from lpslam.text.placement import PlacementFault, place_text
 from lpslam.text.spots import Spots
 from lpslam.text.spotting import ReadsElsewhere, TextSpotter, accepted_texts
+from lpslam.text.surroundings import surroundings
 from lpslam.text.text_map import TextMap
 from lpslam.text.types import BoxFate, FrameReading, Placement, SpottedText, TextObservation, TextStatistics
 
@@ -250,6 +251,7 @@ class TextMapper:
         text: SpottedText,
         placement: Placement | None,
     ) -> TextObservation:
+        around = surroundings(frame.rgb, text.box)
         return TextObservation(
             frame.index,
             frame.timestamp,
@@ -258,8 +260,10 @@ class TextMapper:
             text.confidence,
             placement,
             text.letter_height,
-            ground_colour(frame.rgb, text.box),
+            around.ground,
             bearing_of(text.box, self._camera, keyframe_from_camera),
+            ink=around.ink,
+            clear=around.clear,
         )
 
     def _processor_seconds(self) -> float:

@@ -1,13 +1,8 @@
-"""The places of long-term texts: one a spot of paint, whichever class it was read as.
-
-Position clustering (III-H) says where a class stands. But one painted text may have been read as several classes,
-whole, in pieces and wrongly; and two texts cannot stand in the same spot. So where places overlap, the best founded
-stays.
-"""
+"""The places of long-term texts: where each class stands (III-H), and what it says there."""
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import exp
 
 import numpy as np
@@ -20,16 +15,12 @@ from lpslam.text.bearings import placed
 from lpslam.text.evidence import looks_of, readings_of
 from lpslam.text.instances import KeyframePoses, split_places, trimmed_position, world_placements
 from lpslam.text.memory import TextClass
-from lpslam.text.similarity import comparison_key, is_fragment
 from lpslam.text.types import TextObservation
 
 Array = NDArray[np.float64]
 
 # Most log odds by which one name is ahead of another that are believed.
 _SUREST = 7.0
-
-# A whole text is believed over its fragment with this share of the fragment's evidence: from near, pieces are read.
-_WHOLE_OVER_FRAGMENT = 0.25
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,6 +40,9 @@ class Place:
         observations: number of sightings.
         evidence: sum of their confidences.
         confidence: 0 to 1, how surely the name is exactly what is painted.
+        inks_by_frame: for each frame, the (red, green, blue) of its letters, where it is known.
+        sizes_by_frame: for each frame, metres of width and height.
+        clear: how far its ground goes on above, right of, below and left of it, in letter heights; None where unknown.
     """
 
     id: int
@@ -66,6 +60,14 @@ class Place:
     observations: int
     evidence: float
     confidence: float
+    inks_by_frame: dict[int, tuple[int, int, int]] = field(default_factory=dict)
+    sizes_by_frame: dict[int, tuple[float, float]] = field(default_factory=dict)
+    clear: Array | None = None
+
+    @property
+    def letter(self) -> float:
+        """Metres: a line is as high as its letters, one that runs downwards as wide."""
+        return min(self.width, self.height)
 
     @property
     def down(self) -> Array:
@@ -120,20 +122,28 @@ def places_of_class(
                 observations=len(rows),
                 evidence=sum(each.confidence for each in seen),
                 confidence=sure,
+                inks_by_frame={each.frame: each.ink for each in seen if each.ink is not None},
+                sizes_by_frame={each.frame: (each.placement.width, each.placement.height) for each in seen},
+                clear=_clear(seen),
             )
         )
     return places
 
 
+def _clear(observations: Sequence[TextObservation]) -> Array | None:
+    known = [each.clear for each in observations if each.clear is not None]
+    return np.asarray(np.median(known, axis=0), np.float64) if known else None
+
+
 def _is_large_enough(observations: Sequence[TextObservation], config: InstanceConfig) -> bool:
     """Whether a text was once seen as large as it takes to be read right."""
-    latin = sum(any(ch.isalpha() and ch < _IDEOGRAPHS for ch in each.text) for each in observations)
+    latin = sum(any(ch.isalpha() and ch < IDEOGRAPHS for ch in each.text) for each in observations)
     is_latin = 2 * latin >= len(observations)
     needed = config.min_landmark_height if is_latin else config.min_landmark_height_ideographs
     return max(each.letter_height for each in observations) >= needed
 
 
-_IDEOGRAPHS = "\u2e80"
+IDEOGRAPHS = "\u2e80"
 """The first character of the East Asian scripts."""
 
 
@@ -229,41 +239,3 @@ def _looks(text: str) -> str:
 
 _ALIKE = str.maketrans("015826!|", "olsbzgll")
 """Digits and strokes as which letters are read, and the other way round."""
-
-
-def without_overlaps(places: Sequence[Place], config: InstanceConfig) -> list[Place]:
-    """Of places that share a spot, keep the best founded: whole texts over their fragments, else the most evidence."""
-    standing: list[Place] = []
-    for place in sorted(places, key=lambda each: (-each.evidence * len(comparison_key(each.name)), each.id)):
-        rivals = [rival for rival in standing if overlap(rival, place) > config.overlap]
-        if any(not _outranks(place, rival) for rival in rivals):
-            continue
-        standing = [each for each in standing if each not in rivals]
-        standing.append(place)
-    return sorted(standing, key=lambda each: each.id)
-
-
-def _outranks(place: Place, rival: Place) -> bool:
-    if is_fragment(rival.name, place.name):
-        return place.evidence >= _WHOLE_OVER_FRAGMENT * rival.evidence
-    if is_fragment(place.name, rival.name):
-        return rival.evidence < _WHOLE_OVER_FRAGMENT * place.evidence
-    return place.evidence > rival.evidence
-
-
-def overlap(first: Place, second: Place) -> float:
-    """Share of the smaller of two texts that the other covers, seen along the first's normal; 0 if not on one surface.
-
-    Surfaces count as one within a quarter of a metre (a text read wrongly is often placed worse too) and 60 degrees.
-    """
-    across = second.position - first.position
-    if abs(across @ first.normal) > 0.25 or first.normal @ second.normal < 0.5:
-        return 0.0
-    covered = 1.0
-    for axis, first_size, second_size in (
-        (first.baseline, first.width, second.width),
-        (first.down, first.height, second.height),
-    ):
-        shared = (first_size + second_size) / 2.0 - abs(float(across @ axis))
-        covered *= float(np.clip(shared / max(min(first_size, second_size), 1e-6), 0.0, 1.0))
-    return covered

@@ -1,6 +1,7 @@
 """The map of words: classes, their observations, and the landmarks that follow from the keyframes' present poses."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,8 +12,10 @@ from lpslam.language.model import Judgement
 from lpslam.text import documents
 from lpslam.text.boards import boards
 from lpslam.text.instances import KeyframePoses
+from lpslam.text.lines import lines_of
 from lpslam.text.memory import LongShortTermMemory, TextClass
-from lpslam.text.places import Place, places_of_class, without_overlaps
+from lpslam.text.overlaps import without_overlaps
+from lpslam.text.places import Place, places_of_class
 from lpslam.text.types import Landmark
 
 
@@ -23,7 +26,7 @@ class TextMap:
 
     Attributes:
         memory: the classes of homologous texts in their two pools.
-        judgements: by name, then by question.
+        judgements: by what a board says of itself, then by question.
         question: what `Landmark.is_landmark` answers; None before anything was judged.
     """
 
@@ -39,7 +42,7 @@ class TextMap:
         return [self.memory.long_term[key] for key in sorted(self.memory.long_term)]
 
     def landmarks(self, world_from_keyframe: KeyframePoses) -> list[Landmark]:
-        """Derive the landmarks: every long-term text at every place where it stands.
+        """Derive the landmarks: the boards that long-term texts stand on, wherever they stand.
 
         Args:
             world_from_keyframe: takes a keyframe's id to its 4×4 pose in the map frame.
@@ -56,44 +59,45 @@ class TextMap:
         return [self._landmark(group) for group in groups]
 
     def judge(self, judgements: Sequence[tuple[str, Judgement]], question: str) -> None:
-        """Keep judgements of names, and make the question the map's current one."""
+        """Keep judgements of what boards say (`Landmark.wording`), and make the question the map's current one."""
         self.question = question
         for name, judgement in judgements:
             self.judgements.setdefault(name, {})[judgement.question] = judgement
 
-    def _landmark(self, lines: list[Place]) -> Landmark:
-        name = " ".join(line.name for line in lines)
-        judgements = dict(self.judgements.get(name, {}))
-        current = judgements.get(self.question) if self.question is not None else None
-        first = max(lines, key=lambda line: (line.width * line.height, -line.id))
+    def _landmark(self, board: list[Place]) -> Landmark:
+        named, lines = lines_of(board)
+        first = max(board, key=lambda place: (place.width * place.height, -place.id))
         # The middle of what all lines cover together.
         reach = [
             [
-                float((line.position - first.position) @ axis) + side * size / 2.0
-                for line, size in sizes
+                float((place.position - first.position) @ axis) + side * size / 2.0
+                for place, size in sizes
                 for side in (-1, 1)
             ]
             for axis, sizes in (
-                (first.baseline, [(line, line.width) for line in lines]),
-                (first.down, [(line, line.height) for line in lines]),
+                (first.baseline, [(place, place.width) for place in board]),
+                (first.down, [(place, place.height) for place in board]),
             )
         ]
         (left, right), (top, bottom) = ((min(values), max(values)) for values in reach)
         middle = first.baseline * (left + right) / 2.0 + first.down * (top + bottom) / 2.0
-        return Landmark(
-            id=min(line.id for line in lines),
-            name=name,
-            variants={text: count for line in lines for text, count in line.variants.items()},
+        mark = Landmark(
+            id=min(place.id for place in board),
+            name=named.text,
+            variants={text: count for place in board for text, count in place.variants.items()},
             position=first.position + middle,
             normal=first.normal,
-            spread=float(np.mean([line.spread for line in lines])),
+            spread=float(np.mean([place.spread for place in board])),
             width=right - left,
             height=bottom - top,
-            observations=max(line.observations for line in lines),
-            confidence=float(np.prod([line.confidence for line in lines])),
-            judgements=judgements,
-            is_landmark=current.answer if current else None,
+            observations=max(place.observations for place in board),
+            confidence=named.confidence,
+            lines=tuple(lines),
+            role=named.role,
         )
+        judgements = dict(self.judgements.get(mark.wording, {}))
+        current = judgements.get(self.question) if self.question is not None else None
+        return replace(mark, judgements=judgements, is_landmark=current.answer if current else None)
 
     def to_document(self) -> dict[str, Any]:
         """Everything remembered, as JSON can hold it."""
@@ -130,5 +134,10 @@ def _without_superseded(config: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-_SUPERSEDED = frozenset({("spotting", "border_margin")})
-"""Section and name of thresholds that were given up; format version 2 may have them."""
+_SUPERSEDED = frozenset(
+    {
+        ("spotting", "border_margin"),
+        *(("instances", f"line_{name}") for name in ("gap", "height_ratio", "offset", "angle", "ground_difference")),
+    }
+)
+"""Section and name of thresholds that were given up; older maps may have them."""

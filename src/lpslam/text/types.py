@@ -129,6 +129,9 @@ class TextObservation:
         ground: (red, green, blue) of the surface around the letters, 0 to 255; None where it is not known.
         bearing: in the same frame; None in older maps.
         right: probability, 0 to 1, that the reading is exactly what is painted; None in maps of older programs.
+        ink: (red, green, blue) of the letters; None in maps of older programs.
+        clear: how far the ground goes on above, right of, below and left of the box, as shares of its shorter side;
+            None in maps of older programs.
     """
 
     frame: int
@@ -141,6 +144,8 @@ class TextObservation:
     ground: tuple[int, int, int] | None = None
     bearing: Bearing | None = None
     right: float | None = None
+    ink: tuple[int, int, int] | None = None
+    clear: tuple[float, float, float, float] | None = None
 
     @property
     def place(self) -> Placement:
@@ -155,21 +160,45 @@ class TextObservation:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class LandmarkLine:
+    """One line of a board.
+
+    Attributes:
+        text: its most reasonable spelling.
+        role: primary, secondary, contact or list.
+        confidence: 0 to 1, how surely the text is exactly what is painted.
+        position: (3,) metres, map frame, its middle.
+        width, height: metres.
+        observations: how many sightings stand behind it.
+    """
+
+    text: str
+    role: str
+    confidence: float
+    position: NDArray[np.float64]
+    width: float
+    height: float
+    observations: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Landmark:
-    """One text at one place of the map.
+    """One board of the map: what it is called by, and all that it says.
 
     Attributes:
         id: stable across calls and across saving: class id times 1000 plus the place's number.
-        name: the most reasonable spelling.
-        variants: spellings and how often each was read here.
+        name: its primary line, in the most reasonable spelling; of a menu the first entry.
+        variants: spellings of all lines and how often each was read here.
         position: (3,) metres, map frame.
         normal: (3,) unit, map frame, from the surface to where it was seen from.
         spread: metres, root mean square distance of the kept observations from the position.
-        width, height: metres, of the text.
+        width, height: metres, of all lines together.
         observations: how many sightings stand behind it.
         confidence: 0 to 1, how surely the name is exactly what is painted.
         judgements: by question.
         is_landmark: the answer to the map's current question; None while nobody has judged.
+        lines: all of them in the order of reading, the name's among them.
+        role: of the line that it is called by: primary, or list of a menu, or contact of a number that stands alone.
     """
 
     id: int
@@ -184,6 +213,19 @@ class Landmark:
     confidence: float
     judgements: Mapping[str, Judgement] = field(default_factory=dict)
     is_landmark: bool | None = None
+    lines: tuple[LandmarkLine, ...] = ()
+    role: str = "primary"
+
+    @property
+    def wording(self) -> str:
+        """What it says of itself: the name with the lines that say more of it, but no numbers and no menu."""
+        told = [line.text for line in self.lines if line.role in ("primary", "secondary")]
+        return " ".join(told) if self.role == "primary" and told else self.name
+
+    @property
+    def other_lines(self) -> tuple[str, ...]:
+        """What else can be asked for: all lines but the name, in the order of reading."""
+        return tuple(line.text for line in self.lines if line.text != self.name)
 
 
 @dataclass(slots=True)
