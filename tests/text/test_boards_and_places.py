@@ -292,3 +292,45 @@ def test_equal_signs_in_a_row_stand_though_each_is_read_after_the_other(signs: i
         for n, each in enumerate(walk.observations)
     ]
     assert len(places_of_class(walk, lambda _: np.eye(4), InstanceConfig(), MEMORY)) == signs
+
+
+def test_a_slogan_and_a_number_in_small_letters_are_lines_of_their_board() -> None:
+    lines = [
+        place(0, "VELMORA", 0, 0, height=0.4),
+        place(1000, "fine quills", 0, 0.35, height=0.12),
+        place(2000, "5550 19420", 0, 0.65, height=0.12),
+    ]
+    assert names(boards(lines, CONFIG)) == [["VELMORA", "fine quills", "5550 19420"]]
+
+
+def test_an_edge_between_two_texts_makes_two_boards() -> None:
+    open_ground, rim = np.array([2.5, 2.5, 2.5, 2.5]), np.array([0.3, 0.3, 0.3, 0.3])
+    first, second = place(0, "VELMORA", 0, 0), place(1000, "OSTERBY", 0, 0.4)
+    assert len(boards([replace(each, clear=open_ground) for each in (first, second)], CONFIG)) == 1
+    assert len(boards([replace(each, clear=rim) for each in (first, second)], CONFIG)) == 2
+
+
+def test_shops_of_one_wall_stay_apart_though_each_is_near_the_next() -> None:
+    grounds = [(200, 40, 40), (40, 160, 60), (230, 220, 60)]
+    shops = [
+        replace(place(1000 * row, name, 1.1 * row, 0), grounds_by_frame=dict.fromkeys(range(9), grounds[row]))
+        for row, name in enumerate(("VELMORA", "OSTERBY", "TANSY"))
+    ]
+    assert names(boards(shops, CONFIG)) == [["VELMORA"], ["OSTERBY"], ["TANSY"]]
+
+
+def test_uneven_light_on_one_board_does_not_split_it() -> None:
+    bright, dim = dict.fromkeys(range(9), (205, 30, 37)), dict.fromkeys(range(9), (87, 13, 16))
+    lines = [
+        replace(place(0, "VELMORA", 0, 0), grounds_by_frame=bright),
+        replace(place(1000, "fine quills", 0, 0.22), grounds_by_frame=dim),
+    ]
+    assert len(boards(lines, CONFIG)) == 1
+
+
+def test_entries_side_by_side_are_no_name() -> None:
+    entries = [place(1000 * row, name, 0.6 * row, 0, width=0.38) for row, name in enumerate(("米湯", "梅餅", "竹茶"))]
+    (menu,) = boards(entries, CONFIG)
+    named, lines = lines_of(menu)
+    assert [(line.text, line.role) for line in lines] == [("米湯", "list"), ("梅餅", "list"), ("竹茶", "list")]
+    assert named.text == "米湯"

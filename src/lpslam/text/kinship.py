@@ -19,6 +19,8 @@ Array = NDArray[np.float64]
 
 # Values beyond these tell no more: gaps in letter heights, metres, degrees, shares of a colour.
 _MOST_GAP, _MOST_OUT, _MOST_ANGLE, _MOST_COLOUR = 6.0, 0.4, 90.0, 0.6
+# An edge that leaves so many letter heights of the gap to another ground is no slip of the boxes.
+_SURE_EDGE = 0.5
 # Metres and degrees by which surfaces of one board hardly ever differ: twice as much tells four times as much.
 _OUT, _ANGLE = 0.1, 30.0
 # A ground that goes on for this share of what is looked at goes on.
@@ -65,7 +67,7 @@ class Kinship:
             + LINK.gap * log(1.0 + self.gap)
             + LINK.apart * log(1.0 + self.apart)
             + LINK.size * self.size
-            + LINK.edge * min(self.edge, 1.0)
+            + LINK.edge * min(self.edge / _SURE_EDGE, 1.0)
         )
 
     @property
@@ -84,7 +86,7 @@ class Link:
     gap: float = -4.4
     apart: float = -0.8
     size: float = -0.2
-    edge: float = -4.0
+    edge: float = -5.0
 
 
 @dataclass(frozen=True, slots=True)
