@@ -119,7 +119,7 @@ def readings_of(looks: Iterable[Look], config: MemoryConfig) -> list[Reading]:
 
 def _share(look: Look, count: int, right: float, repetition: float) -> float:
     """What a spelling has of its view's worth: of so many readings, so many of which are likely right."""
-    worth = count**repetition * (_NO_VIEW_WORTH if look.view[1:] == _NO_VIEW else 1.0)
+    worth: float = count**repetition * (_NO_VIEW_WORTH if look.view[1:] == _NO_VIEW else 1.0)
     return worth * look.likely_right / right
 
 
