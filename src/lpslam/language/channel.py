@@ -17,7 +17,9 @@ from lpslam.language.spelling import is_alike, is_ideograph
 
 # Natural logarithms of how much rarer each slip is than some slip: of letters that look alike, of any, of none at all,
 # of one too many; of ideographs there are thousands.
-_ALIKE, _OTHER, _LOST, _ADDED, _OTHER_IDEOGRAPH = 0.3, 2.0, 1.2, 1.5, 4.0
+_ALIKE, _OTHER, _LOST, _ADDED, _OTHER_IDEOGRAPH = 0.0, 1.2, 1.2, 1.5, 4.0
+# A slip costs so much more than the letter itself, however poor the reading.
+_LEAST_SLIP = 0.3
 # An end that is hidden, and each letter of it; an end that is another text's, and each of its letters.
 _CUT_END, _CUT_LETTER = 2.0, 0.3
 _JOINED_END, _JOINED_LETTER = 4.0, 0.8
@@ -25,13 +27,14 @@ _JOINED_END, _JOINED_LETTER = 4.0, 0.8
 _LOGO = 0.8
 # The reader's own odds between two letters hold nearly as they are: their logarithm counts for this share, measured
 # on drawn lettering (`benchmarks/text_calibration.py odds`).
-_OWN_ODDS = 0.9
-# The same slip again is this much rarer than another failure, or than the same letters where they are painted.
-_AGAIN = 0.7
+_OWN_ODDS = 0.7
+# The same slip again is this much rarer than another failure, or than the same letters where they are painted: a
+# reader that fails on a letter of a sign fails on it in the next view as well.
+_AGAIN = 0.15
 # A slip that another reading of the same sign shows as well.
-_KNOWN = 2.2
-# A letter for which a mark was read: 1 as : or ].
-_MARKED = 0.7
+_KNOWN = 1.5
+# A thin letter for which a mark was read, 1 as : or ]; a mark says nothing of any other.
+_MARKED, _THIN = 0.7, frozenset("1lijtı")
 # A reading of something else altogether.
 _FOREIGN = 16.0
 # Where nothing says how many views a reading stands for: its number to this power.
@@ -84,8 +87,14 @@ def evidence_of(readings: Iterable[Reading]) -> list[Seen]:
         letters, gaps = _aligned(key, each.slots)
         right, marks = min(max(right, _LEAST_RIGHT), _MOST_RIGHT), _marks(each.text)
         grouped.setdefault((key, marks), []).append(Seen(key, right, weight, letters, gaps, marks))
-    seen = _humbled([_together(same) for same in grouped.values()])
+    seen = _humbled(_one_look_at_least([_together(same) for same in grouped.values()]))
     return sorted(seen, key=lambda each: (-each.weight * each.right, each.key))
+
+
+def _one_look_at_least(seen: list[Seen]) -> list[Seen]:
+    """However little readings of one place's far side are worth, together they are worth the one that they are."""
+    worth = sum(each.weight for each in seen)
+    return [replace(each, weight=each.weight / worth) for each in seen] if 0.0 < worth < 1.0 else seen
 
 
 def _humbled(seen: list[Seen]) -> list[Seen]:
@@ -169,13 +178,13 @@ def _costs(painted: str, seen: Seen, looks: Callable[[str], str], known: set[_Sl
     """
     read = seen.key
     letter_right = seen.right ** (1.0 / len(read))
-    slip = -log(1.0 - letter_right) + log(letter_right)
+    slip = max(-log(1.0 - letter_right) + log(letter_right), _LEAST_SLIP)
     if looks(painted) == looks(read):
         return 0.0, slip + _ALIKE
     steps = Levenshtein.editops(painted, read)
     cut = _ends({step.src_pos for step in steps if step.tag == "delete"}, len(painted))
     joined = _ends({step.dest_pos for step in steps if step.tag == "insert"}, len(read))
-    ends = sum(_cut_cost(len(end), at in seen.marks) for end, at in zip(cut, (0, len(read)), strict=True) if end)
+    ends = sum(_cut_cost(painted, end, at in seen.marks) for end, at in zip(cut, (0, len(read)), strict=True) if end)
     for end in joined:
         slips = sum(_added_cost(painted, seen, at, slip) for at in end)
         ends += min(_JOINED_END + _JOINED_LETTER * len(end), slips) if end else 0.0
@@ -196,9 +205,10 @@ def _costs(painted: str, seen: Seen, looks: Callable[[str], str], known: set[_Sl
     return ends, cost
 
 
-def _cut_cost(letters: int, is_marked: bool) -> float:
-    """Cost of letters missing at an end; where a mark was read in their place, they were seen and not hidden."""
-    return (_MARKED if is_marked else _CUT_END) + _CUT_LETTER * (letters - 1)
+def _cut_cost(painted: str, end: set[int], is_marked: bool) -> float:
+    """Cost of letters missing at an end; where a mark was read for thin ones, they were seen and not hidden."""
+    is_seen = is_marked and all(painted[at] in _THIN for at in end)
+    return (_MARKED if is_seen else _CUT_END) + _CUT_LETTER * (len(end) - 1)
 
 
 def _ends(places: set[int], length: int) -> tuple[set[int], set[int]]:

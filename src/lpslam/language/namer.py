@@ -1,6 +1,6 @@
 """The embedded model's names: the posterior over whole strings, what is known being its prior (III-E)."""
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from dataclasses import dataclass
 from math import exp, log
 
@@ -16,21 +16,25 @@ from lpslam.language.signs import SignReader
 from lpslam.language.spelling import respelled
 from lpslam.language.words import is_unspaced
 
-# What a known name is ahead of an unknown one, in logarithms of odds: a letter, and a letter of a word in any name ...
-_ADVANCE_LETTER, _ADVANCE_IDEOGRAPH, _ADVANCE_WORD = 1.2, 3.0, 1.0
-# ... where nothing that was read is like it, the share of that; and at most: what is known decides between near-equals.
-_ADVANCE_UNREAD, _MOST_AHEAD = 0.5, 10.0
+# What a known name is ahead of an unknown one, in logarithms of odds: a letter, and a letter of a word in any name; fit
+# to drawn lettering, once with every name known and once with it hidden.
+_ADVANCE_LETTER, _ADVANCE_IDEOGRAPH, _ADVANCE_WORD = 1.5, 3.0, 1.5
+# What a word is behind for being one of many: short ones are near anything.
+_CHOICE_OF_WORDS = 3.0
+# Where nothing that was read is like it, the share of that; and at most: what is known decides between near-equals.
+_ADVANCE_UNREAD, _MOST_AHEAD = 0.5, 16.0
 # What a string is behind in which traditional and simplified characters stand beside each other: few signs mix them.
 _MIXED = 4.0
-# What a string that nobody read is behind one that was.
-_UNREAD = 0.5
+# What another form of a known name is behind the form that is listed: traditional, simplified or Japanese characters.
+_OTHER_FORM = 2.0
 _READINGS_WEIGHED = 24  # spellings, the weightiest; what many readings explain, all do
 _READINGS_LOOKED_UP = 8  # spellings whose known neighbours are tried
+_READINGS_RESPELLED = 8  # spellings of which one word is tried as the known one a slip away
 
 # Log odds that a name is exactly right: bias, and what they grow by with the posterior's, with those of its best
 # reading, and with the logarithm of the looks that read it.
 # python benchmarks/text_calibration.py names --rows DIR
-_CERTAINTY = (0.97, 0.40, 0.24, -0.44)
+_CERTAINTY = (0.746, 0.631, 0.063, -0.675)
 _SUREST = 7.0  # of log odds that are believed
 
 
@@ -72,17 +76,15 @@ class Namer:
         """Take the string that is most probable, all readings being given; known names are likelier than others."""
         seen = evidence_of(readings)
         forms = self._candidates(seen, readings)
-        words = {key: self._letters_in_words(text) for key, text in forms.items()}
+        read_words = {word for each in readings for word in self._fold.fold(each.text).split()}
+        words = {key: self._words_ahead(text, read_words) for key, text in forms.items()}
         for each in readings:
             if (own := paint_key(each.text)) in words:
-                words[own] = max(words[own], self._letters_in_words(each.text))
+                words[own] = max(words[own], self._words_ahead(each.text, read_words))
         known = {key: self._known(key) for key in forms}
         read = {each.key for each in seen}
         alike = {self._looks(key) for key in read}
-        priors = {
-            key: self._advance(key, known[key], words[key], self._looks(key) in alike) - _UNREAD * (key not in read)
-            for key in forms
-        }
+        priors = {key: self._advance(key, known[key], words[key], self._looks(key) in alike) for key in forms}
         probabilities = posterior(priors, seen, self._looks)
         # On a tie the weightiest reading stays.
         best = max((key for key in forms if key != ELSE), key=lambda key: (probabilities[key], -list(forms).index(key)))
@@ -98,6 +100,7 @@ class Namer:
         for each in sorted(readings, key=lambda each: -each.count * (each.right or each.confidence)):
             texts.setdefault(paint_key(each.text), clean_text(each.text))
         forms = {each.key: texts[each.key] for each in seen[:_READINGS_WEIGHED]}
+        read = set(texts)
         template = forms[seen[0].key]
         voted = vote(readings).text
         forms.setdefault(paint_key(voted), voted)
@@ -109,8 +112,10 @@ class Namer:
         for key in list(forms)[:_READINGS_LOOKED_UP]:
             for _, known in self._signs.nearest(self._fold.key(key)) if key else []:
                 self._add_known(forms, known.painted, forms[key])
-        for text in respelled(self._fold.fold(voted), load_words()):
-            forms.setdefault(paint_key(text), cased_like(text, voted))
+        for near in [voted, *(forms[each.key] for each in seen[:_READINGS_RESPELLED])]:
+            for text in respelled(self._fold.fold(near), load_words()):
+                if paint_key(text) not in read:
+                    forms[paint_key(text)] = cased_like(text, near)
         forms.pop(ELSE, None)
         return forms
 
@@ -128,20 +133,23 @@ class Namer:
             (known for edits, known in self._signs.nearest(folded) if self._fold.key(known.painted) == folded), None
         )
 
-    def _letters_in_words(self, text: str) -> int:
-        words = load_words()
-        return sum(len(word) for word in self._fold.fold(text).split() if word in words)
+    def _words_ahead(self, text: str, read: Set[str]) -> float:
+        known = [word for word in self._fold.fold(text).split() if word in load_words()]
+        return sum(
+            max(_ADVANCE_WORD * len(word) - _CHOICE_OF_WORDS, 0.0) * (1.0 if word in read else _ADVANCE_UNREAD)
+            for word in known
+        )
 
-    def _advance(self, key: str, known: Known | None, letters_in_words: int, is_read: bool) -> float:
+    def _advance(self, key: str, known: Known | None, words: float, is_read: bool) -> float:
         letter = _ADVANCE_IDEOGRAPH if is_unspaced(key) else _ADVANCE_LETTER
         if known is not None:
             # A known name is no worse than one of which only some words are known.
-            words = _ADVANCE_WORD * letters_in_words
             advance = max(letter * len(key) * (1.0 if is_read else _ADVANCE_UNREAD), words)
+            advance = min(advance, _MOST_AHEAD) - _OTHER_FORM * (paint_key(known.painted) != key)
         else:
             # “必胜客欢乐餐厅” is no listed name, but begins with one.
             head = self._signs.brand_head(self._fold.key(key))
-            advance = _ADVANCE_WORD * letters_in_words + _ADVANCE_UNREAD * letter * head
+            advance = words + _ADVANCE_UNREAD * letter * head
         return min(advance, _MOST_AHEAD) - _MIXED * self._fold.is_mixed(key)
 
     def _painted(

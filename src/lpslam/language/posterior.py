@@ -7,6 +7,8 @@ from parts. Each is judged by how likely all readings are if it is painted, and 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import exp, log
 
+from rapidfuzz.fuzz import partial_ratio
+
 from lpslam.language.channel import Seen, log_likelihood
 
 ELSE = ""
@@ -18,6 +20,8 @@ _ELSE, _ELSE_LOOK = 3.0, 1.0
 _DOUBTED, _RUNNER_UP = 6, 0.05
 # Spellings, the weightiest, that are tried as parts of a longer one; and letters of a part.
 _PARTS, _SHORTEST_PART = 6, 3
+# Two readings, one within the other but for slips (percent alike), are spellings of one text and not its two parts.
+_SAME_PART = 75.0
 # Largest difference of length between two parts put together and a reading of the whole, as a share of it.
 _WHOLE_LENGTH = 0.35
 
@@ -60,7 +64,9 @@ def put_together(seen: Sequence[Seen]) -> Iterator[tuple[str, str]]:
     for first in parts:
         for second in parts:
             length = len(first.key) + len(second.key)
-            if first is not second and any(_is_worse_whole(each, first, second, length) for each in seen):
+            if partial_ratio(first.key, second.key) >= _SAME_PART:
+                continue
+            if any(_is_worse_whole(each, first, second, length) for each in seen):
                 yield first.key, second.key
 
 

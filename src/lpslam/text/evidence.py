@@ -1,7 +1,7 @@
 """What was read of a class, view by view: readings of one view repeat each other's slips and count for little more.
 
 A view is a size, an angle and a visit. Its readings, whatever they say, are worth their number to a power; a spelling
-has its share of every view that read it.
+has its share of every view that read it, by how many of its readings are likely right.
 """
 
 from collections.abc import Iterable, Sequence
@@ -64,6 +64,11 @@ class Look:
     best: float = float("-inf")
     slots: Slots = ()
 
+    @property
+    def likely_right(self) -> float:
+        """How many of its readings are likely right."""
+        return self.count / (1.0 + exp(-self.odds / self.count))
+
     def add(self, confidence: float, right: float, slots: Slots = ()) -> None:
         """Note one more reading."""
         odds = log(max(right, 1e-4) / max(1.0 - right, 1e-4))
@@ -94,26 +99,28 @@ def note(looks: list[Look], text: str, confidence: float, visit: int, glance: Gl
 def readings_of(looks: Iterable[Look], config: MemoryConfig) -> list[Reading]:
     """The spellings as evidence, weightiest first."""
     looks = list(looks)
-    in_view: dict[View, int] = {}
+    in_view: dict[View, tuple[int, float]] = {}
     for each in looks:
-        in_view[each.view] = in_view.get(each.view, 0) + each.count
+        count, right = in_view.get(each.view, (0, 0.0))
+        in_view[each.view] = count + each.count, right + each.likely_right
     by_text: dict[str, list[Look]] = {}
     for each in looks:
         by_text.setdefault(each.text, []).append(each)
     readings = []
     for text, own in by_text.items():
-        shares = [
-            each.count
-            * in_view[each.view] ** (config.repetition - 1.0)
-            * (_NO_VIEW_WORTH if each.view[1:] == _NO_VIEW else 1.0)
-            for each in own
-        ]
+        shares = [_share(each, *in_view[each.view], config.repetition) for each in own]
         odds = sum(share * each.odds / each.count for share, each in zip(shares, own, strict=True)) / sum(shares)
         count = sum(each.count for each in own)
         slots = max(own, key=lambda each: each.best).slots
         confidence = sum(each.confidence for each in own) / count
         readings.append(Reading(text, count, confidence, 1.0 / (1.0 + exp(-odds)), sum(shares), slots))
     return sorted(readings, key=lambda each: (-(each.looks or 0.0) * (each.right or 0.0), each.text))
+
+
+def _share(look: Look, count: int, right: float, repetition: float) -> float:
+    """What a spelling has of its view's worth: of so many readings, so many of which are likely right."""
+    worth: float = count**repetition * (_NO_VIEW_WORTH if look.view[1:] == _NO_VIEW else 1.0)
+    return worth * look.likely_right / right
 
 
 def looks_of(observations: Sequence[TextObservation]) -> list[Look]:
