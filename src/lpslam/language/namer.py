@@ -16,13 +16,13 @@ from lpslam.language.signs import SignReader
 from lpslam.language.spelling import respelled
 from lpslam.language.words import is_unspaced
 
-# What a known name is ahead of an unknown one, in logarithms of odds: a letter, and a letter of a word in any name; fit
-# to drawn lettering, once with every name known and once with it hidden.
+# What a known name is ahead of an unknown one, in logarithms of odds: a letter, and a letter of a word in any name;
+# chosen on drawn lettering, once with every name known and once with it hidden.
 _ADVANCE_LETTER, _ADVANCE_IDEOGRAPH, _ADVANCE_WORD = 1.5, 3.0, 1.5
 # What a word is behind for being one of many: short ones are near anything.
 _CHOICE_OF_WORDS = 3.0
 # Where nothing that was read is like it, the share of that; and at most: what is known decides between near-equals.
-_ADVANCE_UNREAD, _MOST_AHEAD = 0.5, 16.0
+_ADVANCE_UNREAD, _MOST_AHEAD = 0.5, 10.0
 # What a string is behind in which traditional and simplified characters stand beside each other: few signs mix them.
 _MIXED = 4.0
 # What another form of a known name is behind the form that is listed: traditional, simplified or Japanese characters.
@@ -34,7 +34,7 @@ _READINGS_RESPELLED = 8  # spellings of which one word is tried as the known one
 # Log odds that a name is exactly right: bias, and what they grow by with the posterior's, with those of its best
 # reading, and with the logarithm of the looks that read it.
 # python benchmarks/text_calibration.py names --rows DIR
-_CERTAINTY = (0.746, 0.631, 0.063, -0.675)
+_CERTAINTY = (1.336, 0.480, 0.191, -0.792)
 _SUREST = 7.0  # of log odds that are believed
 
 
