@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from lpslam.text.legibility import SeenSize, frontal_cosine, ground_difference
-from lpslam.text.surroundings import ground_colour
+from lpslam.text.surroundings import surroundings
 from lpslam.text.types import Placement
 
 BOX = np.array([[20.0, 20.0], [180.0, 20.0], [180.0, 60.0], [20.0, 60.0]])
@@ -21,7 +21,7 @@ def board(ground: tuple[int, int, int], ink: tuple[int, int, int]) -> np.ndarray
 @pytest.mark.parametrize("ground", [(200, 30, 30), (20, 20, 20), (240, 240, 230), (40, 60, 170)])
 @pytest.mark.parametrize("ink", [(255, 255, 255), (0, 0, 0), (250, 210, 40)])
 def test_the_ground_is_found_whatever_the_ink(ground: tuple[int, int, int], ink: tuple[int, int, int]) -> None:
-    assert ground_difference(ground_colour(board(ground, ink), BOX), ground) < 0.1
+    assert ground_difference(surroundings(board(ground, ink), BOX).ground, ground) < 0.1
 
 
 def test_a_dimmer_board_keeps_apart_from_another_colour() -> None:

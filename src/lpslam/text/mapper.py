@@ -150,8 +150,9 @@ class TextMapper:
             glance = self._glance(text, placement, tracked.keyframe_from_camera)
             text_class = self._remember(text, placement, glance, frame.timestamp, world_from_keyframe)
             is_new |= text_class.count < self._config.reading.settled_sightings
-            observation = self._observation(frame, tracked.keyframe, tracked.keyframe_from_camera, text, placement)
-            observation = replace(observation, right=glance.right)
+            observation = self._observation(
+                frame, tracked.keyframe, tracked.keyframe_from_camera, text, placement, glance.right
+            )
             text_class.observations.append(observation)
             if placement is not None:
                 if self._is_sure(placement):
@@ -250,6 +251,7 @@ class TextMapper:
         keyframe_from_camera: Array,
         text: SpottedText,
         placement: Placement | None,
+        right: float | None = None,
     ) -> TextObservation:
         around = surroundings(frame.rgb, text.box)
         return TextObservation(
@@ -262,6 +264,7 @@ class TextMapper:
             text.letter_height,
             around.ground,
             bearing_of(text.box, self._camera, keyframe_from_camera),
+            right,
             ink=around.ink,
             clear=around.clear,
         )

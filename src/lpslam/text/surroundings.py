@@ -63,11 +63,6 @@ def surroundings(rgb: NDArray[np.uint8], box: Array) -> Surroundings:
     return Surroundings(_colour(ground), _colour(ink), (sides[0], sides[1], sides[2], sides[3]))
 
 
-def ground_colour(rgb: NDArray[np.uint8], box: Array) -> Colour:
-    """Colour of the surface around the letters in the (4, 2) box."""
-    return surroundings(rgb, box).ground
-
-
 def _goes_on(rgb: NDArray[np.uint8], box: Array, unit: float, ground: Array) -> float:
     """How far the ground goes on beyond the box's first side, in units of so large a share of the box that way."""
     outwards = np.linspace(_SKIPPED, REACH, _OUTWARDS)

@@ -109,7 +109,7 @@ class Surfaces:
         pose = guess
         for halvings in (1, 0):
             levels = halved(reference, halvings), sloped(halved(image, halvings), self._config.edge)
-            aligned = self._aligned(*levels, pose, guess, halvings, max(seconds, _LEAST_SECONDS))
+            aligned = self._aligned(*levels, pose, guess, halvings, max(seconds, LEAST_SECONDS))
             if aligned is None:
                 return None
             pose = aligned.image_from_reference
@@ -170,7 +170,7 @@ class Surfaces:
         v, u = np.nonzero(reference[1] > 0)
         depth = reference[1][v, u].astype(np.float64)
         points = np.column_stack([(u - cx) / fx * depth, (v - cy) / fy * depth, depth]) @ pose[:3, :3].T + pose[:3, 3]
-        x, y, z = points[points[:, 2] > _NEAREST].T
+        x, y, z = points[points[:, 2] > NEAREST].T
         nothing = np.zeros_like(z)
         across = np.stack([fx / z, nothing, -fx * x / (z * z)]), np.stack([nothing, fy / z, -fy * y / (z * z)])
         jacobians = [np.concatenate([along, np.cross([x, y, z], along, axis=0)]) for along in across]
@@ -195,7 +195,7 @@ def halved(image: _Image, times: int) -> _Image:
 
 _WAYS = ((1, 0), (0, 1))
 
-_NEAREST = 0.05
+NEAREST = 0.05
 """Metres before the camera; what is nearer is not seen."""
 
 _FIRST_SIGMA = 5.0
@@ -207,7 +207,7 @@ _SOBEL_NOISE = 0.31
 _LAPLACE_NOISE = 4.47
 """What noise of one makes of the difference between four neighbours and the pixel: √20."""
 
-_LEAST_SECONDS = 0.01
+LEAST_SECONDS = 0.01
 """Seconds for which a guess has been made at least: clocks are rounded."""
 
 _SMALL_STEP = 1e-5

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from lpslam.camera import PinholeCamera
 from lpslam.config import SurfaceConfig, TurningConfig
 from lpslam.slam.kernels.geometry import exponential
+from lpslam.slam.tracking.surfaces import LEAST_SECONDS, NEAREST
 
 _Matrix = NDArray[np.float64]
 
@@ -66,9 +67,8 @@ class Turning:
         corners = self._followed(before, now, guess)
         if corners is None:
             return None
-        pixels, moved = corners
-        rays, inverse_depth, seen = self._rays(pixels), self._inverse_depth(before, pixels), self._rays(moved)
-        sigma = self._guess.guess_speed * max(seconds, _LEAST_SECONDS)
+        rays, inverse_depth, seen = corners
+        sigma = self._guess.guess_speed * max(seconds, LEAST_SECONDS)
         turn = _turn_between(rays, inverse_depth[:, None] * guess[:3, 3], _unit(seen), guess[:3, :3], self._focal)
         motion, residuals, information = _refined(
             rays, inverse_depth, seen[:, :2], turn, guess[:3, 3], sigma, self._focal
@@ -78,21 +78,21 @@ class Turning:
         firmest = (sigma * self._guess.told_share) ** -2
         return Moved(motion, bool(np.linalg.eigvalsh(information)[0] > firmest))
 
-    def _followed(
-        self, before: Glance, now: Glance, guess: _Matrix
-    ) -> tuple[NDArray[np.float32], NDArray[np.float32]] | None:
-        """Corners (n, 2) of the one picture, and where they are in the other."""
+    def _followed(self, before: Glance, now: Glance, guess: _Matrix) -> tuple[_Matrix, _Matrix, _Matrix] | None:
+        """Corners of the one picture, rays (n, 3) with z = 1 and inverse depths (n,), and rays (n, 3) of the other."""
         config = self._config
         distance = config.corner_distance * self._size[0]
         found: Any = cv2.goodFeaturesToTrack(before.gray, config.corners, config.corner_quality, distance)
         if found is None:
             return None
         pixels = found.reshape(-1, 2).astype(np.float32)
-        ahead = self._rays(pixels) @ guess[:3, :3].T + self._inverse_depth(before, pixels)[:, None] * guess[:3, 3]
-        ahead[:, 2] = np.maximum(ahead[:, 2], _NEAREST)
+        rays, inverse_depth = self._rays(pixels), self._inverse_depth(before, pixels)
+        ahead = rays @ guess[:3, :3].T + inverse_depth[:, None] * guess[:3, 3]
+        ahead[:, 2] = np.maximum(ahead[:, 2], NEAREST)
         start = self._smaller(self._camera.distort(self._camera.project(ahead))).astype(np.float32)
         in_image = ((start >= 0) & (start < np.array(self._size))).all(axis=1)
         pixels, start = pixels[in_image], start[in_image]
+        rays, inverse_depth = rays[in_image], inverse_depth[in_image]
         if len(pixels) < config.min_corners:
             return None
         moved, found_there = self._flow(before.gray, now.gray, pixels, start)
@@ -101,7 +101,7 @@ class Turning:
         ok = found_there & found_back & (np.linalg.norm(back - pixels, axis=1) < config.pixels)
         if np.count_nonzero(ok) < config.min_corners:
             return None
-        return pixels[ok], moved[ok]
+        return rays[ok], inverse_depth[ok], self._rays(moved[ok])
 
     def _flow(
         self, before: NDArray[np.uint8], now: NDArray[np.uint8], pixels: NDArray[np.float32], start: NDArray[np.float32]
@@ -133,7 +133,7 @@ class Turning:
         raw = np.rint((small + 0.5) * self._shrink - 0.5).astype(np.int64)
         height, width = glance.depth.shape
         depth = glance.depth[np.clip(raw[:, 1], 0, height - 1), np.clip(raw[:, 0], 0, width - 1)].astype(np.float64)
-        return np.where((depth > _NEAREST) & np.isfinite(depth), 1.0 / np.maximum(depth, _NEAREST), 0.0)
+        return np.where((depth > NEAREST) & np.isfinite(depth), 1.0 / np.maximum(depth, NEAREST), 0.0)
 
 
 def _turn_between(rays: _Matrix, shift: _Matrix, seen: _Matrix, turn: _Matrix, focal: float) -> _Matrix:
@@ -167,7 +167,7 @@ def _refined(
     motion[:3, :3], motion[:3, 3] = turn, step
     for scale in (*_FINE_SCALES, None):
         ahead = rays @ motion[:3, :3].T + inverse_depth[:, None] * motion[:3, 3]
-        z = np.maximum(ahead[:, 2], _NEAREST)
+        z = np.maximum(ahead[:, 2], NEAREST)
         off = focal * (ahead[:, :2] / z[:, None] - seen)
         residuals = np.linalg.norm(off, axis=1)
         if scale is None:
@@ -196,14 +196,8 @@ def _unit(vectors: _Matrix) -> _Matrix:
     return directions
 
 
-_NEAREST = 0.05
-"""Metres before the camera."""
-
 _SCALES = (64.0, 32.0, 16.0, 8.0, 4.0, 2.0, 1.0, 1.0)
 """Pixels: from as far as a turn may be from what was expected, down to the noise of flow."""
 
 _FINE_SCALES = (4.0, 4.0, 2.0, 2.0, 1.0, 1.0, 1.0)
 """Pixels: the same, once the turn is about right."""
-
-_LEAST_SECONDS = 0.01
-"""Seconds for which a motion has been guessed at least: clocks are rounded."""
