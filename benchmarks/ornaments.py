@@ -15,9 +15,9 @@ import numpy as np
 
 import ornament_pictures
 from lpslam.config import SpottingConfig
-from lpslam.text.boxes import letter_heights
-from lpslam.text.ornaments import are_ornaments
-from lpslam.text.spotting import PaddleSpotter, accepted_texts
+from lpslam.text.reading.boxes import letter_heights
+from lpslam.text.reading.ornaments import are_ornaments
+from lpslam.text.reading.spotting import PaddleSpotter, accepted_texts
 
 SEEDS = {"dev": 0, "eval": 20000}
 

@@ -1,7 +1,7 @@
 """How sure a reading and a name are, measured on drawn lettering.
 
     python benchmarks/text_calibration.py read --rows DIR --fonts FOLDER...   draw and read (ten minutes)
-    python benchmarks/text_calibration.py fit --rows DIR                      the coefficients of `text/certainty.py`
+    python benchmarks/text_calibration.py fit --rows DIR   the coefficients of `text/reading/certainty.py`
     python benchmarks/text_calibration.py names --rows DIR                    the coefficients of `language/namer.py`
     python benchmarks/text_calibration.py odds --rows DIR                     the reader's own odds between two letters
     python benchmarks/text_calibration.py report --rows DIR [--plot FILE]     how well all hold on other fonts
@@ -32,12 +32,12 @@ from lpslam.language.namer import Certain
 from lpslam.language.offline import OfflineModel
 from lpslam.language.sanitise import clean_text
 from lpslam.simulation import lexicon
-from lpslam.text.borders import cut_by_border
-from lpslam.text.boxes import letter_heights
-from lpslam.text.certainty import READING, Certainty, terms
-from lpslam.text.evidence import Glance, Look, note, readings_of
-from lpslam.text.similarity import comparison_key
-from lpslam.text.spotting import PaddleSpotter, accepted_texts
+from lpslam.text.reading.borders import cut_by_border
+from lpslam.text.reading.boxes import letter_heights
+from lpslam.text.reading.certainty import READING, Certainty, terms
+from lpslam.text.reading.spotting import PaddleSpotter, accepted_texts
+from lpslam.text.remembering.evidence import Glance, Look, note, readings_of
+from lpslam.text.remembering.similarity import comparison_key
 from text_drawn_lines import Font, Seen, drawn
 
 SIGNS = {"dev": (71, 480), "held": (72, 320)}
@@ -176,7 +176,7 @@ def read_rows(path: Path) -> list[Row]:
 
 
 def fit(rows: Sequence[Row]) -> Certainty:
-    """Coefficients of `text/certainty.py`: whether a reading is right."""
+    """Coefficients of `text/reading/certainty.py`: whether a reading is right."""
     x = np.array([(1.0, *row.terms) for row in rows])
     return Certainty(*_logistic(x, np.array([row.is_right for row in rows], np.float64)).tolist())
 

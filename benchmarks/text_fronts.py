@@ -20,10 +20,10 @@ from lpslam.simulation.boards.ornaments import ORNAMENTS, paint_ornament
 from lpslam.simulation.boards.street import StreetSource, drawn_boards, read_distractors, streets_of, write_distractors
 from lpslam.simulation.writer import write_sequence
 from lpslam.slam.warm_up import warm_up
-from lpslam.text.borders import cut_by_border
-from lpslam.text.boxes import letter_heights
-from lpslam.text.similarity import comparison_key
-from lpslam.text.spotting import PaddleSpotter, accepted_texts
+from lpslam.text.reading.borders import cut_by_border
+from lpslam.text.reading.boxes import letter_heights
+from lpslam.text.reading.spotting import PaddleSpotter, accepted_texts
+from lpslam.text.remembering.similarity import comparison_key
 from slam_recordings import Recording
 from slam_report import Report
 from text_fronts_scores import Judged, SignScore, judge, lines_said, texts_of

@@ -13,7 +13,7 @@ from lpslam.camera import transform_points
 from lpslam.config import EvaluationConfig
 from lpslam.evaluation.signs import TrueLine, TrueSign
 from lpslam.simulation.boards.street import Distractor
-from lpslam.text.similarity import comparison_key, similarity
+from lpslam.text.remembering.similarity import comparison_key, similarity
 from lpslam.text.types import Landmark
 
 Array = NDArray[np.float64]

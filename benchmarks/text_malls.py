@@ -16,7 +16,7 @@ from lpslam.evaluation.landmarks import LandmarkScore
 from lpslam.evaluation.report import Evaluation, evaluate
 from lpslam.evaluation.signs import TrueSign, read_signs
 from lpslam.mapfile.language_map import LanguageMap
-from lpslam.text.spotting import PaddleSpotter
+from lpslam.text.reading.spotting import PaddleSpotter
 from lpslam.text.types import Recognition
 from lpslam.views.pictures import draw_language_map, draw_score_histories
 from slam_recordings import Recording

@@ -10,9 +10,9 @@ import numpy as np
 
 from lpslam.config import SpottingConfig
 from lpslam.evaluation.reading import LineScore, score_lines
-from lpslam.text.borders import cut_by_border
-from lpslam.text.boxes import letter_heights
-from lpslam.text.spotting import PaddleSpotter, accepted_texts
+from lpslam.text.reading.borders import cut_by_border
+from lpslam.text.reading.boxes import letter_heights
+from lpslam.text.reading.spotting import PaddleSpotter, accepted_texts
 
 
 def measure(folders: Sequence[Path], config: SpottingConfig) -> None:

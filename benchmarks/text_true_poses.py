@@ -16,7 +16,7 @@ from lpslam.slam.map import SlamMap
 from lpslam.slam.state import TrackedFrame, TrackingState
 from lpslam.slam.trajectory import Trajectory
 from lpslam.text.mapper import TextMapper
-from lpslam.text.spotting import TextSpotter
+from lpslam.text.reading.spotting import TextSpotter
 
 FRAMES_A_KEYFRAME = 30
 

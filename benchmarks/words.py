@@ -42,10 +42,10 @@ from lpslam.slam.places.relocalising import Relocaliser
 from lpslam.slam.state import EventKind
 from lpslam.slam.system import RgbdSlam
 from lpslam.sources.prefetch import Prefetched
-from lpslam.text.advising import SIGNS_DIFFER, TextAdvisor
-from lpslam.text.boxes import Boxes
+from lpslam.text.advice.advising import SIGNS_DIFFER, TextAdvisor
 from lpslam.text.mapper import TextMapper
-from lpslam.text.spotting import PaddleSpotter
+from lpslam.text.reading.boxes import Boxes
+from lpslam.text.reading.spotting import PaddleSpotter
 from lpslam.text.types import Recognition
 from slam_recordings import Recording
 from slam_report import Report

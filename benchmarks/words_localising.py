@@ -22,7 +22,7 @@ from lpslam.config import Config
 from lpslam.evaluation.trajectory import absolute_trajectory_error
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.slam.places.index import PlaceIndex
-from lpslam.text.spotting import PaddleSpotter
+from lpslam.text.reading.spotting import PaddleSpotter
 from slam_recordings import Recording
 from slam_report import Report
 from slam_scores import pose_error, true_pose

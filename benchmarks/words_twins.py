@@ -20,7 +20,7 @@ from lpslam.simulation import lexicon, mall
 from lpslam.simulation.lettering import is_chinese, paint_board
 from lpslam.simulation.source import MallSource
 from lpslam.simulation.writer import write_sequence
-from lpslam.text.similarity import comparison_key, similarity
+from lpslam.text.remembering.similarity import comparison_key, similarity
 
 FRAMES = 360
 DUPLICATES = 6

@@ -61,7 +61,7 @@ SLOW_READER = """
 import signal, sys, time
 import numpy as np
 from lpslam import cli
-from lpslam.text.spotting import PaddleSpotter
+from lpslam.text.reading.spotting import PaddleSpotter
 from lpslam.views.run_progress import RunProgress
 signal.signal(signal.SIGINT, signal.default_int_handler)
 def detect(self, rgb):

@@ -12,7 +12,7 @@ import lpslam
 from lpslam import isolated
 from lpslam.config import SpottingConfig
 from lpslam.slam import warm_up
-from lpslam.text.spotting_process import SpottingProcess
+from lpslam.text.reading.spotting_process import SpottingProcess
 
 PACKAGE = Path(lpslam.__file__).parent
 

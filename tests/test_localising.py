@@ -23,7 +23,7 @@ from lpslam.simulation.replay import NoisyAgain
 from lpslam.slam.state import EventKind
 from lpslam.sources.ground_truth import read_ground_truth
 from lpslam.sources.open import open_source
-from lpslam.text.spotting import PaddleSpotter
+from lpslam.text.reading.spotting import PaddleSpotter
 from lpslam.text.types import Recognition
 
 pytestmark = pytest.mark.slow

@@ -16,8 +16,8 @@ from rapidfuzz.distance import Levenshtein
 
 from lpslam.config import SpottingConfig
 from lpslam.simulation.lettering import Board, paint_board
-from lpslam.text.networks import load_network
-from lpslam.text.recognition import TextRecogniser
+from lpslam.text.reading.networks import load_network
+from lpslam.text.reading.recognition import TextRecogniser
 
 SIGNS = {
     "brand": "Dunkin' Donuts|SUBWAY|Taco Bell|IKEA|Levi's|BOSS|LUSH|Clarks|New Balance|CONVERSE|Skechers|Primark"

@@ -27,12 +27,12 @@ from lpslam.slam.system import RgbdSlam
 from lpslam.sources.in_order import InOrder
 from lpslam.sources.pacing import Paced
 from lpslam.sources.prefetch import Prefetched
-from lpslam.text.advising import TextAdvisor
+from lpslam.text.advice.advising import TextAdvisor
 from lpslam.text.distilling import DEFAULT_QUESTION, distil
 from lpslam.text.mapper import TextMapper
-from lpslam.text.reading_thread import ReadingThread
-from lpslam.text.spotting import PaddleSpotter, TextSpotter
-from lpslam.text.spotting_process import SpottingProcess
+from lpslam.text.reading.reading_thread import ReadingThread
+from lpslam.text.reading.spotting import PaddleSpotter, TextSpotter
+from lpslam.text.reading.spotting_process import SpottingProcess
 from lpslam.text.text_map import TextMap
 from lpslam.text.types import Landmark
 

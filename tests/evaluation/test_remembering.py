@@ -6,7 +6,7 @@ import pytest
 from lpslam.config import EvaluationConfig
 from lpslam.evaluation.remembering import reading_cost, remembering_delays
 from lpslam.evaluation.signs import TrueSign
-from lpslam.text.memory import Pool, TextClass
+from lpslam.text.remembering.memory import Pool, TextClass
 from lpslam.text.types import Placement, TextObservation
 
 KEYFRAME = np.eye(4)

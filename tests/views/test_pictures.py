@@ -11,7 +11,7 @@ from lpslam.config import MemoryConfig
 from lpslam.errors import UserError
 from lpslam.evaluation.trajectory import absolute_trajectory_error
 from lpslam.poses import StampedPoses
-from lpslam.text.memory import LongShortTermMemory
+from lpslam.text.remembering.memory import LongShortTermMemory
 from lpslam.text.types import BoxFate, FrameReading, SpottedText
 from lpslam.views.labels import place_labels
 from lpslam.views.map_picture import draw_map

@@ -12,7 +12,7 @@ from scipy.optimize import linear_sum_assignment
 from lpslam.camera import transform_points
 from lpslam.config import EvaluationConfig
 from lpslam.evaluation.signs import TrueSign, Vector3
-from lpslam.text.similarity import comparison_key, similarity
+from lpslam.text.remembering.similarity import comparison_key, similarity
 
 Array = NDArray[np.float64]
 _DEFAULTS = EvaluationConfig()

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from lpslam.text.similarity import comparison_key, similarity
+from lpslam.text.remembering.similarity import comparison_key, similarity
 
 FOUND = 0.5  # similarity (Eq. 3) from which a reading is of that line, however badly
 READ = 0.8  # and from which the line is read

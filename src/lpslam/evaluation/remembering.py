@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from lpslam.camera import transform_points
 from lpslam.config import EvaluationConfig
 from lpslam.evaluation.signs import TrueSign
-from lpslam.text.memory import TextClass
-from lpslam.text.similarity import comparison_key, similarity
+from lpslam.text.remembering.memory import TextClass
+from lpslam.text.remembering.similarity import comparison_key, similarity
 
 Array = NDArray[np.float64]
 

@@ -7,8 +7,8 @@ pink, and the next question may be about them.
 from dataclasses import dataclass
 
 from lpslam.language.model import LanguageModel
-from lpslam.text.instances import KeyframePoses
-from lpslam.text.naming import name_class
+from lpslam.text.placing.instances import KeyframePoses
+from lpslam.text.remembering.naming import name_class
 from lpslam.text.text_map import TextMap
 from lpslam.text.types import Landmark
 

@@ -4,8 +4,8 @@ from dataclasses import asdict
 from typing import Any
 
 from lpslam.language.model import Judgement, Naming
-from lpslam.text.evidence import Look
-from lpslam.text.memory import ForgottenClass, LongShortTermMemory, Pool, TextClass, Variant
+from lpslam.text.remembering.evidence import Look
+from lpslam.text.remembering.memory import ForgottenClass, LongShortTermMemory, Pool, TextClass, Variant
 from lpslam.text.types import Bearing, Placement, TextObservation
 
 Document = dict[str, Any]

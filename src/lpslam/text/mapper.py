@@ -15,20 +15,20 @@ from lpslam.config import ReadingConfig, TextConfig
 from lpslam.frames import RgbdFrame
 from lpslam.language.model import LanguageModel
 from lpslam.slam.state import TrackedFrame, TrackingState
-from lpslam.text.bearings import bearing_of
-from lpslam.text.borders import cut_by_border
-from lpslam.text.boxes import letter_heights
-from lpslam.text.certainty import probability_right
-from lpslam.text.evidence import Glance
-from lpslam.text.instances import KeyframePoses
-from lpslam.text.legibility import UNPLACED, SeenSize, frontal_cosine
-from lpslam.text.memory import Pool, TextClass
-from lpslam.text.naming import BesideNaming, name_class, needs_name, rename_class
-from lpslam.text.ornaments import are_ornaments
-from lpslam.text.placement import PlacementFault, place_text
-from lpslam.text.spots import Spots
-from lpslam.text.spotting import ReadsElsewhere, TextSpotter, accepted_texts
-from lpslam.text.surroundings import surroundings
+from lpslam.text.boards.surroundings import surroundings
+from lpslam.text.placing.bearings import bearing_of
+from lpslam.text.placing.instances import KeyframePoses
+from lpslam.text.placing.placement import PlacementFault, place_text
+from lpslam.text.placing.spots import Spots
+from lpslam.text.reading.borders import cut_by_border
+from lpslam.text.reading.boxes import letter_heights
+from lpslam.text.reading.certainty import probability_right
+from lpslam.text.reading.legibility import UNPLACED, SeenSize, frontal_cosine
+from lpslam.text.reading.ornaments import are_ornaments
+from lpslam.text.reading.spotting import ReadsElsewhere, TextSpotter, accepted_texts
+from lpslam.text.remembering.evidence import Glance
+from lpslam.text.remembering.memory import Pool, TextClass
+from lpslam.text.remembering.naming import BesideNaming, name_class, needs_name, rename_class
 from lpslam.text.text_map import TextMap
 from lpslam.text.types import BoxFate, FrameReading, Placement, SpottedText, TextObservation, TextStatistics
 

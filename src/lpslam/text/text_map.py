@@ -10,12 +10,12 @@ from lpslam.config import TextConfig
 from lpslam.errors import UserError
 from lpslam.language.model import Judgement
 from lpslam.text import documents
-from lpslam.text.boards import boards
-from lpslam.text.instances import KeyframePoses
-from lpslam.text.lines import lines_of
-from lpslam.text.memory import LongShortTermMemory, TextClass
-from lpslam.text.overlaps import without_overlaps
-from lpslam.text.places import Place, places_of_class
+from lpslam.text.boards.boards import boards
+from lpslam.text.boards.lines import lines_of
+from lpslam.text.boards.overlaps import without_overlaps
+from lpslam.text.placing.instances import KeyframePoses
+from lpslam.text.placing.places import Place, places_of_class
+from lpslam.text.remembering.memory import LongShortTermMemory, TextClass
 from lpslam.text.types import Landmark
 
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from lpslam.mapfile.language_map import LanguageMap
-from lpslam.text.memory import LongShortTermMemory
+from lpslam.text.remembering.memory import LongShortTermMemory
 from lpslam.views.map_picture import draw_map
 from lpslam.views.memory_plot import ScoreHistory, draw_memory
 

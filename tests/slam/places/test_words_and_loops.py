@@ -9,7 +9,7 @@ from lpslam.camera import transform_points
 from lpslam.config import AdviceConfig
 from lpslam.slam.places.loop_closing import LoopEvent
 from lpslam.slam.state import EventKind
-from lpslam.text.advising import SIGNS_DIFFER, TextAdvisor
+from lpslam.text.advice.advising import SIGNS_DIFFER, TextAdvisor
 from lpslam.text.types import Placement, TextObservation
 
 STEP = 2 * np.pi / KEYFRAMES_A_ROUND

@@ -1,0 +1,1 @@
+"""Texts that say where loops may close, and where not."""

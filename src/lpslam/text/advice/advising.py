@@ -1,0 +1,282 @@
+"""Words help geometry: what was read says where loops may close, and where they must not.
+
+A place whose pictures look different, or like others, has its own signs. Several of them, standing to one another as
+they did before, propose keyframes to loop closing, which verifies these like any others. And where a keyframe was
+located among signs that say something else than those it sees, loop closing is told not to believe it.
+"""
+
+import threading
+from collections import defaultdict
+from collections.abc import Collection, Iterable, Sequence
+from itertools import count
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.camera import inverse_transform
+from lpslam.config import AdviceConfig
+from lpslam.slam.advice import KeyframeMap, Recalled
+from lpslam.text.advice.constellations import (
+    NEARLY_THE_SAME,
+    Constellation,
+    Seen,
+    agree,
+    constellations,
+    contradict,
+    nearest_views,
+    seen_texts,
+)
+from lpslam.text.remembering.memory import TextClass
+from lpslam.text.remembering.similarity import comparison_key, similarity
+from lpslam.text.types import TextObservation
+
+Sighting = tuple[int, TextObservation]
+
+# Sightings kept of one class from one keyframe: more say the same again.
+_KEPT = 8
+
+# Most sightings of one class that are looked at, the newest: a word that is everywhere says little.
+_LOOKED_AT = 160
+
+SIGNS_DIFFER = "signs differ"
+
+
+class TextAdvisor:
+    """A `LoopAdvisor` that knows what was read from every keyframe.
+
+    Texts are noted in the thread that reads, and asked for in the thread that closes loops; neither waits for the other
+    longer than it takes to copy a few lists. Nothing that was read is more than compared.
+
+    Args:
+        config: thresholds.
+        classes: what was read before, of a map that is continued.
+
+    Attributes:
+        proposed, vetoed: how many keyframes were named and refused so far.
+    """
+
+    def __init__(self, config: AdviceConfig, classes: Iterable[TextClass] = ()) -> None:
+        self._config = config
+        self._lock = threading.Lock()
+        self._by_keyframe: dict[int, list[Sighting]] = defaultdict(list)
+        self._by_class: dict[int, list[TextObservation]] = defaultdict(list)
+        self._doubtful: list[Sighting] = []
+        self._doubtful_classes = count(1)
+        self._lost: list[TextObservation] = []
+        self._recalled: list[Recalled] | None = None
+        self._has_news = False
+        self.proposed = 0
+        self.vetoed = 0
+        for text_class in classes:
+            for observation in text_class.observations:
+                if observation.placement is not None:
+                    self.note(text_class.id, observation)
+
+    def note(self, text_class: int, observation: TextObservation) -> None:
+        """Take a sighting of a class of texts."""
+        with self._lock:
+            here = self._by_keyframe[observation.keyframe]
+            if sum(other == text_class for other, _ in here) < _KEPT:
+                here.append((text_class, observation))
+                self._by_class[text_class].append(observation)
+
+    def note_doubtful(self, observation: TextObservation) -> None:
+        """Take a sighting from where the camera was found again: `judges` compares it with what was read there."""
+        key = comparison_key(observation.text)
+        with self._lock:
+            alike = (
+                text_class
+                for text_class, other in self._doubtful
+                if similarity(comparison_key(other.text), key) >= NEARLY_THE_SAME
+            )
+            known = next(alike, None)
+            # Below zero: no class of the memory.
+            text_class = -next(self._doubtful_classes) if known is None else known
+            self._doubtful.append((text_class, observation))
+            del self._doubtful[:-_LOOKED_AT]
+            self._has_news = True
+
+    def note_lost(self, observations: Sequence[TextObservation]) -> None:
+        """Take all that one frame of a lost camera shows, in the camera's own frame; what was taken before is over."""
+        with self._lock:
+            self._lost, self._recalled = list(observations), None
+
+    def propose(self, keyframes: KeyframeMap, keyframe: int) -> list[int]:
+        """Keyframes that see texts in an arrangement in which texts around `keyframe` were read lately."""
+        config = self._config
+        lately = self._lately(keyframes, keyframe)
+        if len({text.text_class for text in lately}) < 2:
+            return []
+        before = self._before(keyframes, keyframe, {text.text_class for text in lately})
+        found = self._found_again(lately, before, keyframes)
+        views = [self._view(keyframes, keyframe, *each) for each in found]
+        proposals = list(dict.fromkeys(view for view in views if view is not None))[: config.proposals]
+        self.proposed += len(proposals)
+        return proposals
+
+    def recalls(self, keyframes: KeyframeMap) -> list[Recalled]:
+        """Where two texts or more stand before a lost camera as they stood before another."""
+        with self._lock:
+            lost, recalled = self._lost, self._recalled
+        if recalled is None:
+            # Asked at every frame that is lost, and most bring no text.
+            recalled = self._recall(lost, keyframes)
+            with self._lock:
+                if self._lost is lost:
+                    self._recalled = recalled
+        return recalled
+
+    def _recall(self, lost: list[TextObservation], keyframes: KeyframeMap) -> list[Recalled]:
+        if len(lost) < 2:
+            return []
+        # One frame reads a text once: it may be of every class that has a spelling like it.
+        sightings = self._of_classes_like(lost)
+        seen = seen_texts(sightings, lambda keyframe: np.eye(4), self._config)
+        if len({text.text_class for text in seen}) < 2:
+            return []
+        submaps = keyframes.submaps()
+        before = self._newest({text.text_class for text in seen}, len(submaps))
+        found = self._found_again(seen, before, keyframes)
+        recalled = []
+        for constellation, submap in found[: self._config.proposals]:
+            old = keyframes.living_keyframes()
+            view = self._nearest(keyframes, old[submaps[old] == submap], constellation.old_from_new_world)
+            if view is not None:
+                recalled.append(Recalled(view, inverse_transform(constellation.old_from_new_world)))
+        return recalled
+
+    def vetoes(
+        self, keyframes: KeyframeMap, keyframe: int, candidate: int, camera_from_world: NDArray[np.float64]
+    ) -> str | None:
+        """Refuse a pose among signs that say something else than those that were read lately."""
+        old_from_new_world = np.linalg.inv(camera_from_world) @ keyframes.camera_from_world(keyframe)
+        lately = [text.moved(old_from_new_world) for text in self._lately(keyframes, keyframe)]
+        if len(lately) < self._config.contradictions:
+            return None
+        around = self._around(keyframes, candidate, set(self._recent(keyframes, keyframe)))
+        if not contradict(lately, around, self._config):
+            return None
+        self.vetoed += 1
+        return SIGNS_DIFFER
+
+    def knows(self, keyframes: KeyframeMap, keyframe: int) -> bool:
+        """Whether as many texts are known around a keyframe as must contradict."""
+        return len(self._around(keyframes, keyframe, ())) >= self._config.contradictions
+
+    def judges(self, keyframes: KeyframeMap, keyframe: int, since: float) -> bool | None:
+        """Compare the doubtful sightings with what was read around a keyframe before; None while they say nothing."""
+        with self._lock:
+            # Asked at every frame, and most bring no text.
+            if not self._has_news:
+                return None
+            self._has_news = False
+            self._doubtful = [each for each in self._doubtful if each[1].timestamp >= since]
+            doubtful = list(self._doubtful)
+        if not doubtful:
+            return None
+        new = seen_texts(doubtful, keyframes.world_from_keyframe, self._config)
+        around = self._around(keyframes, keyframe, ())
+        if contradict(new, around, self._config):
+            self.vetoed += 1
+            return False
+        return True if agree(new, around, self._config) else None
+
+    # What was read --------------------------------------------------------------------------------------------------
+
+    def _recent(self, keyframes: KeyframeMap, keyframe: int) -> list[int]:
+        """The keyframe and the few before it, of the same sub-map."""
+        submaps = keyframes.submaps()
+        first = max(0, keyframe + 1 - self._config.recent_keyframes)
+        return [k for k in range(first, keyframe + 1) if submaps[k] == submaps[keyframe]]
+
+    def _lately(self, keyframes: KeyframeMap, keyframe: int) -> list[Seen]:
+        """The texts read from the last keyframes, as far as they are near."""
+        recent = self._recent(keyframes, keyframe)
+        with self._lock:
+            sightings = [each for k in recent if k in self._by_keyframe for each in self._by_keyframe[k]]
+        centre = keyframes.world_from_keyframe(keyframe)[:3, 3]
+        texts = self._often_read(sightings, keyframes)
+        return [text for text in texts if np.linalg.norm(text.position - centre) <= self._config.reach]
+
+    def _before(self, keyframes: KeyframeMap, keyframe: int, classes: Collection[int]) -> list[Sighting]:
+        """Sightings of some classes from other sub-maps and from long before."""
+        submaps = keyframes.submaps()
+        return [
+            (key, each)
+            for key, each in self._newest(classes, len(submaps))
+            if each.keyframe <= keyframe - self._config.apart_keyframes or submaps[each.keyframe] != submaps[keyframe]
+        ]
+
+    def _newest(self, classes: Collection[int], keyframes: int) -> list[Sighting]:
+        """The newest sightings of some classes, from the first so many keyframes."""
+        with self._lock:
+            newest = [
+                (key, observation) for key in sorted(classes) for observation in self._by_class[key][-_LOOKED_AT:]
+            ]
+        return [(key, each) for key, each in newest if each.keyframe < keyframes]
+
+    def _around(self, keyframes: KeyframeMap, candidate: int, without: Collection[int]) -> list[Seen]:
+        """The texts read from keyframes around an old one."""
+        submaps = keyframes.submaps()
+        with self._lock:
+            read = np.array([k for k in sorted(self._by_keyframe) if k < len(submaps) and k not in without], np.int64)
+        read = read[submaps[read] == submaps[candidate]]
+        centre = keyframes.world_from_keyframe(candidate)[:3, 3]
+        away = np.array([np.linalg.norm(keyframes.world_from_keyframe(k)[:3, 3] - centre) for k in read.tolist()])
+        near = read[away <= self._config.reach].tolist()
+        with self._lock:
+            sightings = [each for k in near for each in self._by_keyframe[k]]
+        return self._often_read(sightings, keyframes)
+
+    def _often_read(self, sightings: list[Sighting], keyframes: KeyframeMap) -> list[Seen]:
+        texts = seen_texts(sightings, keyframes.world_from_keyframe, self._config)
+        return [text for text in texts if text.sightings >= self._config.min_sightings]
+
+    def _of_classes_like(self, observations: Sequence[TextObservation]) -> list[Sighting]:
+        """Each text with every class that has a sighting which says nearly the same."""
+        with self._lock:
+            spellings = {key: {each.text for each in seen[-_LOOKED_AT:]} for key, seen in self._by_class.items()}
+        keys = {key: {comparison_key(text) for text in texts} for key, texts in sorted(spellings.items())}
+        return [
+            (text_class, each)
+            for each in observations
+            for text_class, known in keys.items()
+            if any(similarity(other, comparison_key(each.text)) >= NEARLY_THE_SAME for other in known)
+        ]
+
+    # Where that is --------------------------------------------------------------------------------------------------
+
+    def _found_again(
+        self, new: list[Seen], before: list[Sighting], keyframes: KeyframeMap
+    ) -> list[tuple[Constellation, int]]:
+        """Arrangements of texts that were read before, with the sub-map where that was, the rarest texts first."""
+        submaps = keyframes.submaps()
+        found = [
+            (constellation, submap)
+            for submap in sorted({int(submaps[observation.keyframe]) for _, observation in before})
+            for constellation in constellations(
+                new,
+                self._often_read([each for each in before if submaps[each[1].keyframe] == submap], keyframes),
+                self._config,
+            )
+        ]
+        return sorted(found, key=lambda each: -each[0].rarity)
+
+    def _view(self, keyframes: KeyframeMap, keyframe: int, constellation: Constellation, submap: int) -> int | None:
+        """The old keyframe that looks most as this one would, if its texts are those of the constellation."""
+        submaps = keyframes.submaps()
+        old = keyframes.living_keyframes()
+        old = old[submaps[old] == submap]
+        if submap == submaps[keyframe]:
+            old = old[old <= keyframe - self._config.apart_keyframes]
+        expected = constellation.old_from_new_world @ keyframes.world_from_keyframe(keyframe)
+        return self._nearest(keyframes, old, expected)
+
+    def _nearest(
+        self, keyframes: KeyframeMap, old: NDArray[np.int32], world_from_camera: NDArray[np.float64]
+    ) -> int | None:
+        if not len(old):
+            return None
+        poses = np.array([keyframes.world_from_keyframe(k) for k in old.tolist()])
+        rows = nearest_views(world_from_camera, poses, self._config)
+        return int(old[rows[0]]) if len(rows) else None

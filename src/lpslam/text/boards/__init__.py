@@ -1,0 +1,1 @@
+"""Which lines are one board, and what each line of it is."""

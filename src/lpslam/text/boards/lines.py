@@ -1,0 +1,117 @@
+"""The lines of a board: pieces of one line side by side are joined, and each line gets its role."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.text.boards.roles import LineShape, roles_of
+from lpslam.text.placing.places import IDEOGRAPHS, Place
+from lpslam.text.types import LandmarkLine
+
+Array = NDArray[np.float64]
+
+
+class _Joint(NamedTuple):
+    """How far two pieces of one line may differ.
+
+    Attributes:
+        height: largest ratio of their letter heights.
+        shift: letter heights that their middles stand out of row.
+        gap: letter heights between them.
+    """
+
+    height: float
+    shift: float
+    gap: float
+
+
+# Between words a space may be wide. Characters that are written without spaces are read in one piece: what stands
+# beside them is another line, unless it looks just the same and all but touches them.
+_WORDS, _UNSPACED = _Joint(1.35, 0.3, 0.9), _Joint(1.15, 0.12, 0.45)
+# Width of a box over its height from which its line runs across: one that runs down has nothing beside it.
+_ACROSS = 0.8
+
+
+def lines_of(board: Sequence[Place]) -> tuple[LandmarkLine, list[LandmarkLine]]:
+    """The line that a board is called by, and all its lines in the order of reading, top to bottom."""
+    reference = max(board, key=lambda each: (each.width * each.height, -each.id))
+    rows = _in_reading_order(board, reference)
+    joined = [piece for row in rows for piece in _pieces(row, reference)]
+    shapes = [_shape(pieces, reference) for pieces in joined]
+    main, roles = roles_of(shapes)
+    lines = [
+        LandmarkLine(
+            text=shape.text,
+            role=role.value,
+            confidence=shape.sure,
+            position=reference.position
+            + reference.baseline * (shape.left + shape.right) / 2.0
+            + reference.down * (shape.top + shape.bottom) / 2.0
+            + reference.normal * float(np.mean([_out(each, reference) for each in pieces])),
+            width=shape.right - shape.left,
+            height=shape.bottom - shape.top,
+            observations=max(each.observations for each in pieces),
+        )
+        for pieces, shape, role in zip(joined, shapes, roles, strict=True)
+    ]
+    return lines[main], lines
+
+
+def _in_reading_order(board: Sequence[Place], reference: Place) -> list[list[Place]]:
+    """Rows from top to bottom, each left to right."""
+    across = {each.id: float((each.position - reference.position) @ reference.baseline) for each in board}
+    down = {each.id: float((each.position - reference.position) @ reference.down) for each in board}
+    rows: list[list[Place]] = []
+    for place in sorted(board, key=lambda each: down[each.id]):
+        # Still the same row while its middle lies within the height of the row's first text.
+        if rows and down[place.id] - down[rows[-1][0].id] < 0.5 * rows[-1][0].height:
+            rows[-1].append(place)
+        else:
+            rows.append([place])
+    return [sorted(row, key=lambda each: across[each.id]) for row in rows]
+
+
+def _pieces(row: Sequence[Place], reference: Place) -> list[list[Place]]:
+    """Split a row into its lines: those of a menu stand side by side too."""
+    lines: list[list[Place]] = []
+    for place in row:
+        if lines and _go_on(lines[-1][-1], place, reference):
+            lines[-1].append(place)
+        else:
+            lines.append([place])
+    return lines
+
+
+def _go_on(first: Place, second: Place, reference: Place) -> bool:
+    is_unspaced = max(first.name[-1:], second.name[:1]) >= IDEOGRAPHS
+    joint = _UNSPACED if is_unspaced else _WORDS
+    letters = sorted((first.letter, second.letter))
+    offset = second.position - first.position
+    gap = float(offset @ reference.baseline) - (first.width + second.width) / 2.0
+    is_across = first.width > _ACROSS * first.height and second.width > _ACROSS * second.height
+    return (
+        is_across
+        and letters[1] <= joint.height * letters[0]
+        and abs(float(offset @ reference.down)) <= joint.shift * letters[1]
+        and gap <= joint.gap * letters[1]
+    )
+
+
+def _shape(pieces: Sequence[Place], reference: Place) -> LineShape:
+    across = [float((each.position - reference.position) @ reference.baseline) for each in pieces]
+    down = [float((each.position - reference.position) @ reference.down) for each in pieces]
+    return LineShape(
+        text=" ".join(each.name for each in pieces),
+        letter=float(np.mean([each.letter for each in pieces])),
+        left=min(x - each.width / 2.0 for x, each in zip(across, pieces, strict=True)),
+        top=min(y - each.height / 2.0 for y, each in zip(down, pieces, strict=True)),
+        right=max(x + each.width / 2.0 for x, each in zip(across, pieces, strict=True)),
+        bottom=max(y + each.height / 2.0 for y, each in zip(down, pieces, strict=True)),
+        sure=float(np.prod([each.confidence for each in pieces])),
+    )
+
+
+def _out(place: Place, reference: Place) -> float:
+    return float((place.position - reference.position) @ reference.normal)

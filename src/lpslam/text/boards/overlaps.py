@@ -1,0 +1,103 @@
+"""One painted text may have become several classes: whole, in pieces, and wrongly. One of them stays.
+
+That two texts are one paint is said by their letters, or by boxes that are all but the same. That something larger is
+read at the spot says nothing: a small line may stand within the width of a large one. And two boxes that one frame
+showed apart are two paints, whatever their places seem to be.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from rapidfuzz import fuzz
+
+from lpslam.config import InstanceConfig
+from lpslam.text.placing.places import Place
+from lpslam.text.remembering.similarity import comparison_key, is_fragment
+
+# A whole text is believed over its fragment with this share of the fragment's evidence: from near, pieces are read.
+_WHOLE_OVER_FRAGMENT = 0.25
+# Two boxes are the same when each covers this share of the other ...
+_SAME_BOX = 0.6
+# ... and two boxes of one frame are apart when they share less than this of the smaller.
+_APART = 0.3
+# Of a text that lies within another, in its row and of its height, this percentage of letters shows a misread piece.
+_PIECE = 50.0
+# Letters of one row differ in height by this factor at most, and their middles by this share of it.
+_ROW_HEIGHT, _ROW_SHIFT = 1.4, 0.35
+
+
+def without_overlaps(places: Sequence[Place], config: InstanceConfig) -> list[Place]:
+    """Of places that are one paint, keep the best founded: whole texts over their fragments, else the most evidence."""
+    standing: list[Place] = []
+    for place in sorted(places, key=lambda each: (-each.evidence * len(comparison_key(each.name)), each.id)):
+        rivals = [rival for rival in standing if _are_one_paint(rival, place, config)]
+        if any(not _outranks(place, rival) for rival in rivals):
+            continue
+        standing = [each for each in standing if each not in rivals]
+        standing.append(place)
+    return sorted(standing, key=lambda each: each.id)
+
+
+def _are_one_paint(first: Place, second: Place, config: InstanceConfig) -> bool:
+    shared = overlap(first, second)
+    if shared <= config.overlap:
+        return False
+    part, whole = sorted((first, second), key=lambda each: len(comparison_key(each.name)))
+    if comparison_key(part.name) == comparison_key(whole.name) or is_fragment(part.name, whole.name):
+        return True
+    if _seen_apart(first, second):
+        return False
+    areas = sorted(each.width * each.height for each in (first, second))
+    if shared >= _SAME_BOX and shared * areas[0] >= _SAME_BOX * areas[1]:
+        return True
+    alike = fuzz.partial_ratio(comparison_key(part.name), comparison_key(whole.name))
+    return _in_one_row(first, second) and alike >= _PIECE
+
+
+def _seen_apart(first: Place, second: Place) -> bool:
+    """Whether a frame showed both, side by side or one above the other."""
+    return any(
+        _share_in_frame(first, second, frame) < _APART for frame in first.sizes_by_frame.keys() & second.sizes_by_frame
+    )
+
+
+def _share_in_frame(first: Place, second: Place, frame: int) -> float:
+    across = second.positions_by_frame[frame] - first.positions_by_frame[frame]
+    return _covered(first, across, first.sizes_by_frame[frame], second.sizes_by_frame[frame])
+
+
+def _in_one_row(first: Place, second: Place) -> bool:
+    letters = sorted((first.letter, second.letter))
+    wide = first if first.width >= second.width else second
+    axis = wide.down if wide.width >= wide.height else wide.baseline
+    shift = abs(float((second.position - first.position) @ axis))
+    return letters[1] <= _ROW_HEIGHT * letters[0] and shift <= _ROW_SHIFT * letters[1]
+
+
+def _outranks(place: Place, rival: Place) -> bool:
+    if is_fragment(rival.name, place.name):
+        return place.evidence >= _WHOLE_OVER_FRAGMENT * rival.evidence
+    if is_fragment(place.name, rival.name):
+        return rival.evidence < _WHOLE_OVER_FRAGMENT * place.evidence
+    return place.evidence > rival.evidence
+
+
+def overlap(first: Place, second: Place) -> float:
+    """Share of the smaller of two texts that the other covers, seen along the first's normal; 0 if not on one surface.
+
+    Surfaces count as one within a quarter of a metre (a text read wrongly is often placed worse too) and 60 degrees.
+    """
+    across = second.position - first.position
+    if abs(across @ first.normal) > 0.25 or first.normal @ second.normal < 0.5:
+        return 0.0
+    return _covered(first, across, (first.width, first.height), (second.width, second.height))
+
+
+def _covered(
+    first: Place, across: np.ndarray, first_sizes: tuple[float, float], second_sizes: tuple[float, float]
+) -> float:
+    covered = 1.0
+    for axis, first_size, second_size in zip((first.baseline, first.down), first_sizes, second_sizes, strict=True):
+        shared = (first_size + second_size) / 2.0 - abs(float(across @ axis))
+        covered *= float(np.clip(shared / max(min(first_size, second_size), 1e-6), 0.0, 1.0))
+    return covered

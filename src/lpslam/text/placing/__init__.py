@@ -1,0 +1,1 @@
+"""Where texts stand, and which are the same thing seen again."""

@@ -1,0 +1,241 @@
+"""The places of long-term texts: where each class stands (III-H), and what it says there."""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from math import exp
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import KDTree
+
+from lpslam.config import InstanceConfig, MemoryConfig
+from lpslam.language.channel import evidence_of, log_likelihood, paint_key
+from lpslam.text.placing.bearings import placed
+from lpslam.text.placing.instances import KeyframePoses, split_places, trimmed_position, world_placements
+from lpslam.text.remembering.evidence import looks_of, readings_of
+from lpslam.text.remembering.memory import TextClass
+from lpslam.text.types import TextObservation
+
+Array = NDArray[np.float64]
+
+# Most log odds by which one name is ahead of another that are believed.
+_SUREST = 7.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Place:
+    """One class at one place.
+
+    Attributes:
+        id: class id times 1000 plus the place's number among those of its class.
+        name: the class's name, or what is read here if that is something else.
+        variants: spellings read here and how often.
+        position: (3,) metres, world.
+        normal, baseline: (3,) unit, world.
+        spread: metres, root mean square distance of kept observations.
+        width, height: metres.
+        positions_by_frame, normals_by_frame: for each frame that saw it, the (3,) world position and normal seen then.
+        grounds_by_frame: for each frame, the (red, green, blue) of the surface around it, where it is known.
+        observations: number of sightings.
+        evidence: sum of their confidences.
+        confidence: 0 to 1, how surely the name is exactly what is painted.
+        inks_by_frame: for each frame, the (red, green, blue) of its letters, where it is known.
+        sizes_by_frame: for each frame, metres of width and height.
+        clear: how far its ground goes on above, right of, below and left of it, in letter heights; None where unknown.
+    """
+
+    id: int
+    name: str
+    variants: dict[str, int]
+    position: Array
+    normal: Array
+    baseline: Array
+    spread: float
+    width: float
+    height: float
+    positions_by_frame: dict[int, Array]
+    normals_by_frame: dict[int, Array]
+    grounds_by_frame: dict[int, tuple[int, int, int]]
+    observations: int
+    evidence: float
+    confidence: float
+    inks_by_frame: dict[int, tuple[int, int, int]] = field(default_factory=dict)
+    sizes_by_frame: dict[int, tuple[float, float]] = field(default_factory=dict)
+    clear: Array | None = None
+
+    @property
+    def letter(self) -> float:
+        """Metres: a line is as high as its letters, one that runs downwards as wide."""
+        return min(self.width, self.height)
+
+    @property
+    def down(self) -> Array:
+        """(3,) unit, across the direction of reading, along the surface."""
+        return np.asarray(np.cross(-self.normal, self.baseline), dtype=np.float64)
+
+
+def places_of_class(
+    text_class: TextClass, world_from_keyframe: KeyframePoses, config: InstanceConfig, memory: MemoryConfig
+) -> list[Place]:
+    """Find the places of one class; none when it was never placed.
+
+    A place seen but once is a slip of depth or of reading, unless the class has no other.
+    """
+    known = [each for each in text_class.observations if world_from_keyframe(each.keyframe) is not None]
+    observations = placed(known, world_from_keyframe, config)
+    positions, normals, baselines = world_placements(observations, world_from_keyframe)
+    for leave_out in (_doubtful, _carried):
+        kept = np.flatnonzero(~leave_out(observations, positions, config))
+        observations = [observations[row] for row in kept]
+        positions, normals, baselines = positions[kept], normals[kept], baselines[kept]
+    if not observations:
+        return []
+    frames = np.array([each.frame for each in observations])
+    groups = list(enumerate(split_places(positions, normals, frames, config)))
+    enough = min(config.min_observations, max(len(rows) for _, rows in groups))
+
+    places = []
+    for number, rows in groups:
+        if len(rows) < enough or not _is_large_enough([observations[row] for row in rows], config):
+            continue
+        position, kept = trimmed_position(positions[rows], config.rounds, config.drop_share)
+        seen = [observations[row] for row in rows]
+        trusted = _on_the_side_seen_most(rows[kept], normals)
+        normal = _mean_direction(normals[trusted])
+        baseline = _mean_direction(baselines[trusted])
+        name, sure = _name_here(text_class, seen, len(groups) > 1, memory)
+        places.append(
+            Place(
+                id=text_class.id * 1000 + number,
+                name=name,
+                variants=dict(Counter(each.text for each in seen).most_common()),
+                position=position,
+                normal=normal,
+                baseline=_mean_direction((baseline - normal * (baseline @ normal))[None]),
+                spread=float(np.sqrt(np.mean(np.sum((positions[rows[kept]] - position) ** 2, axis=1)))),
+                width=float(np.median([observations[row].place.width for row in trusted])),
+                height=float(np.median([observations[row].place.height for row in trusted])),
+                positions_by_frame={observations[row].frame: positions[row] for row in rows},
+                normals_by_frame={observations[row].frame: normals[row] for row in rows},
+                grounds_by_frame={each.frame: each.ground for each in seen if each.ground is not None},
+                observations=len(rows),
+                evidence=sum(each.confidence for each in seen),
+                confidence=sure,
+                inks_by_frame={each.frame: each.ink for each in seen if each.ink is not None},
+                sizes_by_frame={each.frame: (each.placement.width, each.placement.height) for each in seen},
+                clear=_clear(seen),
+            )
+        )
+    return places
+
+
+def _clear(observations: Sequence[TextObservation]) -> Array | None:
+    known = [each.clear for each in observations if each.clear is not None]
+    return np.asarray(np.median(known, axis=0), np.float64) if known else None
+
+
+def _is_large_enough(observations: Sequence[TextObservation], config: InstanceConfig) -> bool:
+    """Whether a text was once seen as large as it takes to be read right."""
+    latin = sum(any(ch.isalpha() and ch < IDEOGRAPHS for ch in each.text) for each in observations)
+    is_latin = 2 * latin >= len(observations)
+    needed = config.min_landmark_height if is_latin else config.min_landmark_height_ideographs
+    return max(each.letter_height for each in observations) >= needed
+
+
+IDEOGRAPHS = "\u2e80"
+"""The first character of the East Asian scripts."""
+
+
+def _doubtful(observations: Sequence[TextObservation], positions: Array, config: InstanceConfig) -> NDArray[np.bool_]:
+    """Which observations (n,) are much less certain than others near: those say where the text stands."""
+    uncertain = np.array([each.place.uncertainty > config.doubtful_uncertainty for each in observations], np.bool_)
+    if uncertain.all() or not uncertain.any():
+        return np.zeros(len(observations), np.bool_)
+    distances, _ = KDTree(positions[~uncertain]).query(positions)
+    return np.asarray(uncertain & (distances < config.doubtful_distance), np.bool_)
+
+
+def _carried(observations: Sequence[TextObservation], positions: Array, config: InstanceConfig) -> NDArray[np.bool_]:
+    """Which observations (n,) move along; visit by visit, since someone may walk by again later.
+
+    Before they are split into places: where few are read, a walker's fall into several.
+    """
+    times = np.array([each.timestamp for each in observations])
+    ordered = np.argsort(times, kind="stable")
+    visits = np.split(ordered, np.flatnonzero(np.diff(times[ordered]) > config.visit_pause) + 1)
+    carried = np.zeros(len(observations), np.bool_)
+    for visit in visits:
+        carried[visit] = _is_carried(positions[visit], times[visit], config)
+    return carried
+
+
+def _is_carried(positions: Array, timestamps: Array, config: InstanceConfig) -> bool:
+    """Whether positions (n, 3) move steadily on with rising time (n,) seconds: a text on someone who walks by.
+
+    Drift moves a text too, but slowly; noise moves it fast, but not far and not steadily; and of equal signs in a row
+    one is read after the other, but each stands while it is read.
+    """
+    if len(positions) < 2 or timestamps[-1] == timestamps[0]:
+        return False
+    elapsed = timestamps - timestamps.mean()
+    velocity = elapsed @ (positions - positions.mean(axis=0)) / float(elapsed @ elapsed)
+    speed = float(np.linalg.norm(velocity))
+    distance = speed * float(np.ptp(timestamps))
+    if speed <= config.carried_speed or distance <= config.carried_distance:
+        return False
+    strayed = np.linalg.norm(positions - positions.mean(axis=0) - elapsed[:, None] * velocity, axis=1)
+    moments = np.flatnonzero(np.diff(timestamps) > 0.0)
+    steps = np.diff(positions, axis=0)[moments] @ (velocity / speed) / np.diff(timestamps)[moments]
+    return bool(np.sqrt(np.mean(strayed**2)) < 0.25 * distance and np.median(steps) > 0.5 * speed)
+
+
+def _on_the_side_seen_most(rows: NDArray[np.intp], normals: Array) -> NDArray[np.intp]:
+    """Of a sign that was seen from both sides, the observations of the side that was seen more often."""
+    same_side = normals[rows] @ normals[rows].T > 0.0
+    most = int(same_side.sum(axis=1).argmax())
+    return np.asarray(rows[same_side[most]], dtype=np.intp)
+
+
+def _mean_direction(directions: Array) -> Array:
+    mean = directions.mean(axis=0)
+    return np.asarray(mean / max(float(np.linalg.norm(mean)), 1e-12), dtype=np.float64)
+
+
+def _name_here(
+    text_class: TextClass, readings: Sequence[TextObservation], stands_elsewhere: bool, config: MemoryConfig
+) -> tuple[str, float]:
+    """The class's name, unless it stands elsewhere too and another one explains what was read here; and how sure it is.
+
+    All places vote for the name together, each for what hangs there: WASHROOM and BATHROOM, MEETING ROOM 1 and 2 may
+    share a class, never a door.
+    """
+    naming = text_class.naming
+    name, sure = (naming.name, naming.confidence) if naming is not None else (text_class.name, 0.5)
+    key = paint_key(name)
+    here = evidence_of(readings_of(looks_of(readings), config))
+    if not stands_elsewhere or not here or not key:
+        return name, sure
+    by_class = log_likelihood(key, here, _looks)
+    # That another name is just this one is as improbable as a slip of an unsure reader would be.
+    by_own = {
+        each: log_likelihood(each.key, here, _looks)
+        + log_likelihood(key, [replace(each, right=0.5, weight=1.0)], _looks)
+        for each in here
+        # Where a mark was read for a letter, there was one.
+        if _looks(each.key) != _looks(key) and not (each.marks and each.key in key)
+    }
+    best = max(by_own, key=lambda each: by_own[each], default=None)
+    if best is None or by_own[best] <= by_class:
+        return name, sure
+    counts = Counter(each.text for each in readings if paint_key(each.text) == best.key)
+    ahead = min(by_own[best] - by_class, _SUREST)
+    return counts.most_common(1)[0][0], best.right / (1.0 + exp(-ahead))
+
+
+def _looks(text: str) -> str:
+    return text.translate(_ALIKE)
+
+
+_ALIKE = str.maketrans("015826!|", "olsbzgll")
+"""Digits and strokes as which letters are read, and the other way round."""

@@ -1,0 +1,116 @@
+"""Which classes have been read at a spot in the world.
+
+The similarity of strings says which readings may be homologous; that they were read at the same spot is evidence of
+another kind, and lets readings join a class that resemble it less.
+"""
+
+from collections import Counter
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.camera import transform_points
+from lpslam.config import ReadingConfig
+from lpslam.text.reading.legibility import SeenSize
+from lpslam.text.remembering.similarity import comparison_key
+from lpslam.text.types import Placement
+
+Array = NDArray[np.float64]
+
+# Sightings remembered; the oldest go first. Positions are those of the time, so old ones may be out of place.
+_CAPACITY = 16384
+
+# Texts overlap when their middles are nearer than this share of the longer along the line, and of the higher across.
+_ALONG_SHARE = 0.5
+_ACROSS_SHARE = 0.6
+
+# Where readings go on differing, so many times the sightings settle a text all the same: more would say no more.
+_PATIENCE = 2
+
+# A class with this share of a spot's sightings is what stands there; the others are slips.
+_LEADING_SHARE = 0.8
+
+
+class Spots:
+    """A table of sightings: class, position, facing and size in the world as it was known then."""
+
+    def __init__(self) -> None:
+        self._classes = np.zeros(0, np.int64)
+        self._keys = np.zeros(0, object)
+        self._positions = np.zeros((0, 3))
+        self._normals = np.zeros((0, 3))
+        self._sizes = np.zeros((0, 2))
+        self._seen = np.zeros((0, 2))
+
+    def classes_at(self, placement: Placement, world_from_keyframe: Array) -> set[int]:
+        """The classes read before where this text stands."""
+        return set(self._classes[self._here(placement, world_from_keyframe)].tolist())
+
+    def settled_at(
+        self,
+        placement: Placement,
+        world_from_keyframe: Array,
+        seen: SeenSize,
+        is_sure: Callable[[int], bool],
+        config: ReadingConfig,
+    ) -> int | None:
+        """The class read here again and again, and nearly as well as it is seen now; None where there is none.
+
+        Args:
+            placement, world_from_keyframe: of the text.
+            seen: how large it is seen now.
+            is_sure: whether the name of a class is sure already: half as many readings are enough then.
+            config: how often a text must have been read alike; twice as often is enough where readings differ, and as
+                often again where they are of several classes.
+        """
+        here = self._here(placement, world_from_keyframe)
+        classes, counts = np.unique(self._classes[here], return_counts=True)
+        if not len(classes) or self._is_better(here, placement, seen, config):
+            return None
+        leading = int(classes[counts.argmax()])
+        sightings = config.settled_sightings
+        if is_sure(leading):
+            sightings = -(-sightings // _PATIENCE)
+        if counts.max() < sightings:
+            return None
+        if counts.max() < _LEADING_SHARE * counts.sum():
+            return leading if counts.max() >= _PATIENCE**2 * sightings else None
+        alike = Counter(self._keys[here].tolist()).most_common(1)[0][1]
+        return leading if alike >= sightings or counts.max() >= _PATIENCE * sightings else None
+
+    def _is_better(self, here: NDArray[np.bool_], placement: Placement, seen: SeenSize, config: ReadingConfig) -> bool:
+        """Whether a text is seen larger or longer than in any reading of it, so that another one may say more."""
+        highest, best = self._seen[here].max(axis=0).tolist()
+        is_larger = best < config.full_size and seen.effective >= min(config.better_size * best, config.full_size)
+        is_larger |= highest < config.believed_height <= seen.height
+        return is_larger or placement.width > config.longer * float(self._sizes[here, 0].max())
+
+    def _here(self, placement: Placement, world_from_keyframe: Array) -> NDArray[np.bool_]:
+        position, baseline, normal = _in_world(placement, world_from_keyframe)
+        offsets = self._positions - position
+        along = offsets @ baseline
+        across = np.linalg.norm(offsets - along[:, None] * baseline, axis=1)
+        lengths = np.maximum(self._sizes[:, 0], placement.width)
+        heights = np.maximum(self._sizes[:, 1], placement.height)
+        overlaps = (np.abs(along) < _ALONG_SHARE * lengths) & (across < _ACROSS_SHARE * heights)
+        # The back of a thin sign may say something else.
+        here: NDArray[np.bool_] = overlaps & (self._normals @ normal > 0.0)
+        return here
+
+    def add(self, identifier: int, text: str, placement: Placement, world_from_keyframe: Array, seen: SeenSize) -> None:
+        """Note a sighting of a class, as what it was read, and how large it was seen."""
+        position, _, normal = _in_world(placement, world_from_keyframe)
+        size = [placement.width, placement.height]
+        self._classes = np.append(self._classes, identifier)[-_CAPACITY:]
+        self._keys = np.append(self._keys, np.array([comparison_key(text)], object))[-_CAPACITY:]
+        self._positions = np.vstack([self._positions, position])[-_CAPACITY:]
+        self._normals = np.vstack([self._normals, normal])[-_CAPACITY:]
+        self._sizes = np.vstack([self._sizes, size])[-_CAPACITY:]
+        self._seen = np.vstack([self._seen, [seen.height, seen.effective]])[-_CAPACITY:]
+
+
+def _in_world(placement: Placement, world_from_keyframe: Array) -> tuple[Array, Array, Array]:
+    position = transform_points(world_from_keyframe, np.array([placement.position]))[0]
+    rotation = world_from_keyframe[:3, :3]
+    return position, rotation @ np.array(placement.baseline), rotation @ np.array(placement.normal)

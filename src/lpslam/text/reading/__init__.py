@@ -1,0 +1,1 @@
+"""How texts in a frame are read, and how well."""

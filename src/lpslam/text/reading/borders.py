@@ -1,0 +1,152 @@
+"""Which texts the image's border cuts off (Fig. 11): they mislead, and wait until the rest is in view.
+
+The paper drops what touches the image's rim. A whole word may stand there too: what matters is whether it goes on
+outside. It does not where a letter's space beyond both of its ends is in the image, or as much of it as is in the image
+is plain ground, and none of its strokes runs into the border.
+"""
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.text.reading.boxes import Boxes, along_the_lines, letter_heights
+
+Image = NDArray[np.uint8]
+Mask = NDArray[np.bool_]
+Pixel = NDArray[np.float64]
+
+_SPACE = 0.5
+"""Box heights beyond an end in which a next letter would begin: wider than the space between two words."""
+
+_LEAST_SPACE = 0.2
+"""Box heights of it that must be seen: with the box's own margin it is wider than the gap between two letters."""
+
+_MARGIN = 0.15
+"""Box heights by which a detected box is grown beyond its letters; so much above and below must be in the image."""
+
+_PIXELS = 24
+"""Height of the box, pixels, at which strokes are looked for."""
+
+_PLAIN = 0.04
+"""Largest share of the pixels beyond an end that may be ink: a single stroke of a letter covers more."""
+
+
+def cut_by_border(rgb: Image, boxes: Boxes) -> Mask:
+    """Tell which (n, 4, 2) boxes hold text that goes on beyond the border of an (h, w, 3) image: (n,)."""
+    cut = np.zeros(len(boxes), np.bool_)
+    if not len(boxes):
+        return cut
+    lines = along_the_lines(boxes)
+    spacious = _grown(lines, letter_heights(boxes)[:, None], _SPACE, _MARGIN)
+    first, last = view_of(rgb)
+    for row in np.flatnonzero(~((spacious >= first) & (spacious <= last)).all(axis=(1, 2))).tolist():
+        cut[row] = _goes_on(rgb, lines[row], first, last)
+    return cut
+
+
+def view_of(rgb: Image) -> tuple[Pixel, Pixel]:
+    """First and last (x, y) of an (h, w, 3) image within the blank frame that rectifying or registering left around it.
+
+    Where there is a frame it is black or white on all four sides, and the line next to it is a mixture.
+    """
+    green = rgb[:, :, 1]
+    sides = np.array([_blank_lines(each) for each in (green.T, green, green.T[::-1], green[::-1])])
+    # A frame is about even: what is blank farther in is the scene itself.
+    sides = np.minimum(sides, sides.min() + _UNEVEN) + 1 if sides.all() else np.zeros(4, np.intp)
+    last = np.array([green.shape[1] - 1, green.shape[0] - 1])
+    return sides[:2].astype(np.float64), (last - sides[2:]).astype(np.float64)
+
+
+def _blank_lines(image: Image) -> int:
+    """How many lines at the top of a grey image (h, w) are white, or black, throughout."""
+    most = int(_WIDEST_FRAME * image.shape[0])
+    for depth in range(most):
+        # Compression leaves traces of the image near the ends of a line.
+        low, high = np.percentile(image[depth], (2, 98))
+        if high > _BLACK and low < _WHITE:
+            return depth
+    return most
+
+
+_WIDEST_FRAME = 0.05
+"""Of a side's length: more than any lens model leaves blank."""
+
+_UNEVEN = 4
+"""Pixels by which one side of the frame may be wider than another."""
+
+_BLACK, _WHITE = 10, 245
+"""Levels of 255 that a blank line stays within, compressed as it is."""
+
+
+def _grown(lines: Boxes, heights: NDArray[np.float64], ends: float, sides: float) -> Boxes:
+    """Lines (n, 4, 2) with so many heights (n, 1) added beyond their ends and beyond their sides."""
+    along = lines[:, 1] + lines[:, 2] - lines[:, 0] - lines[:, 3]
+    across = lines[:, 2] + lines[:, 3] - lines[:, 0] - lines[:, 1]
+    along = along / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-9) * heights * ends
+    across = across / np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-9) * heights * sides
+    steps = np.stack([-along - across, along - across, along + across, across - along], axis=1)
+    return np.asarray(lines + steps, dtype=np.float64)
+
+
+def _goes_on(rgb: Image, line: Boxes, first: Pixel, last: Pixel) -> bool:
+    """Whether the text of a line (4, 2) near the border goes on beyond it."""
+    strip, visible = _surroundings(rgb, line, first, last)
+    space, margin = round(_SPACE * _PIXELS), round(_MARGIN * _PIXELS)
+    ink = _ink(strip, visible, slice(margin, -margin), slice(space, -space)) & visible
+    rows = slice(margin, -margin)
+    ends = (ink[rows, :space][:, ::-1], visible[rows, :space][:, ::-1]), (ink[rows, -space:], visible[rows, -space:])
+    if any(_may_go_on(*end) for end in ends):
+        return True
+    # A box is grown beyond its letters: one whose sides are in view lacks an ascender's tip at most.
+    sides = np.array([line[0] + line[1], line[2] + line[3]]) / 2.0
+    return not ((sides > first) & (sides < last)).all() and _runs_out(ink, visible, margin, space)
+
+
+def _surroundings(rgb: Image, line: Boxes, first: Pixel, last: Pixel) -> tuple[Image, Mask]:
+    """The line and the space around it as a level grey strip, and which of its pixels are in the image."""
+    width = float(np.linalg.norm(line[1] - line[0] + line[2] - line[3])) / 2.0
+    height = max(float(np.linalg.norm(line[3] - line[0] + line[2] - line[1])) / 2.0, 1.0)
+    space, margin = round(_SPACE * _PIXELS), round(_MARGIN * _PIXELS)
+    columns = max(round(width / height * _PIXELS), 1)
+    target = np.array([[0, 0], [columns, 0], [columns, _PIXELS], [0, _PIXELS]], np.float32)
+    target += np.array([space, margin], np.float32)
+    homography = cv2.getPerspectiveTransform(line.astype(np.float32), target)
+    size = columns + 2 * space, _PIXELS + 2 * margin
+    grey = cv2.warpPerspective(
+        cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY), homography, size, flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+    )
+    view = np.zeros(rgb.shape[:2], np.uint8)
+    view[int(first[1]) : int(last[1]) + 1, int(first[0]) : int(last[0]) + 1] = 1
+    inside = cv2.warpPerspective(view, homography, size, flags=cv2.INTER_NEAREST)
+    return np.asarray(grey, dtype=np.uint8), np.asarray(inside > 0, dtype=np.bool_)
+
+
+def _ink(strip: Image, visible: Mask, rows: slice, columns: slice) -> Mask:
+    """Which pixels of a strip are strokes, by the threshold that parts strokes and ground within rows and columns."""
+    inside = strip[rows, columns][visible[rows, columns]]
+    if not len(inside):
+        return np.zeros(strip.shape, np.bool_)
+    threshold, _ = cv2.threshold(inside[None], 0, 255, cv2.THRESH_OTSU)
+    bright = strip > threshold
+    # The ground is what the rim of a box shows: its letters stand in the middle.
+    rim = np.zeros(strip.shape, np.bool_)
+    rim[[rows.start, rows.stop - 1], columns] = True
+    return np.asarray(~bright if bright[rim & visible].mean() > 0.5 else bright, dtype=np.bool_)
+
+
+def _may_go_on(ink: Mask, visible: Mask) -> bool:
+    """Whether a next letter may stand in the space (rows, columns from the end outwards) beyond an end of a text."""
+    seen = int(np.cumprod(visible.mean(axis=0) > 0.9).sum())
+    if seen == visible.shape[1]:
+        return False
+    return seen < _LEAST_SPACE * _PIXELS or float(ink[:, :seen].mean()) > _PLAIN
+
+
+def _runs_out(ink: Mask, visible: Mask, margin: int, space: int) -> bool:
+    """Whether a stroke of the letters runs into the border of the image."""
+    border = visible & (cv2.erode(visible.astype(np.uint8), np.ones((3, 3), np.uint8), borderValue=1) == 0)
+    _, strokes = cv2.connectedComponents(ink.astype(np.uint8), connectivity=8)
+    # Of the letters is what comes through the middle of the line.
+    quarter = _PIXELS // 4
+    letters = np.unique(strokes[margin + quarter : margin + 3 * quarter, space:-space])
+    return bool(np.isin(strokes[border], letters[letters > 0]).any())

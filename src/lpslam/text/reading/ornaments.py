@@ -1,0 +1,113 @@
+"""Ornaments that a reader takes for text: friezes, meanders, arcades, railings.
+
+A pattern explains itself: moved by one period it falls on itself, again and again. A line of text does so by as many
+equal letters as it has in a row, and no word has five; nor does one say the same syllable four times.
+"""
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.text.reading.boxes import Boxes
+from lpslam.text.reading.recognition import rectify
+
+Array = NDArray[np.float64]
+
+_PERIODS = 4.5
+"""Periods from which a strip is a pattern: four equal letters are written (0000), and a box is cut off unevenly."""
+
+_PERIODS_OF_SEVERAL = 3.3
+"""The same where a period holds several pieces: BANANA and WWW have three."""
+
+_PIECES = 1.6
+"""Pieces, parted by gaps, that a period must hold to be of several, in the mean: letters are cracked, or touch."""
+
+_EXPLAINED = 0.8
+"""Correlation of a strip with itself, one period on, from which the period explains two thirds of what varies in it:
+letters that are spaced out evenly and blurred mostly correlate less."""
+
+_DIP = 0.3
+"""Correlation below which a strip must first fall: until then it only shows how thick its strokes are."""
+
+_SAME = 0.9
+"""Share of the highest peak from which an earlier one is the period: two periods fall on each other as well."""
+
+_HEIGHT = 16
+"""Height, pixels, at which strips are compared: strokes of a tenth of it are still seen."""
+
+_TOLERANCE = 0.7
+"""Pixels of such a strip by which strokes are widened before they are compared."""
+
+_GAP = 0.08
+"""Largest share of ink in a column between two letters."""
+
+_LONGEST = 1024
+"""Width, pixels, beyond which a strip is squeezed."""
+
+_FLAT = 0.3
+"""Share of the strongest contrast below which a column at an end is ground."""
+
+
+def are_ornaments(rgb: NDArray[np.uint8], boxes: Boxes) -> NDArray[np.bool_]:
+    """Tell which (n, 4, 2) boxes of an (h, w, 3) image hold a pattern and no text: (n,)."""
+    return np.array([is_pattern(_strip(rgb, box)) for box in boxes], np.bool_)
+
+
+def is_pattern(strip: Array) -> bool:
+    """Whether a strip (height, width), as levels of grey, repeats itself more often than letters do."""
+    # Strokes fall on each other a period on, though seen aslant they are half a pixel beside.
+    periods, correlation = repetition(np.asarray(cv2.GaussianBlur(strip, (0, 0), _TOLERANCE), np.float64))
+    if correlation < _EXPLAINED or periods < _PERIODS_OF_SEVERAL:
+        return False
+    return periods >= _PERIODS or _pieces(strip) >= _PIECES * periods
+
+
+def repetition(strip: Array) -> tuple[float, float]:
+    """How many periods a strip (height, width) has, and its correlation with itself one period on; (1, 0) without."""
+    strip = _without_blank_ends(strip)
+    width = strip.shape[1]
+    correlations = _autocorrelation(strip)[: max(2 * width // 3, 1)]
+    fallen = np.flatnonzero(correlations < _DIP)
+    if not len(fallen):
+        return 1.0, 0.0
+    lags = np.arange(fallen[0] + 1, len(correlations) - 1)
+    before, here, after = correlations[lags - 1], correlations[lags], correlations[lags + 1]
+    lags = lags[(here >= before) & (here >= after)]
+    if not len(lags) or correlations[lags].max() <= 0.0:
+        return 1.0, 0.0
+    period = int(lags[correlations[lags] >= _SAME * correlations[lags].max()][0])
+    return width / period, float(correlations[period])
+
+
+def _strip(rgb: NDArray[np.uint8], box: Boxes) -> Array:
+    line = cv2.cvtColor(rectify(rgb, box, _LONGEST * 3), cv2.COLOR_RGB2GRAY)
+    size = max(round(line.shape[1] * _HEIGHT / line.shape[0]), 2), _HEIGHT
+    return np.asarray(cv2.resize(line, size, interpolation=cv2.INTER_AREA), np.float64)
+
+
+def _pieces(strip: Array) -> int:
+    """How many pieces of ink, parted by gaps, stand in a strip."""
+    strip = _without_blank_ends(strip)
+    levels = np.clip(strip, 0.0, 255.0).astype(np.uint8)
+    threshold, _ = cv2.threshold(levels, 0, 255, cv2.THRESH_OTSU)
+    bright = levels > threshold
+    ink = ~bright if bright[[0, -1]].mean() > 0.5 else bright
+    inked = ink.mean(axis=0) > _GAP
+    return int((np.diff(inked.astype(np.int8), prepend=0) == 1).sum())
+
+
+def _without_blank_ends(strip: Array) -> Array:
+    contrast = np.abs(strip - np.median(strip)).max(axis=0)
+    drawn = np.flatnonzero(contrast > _FLAT * contrast.max())
+    return strip[:, drawn[0] : drawn[-1] + 1] if len(drawn) else strip
+
+
+def _autocorrelation(strip: Array) -> Array:
+    """Correlation (width,) of a strip with itself so many columns on, without what is the same all along a row."""
+    strip = strip - strip.mean(axis=1, keepdims=True)
+    width = strip.shape[1]
+    spectrum = np.fft.rfft(strip, 2 * width, axis=1)
+    products = np.fft.irfft((np.abs(spectrum) ** 2).sum(axis=0), 2 * width)[:width]
+    energy = np.concatenate([[0.0], np.cumsum((strip**2).sum(axis=0))])
+    first, second = energy[width:0:-1], energy[width] - energy[:width]
+    return np.asarray(products / np.sqrt(np.maximum(first * second, 1e-9)), np.float64)

@@ -1,0 +1,1 @@
+"""What was read, remembered as classes with names (III-C to III-E)."""

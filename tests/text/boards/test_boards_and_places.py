@@ -1,0 +1,336 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from lpslam.config import InstanceConfig, MemoryConfig
+from lpslam.language.model import Naming
+from lpslam.text.boards.boards import boards
+from lpslam.text.boards.lines import lines_of
+from lpslam.text.boards.overlaps import overlap, without_overlaps
+from lpslam.text.placing.places import Place, places_of_class
+from lpslam.text.remembering.memory import Pool, TextClass, Variant
+from lpslam.text.types import Placement, TextObservation
+
+CONFIG, MEMORY = InstanceConfig(), MemoryConfig()
+
+
+def place(
+    identifier: int,
+    name: str,
+    x: float,
+    y: float,
+    *,
+    width: float = 1.0,
+    height: float = 0.2,
+    count: int = 10,
+    frames: range | None = None,
+    z: float = 3.0,
+    normal: tuple[float, float, float] = (0.0, 0.0, -1.0),
+) -> Place:
+    """A text on a wall before the camera: x right, y down."""
+    position = np.array([x, y, z])
+    # A pose error that all texts of a frame share, far larger than the gaps between lines.
+    shake = np.random.default_rng(5).normal(scale=0.3, size=(100, 3))
+    return Place(
+        id=identifier,
+        name=name,
+        variants={name: count},
+        position=position,
+        normal=np.array(normal),
+        baseline=np.array([1.0, 0.0, 0.0]),
+        spread=0.02,
+        width=width,
+        height=height,
+        positions_by_frame={frame: position + shake[frame] for frame in (frames or range(count))},
+        normals_by_frame={frame: np.array(normal) for frame in (frames or range(count))},
+        grounds_by_frame={},
+        observations=count,
+        evidence=0.95 * count,
+        confidence=0.95,
+    )
+
+
+def names(groups: list[list[Place]]) -> list[list[str]]:
+    """What boards say, line by line."""
+    return [[line.text for line in lines_of(group)[1]] for group in groups]
+
+
+def test_lines_of_a_bilingual_board_are_joined_top_to_bottom() -> None:
+    found = boards([place(0, "STARBUCKS", 0, 0.3, height=0.15), place(1000, "星巴克", 0.1, 0.0, width=0.8)], CONFIG)
+    assert names(found) == [["星巴克", "STARBUCKS"]]
+
+
+def test_words_of_a_line_are_joined_left_to_right() -> None:
+    words = [place(0, "HUT", 0.95, 0.01, width=0.6), place(1000, "PIZZA", 0.0, 0.0), place(2000, "必胜客", 0.4, -0.25)]
+    assert names(boards(words, CONFIG)) == [["必胜客", "PIZZA HUT"]]
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        place(1000, "DOOR", 0.0, 0.9),  # far below
+        place(1000, "NEXT SHOP", 1.6, 0.0),  # the neighbour on the same fascia
+        place(1000, "BEHIND", 0.0, 0.25, z=3.4),  # on another surface
+        place(1000, "TURNED", 0.0, 0.25, normal=(-0.8, 0.0, -0.6)),
+    ],
+)
+def test_what_is_not_on_the_board_stays_apart(other: Place) -> None:
+    assert len(boards([place(0, "STARBUCKS", 0.0, 0.0), other], CONFIG)) == 2
+
+
+def test_lines_never_seen_together_are_joined_by_where_they_stand() -> None:
+    lines = [place(0, "ATM", 0, 0), place(1000, "自动取款机", 0, 0.25, frames=range(50, 60))]
+    assert names(boards(lines, CONFIG)) == [["ATM", "自动取款机"]]
+
+
+def test_no_places_no_boards() -> None:
+    assert boards([], CONFIG) == []
+
+
+def test_overlap_is_of_the_smaller() -> None:
+    whole, half = place(0, "STARBUCKS", 0.0, 0.0), place(1, "STAR", -0.25, 0.0, width=0.5)
+    assert overlap(whole, half) == pytest.approx(1.0)
+    assert overlap(whole, place(1, "STAR", -0.5, 0.0, width=0.5)) == pytest.approx(0.5)
+    assert overlap(whole, place(1, "STAR", -0.25, 0.0, width=0.5, z=3.5)) == 0.0
+    assert overlap(whole, place(1, "STAR", -0.25, 0.0, width=0.5, normal=(0, 0, 1))) == 0.0
+
+
+def test_fragments_and_misreadings_yield_to_the_text_that_stands_there() -> None:
+    whole = place(0, "STARBUCKS", 0.0, 0.0)
+    fragment = place(1000, "STARB", -0.2, 0.0, width=0.6, count=25)
+    misreading = place(2000, "5TPREJGE5", 0.0, 0.02, count=3)
+    below = place(3000, "COFFEE", 0.0, 0.4)
+    assert [each.name for each in without_overlaps([fragment, misreading, below, whole], CONFIG)] == [
+        "STARBUCKS",
+        "COFFEE",
+    ]
+
+
+def test_a_longer_text_read_once_in_a_while_does_not_replace_a_sure_one() -> None:
+    sure, odd = place(0, "KFC", 0.0, 0.0, count=30), place(1000, "KFC lll", 0.05, 0.0, count=2)
+    assert [each.name for each in without_overlaps([sure, odd], CONFIG)] == ["KFC"]
+
+
+def observations(text: str, x: float, count: int, first: int = 0, right: float = 0.9) -> list[TextObservation]:
+    placement = Placement((x, 0.0, 3.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0), 0.8, 0.2, 0.01)
+    return [
+        TextObservation(first + number, 0.1 * number, number, text, 0.9, placement, 24.0, right=right)
+        for number in range(count)
+    ]
+
+
+def text_class(seen: list[TextObservation], name: str) -> TextClass:
+    variants: dict[str, Variant] = {}
+    for each in seen:
+        variant = variants.setdefault(each.text, Variant())
+        variant.count, variant.confidence = variant.count + 1, variant.confidence + each.confidence
+    naming = Naming(name, 1.0, "", "test")
+    return TextClass(7, 0.0, 1.0, variants, 5.0, Pool.LONG_TERM, 0.5, [], seen, naming, len(seen))
+
+
+def world(_: int) -> NDArray[np.float64]:
+    return np.eye(4)
+
+
+def test_each_place_of_a_class_is_a_place_with_a_stable_id() -> None:
+    seen = (
+        observations("EXIT", 0.0, 5) + observations("EXIT", 9.0, 4, first=20) + observations("EX1T", 4.0, 1, first=40)
+    )
+    found = places_of_class(text_class(seen, "EXIT"), world, CONFIG, MEMORY)
+    assert [(each.id, each.observations) for each in found] == [(7000, 5), (7001, 4)]
+    longer = places_of_class(text_class(seen + observations("EXIT", 20.0, 3, first=60), "EXIT"), world, CONFIG, MEMORY)
+    assert [each.id for each in longer] == [7000, 7001, 7003]
+
+
+def test_a_class_seen_once_still_stands_somewhere() -> None:
+    assert len(places_of_class(text_class(observations("EXIT", 0.0, 1), "EXIT"), world, CONFIG, MEMORY)) == 1
+    assert (
+        places_of_class(
+            replace(text_class(observations("EXIT", 0.0, 1), "EXIT"), observations=[]), world, CONFIG, MEMORY
+        )
+        == []
+    )
+
+
+def test_another_word_at_another_place_keeps_its_own_name() -> None:
+    seen = observations("WASHROOM", 0.0, 6) + observations("BATHROOM", 8.0, 4) + observations("WASHR0OM", 16.0, 4)
+    found = places_of_class(text_class(seen, "WASHROOM"), world, CONFIG, MEMORY)
+    assert [each.name for each in found] == ["WASHROOM", "BATHROOM", "WASHROOM"]
+
+
+def test_rooms_that_differ_in_a_digit_keep_their_numbers() -> None:
+    seen = observations("MEETING ROOM 2", 0.0, 6) + observations("MEETING ROOM 1", 8.0, 3)
+    seen += observations("MEETING ROOM!", 8.0, 2, right=0.5) + observations("MEETING ROOME", 8.0, 1, right=0.5)
+    found = places_of_class(text_class(seen, "MEETING ROOM 2"), world, CONFIG, MEMORY)
+    assert [each.name for each in found] == ["MEETING ROOM 2", "MEETING ROOM 1"]
+
+
+def carried(speed: float, seconds: float = 2.0, count: int = 12) -> TextClass:
+    """A class read again and again while it moves along at `speed` metres a second."""
+    text_class = TextClass(0, 0.0, seconds)
+    rng = np.random.default_rng(4)
+    for number in range(count):
+        elapsed = seconds * number / (count - 1)
+        x, y, z = rng.normal([speed * elapsed, 0.0, 2.0], 0.02)
+        placement = Placement((x, y, z), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0), 0.4, 0.1, 0.01)
+        text_class.observations.append(TextObservation(number, elapsed, 0, "STAFF", 0.9, placement, 24.0))
+    text_class.variants["STAFF"] = Variant(count, 0.9 * count)
+    return text_class
+
+
+@pytest.mark.parametrize(("speed", "stands"), [(0.0, True), (0.8, False), (1.4, False)])
+def test_a_text_on_someone_who_walks_by_is_no_landmark(speed: float, stands: bool) -> None:
+    assert bool(places_of_class(carried(speed), lambda _: np.eye(4), InstanceConfig(), MEMORY)) == stands
+
+
+def test_drift_over_a_minute_is_no_walk() -> None:
+    assert places_of_class(carried(0.01, 60.0), lambda _: np.eye(4), InstanceConfig(), MEMORY)
+
+
+def test_lines_on_different_grounds_are_two_boards() -> None:
+    first, second = place(0, "COMPUTER", 0.0, 0.0), place(1000, "DAEDALUS", 0.0, 0.12)
+    assert len(boards([first, second], InstanceConfig())) == 1
+    black, purple = dict.fromkeys(range(9), (20, 20, 25)), dict.fromkeys(range(9), (130, 60, 140))
+    on_two = [replace(first, grounds_by_frame=black), replace(second, grounds_by_frame=purple)]
+    assert len(boards(on_two, InstanceConfig())) == 2
+
+
+def test_a_text_never_seen_large_enough_is_no_landmark() -> None:
+    text_class = carried(0.0)
+    text_class.observations = [replace(each, letter_height=12.0) for each in text_class.observations]
+    assert places_of_class(text_class, lambda _: np.eye(4), InstanceConfig(), MEMORY) == []
+    # What would do for Latin letters does not for digits, as which small Chinese is read.
+    of_digits = [replace(each, letter_height=17.0, text="80") for each in text_class.observations]
+    text_class.observations = [replace(each, letter_height=17.0) for each in text_class.observations]
+    assert places_of_class(text_class, lambda _: np.eye(4), InstanceConfig(), MEMORY)
+    text_class.observations = of_digits
+    assert places_of_class(text_class, lambda _: np.eye(4), InstanceConfig(), MEMORY) == []
+
+
+def test_lines_of_a_sign_with_two_sides_are_one_board_whichever_side_showed_them_more() -> None:
+    back = (0.0, 0.0, 1.0)
+    cashier = place(0, "CASHIER", 0, 0.22, height=0.18, frames=range(20, 33))
+    # From the front only the second line could be read; from behind both.
+    cashier = replace(
+        cashier,
+        normals_by_frame={frame: np.array([0.0, 0.0, 1.0 if frame >= 28 else -1.0]) for frame in range(20, 33)},
+    )
+    chinese = place(1000, "收银台", 0.0, 0.0, height=0.25, frames=range(28, 45), z=3.07, normal=back)
+    chinese = replace(chinese, baseline=-chinese.baseline)
+    assert names(boards([cashier, chinese], CONFIG)) == [["收银台", "CASHIER"]]
+    never_from_behind = place(0, "CASHIER", 0, 0.22, height=0.18, frames=range(20, 28))
+    assert names(boards([never_from_behind, chinese], CONFIG)) == [["CASHIER"], ["收银台"]]
+
+
+def test_a_sign_read_in_one_line_with_its_neighbour_keeps_its_number() -> None:
+    seen = observations("MEETING ROOM 2", 0.0, 6) + observations("MEETING ROOM 1", 8.0, 3, first=20)
+    slips = ["MEETING ROOM!", "MEETING ROOM E", "MEETING ROOME"]
+    joined = ["Enjoy Every Day[MEETING ROOM ]", "Enjoy Every Da MEETING ROOM", "Every Day MEETING ROOM!"]
+    for number, text in enumerate(slips + joined):
+        seen += observations(text, 8.0, 1, first=30 + number, right=0.3)
+    found = places_of_class(text_class(seen, "MEETING ROOM 2"), world, CONFIG, MEMORY)
+    assert [each.name for each in found] == ["MEETING ROOM 2", "MEETING ROOM 1"]
+
+
+def test_columns_of_a_board_are_joined_and_those_of_two_signs_are_not() -> None:
+    """A line that runs downwards is as wide as its letters: what is near is measured by these."""
+    first, second = (
+        place(0, "药房", 0.0, 0.0, width=0.2, height=0.8),
+        place(1000, "营业中", 0.3, 0.0, width=0.2, height=0.8),
+    )
+    assert len(boards([first, second], CONFIG)) == 1
+    neighbour = place(1000, "茶馆", 0.7, 0.0, width=0.2, height=0.8)
+    assert len(boards([first, neighbour], CONFIG)) == 2
+
+
+def test_someone_who_walks_by_twice_is_no_landmark() -> None:
+    text_class = carried(1.2, seconds=0.7, count=5)
+    again = [replace(each, timestamp=each.timestamp + 60.0, frame=each.frame + 900) for each in text_class.observations]
+    text_class.observations += again
+    assert places_of_class(text_class, lambda _: np.eye(4), InstanceConfig(), MEMORY) == []
+
+
+@pytest.mark.parametrize("count", [4, 5])
+def test_someone_who_is_read_but_twice_a_second_is_no_landmark(count: int) -> None:
+    """At a walking pace one reading is three quarters of a metre from the next: they fall into places of one or two."""
+    text_class = carried(1.5, seconds=0.5 * (count - 1), count=count)
+    assert places_of_class(text_class, lambda _: np.eye(4), InstanceConfig(), MEMORY) == []
+
+
+def test_a_sign_that_someone_walked_by_stands() -> None:
+    text_class = carried(0.0)
+    walker = carried(1.2, seconds=0.7, count=5)
+    text_class.observations += [replace(each, timestamp=each.timestamp + 30.0) for each in walker.observations]
+    (found,) = places_of_class(text_class, lambda _: np.eye(4), InstanceConfig(), MEMORY)
+    assert found.observations == 12
+    assert found.position == pytest.approx([0.0, 0.0, 2.0], abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("name", "here", "count"),
+    [("WOMEN", "MEN", 3), ("EXIT 2", "EXIT", 3), ("GAO", "GAP", 2), ("女洗手间", "男洗手间", 2)],
+)
+def test_few_readings_that_agree_name_a_door_against_its_neighbour(name: str, here: str, count: int) -> None:
+    seen = observations(name, 0.0, 6) + observations(here, 8.0, count)
+    found = places_of_class(text_class(seen, name), world, CONFIG, MEMORY)
+    assert [each.name for each in found] == [name, here]
+
+
+def test_unsure_slips_at_one_place_do_not_rename_what_another_place_says() -> None:
+    seen = observations("霜口組", 0.0, 10) + observations("數口组", 8.0, 2, right=0.3)
+    found = places_of_class(text_class(seen, "霜口組"), world, CONFIG, MEMORY)
+    assert [each.name for each in found] == ["霜口組", "霜口組"]
+
+
+@pytest.mark.parametrize("signs", [2, 3, 4])
+def test_equal_signs_in_a_row_stand_though_each_is_read_after_the_other(signs: int) -> None:
+    walk = carried(0.0, seconds=0.35 * signs, count=3 * signs)
+    walk.observations = [
+        replace(each, placement=replace(each.placement, position=(2.0 * (n // 3), 0.0, 2.0 + 0.01 * (n % 3))))
+        for n, each in enumerate(walk.observations)
+    ]
+    assert len(places_of_class(walk, lambda _: np.eye(4), InstanceConfig(), MEMORY)) == signs
+
+
+def test_a_slogan_and_a_number_in_small_letters_are_lines_of_their_board() -> None:
+    lines = [
+        place(0, "VELMORA", 0, 0, height=0.4),
+        place(1000, "fine quills", 0, 0.35, height=0.12),
+        place(2000, "5550 19420", 0, 0.65, height=0.12),
+    ]
+    assert names(boards(lines, CONFIG)) == [["VELMORA", "fine quills", "5550 19420"]]
+
+
+def test_an_edge_between_two_texts_makes_two_boards() -> None:
+    open_ground, rim = np.array([2.5, 2.5, 2.5, 2.5]), np.array([0.3, 0.3, 0.3, 0.3])
+    first, second = place(0, "VELMORA", 0, 0), place(1000, "OSTERBY", 0, 0.4)
+    assert len(boards([replace(each, clear=open_ground) for each in (first, second)], CONFIG)) == 1
+    assert len(boards([replace(each, clear=rim) for each in (first, second)], CONFIG)) == 2
+
+
+def test_shops_of_one_wall_stay_apart_though_each_is_near_the_next() -> None:
+    grounds = [(200, 40, 40), (40, 160, 60), (230, 220, 60)]
+    shops = [
+        replace(place(1000 * row, name, 1.1 * row, 0), grounds_by_frame=dict.fromkeys(range(9), grounds[row]))
+        for row, name in enumerate(("VELMORA", "OSTERBY", "TANSY"))
+    ]
+    assert names(boards(shops, CONFIG)) == [["VELMORA"], ["OSTERBY"], ["TANSY"]]
+
+
+def test_uneven_light_on_one_board_does_not_split_it() -> None:
+    bright, dim = dict.fromkeys(range(9), (205, 30, 37)), dict.fromkeys(range(9), (87, 13, 16))
+    lines = [
+        replace(place(0, "VELMORA", 0, 0), grounds_by_frame=bright),
+        replace(place(1000, "fine quills", 0, 0.22), grounds_by_frame=dim),
+    ]
+    assert len(boards(lines, CONFIG)) == 1
+
+
+def test_entries_side_by_side_are_no_name() -> None:
+    entries = [place(1000 * row, name, 0.6 * row, 0, width=0.38) for row, name in enumerate(("米湯", "梅餅", "竹茶"))]
+    (menu,) = boards(entries, CONFIG)
+    named, lines = lines_of(menu)
+    assert [(line.text, line.role) for line in lines] == [("米湯", "list"), ("梅餅", "list"), ("竹茶", "list")]
+    assert named.text == "米湯"

@@ -1,0 +1,58 @@
+"""Which of the texts that seem to stand in one spot are one paint."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from lpslam.config import InstanceConfig
+from lpslam.text.boards.overlaps import without_overlaps
+from lpslam.text.placing.places import Place
+
+CONFIG = InstanceConfig()
+
+
+def place(identifier: int, name: str, x: float, y: float, width: float, height: float, count: int = 10) -> Place:
+    """A text on a wall before the camera, never seen in a frame with another."""
+    position = np.array([x, y, 3.0])
+    normal, baseline = np.array([0.0, 0.0, -1.0]), np.array([1.0, 0.0, 0.0])
+    empty: dict[int, np.ndarray] = {}
+    return Place(
+        identifier, name, {name: count}, position, normal, baseline, 0.02, width, height, empty, empty, {}, count,
+        0.95 * count, 0.95,
+    )  # fmt: skip
+
+
+def seen_in(place: Place, frame: int, x: float, y: float) -> Place:
+    return replace(
+        place,
+        positions_by_frame={frame: np.array([x, y, 3.0])},
+        sizes_by_frame={frame: (place.width, place.height)},
+    )
+
+
+def kept(*places: Place) -> set[str]:
+    return {each.name for each in without_overlaps(list(places), CONFIG)}
+
+
+def test_a_small_line_within_the_width_of_a_large_one_stands() -> None:
+    assert kept(place(0, "永順木工", 0, 0, 2.0, 0.5, 40), place(1000, "VEX", 0.6, 0.02, 0.3, 0.15, 16)) == {
+        "永順木工",
+        "VEX",
+    }
+
+
+def test_a_number_whose_place_overlaps_another_line_stands() -> None:
+    other = place(1000, "5550-1942", 0.1, 0.09, 0.9, 0.2, 8)
+    assert kept(place(0, "修繕粉刷", 0, 0, 1.2, 0.2, 20), other) == {"修繕粉刷", "5550-1942"}
+
+
+def test_what_one_frame_showed_side_by_side_are_two_texts() -> None:
+    first, second = place(0, "LUMO", 0, 0, 0.5, 0.2, 20), place(1000, "LIMA", 0.05, 0, 0.5, 0.2)
+    assert kept(first, second) == {"LUMO"}
+    assert kept(seen_in(first, 7, 0, 0), seen_in(second, 7, 0.6, 0)) == {"LUMO", "LIMA"}
+
+
+def test_a_misread_piece_of_a_long_line_is_dropped() -> None:
+    assert kept(place(0, "MARLOWE GARDENS", 0, 0, 2.0, 0.2, 30), place(1000, "WE GARQEMS", 0.4, 0, 1.2, 0.2, 5)) == {
+        "MARLOWE GARDENS"
+    }

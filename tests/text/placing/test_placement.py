@@ -1,0 +1,225 @@
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from lpslam.camera import PinholeCamera, transform_points
+from lpslam.config import PlacementConfig
+from lpslam.text.placing.placement import PlacementFault, place_text
+from lpslam.text.types import Placement
+
+CAMERA = PinholeCamera(640, 480, 570.0, 570.0, 321.0, 238.0)
+CONFIG = PlacementConfig()
+Array = NDArray[np.float64]
+
+
+def turned(degrees: float) -> Array:
+    angle = np.radians(degrees)
+    return np.array([[np.cos(angle), 0, np.sin(angle)], [0, 1, 0], [-np.sin(angle), 0, np.cos(angle)]])
+
+
+def sign(centre: Array, yaw: float, width: float = 0.6, height: float = 0.15) -> tuple[Array, Array, Array]:
+    """A sign's corners in space and image, and its normal."""
+    rotation = turned(yaw)
+    local = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]) * [width / 2, height / 2, 0]
+    corners = centre + local @ rotation.T
+    return corners, CAMERA.project(corners), -rotation[:, 2]
+
+
+def wall_depth(centre: Array, normal: Array, noise: float = 0.0, seed: int = 0) -> NDArray[np.float32]:
+    columns, rows = np.meshgrid(np.arange(640.0), np.arange(480.0))
+    rays = np.stack([(columns - CAMERA.cx) / CAMERA.fx, (rows - CAMERA.cy) / CAMERA.fy, np.ones_like(rows)], axis=-1)
+    depth = (centre @ normal) / (rays @ normal)
+    depth[(depth < 0.3) | (depth > 8.0)] = 0.0
+    error = np.random.default_rng(seed).normal(size=depth.shape) * (0.0007 + noise * depth**2) * (noise > 0)
+    return np.where(depth > 0, depth + error, 0.0).astype(np.float32)
+
+
+def placed(box: Array, depth: NDArray[np.float32], pose: Array | None = None) -> Placement:
+    result = place_text(box, depth, CAMERA, np.eye(4) if pose is None else pose, CONFIG)
+    assert isinstance(result, Placement)
+    return result
+
+
+@pytest.mark.parametrize("yaw", [-60.0, -30.0, 0.0, 45.0])
+def test_a_sign_on_a_wall_is_placed_exactly(yaw: float) -> None:
+    centre = np.array([0.2, -0.3, 2.5])
+    _, box, normal = sign(centre, yaw)
+    placement = placed(box, wall_depth(centre, normal))
+    assert placement.position == pytest.approx(centre, abs=1e-3)
+    assert placement.normal == pytest.approx(normal, abs=1e-3)
+    assert placement.baseline == pytest.approx(turned(yaw)[:, 0], abs=1e-3)
+    assert (placement.width, placement.height) == pytest.approx((0.6, 0.15), abs=2e-3)
+
+
+def test_sensor_noise_is_averaged_out() -> None:
+    centre = np.array([-0.4, -0.5, 4.0])
+    _, box, normal = sign(centre, 35.0)
+    errors = [
+        np.linalg.norm(placed(box, wall_depth(centre, normal, 0.0022, seed)).position - centre) for seed in range(10)
+    ]
+    # One pixel's depth is 36 mm off here.
+    assert max(errors) < 0.015
+
+
+def test_an_occluder_and_holes_do_not_move_it() -> None:
+    centre = np.array([0.0, 0.0, 3.0])
+    _, box, normal = sign(centre, 20.0)
+    depth = wall_depth(centre, normal, 0.0022)
+    left, right = box[:, 0].min(), box[:, 0].max()
+    depth[:, int(left) : int(left + 0.35 * (right - left))] = 1.2
+    depth[::3] = 0.0
+    depth[1::7] = np.nan
+    assert placed(box, depth).position == pytest.approx(centre, abs=0.02)
+
+
+def test_it_hangs_on_the_keyframe() -> None:
+    centre = np.array([0.1, -0.2, 2.0])
+    _, box, normal = sign(centre, -25.0)
+    keyframe_from_camera = np.eye(4)
+    keyframe_from_camera[:3, :3], keyframe_from_camera[:3, 3] = turned(40.0), [1.0, -0.5, 2.0]
+    placement = placed(box, wall_depth(centre, normal), keyframe_from_camera)
+    assert placement.position == pytest.approx(transform_points(keyframe_from_camera, centre[None])[0], abs=1e-3)
+    assert placement.normal == pytest.approx(turned(40.0) @ normal, abs=1e-3)
+
+
+def test_raw_pixels_of_a_distorting_lens_are_straightened() -> None:
+    import cv2
+
+    coefficients = (0.26, -0.95, -0.005, 0.003, 1.16)
+    camera = PinholeCamera(640, 480, 517.3, 516.5, 318.6, 255.3, distortion=coefficients)
+    local = np.array([[-0.3, -0.1, 0], [0.3, -0.1, 0], [0.3, 0.1, 0], [-0.3, 0.1, 0]])
+    centre = np.array([1.0, -0.6, 2.5])
+    raw = cv2.projectPoints(centre + local, np.zeros(3), np.zeros(3), camera.matrix, np.array(coefficients))[0][:, 0]
+    depth = np.full((480, 640), 2.5, np.float32)
+    placement = place_text(raw, depth, camera, np.eye(4), CONFIG)
+    assert isinstance(placement, Placement)
+    assert placement.position == pytest.approx(centre, abs=2e-3)
+
+
+def test_a_ragged_surface_falls_back_to_the_median() -> None:
+    _, box, _ = sign(np.array([0.0, 0.0, 3.0]), 0.0)
+    depth = np.random.default_rng(0).uniform(2.0, 4.0, (480, 640)).astype(np.float32)
+    placement = placed(box, depth)
+    assert placement.position[2] == pytest.approx(3.0, abs=0.15)
+    assert placement.normal == pytest.approx((0, 0, -1), abs=0.01)
+    assert placement.uncertainty > placed(box, np.full((480, 640), 3.0, np.float32)).uncertainty
+
+
+@pytest.mark.parametrize("value", [0.0, np.nan, 60.0])
+def test_no_usable_depth_is_a_fault(value: float) -> None:
+    _, box, _ = sign(np.array([0.0, 0.0, 3.0]), 0.0)
+    depth = np.full((480, 640), value, np.float32)
+    assert place_text(box, depth, CAMERA, np.eye(4), CONFIG) is PlacementFault.NO_DEPTH
+
+
+def test_a_grazing_surface_is_a_fault() -> None:
+    centre = np.array([0.0, 0.0, 3.0])
+    _, box, normal = sign(centre, 84.0, width=1.0)
+    assert place_text(box, wall_depth(centre, normal), CAMERA, np.eye(4), CONFIG) is PlacementFault.GRAZING
+
+
+@pytest.mark.parametrize("yaw", [0.0, 40.0, -40.0])
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_a_text_that_goes_on_behind_a_pillar_is_refused(yaw: float, side: str) -> None:
+    centre = np.array([0.0, 0.0, 4.0])
+    _, box, normal = sign(centre, yaw)
+    depth = wall_depth(centre, normal, 0.0022)
+    if side == "left":
+        depth[:, : int(box[:, 0].min()) - 2] = 2.5
+    else:
+        depth[:, int(box[:, 0].max()) + 2 :] = 2.5
+    assert place_text(box, depth, CAMERA, np.eye(4), CONFIG) is PlacementFault.HIDDEN
+
+
+def test_what_lies_behind_or_hardly_before_a_sign_does_not_hide_it() -> None:
+    centre = np.array([0.0, 0.0, 3.0])
+    _, box, normal = sign(centre, 0.0)
+    left, right = int(box[:, 0].min()) - 2, int(box[:, 0].max()) + 2
+    for beyond in (5.0, 2.95, 0.0):
+        depth = wall_depth(centre, normal, 0.0022)
+        depth[:, :left] = depth[:, right:] = beyond
+        assert placed(box, depth).position == pytest.approx(centre, abs=0.01)
+
+
+def test_a_thin_sign_a_hand_before_the_wall_hides_what_is_behind_it() -> None:
+    centre = np.array([0.0, 0.0, 5.5])
+    _, box, normal = sign(centre, 0.0)
+    depth = wall_depth(centre, normal, 0.0022)
+    depth[:, int(box[:, 0].max()) + 2 :] -= 0.25
+    assert place_text(box, depth, CAMERA, np.eye(4), CONFIG) is PlacementFault.HIDDEN
+
+
+@pytest.mark.parametrize("step", [-0.4, 0.4])
+def test_two_signs_that_look_like_one_line_are_no_text(step: float) -> None:
+    centre = np.array([0.0, 0.0, 3.0])
+    _, box, normal = sign(centre, 0.0, width=1.0)
+    depth = wall_depth(centre, normal, 0.0022)
+    first = int(box[:, 0].min() + 0.35 * np.ptp(box[:, 0]))
+    depth[:, :first] += step
+    assert isinstance(place_text(box, depth, CAMERA, np.eye(4), CONFIG), PlacementFault)
+
+
+def test_a_box_that_reaches_over_the_edge_of_its_board_is_placed_on_the_board() -> None:
+    centre = np.array([0.0, 0.0, 3.0])
+    _, box, normal = sign(centre, 0.0, width=1.0)
+    depth = wall_depth(centre, normal, 0.0022)
+    depth[:, : int(box[:, 0].min() + 0.05 * np.ptp(box[:, 0]))] += 0.4
+    assert placed(box, depth).position == pytest.approx(centre, abs=0.02)
+
+
+def test_a_glossy_sign_hangs_on_the_wall_around_it() -> None:
+    centre = np.array([0.2, -0.3, 3.0])
+    _, box, normal = sign(centre, 25.0)
+    depth = wall_depth(centre, normal, 0.0022)
+    (left, top), (right, bottom) = box.min(axis=0).astype(int), box.max(axis=0).astype(int)
+    depth[top : bottom + 1, left : right + 1] = 0.0
+    placement = placed(box, depth)
+    assert placement.position == pytest.approx(centre, abs=0.02)
+    assert placement.normal == pytest.approx(normal, abs=0.05)
+
+
+def test_where_depth_fails_the_maps_points_say_where_a_sign_hangs() -> None:
+    centre = np.array([0.2, -0.3, 3.0])
+    _, box, normal = sign(centre, 25.0)
+    local = np.random.default_rng(0).uniform(-1.0, 1.0, (40, 3)) * [0.7, 0.5, 0.0]
+    on_wall, strays = centre + local @ turned(25.0).T, centre + np.array([[0.1, 0.2, 1.0], [0.0, 0.2, -1.0]])
+    none = np.zeros((480, 640), np.float32)
+
+    def points() -> Array:
+        return np.vstack([on_wall, strays])
+
+    placement = place_text(box, none, CAMERA, np.eye(4), CONFIG, points)
+    assert isinstance(placement, Placement)
+    assert placement.position == pytest.approx(centre, abs=0.02)
+    assert placement.normal == pytest.approx(normal, abs=0.05)
+    assert place_text(box, none, CAMERA, np.eye(4), CONFIG, lambda: on_wall[:4]) is PlacementFault.NO_DEPTH
+
+
+def test_points_scattered_in_space_are_no_surface() -> None:
+    _, box, _ = sign(np.array([0.0, 0.0, 3.0]), 0.0)
+    scattered = np.random.default_rng(1).uniform([-1.0, -1.0, 1.5], [1.0, 1.0, 6.0], (60, 3))
+    none = np.zeros((480, 640), np.float32)
+    assert place_text(box, none, CAMERA, np.eye(4), CONFIG, lambda: scattered) is PlacementFault.NO_DEPTH
+
+
+def test_a_vertical_line_before_a_nearer_wall_is_not_hidden_and_one_cut_off_below_is() -> None:
+    """A blade sign across the wall: what lies left of its letters is nearer, and hides none of them."""
+    centre = np.array([0.0, 0.0, 4.0])
+    _, box, normal = sign(centre, 0.0, width=0.15, height=0.8)
+    depth = wall_depth(centre, normal, 0.0022)
+    depth[:, : int(box[:, 0].min()) - 2] = 2.5
+    assert placed(box, depth).position == pytest.approx(centre, abs=0.01)
+    depth = wall_depth(centre, normal, 0.0022)
+    depth[int(box[:, 1].max()) + 2 :] = 2.5
+    assert place_text(box, depth, CAMERA, np.eye(4), CONFIG) is PlacementFault.HIDDEN
+
+
+@pytest.mark.parametrize("side", ["left", "above"])
+def test_a_sign_beyond_the_sensors_reach_does_not_hang_on_what_is_beside_it(side: str) -> None:
+    _, box, _ = sign(np.array([0.0, 0.0, 7.0]), 0.0, width=1.2, height=0.3)
+    depth = np.zeros((480, 640), np.float32)
+    if side == "left":
+        depth[:, : int(box[:, 0].min())] = 3.0
+    else:
+        depth[: int(box[:, 1].min())] = 3.0
+    assert place_text(box, depth, CAMERA, np.eye(4), CONFIG) is PlacementFault.NO_DEPTH

@@ -1,0 +1,93 @@
+import cv2
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from lpslam.text.reading.borders import cut_by_border, view_of
+
+WHITE, BLACK, BLUE = (235, 235, 235), (25, 25, 25), (40, 60, 150)
+HEIGHT, WIDTH = 240, 320
+
+
+def seen(
+    text: str, left: int, top: int, scale: float = 1.2, ink: tuple[int, ...] = BLACK, ground: tuple[int, ...] = WHITE
+) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
+    """A window on a wall with a text painted on it, whose letters begin at (left, top), and its box as detected."""
+    (width, height), _ = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, scale, 3)
+    wall = np.full((HEIGHT + 400, WIDTH + 1200, 3), ground, np.uint8)
+    cv2.putText(wall, text, (left + 600, top + 200 + height), cv2.FONT_HERSHEY_SIMPLEX, scale, ink, 3, cv2.LINE_AA)
+    grown = 0.25 * height
+    box = np.array([[left, top], [left + width, top], [left + width, top + height], [left, top + height]], float)
+    box += np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * grown
+    window = wall[200 : 200 + HEIGHT, 600 : 600 + WIDTH]
+    return np.ascontiguousarray(window), np.clip(box, 0.0, [WIDTH - 1.0, HEIGHT - 1.0])
+
+
+@pytest.mark.parametrize("colours", [(BLACK, WHITE), (WHITE, BLACK), (BLUE, BLACK), (WHITE, BLUE)])
+@pytest.mark.parametrize(("left", "top"), [(20, 100), (20, 6), (100, 6), (100, 203), (150, 100)])
+def test_a_whole_text_in_the_margin_is_kept(
+    left: int, top: int, colours: tuple[tuple[int, ...], tuple[int, ...]]
+) -> None:
+    image, box = seen("COFFEE", left, top, ink=colours[0], ground=colours[1])
+    assert cut_by_border(image, box[None]).tolist() == [False]
+
+
+@pytest.mark.parametrize(
+    ("text", "left", "top"),
+    [
+        ("COFFEE", -30, 100),
+        ("COFFEE", -23, 100),
+        ("COFFEE", 200, 100),
+        ("STARBUCKS", 220, 100),
+        ("COFFEE", 100, -10),
+        ("COFFEE", 100, 222),
+    ],
+)
+def test_a_text_that_goes_on_outside_is_cut(text: str, left: int, top: int) -> None:
+    image, box = seen(text, left, top)
+    assert cut_by_border(image, box[None]).tolist() == [True]
+
+
+def test_the_first_word_of_two_is_cut_where_the_next_would_begin_outside() -> None:
+    (width, _), _ = cv2.getTextSize("GRAND", cv2.FONT_HERSHEY_SIMPLEX, 1.2, 3)
+    image, box = seen("GRAND", WIDTH - width - 2, 100)
+    assert cut_by_border(image, box[None]).tolist() == [True]
+
+
+def test_a_text_with_room_around_it_is_not_looked_at() -> None:
+    blank = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
+    box = np.array([[100, 100], [200, 100], [200, 130], [100, 130]], float)
+    assert cut_by_border(blank, box[None]).tolist() == [False]
+    assert cut_by_border(blank, np.zeros((0, 4, 2))).shape == (0,)
+
+
+def test_a_line_that_runs_downwards_is_cut_at_its_foot_and_not_beside() -> None:
+    image, box = seen("COFFEE", 40, 100)
+    turned, corners = np.rot90(image, -1), np.column_stack([HEIGHT - 1 - box[:, 1], box[:, 0]])
+    # Turned clockwise, the line runs downwards; its box begins at the upper left corner all the same.
+    assert cut_by_border(np.ascontiguousarray(turned), np.roll(corners, 1, axis=0)[None]).tolist() == [False]
+    image, box = seen("COFFEE", 200, 100)
+    turned, corners = np.rot90(image, -1), np.column_stack([HEIGHT - 1 - box[:, 1], box[:, 0]])
+    assert cut_by_border(np.ascontiguousarray(turned), np.roll(corners, 1, axis=0)[None]).tolist() == [True]
+
+
+def test_what_stands_above_the_letters_does_not_cut_them() -> None:
+    image, box = seen("think", 100, 14, ink=WHITE, ground=BLACK)
+    cv2.ellipse(image, (145, 60), (120, 57), 0, 180, 360, WHITE, 2)
+    assert cut_by_border(image, box[None]).tolist() == [False]
+
+
+@pytest.mark.parametrize("level", [255, 0])
+def test_a_blank_frame_around_the_image_is_no_ground(level: int) -> None:
+    image, box = seen("COFFEE", -20, 100, ground=(200, 190, 180))
+    # Rectified as recordings are, the same picture stands in a frame of blank pixels.
+    framed = cv2.copyMakeBorder(image, 8, 8, 9, 9, cv2.BORDER_CONSTANT, value=(level, level, level))
+    assert [each.tolist() for each in view_of(image)] == [[0, 0], [WIDTH - 1, HEIGHT - 1]]
+    assert [each.tolist() for each in view_of(np.asarray(framed, np.uint8))] == [[10, 9], [WIDTH + 7, HEIGHT + 6]]
+    assert cut_by_border(np.asarray(framed, np.uint8), box[None] + (9.0, 8.0)).tolist() == [True]
+
+
+def test_a_blank_wall_at_one_side_is_no_frame() -> None:
+    image, _ = seen("COFFEE", 100, 100, ground=(200, 190, 180))
+    image[:12] = 255
+    assert [each.tolist() for each in view_of(image)] == [[0, 0], [WIDTH - 1, HEIGHT - 1]]

@@ -1,0 +1,176 @@
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+import pytest
+
+from lpslam.frames import RgbdFrame
+from lpslam.slam.state import TrackedFrame, TrackingState
+from lpslam.text.reading.reading_thread import ReadingThread
+
+
+class Mapper:
+    """Reads when it is let; fails at one frame if told to."""
+
+    def __init__(self, fails_at: int = -1) -> None:
+        self.read_frames: list[int] = []
+        self.threads: set[str] = set()
+        self.let = threading.Semaphore(0)
+        self.is_reading = threading.Event()
+        self._fails_at = fails_at
+
+    def wants(self, frame: RgbdFrame, tracked: TrackedFrame) -> bool:
+        return tracked.is_tracked
+
+    def read(self, frame: RgbdFrame, tracked: TrackedFrame) -> None:
+        self.is_reading.set()
+        assert self.let.acquire(timeout=10)
+        self.threads.add(threading.current_thread().name)
+        if frame.index == self._fails_at:
+            raise ValueError("broken reader")
+        self.read_frames.append(frame.index)
+
+
+def frame(index: int, is_tracked: bool = True) -> tuple[RgbdFrame, TrackedFrame]:
+    pose = np.eye(4) if is_tracked else None
+    seen = RgbdFrame(index, index / 30, np.zeros((2, 2, 3), np.uint8), np.zeros((2, 2), np.float32))
+    return seen, TrackedFrame(index, index / 30, TrackingState.TRACKING, 0, pose, pose, 100, False)
+
+
+@contextmanager
+def at_most(seconds: float) -> Iterator[None]:
+    started = time.monotonic()
+    yield
+    assert time.monotonic() - started < seconds
+
+
+def test_every_frame_is_read_in_order_on_a_thread_of_its_own() -> None:
+    mapper = Mapper()
+    mapper.let.release(20)
+    with ReadingThread(mapper, 20) as reader:
+        for index in range(20):
+            reader.observe(*frame(index))
+    assert mapper.read_frames == list(range(20))
+    assert mapper.threads == {"reading"}
+    assert reader.dropped == 0
+
+
+def test_a_full_queue_drops_the_oldest_counts_it_and_never_waits() -> None:
+    mapper = Mapper()
+    with ReadingThread(mapper, 3) as reader:
+        reader.observe(*frame(0))
+        assert mapper.is_reading.wait(10), "frame 0 is being read and no longer queued"
+        with at_most(1.0):
+            for index in range(1, 11):
+                reader.observe(*frame(index))
+        mapper.let.release(100)
+    assert mapper.read_frames == [0, 8, 9, 10]
+    assert reader.dropped == 7
+
+
+def test_frames_that_are_not_worth_reading_take_no_place() -> None:
+    mapper = Mapper()
+    mapper.let.release(10)
+    with ReadingThread(mapper, 1) as reader:
+        for index in range(10):
+            reader.observe(*frame(index, is_tracked=False))
+    assert mapper.read_frames == []
+    assert reader.dropped == 0
+
+
+def test_an_error_is_raised_at_the_next_frame_and_not_only_after_hours() -> None:
+    mapper = Mapper(fails_at=0)
+    mapper.let.release(10)
+    offered: list[int] = []
+
+    def run() -> None:
+        with ReadingThread(mapper, 1000) as reader:
+            for index in range(1000):
+                reader.observe(*frame(index))
+                offered.append(index)
+                time.sleep(0.005)
+
+    with pytest.raises(ValueError, match="broken reader"):
+        run()
+    assert len(offered) < 1000
+
+
+def test_an_error_in_the_last_frame_is_raised_on_leaving() -> None:
+    mapper = Mapper(fails_at=0)
+
+    def run() -> None:
+        with ReadingThread(mapper, 3) as reader:
+            reader.observe(*frame(0))
+            mapper.let.release()
+
+    with pytest.raises(ValueError, match="broken reader"):
+        run()
+
+
+def test_an_exception_on_its_way_abandons_the_queue_and_waits_for_nobody() -> None:
+    mapper = Mapper()
+
+    def run() -> None:
+        with ReadingThread(mapper, 3) as reader:
+            for index in range(3):
+                reader.observe(*frame(index))
+            assert mapper.is_reading.wait(10)
+            raise KeyboardInterrupt
+
+    with at_most(5.0), pytest.raises(KeyboardInterrupt):
+        run()
+    mapper.let.release(10)
+    time.sleep(0.1)
+    assert mapper.read_frames == [0], "what was queued is not read"
+
+
+def test_entering_and_leaving_without_a_frame_ends_the_thread() -> None:
+    before = threading.active_count()
+    for _ in range(20):
+        with at_most(2.0), ReadingThread(Mapper(), 1):
+            pass
+    assert threading.active_count() == before
+
+
+def test_who_waits_for_a_place_loses_no_frame() -> None:
+    mapper = Mapper()
+    with ReadingThread(mapper, 3) as reader:
+        reader.observe(*frame(0))
+        assert mapper.is_reading.wait(10)
+        for index in range(1, 4):
+            reader.observe(*frame(index))
+        threading.Timer(0.2, mapper.let.release, [100]).start()
+        started = time.monotonic()
+        reader.wait_for_place()
+        assert time.monotonic() - started > 0.1
+        reader.observe(*frame(4))
+    assert mapper.read_frames == [0, 1, 2, 3, 4]
+    assert reader.dropped == 0
+
+
+def test_nobody_waits_for_a_place_with_a_reader_that_broke() -> None:
+    mapper = Mapper(fails_at=0)
+    reader = ReadingThread(mapper, 1)
+    reader.__enter__()
+    reader.observe(*frame(0))
+    assert mapper.is_reading.wait(10)
+    reader.observe(*frame(1))
+    mapper.let.release()
+    with at_most(5.0):
+        reader.wait_for_place()
+    with pytest.raises(ValueError, match="broken reader"):
+        reader.observe(*frame(2))
+
+
+def test_what_is_abandoned_is_not_read_and_counted() -> None:
+    mapper = Mapper()
+    with ReadingThread(mapper, 5) as reader:
+        for index in range(4):
+            reader.observe(*frame(index))
+        assert mapper.is_reading.wait(10)
+        reader.abandon()
+        mapper.let.release(100)
+    assert mapper.read_frames == [0]
+    assert reader.dropped == 3
