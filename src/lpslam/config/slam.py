@@ -146,7 +146,7 @@ class SurfaceConfig(Section):
     told_share: float = Field(default=0.33, gt=0)  # of the guess's sigma; images that tell no better do not hold
     least_noise: float = Field(
         default=0.4, gt=0
-    )  # of the sensor's sigma: what the median of nine readings leaves of it
+    )  # of the supposed sigma: the median of nine readings leaves so much
     renewed_share: float = Field(default=0.8, gt=0, le=1)  # of the reference in view; less, and the next one is taken
     held_seconds: float = Field(default=10.0, ge=0)  # for which images alone tell the way; they drift by a twentieth
 
