@@ -133,10 +133,11 @@ def run(
         raise UserError("where should the map go? give --output MAP.lpmap (or --localize MAP to use one as it is)")
     else:
         refuse_foreign_file(output)
-        refuse_old_map(output, force)
     if live and sequential:
         raise UserError("--live and --sequential exclude each other: a camera does not wait for reading")
     refuse_overwriting(output, trajectory, continued or localize)
+    if output is not None:
+        refuse_old_map(output, force)
     settings = config_of(config)
     frames = InOrder(open_source(source, camera, max_frames, settings.calibration))
     base = map_for(localize, continued, frames.camera, settings)

@@ -67,14 +67,14 @@ def evaluate_recording(
         UserError: the recording cannot be opened or has no ground truth.
     """
     source = open_source(folder, camera_file)
+    truth = read_ground_truth(folder)
+    if truth is None:
+        raise UserError(f"{folder} has no ground truth; looked for groundtruth.txt or frame-NNNNNN.pose.txt")
     frames, mapped = len(source), world.trajectory.frame_count
     if mapped > frames and not world.trajectory.session:
         raise UserError(
             f"the map is of {mapped} frames, and {folder} has {frames}: it was made of {world.source}; give that one"
         )
-    truth = read_ground_truth(folder)
-    if truth is None:
-        raise UserError(f"{folder} has no ground truth; looked for groundtruth.txt or frame-NNNNNN.pose.txt")
     return evaluate(world, truth, read_signs(folder), frames, config)
 
 
