@@ -10,6 +10,7 @@ import typer
 from lpslam._version import __version__
 from lpslam.cli_calibrate import calibrate
 from lpslam.cli_checks import config_of, map_for, refuse_overwriting, refuse_with_fronts, refuse_with_localize
+from lpslam.cli_sources import Color, Depth, From, Info, To, convert, sources, topics_and_span
 from lpslam.cli_runs import (
     INTERRUPTED,
     call_to_its_end,
@@ -64,6 +65,8 @@ def main() -> None:
 
 
 app.command()(calibrate)
+app.command()(convert)
+app.command()(sources)
 
 
 @app.callback(invoke_without_command=True)
@@ -77,7 +80,7 @@ def _options(version: Annotated[bool, typer.Option("--version", help="Print the 
 def run(
     source: Annotated[
         Path,
-        typer.Argument(metavar="SOURCE", help="Folder of a recording: TUM RGB-D or 7-Scenes.", show_default=False),
+        typer.Argument(metavar="SOURCE", help="A ROS bag or a folder; see 'lpslam sources'.", show_default=False),
     ],
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="MAP.lpmap", help="Where the map goes.")
@@ -102,6 +105,11 @@ def run(
     ] = False,
     no_text: Annotated[bool, typer.Option("--no-text", help="Track and map only; read nothing.")] = False,
     max_frames: Annotated[int | None, typer.Option("--max-frames", min=1, help="Use only the first N frames.")] = None,
+    start: From = None,
+    end: To = None,
+    color: Color = None,
+    depth: Depth = None,
+    info: Info = None,
     llm: Llm = None,
     config: ConfigFile = None,
     as_json: Json = False,
@@ -127,7 +135,9 @@ def run(
         raise UserError("--live and --sequential exclude each other: a camera does not wait for reading")
     refuse_overwriting(output, trajectory, continued or localize)
     settings = config_of(config)
-    frames = InOrder(open_source(source, camera, max_frames, settings.calibration))
+    frames = InOrder(
+        open_source(source, camera, max_frames, settings.calibration, topics_and_span(color, depth, info, start, end))
+    )
     base = map_for(localize, continued, frames.camera, settings)
     if localize is not None and trajectory is not None:
         localise_recording(frames, base, settings, localize, trajectory, text=not no_text, as_json=as_json)

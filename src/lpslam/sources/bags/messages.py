@@ -21,7 +21,11 @@ COMPRESSED = "sensor_msgs/msg/CompressedImage"
 CAMERA_INFO = "sensor_msgs/msg/CameraInfo"
 TRANSFORMS = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
 EXTRINSICS = ("realsense2_camera_msgs/msg/Extrinsics", "realsense2_camera/msg/Extrinsics")
-_FOXGLOVE = {"foxglove.RawImage": IMAGE, "foxglove.CompressedImage": COMPRESSED, "foxglove.CameraCalibration": CAMERA_INFO}
+_FOXGLOVE = {
+    "foxglove.RawImage": IMAGE,
+    "foxglove.CompressedImage": COMPRESSED,
+    "foxglove.CameraCalibration": CAMERA_INFO,
+}
 _DEFINITIONS = {
     "tf/msg/tfMessage": "geometry_msgs/TransformStamped[] transforms",
     "realsense_msgs/msg/StreamInfo": "uint32 fps\nstring encoding\nbool is_recommended",
@@ -55,7 +59,9 @@ def decoded(message: Message) -> Any:
             return _from_json(json.loads(message.data))
     except Exception as error:
         # Damaged bytes fail in as many ways as there are fields.
-        raise BadMessageError(f"a message of {message.topic.name} cannot be decoded ({type(error).__name__})") from error
+        raise BadMessageError(
+            f"a message of {message.topic.name} cannot be decoded ({type(error).__name__})"
+        ) from error
     raise BadMessageError(f"{message.topic.name} is in an encoding that is not known; record it as ROS messages")
 
 

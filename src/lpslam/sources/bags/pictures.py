@@ -110,9 +110,13 @@ def _rows(message: Any, dtype: str, channels: int) -> Any:
     step = step or length
     data = np.frombuffer(memoryview(message.data), np.uint8)
     if step < length or len(data) < step * (height - 1) + length:
-        raise BadImageError(f"a picture has {len(data)} bytes; {width}×{height} of {message.encoding} need {step * height}")
+        raise BadImageError(
+            f"a picture has {len(data)} bytes; {width}×{height} of {message.encoding} need {step * height}"
+        )
     rows = np.lib.stride_tricks.as_strided(data, (height, length), (step, 1), writeable=False)
-    pixels = np.ascontiguousarray(rows).view(kind).reshape((height, width, channels) if channels > 1 else (height, width))
+    pixels = (
+        np.ascontiguousarray(rows).view(kind).reshape((height, width, channels) if channels > 1 else (height, width))
+    )
     return pixels if pixels.dtype.isnative else pixels.astype(kind.newbyteorder("="))
 
 

@@ -149,7 +149,9 @@ def _camera(
         )
     assert info is not None
     try:
-        return camera_of(message, f"{container.path}: {info.name}", is_rectified=picture.is_rectified, depth_scale=scale)
+        return camera_of(
+            message, f"{container.path}: {info.name}", is_rectified=picture.is_rectified, depth_scale=scale
+        )
     except UserError:
         if is_needed:
             raise

@@ -4,6 +4,7 @@ import logging
 from bisect import bisect_left
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -75,7 +76,7 @@ class BagSource:
         if not self._logged:
             raise UserError(f"{container.path}: no colour picture lies between --from and --to ({len(times)} in all)")
         self._by_log = self._stamps_are_missing()
-        self.camera: PinholeCamera = replace(self._rig.colour, fps=_rate(self._logged))
+        self.camera: PinholeCamera = replace(self._rig.colour, fps=self._rate())
         self.notes = tuple(self._rig.notes)
         self.listed_times: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
         for note in self.notes:
@@ -154,7 +155,9 @@ class BagSource:
         """Pictures of both kinds with the times at which they were taken."""
         names = [self._colour, self._depth, *self._metadata]
         messages = self._container.messages(names, start, end)
-        timed = realsense.with_capture_times(messages, self._metadata) if self._metadata else ((m, None) for m in messages)
+        timed = (
+            realsense.with_capture_times(messages, self._metadata) if self._metadata else ((m, None) for m in messages)
+        )
         for message, taken in timed:
             stamp = self._stamp(message) if taken is None else taken
             yield Stamped(stamp / _SECOND, message.topic.name == self._depth, message)
@@ -185,6 +188,13 @@ class BagSource:
             logger.warning("%s: its pictures carry no time of their own; the times of recording are used", self.name)
         return is_missing
 
+    def _rate(self) -> float:
+        """Frames a second, by what lies between the first ones; 30 where that is no camera's."""
+        colours = (each for each in self._stamped(self._start, self._end) if not each.is_depth)
+        stamps = [each.timestamp for each in islice(colours, _RATED)]
+        between = float(np.median(np.diff(stamps))) if len(stamps) > 2 else 0.0
+        return round(1 / between, 3) if 1 / 300 < between < 2 else 30.0
+
     def _decoded(self, index: int, pair: Paired[Message]) -> RgbdFrame:
         if pair.fault:
             raise BadImageError(pair.fault)
@@ -204,16 +214,10 @@ class BagSource:
 
 _STAMPS = 3
 """Pictures whose stamps are compared."""
+_RATED = 9
+"""Frames that tell how many come in a second."""
 
 
 def _refuse_size(what: str, found: tuple[int, ...], wanted: tuple[int, int]) -> None:
     if found != wanted:
         raise BadImageError(f"its {what} is {found[1]}×{found[0]}; the camera is {wanted[1]}×{wanted[0]}")
-
-
-def _rate(logged: list[int]) -> float:
-    """Frames a second, of what lies between most of them; 30 where that is no camera's."""
-    if len(logged) < 3:
-        return 30.0
-    between = float(np.median(np.diff(np.array(logged, np.int64)))) / _SECOND
-    return round(1 / between, 3) if 1 / 300 < between < 2 else 30.0

@@ -124,9 +124,7 @@ def _pictures(container: Container) -> list[PictureTopic]:
     return [PictureTopic(topic, first) for topic, first in firsts if first is not None]
 
 
-def _asked(
-    container: Container, pictures: list[PictureTopic], name: str | None, option: str
-) -> PictureTopic | None:
+def _asked(container: Container, pictures: list[PictureTopic], name: str | None, option: str) -> PictureTopic | None:
     if name is None:
         return None
     found = next((each for each in pictures if each.name == name or each.name == f"/{name}"), None)

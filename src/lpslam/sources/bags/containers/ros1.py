@@ -108,7 +108,9 @@ class Ros1Bag:
                 except GeneratorExit:
                     raise
                 except Exception as error:
-                    self.damage.note(f"it is cut off or damaged {_megabytes(begun)} from its beginning ({_said(error)})")
+                    self.damage.note(
+                        f"it is cut off or damaged {_megabytes(begun)} from its beginning ({_said(error)})"
+                    )
                     return
         self.damage.note("it has no index, as after a power failure")
 

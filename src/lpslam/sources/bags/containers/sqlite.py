@@ -40,7 +40,9 @@ class Ros2Database:
         except sqlite3.DatabaseError:
             rows = self._tables_or_refusal()
         self._ids = {str(name): int(row) for row, name, _, _ in rows}
-        self.topics = tuple(Topic(str(name), ros2_type(str(kind)), _encoding(str(form))) for _, name, kind, form in rows)
+        self.topics = tuple(
+            Topic(str(name), ros2_type(str(kind)), _encoding(str(form))) for _, name, kind, form in rows
+        )
         # Rows are recorded in order; only where they are not does the index of times decide.
         self._is_whole = self._can_be_walked()
 
