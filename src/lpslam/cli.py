@@ -10,7 +10,6 @@ import typer
 from lpslam._version import __version__
 from lpslam.cli_calibrate import calibrate
 from lpslam.cli_checks import config_of, map_for, refuse_overwriting, refuse_with_fronts, refuse_with_localize
-from lpslam.cli_sources import Color, Depth, From, Info, To, convert, sources, topics_and_span
 from lpslam.cli_runs import (
     INTERRUPTED,
     call_to_its_end,
@@ -19,6 +18,7 @@ from lpslam.cli_runs import (
     render_simulation,
     say_usage,
 )
+from lpslam.cli_sources import Color, Depth, From, Info, To, convert, sources, topics_and_span
 from lpslam.views.printed import (
     facts_of,
     landmark_records,

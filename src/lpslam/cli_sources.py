@@ -56,14 +56,13 @@ def convert(
     info: Info = None,
 ) -> None:
     """Write a recording as a TUM RGB-D folder or as MCAP (ROS 2 messages), without loss."""
-    from lpslam.sources.in_order import InOrder
     from lpslam.sources.open import open_source
     from lpslam.sources.writing import written
     from lpslam.views.notes import fault_notes
     from lpslam.views.printed import print_table, say
     from lpslam.views.run_progress import counting
 
-    frames = InOrder(open_source(source, camera, max_frames, options=topics_and_span(color, depth, info, start, end)))
+    frames = open_source(source, camera, max_frames, options=topics_and_span(color, depth, info, start, end))
     with counting("writing") as progress:
         count = written(frames, output, progress)
     for note in fault_notes(frames.faults):

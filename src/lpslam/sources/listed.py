@@ -20,7 +20,9 @@ Picture = tuple[NDArray[np.uint8], NDArray[np.float32]]
 class Decode(Protocol):
     """Gives colour (height, width, 3) and depth (h, w) in metres of the frame of a number, or a `BadImageError`."""
 
-    def __call__(self, number: int) -> Picture: ...
+    def __call__(self, number: int) -> Picture:
+        """The frame of a number."""
+        ...
 
 
 class ListedSource:

@@ -159,9 +159,8 @@ def _opened(
         if found is None and place.is_file():
             raise UserError(f"{place} is a file; give the folder of a recording ({_signs()}), or {BAGS}")
         if found is None:
-            raise UserError(
-                f"{place} is no recording that is known: looked for {_signs()}, or {BAGS}; 'lpslam sources' lists all{_hint(place)}"
-            )
+            looked_for = f"looked for {_signs()}, or {BAGS}; 'lpslam sources' lists all"
+            raise UserError(f"{place} is no recording that is known: {looked_for}{_hint(place)}")
         if options.topics != TopicChoice():
             raise UserError(f"{place} has no topics; --color, --depth and --info are for bags")
         if not options.is_cut:
@@ -177,9 +176,7 @@ def _refuse_span(options: SourceOptions) -> None:
         if seconds is not None and not 0 <= seconds < float("inf"):
             raise UserError(f"{name} is {seconds:g}; it is seconds from the first frame, 0 or more")
     if options.start is not None and options.end is not None and options.end <= options.start:
-        raise UserError(
-            f"--to {options.end:g} must come after --from {options.start:g}; both count from the first frame"
-        )
+        raise UserError(f"--to {options.end:g} must come after --from {options.start:g}; both count seconds")
 
 
 def _say(source: RecordedSource, doubts: list[Doubt]) -> None:

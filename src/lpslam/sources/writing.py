@@ -161,7 +161,7 @@ class _McapSink:
         self._write(_DEPTH, nanoseconds, types[self._kinds[_DEPTH]](header, height, width, encoding, 0, step, data))
 
     def finish(self) -> None:
-        self._writer.finish()
+        self._writer.finish()  # type: ignore[no-untyped-call]
         self._file.close()
 
     def _write(self, topic: str, nanoseconds: int, message: Any) -> None:

@@ -76,6 +76,6 @@ def _five(
 def _numbers(info: Any, name: str) -> list[float]:
     value = getattr(info, name, None)
     if value is None:
-        value = getattr(info, name.upper(), ())
-    numbers = [float(number) for number in value]
+        value = getattr(info, name.upper(), None)
+    numbers = [float(number) for number in (() if value is None else value)]
     return numbers if np.isfinite(numbers).all() else []

@@ -8,7 +8,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 
-@njit(nogil=True, cache=True)  # type: ignore[untyped-decorator]
+@njit(nogil=True, cache=True)
 def decode_rvl(words: NDArray[np.uint32], pixels: NDArray[np.uint16]) -> bool:
     """Decode into `pixels` (n,); False where the data end too early or hold too much.
 
@@ -26,7 +26,7 @@ def decode_rvl(words: NDArray[np.uint32], pixels: NDArray[np.uint16]) -> bool:
                     return False
                 nibble = (words[position >> 3] >> np.uint32(28 - 4 * (position & 7))) & np.uint32(15)
                 position += 1
-                run |= np.int64(nibble & np.uint32(7)) << shift
+                run |= int(nibble & np.uint32(7)) << shift
                 shift += 3
                 more = (nibble & np.uint32(8)) != 0
             if run > len(pixels) - filled:
@@ -42,7 +42,7 @@ def decode_rvl(words: NDArray[np.uint32], pixels: NDArray[np.uint16]) -> bool:
                         return False
                     nibble = (words[position >> 3] >> np.uint32(28 - 4 * (position & 7))) & np.uint32(15)
                     position += 1
-                    value |= np.int64(nibble & np.uint32(7)) << shift
+                    value |= int(nibble & np.uint32(7)) << shift
                     shift += 3
                     more = (nibble & np.uint32(8)) != 0
                 previous += (value >> 1) ^ -(value & 1)

@@ -3,6 +3,7 @@
 The layout: https://github.com/ScanNet/ScanNet/tree/master/SensReader (version 4, little-endian).
 """
 
+import itertools
 import struct
 import zlib
 from pathlib import Path
@@ -105,6 +106,6 @@ def _offsets(file: BinaryIO, path: Path) -> list[tuple[int, int, int, int]]:
 
 def _times(taken: list[int]) -> tuple[list[float], tuple[str, ...]]:
     seconds = [each / 1e6 for each in taken]
-    if len(seconds) > 1 and all(later > earlier for earlier, later in zip(seconds, seconds[1:], strict=False)):
+    if len(seconds) > 1 and all(later > earlier for earlier, later in itertools.pairwise(seconds)):
         return seconds, ()
     return [number / RATE for number in range(len(taken))], (f"its frames carry no times: {RATE:g} a second are taken",)

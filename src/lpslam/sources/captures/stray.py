@@ -33,8 +33,8 @@ def open_capture(folder: Path, camera_file: Path | None, max_frames: int | None,
     except ValueError as error:
         raise UserError(f"{folder / 'camera_matrix.csv'}: expected the nine numbers of a 3×3 matrix") from error
     width, height = video.size
-    focal = (float(matrix[row]) for row in ((0, 0), (1, 1), (0, 2), (1, 2)))
-    camera = PinholeCamera(width, height, *focal, depth_scale=_MILLIMETRES)
+    fx, fy, cx, cy = (float(matrix[row]) for row in ((0, 0), (1, 1), (0, 2), (1, 2)))
+    camera = PinholeCamera(width, height, fx, fy, cx, cy, depth_scale=_MILLIMETRES)
     depths = numbered(folder / "depth", (".png",))
     sure = numbered(folder / "confidence", (".png",)) if (folder / "confidence").is_dir() else {}
     stamps, notes = _stamps(folder / "odometry.csv", min(video.count, len(depths)))

@@ -69,7 +69,7 @@ def _corner_rays(camera: PinholeCamera) -> NDArray[np.float64]:
     return np.ascontiguousarray(rays.reshape(camera.height + 1, camera.width + 1, 3))
 
 
-@njit(nogil=True, cache=True, fastmath=False)  # type: ignore[untyped-decorator]
+@njit(nogil=True, cache=True, fastmath=False)
 def _splat(
     depth: Depth,
     rotated: NDArray[np.float64],

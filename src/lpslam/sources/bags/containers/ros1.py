@@ -130,7 +130,7 @@ class Ros1Bag:
 
 
 def _record(file: BinaryIO | BytesIO) -> tuple[Header, bytes]:
-    header = Header.read(file)  # type: ignore[arg-type]
+    header = Header.read(file)
     prefix = file.read(4)
     length = struct.unpack("<I", prefix)[0]
     if length > _LARGEST_RECORD:

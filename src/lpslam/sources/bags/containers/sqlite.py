@@ -7,6 +7,7 @@ import sqlite3
 from collections.abc import Collection, Iterator
 from contextlib import closing
 from pathlib import Path
+from typing import Any
 from urllib.parse import quote
 
 from lpslam.errors import UserError
@@ -88,11 +89,11 @@ class Ros2Database:
         connection.text_factory = lambda data: data.decode("utf-8", "replace")
         return connection
 
-    def _topic_rows(self) -> list[tuple[object, ...]]:
+    def _topic_rows(self) -> list[tuple[Any, ...]]:
         with closing(self._connection()) as connection:
             return connection.execute("SELECT id, name, type, serialization_format FROM topics").fetchall()
 
-    def _tables_or_refusal(self) -> list[tuple[object, ...]]:
+    def _tables_or_refusal(self) -> list[tuple[Any, ...]]:
         try:
             return self._topic_rows()
         except sqlite3.Error as error:
