@@ -14,8 +14,8 @@ from lpslam.errors import UserError
 from lpslam.sources.bags.containers.container import Damage, Encoding, Message, Topic, ros2_type
 
 MAGIC = b"SQLite format 3\0"
-_LARGEST_STEP = 1 << 14
-"""Rows that are leapt over at once, at most, where pages of a database are missing."""
+_LEAPS = 40
+"""How often rows that cannot be read are leapt over, each time twice as many: pages of a database are missing."""
 
 
 class Ros2Database:
@@ -86,6 +86,8 @@ class Ros2Database:
 
     def _connection(self) -> sqlite3.Connection:
         connection = sqlite3.connect(f"file:{quote(str(self.path.absolute()))}?{self._options}", uri=True)
+        # Else SQLite refuses a database whose file is shorter than its header says. Nothing is written: it is read-only.
+        connection.execute("PRAGMA writable_schema = ON")
         connection.text_factory = lambda data: data.decode("utf-8", "replace")
         return connection
 
@@ -123,10 +125,12 @@ class Ros2Database:
         """Rows in the order in which they were written; rows that cannot be read are leapt over."""
         row, step = 0, 1
         with closing(self._connection()) as connection:
-            while step <= _LARGEST_STEP:
+            for _ in range(_LEAPS):
                 try:
                     query = "SELECT id, topic_id, timestamp, data FROM messages WHERE id > ? ORDER BY id"
                     for found, topic_id, logged, data in connection.execute(query, (row,)):
+                        if int(found) <= row:
+                            return  # a damaged tree that leads back into itself
                         row, step = int(found), 1
                         if topic_id in wanted and start <= int(logged) < end:
                             yield Message(wanted[topic_id], int(logged), bytes(data or b""))
