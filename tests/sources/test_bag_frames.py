@@ -173,11 +173,16 @@ def test_lens_models(tmp_path: Path) -> None:
 
     def rational(types: Types) -> list[Entry]:
         k = (61.0, 0, 31.5, 0, 61.0, 23.5, 0, 0, 1)
-        return [(n, t, types.info(t, k, eight, "rational_polynomial") if n.endswith("info") else m) for n, t, m in walk(types)]
+        return [
+            (n, t, types.info(t, k, eight, "rational_polynomial") if n.endswith("info") else m)
+            for n, t, m in walk(types)
+        ]
 
     camera = open_source(write(tmp_path / "eight.mcap", rational)).camera
     rays = np.array([[0.0, 0.0], [0.3, 0.2], [-0.4, 0.3]])
-    exact = cv2.projectPoints(np.c_[rays, np.ones(3)], np.zeros(3), np.zeros(3), camera.matrix, np.array(eight))[0][:, 0]
+    exact = cv2.projectPoints(np.c_[rays, np.ones(3)], np.zeros(3), np.zeros(3), camera.matrix, np.array(eight))[0][
+        :, 0
+    ]
     np.testing.assert_allclose(camera.distort(rays * [camera.fx, camera.fy] + [camera.cx, camera.cy]), exact, atol=0.1)
     with pytest.raises(UserError, match="equidistant is not a pinhole's; record rectified"):
         open_source(write(tmp_path / "fish.db3", with_lens([0.1, 0.02, 0, 0], "equidistant")))
