@@ -197,7 +197,7 @@ def test_topics_are_chosen_and_can_be_asked_for(tmp_path: Path) -> None:
         return entries + [(n.replace("/camera/", "/rear/"), t + 9, m) for n, t, m in entries]
 
     path = write(tmp_path / "two.mcap", lambda types: sorted(two(types), key=lambda entry: entry[1]))
-    with pytest.raises(UserError, match="several cameras: .*choose with --color TOPIC"):
+    with pytest.raises(UserError, match=r"several cameras: .*choose with --color TOPIC"):
         open_source(path)
     chosen = TopicChoice("/rear/color/image_raw", "/rear/aligned_depth_to_color/image_raw")
     assert len(list(open_source(path, options=SourceOptions(chosen)))) == 6

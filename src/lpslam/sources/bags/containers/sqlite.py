@@ -86,7 +86,7 @@ class Ros2Database:
 
     def _connection(self) -> sqlite3.Connection:
         connection = sqlite3.connect(f"file:{quote(str(self.path.absolute()))}?{self._options}", uri=True)
-        # Else SQLite refuses a database whose file is shorter than its header says. Nothing is written: it is read-only.
+        # Else SQLite refuses a database whose file is shorter than its header says. It is read-only.
         connection.execute("PRAGMA writable_schema = ON")
         connection.text_factory = lambda data: data.decode("utf-8", "replace")
         return connection
