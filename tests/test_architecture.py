@@ -32,7 +32,9 @@ ALLOWED: dict[str, set[str]] = {
         "slam.advice",
     },
     "mapfile": {"slam", "text"},
-    "pipeline": {"sources", "slam", "language", "text", "mapfile"},
+    "navigation": {"language", "text", "mapfile"},
+    "session": {"slam", "language", "text", "mapfile", "navigation"},
+    "pipeline": {"sources", "slam", "language", "text", "mapfile", "navigation", "session"},
     "evaluation": {"sources", "language", "text", "mapfile"},
     "views": {
         "slam",
@@ -41,6 +43,7 @@ ALLOWED: dict[str, set[str]] = {
         "language.follow_up",
         "text",
         "mapfile",
+        "navigation",
         "pipeline",
         "evaluation",
     },
@@ -53,6 +56,7 @@ ALLOWED: dict[str, set[str]] = {
         *("sources", "simulation", "language", "mapfile", "pipeline", "evaluation", "views", "demo"),
         *("cli_calibrate", "cli_checks", "cli_runs", "cli_sources"),
     },
+    "__main__": {"cli"},
 }
 HEAVY = (
     *("cv2", "numba", "scipy", "matplotlib", "rapidocr", "openvino", "onnxruntime"),

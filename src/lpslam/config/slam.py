@@ -108,7 +108,7 @@ class TrackingConfig(Section):
     min_agreement: float = Field(default=0.6, ge=0, le=1)  # share of what is followed that one motion must explain
     min_followed: int = 60  # inliers; fewer, and the frame is matched with the map at once
     min_followed_share: float = Field(default=0.7, ge=0, le=1)  # of those followed first, the same
-    anchor_interval: float = Field(default=0.2, ge=0)  # seconds after which a frame is matched with the map anyway
+    anchor_interval: float = Field(default=0.1, ge=0)  # seconds after which a frame is matched with the map anyway
     anchor_travel: float = Field(default=0.08, ge=0)  # of the image's width that the picture moves, the same
     bridged_travel: float = Field(default=1.5, ge=0)  # of the same, over which frames that showed nothing are bridged
     steady_share: float = Field(default=0.5, ge=0)  # of `motion_radius`; predictions farther off, and flow goes first
@@ -144,6 +144,7 @@ class SurfaceConfig(Section):
     )  # grey values; a picture with less is blank or dark and says nothing
     least_correlation: float = Field(default=0.5, ge=-1, le=1)  # of two pictures with contrast; those of others differ
     told_share: float = Field(default=0.33, gt=0)  # of the guess's sigma; images that tell no better do not hold
+    least_noise: float = Field(default=0.4, gt=0)  # of the supposed sigma: the median of nine readings leaves so much
     renewed_share: float = Field(default=0.8, gt=0, le=1)  # of the reference in view; less, and the next one is taken
     held_seconds: float = Field(default=10.0, ge=0)  # for which images alone tell the way; they drift by a twentieth
 

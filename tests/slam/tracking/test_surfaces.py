@@ -57,6 +57,16 @@ def test_three_planes_without_any_shade_tell_it_by_themselves(twist: np.ndarray)
     assert np.degrees(radians) < 0.3
 
 
+@pytest.mark.parametrize("rate", [30, 60, 120])
+def test_readings_with_less_noise_than_supposed_tell_smaller_steps(rate: int) -> None:
+    """The faster the frames, the less the guess leaves open: a sensor that is good tells it still, in the dark."""
+    moved = rigid([0.002, -0.001, 0.002], [0.001, 0.002, 0.0])
+    aligned = SURFACES.align(SHADELESS, small(CORNER, moved, 0.0, noise=0.1), np.eye(4), 1 / rate)
+    assert aligned is not None
+    assert aligned.holds
+    assert pose_error(aligned.image_from_reference, moved)[0] < 0.001
+
+
 def test_a_camera_that_exposes_longer_moves_no_farther() -> None:
     moved = rigid([0.03, -0.01, 0.02], [0.01, -0.02, 0.01])
     brighter = small(CORNER, moved)
