@@ -50,10 +50,11 @@ ALLOWED: dict[str, set[str]] = {
     "demo": {"simulation", "language", "mapfile", "pipeline", "evaluation", "views"},
     "cli_checks": {"mapfile"},
     "cli_calibrate": {"sources", "calibration", "views", "cli_checks"},
+    "cli_sources": {"sources", "views"},
     "cli_runs": {"simulation", "language", "pipeline", "views"},
     "cli": {
         *("sources", "simulation", "language", "mapfile", "pipeline", "evaluation", "views", "demo"),
-        *("cli_calibrate", "cli_checks", "cli_runs"),
+        *("cli_calibrate", "cli_checks", "cli_runs", "cli_sources"),
     },
     "__main__": {"cli"},
 }

@@ -35,7 +35,7 @@ def test_no_recording(lpslam: Command, tmp_path: Path) -> None:
     (tmp_path / "empty").mkdir()
     assert "looked for rgb.txt and depth.txt (TUM RGB-D) or" in refused(lpslam, tmp_path / "empty")
     (tmp_path / "file").touch()
-    assert "is a file" in refused(lpslam, tmp_path / "file")
+    assert "is empty" in refused(lpslam, tmp_path / "file")
 
 
 def test_lists_and_calibrations(lpslam: Command, clip: Clip) -> None:

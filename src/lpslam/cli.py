@@ -27,6 +27,7 @@ from lpslam.cli_runs import (
     render_simulation,
     say_usage,
 )
+from lpslam.cli_sources import Color, Depth, From, Info, To, convert, sources, topics_and_span
 from lpslam.views.printed import (
     facts_of,
     landmark_records,
@@ -73,6 +74,8 @@ def main() -> None:
 
 
 app.command()(calibrate)
+app.command()(convert)
+app.command()(sources)
 
 
 @app.callback(invoke_without_command=True)
@@ -86,7 +89,7 @@ def _options(version: Annotated[bool, typer.Option("--version", help="Print the 
 def run(
     source: Annotated[
         Path,
-        typer.Argument(metavar="SOURCE", help="Folder of a recording: TUM RGB-D or 7-Scenes.", show_default=False),
+        typer.Argument(metavar="SOURCE", help="A ROS bag or a folder; see 'lpslam sources'.", show_default=False),
     ],
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="MAP.lpmap", help="Where the map goes.")
@@ -112,6 +115,11 @@ def run(
     force: Annotated[bool, typer.Option("--force", help="Replace a map that is there already.")] = False,
     no_text: Annotated[bool, typer.Option("--no-text", help="Track and map only; read nothing.")] = False,
     max_frames: Annotated[int | None, typer.Option("--max-frames", min=1, help="Use only the first N frames.")] = None,
+    start: From = None,
+    end: To = None,
+    color: Color = None,
+    depth: Depth = None,
+    info: Info = None,
     llm: Llm = None,
     config: ConfigFile = None,
     as_json: Json = False,
@@ -139,7 +147,9 @@ def run(
     if output is not None:
         refuse_old_map(output, force)
     settings = config_of(config)
-    frames = InOrder(open_source(source, camera, max_frames, settings.calibration))
+    frames = InOrder(
+        open_source(source, camera, max_frames, settings.calibration, topics_and_span(color, depth, info, start, end))
+    )
     base = map_for(localize, continued, frames.camera, settings)
     if localize is not None and trajectory is not None:
         localise_recording(frames, base, settings, localize, trajectory, text=not no_text, as_json=as_json)

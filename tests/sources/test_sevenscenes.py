@@ -70,7 +70,7 @@ def test_unknown_places_are_told_what_was_looked_for(tmp_path: Path) -> None:
     with pytest.raises(UserError, match="does not exist"):
         open_source(tmp_path / "none")
     (tmp_path / "file.bag").write_text("")
-    with pytest.raises(UserError, match="is a file"):
+    with pytest.raises(UserError, match="is empty"):
         open_source(tmp_path / "file.bag")
     (tmp_path / "empty").mkdir()
     with pytest.raises(UserError, match=r"rgb.txt and depth.txt .* or frame-NNNNNN"):

@@ -16,7 +16,7 @@ from lpslam.errors import UserError
 from lpslam.poses import StampedPoses
 from lpslam.sources.focal_check import FocalCurve, focal_curve
 from lpslam.sources.followed_pairs import pairs_of
-from lpslam.sources.image_pairs import ImagePairSource
+from lpslam.sources.recorded import RecordedSource
 
 Array = NDArray[np.float64]
 
@@ -67,7 +67,7 @@ class Calibrated:
 
 
 def calibrate(
-    source: ImagePairSource,
+    source: RecordedSource,
     config: Config,
     truth: StampedPoses | None = None,
     on_progress: Callable[[int, int], None] = lambda done, total: None,
@@ -120,7 +120,7 @@ def _plain(camera: PinholeCamera, focal: float) -> PinholeCamera:
     )
 
 
-def _guessed_focal(source: ImagePairSource, config: Config) -> float:
+def _guessed_focal(source: RecordedSource, config: Config) -> float:
     """The focal length at which pairs of views are most rigid, whatever the calibration says."""
     check = config.calibration.focal.model_copy(update={"pairs": config.calibrating.search_pairs})
     pairs = pairs_of(source.frame, source.timestamps, check)

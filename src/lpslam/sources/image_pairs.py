@@ -118,6 +118,27 @@ class ImagePairSource:
                 f"{self._name}: none of its {len(faults)} frames can be used; the first: {faults[0].reason}"
             )
 
+    def part(self, start: float | None, end: float | None, max_frames: int | None) -> "ImagePairSource":
+        """The frames between `start` and `end` seconds from the first one, or the first of them.
+
+        Raises:
+            UserError: there are none.
+        """
+        first = self._pairs[0].timestamp
+        low, high = first + (start or 0.0), first + (np.inf if end is None else end)
+        kept = [pair for pair in self._pairs if low <= pair.timestamp <= high]
+        if not kept:
+            length = self._pairs[-1].timestamp - first
+            raise UserError(f"{self._name}: no frame lies between --from and --to; it lasts {length:.1f} s")
+        return ImagePairSource(
+            self._name,
+            self._camera,
+            kept,
+            invalid_depths=self._invalid_depths,
+            listed_times=self.listed_times,
+            max_frames=max_frames,
+        )
+
     def sample_depths(self, count: int) -> list[NDArray[np.float32]]:
         """Depth images (height, width) in metres, spread over the recording; without those that cannot be read."""
         usable = [pair.depth for pair in self._pairs if pair.depth is not None]

@@ -69,7 +69,7 @@ def _decode(path: Path, flags: int) -> NDArray[Any]:
         data = path.read_bytes()
     except OSError as error:
         raise BadImageError(f"{path.name} cannot be read ({error.strerror})") from error
-    defect = _defect(data)
+    defect = image_defect(data)
     if defect:
         raise BadImageError(f"{path.name} is {defect}")
     try:
@@ -81,7 +81,7 @@ def _decode(path: Path, flags: int) -> NDArray[Any]:
     return np.asarray(image)
 
 
-def _defect(data: bytes) -> str:
+def image_defect(data: bytes) -> str:
     """Say what is wrong with the file's bytes; empty when nothing is seen.
 
     Decoders fill the missing part of a truncated image with grey or black, some without a word, and a half-black

@@ -2,16 +2,18 @@
 
 import logging
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 from lpslam.config import CalibrationCheckConfig
 from lpslam.errors import UserError
+from lpslam.sources.bags.topics import TopicChoice
+from lpslam.sources.captures.layouts import CAPTURES
 from lpslam.sources.focal_check import doubts_about_focal
 from lpslam.sources.followed_pairs import pairs_of
-from lpslam.sources.image_pairs import ImagePairSource
 from lpslam.sources.plausibility import Doubt, doubts_about_depth, doubts_about_intrinsics, doubts_about_timing
+from lpslam.sources.recorded import RecordedSource
 from lpslam.sources.sevenscenes import looks_like_seven_scenes, open_seven_scenes
 from lpslam.sources.tum import looks_like_tum, open_tum
 
@@ -19,26 +21,74 @@ logger = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
-class _Format:
-    """A layout of recordings: how it is known, and how it is opened."""
+class SourceOptions:
+    """What of a recording is used.
 
+    Attributes:
+        topics: of a file with topics; found by type without.
+        start, end: seconds from its first frame; all of it without.
+    """
+
+    topics: TopicChoice = field(default_factory=TopicChoice)
+    start: float | None = None
+    end: float | None = None
+
+    @property
+    def is_cut(self) -> bool:
+        """Whether only a part is used."""
+        return self.start is not None or self.end is not None
+
+
+@dataclass(frozen=True, slots=True)
+class Format:
+    """A layout of recordings: how it is known, and how it is opened.
+
+    Attributes:
+        name: as in `lpslam sources`.
+        sign: what is in the path.
+        is_at: whether it is there.
+    """
+
+    name: str
     sign: str
     is_at: Callable[[Path], bool]
     open: "_Open"
 
 
 class _Open(Protocol):
-    """Opens a folder; `nominal` makes do without a calibration."""
+    """Opens a recording; `nominal` makes do without a calibration."""
 
     def __call__(
         self, folder: Path, camera_file: Path | None, max_frames: int | None, *, nominal: bool
-    ) -> ImagePairSource: ...
+    ) -> RecordedSource: ...
 
 
-_FORMATS = (
-    _Format("rgb.txt and depth.txt (TUM RGB-D)", looks_like_tum, open_tum),
-    _Format("frame-NNNNNN.color.jpg (7-Scenes)", looks_like_seven_scenes, open_seven_scenes),
+def _is_bag(path: Path) -> bool:
+    from lpslam.sources.bags.containers.opening import looks_like_bag
+
+    return looks_like_bag(path)
+
+
+def _open_bag(path: Path, camera_file: Path | None, max_frames: int | None, options: SourceOptions) -> RecordedSource:
+    from lpslam.sources.bags.containers.opening import open_container
+    from lpslam.sources.bags.source import BagSource
+
+    return BagSource(
+        open_container(path),
+        options.topics,
+        camera_file,
+        start=options.start,
+        end=options.end,
+        max_frames=max_frames,
+    )
+
+
+FORMATS = (
+    Format("TUM RGB-D", "rgb.txt and depth.txt", looks_like_tum, open_tum),
+    Format("7-Scenes", "frame-NNNNNN.color.jpg", looks_like_seven_scenes, open_seven_scenes),
+    *(Format(each.name, each.sign, each.is_at, each.open) for each in CAPTURES),
 )
+BAGS = "a ROS bag (.bag, .db3, .mcap)"
 
 
 def open_source(
@@ -46,20 +96,22 @@ def open_source(
     camera_file: Path | str | None = None,
     max_frames: int | None = None,
     checks: CalibrationCheckConfig | None = None,
-) -> ImagePairSource:
+    options: SourceOptions | None = None,
+) -> RecordedSource:
     """Open the recording at `path`; what is doubtful about its calibration is logged as a warning, one line each.
 
     Args:
-        path: a folder in a known layout.
+        path: a file or folder in a known layout.
         camera_file: a calibration to use instead of the recording's own.
         max_frames: use only so many frames, from the first.
         checks: when a calibration is doubted; defaults without.
+        options: topics, and which part of it; all of it without.
 
     Raises:
         UserError: nothing is there, the layout is not known, the recording is malformed, or its calibration
             cannot be that of its images.
     """
-    source = _opened(path, camera_file, max_frames, nominal=False)
+    source = _opened(path, camera_file, max_frames, options or SourceOptions(), nominal=False)
     checks = checks or CalibrationCheckConfig()
     doubts = doubts_about_intrinsics(source.camera, checks)
     if not any(doubt.is_fatal for doubt in doubts):
@@ -71,7 +123,7 @@ def open_source(
 
 def open_uncalibrated(
     path: Path | str, max_frames: int | None = None, checks: CalibrationCheckConfig | None = None
-) -> ImagePairSource:
+) -> RecordedSource:
     """Open a recording whose intrinsics are to be estimated: what is stated of them, if anything, is not judged.
 
     Args:
@@ -82,30 +134,52 @@ def open_uncalibrated(
     Raises:
         UserError: nothing is there, the layout is not known, the recording is malformed, or its depth is of no room.
     """
-    source = _opened(path, None, max_frames, nominal=True)
+    source = _opened(path, None, max_frames, SourceOptions(), nominal=True)
     _say(source, _other_doubts(source, checks or CalibrationCheckConfig()))
     return source
 
 
 def _opened(
-    path: Path | str, camera_file: Path | str | None, max_frames: int | None, *, nominal: bool
-) -> ImagePairSource:
-    folder = Path(path)
-    if not folder.exists():
-        raise UserError(f"{folder} does not exist; give the folder of a recording")
-    if not folder.is_dir():
-        raise UserError(f"{folder} is a file; give the folder of a recording ({_signs()})")
+    path: Path | str,
+    camera_file: Path | str | None,
+    max_frames: int | None,
+    options: SourceOptions,
+    *,
+    nominal: bool,
+) -> RecordedSource:
+    place = Path(path)
+    calibration = Path(camera_file) if camera_file is not None else None
+    _refuse_span(options)
+    if not place.exists():
+        raise UserError(f"{place} does not exist; give the folder of a recording, or {BAGS}")
     try:
-        found = next((layout for layout in _FORMATS if layout.is_at(folder)), None)
+        found = next((layout for layout in FORMATS if layout.is_at(place)), None)
+        if found is None and (_is_bag(place) or (place.is_file() and not place.stat().st_size)):
+            return _open_bag(place, calibration, max_frames, options)
+        if found is None and place.is_file():
+            raise UserError(f"{place} is a file; give the folder of a recording ({_signs()}), or {BAGS}")
         if found is None:
-            raise UserError(f"{folder} is no recording that is known: looked for {_signs()}{_hint(folder)}")
-        calibration = Path(camera_file) if camera_file is not None else None
-        return found.open(folder, calibration, max_frames, nominal=nominal)
+            looked_for = f"looked for {_signs()}, or {BAGS}; 'lpslam sources' lists all"
+            raise UserError(f"{place} is no recording that is known: {looked_for}{_hint(place)}")
+        if options.topics != TopicChoice():
+            raise UserError(f"{place} has no topics; --color, --depth and --info are for bags")
+        if not options.is_cut:
+            return found.open(place, calibration, max_frames, nominal=nominal)
+        whole: Any = found.open(place, calibration, None, nominal=nominal)
+        return whole.part(options.start, options.end, max_frames)  # type: ignore[no-any-return]
     except PermissionError as error:
-        raise UserError(f"{error.filename or folder} cannot be read ({error.strerror})") from error
+        raise UserError(f"{error.filename or place} cannot be read ({error.strerror})") from error
 
 
-def _say(source: ImagePairSource, doubts: list[Doubt]) -> None:
+def _refuse_span(options: SourceOptions) -> None:
+    for name, seconds in (("--from", options.start), ("--to", options.end)):
+        if seconds is not None and not 0 <= seconds < float("inf"):
+            raise UserError(f"{name} is {seconds:g}; it is seconds from the first frame, 0 or more")
+    if options.start is not None and options.end is not None and options.end <= options.start:
+        raise UserError(f"--to {options.end:g} must come after --from {options.start:g}; both count seconds")
+
+
+def _say(source: RecordedSource, doubts: list[Doubt]) -> None:
     """What refuses the recording first."""
     for doubt in sorted(doubts, key=lambda doubt: not doubt.is_fatal):
         if doubt.is_fatal:
@@ -113,7 +187,7 @@ def _say(source: ImagePairSource, doubts: list[Doubt]) -> None:
         logger.warning("%s: %s", source.name, doubt.text)
 
 
-def _other_doubts(source: ImagePairSource, checks: CalibrationCheckConfig) -> list[Doubt]:
+def _other_doubts(source: RecordedSource, checks: CalibrationCheckConfig) -> list[Doubt]:
     """About what is stated besides the intrinsics."""
     doubts = doubts_about_depth(source.sample_depths(checks.depth_frames), source.camera, checks)
     if source.listed_times is not None:
@@ -122,12 +196,12 @@ def _other_doubts(source: ImagePairSource, checks: CalibrationCheckConfig) -> li
 
 
 def _signs() -> str:
-    return " or ".join(layout.sign for layout in _FORMATS)
+    return " or ".join(f"{layout.sign} ({layout.name})" for layout in FORMATS[:2])
 
 
 def _hint(folder: Path) -> str:
     """Name a subfolder that is a recording, if there is one: archives often unpack to one folder more."""
     for child in sorted(child for child in folder.iterdir() if child.is_dir())[:100]:
-        if any(layout.is_at(child) for layout in _FORMATS):
+        if any(layout.is_at(child) for layout in FORMATS):
             return f"; did you mean {child}?"
     return ""

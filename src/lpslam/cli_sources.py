@@ -1,0 +1,70 @@
+"""The commands about recordings, and the options that say which part of one is used."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from lpslam.sources.open import SourceOptions
+
+Color = Annotated[str | None, typer.Option("--color", metavar="TOPIC", help="Of a bag: its colour pictures.")]
+Depth = Annotated[str | None, typer.Option("--depth", metavar="TOPIC", help="Of a bag: its depth pictures.")]
+Info = Annotated[str | None, typer.Option("--info", metavar="TOPIC", help="Of a bag: the colour camera's CameraInfo.")]
+From = Annotated[float | None, typer.Option("--from", metavar="SECONDS", help="Begin so long after the first frame.")]
+To = Annotated[float | None, typer.Option("--to", metavar="SECONDS", help="End so long after the first frame.")]
+
+
+def topics_and_span(
+    color: str | None, depth: str | None, info: str | None, start: float | None, end: float | None
+) -> "SourceOptions":
+    """What was asked for, as recordings are opened with it."""
+    from lpslam.sources.bags.topics import TopicChoice
+    from lpslam.sources.open import SourceOptions
+
+    return SourceOptions(TopicChoice(color, depth, info), start, end)
+
+
+def sources() -> None:
+    """List the formats of recordings, and by what each is known."""
+    from lpslam.sources.open import FORMATS
+    from lpslam.views.printed import print_table
+
+    bags = {
+        "ROS 1 bag, RealSense .bag": "NAME.bag",
+        "ROS 2 sqlite3, RealSense .db3": "NAME.db3, or a folder with some",
+        "MCAP": "NAME.mcap, or a folder with some",
+    }
+    print_table(bags | {each.name: each.sign for each in FORMATS})
+
+
+def convert(
+    source: Annotated[
+        Path, typer.Argument(metavar="SOURCE", help="A recording; see 'lpslam sources'.", show_default=False)
+    ],
+    output: Annotated[
+        Path, typer.Argument(metavar="OUT", help="NAME.mcap, or a new folder (TUM RGB-D).", show_default=False)
+    ],
+    camera: Annotated[
+        Path | None, typer.Option("--camera", metavar="FILE", help="Calibration to use instead of the recording's.")
+    ] = None,
+    max_frames: Annotated[int | None, typer.Option("--max-frames", min=1, help="Only the first N frames.")] = None,
+    start: From = None,
+    end: To = None,
+    color: Color = None,
+    depth: Depth = None,
+    info: Info = None,
+) -> None:
+    """Write a recording as a TUM RGB-D folder or as MCAP (ROS 2 messages), without loss."""
+    from lpslam.sources.open import open_source
+    from lpslam.sources.writing import written
+    from lpslam.views.notes import fault_notes
+    from lpslam.views.printed import print_table, say
+    from lpslam.views.run_progress import counting
+
+    frames = open_source(source, camera, max_frames, options=topics_and_span(color, depth, info, start, end))
+    with counting("writing") as progress:
+        count = written(frames, output, progress)
+    for note in fault_notes(frames.faults):
+        say(note)
+    print_table({"written": str(output), "frames": str(count)})

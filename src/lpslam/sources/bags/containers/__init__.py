@@ -1,0 +1,1 @@
+"""Files that hold timed messages by topic, whatever the messages mean."""

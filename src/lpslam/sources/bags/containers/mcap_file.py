@@ -1,0 +1,165 @@
+"""MCAP files of any profile, by their index; without one, or cut off, from the first record to the last whole.
+
+The format: https://mcap.dev/spec
+"""
+
+from collections.abc import Collection, Iterator
+from pathlib import Path
+
+from mcap.exceptions import McapError
+from mcap.reader import SeekingReader
+from mcap.records import Channel, Schema
+from mcap.records import Message as Record
+from mcap.stream_reader import StreamReader
+from mcap.summary import Summary
+
+from lpslam.errors import UserError
+from lpslam.sources.bags.containers.container import Damage, Encoding, Message, Topic, ros2_type
+
+MAGIC = b"\x89MCAP0\r\n"
+_LARGEST_RECORD = 1 << 30
+"""Bytes; a chunk of a recording is some megabytes, and one record that claims more than this is damage."""
+
+
+class McapFile:
+    """A `Container` over one `.mcap`.
+
+    Args:
+        path: the file.
+
+    Raises:
+        UserError: it is no MCAP file.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.damage = Damage(path)
+        with path.open("rb") as file:
+            if file.read(len(MAGIC)) != MAGIC:
+                raise UserError(f"{path} is no MCAP file")
+        self._times: dict[str, list[int]] = {}
+        self._has_times = False
+        summary = self._summary()
+        self._is_indexed = summary is not None and bool(summary.chunk_indexes)
+        if summary is not None and self._is_indexed:
+            self.topics = tuple(_topics(list(summary.channels.values()), summary.schemas))
+        else:
+            self.topics = self._read_all()
+
+    def messages(self, names: Collection[str], start: int | None = None, end: int | None = None) -> Iterator[Message]:
+        """See `Container`."""
+        topics = {topic.name: topic for topic in self.topics if topic.name in names}
+        if not topics:
+            return
+        records = self._sought(list(topics), start, end) if self._is_indexed else self._scanned({}, {})
+        try:
+            for channel, record in records:
+                if channel.topic in topics and _is_within(record.log_time, start, end):
+                    yield Message(topics[channel.topic], record.log_time, record.data)
+        except GeneratorExit:
+            raise
+        except Exception as error:
+            self.damage.note(f"a part of it cannot be read ({_said(error)})")
+
+    def times(self, name: str) -> list[int]:
+        """See `Container`."""
+        if self._is_indexed and not self._has_times:
+            self._has_times = True
+            self._read_times()
+        return self._times.get(name, [])
+
+    def _summary(self) -> Summary | None:
+        try:
+            with self.path.open("rb") as file:
+                summary = SeekingReader(file, record_size_limit=_LARGEST_RECORD).get_summary()
+        except Exception:
+            return None
+        size = self.path.stat().st_size
+        if summary is None or any(
+            chunk.chunk_start_offset + chunk.chunk_length > size or chunk.uncompressed_size > _LARGEST_RECORD
+            for chunk in summary.chunk_indexes
+        ):
+            return None
+        return summary
+
+    def _sought(self, names: list[str], start: int | None, end: int | None) -> Iterator[tuple[Channel, Record]]:
+        with self.path.open("rb") as file:
+            reader = SeekingReader(file, record_size_limit=_LARGEST_RECORD)
+            for _, channel, record in reader.iter_messages(names, starting_at=start, ending_before=end):
+                yield channel, record
+
+    def _read_all(self) -> tuple[Topic, ...]:
+        """Topics and times of a file without an index, which one pass over it tells."""
+        channels: dict[int, Channel] = {}
+        schemas: dict[int, Schema] = {}
+        for channel, record in self._scanned(channels, schemas):
+            self._times.setdefault(channel.topic, []).append(record.log_time)
+        self._has_times = True
+        return tuple(_topics(list(channels.values()), schemas))
+
+    def _scanned(self, channels: dict[int, Channel], schemas: dict[int, Schema]) -> Iterator[tuple[Channel, Record]]:
+        with self.path.open("rb") as file:
+            try:
+                for record in StreamReader(file, record_size_limit=_LARGEST_RECORD).records:
+                    if isinstance(record, Schema):
+                        schemas[record.id] = record
+                    elif isinstance(record, Channel):
+                        channels[record.id] = record
+                    elif isinstance(record, Record) and record.channel_id in channels:
+                        yield channels[record.channel_id], record
+            except GeneratorExit:
+                raise
+            except Exception as error:
+                self.damage.note(
+                    f"it is cut off or damaged {file.tell() / 1e6:.3f} MB from its beginning ({_said(error)})"
+                )
+
+    def _read_times(self) -> None:
+        """The indexes of messages lie behind their chunks: one small record for each chunk and channel."""
+        with self.path.open("rb") as file:
+            summary = SeekingReader(file).get_summary()
+            if summary is None:
+                return
+            for chunk in summary.chunk_indexes:
+                for channel_id, offset in chunk.message_index_offsets.items():
+                    channel = summary.channels.get(channel_id)
+                    if channel is not None:
+                        file.seek(offset)
+                        self._times.setdefault(channel.topic, []).extend(_index_times(file.read(9), file.read))
+        for times in self._times.values():
+            times.sort()
+
+
+def _index_times(head: bytes, read: "object") -> list[int]:
+    import struct
+
+    if len(head) != 9 or head[0] != 0x07:
+        return []
+    length = min(struct.unpack("<Q", head[1:])[0], _LARGEST_RECORD)
+    body: bytes = read(length)  # type: ignore[operator]
+    entries = (len(body) - 6) // 16
+    return [struct.unpack_from("<Q", body, 6 + 16 * row)[0] for row in range(entries)]
+
+
+def _topics(channels: list[Channel], schemas: dict[int, Schema]) -> Iterator[Topic]:
+    seen: set[str] = set()
+    for channel in channels:
+        schema = schemas.get(channel.schema_id)
+        if channel.topic in seen or schema is None:
+            continue
+        seen.add(channel.topic)
+        try:
+            encoding = Encoding(channel.message_encoding)
+        except ValueError:
+            encoding = Encoding.UNKNOWN
+        kind = schema.name if encoding is Encoding.JSON else ros2_type(schema.name)
+        yield Topic(channel.topic, kind, encoding)
+
+
+def _is_within(logged: int, start: int | None, end: int | None) -> bool:
+    return (start is None or logged >= start) and (end is None or logged < end)
+
+
+def _said(error: Exception) -> str:
+    kind = "its end is missing" if isinstance(error, EOFError | McapError) else ""
+    return kind or " ".join(str(error).split())[:80] or type(error).__name__

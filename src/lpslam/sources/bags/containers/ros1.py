@@ -1,0 +1,157 @@
+"""ROS 1 bags (format 2.0), by their index; without one, or with a broken one, from the first record to the last whole.
+
+The format: http://wiki.ros.org/Bags/Format/2.0
+"""
+
+import struct
+from collections.abc import Collection, Iterator
+from io import BytesIO
+from pathlib import Path
+from typing import BinaryIO
+
+from rosbags.rosbag1 import Reader
+from rosbags.rosbag1.reader import Header, RecordType, decompressors
+
+from lpslam.errors import UserError
+from lpslam.sources.bags.containers.container import Damage, Encoding, Message, Topic, ros2_type
+
+MAGIC = b"#ROSBAG V2.0\n"
+_LARGEST_RECORD = 1 << 30
+"""Bytes; a chunk of a recording is a megabyte, and one record that claims more than this is damage."""
+
+
+class Ros1Bag:
+    """A `Container` over one `.bag`.
+
+    Args:
+        path: the file.
+
+    Raises:
+        UserError: it is no bag of this format, or encrypted, or holds nothing that can be read.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.damage = Damage(path)
+        with path.open("rb") as file:
+            magic = file.read(len(MAGIC))
+            if magic != MAGIC:
+                raise UserError(f"{path} is no ROS 1 bag of format 2.0")
+            try:
+                if Header.read(file, RecordType.BAGHEADER).get("encryptor"):
+                    raise UserError(f"{path} is encrypted; decrypt it with 'rosbag decrypt' first")
+            except UserError:
+                raise
+            except Exception as error:
+                raise UserError(f"{path} ends within its first record; nothing can be read") from error
+        self._times: dict[str, list[int]] = {}
+        self._is_indexed = self._read_index()
+        if not self._is_indexed:
+            self._read_all()
+
+    def messages(self, names: Collection[str], start: int | None = None, end: int | None = None) -> Iterator[Message]:
+        """See `Container`."""
+        topics = {topic.name: topic for topic in self.topics if topic.name in names}
+        if not self._is_indexed:
+            for name, logged, data in self._scanned():
+                if name in topics and _is_within(logged, start, end):
+                    yield Message(topics[name], logged, data)
+            return
+        with Reader(self.path) as reader:
+            connections = [each for each in reader.connections if each.topic in topics]
+            if not connections:
+                return
+            try:
+                for connection, logged, data in reader.messages(connections, start, end):
+                    yield Message(topics[connection.topic], logged, data)
+            except GeneratorExit:
+                raise
+            except Exception as error:
+                self.damage.note(f"a part of it cannot be read ({_said(error)})")
+
+    def times(self, name: str) -> list[int]:
+        """See `Container`."""
+        return self._times.get(name, [])
+
+    def _read_index(self) -> bool:
+        try:
+            with Reader(self.path) as reader:
+                by_name = {each.topic: _topic(each.topic, each.msgtype) for each in reader.connections}
+                self.topics = tuple(by_name.values())
+                for each in reader.connections:
+                    self._times.setdefault(each.topic, []).extend(entry.time for entry in reader.indexes[each.id])
+        except Exception:
+            self._times.clear()
+            return False
+        for times in self._times.values():
+            times.sort()
+        return bool(self.topics)
+
+    def _read_all(self) -> None:
+        """Topics and times of a bag without an index, which one pass over it tells."""
+        self._types: dict[str, str] = {}
+        for name, logged, _ in self._scanned():
+            self._times.setdefault(name, []).append(logged)
+        self.topics = tuple(_topic(name, kind) for name, kind in self._types.items())
+
+    def _scanned(self) -> Iterator[tuple[str, int, bytes]]:
+        """Topic, time and bytes of every message from the beginning to where the file breaks off."""
+        names: dict[int, str] = {}
+        size = self.path.stat().st_size
+        with self.path.open("rb") as file:
+            file.seek(len(MAGIC))
+            while file.tell() < size:
+                begun = file.tell()
+                try:
+                    header, data = _record(file)
+                    yield from self._unpacked(header, data, names)
+                except GeneratorExit:
+                    raise
+                except Exception as error:
+                    self.damage.note(
+                        f"it is cut off or damaged {_megabytes(begun)} from its beginning ({_said(error)})"
+                    )
+                    return
+        self.damage.note("it has no index, as after a power failure")
+
+    def _unpacked(self, header: Header, data: bytes, names: dict[int, str]) -> Iterator[tuple[str, int, bytes]]:
+        kind = header.get_uint8("op")
+        if kind == RecordType.CHUNK:
+            inner = BytesIO(decompressors[header.get_string("compression")](data))
+            end = len(inner.getbuffer())
+            while inner.tell() < end:
+                yield from self._unpacked(*_record(inner), names)
+        elif kind == RecordType.CONNECTION:
+            names[header.get_uint32("conn")] = name = header.get_string("topic")
+            fields = BytesIO(struct.pack("<I", len(data)) + data)
+            self._types[name] = Header.read(fields).get_string("type")
+        elif kind == RecordType.MSGDATA and (number := header.get_uint32("conn")) in names:
+            yield names[number], header.get_time("time"), data
+
+
+def _record(file: BinaryIO | BytesIO) -> tuple[Header, bytes]:
+    header = Header.read(file)
+    prefix = file.read(4)
+    length = struct.unpack("<I", prefix)[0]
+    if length > _LARGEST_RECORD:
+        raise ValueError(f"a record of {length} bytes")
+    data = file.read(length)
+    if len(data) != length:
+        raise ValueError("it ends within a record")
+    return header, data
+
+
+def _topic(name: str, kind: str) -> Topic:
+    return Topic(name, ros2_type(kind), Encoding.ROS1)
+
+
+def _is_within(logged: int, start: int | None, end: int | None) -> bool:
+    return (start is None or logged >= start) and (end is None or logged < end)
+
+
+def _said(error: Exception) -> str:
+    return " ".join(str(error).split())[:80] or type(error).__name__
+
+
+def _megabytes(count: int) -> str:
+    return f"{count / 1e6:.3f} MB"

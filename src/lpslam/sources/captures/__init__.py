@@ -1,0 +1,1 @@
+"""Recordings of phones and data sets, one module a layout."""

@@ -1,0 +1,59 @@
+"""What the readers of captures share: decoding from memory, and files that are listed by number."""
+
+import re
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.errors import UserError
+from lpslam.sources.images import BadImageError, image_defect
+
+RATE = 30.0
+"""Frames a second, where a layout states none."""
+
+
+def decoded_colour(data: bytes, name: str) -> NDArray[np.uint8]:
+    """A JPEG or PNG as (height, width, 3) red, green, blue.
+
+    Raises:
+        BadImageError: it is truncated or no image.
+    """
+    defect = image_defect(data)
+    if defect:
+        raise BadImageError(f"{name} is {defect}")
+    try:
+        picture = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR_RGB)
+    except cv2.error:
+        picture = None
+    if picture is None:
+        raise BadImageError(f"{name} is not an image that can be decoded")
+    return np.asarray(picture, np.uint8)
+
+
+def numbered(folder: Path, suffixes: tuple[str, ...]) -> dict[int, Path]:
+    """The images of a folder by the last number in their names."""
+    found: dict[int, Path] = {}
+    for path in sorted(folder.iterdir()):
+        digits = re.findall(r"\d+", path.stem)
+        if digits and path.suffix.lower() in suffixes:
+            found[int(digits[-1])] = path
+    return found
+
+
+def enlarged(depth: NDArray[np.float32], size: tuple[int, int]) -> NDArray[np.float32]:
+    """Depth (h, w) of the same view at the size (width, height) of the colour image; readings are not mixed."""
+    return np.asarray(cv2.resize(depth, size, interpolation=cv2.INTER_NEAREST), np.float32)
+
+
+def texts_of(path: Path) -> str:
+    """A small text file.
+
+    Raises:
+        UserError: it cannot be read.
+    """
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise UserError(f"{path} cannot be read as text; it belongs to the recording") from error

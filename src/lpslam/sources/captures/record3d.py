@@ -1,0 +1,74 @@
+"""Record3D's `.r3d`: a zip of JPEG colour, LZFSE-compressed depth in metres, and `metadata`.
+
+The layout: https://github.com/marek-simonik/record3d and https://record3d.app/features; depth is 32-bit floating point.
+"""
+
+import json
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lpslam.camera import PinholeCamera
+from lpslam.errors import MissingExtraError, UserError
+from lpslam.sources.captures.common import decoded_colour, enlarged
+from lpslam.sources.images import BadImageError
+from lpslam.sources.listed import ListedSource, Picture
+
+_SIZES = ((192, 256), (256, 192), (480, 640), (640, 480), (360, 640), (640, 360))
+_LARGEST = 1 << 26
+"""Bytes of one member; a depth image has a megabyte."""
+
+
+def open_capture(folder: Path, camera_file: Path | None, max_frames: int | None, *, nominal: bool) -> ListedSource:
+    """Open a `.r3d`.
+
+    Raises:
+        UserError: it is no such file, or damaged.
+        MissingExtraError: LZFSE cannot be unpacked here.
+    """
+    try:
+        import liblzfse  # type: ignore[import-not-found,import-untyped,unused-ignore]
+    except ImportError:
+        raise MissingExtraError("Record3D's depth", "phones") from None
+    try:
+        archive = zipfile.ZipFile(folder)
+        tree: Any = json.loads(_member(archive, "metadata"))
+        matrix = [float(value) for value in tree["K"]]
+        width, height = int(tree["w"]), int(tree["h"])
+        rate = float(tree.get("fps", 60))
+        fx, fy, cx, cy = matrix[0], matrix[4], matrix[6], matrix[7]
+        camera = PinholeCamera(width, height, fx, fy, cx, cy, fps=rate)
+    except (OSError, zipfile.BadZipFile, KeyError, ValueError, TypeError, IndexError, RecursionError) as error:
+        raise UserError(f"{folder} is no recording of Record3D that can be read ({type(error).__name__})") from error
+    names = set(archive.namelist())
+    count = sum(name.startswith("rgbd/") and name.endswith(".jpg") for name in names)
+    times = tree.get("frameTimestamps")
+    is_timed = isinstance(times, list) and len(times) == count
+    notes = () if is_timed else (f"its frames carry no times: {rate:g} a second are taken",)
+    stamps = [float(time) for time in times] if is_timed else [number / rate for number in range(count)]
+    depth_size = (int(tree["dh"]), int(tree["dw"])) if "dh" in tree and "dw" in tree else None
+
+    def decode(number: int) -> Picture:
+        try:
+            rgb = decoded_colour(_member(archive, f"rgbd/{number}.jpg"), f"rgbd/{number}.jpg")
+            metres = np.frombuffer(liblzfse.decompress(_member(archive, f"rgbd/{number}.depth")), np.float32)
+        except (KeyError, zipfile.BadZipFile, ValueError, RuntimeError, OSError, liblzfse.error) as error:
+            raise BadImageError(f"frame {number} cannot be unpacked ({type(error).__name__})") from error
+        size = depth_size if depth_size else next((each for each in _SIZES if each[0] * each[1] == len(metres)
+                                                   and (each[0] > each[1]) == (height > width)), None)  # fmt: skip
+        if size is None or size[0] * size[1] != len(metres):
+            raise BadImageError(f"the depth of frame {number} has {len(metres)} readings")
+        depth = metres.reshape(size).copy()
+        with np.errstate(invalid="ignore"):
+            depth[~(np.isfinite(depth) & (depth > 0))] = 0.0
+        return rgb, enlarged(depth, (width, height))
+
+    return ListedSource(folder.stem, camera, stamps, decode, notes=notes, max_frames=max_frames)
+
+
+def _member(archive: zipfile.ZipFile, name: str) -> bytes:
+    if archive.getinfo(name).file_size > _LARGEST:
+        raise zipfile.BadZipFile(f"{name} is too large")
+    return archive.read(name)

@@ -1,0 +1,106 @@
+"""Stray Scanner's folders: rgb.mp4, depth/NNNNNN.png in millimetres, confidence/, camera_matrix.csv, odometry.csv.
+
+The layout: https://docs.strayrobots.io/formats/data.html
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from lpslam.camera import PinholeCamera
+from lpslam.errors import UserError
+from lpslam.sources.captures.common import RATE, enlarged, numbered, texts_of
+from lpslam.sources.images import BadImageError, read_depth
+from lpslam.sources.listed import ListedSource, Picture
+
+_MILLIMETRES = 1000.0
+_SURE = 1
+"""Of Apple's confidences 0, 1 and 2: below this, readings are guesses."""
+
+
+def open_capture(folder: Path, camera_file: Path | None, max_frames: int | None, *, nominal: bool) -> ListedSource:
+    """Open a scan's folder; its video is decoded in order, and colour keeps its size.
+
+    Raises:
+        UserError: the video or the calibration cannot be read.
+    """
+    video = _Video(folder / "rgb.mp4")
+    try:
+        rows = [[float(word) for word in line.split(",")] for line in texts_of(folder / "camera_matrix.csv").split()]
+        matrix = np.array(rows, np.float64).reshape(3, 3)
+    except ValueError as error:
+        raise UserError(f"{folder / 'camera_matrix.csv'}: expected the nine numbers of a 3×3 matrix") from error
+    width, height = video.size
+    fx, fy, cx, cy = (float(matrix[row]) for row in ((0, 0), (1, 1), (0, 2), (1, 2)))
+    camera = PinholeCamera(width, height, fx, fy, cx, cy, depth_scale=_MILLIMETRES)
+    depths = numbered(folder / "depth", (".png",))
+    sure = numbered(folder / "confidence", (".png",)) if (folder / "confidence").is_dir() else {}
+    stamps, notes = _stamps(folder / "odometry.csv", min(video.count, len(depths)))
+
+    def decode(number: int) -> Picture:
+        rgb = video.frame(number)
+        if number not in depths:
+            raise BadImageError(f"frame {number} has no depth image")
+        depth = read_depth(depths[number], _MILLIMETRES)
+        if number in sure:
+            confidence = cv2.imread(str(sure[number]), cv2.IMREAD_UNCHANGED)
+            if confidence is not None and confidence.shape == depth.shape:
+                depth[confidence < _SURE] = 0.0
+        return rgb, enlarged(depth, (width, height))
+
+    return ListedSource(folder.resolve().name, camera, stamps, decode, notes=notes, max_frames=max_frames)
+
+
+class _Video:
+    """Frames by number; in order without seeking, which a video does slowly."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        reader = cv2.VideoCapture(str(path))
+        self.size = int(reader.get(cv2.CAP_PROP_FRAME_WIDTH)), int(reader.get(cv2.CAP_PROP_FRAME_HEIGHT))
+        self.count = int(reader.get(cv2.CAP_PROP_FRAME_COUNT))
+        reader.release()
+        if min(*self.size, self.count) <= 0:
+            raise UserError(f"{path} is no video that can be decoded")
+        self._frames: Iterator[tuple[int, np.ndarray[tuple[int, ...], np.dtype[np.uint8]]]] = iter(())
+        self._next = -1
+
+    def frame(self, number: int) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
+        """Colour (height, width, 3), red, green, blue."""
+        if number < self._next or number > self._next + 30:
+            self._frames, self._next = self._decoded(number), number
+        for found, picture in self._frames:
+            self._next = found + 1
+            if found == number:
+                return picture
+        raise BadImageError(f"the video ends before frame {number}")
+
+    def _decoded(self, first: int) -> Iterator[tuple[int, np.ndarray[tuple[int, ...], np.dtype[np.uint8]]]]:
+        reader = cv2.VideoCapture(str(self._path))
+        try:
+            if first:
+                reader.set(cv2.CAP_PROP_POS_FRAMES, first)
+            number = first
+            while True:
+                ok, picture = reader.read()
+                if not ok:
+                    return
+                yield number, np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2RGB), np.uint8)
+                number += 1
+        finally:
+            reader.release()
+
+
+def _stamps(path: Path, count: int) -> tuple[list[float], tuple[str, ...]]:
+    """Seconds of the frames: the first column of odometry.csv."""
+    try:
+        lines = texts_of(path).splitlines()[1:]
+        seconds = [float(line.split(",")[0]) for line in lines if line.strip()]
+    except (UserError, ValueError):
+        seconds = []
+    if len(seconds) >= count:
+        return seconds[:count], ()
+    times = [number / RATE for number in range(count)]
+    return times, (f"no odometry.csv with {count} times: {RATE:g} frames a second are taken",)

@@ -1,0 +1,94 @@
+"""Other lens models in the five numbers of Brown and Conrady, and by how many pixels they differ then."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Five = tuple[float, float, float, float, float]
+Matrix = tuple[float, float, float, float]
+_SAMPLES = 40
+
+
+def fitted_rational(k: Sequence[float], size: tuple[int, int], focal: Matrix) -> tuple[Five, float]:
+    """Fit k1, k2, p1, p2, k3 to OpenCV's rational model.
+
+    Args:
+        k: k1, k2, p1, p2, k3, k4, k5, k6.
+        size: width and height, pixels.
+        focal: fx, fy, cx, cy, pixels.
+
+    Returns:
+        The five, and the largest difference within the image, pixels.
+    """
+    k1, k2, p1, p2, k3, k4, k5, k6 = (float(value) for value in k[:8])
+
+    def distorted(points: Array) -> Array:
+        x, y = points.T
+        r2 = x * x + y * y
+        radial = (1 + r2 * (k1 + r2 * (k2 + r2 * k3))) / (1 + r2 * (k4 + r2 * (k5 + r2 * k6)))
+        return np.column_stack(
+            [
+                x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x),
+                y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y,
+            ]
+        )
+
+    raw = _raw_rays(size, focal)
+    return _fitted(_inverted(distorted, raw), raw, focal)
+
+
+def fitted_inverse(k: Sequence[float], size: tuple[int, int], focal: Matrix) -> tuple[Five, float]:
+    """Fit k1, k2, p1, p2, k3 to the same model run backwards, from raw rays to ideal ones, as RealSense states it.
+
+    Args:
+        k: k1, k2, p1, p2, k3.
+        size: width and height, pixels.
+        focal: fx, fy, cx, cy, pixels.
+
+    Returns:
+        The five, and the largest difference within the image, pixels.
+    """
+    k1, k2, p1, p2, k3 = (float(value) for value in k[:5])
+    raw = _raw_rays(size, focal)
+    x, y = raw.T
+    r2 = x * x + y * y
+    radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
+    ideal = np.column_stack(
+        [x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x), y * radial + 2 * p2 * x * y + p1 * (r2 + 2 * y * y)]
+    )
+    return _fitted(ideal, raw, focal)
+
+
+def _raw_rays(size: tuple[int, int], focal: Matrix) -> Array:
+    fx, fy, cx, cy = focal
+    u, v = np.meshgrid(np.linspace(0, size[0] - 1, _SAMPLES), np.linspace(0, size[1] - 1, _SAMPLES))
+    return np.column_stack([(u.ravel() - cx) / fx, (v.ravel() - cy) / fy])
+
+
+def _inverted(distorted: Callable[[Array], Array], raw: Array) -> Array:
+    """The ideal rays of raw ones, by fixed-point steps as in OpenCV, until they stand still."""
+    ideal = raw.copy()
+    for _ in range(100):
+        step = raw - distorted(ideal)
+        ideal += step
+        if not np.isfinite(ideal).all() or np.abs(step).max() < 1e-10:
+            break
+    return ideal
+
+
+def _fitted(ideal: Array, raw: Array, focal: Matrix) -> tuple[Five, float]:
+    """The model is linear in its five numbers."""
+    if not np.isfinite(ideal).all():
+        return (0.0, 0.0, 0.0, 0.0, 0.0), np.inf
+    x, y = ideal.T
+    r2 = x * x + y * y
+    across = np.column_stack([x * r2, x * r2**2, 2 * x * y, r2 + 2 * x * x, x * r2**3])
+    down = np.column_stack([y * r2, y * r2**2, r2 + 2 * y * y, 2 * x * y, y * r2**3])
+    system = np.vstack([across, down])
+    offset = (raw - ideal).T.ravel()
+    terms = np.linalg.lstsq(system, offset, rcond=None)[0]
+    off = (system @ terms - offset).reshape(2, -1) * np.array([[focal[0]], [focal[1]]])
+    five = tuple(float(term) for term in terms)
+    return five, float(np.linalg.norm(off, axis=0).max())  # type: ignore[return-value]

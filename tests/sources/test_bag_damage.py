@@ -1,0 +1,120 @@
+"""Bags that are cut off, empty or hold something else: one line, and what can be read is read."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from bag_writers import COLOUR, DEPTH, KINDS, Entry, Types, walk, write
+from recordings import picture, raw_depth
+
+from lpslam.errors import LpSlamError, UserError
+from lpslam.sources.open import open_source
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_recording_that_was_cut_off_is_read_as_far_as_it_goes(tmp_path: Path, kind: str) -> None:
+    whole = write(tmp_path / f"whole.{kind}", lambda types: walk(types, 200)).read_bytes()
+    counts = []
+    for part in range(20):
+        path = tmp_path / f"part.{kind}"
+        path.write_bytes(whole[: len(whole) * part // 20 + 11 * part])
+        try:
+            frames = list(open_source(path))
+        except UserError as error:
+            assert "\n" not in str(error)  # noqa: PT017
+            counts.append(0)
+            continue
+        counts.append(len(frames))
+        for frame in frames:
+            np.testing.assert_array_equal(frame.rgb, picture(round((frame.timestamp - frames[0].timestamp) * 30)))
+    assert counts == sorted(counts), counts
+    # The last chunk of a megabyte, which holds 65 frames, is lost with its end.
+    assert counts[19] >= 190 - 65, counts
+    assert counts[10] >= 100 - 65, counts
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_bytes_that_were_overwritten_never_end_in_a_traceback(tmp_path: Path, kind: str) -> None:
+    whole = bytearray(write(tmp_path / f"whole.{kind}", lambda types: walk(types, 20)).read_bytes())
+    draw = np.random.default_rng(5)
+    for _ in range(20):
+        broken = whole.copy()
+        start = int(draw.integers(0, len(whole) - 64))
+        broken[start : start + 64] = draw.integers(0, 256, 64, dtype=np.uint8).tobytes()
+        path = tmp_path / f"broken.{kind}"
+        path.write_bytes(broken)
+        try:
+            assert len(list(open_source(path))) <= 20
+        except LpSlamError as error:
+            assert "\n" not in str(error)  # noqa: PT017
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_a_recording_lacks_is_said(tmp_path: Path, kind: str) -> None:
+    def only(*, colour: bool, depth: bool, name: str) -> Path:
+        return write(tmp_path / f"{name}.{kind}", lambda types: walk(types, colour=colour, depth=depth))
+
+    with pytest.raises(UserError, match=r"has depth .* but no colour"):
+        open_source(only(colour=False, depth=True, name="depth"))
+    with pytest.raises(UserError, match=r"has colour .* but no depth"):
+        open_source(only(colour=True, depth=False, name="colour"))
+
+    def flat(types: Types) -> list[Entry]:
+        dull = raw_depth(0).astype(np.uint8)
+        return [(n, t, types.image(t, dull, "8UC1") if n == DEPTH else m) for n, t, m in walk(types)]
+
+    with pytest.raises(UserError, match="no depth of 16 bits"):
+        open_source(write(tmp_path / f"flat.{kind}", flat))
+
+    def strings(types: Types) -> list[Entry]:
+        return [("/chatter", 1, types.make("std_msgs/msg/String", "hello"))]
+
+    with pytest.raises(UserError, match="holds no pictures that can be read"):
+        open_source(write(tmp_path / f"strings.{kind}", strings))
+    empty = tmp_path / f"empty.{kind}"
+    empty.touch()
+    with pytest.raises(UserError, match="is empty"):
+        open_source(empty)
+    empty.write_bytes(b"PK\x03\x04 and so on, as a zip begins")
+    with pytest.raises(UserError, match="compressed as a whole"):
+        open_source(empty)
+    empty.write_bytes(b"something that is no recording")
+    with pytest.raises(UserError, match="no recording that is known"):
+        open_source(empty)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_pictures_that_cannot_be_decoded_are_faults(tmp_path: Path, kind: str) -> None:
+    def odd(types: Types) -> list[Entry]:
+        entries = walk(types)
+        seen = 0
+        for row, (name, logged, message) in enumerate(entries):
+            if name == COLOUR:
+                seen += 1
+                if seen == 3:
+                    message.data = message.data[:100]
+                if seen == 4:
+                    entries[row] = name, logged, types.image(logged, picture(0, 32, 24), "rgb8")
+                if seen == 5:
+                    message.encoding = "nv21"
+        return entries
+
+    source = open_source(write(tmp_path / f"odd.{kind}", odd))
+    assert len(list(source)) == 3
+    assert len(source.faults) == 3
+    assert "need 9216" in source.faults[0].reason
+
+
+def test_messages_of_no_bytes_are_faults(tmp_path: Path) -> None:
+    import sqlite3
+    from contextlib import closing
+
+    path = write(tmp_path / "walk.db3", walk)
+    with closing(sqlite3.connect(path)) as connection:
+        query = "UPDATE messages SET data = x'' WHERE id IN (SELECT id FROM messages WHERE topic_id = " \
+            "(SELECT id FROM topics WHERE name = ?) LIMIT 2)"  # fmt: skip
+        connection.execute(query, (COLOUR,))
+        connection.commit()
+    source = open_source(path)
+    assert len(list(source)) == 4
+    assert len(source.faults) == 2
