@@ -18,6 +18,7 @@ from lpslam.language.lexicon import (
     BY_NAME,
     Meaning,
     SpokenTables,
+    add_beside,
     load_lexicons,
     phrases_of,
     read_table,
@@ -172,6 +173,8 @@ def load_knowledge() -> Knowledge:
                 known.setdefault(folder.key(name), Known(name, "brand", called.kinds, called.identity))
     joining = _in_any(lexicons, "joining", folder)
     _add_kinds(gazetteer["names"], kinds["cuisine_kinds"], joining, painted, known)
+    for lexicon in lexicons.values():
+        _add_venues(lexicon, folder, painted, known)
     return Knowledge(
         folder=folder,
         painted=painted,
@@ -257,6 +260,18 @@ def _add_painted(
                 known.setdefault(key, Known(text, "word", word, text))
     for phrase, found in gathered.items():
         painted.setdefault(phrase, Meaning("means", tuple(found.items())))
+
+
+def _add_venues(
+    lexicon: Mapping[str, Any], folder: Folder, painted: dict[str, Meaning], known: dict[str, Known]
+) -> None:
+    """Add the kinds of places in hospitals, airports and so on, beside what their words mean in a mall."""
+    for concept, joined in lexicon["venues"].items():
+        for text in dict.fromkeys(split(joined)):
+            phrase, key = folder.phrase_and_key(text)
+            add_beside(painted, concept, (phrase,), frozenset())
+            if len(key) > 1 and key not in known:
+                known[key] = Known(text, "word", painted[phrase].concepts, text)
 
 
 _FUEL = "amenity/fuel"

@@ -1,7 +1,7 @@
 """The lexicon: what phrases mean in a question, by language, as written by hand and as the gazetteer has it."""
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Set
 from importlib.resources import files
 from typing import Any, NamedTuple
 
@@ -11,6 +11,7 @@ from lpslam.language.words import Folder
 
 HAND_WRITTEN = ("en", "zh", "ja", "ko", "es", "de", "fr")
 TOPICS = ("food", "goods", "services", "facilities", "trades")
+VENUES = ("venues",)  # kinds of places in other buildings than malls: they stand beside what a word means else
 SAID_ONLY = ("needs",)  # topics of which nothing is painted on a sign
 _ROLES = (
     *("context_before", "context_after", "past", "refuse_before", "refuse_after", "refuse_back", "neutral"),
@@ -37,10 +38,11 @@ def load_lexicons() -> dict[str, dict[str, Any]]:
     lexicons: dict[str, dict[str, Any]] = {
         language: read_table(f"lexicon/{language}.json") for language in HAND_WRITTEN
     }
-    for topic in (*TOPICS, *SAID_ONLY):
+    for topic in (*TOPICS, *VENUES, *SAID_ONLY):
         for concept, by_language in read_table(f"lexicon/topics/{topic}.json").items():
             for language, joined in by_language.items():
-                means = lexicons[language].setdefault("said" if topic in SAID_ONLY else "means", {})
+                section = "said" if topic in SAID_ONLY else "venues" if topic in VENUES else "means"
+                means = lexicons[language].setdefault(section, {})
                 means[concept] = f"{means[concept]}|{joined}" if concept in means else joined
     return lexicons
 
@@ -160,6 +162,8 @@ class SpokenTables:
                 if region.partition("-")[0] == language:
                     for concept, joined in by_concept.items():
                         self._add(table, concept, sure, (each for each in joined.split("|") if each not in common))
+        for concept, joined in lexicon["venues"].items():
+            add_beside(table, concept, (phrase(text) for text in split(joined)), common)
         return table
 
     def _common(self, language: str) -> frozenset[str]:
@@ -170,6 +174,17 @@ class SpokenTables:
         for phrase in phrases:
             if len(phrase) > 1:
                 table.setdefault(phrase, meaning)
+
+
+def add_beside(table: dict[str, Meaning], concept: str, phrases: Iterable[str], hidden: Set[str]) -> None:
+    """Add a concept to what phrases mean already; what refuses, warns or is said everywhere stays what it is."""
+    for key in phrases:
+        said = table.get(key)
+        if not key or key in hidden or (said is not None and said.role != "means"):
+            continue
+        concepts = said.concepts if said is not None else ()
+        if all(concept != other for other, _ in concepts):
+            table[key] = Meaning("means", (*concepts, (concept, BY_HAND if not concepts else BY_NAME)))
 
 
 def _named_itself(found: Mapping[str, float]) -> Mapping[str, float]:

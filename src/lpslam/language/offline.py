@@ -15,6 +15,9 @@ from lpslam.language.namer import Namer
 from lpslam.language.question import Wish, read_question
 from lpslam.language.serving import likeness, match
 from lpslam.language.signs import load_sign_reader
+from lpslam.language.wishes.form import Wish as WishForm
+from lpslam.language.wishes.reading import read_wish
+from lpslam.language.wishes.scoring import EmbeddedScorer
 
 _YES = 0.5  # a sign is a kind when its words say so at least this surely
 _NAME_GUESS = 0.55  # how sure we are that an unknown proper name in a mall is a shop
@@ -29,6 +32,7 @@ class OfflineModel:
             self._signs = load_sign_reader()
         self.namer = Namer(self._knowledge, self._signs)
         self._index: LandmarkIndex | None = None
+        self._scorer: tuple[LandmarkIndex, EmbeddedScorer] | None = None
 
     @property
     def model(self) -> str:
@@ -63,6 +67,18 @@ class OfflineModel:
     def choose(self, question: str, landmarks: Sequence[Candidate]) -> Choice:
         """Choose the landmark whose kinds serve the wish best; none rather than one that does not (III-I)."""
         return choose(question, self.index(landmarks), self._signs, self._knowledge, self.model)
+
+    def read_wish(self, question: str) -> WishForm:
+        """Return what a question means, as a form that the map answers."""
+        return read_wish(question, self._knowledge)
+
+    def scorer(self, landmarks: Sequence[Candidate]) -> EmbeddedScorer:
+        """Return what says which of the landmarks serve a stop of a wish; kept for the next question about them."""
+        index = self.index(landmarks)
+        if self._scorer is None or self._scorer[0] is not index:
+            with building():
+                self._scorer = index, EmbeddedScorer(landmarks, index, self._signs, self._knowledge)
+        return self._scorer[1]
 
     def index(self, landmarks: Sequence[Candidate]) -> LandmarkIndex:
         """Return the landmarks as they are looked up; kept for the next question about the same ones."""

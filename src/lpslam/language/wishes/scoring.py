@@ -1,0 +1,279 @@
+"""Which landmarks serve a stop's words: by what stands on their boards first, then by what they are.
+
+Ids and strings only: where landmarks stand is the map's own knowledge.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Protocol
+
+from lpslam.language.choosing import ranked
+from lpslam.language.distrust import choose_trusted, commands
+from lpslam.language.knowledge import Knowledge
+from lpslam.language.landmark_index import LandmarkIndex
+from lpslam.language.model import Candidate, Choice, LanguageModel
+from lpslam.language.question import Wish as Meaning
+from lpslam.language.question import asks_for_another, read_question
+from lpslam.language.sign_words import WARNING
+from lpslam.language.signs import SignReader
+from lpslam.language.wishes.codes import Code, board_codes, code_of
+from lpslam.language.wishes.form import Ask, Identity, Sort, Stop, with_meaning
+from lpslam.language.wishes.names import Names
+from lpslam.language.wishes.reading import content_of, wish_languages
+from lpslam.language.words import is_mark, is_unspaced, longest_phrases
+
+_SURE, _NAMED, _ACROSS = 1.0, 0.9, 0.85  # of a code or person, of a part of a name, of a name in another script
+_WHOLE = 0.95  # of a name's letters: the name itself
+_BY_THE_WAY = frozenset({"floor", "building", "zone"})
+"""What may be numbered beside what is asked for: “a toilet on level 2”."""
+_SHORTEST = 3  # letters of a word that is a name by itself
+_LEAST_LITERAL = 0.3  # of a board's letters that are asked for word by word
+
+
+@dataclass(frozen=True, slots=True)
+class Served:
+    """The landmarks that serve a stop.
+
+    Attributes:
+        stop: with what its words mean.
+        scores: by id, 0 < score <= 1.
+        evidence: why, in words.
+        confidence: of the best, 0 to 1.
+        others: next best where none serves.
+        ignored: what of the wish could not be heeded.
+        sees_all: whether every landmark that serves has its score; a model names a few only.
+    """
+
+    stop: Stop
+    scores: Mapping[int, float]
+    evidence: str
+    confidence: float = 0.0
+    others: tuple[int, ...] = ()
+    ignored: tuple[str, ...] = ()
+    sees_all: bool = True
+    model: str = "offline"
+    reasons: tuple[str, ...] = field(default=())
+
+
+class Scorer(Protocol):
+    """Whatever says which landmarks serve a stop's words."""
+
+    @property
+    def model(self) -> str:
+        """Which model answers."""
+        ...
+
+    def serve(self, stop: Stop) -> Served:
+        """Return the landmarks that serve."""
+        ...
+
+
+class EmbeddedScorer:
+    """The embedded model's scores over one set of landmarks."""
+
+    def __init__(
+        self, landmarks: Sequence[Candidate], index: LandmarkIndex, signs: SignReader, knowledge: Knowledge
+    ) -> None:
+        self.model = "offline"
+        self._landmarks = landmarks
+        self._index = index
+        self._signs = signs
+        self._knowledge = knowledge
+        self._names = Names(landmarks, knowledge)
+        self._codes: dict[int, list[Code]] = {
+            mark.id: [code for text in dict.fromkeys((mark.name, *mark.lines)) for code in board_codes(text)]
+            for mark in landmarks
+        }
+        self._hostile = {mark.id for mark in landmarks if commands(mark.name) is not None}
+
+    def serve(self, stop: Stop) -> Served:
+        """Return the landmarks that serve a stop: by identity, by name, else by what they are."""
+        if not stop.what:
+            return self._any_place(stop)
+        allowed, ignored, failed = self._identified(stop)
+        if failed:
+            return Served(stop, {}, f"no board bears {failed}", 0.8, self._of_what(stop), ignored)
+        if allowed is not None:
+            return Served(stop, self._trusted(allowed), "the board bears it", 0.97, ignored=ignored)
+        meaning = read_question(stop.what, self._knowledge, self._index.names)
+        stop = with_meaning(stop, [kind for kind, _ in meaning.wanted], (*meaning.refused, *meaning.refused_names))
+        within = self._on_level(stop, ignored)
+        found = self._by_name(stop, meaning)
+        if found:
+            return Served(stop, self._trusted(_within(found, within)), "the board says the name", 0.95, ignored=ignored)
+        choice, scores = ranked(stop.what, self._index, self._signs, self._knowledge, self.model)
+        scores = _within({id_: score for id_, score in scores.items() if id_ not in self._hostile}, within)
+        if not scores:
+            literal = self._literal(stop, meaning)
+            if literal:
+                return Served(stop, self._trusted(literal), "the board says these words", 0.7, ignored=ignored)
+            return Served(stop, {}, choice.evidence, choice.confidence, choice.alternatives, ignored)
+        top = max(scores.values())
+        scores = {id_: score / top for id_, score in scores.items()}
+        return Served(stop, scores, choice.evidence, choice.confidence, ignored=ignored)
+
+    def _trusted(self, scores: Mapping[int, float]) -> dict[int, float]:
+        return {id_: score for id_, score in scores.items() if id_ not in self._hostile}
+
+    def _any_place(self, stop: Stop) -> Served:
+        warns = {
+            id_ for id_, sign in self._index.signs.items() if any(kind == WARNING for kind, _ in sign.kinds)
+        }
+        if stop.ask is Ask.FORBIDDEN:
+            return Served(stop, dict.fromkeys(sorted(warns), 1.0), "what warns or forbids", 0.9)
+        places = [mark.id for mark in self._landmarks if mark.id not in warns]
+        return Served(stop, self._trusted(dict.fromkeys(places, 1.0)), "any place", 0.9)
+
+    def _identified(self, stop: Stop) -> tuple[dict[int, float] | None, tuple[str, ...], str]:
+        """The landmarks that bear all that must stand there; what is not heeded; and what stands on none."""
+        found: dict[int, float] | None = None
+        ignored: list[str] = []
+        for identity in stop.identity:
+            bearing = self._bearing(identity)
+            if identity.sort is Sort.CODE and _BY_THE_WAY.intersection(identity.of) and self._says_more(stop, identity):
+                if not bearing:
+                    ignored.append(str(identity))
+                continue
+            if not bearing:
+                return None, tuple(ignored), str(identity)
+            found = bearing if found is None else {id_: found[id_] for id_ in found if id_ in bearing}
+            if not found:
+                return None, tuple(ignored), " and ".join(map(str, stop.identity))
+        return found, tuple(ignored), ""
+
+    def _says_more(self, stop: Stop, identity: Identity) -> bool:
+        """Whether a stop names something else than what is numbered: “a toilet on level 2”."""
+        meaning = read_question(stop.what, self._knowledge)
+        return any(weight > 0.5 for _, weight in meaning.wanted)
+
+    def _bearing(self, identity: Identity) -> dict[int, float]:
+        if identity.sort is Sort.PERSON:
+            return dict.fromkeys(self._names.persons(identity.value), _SURE)
+        asked = code_of(identity)
+        found: dict[int, float] = {}
+        for id_, codes in self._codes.items():
+            fits = [code for code in codes if code.bears(asked)]
+            if fits:
+                is_same = any(code.of & asked.of for code in fits) or not asked.of
+                is_exact = any(code.last is None and not code.last_letters and code.number == asked.number for code in fits)
+                found[id_] = _SURE - 0.1 * (not is_same) - 0.05 * (not is_exact)
+        best = max(found.values(), default=0.0)
+        return {id_: score for id_, score in found.items() if score >= best - 0.01}
+
+    def _on_level(self, stop: Stop, ignored: Sequence[str]) -> set[int] | None:
+        """Where a level or a building is named by the way, the landmarks that bear it."""
+        within: set[int] | None = None
+        for identity in stop.identity:
+            if str(identity) not in ignored:
+                bearing = set(self._bearing(identity))
+                within = bearing if within is None else within & bearing
+        return within
+
+    def _of_what(self, stop: Stop) -> tuple[int, ...]:
+        """What comes next where an identity stands on no board: others of the same sort."""
+        plain = replace(stop, identity=())
+        choice, _ = ranked(plain.what, self._index, self._signs, self._knowledge, self.model)
+        return tuple(id_ for id_ in (choice.landmark, *choice.alternatives) if id_ is not None)
+
+    def _by_name(self, stop: Stop, meaning: Meaning) -> dict[int, float]:
+        """Landmarks whose board bears every word that is asked for and means nothing else."""
+        if meaning.refused_names or meaning.refused or asks_for_another(stop.what):
+            return {}
+        languages = wish_languages(stop.what, self._knowledge)
+        content = content_of(stop.what, languages)
+        words, proper = self._words(content, languages[0] if languages else "en")
+        if not words:
+            return {}
+        whole = {id_: share for id_, share in self._names.covered(words).items()}
+        exact = {id_: _SURE for id_, share in whole.items() if share >= _WHOLE}
+        if not proper and not (exact and self._unread(exact)):
+            return {}
+        if exact:
+            return exact
+        if whole and proper:
+            return {id_: _NAMED + (1.0 - _NAMED) * share for id_, share in whole.items()}
+        named = self._names.covered(proper)
+        if named and (len(named) == 1 or sum(map(len, proper)) >= _SHORTEST):
+            return {id_: _NAMED + (1.0 - _NAMED) * share for id_, share in named.items()}
+        sounding = self._names.across(proper)
+        return {id_: _ACROSS * share for id_, share in sounding.items()}
+
+    def _unread(self, ids: Mapping[int, float]) -> bool:
+        """Whether no table knows what the boards say: then their letters are all there is."""
+        return not any(self._index.signs[id_].is_place for id_ in ids)
+
+    def _words(self, content: str, language: str) -> tuple[list[str], list[str]]:
+        """The words of a text, runs of scripts without spaces whole; and those of them that no table knows."""
+        fold = self._knowledge.folder
+        units = fold.units(content)
+        common = self._knowledge.common.get(language, frozenset())
+        spans = longest_phrases(units, self._knowledge.tables_of(language))
+        known = {at for span in spans for at in range(span.start, span.end)}
+        whole = [unit for unit in units if not is_mark(unit) and unit not in common or is_unspaced(unit)]
+        words = _joined(whole)
+        proper = _joined(
+            [unit if at not in known and unit not in common and not is_mark(unit) else "" for at, unit in enumerate(units)]
+        )
+        proper = [word for word in proper if len(word) >= (2 if is_unspaced(word) else _SHORTEST)]
+        return words, proper
+
+    def _literal(self, stop: Stop, meaning: Meaning) -> dict[int, float]:
+        """Boards that bear every word, where nothing else is known to serve."""
+        if meaning.refused_names or meaning.refused or asks_for_another(stop.what):
+            return {}
+        languages = wish_languages(stop.what, self._knowledge)
+        words, _ = self._words(content_of(stop.what, languages), languages[0] if languages else "en")
+        return {id_: share for id_, share in self._names.covered(words).items() if share >= _LEAST_LITERAL}
+
+
+def _joined(units: Sequence[str]) -> list[str]:
+    """Characters of scripts without spaces that follow one another as one word; "" parts them."""
+    words: list[str] = []
+    is_open = False
+    for unit in units:
+        if unit and is_unspaced(unit):
+            if is_open:
+                words[-1] += unit
+            else:
+                words.append(unit)
+            is_open = True
+        else:
+            is_open = False
+            if unit and not is_mark(unit):
+                words.append(unit)
+    return words
+
+
+def _within(scores: Mapping[int, float], within: set[int] | None) -> dict[int, float]:
+    left = {id_: score for id_, score in scores.items() if within is None or id_ in within}
+    return left or dict(scores)
+
+
+class ModelScorer:
+    """Any other model: it names a landmark and the next best, for the words of a stop."""
+
+    def __init__(self, model: LanguageModel, landmarks: Sequence[Candidate]) -> None:
+        self._model = model
+        self._landmarks = landmarks
+        self.choices: list[Choice] = []
+
+    @property
+    def model(self) -> str:
+        """Which model answers."""
+        return self._model.model
+
+    def serve(self, stop: Stop) -> Served:
+        """Ask the model for the landmark that serves a stop's words."""
+        if not stop.what:
+            return Served(stop, dict.fromkeys([mark.id for mark in self._landmarks], 1.0), "any place", 0.9)
+        choice = choose_trusted(self._model, stop.what, self._landmarks)
+        self.choices.append(choice)
+        ids = {mark.id for mark in self._landmarks}
+        if choice.landmark is None or choice.landmark not in ids:
+            others = tuple(id_ for id_ in choice.alternatives if id_ in ids)
+            missing = "" if choice.landmark is None else f" (no such landmark: {choice.landmark})"
+            return Served(stop, {}, choice.evidence + missing, choice.confidence, others, model=choice.model)
+        name = next(mark.name for mark in self._landmarks if mark.id == choice.landmark)
+        scores = {mark.id: 1.0 for mark in self._landmarks if mark.name == name}
+        others = tuple(id_ for id_ in choice.alternatives if id_ in ids and id_ not in scores)
+        return Served(stop, scores, choice.evidence, choice.confidence, others, (), False, choice.model)
