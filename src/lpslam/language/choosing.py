@@ -39,6 +39,7 @@ def ranked(
 ) -> tuple[Choice, Scores]:
     """As `choose`, with the scores of all landmarks that serve."""
     wish, refused, said = understand(question, index, signs, knowledge)
+    wish = _as_in_this_building(wish, index, knowledge)
     phrases = phrases_in(answer_language(question) if wish.language is not None else "en")
     if not index.landmarks:
         return Choice(None, 1.0, phrases.say("empty_map"), model), {}
@@ -93,6 +94,20 @@ def ranked(
             return choices[-1]
     # Where nothing serves, it is the wish itself that is told of.
     return choices[wishes.index(wish)]
+
+
+def _as_in_this_building(wish: Wish, index: LandmarkIndex, knowledge: Knowledge) -> Wish:
+    """Leave out kinds of rooms that no place of this map is, where words mean something else besides.
+
+    “Milk” is an aisle in a supermarket, and groceries in a mall.
+    """
+    absent = {
+        concept
+        for concept, _ in wish.wanted
+        if knowledge.family(concept) and not any(likeness(concept, kinds, knowledge) >= _YES for kinds in index.groups)
+    }
+    left = tuple(each for each in wish.wanted if each[0] not in absent)
+    return replace(wish, wanted=left) if absent and left else wish
 
 
 def understand(

@@ -84,6 +84,7 @@ class Knowledge:
     trade_goods: frozenset[str]
     imperatives: frozenset[str]
     company_forms: frozenset[str]
+    families: Mapping[str, tuple[str, ...]]
     _tables: "SpokenTables"
     _above: dict[str, tuple[str, ...]] = field(default_factory=dict)
     _shares: dict[tuple[str, str], float] = field(default_factory=dict)
@@ -99,6 +100,10 @@ class Knowledge:
     def states(self, language: str) -> StateTables:
         """Return the things and states of a language."""
         return self._tables.states_of(language)
+
+    def family(self, kind: str) -> str:
+        """Return the sort of building whose rooms are of this kind: a hospital for a department; "" for none."""
+        return next((name for name, starts in self.families.items() if kind.startswith(starts)), "")
 
     def word_for(self, concept: str, language: str) -> str | None:
         """Return how a language calls a concept; None where no table says so. "zh-Hant" is traditional Chinese."""
@@ -215,6 +220,7 @@ def load_knowledge() -> Knowledge:
         trade_goods=frozenset(kinds["trade_goods"]),
         imperatives=frozenset(kinds["imperatives"]),
         company_forms=frozenset(kinds["company_forms"]),
+        families={name: tuple(starts) for name, starts in kinds["families"].items()},
         _tables=SpokenTables(folder, lexicons, gazetteer, kinds["cuisine_kinds"], frozenset(kinds["unspoken"])),
     )
 

@@ -12,6 +12,7 @@ from lpslam.language.words import Folder
 HAND_WRITTEN = ("en", "zh", "ja", "ko", "es", "de", "fr")
 TOPICS = ("food", "goods", "services", "facilities", "trades")
 VENUES = ("venues",)  # kinds of places in other buildings than malls: they stand beside what a word means else
+SAID_IN_VENUES = ("venue_needs",)  # how one asks for those kinds without naming them
 SAID_ONLY = ("needs",)  # topics of which nothing is painted on a sign
 _ROLES = (
     *("context_before", "context_after", "past", "refuse_before", "refuse_after", "refuse_back", "neutral"),
@@ -38,11 +39,11 @@ def load_lexicons() -> dict[str, dict[str, Any]]:
     lexicons: dict[str, dict[str, Any]] = {
         language: read_table(f"lexicon/{language}.json") for language in HAND_WRITTEN
     }
-    for topic in (*TOPICS, *VENUES, *SAID_ONLY):
+    sections = {"needs": "said", "venues": "venues", "venue_needs": "said_in_venues"}
+    for topic in (*TOPICS, *VENUES, *SAID_IN_VENUES, *SAID_ONLY):
         for concept, by_language in read_table(f"lexicon/topics/{topic}.json").items():
             for language, joined in by_language.items():
-                section = "said" if topic in SAID_ONLY else "venues" if topic in VENUES else "means"
-                means = lexicons[language].setdefault(section, {})
+                means = lexicons[language].setdefault(sections.get(topic, "means"), {})
                 means[concept] = f"{means[concept]}|{joined}" if concept in means else joined
     return lexicons
 
@@ -162,7 +163,7 @@ class SpokenTables:
                 if region.partition("-")[0] == language:
                     for concept, joined in by_concept.items():
                         self._add(table, concept, sure, (each for each in joined.split("|") if each not in common))
-        for concept, joined in lexicon["venues"].items():
+        for concept, joined in (*lexicon["venues"].items(), *lexicon["said_in_venues"].items()):
             add_beside(table, concept, (phrase(text) for text in split(joined)), common)
         return table
 

@@ -79,7 +79,11 @@ def _stop(text: str, languages: tuple[str, ...], is_later: bool = False, depth: 
     if which is not None:
         stop = replace(stop, which=which, rank=rank) if stop.which is Which.ANY or rank > 1 else stop
     rules = rules_of(ask_language)
-    is_any = not content_left(what, rules) or ask in (Ask.HERE, Ask.FORBIDDEN)
+    left = content_left(what, rules)
+    is_told_by_place = stop.relation is not None or ask in (Ask.LIST, Ask.WHICH)
+    if is_told_by_place:
+        left = content_left(rules.any.sub(" ", left), rules)
+    is_any = not left or ask in (Ask.HERE, Ask.FORBIDDEN)
     return replace(
         stop,
         what="" if is_any else what,

@@ -39,6 +39,7 @@ class Rules:
     here: re.Pattern[str]
     previous: re.Pattern[str]
     filler: re.Pattern[str]
+    any: re.Pattern[str]
 
     def first(self, rows: Sequence[Row], text: str) -> tuple[Row, re.Match[str]] | None:
         """The first row that holds; rows stand in order, the most particular first."""
@@ -72,4 +73,5 @@ def rules_of(language: str) -> Rules:
         compiled(tree["here"]),
         compiled(tree["previous"]),
         compiled(tree["filler"]),
+        compiled(tree["any"]),
     )

@@ -3,6 +3,7 @@
 Ids and strings only: where landmarks stand is the map's own knowledge.
 """
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Protocol
@@ -14,14 +15,18 @@ from lpslam.language.landmark_index import LandmarkIndex
 from lpslam.language.model import Candidate, Choice, LanguageModel
 from lpslam.language.question import Wish as Meaning
 from lpslam.language.question import asks_for_another, read_question
+from lpslam.language.serving import likeness
 from lpslam.language.sign_words import WARNING
 from lpslam.language.signs import SignReader
 from lpslam.language.wishes.codes import Code, board_codes, code_of
-from lpslam.language.wishes.form import Ask, Identity, Sort, Stop, with_meaning
+from lpslam.language.wishes.form import Ask, Identity, Sort, Stop, Which, with_meaning
 from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.reading import content_of, wish_languages
 from lpslam.language.words import is_mark, is_unspaced, longest_phrases
 
+_ANY_SORT = frozenset({"shop", "business", "place"})
+_FEW_OF_A_FAMILY = 3  # rooms of one sort of building that make the map one of it
+_CAPITALS_ARE_NAMES = frozenset({"en", "es", "fr"})
 _SURE, _NAMED, _ACROSS = 1.0, 0.9, 0.85  # of a code or person, of a part of a name, of a name in another script
 _WHOLE = 0.95  # of a name's letters: the name itself
 _BY_THE_WAY = frozenset({"floor", "building", "zone"})
@@ -84,6 +89,10 @@ class EmbeddedScorer:
             mark.id: [code for text in dict.fromkeys((mark.name, *mark.lines)) for code in board_codes(text)]
             for mark in landmarks
         }
+        families = [
+            {self._knowledge.family(kind) for kind, weight in sign.kinds if weight >= 0.5} for sign in index.signs.values()
+        ]
+        self._families = Counter(family for found in families for family in found if family)
         self._hostile = {mark.id for mark in landmarks if commands(mark.name) is not None}
 
     def serve(self, stop: Stop) -> Served:
@@ -101,9 +110,13 @@ class EmbeddedScorer:
         found = self._by_name(stop, meaning)
         if found:
             return Served(stop, self._trusted(_within(found, within)), "the board says the name", 0.95, ignored=ignored)
+        general = self._of_any_sort(stop, meaning)
+        if general:
+            return Served(stop, self._trusted(_within(general, within)), "any of this sort", 0.9, ignored=ignored)
         choice, scores = ranked(stop.what, self._index, self._signs, self._knowledge, self.model)
         scores = _within({id_: score for id_, score in scores.items() if id_ not in self._hostile}, within)
-        if not scores:
+        scores = self._of_the_family(meaning, scores)
+        if not scores or self._is_another(stop, meaning, scores):
             literal = self._literal(stop, meaning)
             if literal:
                 return Served(stop, self._trusted(literal), "the board says these words", 0.7, ignored=ignored)
@@ -111,6 +124,61 @@ class EmbeddedScorer:
         top = max(scores.values())
         scores = {id_: score / top for id_, score in scores.items()}
         return Served(stop, scores, choice.evidence, choice.confidence, ignored=ignored)
+
+    def _of_any_sort(self, stop: Stop, meaning: Meaning) -> dict[int, float]:
+        """“The shop next to …” is any shop: what the map says of where it stands is all that tells it from others."""
+        wanted = {kind for kind, _ in meaning.wanted}
+        is_told_by_place = stop.relation is not None or stop.ask in (Ask.LIST, Ask.HERE) or stop.which is not Which.ANY
+        if not wanted or not wanted <= _ANY_SORT or not is_told_by_place or meaning.refused:
+            return {}
+        return {
+            mark.id: 1.0
+            for mark in self._landmarks
+            if wanted == {"place"} or self._is_shop(mark.id)
+        }
+
+    def _is_shop(self, id_: int) -> bool:
+        kinds = self._index.signs[id_].kinds
+        if likeness("business", kinds, self._knowledge) >= 0.5:
+            return True
+        return self._index.signs[id_].name_like and likeness("facility", kinds, self._knowledge) < 0.5
+
+    def _of_the_family(self, meaning: Meaning, scores: Mapping[int, float]) -> dict[int, float]:
+        """In a hospital, who asks for one department wants no other; in a supermarket, the aisle goes before the rest."""
+        for kind, _ in meaning.wanted:
+            family = self._knowledge.family(kind)
+            if family and self._families[family] >= _FEW_OF_A_FAMILY:
+                own = {id_ for id_, sign in self._index.signs.items() if likeness(kind, sign.kinds, self._knowledge) >= 0.5}
+                others = {
+                    other for other, _ in meaning.wanted if other != kind and (self._knowledge.family(other) == family)
+                }
+                if own or not others:
+                    kept = {id_: score for id_, score in scores.items() if id_ in own}
+                    more = {
+                        id_: score
+                        for id_, score in scores.items()
+                        if any(likeness(other, self._index.signs[id_].kinds, self._knowledge) >= 0.5 for other in others)
+                    }
+                    return kept | more
+        return dict(scores)
+
+    def _is_another(self, stop: Stop, meaning: Meaning, scores: Mapping[int, float]) -> bool:
+        """Whether a name is asked for that stands on no board, where boards of the sort bear names: room Gamma."""
+        languages = wish_languages(stop.what, self._knowledge)
+        if not languages or languages[0] not in _CAPITALS_ARE_NAMES:
+            return False
+        _, proper = self._words(content_of(stop.what, languages), languages[0])
+        capital = {self._knowledge.folder.fold(word) for word in stop.what.split()[1:] if word[:1].isupper()}
+        named = [word for word in proper if word in capital or any(word.startswith(each) for each in capital)]
+        if not named:
+            return False
+        top = max(scores.values())
+        best = [id_ for id_, score in scores.items() if score >= 0.97 * top]
+        return all(self._bears_a_name(id_, languages[0]) for id_ in best)
+
+    def _bears_a_name(self, id_: int, language: str) -> bool:
+        name = next(mark.name for mark in self._landmarks if mark.id == id_)
+        return bool(self._words(name, language)[1]) or bool(self._codes[id_])
 
     def _trusted(self, scores: Mapping[int, float]) -> dict[int, float]:
         return {id_: score for id_, score in scores.items() if id_ not in self._hostile}
