@@ -18,6 +18,7 @@ _ROLES = (
     *("context_before", "context_after", "past", "refuse_before", "refuse_after", "refuse_back", "neutral"),
     "break",
 )
+_PARTITIVES = "du|de la|des|de l|le|la|les|el|los|las|der|die|das|some|any"
 # How sure a word makes us of a kind: written for this by hand, a kind's own name in the index, or a search term.
 BY_HAND, BY_NAME, BY_TERM = 1.0, 0.95, 0.8
 
@@ -138,6 +139,7 @@ class SpokenTables:
         lexicon = self._lexicons[language]
         phrase = self._folder.phrase
         common = self._common(language)
+        articles = phrases_of(self._folder, lexicon.get("article", "")) | phrases_of(self._folder, _PARTITIVES)
         table: dict[str, Meaning] = {}
         for role in _ROLES:
             for text in split(lexicon.get(role, "")):
@@ -164,7 +166,10 @@ class SpokenTables:
                     for concept, joined in by_concept.items():
                         self._add(table, concept, sure, (each for each in joined.split("|") if each not in common))
         for concept, joined in (*lexicon["venues"].items(), *lexicon["said_in_venues"].items()):
-            add_beside(table, concept, (phrase(text) for text in split(joined)), common)
+            said = [phrase(text) for text in split(joined)]
+            # “Du beurre” stands in the tables as it is.
+            said += [key for each in said for article in articles if (key := f"{article} {each}") in table]
+            add_beside(table, concept, said, common)
         return table
 
     def _common(self, language: str) -> frozenset[str]:

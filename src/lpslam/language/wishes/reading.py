@@ -89,7 +89,10 @@ def _stop(text: str, languages: tuple[str, ...], is_later: bool = False, depth: 
         what="" if is_any else what,
         identity=() if is_any else _identity(what, languages),
         ask=ask,
-        which=Which.ALL if stop.which is Which.ANY and ask in (Ask.LIST, Ask.HERE, Ask.FORBIDDEN) else stop.which,
+        which=Which.NEAREST
+        if is_later and stop.which is Which.ANY
+        else Which.ALL
+        if stop.which is Which.ANY and ask in (Ask.LIST, Ask.HERE, Ask.FORBIDDEN) else stop.which,
     )
 
 

@@ -14,7 +14,7 @@ from lpslam.language.knowledge import Knowledge
 from lpslam.language.landmark_index import LandmarkIndex
 from lpslam.language.model import Candidate, Choice, LanguageModel
 from lpslam.language.question import Wish as Meaning
-from lpslam.language.question import asks_for_another, read_question
+from lpslam.language.question import asks_for_another, languages_of, read_question
 from lpslam.language.serving import likeness
 from lpslam.language.sign_words import WARNING
 from lpslam.language.signs import SignReader
@@ -167,18 +167,18 @@ class EmbeddedScorer:
         languages = wish_languages(stop.what, self._knowledge)
         if not languages or languages[0] not in _CAPITALS_ARE_NAMES:
             return False
-        _, proper = self._words(content_of(stop.what, languages), languages[0])
+        _, proper = self._words(content_of(stop.what, languages), self._likely(stop.what))
         capital = {self._knowledge.folder.fold(word) for word in stop.what.split()[1:] if word[:1].isupper()}
         named = [word for word in proper if word in capital or any(word.startswith(each) for each in capital)]
         if not named:
             return False
         top = max(scores.values())
         best = [id_ for id_, score in scores.items() if score >= 0.97 * top]
-        return all(self._bears_a_name(id_, languages[0]) for id_ in best)
+        return all(self._bears_a_name(id_, self._likely(stop.what)) for id_ in best)
 
-    def _bears_a_name(self, id_: int, language: str) -> bool:
+    def _bears_a_name(self, id_: int, languages: Sequence[str]) -> bool:
         name = next(mark.name for mark in self._landmarks if mark.id == id_)
-        return bool(self._words(name, language)[1]) or bool(self._codes[id_])
+        return bool(self._words(name, languages)[1]) or bool(self._codes[id_])
 
     def _trusted(self, scores: Mapping[int, float]) -> dict[int, float]:
         return {id_: score for id_, score in scores.items() if id_ not in self._hostile}
@@ -249,7 +249,7 @@ class EmbeddedScorer:
             return {}
         languages = wish_languages(stop.what, self._knowledge)
         content = content_of(stop.what, languages)
-        words, proper = self._words(content, languages[0] if languages else "en")
+        words, proper = self._words(content, self._likely(stop.what))
         if not words:
             return {}
         whole = {id_: share for id_, share in self._names.covered(words).items()}
@@ -270,27 +270,30 @@ class EmbeddedScorer:
         """Whether no table knows what the boards say: then their letters are all there is."""
         return not any(self._index.signs[id_].is_place for id_ in ids)
 
-    def _words(self, content: str, language: str) -> tuple[list[str], list[str]]:
+    def _likely(self, text: str) -> tuple[str, ...]:
+        """The languages that a text may be in; a few words may be in any that knows them."""
+        return languages_of(text, self._knowledge) or wish_languages(text, self._knowledge)
+
+    def _words(self, content: str, languages: Sequence[str]) -> tuple[list[str], list[str]]:
         """The words of a text, runs of scripts without spaces whole; and those of them that no table knows."""
-        fold = self._knowledge.folder
-        units = fold.units(content)
-        common = self._knowledge.common.get(language, frozenset())
-        spans = longest_phrases(units, self._knowledge.tables_of(language))
-        known = {at for span in spans for at in range(span.start, span.end)}
-        whole = [unit for unit in units if not is_mark(unit) and unit not in common or is_unspaced(unit)]
-        words = _joined(whole)
+        units = self._knowledge.folder.units(content)
+        common = frozenset().union(*(self._knowledge.common.get(each, frozenset()) for each in languages))
+        known: set[int] = set()
+        for language in languages:
+            for span in longest_phrases(units, self._knowledge.tables_of(language)):
+                known.update(range(span.start, span.end))
+        words = _joined([unit for unit in units if is_unspaced(unit) or not (is_mark(unit) or unit in common)])
         proper = _joined(
-            [unit if at not in known and unit not in common and not is_mark(unit) else "" for at, unit in enumerate(units)]
+            ["" if at in known or unit in common or is_mark(unit) else unit for at, unit in enumerate(units)]
         )
-        proper = [word for word in proper if len(word) >= (2 if is_unspaced(word) else _SHORTEST)]
-        return words, proper
+        return words, [word for word in proper if len(word) >= (2 if is_unspaced(word) else _SHORTEST)]
 
     def _literal(self, stop: Stop, meaning: Meaning) -> dict[int, float]:
         """Boards that bear every word, where nothing else is known to serve."""
         if meaning.refused_names or meaning.refused or asks_for_another(stop.what):
             return {}
         languages = wish_languages(stop.what, self._knowledge)
-        words, _ = self._words(content_of(stop.what, languages), languages[0] if languages else "en")
+        words, _ = self._words(content_of(stop.what, languages), self._likely(stop.what))
         return {id_: share for id_, share in self._names.covered(words).items() if share >= _LEAST_LITERAL}
 
 
