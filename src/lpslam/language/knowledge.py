@@ -60,6 +60,7 @@ class Knowledge:
     wishing: Mapping[str, frozenset[str]]
     negating: Mapping[str, frozenset[str]]
     warning_starts: frozenset[str]
+    forbidding: frozenset[str]
     known: Mapping[str, Known]
     general: frozenset[str]
     modifiers: frozenset[str]
@@ -193,6 +194,7 @@ def load_knowledge() -> Knowledge:
         wishing={language: phrases_of(folder, lexicon["wishing"]) for language, lexicon in lexicons.items()},
         negating={language: phrases_of(folder, lexicon["negating"]) for language, lexicon in lexicons.items()},
         warning_starts=_in_any(lexicons, "sign_warning_start", folder),
+        forbidding=_in_any(lexicons, "sign_forbidding", folder),
         known=known,
         general=frozenset(kinds["general"]),
         modifiers=frozenset(kinds["modifiers"]),

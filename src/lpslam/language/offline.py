@@ -5,6 +5,7 @@ and it rather chooses nothing than guesses.
 """
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 from lpslam.language.building import building
 from lpslam.language.choosing import choose
@@ -19,6 +20,10 @@ from lpslam.language.wishes.form import Wish as WishForm
 from lpslam.language.wishes.reading import read_wish
 from lpslam.language.wishes.scoring import EmbeddedScorer
 
+CANNOT_JUDGE = (
+    "I cannot judge this: the question names no kind of place that is known; "
+    "ask for a kind of place (“Is this a restaurant?”), or with another model (--llm)"
+)
 _YES = 0.5  # a sign is a kind when its words say so at least this surely
 _NAME_GUESS = 0.55  # how sure we are that an unknown proper name in a mall is a shop
 
@@ -51,7 +56,7 @@ class OfflineModel:
     def _judge(self, name: str, question: str, wish: Wish) -> Judgement:
         sign = self._signs.read(name)
         if not wish.wanted and not wish.refused:
-            return Judgement(question, False, 0.0, "the question names no kind of place that is known", self.model)
+            return Judgement(question, False, 0.0, CANNOT_JUDGE, self.model)
         # “A place to eat” asks for more than a place, “the sign of a restroom” for more than a sign.
         asked = [concept for concept in wish.main if concept not in ("place", "sign")] or wish.main
         refused = any(likeness(concept, sign.kinds, self._knowledge) >= _YES for concept in wish.refused)
@@ -86,3 +91,9 @@ class OfflineModel:
             with building():
                 self._index = LandmarkIndex(landmarks, self._signs, self._knowledge)
         return self._index
+
+
+@lru_cache(maxsize=1)
+def embedded_model() -> OfflineModel:
+    """Return the embedded model that reads wishes for others, made once a process."""
+    return OfflineModel()

@@ -31,10 +31,12 @@ from lpslam.language.sign_words import (
 from lpslam.language.words import Span, is_mark, is_unspaced, longest_phrases
 
 _PARTS = re.compile(r"[()\[\]{}<>|/·•:;—–]+|\s-\s")
+_PERSON = re.compile(r"(?:Prof|Dr|Dra|Mr|Mrs|Ms|Sr|Sra|Mme)\.\s?(?:\w+\.\s?)*[A-ZÀ-Þ]")
 _SHORTEST_IDEOGRAPHS, _SHORTEST_LETTERS = 3, 6  # of a brand at the head of a longer name; shorter ones are chance
 _SURE_TRADE = 0.95  # of a trade at the end of a long name
 _JOINS = str.maketrans("", "", "-/")
 _COMPOUND = 9  # letters of a word that may be a compound in a name of several words
+_HOUSES = ("shop/", "amenity/", "leisure/", "cuisine/", "craft/", "tourism/")
 _REPAIR = "shop/repair"
 _POURED = frozenset({"wine", "alcohol", "tea", "coffee", "drink"})
 
@@ -83,6 +85,9 @@ class SignReader:
         """Return the meaning of one painted name; brackets and dashes part it, a warning in any part decides."""
         text = clean_text(name)
         parts = [part for part in (piece.strip() for piece in _PARTS.split(text)) if part]
+        if len(parts) > 1 and _PERSON.match(text):
+            # Who “Dr. Schneider – Orthopaedics” is called says nothing of what is done there.
+            parts = [part for part in parts if not _PERSON.match(part)] or parts
         if len(parts) > 1 and self._fold.key(text) not in self._knowledge.known:
             return joined([self._read_part(part) for part in parts])
         return self._read_part(text)
@@ -183,8 +188,14 @@ class SignReader:
         water, glass) are no trade.
         """
         words = [at for at, unit in enumerate(units) if not is_mark(unit) and unit not in self._knowledge.company_forms]
-        if not words or not spans or units[words[0]] in self._knowledge.imperatives or is_unspaced(units[words[0]]):
+        if not words or not spans or units[words[0]] in self._knowledge.imperatives:
             return False
+        if is_unspaced(units[words[0]]):
+            # 勿忘我花店 begins with a “don't”, and says no more of what must not be done.
+            whole = " ".join(units)
+            forbids = any(whole.startswith(start) for start in self._knowledge.forbidding)
+            is_house = any(concept.startswith(_HOUSES) for concept, _ in spans[-1].value.concepts)
+            return not forbids and is_house and spans[-1].end > words[-1] and spans[-1].end - spans[-1].start > 1
         return spans[-1].end > words[-1] and any(
             concept in self._knowledge.trade_goods or concept.startswith(TRADES)
             for concept, _ in spans[-1].value.concepts

@@ -13,6 +13,7 @@ _EQUAL = 0.97  # of the best score: served equally, where the nearer is chosen
 _NEARLY = 0.8  # of the best score: served well enough, where the nearest is asked for
 _SERVES = 0.6  # of the best score: what may stand in a relation, or in a list
 _MOST = 50  # places of a list
+_ALTERNATIVES = 5  # further places that are told where one is asked for
 _DECIDED = 2.0  # standard deviations by which two distances must differ to be told apart
 
 
@@ -223,11 +224,12 @@ class _Solver:
                 notes.append(f"{rival.place.name} may be as near: the difference is within what the map knows")
                 sure *= 0.7
         others = [each.place for each in ranked if each.place is not chosen.place]
+        others += [place for place in self._listed(served)[:_ALTERNATIVES] if place is not chosen.place]
         others += [self._by_id[id_] for id_ in served.others if id_ in self._by_id]
         return Solved(
             stop,
             chosen.place,
-            tuple(dict.fromkeys(others))[:_MOST],
+            tuple(dict.fromkeys(others))[: _MOST if stop.which is Which.ALL else _ALTERNATIVES],
             round(min(sure, 0.99), 3),
             served.evidence,
             tuple(dict.fromkeys(notes)),

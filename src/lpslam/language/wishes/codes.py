@@ -39,7 +39,7 @@ _SPELLED = {
 _HAN = {ch: at for at, ch in enumerate("〇一二三四五六七八九")} | {"零": 0, "两": 2, "兩": 2}
 _HAN_NUMBER = re.compile(r"第?([〇零一二三四五六七八九两兩十百]+)(?=[号號番楼樓层層階栋幢站股])|(?<=[第])([一二三四五六七八九十]+)")
 _ONE = r"(?:[a-z]{1,2}[-.]?|[b-z] )?\d{1,4}(?:[-.]\d{1,4}){0,2}[a-z]?|[a-z]"
-_CODE = re.compile(rf"(?<![a-zà-ÿ0-9])({_ONE})(?![^\W_\u2e80-\uffff])(?!['’-][a-z])", re.IGNORECASE)
+_CODE = re.compile(rf"(?<![a-zà-ÿ0-9'’])({_ONE})(?![^\W_\u2e80-\uffff])(?!['’-][a-z])", re.IGNORECASE)
 _RANGE = re.compile(
     r"(?<![a-zà-ÿ0-9])([a-z]{0,2})(\d{0,4}) ?(?:-|–|—|~|〜|～|to|bis|through|thru|à|a|al|至|到|から|부터|에서) ?([a-z]{0,2})(\d{0,4})(?![a-z0-9])",
     re.IGNORECASE,
@@ -78,8 +78,11 @@ class Code:
             return asked.number is None and not asked.rest and self.letters <= asked.letters <= self.last_letters
         if self.number is None:
             return asked.letters == self.letters and not asked.rest and bool(self.of or asked.number is None)
-        if asked.number is None or asked.letters != self.letters:
+        if asked.letters != self.letters:
             return False
+        if asked.number is None:
+            # “Gates A” are A1 to A15.
+            return bool(self.of & asked.of)
         if self.last is not None:
             return self.number <= asked.number <= self.last
         return (asked.number, asked.rest) == (self.number, self.rest)

@@ -14,6 +14,7 @@ _LONGEST = 400  # letters of a question
 _LATIN = ("en", "es", "de", "fr")
 _ENDS = " .。!！?？,，、;；¿¡"
 _MOST_STOPS = 6
+_POSSESSIVE = re.compile(r"['’]s?$")
 _RANKS = {
     **dict.fromkeys(("second", "2nd", "二", "2", "２", "두", "zweit", "segundo", "segunda", "deuxième", "seconde"), 2),
     **dict.fromkeys(("third", "3rd", "三", "3", "３", "세", "dritt", "tercero", "tercera", "tercer", "troisième"), 3),
@@ -83,7 +84,7 @@ def _stop(text: str, languages: tuple[str, ...], is_later: bool = False, depth: 
     is_told_by_place = stop.relation is not None or ask in (Ask.LIST, Ask.WHICH)
     if is_told_by_place:
         left = content_left(rules.any.sub(" ", left), rules)
-    is_any = not left or ask in (Ask.HERE, Ask.FORBIDDEN)
+    is_any = ask in (Ask.HERE, Ask.FORBIDDEN) or (not left and (stop.relation is not None or ask is Ask.LIST))
     return replace(
         stop,
         what="" if is_any else what,
@@ -137,7 +138,7 @@ def _identity(text: str, languages: tuple[str, ...]) -> tuple[Identity, ...]:
         rules = rules_of(language)
         found = rules.first(rules.persons, text)
         if found is not None:
-            persons.append(Identity(Sort.PERSON, found[1].group("person")))
+            persons.append(Identity(Sort.PERSON, _POSSESSIVE.sub("", found[1].group("person"))))
             break
     return (*persons, *identities(asked_codes(text)))
 

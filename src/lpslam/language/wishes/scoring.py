@@ -10,22 +10,24 @@ from typing import Protocol
 
 from lpslam.language.choosing import ranked
 from lpslam.language.distrust import choose_trusted, commands
-from lpslam.language.knowledge import Knowledge
+from lpslam.language.knowledge import Knowledge, load_words
 from lpslam.language.landmark_index import LandmarkIndex
-from lpslam.language.model import Candidate, Choice, LanguageModel
+from lpslam.language.model import Candidate, LanguageModel
 from lpslam.language.question import Wish as Meaning
 from lpslam.language.question import asks_for_another, languages_of, read_question
 from lpslam.language.serving import likeness
 from lpslam.language.sign_words import WARNING
 from lpslam.language.signs import SignReader
 from lpslam.language.wishes.codes import Code, board_codes, code_of
-from lpslam.language.wishes.form import Ask, Identity, Sort, Stop, Which, with_meaning
+from lpslam.language.wishes.form import Ask, Identity, Sort, Stop, Which, Wish, with_meaning
 from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.reading import content_of, wish_languages
+from lpslam.language.wishes.rules import rules_of
 from lpslam.language.words import is_mark, is_unspaced, longest_phrases
 
 _ANY_SORT = frozenset({"shop", "business", "place"})
 _FEW_OF_A_FAMILY = 3  # rooms of one sort of building that make the map one of it
+_FEWEST_TO_TELL_APART = 2
 _CAPITALS_ARE_NAMES = frozenset({"en", "es", "fr"})
 _SURE, _NAMED, _ACROSS = 1.0, 0.9, 0.85  # of a code or person, of a part of a name, of a name in another script
 _WHOLE = 0.95  # of a name's letters: the name itself
@@ -115,7 +117,7 @@ class EmbeddedScorer:
             return Served(stop, self._trusted(_within(general, within)), "any of this sort", 0.9, ignored=ignored)
         choice, scores = ranked(stop.what, self._index, self._signs, self._knowledge, self.model)
         scores = _within({id_: score for id_, score in scores.items() if id_ not in self._hostile}, within)
-        scores = self._of_the_family(meaning, scores)
+        scores = self._bearing_the_words(stop, self._of_the_family(meaning, scores))
         if not scores or self._is_another(stop, meaning, scores):
             literal = self._literal(stop, meaning)
             if literal:
@@ -162,6 +164,14 @@ class EmbeddedScorer:
                     return kept | more
         return dict(scores)
 
+    def _bearing_the_words(self, stop: Stop, scores: Mapping[int, float]) -> dict[int, float]:
+        """Of several that serve, those whose boards bear the words that say no kind: “meeting room Alpha”."""
+        if len(scores) < _FEWEST_TO_TELL_APART or asks_for_another(stop.what):
+            return dict(scores)
+        _, proper = self._words(content_of(stop.what, self._likely(stop.what)), self._likely(stop.what))
+        bearing = self._names.covered(proper)
+        return {id_: score for id_, score in scores.items() if id_ in bearing} or dict(scores)
+
     def _is_another(self, stop: Stop, meaning: Meaning, scores: Mapping[int, float]) -> bool:
         """Whether a name is asked for that stands on no board, where boards of the sort bear names: room Gamma."""
         languages = wish_languages(stop.what, self._knowledge)
@@ -170,7 +180,7 @@ class EmbeddedScorer:
         _, proper = self._words(content_of(stop.what, languages), self._likely(stop.what))
         capital = {self._knowledge.folder.fold(word) for word in stop.what.split()[1:] if word[:1].isupper()}
         named = [word for word in proper if word in capital or any(word.startswith(each) for each in capital)]
-        if not named:
+        if not named or scores.keys() & self._names.covered(named).keys():
             return False
         top = max(scores.values())
         best = [id_ for id_, score in scores.items() if score >= 0.97 * top]
@@ -260,6 +270,11 @@ class EmbeddedScorer:
             return exact
         if whole and proper:
             return {id_: _NAMED + (1.0 - _NAMED) * share for id_, share in whole.items()}
+        # “Sala Everest” is Meeting Room Everest.
+        proper = [word for word in proper if not any(rules_of(each).any.fullmatch(word) for each in languages)]
+        if len(words) > len(proper):
+            # Beside a word for a kind of place, an everyday word is no name: “the psychiatry department”.
+            proper = [word for word in proper if is_unspaced(word) or word not in load_words()]
         named = self._names.covered(proper)
         if named and (len(named) == 1 or sum(map(len, proper)) >= _SHORTEST):
             return {id_: _NAMED + (1.0 - _NAMED) * share for id_, share in named.items()}
@@ -321,12 +336,16 @@ def _within(scores: Mapping[int, float], within: set[int] | None) -> dict[int, f
 
 
 class ModelScorer:
-    """Any other model: it names a landmark and the next best, for the words of a stop."""
+    """Any other model: it names a landmark and the next best, for the words of a stop.
 
-    def __init__(self, model: LanguageModel, landmarks: Sequence[Candidate]) -> None:
+    A wish of one stop that says nothing of where it stands is put to the model as it was asked.
+    """
+
+    def __init__(self, model: LanguageModel, landmarks: Sequence[Candidate], question: str, wish: Wish) -> None:
         self._model = model
         self._landmarks = landmarks
-        self.choices: list[Choice] = []
+        is_plain = len(wish.stops) == 1 and wish.stops[0].relation is None and wish.stops[0].what
+        self._whole = question if is_plain else None
 
     @property
     def model(self) -> str:
@@ -337,8 +356,7 @@ class ModelScorer:
         """Ask the model for the landmark that serves a stop's words."""
         if not stop.what:
             return Served(stop, dict.fromkeys([mark.id for mark in self._landmarks], 1.0), "any place", 0.9)
-        choice = choose_trusted(self._model, stop.what, self._landmarks)
-        self.choices.append(choice)
+        choice = choose_trusted(self._model, self._whole or stop.what, self._landmarks)
         ids = {mark.id for mark in self._landmarks}
         if choice.landmark is None or choice.landmark not in ids:
             others = tuple(id_ for id_ in choice.alternatives if id_ in ids)
