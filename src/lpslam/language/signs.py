@@ -37,6 +37,7 @@ _SURE_TRADE = 0.95  # of a trade at the end of a long name
 _JOINS = str.maketrans("", "", "-/")
 _COMPOUND = 9  # letters of a word that may be a compound in a name of several words
 _HOUSES = ("shop/", "amenity/", "leisure/", "cuisine/", "craft/", "tourism/")
+_SHOP_ENDS = frozenset("店馆屋坊铺舗")
 _REPAIR = "shop/repair"
 _POURED = frozenset({"wine", "alcohol", "tea", "coffee", "drink"})
 
@@ -194,7 +195,8 @@ class SignReader:
             # 勿忘我花店 begins with a “don't”, and says no more of what must not be done.
             whole = " ".join(units)
             forbids = any(whole.startswith(start) for start in self._knowledge.forbidding)
-            is_house = any(concept.startswith(_HOUSES) for concept, _ in spans[-1].value.concepts)
+            kinds = [concept for concept, _ in spans[-1].value.concepts]
+            is_house = any(kind.startswith(_HOUSES) for kind in kinds) or units[words[-1]] in _SHOP_ENDS
             return not forbids and is_house and spans[-1].end > words[-1] and spans[-1].end - spans[-1].start > 1
         return spans[-1].end > words[-1] and any(
             concept in self._knowledge.trade_goods or concept.startswith(TRADES)

@@ -90,7 +90,7 @@ class Folder:
         return frozenset(at for at, start in enumerate(starts) if start and folded[start - 1].isspace())
 
     def sign_units(self, text: str) -> list[str]:
-        """Return the units of a sign: a capital inside a word begins a new one, and so does a hyphen between letters."""
+        """Return the units of a sign: a capital inside a word begins a new one, and so does a hyphen in it."""
         return self.units(_INNER_HYPHEN.sub(" ", _CAMEL.sub(" ", text)))
 
     def phrase(self, text: str) -> str:

@@ -5,8 +5,10 @@ A relation that the positions cannot decide is no cost but `UNDECIDED`.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from lpslam.language.wishes.form import Relation
 from lpslam.navigation.places import Distances, Here, Place, Point
@@ -15,6 +17,7 @@ _UP = np.array([0.0, 0.0, 1.0])
 _NO = float("inf")
 _NEIGHBOURS = 4.0
 """Times the usual gap between a place and its nearest neighbour that “next to” reaches."""
+_NEIGHBOURS_OF_A_LINE = 3  # places that tell along which line boards hang
 _LEAST_REACH_M = 6.0  # “next to” reaches as far in maps of few, close signs
 _ACROSS_SHARE = 0.7  # of the way to what is opposite that runs along the sign's normal
 _DETOUR = 1.5  # times the straight way, within which a place is on it or between
@@ -30,41 +33,42 @@ class Judged:
     doubt: str = ""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
 class Scene:
     """All places, the asker, and how far it is between them."""
 
-    places: Sequence[Place]
-    here: Here
-    ways: Distances
+    def __init__(self, places: Sequence[Place], here: Here, ways: Distances) -> None:
+        self.places = places
+        self.here = here
+        self.ways = ways
+        self._facings: dict[int, tuple[Point | None, str]] = {}
 
+    @cached_property
+    def _tree(self) -> cKDTree:
+        return cKDTree(np.array([place.position for place in self.places]))
+
+    @cached_property
     def usual_gap(self) -> float:
         """Metres, the median distance from a place to its nearest neighbour; 0 where there is none."""
-        points = np.array([place.position for place in self.places])
-        if len(points) < 2:
+        if len(self.places) < 2:
             return 0.0
-        if len(points) > 600:
-            points = points[:: len(points) // 600 + 1]
-        apart = np.linalg.norm(points[:, None] - points[None], axis=2)
-        np.fill_diagonal(apart, np.inf)
-        return float(np.median(apart.min(axis=1)))
+        apart = np.asarray(self._tree.query(self._tree.data, k=2)[0])
+        return float(np.median(apart[:, 1]))
 
     def facing_of(self, place: Place) -> tuple[Point | None, str]:
         """Where a board faces; where that is not known, across the line of its neighbours, which is a guess."""
         if place.facing is not None:
             return _level(place.facing), ""
-        apart = sorted(
-            (float(np.linalg.norm(other.position - place.position)), other.id, other) for other in self.places if other is not place
-        )
-        near = np.array([other.position[:2] for _, _, other in apart[:4]])
-        if len(near) < 2:
+        if place.id not in self._facings:
+            self._facings[place.id] = self._guessed_facing(place)
+        return self._facings[place.id]
+
+    def _guessed_facing(self, place: Place) -> tuple[Point | None, str]:
+        if len(self.places) < _NEIGHBOURS_OF_A_LINE:
             return None, ""
-        spread = near - place.position[:2]
+        near = np.asarray(self._tree.query(place.position, k=min(len(self.places), 5))[1])
+        spread = np.array([self.places[int(at)].position[:2] for at in near]) - place.position[:2]
         _, _, axes = np.linalg.svd(np.vstack([spread, -spread]), full_matrices=False)
         normal = np.array([-axes[0][1], axes[0][0], 0.0])
-        centre = np.mean([other.position for other in self.places], axis=0) - place.position
-        if float(centre @ normal) < 0.0:
-            normal = -normal
         return normal, f"which way {place.name} faces is guessed from its neighbours"
 
 
@@ -77,7 +81,7 @@ def _level(direction: Point) -> Point | None:
 def next_to(place: Place, anchor: Place, scene: Scene) -> Judged:
     """Near enough to be a neighbour, on the same wall before across the corridor."""
     apart = scene.ways.distance(place.position, anchor.position)
-    reach = max(_LEAST_REACH_M, _NEIGHBOURS * scene.usual_gap())
+    reach = max(_LEAST_REACH_M, _NEIGHBOURS * scene.usual_gap)
     if apart > reach:
         return Judged(_NO)
     if place.facing is not None and anchor.facing is not None and float(place.facing @ anchor.facing) < _OPPOSED:
@@ -127,7 +131,9 @@ def _sideways(sign: float) -> Callable[[Place, Place, Scene], Judged]:
         beside, apart = sign * float(offset @ right), float(np.linalg.norm(offset))
         if beside <= _BESIDE_SHARE * apart:
             return Judged(_NO, doubt)
-        across = place.facing is not None and anchor.facing is not None and float(place.facing @ anchor.facing) < _OPPOSED
+        across = (
+            place.facing is not None and anchor.facing is not None and float(place.facing @ anchor.facing) < _OPPOSED
+        )
         return Judged(beside + 2.0 * abs(float(offset @ forward)) + (20.0 if across else 0.0), doubt)
 
     return judge

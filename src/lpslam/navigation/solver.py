@@ -107,7 +107,9 @@ class _Solver:
 
     def _none(self, served: Served, notes: Sequence[str], others: Sequence[Place] = ()) -> Solved:
         next_best = tuple(others) or tuple(self._by_id[id_] for id_ in served.others if id_ in self._by_id)
-        return Solved(served.stop, None, next_best, served.confidence, served.evidence, tuple(dict.fromkeys(notes)), served.model)
+        return Solved(
+            served.stop, None, next_best, served.confidence, served.evidence, tuple(dict.fromkeys(notes)), served.model
+        )
 
     def _listed(self, served: Served) -> list[Place]:
         best = sorted(served.scores, key=lambda id_: (-served.scores[id_], id_))
@@ -190,9 +192,7 @@ class _Solver:
     def _to_anchors(self, place: Place, anchors: Sequence[Sequence[Place]]) -> float:
         return min(self._scene.ways.distance(place.position, each.position) for found in anchors for each in found)
 
-    def _judged(
-        self, stop: Stop, place: Place, anchors: Sequence[Sequence[Place]], start: Point | None
-    ) -> Judged:
+    def _judged(self, stop: Stop, place: Place, anchors: Sequence[Sequence[Place]], start: Point | None) -> Judged:
         """The cheapest of all anchors that may be meant; no place is its own anchor."""
         others = [[each for each in found if each is not place] for found in anchors]
         if not all(others):

@@ -37,19 +37,24 @@ _SPELLED = {
     for word in words.split("|")
 }
 _HAN = {ch: at for at, ch in enumerate("〇一二三四五六七八九")} | {"零": 0, "两": 2, "兩": 2}
-_HAN_NUMBER = re.compile(r"第?([〇零一二三四五六七八九两兩十百]+)(?=[号號番楼樓层層階栋幢站股])|(?<=[第])([一二三四五六七八九十]+)")
+_HAN_NUMBER = re.compile(
+    r"第?([〇零一二三四五六七八九两兩十百]+)(?=[号號番楼樓层層階栋幢站股])|(?<=[第])([一二三四五六七八九十]+)"
+)
 _ONE = r"(?:[a-z]{1,2}[-.]?|[b-z] )?\d{1,4}(?:[-.]\d{1,4}){0,2}[a-z]?|[a-z]"
 _CODE = re.compile(rf"(?<![a-zà-ÿ0-9'’])({_ONE})(?![^\W_\u2e80-\uffff])(?!['’-][a-z])", re.IGNORECASE)
+_TO = "-|–|—|~|〜|～|to|bis|through|thru|à|a|al|至|到|から|부터|에서"
 _RANGE = re.compile(
-    r"(?<![a-zà-ÿ0-9])([a-z]{0,2})(\d{0,4}) ?(?:-|–|—|~|〜|～|to|bis|through|thru|à|a|al|至|到|から|부터|에서) ?([a-z]{0,2})(\d{0,4})(?![a-z0-9])",
-    re.IGNORECASE,
+    rf"(?<![a-zà-ÿ0-9])([a-z]{{0,2}})(\d{{0,4}}) ?(?:{_TO}) ?([a-z]{{0,2}})(\d{{0,4}})(?![a-z0-9])", re.IGNORECASE
 )
-_QUANTITY = re.compile(
-    r"\d+(?:[.,:h]\d+)? ?(?:%|€|\$|£|¥|元|円|원|eur|euros?|dollars?|min(?:ute)?n?s?|minutos|分钟|分鐘|小时|小時|時間|시간|分(?!院)|hours?|horas|heures|"
-    r"stunden|days?|días|jours|tage|天|日間|people|persons|personas|personnes|personen|人|명|met(?:er|re)s?|metros|mètres|米|m(?![a-z])|km|years?|años|ans|"
-    r"jahre|岁|歳|살|a\.?m\.?|p\.?m\.?|uhr|o'clock|点|點|時|시(?!\S)|h(?![a-z])|g|kg|ml|l(?![a-z])|kids|children|niños|enfants|kinder|spieler)\b|\d{1,2}:\d{2}|[$€£¥]\d+",
-    re.IGNORECASE,
+_TIMES = (
+    r"min(?:ute)?n?s?|minutos|分钟|分鐘|小时|小時|時間|시간|分(?!院)|hours?|horas|heures|stunden|days?|días|jours|tage|天|日間|"
+    r"a\.?m\.?|p\.?m\.?|uhr|o'clock|点|點|時|시(?!\S)|h(?![a-z])|years?|años|ans|jahre|岁|歳|살"
 )
+_MEASURES = (
+    r"%|€|\$|£|¥|元|円|원|eur|euros?|dollars?|met(?:er|re)s?|metros|mètres|米|m(?![a-z])|km|g|kg|ml|l(?![a-z])|"
+    r"people|persons|personas|personnes|personen|人|명|kids|children|niños|enfants|kinder"
+)
+_QUANTITY = re.compile(rf"\d+(?:[.,:h]\d+)? ?(?:{_TIMES}|{_MEASURES})\b|\d{{1,2}}:\d{{2}}|[$€£¥]\d+", re.IGNORECASE)
 _BEFORE, _AFTER = 26, 8  # letters around a code in which the word for what is numbered is looked for
 _MORE_THAN_A_LETTER = 2
 
@@ -89,16 +94,20 @@ class Code:
 
 
 @lru_cache(maxsize=1)
-def _classes() -> tuple[tuple[str, str, re.Pattern[str]], ...]:
-    """(word, what is numbered, pattern) longest words first."""
+def _classes() -> tuple[re.Pattern[str], Mapping[str, frozenset[str]]]:
+    """A pattern of all words for what is numbered, longest first, and what each word may stand for."""
     tree: Mapping[str, str] = json.loads(
         (files("lpslam.language") / "data" / "wishes" / "numbered.json").read_text(encoding="utf-8")
     )
-    words = {(word, of) for of, joined in tree.items() for word in joined.split("|")}
-    return tuple(
-        (word, of, re.compile(re.escape(word) if is_unspaced(word) else rf"(?<!\w){re.escape(word)}(?![a-zà-ÿ])"))
-        for word, of in sorted(words, key=lambda pair: (-len(pair[0]), pair))
-    )
+    of: dict[str, set[str]] = {}
+    for name, joined in tree.items():
+        for word in joined.split("|"):
+            of.setdefault(word, set()).add(name)
+    words = sorted(of, key=lambda word: (-len(word), word))
+    spaced = "|".join(re.escape(word) for word in words if not is_unspaced(word))
+    unspaced = "|".join(re.escape(word) for word in words if is_unspaced(word))
+    pattern = re.compile(rf"(?<!\w)(?:{spaced})(?![a-zà-ÿ])|{unspaced}")
+    return pattern, {word: frozenset(names) for word, names in of.items()}
 
 
 def _of_code(text: str, start: int, end: int) -> frozenset[str]:
@@ -123,19 +132,15 @@ _BETWEEN = re.compile(
 
 def _starting(text: str) -> frozenset[str]:
     """What is numbered by the longest word with which a text begins."""
-    text = text.strip()
-    words = [(len(word), of) for word, of, pattern in _classes() if pattern.match(text)]
-    longest = max((size for size, _ in words), default=0)
-    return frozenset(of for size, of in words if size == longest)
+    pattern, of = _classes()
+    found = pattern.match(text.strip())
+    return of[found.group()] if found is not None else frozenset()
 
 
 def _last_words(text: str) -> list[tuple[re.Match[str], frozenset[str]]]:
-    """The words for what is numbered, the last and longest first; one word may stand for several."""
-    hits = [(hit, of) for _, of, pattern in _classes() for hit in pattern.finditer(text)]
-    hits.sort(key=lambda pair: (-pair[0].end(), -len(pair[0].group())))
-    return [
-        (hit, frozenset(of for other, of in hits if other.span() == hit.span())) for hit, _ in hits
-    ]
+    """The words for what is numbered, the last first; one word may stand for several."""
+    pattern, of = _classes()
+    return [(hit, of[hit.group()]) for hit in reversed(list(pattern.finditer(text)))]
 
 
 def _folded(text: str) -> str:
@@ -158,7 +163,8 @@ def _code(text: str, of: frozenset[str]) -> Code:
     return Code(found.group(1), int(found.group(2)), found.group(3), of)
 
 
-def board_codes(text: str) -> list[Code]:
+@lru_cache(maxsize=1 << 15)
+def board_codes(text: str) -> tuple[Code, ...]:
     """Return the codes that a board bears: every number, code and range; and letters beside what is numbered."""
     folded = _folded(text)
     found: list[Code] = []
@@ -174,7 +180,7 @@ def board_codes(text: str) -> list[Code]:
         code = _code(hit.group(1), of)
         if code.number is not None or of:
             found.append(code)
-    return found
+    return tuple(found)
 
 
 def asked_codes(text: str) -> list[Code]:
@@ -190,7 +196,11 @@ def asked_codes(text: str) -> list[Code]:
         of = _of_code(folded, hit.start(), hit.end())
         code = _code(hit.group(1), of)
         is_mixed = code.number is not None and bool(code.letters or code.rest)
-        if code.number is None and (not of or hit.group(1) in ("a", "y", "à", "e", "o", "i")) and not _is_capital(text, hit.group(1), of):
+        if (
+            code.number is None
+            and (not of or hit.group(1) in ("a", "y", "à", "e", "o", "i"))
+            and not _is_capital(text, hit.group(1), of)
+        ):
             continue
         if of or is_mixed or (alone and code.number is not None) or len(hit.group(1)) >= 3:
             found.append(code)

@@ -167,7 +167,9 @@ def _stop_of(tree: Mapping[str, Any], depth: int = 0) -> Stop:
         str(tree["what"]),
         _texts(tree.get("kinds", ())),
         _texts(tree.get("refused", ())),
-        tuple(Identity(Sort(each["sort"]), str(each["value"]), _texts(each["of"])) for each in tree.get("identity", ())),
+        tuple(
+            Identity(Sort(each["sort"]), str(each["value"]), _texts(each["of"])) for each in tree.get("identity", ())
+        ),
         Which(tree.get("which", "any")),
         max(1, int(tree.get("rank", 1))),
         None if relation is None else Relation(relation),

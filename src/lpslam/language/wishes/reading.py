@@ -61,7 +61,9 @@ def _stop(text: str, languages: tuple[str, ...], is_later: bool = False, depth: 
     if relation is not None:
         row, match, rules = relation
         groups = {name: (value or "").strip(_ENDS) for name, value in match.groupdict().items()}
-        what = " ".join(each for each in (groups.get("what", ""), groups.get("thing", ""), groups.get("rest", "")) if each)
+        what = " ".join(
+            each for each in (groups.get("what", ""), groups.get("thing", ""), groups.get("rest", "")) if each
+        )
         anchors = tuple(
             _anchor(groups[name], languages, rules, depth) for name in ("anchor", "second") if groups.get(name)
         )
@@ -76,9 +78,9 @@ def _stop(text: str, languages: tuple[str, ...], is_later: bool = False, depth: 
             rank=rank,
             start=_anchor(groups["start"], languages, rules, depth) if groups.get("start") else None,
         )
-    which, rank = _ordered(what, languages)
-    if which is not None:
-        stop = replace(stop, which=which, rank=rank) if stop.which is Which.ANY or rank > 1 else stop
+    order, place = _ordered(what, languages)
+    if order is not None and (stop.which is Which.ANY or place > 1):
+        stop = replace(stop, which=order, rank=place)
     rules = rules_of(ask_language)
     left = content_left(what, rules)
     is_told_by_place = stop.relation is not None or ask in (Ask.LIST, Ask.WHICH)
@@ -93,7 +95,8 @@ def _stop(text: str, languages: tuple[str, ...], is_later: bool = False, depth: 
         which=Which.NEAREST
         if is_later and stop.which is Which.ANY
         else Which.ALL
-        if stop.which is Which.ANY and ask in (Ask.LIST, Ask.HERE, Ask.FORBIDDEN) else stop.which,
+        if stop.which is Which.ANY and ask in (Ask.LIST, Ask.HERE, Ask.FORBIDDEN)
+        else stop.which,
     )
 
 
@@ -115,7 +118,9 @@ def _ordered(text: str, languages: tuple[str, ...]) -> tuple[Which | None, int]:
     for language in languages:
         found = rules_of(language).first(rules_of(language).orders, text)
         if found is not None:
-            said = next((value for name, value in found[1].groupdict().items() if name.startswith("rank") and value), "")
+            said = next(
+                (value for name, value in found[1].groupdict().items() if name.startswith("rank") and value), ""
+            )
             return Which(found[0].then["which"]), _RANKS.get(said.casefold(), 1)
     return None, 1
 

@@ -18,7 +18,7 @@ from lpslam.language.question import asks_for_another, languages_of, read_questi
 from lpslam.language.serving import likeness
 from lpslam.language.sign_words import WARNING
 from lpslam.language.signs import SignReader
-from lpslam.language.wishes.codes import Code, board_codes, code_of
+from lpslam.language.wishes.codes import board_codes, code_of
 from lpslam.language.wishes.form import Ask, Identity, Sort, Stop, Which, Wish, with_meaning
 from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.reading import content_of, wish_languages
@@ -87,12 +87,13 @@ class EmbeddedScorer:
         self._signs = signs
         self._knowledge = knowledge
         self._names = Names(landmarks, knowledge)
-        self._codes: dict[int, list[Code]] = {
+        self._codes = {
             mark.id: [code for text in dict.fromkeys((mark.name, *mark.lines)) for code in board_codes(text)]
             for mark in landmarks
         }
         families = [
-            {self._knowledge.family(kind) for kind, weight in sign.kinds if weight >= 0.5} for sign in index.signs.values()
+            {self._knowledge.family(kind) for kind, weight in sign.kinds if weight >= 0.5}
+            for sign in index.signs.values()
         ]
         self._families = Counter(family for found in families for family in found if family)
         self._hostile = {mark.id for mark in landmarks if commands(mark.name) is not None}
@@ -133,11 +134,7 @@ class EmbeddedScorer:
         is_told_by_place = stop.relation is not None or stop.ask in (Ask.LIST, Ask.HERE) or stop.which is not Which.ANY
         if not wanted or not wanted <= _ANY_SORT or not is_told_by_place or meaning.refused:
             return {}
-        return {
-            mark.id: 1.0
-            for mark in self._landmarks
-            if wanted == {"place"} or self._is_shop(mark.id)
-        }
+        return {mark.id: 1.0 for mark in self._landmarks if wanted == {"place"} or self._is_shop(mark.id)}
 
     def _is_shop(self, id_: int) -> bool:
         kinds = self._index.signs[id_].kinds
@@ -146,11 +143,13 @@ class EmbeddedScorer:
         return self._index.signs[id_].name_like and likeness("facility", kinds, self._knowledge) < 0.5
 
     def _of_the_family(self, meaning: Meaning, scores: Mapping[int, float]) -> dict[int, float]:
-        """In a hospital, who asks for one department wants no other; in a supermarket, the aisle goes before the rest."""
+        """Who asks for one department of a hospital wants no other; an aisle goes before the rest of a supermarket."""
         for kind, _ in meaning.wanted:
             family = self._knowledge.family(kind)
             if family and self._families[family] >= _FEW_OF_A_FAMILY:
-                own = {id_ for id_, sign in self._index.signs.items() if likeness(kind, sign.kinds, self._knowledge) >= 0.5}
+                own = {
+                    id_ for id_, sign in self._index.signs.items() if likeness(kind, sign.kinds, self._knowledge) >= 0.5
+                }
                 others = {
                     other for other, _ in meaning.wanted if other != kind and (self._knowledge.family(other) == family)
                 }
@@ -159,7 +158,9 @@ class EmbeddedScorer:
                     more = {
                         id_: score
                         for id_, score in scores.items()
-                        if any(likeness(other, self._index.signs[id_].kinds, self._knowledge) >= 0.5 for other in others)
+                        if any(
+                            likeness(other, self._index.signs[id_].kinds, self._knowledge) >= 0.5 for other in others
+                        )
                     }
                     return kept | more
         return dict(scores)
@@ -194,9 +195,7 @@ class EmbeddedScorer:
         return {id_: score for id_, score in scores.items() if id_ not in self._hostile}
 
     def _any_place(self, stop: Stop) -> Served:
-        warns = {
-            id_ for id_, sign in self._index.signs.items() if any(kind == WARNING for kind, _ in sign.kinds)
-        }
+        warns = {id_ for id_, sign in self._index.signs.items() if any(kind == WARNING for kind, _ in sign.kinds)}
         if stop.ask is Ask.FORBIDDEN:
             return Served(stop, dict.fromkeys(sorted(warns), 1.0), "what warns or forbids", 0.9)
         places = [mark.id for mark in self._landmarks if mark.id not in warns]
@@ -233,7 +232,9 @@ class EmbeddedScorer:
             fits = [code for code in codes if code.bears(asked)]
             if fits:
                 is_same = any(code.of & asked.of for code in fits) or not asked.of
-                is_exact = any(code.last is None and not code.last_letters and code.number == asked.number for code in fits)
+                is_exact = any(
+                    code.last is None and not code.last_letters and code.number == asked.number for code in fits
+                )
                 found[id_] = _SURE - 0.1 * (not is_same) - 0.05 * (not is_exact)
         best = max(found.values(), default=0.0)
         return {id_: score for id_, score in found.items() if score >= best - 0.01}
@@ -262,7 +263,7 @@ class EmbeddedScorer:
         words, proper = self._words(content, self._likely(stop.what))
         if not words:
             return {}
-        whole = {id_: share for id_, share in self._names.covered(words).items()}
+        whole = self._names.covered(words)
         exact = {id_: _SURE for id_, share in whole.items() if share >= _WHOLE}
         if not proper and not (exact and self._unread(exact)):
             return {}
