@@ -13,6 +13,7 @@ _EQUAL = 0.97  # of the best score: served equally, where the nearer is chosen
 _NEARLY = 0.8  # of the best score: served well enough, where the nearest is asked for
 _SERVES = 0.6  # of the best score: what may stand in a relation, or in a list
 _MOST = 50  # places of a list
+_WEAK = frozenset({Relation.NEAR, Relation.BEFORE, Relation.BEHIND})  # said of times and manners as well
 _ALTERNATIVES = 5  # further places that are told where one is asked for
 _DECIDED = 2.0  # standard deviations by which two distances must differ to be told apart
 
@@ -90,8 +91,11 @@ class _Solver:
 
     def stop(self, stop: Stop, previous: Place | None, is_later: bool) -> Solved:
         """Answer one stop; `previous` is the place of the stop before."""
+        ignored = self._idle_relation(stop)
+        if ignored:
+            stop = replace(stop, what=stop.whole or stop.what, relation=None, anchor=())
         served = self._scorer.serve(stop)
-        notes = [f"not heeded: {each}" for each in served.ignored]
+        notes = [f"not heeded: {each}" for each in (*ignored, *served.ignored)]
         stop = served.stop
         if not served.scores:
             return self._none(served, (served.evidence, *notes))
@@ -104,6 +108,15 @@ class _Solver:
             notes.append(f"{' and '.join(missing)}: not on this map, so “{stop.relation.value}” cannot be decided")
             return self._none(served, notes, self._listed(served))
         return self._related(served, anchors, previous, notes)
+
+    def _idle_relation(self, stop: Stop) -> tuple[str, ...]:
+        """A relation to what is no place: “near at hand”, “before the flight”; it says when or how, not where."""
+        if stop.relation not in _WEAK or stop.which is not Which.ANY or any(each == PREVIOUS for each in stop.anchor):
+            return ()
+        missing = [each for each in stop.anchor if each.what and not self._scorer.serve(each).scores]
+        is_near = stop.relation is Relation.NEAR
+        idle = [each for each in missing if not (is_near and self._scorer.is_understood(each))]
+        return tuple(f"{stop.relation.value} {each.what}" for each in idle if stop.relation is not None)
 
     def _none(self, served: Served, notes: Sequence[str], others: Sequence[Place] = ()) -> Solved:
         next_best = tuple(others) or tuple(self._by_id[id_] for id_ in served.others if id_ in self._by_id)

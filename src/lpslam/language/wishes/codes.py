@@ -52,11 +52,13 @@ _TIMES = (
 )
 _MEASURES = (
     r"%|€|\$|£|¥|元|円|원|eur|euros?|dollars?|met(?:er|re)s?|metros|mètres|米|m(?![a-z])|km|g|kg|ml|l(?![a-z])|"
-    r"people|persons|personas|personnes|personen|人|명|kids|children|niños|enfants|kinder"
+    r"キロ|킬로|公斤|kilos?|番目|回|次|杯|つ|個|个(?!房)|枚|本|位|people|persons|personas|personnes|personen|人|명|kids|children|niños|enfants|kinder"
 )
-_QUANTITY = re.compile(rf"\d+(?:[.,:h]\d+)? ?(?:{_TIMES}|{_MEASURES})\b|\d{{1,2}}:\d{{2}}|[$€£¥]\d+", re.IGNORECASE)
+_QUANTITY = re.compile(
+    rf"\d+(?:[.,:h]\d+)? ?(?:{_TIMES}|{_MEASURES})(?![a-z])|\d{{1,2}}:\d{{2}}|[$€£¥]\d+", re.IGNORECASE
+)
 _BEFORE, _AFTER = 26, 8  # letters around a code in which the word for what is numbered is looked for
-_MORE_THAN_A_LETTER = 2
+_FEW_WORDS, _SHORT = 2, 16  # words and letters of a question that may be no more than a number
 
 
 @dataclass(frozen=True, slots=True)
@@ -191,7 +193,7 @@ def asked_codes(text: str) -> list[Code]:
     folded = _QUANTITY.sub(" ", _folded(text))
     folded = re.sub(r"[a-zà-ÿ]+", lambda hit: _numeral(folded, hit), folded)
     found: list[Code] = []
-    alone = len(re.findall(r"\w+", folded)) <= _MORE_THAN_A_LETTER
+    alone = len(re.findall(r"\w+", folded)) <= _FEW_WORDS and len(folded) <= _SHORT
     for hit in _CODE.finditer(folded):
         of = _of_code(folded, hit.start(), hit.end())
         code = _code(hit.group(1), of)
@@ -208,7 +210,8 @@ def asked_codes(text: str) -> list[Code]:
 
 
 def _is_capital(text: str, letter: str, of: frozenset[str]) -> bool:
-    return bool(of) and bool(re.search(rf"(?<!\w){letter.upper()}(?!\w)", text))
+    # “I” is seldom a hall.
+    return letter != "i" and bool(of) and bool(re.search(rf"(?<!\w){letter.upper()}(?!\w)", text))
 
 
 def _numeral(folded: str, hit: re.Match[str]) -> str:

@@ -87,6 +87,7 @@ class Stop:
         anchor: stops themselves. PREVIOUS is the stop before.
         start: where a way begins that does not begin here.
         ask: what is asked of it.
+        whole: all words of the stop, its relation among them: what it says where the anchor turns out to be none.
     """
 
     what: str
@@ -99,6 +100,7 @@ class Stop:
     anchor: tuple["Stop", ...] = ()
     start: "Stop | None" = None
     ask: Ask = Ask.WHERE
+    whole: str = ""
 
 
 PREVIOUS = Stop("the stop before")
@@ -176,6 +178,7 @@ def _stop_of(tree: Mapping[str, Any], depth: int = 0) -> Stop:
         tuple(_stop_of(each, depth + 1) for each in tree.get("anchor", ())),
         None if start is None else _stop_of(start, depth + 1),
         Ask(tree.get("ask", "where")),
+        str(tree.get("whole", "")),
     )
 
 

@@ -4,7 +4,7 @@ import re
 from dataclasses import replace
 
 from lpslam.language.knowledge import Knowledge
-from lpslam.language.question import languages_of
+from lpslam.language.question import languages_of, read_question
 from lpslam.language.sanitise import clean_text
 from lpslam.language.wishes.codes import asked_codes, identities
 from lpslam.language.wishes.form import PREVIOUS, Ask, Identity, Relation, Sort, Stop, Which, Wish
@@ -36,10 +36,18 @@ def read_wish(question: str, knowledge: Knowledge) -> Wish:
     likely = languages_of(text, knowledge)
     for language in languages:
         parts = _in_sequence(text, rules_of(language))
-        if len(parts) > 1:
+        if len(parts) > 1 and all(_says_a_place(part, knowledge) for part in parts):
             stops = tuple(_stop(part, languages, is_later=at > 0) for at, part in enumerate(parts))
             return Wish(stops[:_MOST_STOPS], language)
     return Wish((_stop(text, languages),), likely[0] if likely else None)
+
+
+def _says_a_place(text: str, knowledge: Knowledge) -> bool:
+    """Whether a part of a question may be a stop: it wants something or bears a name, and refuses nothing."""
+    read = read_question(text, knowledge)
+    if read.refused or read.refused_names:
+        return False
+    return bool(read.wanted) or any(ch.isupper() or ch.isdigit() for ch in text)
 
 
 def _in_sequence(text: str, rules: Rules) -> list[str]:
@@ -92,6 +100,7 @@ def _stop(text: str, languages: tuple[str, ...], is_later: bool = False, depth: 
         what="" if is_any else what,
         identity=() if is_any else _identity(what, languages),
         ask=ask,
+        whole=text,
         which=Which.NEAREST
         if is_later and stop.which is Which.ANY
         else Which.ALL

@@ -26,8 +26,12 @@ from lpslam.language.wishes.rules import rules_of
 from lpslam.language.words import is_mark, is_unspaced, longest_phrases
 
 _ANY_SORT = frozenset({"shop", "business", "place"})
-_FEW_OF_A_FAMILY = 3  # rooms of one sort of building that make the map one of it
+_FEW_OF_A_FAMILY = 3  # rooms of one sort of building that make the map one of it, at least
+_MUCH_OF_A_FAMILY = 0.25  # of all landmarks: fewer aisles of goods are shops of a mall
 _FEWEST_TO_TELL_APART = 2
+_SHORT_QUESTION = 8  # words of a question whose capital is the name that it asks for
+_SHORT_NAME = 5  # words of an anchor that is a name
+_ROOMS = ("facility/", "indoor/", "department/", "office/", "aeroway/", "amenity/doctors", "museum/")
 _CAPITALS_ARE_NAMES = frozenset({"en", "es", "fr"})
 _SURE, _NAMED, _ACROSS = 1.0, 0.9, 0.85  # of a code or person, of a part of a name, of a name in another script
 _WHOLE = 0.95  # of a name's letters: the name itself
@@ -74,6 +78,10 @@ class Scorer(Protocol):
         """Return the landmarks that serve."""
         ...
 
+    def is_understood(self, stop: Stop) -> bool:
+        """Whether a stop's words are words for a place at all."""
+        ...
+
 
 class EmbeddedScorer:
     """The embedded model's scores over one set of landmarks."""
@@ -118,7 +126,7 @@ class EmbeddedScorer:
             return Served(stop, self._trusted(_within(general, within)), "any of this sort", 0.9, ignored=ignored)
         choice, scores = ranked(stop.what, self._index, self._signs, self._knowledge, self.model)
         scores = _within({id_: score for id_, score in scores.items() if id_ not in self._hostile}, within)
-        scores = self._bearing_the_words(stop, self._of_the_family(meaning, scores))
+        scores = self._bearing_the_words(stop, meaning, self._of_the_family(meaning, scores))
         if not scores or self._is_another(stop, meaning, scores):
             literal = self._literal(stop, meaning)
             if literal:
@@ -146,7 +154,7 @@ class EmbeddedScorer:
         """Who asks for one department of a hospital wants no other; an aisle goes before the rest of a supermarket."""
         for kind, _ in meaning.wanted:
             family = self._knowledge.family(kind)
-            if family and self._families[family] >= _FEW_OF_A_FAMILY:
+            if family and self._families[family] >= max(_FEW_OF_A_FAMILY, _MUCH_OF_A_FAMILY * len(self._landmarks)):
                 own = {
                     id_ for id_, sign in self._index.signs.items() if likeness(kind, sign.kinds, self._knowledge) >= 0.5
                 }
@@ -165,9 +173,9 @@ class EmbeddedScorer:
                     return kept | more
         return dict(scores)
 
-    def _bearing_the_words(self, stop: Stop, scores: Mapping[int, float]) -> dict[int, float]:
+    def _bearing_the_words(self, stop: Stop, meaning: Meaning, scores: Mapping[int, float]) -> dict[int, float]:
         """Of several that serve, those whose boards bear the words that say no kind: “meeting room Alpha”."""
-        if len(scores) < _FEWEST_TO_TELL_APART or asks_for_another(stop.what):
+        if len(scores) < _FEWEST_TO_TELL_APART or self._refuses(stop.what, meaning):
             return dict(scores)
         _, proper = self._words(content_of(stop.what, self._likely(stop.what)), self._likely(stop.what))
         bearing = self._names.covered(proper)
@@ -176,7 +184,7 @@ class EmbeddedScorer:
     def _is_another(self, stop: Stop, meaning: Meaning, scores: Mapping[int, float]) -> bool:
         """Whether a name is asked for that stands on no board, where boards of the sort bear names: room Gamma."""
         languages = wish_languages(stop.what, self._knowledge)
-        if not languages or languages[0] not in _CAPITALS_ARE_NAMES:
+        if not languages or languages[0] not in _CAPITALS_ARE_NAMES or self._refuses(stop.what, meaning):
             return False
         _, proper = self._words(content_of(stop.what, languages), self._likely(stop.what))
         capital = {self._knowledge.folder.fold(word) for word in stop.what.split()[1:] if word[:1].isupper()}
@@ -185,7 +193,31 @@ class EmbeddedScorer:
             return False
         top = max(scores.values())
         best = [id_ for id_, score in scores.items() if score >= 0.97 * top]
-        return all(self._bears_a_name(id_, self._likely(stop.what)) for id_ in best)
+        return len(stop.what.split()) <= _SHORT_QUESTION and all(
+            self._is_a_room(id_) and self._bears_a_name(id_, self._likely(stop.what)) for id_ in best
+        )
+
+    def _is_a_room(self, id_: int) -> bool:
+        return any(kind.startswith(_ROOMS) for kind, _ in self._index.signs[id_].kinds)
+
+    def _refuses(self, text: str, meaning: Meaning) -> bool:
+        """Whether a text says no to something: then a name in it may be what is refused."""
+        if meaning.refused_names or meaning.refused or asks_for_another(text):
+            return True
+        units = self._knowledge.folder.units(text)
+        return any(
+            span.value.role.startswith("refuse")
+            for language in self._likely(text)[:1]
+            for span in longest_phrases(units, (self._knowledge.spoken(language),))
+        )
+
+    def is_understood(self, stop: Stop) -> bool:
+        """Whether a stop's words are words for a place at all, on this map or on another."""
+        if stop.identity:
+            return True
+        meaning = read_question(stop.what, self._knowledge)
+        is_name = any(ch.isupper() for ch in stop.what) and len(stop.what.split()) <= _SHORT_NAME
+        return is_name or any(weight > 0.5 for _, weight in meaning.wanted)
 
     def _bears_a_name(self, id_: int, languages: Sequence[str]) -> bool:
         name = next(mark.name for mark in self._landmarks if mark.id == id_)
@@ -256,7 +288,7 @@ class EmbeddedScorer:
 
     def _by_name(self, stop: Stop, meaning: Meaning) -> dict[int, float]:
         """Landmarks whose board bears every word that is asked for and means nothing else."""
-        if meaning.refused_names or meaning.refused or asks_for_another(stop.what):
+        if self._refuses(stop.what, meaning):
             return {}
         languages = wish_languages(stop.what, self._knowledge)
         content = content_of(stop.what, languages)
@@ -306,7 +338,7 @@ class EmbeddedScorer:
 
     def _literal(self, stop: Stop, meaning: Meaning) -> dict[int, float]:
         """Boards that bear every word, where nothing else is known to serve."""
-        if meaning.refused_names or meaning.refused or asks_for_another(stop.what):
+        if self._refuses(stop.what, meaning):
             return {}
         languages = wish_languages(stop.what, self._knowledge)
         words, _ = self._words(content_of(stop.what, languages), self._likely(stop.what))
@@ -352,6 +384,10 @@ class ModelScorer:
     def model(self) -> str:
         """Which model answers."""
         return self._model.model
+
+    def is_understood(self, stop: Stop) -> bool:
+        """A model that finds none has understood."""
+        return True
 
     def serve(self, stop: Stop) -> Served:
         """Ask the model for the landmark that serves a stop's words."""
