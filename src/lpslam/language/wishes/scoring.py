@@ -177,7 +177,7 @@ class EmbeddedScorer:
         """Of several that serve, those whose boards bear the words that say no kind: “meeting room Alpha”."""
         if len(scores) < _FEWEST_TO_TELL_APART or self._refuses(stop.what, meaning):
             return dict(scores)
-        _, proper = self._words(content_of(stop.what, self._likely(stop.what)), self._likely(stop.what))
+        _, proper = self._asked_words(stop.what)
         bearing = self._names.covered(proper)
         return {id_: score for id_, score in scores.items() if id_ in bearing} or dict(scores)
 
@@ -186,7 +186,7 @@ class EmbeddedScorer:
         languages = wish_languages(stop.what, self._knowledge)
         if not languages or languages[0] not in _CAPITALS_ARE_NAMES or self._refuses(stop.what, meaning):
             return False
-        _, proper = self._words(content_of(stop.what, languages), self._likely(stop.what))
+        _, proper = self._asked_words(stop.what)
         capital = {self._knowledge.folder.fold(word) for word in stop.what.split()[1:] if word[:1].isupper()}
         named = [word for word in proper if word in capital or any(word.startswith(each) for each in capital)]
         if not named or scores.keys() & self._names.covered(named).keys():
@@ -291,8 +291,7 @@ class EmbeddedScorer:
         if self._refuses(stop.what, meaning):
             return {}
         languages = wish_languages(stop.what, self._knowledge)
-        content = content_of(stop.what, languages)
-        words, proper = self._words(content, self._likely(stop.what))
+        words, proper = self._asked_words(stop.what)
         if not words:
             return {}
         whole = self._names.covered(words)
@@ -303,9 +302,10 @@ class EmbeddedScorer:
             return exact
         if whole and proper:
             return {id_: _NAMED + (1.0 - _NAMED) * share for id_, share in whole.items()}
+        names_a_kind = len(words) > len(proper)
         # “Sala Everest” is Meeting Room Everest.
         proper = [word for word in proper if not any(rules_of(each).any.fullmatch(word) for each in languages)]
-        if len(words) > len(proper):
+        if names_a_kind:
             # Beside a word for a kind of place, an everyday word is no name: “the psychiatry department”.
             proper = [word for word in proper if is_unspaced(word) or word not in load_words()]
         named = self._names.covered(proper)
@@ -321,6 +321,14 @@ class EmbeddedScorer:
     def _likely(self, text: str) -> tuple[str, ...]:
         """The languages that a text may be in; a few words may be in any that knows them."""
         return languages_of(text, self._knowledge) or wish_languages(text, self._knowledge)
+
+    def _asked_words(self, text: str) -> tuple[list[str], list[str]]:
+        """The words of a question without its filler, and those of them that no table knows."""
+        languages = wish_languages(text, self._knowledge)
+        words, bare = self._words(content_of(text, languages), self._likely(text))
+        # “Sala de reuniones” is one phrase with its filler only.
+        proper = set(self._words(text, self._likely(text))[1])
+        return words, [word for word in bare if is_unspaced(word) or word in proper]
 
     def _words(self, content: str, languages: Sequence[str]) -> tuple[list[str], list[str]]:
         """The words of a text, runs of scripts without spaces whole; and those of them that no table knows."""
@@ -340,8 +348,7 @@ class EmbeddedScorer:
         """Boards that bear every word, where nothing else is known to serve."""
         if self._refuses(stop.what, meaning):
             return {}
-        languages = wish_languages(stop.what, self._knowledge)
-        words, _ = self._words(content_of(stop.what, languages), self._likely(stop.what))
+        words, _ = self._asked_words(stop.what)
         return {id_: share for id_, share in self._names.covered(words).items() if share >= _LEAST_LITERAL}
 
 
