@@ -28,6 +28,7 @@ from lpslam.language.sign_words import (
     weighed,
     without_stray_letters,
 )
+from lpslam.language.sorts import is_eaten
 from lpslam.language.words import Span, is_mark, is_unspaced, longest_phrases
 
 _PARTS = re.compile(r"[()\[\]{}<>|/·•:;—–]+|\s-\s")
@@ -38,6 +39,7 @@ _JOINS = str.maketrans("", "", "-/")
 _COMPOUND = 9  # letters of a word that may be a compound in a name of several words
 _HOUSES = ("shop/", "amenity/", "leisure/", "cuisine/", "craft/", "tourism/")
 _SHOP_ENDS = frozenset("店馆屋坊铺舗")
+_MOST_DOMAINS = 2.0  # sorts of business that one sign may be wholly
 _REPAIR = "shop/repair"
 _POURED = frozenset({"wine", "alcohol", "tea", "coffee", "drink"})
 
@@ -243,8 +245,21 @@ class SignReader:
             return None
         own_name = covered <= 0.5 and reads_like_a_name(text, units)
         told = f"“{text}” says {said_in(spans)}"
-        kinds_of = tuple(self._offered(places).items())
+        kinds_of = self._spread(self._offered(places), spans)
         return SignMeaning(kinds_of, told, name_like=own_name, owner=owner_in(text, units, spans))
+
+    def _spread(self, kinds: dict[str, float], spans: Sequence[Span[Meaning]]) -> tuple[tuple[str, float], ...]:
+        """A sign that claims everything (“coffee pizza wc shoes bank”) is each of it the less surely."""
+        domains = {self._domain(span.value.concepts[0][0]) for span in spans if span.value.concepts}
+        share = min(1.0, _MOST_DOMAINS / max(len(domains), 1))
+        return tuple((kind, share * weight) for kind, weight in kinds.items())
+
+    def _domain(self, concept: str) -> str:
+        """What sort of business a concept belongs to: all food is one, all goods of shops are one."""
+        if is_eaten(concept, self._knowledge) or concept.startswith(("cuisine/", "aisle/")):
+            return "food"
+        first = concept if "/" in concept else next(iter(self._knowledge.offers.get(concept, ())), concept)
+        return "shop" if first.startswith("shop/") else "/".join(first.split("/")[:2])
 
     def _in_the_name(self, spans: Sequence[Span[Meaning]], units: Sequence[str]) -> frozenset[int]:
         """Starts of the phrases that belong to the owner's name: the jean of “Boulangerie Petit Jean”."""

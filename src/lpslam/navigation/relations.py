@@ -134,7 +134,10 @@ def _sideways(sign: float) -> Callable[[Place, Place, Scene], Judged]:
         across = (
             place.facing is not None and anchor.facing is not None and float(place.facing @ anchor.facing) < _OPPOSED
         )
-        return Judged(beside + 2.0 * abs(float(offset @ forward)) + (20.0 if across else 0.0), doubt)
+        if across:
+            # On the other wall it is opposite, and to the left of nothing here.
+            return Judged(_NO, doubt)
+        return Judged(beside + 2.0 * abs(float(offset @ forward)), doubt)
 
     return judge
 

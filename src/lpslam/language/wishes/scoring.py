@@ -28,6 +28,7 @@ from lpslam.language.words import is_mark, is_unspaced, longest_phrases
 _ANY_SORT = frozenset({"shop", "business", "place"})
 _FEW_OF_A_FAMILY = 3  # rooms of one sort of building that make the map one of it, at least
 _MUCH_OF_A_FAMILY = 0.25  # of all landmarks: fewer aisles of goods are shops of a mall
+_OF_THE_HOUSE = ("facility", "amenity/toilets", "highway/", "emergency/", "indoor/", "entrance", "aeroway/")
 _FEWEST_TO_TELL_APART = 2
 _SHORT_QUESTION = 8  # words of a question whose capital is the name that it asks for
 _SHORT_NAME = 5  # words of an anchor that is a name
@@ -145,10 +146,11 @@ class EmbeddedScorer:
         return {mark.id: 1.0 for mark in self._landmarks if wanted == {"place"} or self._is_shop(mark.id)}
 
     def _is_shop(self, id_: int) -> bool:
-        kinds = self._index.signs[id_].kinds
-        if likeness("business", kinds, self._knowledge) >= 0.5:
+        """Whether a place may be called a shop where its place tells which: anything that is no part of the house."""
+        sign = self._index.signs[id_]
+        if likeness("business", sign.kinds, self._knowledge) >= 0.5:
             return True
-        return self._index.signs[id_].name_like and likeness("facility", kinds, self._knowledge) < 0.5
+        return (sign.is_place or sign.name_like) and not any(kind.startswith(_OF_THE_HOUSE) for kind, _ in sign.kinds)
 
     def _of_the_family(self, meaning: Meaning, scores: Mapping[int, float]) -> dict[int, float]:
         """Who asks for one department of a hospital wants no other; an aisle goes before the rest of a supermarket."""
