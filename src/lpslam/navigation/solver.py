@@ -4,6 +4,8 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from lpslam.language.wishes.form import PREVIOUS, Relation, Stop, Which, Wish
 from lpslam.language.wishes.scoring import Scorer, Served
 from lpslam.navigation.places import Distances, Here, Place, Point, Straight
@@ -13,6 +15,7 @@ _EQUAL = 0.97  # of the best score: served equally, where the nearer is chosen
 _NEARLY = 0.8  # of the best score: served well enough, where the nearest is asked for
 _SERVES = 0.6  # of the best score: what may stand in a relation, or in a list
 _MOST = 50  # places of a list
+_MOST_ANCHORS = 8  # places of an anchor that a place is held against
 _WEAK = frozenset({Relation.NEAR, Relation.BEFORE, Relation.BEHIND})  # said of times and manners as well
 _ALTERNATIVES = 5  # further places that are told where one is asked for
 _DECIDED = 2.0  # standard deviations by which two distances must differ to be told apart
@@ -207,7 +210,7 @@ class _Solver:
 
     def _judged(self, stop: Stop, place: Place, anchors: Sequence[Sequence[Place]], start: Point | None) -> Judged:
         """The cheapest of all anchors that may be meant; no place is its own anchor."""
-        others = [[each for each in found if each is not place] for found in anchors]
+        others = [[each for each in _nearest_to(place, found) if each is not place] for found in anchors]
         if not all(others):
             return Judged(math.inf)
         if stop.relation is Relation.BETWEEN:
@@ -248,3 +251,11 @@ class _Solver:
             tuple(dict.fromkeys(notes)),
             served.model,
         )
+
+
+def _nearest_to(place: Place, anchors: Sequence[Place]) -> Sequence[Place]:
+    """The few anchors that stand nearest, as the crow flies: the others can hardly be meant."""
+    if len(anchors) <= _MOST_ANCHORS:
+        return anchors
+    apart = np.linalg.norm(np.array([each.position for each in anchors]) - place.position, axis=1)
+    return [anchors[int(at)] for at in np.argpartition(apart, _MOST_ANCHORS)[:_MOST_ANCHORS]]

@@ -103,10 +103,13 @@ class Names:
     def persons(self, name: str) -> list[int]:
         """Landmarks whose board bears every word of a person's name on one line."""
         words = self._knowledge.folder.fold(name).replace("-", " ").split()
+        if not words:
+            return []
+        ids = set.intersection(*(self._bearing(word) | self._bearing(word.rstrip("s") or word) for word in words))
         return [
             id_
-            for id_, lines in self._words.items()
-            if any(all(_bears_person(line, word) for word in words) for line in lines)
+            for id_ in sorted(ids)
+            if any(all(_bears_person(line, word) for word in words) for line in self._words[id_])
         ]
 
 
