@@ -144,9 +144,7 @@ class SurfaceConfig(Section):
     )  # grey values; a picture with less is blank or dark and says nothing
     least_correlation: float = Field(default=0.5, ge=-1, le=1)  # of two pictures with contrast; those of others differ
     told_share: float = Field(default=0.33, gt=0)  # of the guess's sigma; images that tell no better do not hold
-    least_noise: float = Field(
-        default=0.4, gt=0
-    )  # of the supposed sigma: the median of nine readings leaves so much
+    least_noise: float = Field(default=0.4, gt=0)  # of the supposed sigma: the median of nine readings leaves so much
     renewed_share: float = Field(default=0.8, gt=0, le=1)  # of the reference in view; less, and the next one is taken
     held_seconds: float = Field(default=10.0, ge=0)  # for which images alone tell the way; they drift by a twentieth
 

@@ -144,7 +144,9 @@ class _Solver:
         if anchor.relation is not None or anchor.which is not Which.ANY:
             solved = self.stop(anchor, previous, False)
             return [solved.place] if solved.place is not None else []
-        return [place for place, _ in self._serving(served.scores, _EQUAL)]
+        # “Next to Customs” means the board that says so, not all that deals with customs.
+        scores = {id_: served.scores[id_] for id_ in served.exact} or served.scores
+        return [place for place, _ in self._serving(scores, _EQUAL)]
 
     def _from(self, start: Point | None, place: Place) -> float:
         return 0.0 if start is None else self._scene.ways.distance(start, place.position)

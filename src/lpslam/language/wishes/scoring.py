@@ -53,6 +53,7 @@ class Served:
         confidence: of the best, 0 to 1.
         others: next best where none serves.
         ignored: what of the wish could not be heeded.
+        exact: of those, the landmarks whose board says these very words, and no more.
         sees_all: whether every landmark that serves has its score; a model names a few only.
     """
 
@@ -64,7 +65,7 @@ class Served:
     ignored: tuple[str, ...] = ()
     sees_all: bool = True
     model: str = "offline"
-    reasons: tuple[str, ...] = field(default=())
+    exact: frozenset[int] = field(default=frozenset())
 
 
 class Scorer(Protocol):
@@ -135,7 +136,9 @@ class EmbeddedScorer:
             return Served(stop, {}, choice.evidence, choice.confidence, choice.alternatives, ignored)
         top = max(scores.values())
         scores = {id_: score / top for id_, score in scores.items()}
-        return Served(stop, scores, choice.evidence, choice.confidence, ignored=ignored)
+        words, _ = self._asked_words(stop.what)
+        exact = frozenset(id_ for id_, share in self._names.covered(words).items() if share >= _WHOLE and id_ in scores)
+        return Served(stop, scores, choice.evidence, choice.confidence, ignored=ignored, exact=exact)
 
     def _of_any_sort(self, stop: Stop, meaning: Meaning) -> dict[int, float]:
         """“The shop next to …” is any shop: what the map says of where it stands is all that tells it from others."""
