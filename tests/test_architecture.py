@@ -32,8 +32,9 @@ ALLOWED: dict[str, set[str]] = {
         "slam.advice",
     },
     "mapfile": {"slam", "text"},
-    "navigation": {"language", "text.types"},
-    "pipeline": {"sources", "slam", "language", "text", "mapfile", "navigation"},
+    "navigation": {"language", "text", "mapfile"},
+    "session": {"slam", "language", "text", "mapfile", "navigation"},
+    "pipeline": {"sources", "slam", "language", "text", "mapfile", "navigation", "session"},
     "evaluation": {"sources", "language", "text", "mapfile"},
     "views": {
         "slam",
@@ -43,6 +44,7 @@ ALLOWED: dict[str, set[str]] = {
         "language.wishes.form",
         "text",
         "mapfile",
+        "navigation",
         "pipeline",
         "evaluation",
     },
@@ -54,6 +56,7 @@ ALLOWED: dict[str, set[str]] = {
         *("sources", "simulation", "language", "mapfile", "pipeline", "evaluation", "views", "demo"),
         *("cli_calibrate", "cli_checks", "cli_runs"),
     },
+    "__main__": {"cli"},
 }
 HEAVY = (
     *("cv2", "numba", "scipy", "matplotlib", "rapidocr", "openvino", "onnxruntime"),

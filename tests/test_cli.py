@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from command_line import Command
+from lpslam.errors import UserError
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.simulation.writer import refuse_recording
 
@@ -184,7 +185,8 @@ def test_simulate_writes_a_recording_but_not_over_one_that_was_recorded(
     done = lpslam("simulate", tmp_path / "mall", "--frames", 2, "--seed", 3, "--json").json
     assert done["frames"] == 2
     assert (tmp_path / "mall" / "groundtruth.txt").is_file()
-    refuse_recording(tmp_path / "mall")  # its own recordings are made again
+    with pytest.raises(UserError, match="not empty"):
+        refuse_recording(tmp_path / "mall")
     recorded = clip(2)
     (recorded / "signs.json").unlink()
     assert "is not overwritten" in lpslam("simulate", recorded, "--frames", 1).complaint

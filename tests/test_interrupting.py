@@ -42,9 +42,10 @@ def test_ctrl_c_saves_the_map_so_far(clip: Callable[[int], Path], tmp_path: Path
     done = pressed(1, clip(30), tmp_path / "map.lpmap")
     assert done.returncode == 130
     assert json.loads(done.stdout)["frames"] == 5
-    assert f"interrupted; the map so far is in {tmp_path / 'map.lpmap'}" in done.stderr
+    assert f"interrupted; the map so far is in {tmp_path / 'map.partial.lpmap'}" in done.stderr
+    assert not (tmp_path / "map.lpmap").exists(), "a whole map is not replaced by a part"
     assert "Traceback" not in done.stderr
-    world = LanguageMap.load(tmp_path / "map.lpmap")
+    world = LanguageMap.load(tmp_path / "map.partial.lpmap")
     assert world.trajectory.tracked_count == 5
 
 
@@ -87,6 +88,6 @@ def test_ctrl_c_does_not_wait_for_a_reader_that_is_behind(clip: Callable[[int], 
     done = subprocess.run(words, capture_output=True, text=True, timeout=180, check=False)
     ended = time.monotonic()
     assert done.returncode == 130
-    assert LanguageMap.load(tmp_path / "map.lpmap").trajectory.tracked_count == 60
+    assert LanguageMap.load(tmp_path / "map.partial.lpmap").trajectory.tracked_count == 60
     assert "not read for lack of time" in done.stderr
     assert ended - float(done.stderr.split("pressed at")[1].split()[0]) < 4.0

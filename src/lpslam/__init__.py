@@ -13,35 +13,55 @@ from typing import TYPE_CHECKING, Any
 from lpslam._version import __version__
 
 if TYPE_CHECKING:
+    from lpslam.camera import PinholeCamera
     from lpslam.config import Config
     from lpslam.errors import LpSlamError, UserError
+    from lpslam.frames import RgbdFrame
     from lpslam.language.registry import language_model
     from lpslam.mapfile.language_map import LanguageMap
-    from lpslam.pipeline import ask, distill, run
+    from lpslam.navigation.asking import Answer, ask
+    from lpslam.pipeline import distill, localise, run
+    from lpslam.session.session import Session
+    from lpslam.session.step import Step
     from lpslam.sources.open import open_source
+    from lpslam.text.types import Landmark
 
 __all__ = [
+    "Answer",
     "Config",
+    "Landmark",
     "LanguageMap",
     "LpSlamError",
+    "PinholeCamera",
+    "RgbdFrame",
+    "Session",
+    "Step",
     "UserError",
     "__version__",
     "ask",
     "distill",
     "language_model",
+    "localise",
     "open_source",
     "run",
 ]
 
 # Loaded at first use, so that importing the package (and `lpslam --help`) loads neither OpenCV nor a model.
 _HOMES = {
+    "Answer": "lpslam.navigation.asking",
     "Config": "lpslam.config",
+    "Landmark": "lpslam.text.types",
     "LanguageMap": "lpslam.mapfile.language_map",
     "LpSlamError": "lpslam.errors",
+    "PinholeCamera": "lpslam.camera",
+    "RgbdFrame": "lpslam.frames",
+    "Session": "lpslam.session.session",
+    "Step": "lpslam.session.step",
     "UserError": "lpslam.errors",
-    "ask": "lpslam.pipeline",
+    "ask": "lpslam.navigation.asking",
     "distill": "lpslam.pipeline",
     "language_model": "lpslam.language.registry",
+    "localise": "lpslam.pipeline",
     "open_source": "lpslam.sources.open",
     "run": "lpslam.pipeline",
 }

@@ -9,11 +9,20 @@ import typer
 
 from lpslam._version import __version__
 from lpslam.cli_calibrate import calibrate
-from lpslam.cli_checks import config_of, map_for, refuse_overwriting, refuse_with_fronts, refuse_with_localize
+from lpslam.cli_checks import (
+    config_of,
+    map_for,
+    refuse_old_map,
+    refuse_overwriting,
+    refuse_with_fronts,
+    refuse_with_localize,
+)
 from lpslam.cli_runs import (
     INTERRUPTED,
     call_to_its_end,
+    keep,
     localise_recording,
+    partial_name,
     render_fronts,
     render_simulation,
     say_usage,
@@ -100,6 +109,7 @@ def run(
     sequential: Annotated[
         bool, typer.Option("--sequential", help="Read in step with tracking: slower, the same map every time.")
     ] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace a map that is there already.")] = False,
     no_text: Annotated[bool, typer.Option("--no-text", help="Track and map only; read nothing.")] = False,
     max_frames: Annotated[int | None, typer.Option("--max-frames", min=1, help="Use only the first N frames.")] = None,
     llm: Llm = None,
@@ -123,6 +133,7 @@ def run(
         raise UserError("where should the map go? give --output MAP.lpmap (or --localize MAP to use one as it is)")
     else:
         refuse_foreign_file(output)
+        refuse_old_map(output, force)
     if live and sequential:
         raise UserError("--live and --sequential exclude each other: a camera does not wait for reading")
     refuse_overwriting(output, trajectory, continued or localize)
@@ -155,7 +166,9 @@ def run(
         if not world.trajectory.tracked_count:
             say("interrupted before anything was mapped; nothing is written")
             raise typer.Exit(INTERRUPTED)
-        world.save(output)
+        if interrupted.is_set():
+            output = partial_name(output)
+        keep(world, output)
     for note in run_notes(world, frames.faults, progress.first_untracked, language.model):
         say(note)
     say_usage(language)
@@ -179,6 +192,7 @@ def distill(
 ) -> None:
     """Name and judge the map's texts; the judgements are kept in the map."""
     from lpslam import pipeline
+    from lpslam.errors import LpSlamError
     from lpslam.language.registry import language_model
     from lpslam.mapfile.language_map import LanguageMap
     from lpslam.views.notes import judging_notes, naming_notes
@@ -186,11 +200,17 @@ def distill(
     world = LanguageMap.load(map_file)
     language = language_model(llm, config_of(config).language)
     landmarks = pipeline.distill(world, judge, language=language)
-    world.save(map_file)
+    failure: LpSlamError | None = None
+    try:
+        keep(world, map_file)
+    except LpSlamError as error:
+        failure = error
     for note in naming_notes(world, language.model) + judging_notes(landmarks, judge, language.model):
         say(note)
     say_usage(language)
     print_landmarks(landmarks, judge, as_json)
+    if failure is not None:
+        raise failure
 
 
 @app.command()

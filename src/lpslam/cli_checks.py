@@ -44,6 +44,12 @@ def refuse_overwriting(output: Path | None, trajectory: Path | None, base: Path 
         raise UserError(f"--output and --trajectory are both {output}; choose another name for one of them")
 
 
+def refuse_old_map(output: Path, force: bool) -> None:
+    """A map is hours of walking: another one takes its place only by `--force`."""
+    if output.exists() and not force:
+        raise UserError(f"{output} is a map already; choose another name, or give --force to replace it")
+
+
 def map_for(localize: Path | None, continued: Path | None, camera: Any, settings: Any) -> Any:
     """The saved map that a recording is localised in, or that it continues; None without one."""
     from lpslam.mapfile.compatibility import refuse_other_camera

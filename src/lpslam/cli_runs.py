@@ -2,6 +2,7 @@
 
 import os
 import sys
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NoReturn
@@ -49,6 +50,28 @@ def _end_at_once() -> NoReturn:
     os._exit(INTERRUPTED)
 
 
+def partial_name(output: Path) -> Path:
+    """Where the map of a run that was stopped goes: a whole one is not replaced by a part."""
+    return output.with_name(f"{output.stem}.partial{output.suffix or '.lpmap'}")
+
+
+def keep(world: Any, output: Path) -> None:
+    """Save a map; where that cannot be done any more, it goes to the folder for temporary files.
+
+    Raises:
+        UserError: it is not where it should be; says where it is.
+    """
+    try:
+        world.save(output)
+    except UserError as error:
+        rescue = Path(tempfile.mkdtemp(prefix="lpslam-")) / output.name
+        try:
+            world.save(rescue)
+        except UserError:
+            raise error from None
+        raise UserError(f"{error}; nothing is lost: the map is in {rescue}") from error
+
+
 def say_usage(language: Any) -> None:
     """What a hosted model has cost; nothing of one that costs nothing."""
     from lpslam.language.usage import usage_of
@@ -76,6 +99,11 @@ def localise_recording(
             on_progress=progress.update,
             should_stop=interrupted.is_set,
         )
+        if not len(found.poses) and not interrupted.is_set():
+            raise UserError(
+                f"{frames.name}: none of {found.frames} frames is found in {map_file}; nothing is written: is it the"
+                " same place, seen by the same camera?"
+            )
         found.poses.to_tum_file(trajectory, [f"camera optical frame in the frame of {map_file.name}"])
     for note in fault_notes(frames.faults) + event_notes(found.events):
         say(note)

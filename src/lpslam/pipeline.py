@@ -1,43 +1,36 @@
 """The three workflows of LP-SLAM (paper, Fig. 1): runtime text mapping, distilling, navigation."""
 
 import time
-from collections.abc import Callable, Collection
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import ExitStack
-from dataclasses import asdict, dataclass, field, replace
-from functools import partial
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
-from lpslam.config import Config, ReadingConfig, SpottingConfig
+from lpslam.config import Config
 from lpslam.errors import UserError
 from lpslam.frames import FrameSource
-from lpslam.language.beside import NamingBeside
-from lpslam.language.model import Choice, LanguageModel
+from lpslam.language.model import LanguageModel
 from lpslam.language.offline import OfflineModel
-from lpslam.language.sanitise import clean_text
-from lpslam.language.wishes.form import Wish
 from lpslam.mapfile.compatibility import refuse_other_camera
 from lpslam.mapfile.language_map import LanguageMap
-from lpslam.navigation.answering import answer_wish
-from lpslam.navigation.places import Here
+from lpslam.navigation.asking import Answer, ask
 from lpslam.poses import StampedPoses
-from lpslam.priority import READING, yield_to_others
-from lpslam.slam.advice import NO_ADVICE, LoopAdvisor
+from lpslam.session.parts import load_spotter
+from lpslam.session.session import Session
+from lpslam.session.step import Step
+from lpslam.slam.advice import NO_ADVICE
 from lpslam.slam.state import SlamEvent, TrackedFrame, TrackingState
 from lpslam.slam.system import RgbdSlam
 from lpslam.sources.in_order import InOrder
+from lpslam.sources.open import open_source
 from lpslam.sources.pacing import Paced
 from lpslam.sources.prefetch import Prefetched
 from lpslam.text.advice.advising import TextAdvisor
 from lpslam.text.distilling import DEFAULT_QUESTION, distil
 from lpslam.text.mapper import TextMapper
-from lpslam.text.reading.reading_thread import ReadingThread
-from lpslam.text.reading.spotting import PaddleSpotter, TextSpotter
-from lpslam.text.reading.spotting_process import SpottingProcess
-from lpslam.text.text_map import TextMap
+from lpslam.text.reading.spotting import TextSpotter
 from lpslam.text.types import Landmark
+
+__all__ = ["Answer", "Localised", "Progress", "ask", "distill", "localise", "run"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,44 +42,6 @@ class Progress:
     frames_per_second: float
     keyframes: int
     landmarks: int
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Answer:
-    """Where to go, and why.
-
-    Attributes:
-        question: as asked.
-        landmark: the place; None when nothing in the map serves.
-        distance: metres from where the question was asked; None without a landmark.
-        choice: what the language model said.
-        alternatives: next best, best first.
-        here: (3,) map frame, where the question was asked.
-        heading: radians counter-clockwise from the map's x axis, which way the asker looks; None where that is unknown.
-        same_name: places of the landmark's name, of which it is the nearest where nothing else is asked for.
-        wish: what was understood.
-        stops: the places of a plan in order, `landmark` being the last; None for a stop that nothing serves.
-    """
-
-    question: str
-    landmark: Landmark | None
-    distance: float | None
-    choice: Choice
-    alternatives: tuple[Landmark, ...] = ()
-    here: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
-    heading: float | None = None
-    same_name: int = 0
-    wish: Wish = field(default_factory=lambda: Wish(()))
-    stops: tuple[Landmark | None, ...] = ()
-
-    def distance_to(self, landmark: Landmark) -> float:
-        """Metres from where the question was asked."""
-        return float(np.linalg.norm(landmark.position - self.here))
-
-    def direction_to(self, landmark: Landmark) -> float:
-        """Degrees counter-clockwise, in [0, 360), from where the asker looks or, unknown, from the map's x axis."""
-        x, y, _ = landmark.position - self.here
-        return float(np.degrees(np.arctan2(y, x) - (self.heading or 0.0)) % 360.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,7 +62,7 @@ class Localised:
 
 
 def run(
-    source: FrameSource,
+    source: FrameSource | Path | str,
     config: Config | None = None,
     *,
     language: LanguageModel | None = None,
@@ -122,7 +77,7 @@ def run(
     """Runtime text mapping: frame → track → read → class → memory → name → position.
 
     Args:
-        source: RGB-D frames in order of time.
+        source: RGB-D frames in order of time, or the path of a recording.
         config: thresholds; defaults without.
         language: names classes of misread strings; the embedded model without. Mapping never waits for another: the
             embedded model names at once, and the other's name takes its place when it comes.
@@ -137,100 +92,47 @@ def run(
         should_stop: asked before every frame; the map so far is returned when it says yes.
 
     Raises:
-        UserError: not one frame of the source can be used, or tracked; or `base` was made with another camera.
+        UserError: the path holds no recording; not one frame of the source can be used, or tracked; or `base` was made
+            with another camera.
     """
+    if isinstance(source, str | Path):
+        source = open_source(Path(source))
     config = config or Config()
-    if base is not None:
-        refuse_other_camera(base.camera, source.camera, "the map", config.continued_camera)
-    text_map = base.text if base else TextMap(config.text)
-    words = TextAdvisor(config.text.advice, text_map.memory.classes)
-    advisor: LoopAdvisor = words if text and config.text.advice.enabled else NO_ADVICE
-    slam = RgbdSlam(source.camera, config.slam, live=live, base=base.slam if base else None, advisor=advisor)
-    beside = _naming_beside(language) if text else None
-    is_threaded = live or not sequential
-    mapper = None
-    first_index = 0
-    with ExitStack() as resources:
-        if text:
-            if spotter is None and live and SpottingProcess.is_possible():
-                spotter = resources.enter_context(SpottingProcess(config.text.spotting))
-            mapper = TextMapper(
-                source.camera,
-                spotter or _load_spotter(config.text.spotting, READING if live else 0),
-                config.text,
-                OfflineModel(),
-                text_map,
-                beside,
-                on_sighting=words.note,
-                on_doubtful=words.note_doubtful,
-                on_lost=words.note_lost,
-                points_seen_by=slam.map.points_seen_by,
-            )
-        if base is not None:
-            slam.trajectory, first_index = base.trajectory, base.trajectory.begin_session()
-            if mapper is not None:
-                mapper.resume(base.world_from_keyframe)
-        reader = None
-        if mapper is not None and is_threaded:
-            reader = resources.enter_context(_reading_thread(mapper, config.text.reading, live))
-        reading = reader or mapper
+    step: Step | None = None
+    with Session(
+        source.camera,
+        config,
+        language=language,
+        base=base,
+        live=live,
+        sequential=sequential,
+        spotter=spotter,
+        text=text,
+        name=source.name,
+    ) as session:
         decoded = Prefetched(InOrder(source))
         frames = Paced(decoded, config.live.backlog, should_stop) if live else decoded
-        started, seconds_tracking, count = time.perf_counter(), 0.0, 0
-        is_stopped, reason = False, "it gave none"
-        # Whatever goes wrong in between, its threads end.
-        resources.callback(slam.finish)
-        for given in frames:
+        is_stopped = False
+        for frame in frames:
             if is_stopped := should_stop():
                 break
-            frame = replace(given, index=first_index + given.index) if first_index else given
-            before = time.perf_counter()
-            tracked = slam.process(frame)
-            seconds_tracking += time.perf_counter() - before
-            if reading is not None:
-                reading.observe(frame, tracked)
-            if reader is not None and not live:
-                reader.wait_for_place()
-            count, reason = count + 1, tracked.reason
-            on_progress(
-                Progress(
-                    tracked,
-                    count,
-                    count / (time.perf_counter() - started),
-                    len(slam.map.living_keyframes()),
-                    len(text_map.memory.long_term),
-                )
-            )
-        if is_stopped and reader is not None:
-            reader.abandon()
-    if mapper is not None and beside is not None:
-        beside.finish(0.0 if is_stopped else config.language.patience_s)
-        mapper.take_names()
-    if not is_stopped and slam.trajectory.tracked_count == 0:
+            step = session.take(frame)
+            on_progress(_progress(session, step))
+        session.frames_skipped = len(frames.faults)
+        session.frames_dropped = frames.dropped if isinstance(frames, Paced) else 0
+        world = session.close(hurry=is_stopped)
+    if not is_stopped and world.trajectory.tracked_count == 0:
+        reason = step.reason if step is not None else "it gave none"
         raise UserError(
-            f"{source.name}: none of {count} frames can be tracked ({reason}); check its depth images and depth scale"
+            f"{source.name}: none of {session.frames} frames can be tracked ({reason}); check its depth images and"
+            " depth scale"
         )
-    return LanguageMap(
-        camera=source.camera,
-        slam=slam.map,
-        trajectory=slam.trajectory,
-        text=text_map,
-        source=source.name,
-        statistics={
-            "run": {
-                "frames": count,
-                "frames_tracked": slam.trajectory.tracked_count,
-                "frames_skipped": len(frames.faults),
-                "frames_dropped": frames.dropped if isinstance(frames, Paced) else 0,
-                "frames_unread_for_lack_of_time": reader.dropped if reader is not None else 0,
-                "keyframes_abandoned": slam.keyframes_abandoned,
-                "seconds": time.perf_counter() - started,
-                "seconds_tracking_and_mapping": seconds_tracking,
-            },
-            "reading": asdict(mapper.statistics) if mapper is not None else {},
-        },
-        events=slam.events,
-    )
+    return world
+
+
+def _progress(session: Session, step: Step) -> Progress:
+    rate = session.frames / session.seconds
+    return Progress(step.tracked, session.frames, rate, session.keyframes, session.texts)
 
 
 def localise(
@@ -276,7 +178,7 @@ def localise(
         if classes and (tracked.is_doubted or tracked.state is TrackingState.LOST):
             reading = reading or TextMapper(
                 source.camera,
-                spotter or _load_spotter(config.text.spotting, 0),
+                spotter or load_spotter(config.text.spotting, 0),
                 config.text,
                 on_doubtful=words.note_doubtful,
                 on_lost=words.note_lost,
@@ -288,26 +190,6 @@ def localise(
     slam.finish()
     poses = StampedPoses(*slam.trajectory.world_from_camera(slam.map))
     return Localised(poses, count, slam.events, seconds_tracking)
-
-
-def _naming_beside(language: LanguageModel | None) -> NamingBeside | None:
-    """Mapping waits for no model but the embedded one; another's names come when they come."""
-    if language is None or isinstance(language, OfflineModel):
-        return None
-    return NamingBeside(language, OfflineModel())
-
-
-def _reading_thread(mapper: TextMapper, config: ReadingConfig, live: bool) -> ReadingThread:
-    """Live, the newest frame is read, and tracking comes first; of a recording none is left out."""
-    if live:
-        return ReadingThread(mapper, 1, config.live_share, READING)
-    return ReadingThread(mapper, config.queue_size)
-
-
-def _load_spotter(config: SpottingConfig, niceness: int) -> PaddleSpotter:
-    # The engine's own threads are as patient as the thread that loads it.
-    with ThreadPoolExecutor(1, initializer=partial(yield_to_others, niceness)) as loader:
-        return loader.submit(PaddleSpotter, config).result()
 
 
 def distill(
@@ -324,61 +206,3 @@ def distill(
     if not question.strip():
         raise UserError("the question is empty; ask what makes a text a landmark, as in: Is this a shop?")
     return distil(world.text, world.world_from_keyframe, language or OfflineModel(), question).landmarks
-
-
-def ask(
-    world: LanguageMap,
-    question: str,
-    *,
-    language: LanguageModel | None = None,
-    position: NDArray[np.float64] | None = None,
-    heading: float | None = None,
-    excluded: Collection[int] = (),
-) -> Answer:
-    """Navigation: a question in any language → the landmark that serves it, with its position.
-
-    Args:
-        world: the map.
-        question: what is wanted.
-        language: chooses among the names; the embedded model without. It never sees a position.
-        position: (3,) map frame, where the question is asked, or (2,) at the camera's last height; without, where the
-            camera was last.
-        heading: radians counter-clockwise from the map's x axis, which way the asker looks; without either, as the
-            camera looked last.
-        excluded: ids of landmarks that are no answer, having been named before.
-
-    Raises:
-        UserError: the question is empty.
-    """
-    if not clean_text(question):
-        raise UserError("the question is empty; ask for a place, as in: Where can I eat pizza?")
-    landmarks = [mark for mark in world.landmarks() if mark.id not in excluded]
-    here, looked = _last_view(world)
-    if position is None:
-        heading = looked if heading is None else heading
-    else:
-        here = np.concatenate([position, here[len(position) :]])
-    solution = answer_wish(question, landmarks, language or OfflineModel(), Here(here, heading))
-    by_id = {mark.id: mark for mark in landmarks}
-    last = solution.stops[-1]
-    chosen = by_id[last.place.id] if last.place is not None else None
-    evidence = "; ".join(dict.fromkeys((last.evidence, *solution.notes)))
-    others = tuple(by_id[place.id] for place in last.others)
-    choice = Choice(
-        None if chosen is None else chosen.id, last.confidence, evidence, last.model, tuple(mark.id for mark in others)
-    )
-    stops = tuple(by_id[stop.place.id] if stop.place is not None else None for stop in solution.stops)
-    if chosen is None:
-        return Answer(question, None, None, choice, others, here, heading, wish=solution.wish, stops=stops)
-    same = sum(mark.name == chosen.name for mark in landmarks)
-    distance = float(np.linalg.norm(chosen.position - here))
-    return Answer(question, chosen, distance, choice, others, here, heading, same, solution.wish, stops)
-
-
-def _last_view(world: LanguageMap) -> tuple[NDArray[np.float64], float]:
-    """Where the camera was last, (3,) map frame, and its heading in radians; the origin before any frame."""
-    poses = world.frame_poses().world_from_camera
-    if not len(poses):
-        return np.zeros(3), 0.0
-    forward = poses[-1][:3, 2]
-    return poses[-1][:3, 3], float(np.arctan2(forward[1], forward[0]))

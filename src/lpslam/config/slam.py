@@ -108,7 +108,7 @@ class TrackingConfig(Section):
     min_agreement: float = Field(default=0.6, ge=0, le=1)  # share of what is followed that one motion must explain
     min_followed: int = 60  # inliers; fewer, and the frame is matched with the map at once
     min_followed_share: float = Field(default=0.7, ge=0, le=1)  # of those followed first, the same
-    anchor_interval: float = Field(default=0.2, ge=0)  # seconds after which a frame is matched with the map anyway
+    anchor_interval: float = Field(default=0.1, ge=0)  # seconds after which a frame is matched with the map anyway
     anchor_travel: float = Field(default=0.08, ge=0)  # of the image's width that the picture moves, the same
     bridged_travel: float = Field(default=1.5, ge=0)  # of the same, over which frames that showed nothing are bridged
     steady_share: float = Field(default=0.5, ge=0)  # of `motion_radius`; predictions farther off, and flow goes first

@@ -66,7 +66,12 @@ def evaluate_recording(
     Raises:
         UserError: the recording cannot be opened or has no ground truth.
     """
-    frames = len(open_source(folder, camera_file))
+    source = open_source(folder, camera_file)
+    frames, mapped = len(source), world.trajectory.frame_count
+    if mapped > frames and not world.trajectory.session:
+        raise UserError(
+            f"the map is of {mapped} frames, and {folder} has {frames}: it was made of {world.source}; give that one"
+        )
     truth = read_ground_truth(folder)
     if truth is None:
         raise UserError(f"{folder} has no ground truth; looked for groundtruth.txt or frame-NNNNNN.pose.txt")

@@ -270,6 +270,9 @@ def _add_painted(
         painted.setdefault(phrase, Meaning("means", tuple(found.items())))
 
 
+_TOO_SHORT_INSIDE = 2  # letters of an abbreviation (HR, QA) that is a sign of its own, and chance inside another
+
+
 def _add_venues(
     lexicon: Mapping[str, Any], folder: Folder, painted: dict[str, Meaning], known: dict[str, Known]
 ) -> None:
@@ -277,9 +280,10 @@ def _add_venues(
     for concept, joined in lexicon["venues"].items():
         for text in dict.fromkeys(split(joined)):
             phrase, key = folder.phrase_and_key(text)
-            add_beside(painted, concept, (phrase,), frozenset())
+            if not (len(key) <= _TOO_SHORT_INSIDE and key.isascii()):
+                add_beside(painted, concept, (phrase,), frozenset())
             if len(key) > 1 and key not in known:
-                known[key] = Known(text, "word", painted[phrase].concepts, text)
+                known[key] = Known(text, "word", ((concept, BY_HAND),), text)
 
 
 _FUEL = "amenity/fuel"

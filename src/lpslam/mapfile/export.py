@@ -1,10 +1,14 @@
 """A map as plain files: trajectories in TUM format, landmarks as JSON, points as PLY."""
 
 import json
+import os
+import tempfile
+from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from lpslam._version import __version__
 from lpslam.errors import UserError
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.mapfile.point_cloud import write_ply
@@ -22,18 +26,37 @@ def export_map(world: LanguageMap, folder: Path) -> list[Path]:
     Raises:
         UserError: the folder cannot be written.
     """
-    trajectory, keyframes = folder / "trajectory.txt", folder / "keyframes.txt"
-    landmarks, cloud = folder / "landmarks.json", folder / "cloud.ply"
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        world.frame_poses().to_tum_file(trajectory, [f"every tracked frame: {_FRAME}"])
-        world.keyframe_poses().to_tum_file(keyframes, [f"keyframes: {_FRAME}"])
-        listed = {"landmarks": [landmark_record(mark) for mark in world.landmarks()]}
-        landmarks.write_text(json.dumps(listed, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
-        write_ply(cloud, world.cloud())
+        # Beside their places, so that a disk that fills leaves the old files and no part of new ones.
+        with tempfile.TemporaryDirectory(prefix=".lpslam-", dir=folder) as unfinished:
+            for name, write in _FILES.items():
+                write(world, Path(unfinished) / name)
+            for name in _FILES:
+                os.replace(Path(unfinished) / name, folder / name)
     except OSError as error:
         raise UserError(f"{folder} cannot be written ({error.strerror}); choose another folder") from error
-    return [trajectory, keyframes, landmarks, cloud]
+    return [folder / name for name in _FILES]
+
+
+def _write_landmarks(world: LanguageMap, path: Path) -> None:
+    listed = {
+        "format": "lpslam landmarks",
+        "version": 1,
+        "lpslam_version": __version__,
+        "frame": "map: the first camera's place, z up",
+        "units": {"position": "m", "spread": "m", "width": "m", "height": "m", "confidence": "0 to 1"},
+        "landmarks": [landmark_record(mark) for mark in world.landmarks()],
+    }
+    path.write_text(json.dumps(listed, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
+
+
+_FILES: dict[str, Callable[[LanguageMap, Path], None]] = {
+    "trajectory.txt": lambda world, path: world.frame_poses().to_tum_file(path, [f"every tracked frame: {_FRAME}"]),
+    "keyframes.txt": lambda world, path: world.keyframe_poses().to_tum_file(path, [f"keyframes: {_FRAME}"]),
+    "landmarks.json": _write_landmarks,
+    "cloud.ply": lambda world, path: write_ply(path, world.cloud()),
+}
 
 
 def landmark_record(mark: Landmark) -> dict[str, Any]:

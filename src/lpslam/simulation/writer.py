@@ -14,9 +14,9 @@ from lpslam.simulation.source import WalkSource
 
 
 def refuse_recording(folder: Path) -> None:
-    """Raise a `UserError` if `folder` holds a recording that was not rendered: it could not be made again."""
-    if (folder / "rgb.txt").exists() and not (folder / "signs.json").exists():
-        raise UserError(f"simulation: {folder} holds a recording that is not overwritten; choose another folder")
+    """Raise a `UserError` if `folder` holds anything: two recordings would mix, and one could not be made again."""
+    if folder.is_dir() and any(folder.iterdir()):
+        raise UserError(f"simulation: {folder} is not empty, and is not overwritten; choose another folder")
 
 
 def write_sequence(source: WalkSource, folder: Path, on_progress: Callable[[int, int], None] | None = None) -> None:

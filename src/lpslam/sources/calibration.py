@@ -7,6 +7,7 @@ OpenCV's `%YAML:1.0`.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -28,9 +29,18 @@ _HEIGHT = ("height", "image_height", "h")
 _RESOLUTION = ("resolution", "image_size", "size")
 _DISTORTION = ("distortion", "distortion_coefficients", "distortion_coeffs", "dist_coeffs", "coeffs", "dist", "d")
 _DISTORTION_MODEL = ("distortion_model", "distortion_type", "camera_model", "model", "type")
-_DEPTH_SCALE = ("depth_scale", "depthmapfactor", "depth_map_factor", "depth_factor", "png_depth_scale", "depth_units")
+_DEPTH_SCALE = (
+    "depth_scale",
+    "depthscale",
+    "depthmapfactor",
+    "depth_map_factor",
+    "depth_factor",
+    "png_depth_scale",
+    "depth_units",
+)
 _FPS = ("fps", "frame_rate", "framerate", "rate")
 _MODELS_NOT_SUPPORTED = ("equi", "fisheye", "kannala", "omni", "fov", "eucm", "double_sphere", "ds-", "mei")
+_NEARLY = 0.85  # share of letters in common, of words that are one mistyped
 # Sections are tried in this order of what their names begin with; all others come between.
 _PREFERRED, _DEFERRED = ("camera", "cam0", "rgb", "color", "colour", "left"), ("depth", "ir", "infra", "imu", "right")
 
@@ -63,7 +73,9 @@ def read_calibration(
     shared = [scopes[0] for scopes in sections if len(scopes) == 2 and not _has_intrinsics(scopes[0])]
     scopes = (section, *around, *shared)
     fx, fy, cx, cy = _intrinsics(section, path)
-    notes: list[str] = []
+    if any(scope.get(key) is True for scope in scopes for key in _MODELS_NOT_SUPPORTED):
+        raise UserError(f"calibration {path}: a fisheye lens is not supported; rectify the images to a pinhole")
+    notes = _misspelt(scopes, path)
     width, height = _size(scopes, path) or image_size or (0, 0)
     if not width:
         raise UserError(f"calibration {path}: width is missing; add width and height in pixels")
@@ -90,6 +102,20 @@ def read_calibration(
     except UserError as error:
         raise error if str(path) in str(error) else UserError(f"{path}: {error}") from error
     return Calibration(camera, tuple(notes))
+
+
+def _misspelt(scopes: tuple[Tree, ...], path: Path) -> list[str]:
+    """A note of every key that is nearly one that is understood."""
+    understood = _understood()
+    words = [word for word in sorted(understood) if len(word) > 3]
+    keys = [key for scope in scopes for key in scope if key not in understood]
+    near = [(key, get_close_matches(key, words, 1, _NEARLY)) for key in keys]
+    return [f"{path.name} states {key}, which is not understood; is it {said[0]}?" for key, said in near if said]
+
+
+def _understood() -> set[str]:
+    keys = (*_FOCAL.values(), _RESOLUTION, _DISTORTION, _DEPTH_SCALE, _FPS, _WIDTH, _HEIGHT, _MATRICES)
+    return {key for group in (*keys, _DISTORTION_MODEL) for key in group}
 
 
 def _sections(tree: Tree, around: tuple[Tree, ...] = ()) -> Iterator[tuple[Tree, ...]]:

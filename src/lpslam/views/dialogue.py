@@ -82,6 +82,8 @@ def parsed_place(text: str) -> tuple[NDArray[np.float64], float | None]:
 
 def questions() -> Iterator[str]:
     """Questions from a prompt with a history, or line by line from a pipe; empty lines ask nothing."""
+    if sys.stdin is None:
+        raise UserError("there is no standard input to take questions from; give one: lpslam ask MAP QUESTION")
     lines = _typed() if sys.stdin.isatty() else iter(sys.stdin)
     for line in lines:
         if text := line.strip():

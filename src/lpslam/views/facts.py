@@ -3,6 +3,7 @@
 from typing import Any
 
 from lpslam.mapfile.language_map import LanguageMap
+from lpslam.views.drawable import printable
 
 
 def map_facts(world: LanguageMap) -> dict[str, Any]:
@@ -22,6 +23,7 @@ def map_facts(world: LanguageMap) -> dict[str, Any]:
         "keyframes": len(world.slam.living_keyframes()),
         "points": len(world.slam.living_points()),
         "landmark_count": len(landmarks),
+        "words": [mark.name for mark in sorted(landmarks, key=lambda mark: (-mark.observations, mark.id))],
         "judged_as_landmark": sum(mark.is_landmark is True for mark in landmarks),
         "question": world.text.question,
         "seconds": round(seconds, 1),
@@ -31,6 +33,7 @@ def map_facts(world: LanguageMap) -> dict[str, Any]:
 
 def fact_lines(facts: dict[str, Any]) -> dict[str, str]:
     """The facts of `map_facts` in words, with their units."""
+    words = [printable(word) for word in facts["words"]]
     unread, skipped = facts["frames_unread_for_lack_of_time"], facts["frames_skipped"]
     judged = f"{facts['judged_as_landmark']} by the question “{facts['question']}”" if facts["question"] else "not yet"
     return {
@@ -41,7 +44,7 @@ def fact_lines(facts: dict[str, Any]) -> dict[str, str]:
         "path": f"{facts['path_length_m']:.2f} m",
         "keyframes": str(facts["keyframes"]),
         "points": str(facts["points"]),
-        "texts": f"{facts['landmark_count']} in long-term memory",
+        "texts": f"{facts['landmark_count']} in long-term memory" + (f": {', '.join(words)}" if words else ""),
         "judged landmarks": judged,
         "time": f"{facts['seconds']:.1f} s"
         + (f", {facts['frames_per_second']:.1f} frames/s" if facts["frames_per_second"] else ""),

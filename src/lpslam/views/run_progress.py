@@ -1,8 +1,10 @@
 """What the terminal shows while a run goes on, and how Ctrl-C ends it without losing the map."""
 
+import math
 import signal
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType, TracebackType
@@ -17,6 +19,10 @@ if TYPE_CHECKING:
 
 _COMPILED_AFTER = 3.0
 """Seconds: loading kernels from the cache is quicker, compiling them is slower."""
+
+
+_LINE_EVERY = 10.0
+"""Seconds between two lines where there is no terminal."""
 
 
 class RunProgress:
@@ -38,6 +44,9 @@ class RunProgress:
         )
         self._task = self._bar.add_task("frames", total=total, state="starting", rate="")
         self.first_untracked: TrackedFrame | None = None
+        self._total = total
+        # A pipe gets a line now and then in place of the bar.
+        self._next_line = time.monotonic() + _LINE_EVERY if self._bar.disable and not quiet else math.inf
 
     def update(self, progress: "RunState") -> None:
         """Show where the run stands."""
@@ -45,6 +54,10 @@ class RunProgress:
         # A frame that was coasted over may have a pose in the end; one that is lost has none.
         if (first is None and frame.is_coasted) or ((first is None or first.is_coasted) and not frame.is_tracked):
             self.first_untracked = frame
+        if (now := time.monotonic()) >= self._next_line:
+            self._next_line = now + _LINE_EVERY
+            line = f"{progress.frames} of {self._total} frames, {progress.keyframes} keyframes"
+            print(f"lpslam: {line}, {progress.landmarks} texts, {frame.state}", file=sys.stderr, flush=True)
         self._bar.update(
             self._task,
             completed=progress.frames,

@@ -1,0 +1,1 @@
+"""Making a map one frame at a time."""

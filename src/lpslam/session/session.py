@@ -1,0 +1,383 @@
+"""A map that grows one frame at a time: the one way in which maps are made (paper, Fig. 1)."""
+
+import threading
+import time
+from collections.abc import AsyncIterator, Callable, Collection
+from contextlib import ExitStack
+from dataclasses import asdict, replace
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.camera import PinholeCamera
+from lpslam.config import Config
+from lpslam.errors import UserError
+from lpslam.frames import RgbdFrame
+from lpslam.language.model import LanguageModel
+from lpslam.language.offline import OfflineModel
+from lpslam.mapfile.compatibility import refuse_other_camera
+from lpslam.mapfile.language_map import LanguageMap
+from lpslam.navigation.asking import Answer, answer, last_view
+from lpslam.priority import READING
+from lpslam.session.announcing import AnnouncingMapper
+from lpslam.session.checks import checked_colour, checked_depth, refuse_no_metres, refuse_time
+from lpslam.session.listeners import Listeners
+from lpslam.session.parts import load_spotter, naming_beside, reading_thread
+from lpslam.session.step import Step
+from lpslam.slam.advice import NO_ADVICE
+from lpslam.slam.map import SlamMap
+from lpslam.slam.state import SlamEvent
+from lpslam.slam.system import RgbdSlam
+from lpslam.slam.trajectory import Trajectory
+from lpslam.text.advice.advising import TextAdvisor
+from lpslam.text.placing.instances import KeyframePoses
+from lpslam.text.reading.reading_thread import ReadingThread
+from lpslam.text.reading.spotting import TextSpotter
+from lpslam.text.reading.spotting_process import SpottingProcess
+from lpslam.text.text_map import TextMap
+from lpslam.text.types import Landmark
+
+
+class Session:
+    """Tracks a camera, maps what it sees, and reads and remembers the words, a frame at a time.
+
+    Use it as a context manager, or call `close`. `step` is called from one thread at a time; `landmarks`, `ask`,
+    `pose` and `snapshot` from any. `async for step in session` gives the steps that another thread makes.
+
+    Args:
+        camera: of the frames.
+        config: thresholds; defaults without.
+        language: names classes of misread strings and answers `ask`; the embedded model without. Mapping never waits
+            for another: the embedded model names at once, and the other's name takes its place when it comes.
+        base: a map of an earlier recording that this one continues; it is changed.
+        live: frames come from a camera: mapping and reading have threads of their own, and of frames that come faster
+            than they can be read the newest is. Implies that reading is not sequential.
+        sequential: read in step with tracking: the same frames give the same map; else in a thread beside it.
+        spotter: finds and reads text; the networks of the configuration without.
+        text: whether to read at all.
+        name: of the recording, kept in the map.
+        on_landmark: called by `step` and `close`, in their thread, for every new or renamed landmark.
+        on_event: the same for whatever happens to tracking and to the map.
+
+    Raises:
+        UserError: `base` was made with another camera or other keypoints.
+
+    Attributes:
+        frames: how many were taken.
+        frames_skipped, frames_dropped: what the caller left out, for the map's statistics.
+    """
+
+    def __init__(
+        self,
+        camera: PinholeCamera,
+        config: Config | None = None,
+        *,
+        language: LanguageModel | None = None,
+        base: LanguageMap | None = None,
+        live: bool = False,
+        sequential: bool = True,
+        spotter: TextSpotter | None = None,
+        text: bool = True,
+        name: str = "session",
+        on_landmark: Callable[[Landmark], None] = lambda landmark: None,
+        on_event: Callable[[SlamEvent], None] = lambda event: None,
+    ) -> None:
+        self._config = config = config or Config()
+        if base is not None:
+            refuse_other_camera(base.camera, camera, "the map", config.continued_camera)
+        self.camera, self.name = camera, name
+        self.frames = self.frames_skipped = self.frames_dropped = 0
+        self._language, self._live = language, live
+        self._on_landmark, self._on_event = on_landmark, on_event
+        self._text = base.text if base else TextMap(config.text)
+        self._words = TextAdvisor(config.text.advice, self._text.memory.classes)
+        advisor = self._words if text and config.text.advice.enabled else NO_ADVICE
+        self._slam = RgbdSlam(camera, config.slam, live=live, base=base.slam if base else None, advisor=advisor)
+        # Whoever needs both takes the text map's lock first: reading takes long, and a step must not wait for it.
+        self._stepping = threading.RLock()
+        self._changes = threading.Lock()
+        self._changed: dict[int, tuple[Landmark, bool]] = {}
+        self._told: dict[int, str] = {}
+        self._events_told = 0
+        self._latest = -np.inf
+        self._pose: NDArray[np.float64] | None = None
+        self._listeners = Listeners()
+        self._result: LanguageMap | None = None
+        self._has_ended = False
+        self._beside = naming_beside(language) if text else None
+        self._mapper: AnnouncingMapper | None = None
+        self._reader: ReadingThread | None = None
+        self._first_index = 0
+        self._seconds_tracking = 0.0
+        self._resources = ExitStack()
+        with ExitStack() as opened:
+            # Whatever goes wrong in between, its threads end.
+            opened.callback(self._slam.finish)
+            self._open(opened, base, spotter, text, sequential)
+            self._resources = opened.pop_all()
+        self._started = time.perf_counter()
+
+    def _open(
+        self, opened: ExitStack, base: LanguageMap | None, spotter: TextSpotter | None, text: bool, sequential: bool
+    ) -> None:
+        config, live = self._config, self._live
+        if base is not None:
+            self._slam.trajectory, self._first_index = base.trajectory, base.trajectory.begin_session()
+        if not text:
+            return
+        if spotter is None and live and SpottingProcess.is_possible():
+            spotter = opened.enter_context(SpottingProcess(config.text.spotting))
+        self._mapper = AnnouncingMapper(
+            self.camera,
+            spotter or load_spotter(config.text.spotting, READING if live else 0),
+            config.text,
+            OfflineModel(),
+            self._text,
+            self._beside,
+            on_sighting=self._words.note,
+            on_doubtful=self._words.note_doubtful,
+            on_lost=self._words.note_lost,
+            points_seen_by=self._slam.map.points_seen_by,
+            on_news=self._note_landmarks,
+        )
+        if base is not None:
+            self._mapper.resume(base.world_from_keyframe)
+            self._told = {mark.id: mark.name for mark in base.landmarks()}
+        if live or not sequential:
+            self._reader = opened.enter_context(reading_thread(self._mapper, config.text.reading, live))
+
+    def step(self, rgb: NDArray[np.uint8], depth: NDArray[np.float32], timestamp: float) -> Step:
+        """Take one frame.
+
+        The arrays are kept, not copied: do not write to them afterwards.
+
+        Args:
+            rgb: (height, width, 3) uint8, in the order red, green, blue. OpenCV's images are blue, green, red, which
+                cannot be told from the numbers: `cv2.cvtColor(image, cv2.COLOR_BGR2RGB)`.
+            depth: (height, width) float32, metres along the optical axis, registered to the colour; 0 or not-a-number
+                where there is none.
+            timestamp: seconds, later than that of the frame before.
+
+        Returns:
+            The pose, or why there is none, and what is new.
+
+        Raises:
+            UserError: the frame is not as above, and was not taken, or the session is closed.
+        """
+        colour, metres = checked_colour(rgb, self.camera), checked_depth(depth, self.camera)
+        if not self.frames:
+            refuse_no_metres(metres)
+        refuse_time(timestamp, self._latest)
+        return self.take(RgbdFrame(self.frames, float(timestamp), colour, metres))
+
+    def take(self, frame: RgbdFrame) -> Step:
+        """As `step`, for a frame that is known to be in order, with an index of the caller's.
+
+        Raises:
+            UserError: the session is closed.
+        """
+        if self._has_ended:
+            raise UserError("the session is closed: it takes no more frames; open another one, with base=… to go on")
+        if self._first_index:
+            frame = replace(frame, index=self._first_index + frame.index)
+        with self._stepping:
+            before = time.perf_counter()
+            tracked = self._slam.process(frame)
+            self._seconds_tracking += time.perf_counter() - before
+            self.frames += 1
+            self._latest, self._pose = frame.timestamp, tracked.world_from_camera
+        if self._reader is not None:
+            self._reader.observe(frame, tracked)
+            if not self._live:
+                self._reader.wait_for_place()
+        elif self._mapper is not None:
+            self._mapper.observe(frame, tracked)
+        step = Step(tracked, *self._take_landmarks(), self._take_events())
+        self._tell(step)
+        self._listeners.tell(step)
+        return step
+
+    @property
+    def pose(self) -> NDArray[np.float64] | None:
+        """`world_from_camera` of the latest frame, 4×4, map frame; None where it is not known."""
+        return self._pose
+
+    @property
+    def keyframes(self) -> int:
+        """How many the map has."""
+        return len(self._slam.map.living_keyframes())
+
+    @property
+    def texts(self) -> int:
+        """How many are in long-term memory."""
+        return len(self._text.memory.long_term)
+
+    @property
+    def seconds(self) -> float:
+        """Since the session is open."""
+        return time.perf_counter() - self._started
+
+    def landmarks(self) -> list[Landmark]:
+        """All landmarks as known now, by id. May wait until the frame at hand is read."""
+        with self._text_lock():
+            return self._text.landmarks(self._keyframe_poses())
+
+    def ask(
+        self,
+        question: str,
+        *,
+        language: LanguageModel | None = None,
+        position: NDArray[np.float64] | None = None,
+        heading: float | None = None,
+        excluded: Collection[int] = (),
+    ) -> Answer:
+        """Where to go, by what is mapped so far; the arguments are those of `lpslam.ask`. No step waits for the model.
+
+        Raises:
+            UserError: the question is empty.
+        """
+        landmarks = self.landmarks()
+        with self._stepping, self._slam.map.lock:
+            _, poses = self._slam.trajectory.world_from_camera(self._slam.map)
+        return answer(question, landmarks, last_view(poses), language or self._language, position, heading, excluded)
+
+    def snapshot(self) -> LanguageMap:
+        """The map as it is now, which later frames do not change: to save, to distil, to draw."""
+        if self._result is not None:
+            return self._copied(self._result)
+        with self._text_lock(), self._stepping, self._slam.map.lock:
+            return self._copied(self._whole())
+
+    def close(self, *, hurry: bool = False) -> LanguageMap:
+        """End the session and give its map; once more, the same.
+
+        Args:
+            hurry: leave what waits to be read unread, and names that a language model has not given yet.
+
+        Raises:
+            UserError: the session ended by an error.
+        """
+        if self._result is not None:
+            return self._result
+        if self._has_ended:
+            raise UserError("the session was given up after an error; it has no map")
+        self._has_ended = True
+        if hurry and self._reader is not None:
+            self._reader.abandon()
+        try:
+            self._resources.close()
+            if self._beside is not None:
+                self._beside.finish(0.0 if hurry else self._config.language.patience_s)
+            if self._mapper is not None:
+                self._mapper.take_last_names()
+            self._result = self._whole()
+        finally:
+            self._listeners.tell(None)
+        new, renamed = self._take_landmarks()
+        for mark in (*new, *renamed):
+            self._on_landmark(mark)
+        for event in self._take_events():
+            self._on_event(event)
+        return self._result
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if kind is None:
+            self.close()
+        elif not self._has_ended:
+            self._has_ended = True
+            self._listeners.tell(None)
+            self._resources.__exit__(kind, error, trace)
+
+    def __aiter__(self) -> AsyncIterator[Step]:
+        """The steps from now on, until the session is closed; call it in an event loop."""
+        return self._listeners.listen()
+
+    def _text_lock(self) -> threading.RLock:
+        return self._mapper.lock if self._mapper is not None else self._stepping
+
+    def _keyframe_poses(self) -> KeyframePoses:
+        """Of the keyframes on which texts hang, at one moment; with the lock of the text map held."""
+        keyframes = {seen.keyframe for each in self._text.long_term for seen in each.observations}
+        slam = self._slam.map
+        with self._stepping, slam.lock:
+            poses = {each: slam.world_from_keyframe(each) for each in keyframes if slam.is_home(each)}
+        return poses.get
+
+    def _note_landmarks(self) -> None:
+        """Find out which landmarks are new or have another name."""
+        marks = self._text.landmarks(self._keyframe_poses())
+        with self._changes:
+            for mark in marks:
+                if self._told.get(mark.id) != mark.name:
+                    is_new = mark.id not in self._told or self._changed.get(mark.id, (mark, False))[1]
+                    self._changed[mark.id] = (mark, is_new)
+                    self._told[mark.id] = mark.name
+
+    def _take_landmarks(self) -> tuple[tuple[Landmark, ...], tuple[Landmark, ...]]:
+        """New and renamed landmarks that nobody was told of yet."""
+        if not self._changed:
+            return (), ()
+        with self._changes:
+            changed, self._changed = self._changed, {}
+        new = tuple(mark for mark, is_new in changed.values() if is_new)
+        return new, tuple(mark for mark, is_new in changed.values() if not is_new)
+
+    def _take_events(self) -> tuple[SlamEvent, ...]:
+        events = self._slam.events
+        if len(events) == self._events_told:
+            return ()
+        fresh = tuple(events[self._events_told :])
+        self._events_told += len(fresh)
+        return fresh
+
+    def _tell(self, step: Step) -> None:
+        for mark in (*step.new_landmarks, *step.renamed_landmarks):
+            self._on_landmark(mark)
+        for event in step.events:
+            self._on_event(event)
+
+    def _whole(self) -> LanguageMap:
+        slam = self._slam
+        return LanguageMap(
+            camera=self.camera,
+            slam=slam.map,
+            trajectory=slam.trajectory,
+            text=self._text,
+            source=self.name,
+            statistics=self._statistics(),
+            events=slam.events,
+        )
+
+    def _statistics(self) -> dict[str, dict[str, float]]:
+        return {
+            "run": {
+                "frames": self.frames,
+                "frames_tracked": self._slam.trajectory.tracked_count,
+                "frames_skipped": self.frames_skipped,
+                "frames_dropped": self.frames_dropped,
+                "frames_unread_for_lack_of_time": self._reader.dropped if self._reader is not None else 0,
+                "keyframes_abandoned": self._slam.keyframes_abandoned,
+                "seconds": self.seconds,
+                "seconds_tracking_and_mapping": self._seconds_tracking,
+            },
+            "reading": asdict(self._mapper.statistics) if self._mapper is not None else {},
+        }
+
+    @staticmethod
+    def _copied(world: LanguageMap) -> LanguageMap:
+        slam = SlamMap.from_arrays(world.slam.to_arrays())
+        slam.settle()
+        return replace(
+            world,
+            slam=slam,
+            trajectory=Trajectory.from_arrays(world.trajectory.to_arrays()),
+            text=TextMap.from_document(world.text.to_document()),
+            events=list(world.events),
+        )

@@ -1,0 +1,196 @@
+"""A map that grows one frame at a time."""
+
+import asyncio
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import lpslam
+from lpslam.frames import RgbdFrame
+from lpslam.mapfile.language_map import LanguageMap
+from lpslam.sources.open import open_source
+
+FRAMES = 60
+
+
+@pytest.fixture
+def frames(walk: Path) -> list[RgbdFrame]:
+    return list(open_source(walk, max_frames=FRAMES))
+
+
+@pytest.fixture
+def session(walk: Path) -> Iterator[lpslam.Session]:
+    opened = lpslam.Session(open_source(walk).camera, text=False)
+    yield opened
+    opened.close()
+
+
+def names(world: LanguageMap) -> list[tuple[int, str]]:
+    return [(mark.id, mark.name) for mark in world.landmarks()]
+
+
+@pytest.mark.slow
+def test_frame_by_frame_is_the_map_of_a_run(walk: Path, walked: Path) -> None:
+    told: dict[int, str] = {}
+    events = []
+    source = open_source(walk)
+    marks: list[lpslam.Landmark] = []
+    with lpslam.Session(source.camera, on_landmark=marks.append, on_event=events.append) as session:
+        for frame in source:
+            step = session.step(frame.rgb, frame.depth, frame.timestamp)
+            told |= {mark.id: mark.name for mark in (*step.new_landmarks, *step.renamed_landmarks)}
+            assert told == {mark.id: mark.name for mark in marks}
+            assert step.pose is not None
+            assert session.pose is step.pose
+        world = session.close()
+    before = LanguageMap.load(walked)
+    assert np.array_equal(world.frame_poses().world_from_camera, before.frame_poses().world_from_camera)
+    assert names(world) == names(before) != []
+    assert told, "landmarks are told of as they come"
+    # What only the last sightings tell is told at the end.
+    assert {mark.id: mark.name for mark in marks}.items() >= {mark.id: mark.name for mark in world.landmarks()}.items()
+    assert events == world.events != []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("live", [False, True])
+def test_it_answers_from_another_thread_while_it_maps(walk: Path, frames: list[RgbdFrame], live: bool) -> None:
+    failures: list[BaseException] = []
+    snapshots: list[LanguageMap] = []
+    over = threading.Event()
+    with lpslam.Session(open_source(walk).camera, sequential=False, live=live) as session:
+
+        def asking() -> None:
+            try:
+                while not over.wait(0.05):
+                    session.ask("Where can I eat pizza?")
+                    snapshots.append(session.snapshot())
+            except BaseException as error:
+                failures.append(error)
+
+        thread = threading.Thread(target=asking)
+        thread.start()
+        for frame in frames:
+            session.step(frame.rgb, frame.depth, frame.timestamp)
+        over.set()
+        thread.join()
+    assert not failures
+    assert snapshots
+    assert len(session.close().trajectory) == FRAMES
+
+
+def test_a_snapshot_stays_as_it_was(session: lpslam.Session, frames: list[RgbdFrame], tmp_path: Path) -> None:
+    for frame in frames[:10]:
+        session.step(frame.rgb, frame.depth, frame.timestamp)
+    snapshot = session.snapshot()
+    poses = snapshot.frame_poses().world_from_camera.copy()
+    for frame in frames[10:20]:
+        session.step(frame.rgb, frame.depth, frame.timestamp)
+    assert len(session.close().trajectory) == 20
+    assert np.array_equal(snapshot.frame_poses().world_from_camera, poses)
+    snapshot.save(tmp_path / "ten.lpmap")
+    assert len(LanguageMap.load(tmp_path / "ten.lpmap").trajectory) == 10
+    assert len(session.snapshot().trajectory) == 20
+
+
+def _changed(frame: RgbdFrame, **changes: Any) -> tuple[Any, Any, float]:
+    given = {"rgb": frame.rgb, "depth": frame.depth, "timestamp": frame.timestamp, **changes}
+    return given["rgb"], given["depth"], given["timestamp"]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "remedy"),
+    [
+        ({"rgb": lambda rgb: rgb[..., 0]}, "grey; give three channels: cv2.cvtColor"),
+        ({"rgb": lambda rgb: rgb[..., :1]}, "grey; give three channels"),
+        ({"rgb": lambda rgb: np.dstack([rgb, rgb[..., :1]])}, "four channels; give red, green, blue"),
+        ({"rgb": lambda rgb: rgb / 255.0}, "float64; give uint8 from 0 to 255"),
+        ({"rgb": lambda rgb: rgb[::2]}, "colour image is 640×240; the camera is 640×480"),
+        ({"rgb": lambda rgb: rgb.transpose(2, 0, 1)}, r"has shape \(3, 480, 640\); give \(height, width, 3\)"),
+        ({"rgb": lambda rgb: rgb.tolist()}, "is a list; give a numpy array"),
+        ({"depth": lambda depth: (depth * 5000).astype(np.uint16)}, "uint16; give metres: depth.astype"),
+        ({"depth": lambda depth: depth * 1000}, "give metres: depth / 1000"),
+        ({"depth": lambda depth: depth[:, ::2]}, "depth image is 320×480"),
+        ({"depth": lambda depth: depth[..., None]}, r"shape \(480, 640, 1\); give \(height, width\)"),
+        ({"depth": lambda depth: None}, "is a NoneType"),
+        ({"timestamp": lambda timestamp: np.nan}, "time of the frame is nan; give seconds"),
+    ],
+)
+def test_a_frame_that_is_none_is_told_with_the_remedy(
+    session: lpslam.Session, frames: list[RgbdFrame], wrong: dict[str, Callable[[Any], Any]], remedy: str
+) -> None:
+    ((name, change),) = wrong.items()
+    with pytest.raises(lpslam.UserError, match=remedy):
+        session.step(*_changed(frames[0], **{name: change(getattr(frames[0], name))}))
+    assert session.frames == 0
+    session.step(*_changed(frames[0]))
+
+
+def test_a_clock_that_goes_backwards_is_told_and_the_session_goes_on(
+    session: lpslam.Session, frames: list[RgbdFrame]
+) -> None:
+    session.step(*_changed(frames[1]))
+    for frame in (frames[0], frames[1]):
+        with pytest.raises(lpslam.UserError, match="give the frames in order"):
+            session.step(*_changed(frame))
+    assert session.step(*_changed(frames[2])).index == 1
+
+
+def test_depth_that_is_not_finite_is_no_depth(session: lpslam.Session, frames: list[RgbdFrame]) -> None:
+    depth = frames[0].depth.astype(np.float64)
+    depth[depth == 0] = np.nan
+    depth[0, :3] = np.inf, -np.inf, -1.0
+    assert session.step(*_changed(frames[0], depth=depth)).pose is not None
+    assert session.step(*_changed(frames[1])).pose is not None
+
+
+def test_a_closed_session_takes_nothing(session: lpslam.Session, frames: list[RgbdFrame]) -> None:
+    session.step(*_changed(frames[0]))
+    assert session.close() is session.close()
+    with pytest.raises(lpslam.UserError, match="closed: it takes no more frames"):
+        session.step(*_changed(frames[1]))
+
+
+def test_an_error_ends_its_threads_and_leaves_no_map(walk: Path, frames: list[RgbdFrame]) -> None:
+    before = threading.active_count()
+    session = lpslam.Session(open_source(walk).camera, live=True, text=False)
+
+    def fail() -> None:
+        with session:
+            session.step(*_changed(frames[0]))
+            raise RuntimeError("power")
+
+    with pytest.raises(RuntimeError, match="power"):
+        fail()
+    assert threading.active_count() == before
+    with pytest.raises(lpslam.UserError, match="given up after an error"):
+        session.close()
+
+
+def test_steps_are_iterated_over_in_an_event_loop(session: lpslam.Session, frames: list[RgbdFrame]) -> None:
+    def feed() -> None:
+        for frame in frames[:5]:
+            session.step(*_changed(frame))
+        session.close()
+
+    async def follow() -> list[int]:
+        steps = aiter(session)
+        feeding = asyncio.get_running_loop().run_in_executor(None, feed)
+        seen = [step.index async for step in steps]
+        await feeding
+        return seen + [step.index async for step in session]
+
+    assert asyncio.run(follow()) == [0, 1, 2, 3, 4]
+
+
+def test_a_map_is_continued(walk: Path, world: LanguageMap, frames: list[RgbdFrame]) -> None:
+    count, known = len(world.trajectory), world.landmarks()
+    with lpslam.Session(open_source(walk).camera, base=world, text=False) as session:
+        later = [session.step(f.rgb, f.depth, f.timestamp + 1000.0) for f in frames[:5]]
+    assert later[0].index >= count
+    assert len(session.close().trajectory) == count + 5
+    assert {mark.id for mark in session.landmarks()} >= {mark.id for mark in known}
