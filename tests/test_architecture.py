@@ -41,6 +41,7 @@ ALLOWED: dict[str, set[str]] = {
         "language.model",
         "language.phrasing",
         "language.follow_up",
+        "language.wishes.form",
         "text",
         "mapfile",
         "navigation",

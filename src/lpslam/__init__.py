@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from lpslam.frames import RgbdFrame
     from lpslam.language.registry import language_model
     from lpslam.mapfile.language_map import LanguageMap
-    from lpslam.navigation import Answer, ask
+    from lpslam.navigation.asking import Answer, ask
     from lpslam.pipeline import distill, localise, run
     from lpslam.session.session import Session
     from lpslam.session.step import Step
@@ -48,7 +48,7 @@ __all__ = [
 
 # Loaded at first use, so that importing the package (and `lpslam --help`) loads neither OpenCV nor a model.
 _HOMES = {
-    "Answer": "lpslam.navigation",
+    "Answer": "lpslam.navigation.asking",
     "Config": "lpslam.config",
     "Landmark": "lpslam.text.types",
     "LanguageMap": "lpslam.mapfile.language_map",
@@ -58,7 +58,7 @@ _HOMES = {
     "Session": "lpslam.session.session",
     "Step": "lpslam.session.step",
     "UserError": "lpslam.errors",
-    "ask": "lpslam.navigation",
+    "ask": "lpslam.navigation.asking",
     "distill": "lpslam.pipeline",
     "language_model": "lpslam.language.registry",
     "localise": "lpslam.pipeline",

@@ -238,6 +238,7 @@ def ask(
         ),
     ] = None,
     llm: Llm = None,
+    why: Annotated[bool, typer.Option("--why", help="Say first what was understood of the question.")] = False,
     config: ConfigFile = None,
     as_json: Json = False,
 ) -> None:
@@ -269,7 +270,7 @@ def ask(
         if as_json:
             print(json.dumps(answer_record(answer), ensure_ascii=False, indent=1 if question is not None else None))
         else:
-            print(dialogue.said(answer), flush=True)
+            print(dialogue.said(answer, understood=why), flush=True)
     say_usage(language)
 
 

@@ -12,7 +12,7 @@ from lpslam.language.model import LanguageModel
 from lpslam.language.offline import OfflineModel
 from lpslam.mapfile.compatibility import refuse_other_camera
 from lpslam.mapfile.language_map import LanguageMap
-from lpslam.navigation import Answer, ask
+from lpslam.navigation.asking import Answer, ask
 from lpslam.poses import StampedPoses
 from lpslam.session.parts import load_spotter
 from lpslam.session.session import Session

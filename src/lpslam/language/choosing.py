@@ -27,12 +27,24 @@ def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Kn
 
     The evidence is in the language of the question.
     """
+    return ranked(question, index, signs, knowledge, model)[0]
+
+
+Scores = dict[int, float]
+"""How well landmarks serve, by id, 0 to 1; those that do not serve are not in it."""
+
+
+def ranked(
+    question: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge, model: str
+) -> tuple[Choice, Scores]:
+    """As `choose`, with the scores of all landmarks that serve."""
     wish, refused, said = understand(question, index, signs, knowledge)
+    wish = _as_in_this_building(wish, index, knowledge)
     phrases = phrases_in(answer_language(question) if wish.language is not None else "en")
     if not index.landmarks:
-        return Choice(None, 1.0, phrases.say("empty_map"), model)
+        return Choice(None, 1.0, phrases.say("empty_map"), model), {}
     if wish.language is None:
-        return Choice(None, 0.0, phrases.say("unread"), model)
+        return Choice(None, 0.0, phrases.say("unread"), model), {}
     refused |= {id_ for name in wish.refused_names for id_ in index.ids_of.get(name, ())}
     if asks_for_another(question):
         # “Starbucks is full, another café?” names what is not wanted.
@@ -46,7 +58,8 @@ def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Kn
     named = [id_ for name in wish.wanted_names for id_ in index.ids_of.get(name, ()) if id_ not in refused]
     named += [id_ for id_ in said if id_ not in refused and id_ not in named]
     if named:
-        return Choice(named[0], 0.95, phrases.say("named"), model, tuple(named[1 : 1 + _ALTERNATIVES]))
+        choice = Choice(named[0], 0.95, phrases.say("named"), model, tuple(named[1 : 1 + _ALTERNATIVES]))
+        return choice, dict.fromkeys(named, 1.0)
     if not wish.wanted:
         others = [*wish.refused, *(kind for id_ in refused for kind, _ in index.signs[id_].kinds)]
         # Another of the same sort, and else something of the same use.
@@ -57,11 +70,11 @@ def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Kn
     missing = [name for name in wish.wanted_names if name not in index.ids_of]
     if missing and not any(weight >= _SPECIAL for weight in wanted.values()):
         # A brand was asked for that is not here; another of its kind may do, but that is for the asker to say.
-        return _without_brand(missing[0], question, index, signs, knowledge, model, phrases)
+        return _without_brand(missing[0], question, index, signs, knowledge, model, phrases), {}
     if not wanted and not wish.contested:
-        return Choice(None, 0.0, phrases.say("no_kind"), model)
+        return Choice(None, 0.0, phrases.say("no_kind"), model), {}
     if (set(wanted) <= {"shop", "place", "business"} and not wish.contested) or wish.unknown:
-        return Choice(None, 0.5, phrases.say("unknown"), model)
+        return Choice(None, 0.5, phrases.say("unknown"), model), {}
     # What is wanted, but not from where it is had first of all; then all; and who does not find it may ask.
     wishes = [wish]
     if wish.contested:
@@ -74,13 +87,27 @@ def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Kn
         # Where there is no vegetarian kitchen, whatever serves no meat.
         without = wish.refused or tuple(each for each, diet in knowledge.instead_of.items() if diet in wanted)
         wishes.append(replace(wish, wanted=instead_of(without, knowledge), refused=without))
-    choices: list[Choice] = []
+    choices: list[tuple[Choice, Scores]] = []
     for each in wishes:
         choices.append(_best(each, index, refused, knowledge, model, phrases))
-        if choices[-1].landmark is not None:
+        if choices[-1][0].landmark is not None:
             return choices[-1]
     # Where nothing serves, it is the wish itself that is told of.
     return choices[wishes.index(wish)]
+
+
+def _as_in_this_building(wish: Wish, index: LandmarkIndex, knowledge: Knowledge) -> Wish:
+    """Leave out kinds of rooms that no place of this map is, where words mean something else besides.
+
+    “Milk” is an aisle in a supermarket, and groceries in a mall.
+    """
+    absent = {
+        concept
+        for concept, _ in wish.wanted
+        if knowledge.family(concept) and not any(likeness(concept, kinds, knowledge) >= _YES for kinds in index.groups)
+    }
+    left = tuple(each for each in wish.wanted if each[0] not in absent)
+    return replace(wish, wanted=left) if absent and left else wish
 
 
 def understand(
@@ -156,7 +183,7 @@ class _Names(dict[str, Meaning]):
 
 def _best(
     wish: Wish, index: LandmarkIndex, refused: set[int], knowledge: Knowledge, model: str, phrases: Phrases
-) -> Choice:
+) -> tuple[Choice, Scores]:
     served = [(serve(wish, kinds, knowledge), group) for kinds, group in index.groups.items()]
     ranked = sorted((each for each in served if each[0].score > 0.0), key=lambda each: (-each[0].score, each[1][0]))
     asked = phrases.say("wanted", things=phrases.things([concept for concept, _ in wish.wanted]))
@@ -166,13 +193,8 @@ def _best(
         fitting = [(each, group) for each, group in ranked if each.best >= FITS_INSTEAD]
         ids = _first_ids(fitting, refused)
     if not ids:
-        return Choice(
-            None,
-            0.6,
-            phrases.say("nothing_offers", wanted=asked),
-            model,
-            tuple(_first_ids(ranked, refused)[:3]),
-        )
+        nothing = phrases.say("nothing_offers", wanted=asked)
+        return Choice(None, 0.6, nothing, model, tuple(_first_ids(ranked, refused)[:3])), {}
     chosen = next(each for each, group in fitting if ids[0] in group)
     evidence = phrases.say(
         "serves",
@@ -181,7 +203,8 @@ def _best(
         sign=index.signs[ids[0]].evidence,
         things=phrases.things(chosen.reasons),
     )
-    return Choice(ids[0], round(min(chosen.best, 0.99), 3), evidence, model, tuple(ids[1:]))
+    scores = {id_: each.score for each, group in fitting for id_ in group if id_ not in refused}
+    return Choice(ids[0], round(min(chosen.best, 0.99), 3), evidence, model, tuple(ids[1:])), scores
 
 
 def _first_ids(ranked: Sequence[tuple[Served, list[int]]], refused: set[int]) -> list[int]:

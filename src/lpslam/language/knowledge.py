@@ -18,6 +18,7 @@ from lpslam.language.lexicon import (
     BY_NAME,
     Meaning,
     SpokenTables,
+    add_beside,
     load_lexicons,
     phrases_of,
     read_table,
@@ -59,6 +60,7 @@ class Knowledge:
     wishing: Mapping[str, frozenset[str]]
     negating: Mapping[str, frozenset[str]]
     warning_starts: frozenset[str]
+    forbidding: frozenset[str]
     known: Mapping[str, Known]
     general: frozenset[str]
     modifiers: frozenset[str]
@@ -83,6 +85,7 @@ class Knowledge:
     trade_goods: frozenset[str]
     imperatives: frozenset[str]
     company_forms: frozenset[str]
+    families: Mapping[str, tuple[str, ...]]
     _tables: "SpokenTables"
     _above: dict[str, tuple[str, ...]] = field(default_factory=dict)
     _shares: dict[tuple[str, str], float] = field(default_factory=dict)
@@ -98,6 +101,10 @@ class Knowledge:
     def states(self, language: str) -> StateTables:
         """Return the things and states of a language."""
         return self._tables.states_of(language)
+
+    def family(self, kind: str) -> str:
+        """Return the sort of building whose rooms are of this kind: a hospital for a department; "" for none."""
+        return next((name for name, starts in self.families.items() if kind.startswith(starts)), "")
 
     def word_for(self, concept: str, language: str) -> str | None:
         """Return how a language calls a concept; None where no table says so. "zh-Hant" is traditional Chinese."""
@@ -172,6 +179,8 @@ def load_knowledge() -> Knowledge:
                 known.setdefault(folder.key(name), Known(name, "brand", called.kinds, called.identity))
     joining = _in_any(lexicons, "joining", folder)
     _add_kinds(gazetteer["names"], kinds["cuisine_kinds"], joining, painted, known)
+    for lexicon in lexicons.values():
+        _add_venues(lexicon, folder, painted, known)
     return Knowledge(
         folder=folder,
         painted=painted,
@@ -185,6 +194,7 @@ def load_knowledge() -> Knowledge:
         wishing={language: phrases_of(folder, lexicon["wishing"]) for language, lexicon in lexicons.items()},
         negating={language: phrases_of(folder, lexicon["negating"]) for language, lexicon in lexicons.items()},
         warning_starts=_in_any(lexicons, "sign_warning_start", folder),
+        forbidding=_in_any(lexicons, "sign_forbidding", folder),
         known=known,
         general=frozenset(kinds["general"]),
         modifiers=frozenset(kinds["modifiers"]),
@@ -212,6 +222,7 @@ def load_knowledge() -> Knowledge:
         trade_goods=frozenset(kinds["trade_goods"]),
         imperatives=frozenset(kinds["imperatives"]),
         company_forms=frozenset(kinds["company_forms"]),
+        families={name: tuple(starts) for name, starts in kinds["families"].items()},
         _tables=SpokenTables(folder, lexicons, gazetteer, kinds["cuisine_kinds"], frozenset(kinds["unspoken"])),
     )
 
@@ -257,6 +268,22 @@ def _add_painted(
                 known.setdefault(key, Known(text, "word", word, text))
     for phrase, found in gathered.items():
         painted.setdefault(phrase, Meaning("means", tuple(found.items())))
+
+
+_TOO_SHORT_INSIDE = 2  # letters of an abbreviation (HR, QA) that is a sign of its own, and chance inside another
+
+
+def _add_venues(
+    lexicon: Mapping[str, Any], folder: Folder, painted: dict[str, Meaning], known: dict[str, Known]
+) -> None:
+    """Add the kinds of places in hospitals, airports and so on, beside what their words mean in a mall."""
+    for concept, joined in lexicon["venues"].items():
+        for text in dict.fromkeys(split(joined)):
+            phrase, key = folder.phrase_and_key(text)
+            if not (len(key) <= _TOO_SHORT_INSIDE and key.isascii()):
+                add_beside(painted, concept, (phrase,), frozenset())
+            if len(key) > 1 and key not in known:
+                known[key] = Known(text, "word", ((concept, BY_HAND),), text)
 
 
 _FUEL = "amenity/fuel"

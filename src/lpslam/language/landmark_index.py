@@ -12,6 +12,7 @@ from lpslam.language.sign_meaning import SignMeaning
 from lpslam.language.signs import SignReader
 from lpslam.language.words import UNSPACED_RUN, Folder, is_unspaced
 
+_NUMBERED = re.compile(r"[A-Z]?\d+(?:[.-]\d+)*(?:\s*[-–—~〜]\s*[A-Z]?\d+)?")
 _SHORTEST_WORD = 4  # letters of a word that may stand for the name that it is part of
 _SHORTEST_RUN = 3  # characters without spaces that may be a name or a part of one
 
@@ -161,6 +162,9 @@ def _sign_of(landmark: Candidate, signs: SignReader) -> SignMeaning:
     sign = signs.read(landmark.name)
     if sign.kinds:
         return sign
+    bare = _NUMBERED.sub(" ", landmark.name).strip(" -–—,.:·~〜")
+    if bare and bare != landmark.name and (numbered := signs.read(bare)).kinds:
+        return numbered
     # The name says nothing: another line of the same board may, or another reading.
     said = (signs.read(line) for line in landmark.lines)
     line = next((other for other in said if other.kinds and other.is_place), None)

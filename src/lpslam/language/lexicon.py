@@ -1,7 +1,7 @@
 """The lexicon: what phrases mean in a question, by language, as written by hand and as the gazetteer has it."""
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Set
 from importlib.resources import files
 from typing import Any, NamedTuple
 
@@ -11,11 +11,14 @@ from lpslam.language.words import Folder
 
 HAND_WRITTEN = ("en", "zh", "ja", "ko", "es", "de", "fr")
 TOPICS = ("food", "goods", "services", "facilities", "trades")
+VENUES = ("venues",)  # kinds of places in other buildings than malls: they stand beside what a word means else
+SAID_IN_VENUES = ("venue_needs",)  # how one asks for those kinds without naming them
 SAID_ONLY = ("needs",)  # topics of which nothing is painted on a sign
 _ROLES = (
     *("context_before", "context_after", "past", "refuse_before", "refuse_after", "refuse_back", "neutral"),
     "break",
 )
+_PARTITIVES = "du|de la|des|de l|le|la|les|el|los|las|der|die|das|some|any"
 # How sure a word makes us of a kind: written for this by hand, a kind's own name in the index, or a search term.
 BY_HAND, BY_NAME, BY_TERM = 1.0, 0.95, 0.8
 
@@ -37,10 +40,11 @@ def load_lexicons() -> dict[str, dict[str, Any]]:
     lexicons: dict[str, dict[str, Any]] = {
         language: read_table(f"lexicon/{language}.json") for language in HAND_WRITTEN
     }
-    for topic in (*TOPICS, *SAID_ONLY):
+    sections = {"needs": "said", "venues": "venues", "venue_needs": "said_in_venues"}
+    for topic in (*TOPICS, *VENUES, *SAID_IN_VENUES, *SAID_ONLY):
         for concept, by_language in read_table(f"lexicon/topics/{topic}.json").items():
             for language, joined in by_language.items():
-                means = lexicons[language].setdefault("said" if topic in SAID_ONLY else "means", {})
+                means = lexicons[language].setdefault(sections.get(topic, "means"), {})
                 means[concept] = f"{means[concept]}|{joined}" if concept in means else joined
     return lexicons
 
@@ -135,6 +139,7 @@ class SpokenTables:
         lexicon = self._lexicons[language]
         phrase = self._folder.phrase
         common = self._common(language)
+        articles = phrases_of(self._folder, lexicon.get("article", "")) | phrases_of(self._folder, _PARTITIVES)
         table: dict[str, Meaning] = {}
         for role in _ROLES:
             for text in split(lexicon.get(role, "")):
@@ -160,6 +165,11 @@ class SpokenTables:
                 if region.partition("-")[0] == language:
                     for concept, joined in by_concept.items():
                         self._add(table, concept, sure, (each for each in joined.split("|") if each not in common))
+        for concept, joined in (*lexicon["venues"].items(), *lexicon["said_in_venues"].items()):
+            said = [phrase(text) for text in split(joined)]
+            # “Du beurre” stands in the tables as it is.
+            said += [key for each in said for article in articles if (key := f"{article} {each}") in table]
+            add_beside(table, concept, said, common)
         return table
 
     def _common(self, language: str) -> frozenset[str]:
@@ -170,6 +180,17 @@ class SpokenTables:
         for phrase in phrases:
             if len(phrase) > 1:
                 table.setdefault(phrase, meaning)
+
+
+def add_beside(table: dict[str, Meaning], concept: str, phrases: Iterable[str], hidden: Set[str]) -> None:
+    """Add a concept to what phrases mean already; what refuses, warns or is said everywhere stays what it is."""
+    for key in phrases:
+        said = table.get(key)
+        if not key or key in hidden or (said is not None and said.role != "means"):
+            continue
+        concepts = said.concepts if said is not None else ()
+        if all(concept != other for other, _ in concepts):
+            table[key] = Meaning("means", (*concepts, (concept, BY_HAND if not concepts else BY_NAME)))
 
 
 def _named_itself(found: Mapping[str, float]) -> Mapping[str, float]:

@@ -5,6 +5,7 @@ and it rather chooses nothing than guesses.
 """
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 from lpslam.language.building import building
 from lpslam.language.choosing import choose
@@ -15,7 +16,14 @@ from lpslam.language.namer import Namer
 from lpslam.language.question import Wish, read_question
 from lpslam.language.serving import likeness, match
 from lpslam.language.signs import load_sign_reader
+from lpslam.language.wishes.form import Wish as WishForm
+from lpslam.language.wishes.reading import read_wish
+from lpslam.language.wishes.scoring import EmbeddedScorer
 
+CANNOT_JUDGE = (
+    "I cannot judge this: the question names no kind of place that is known; "
+    "ask for a kind of place (“Is this a restaurant?”), or with another model (--llm)"
+)
 _YES = 0.5  # a sign is a kind when its words say so at least this surely
 _NAME_GUESS = 0.55  # how sure we are that an unknown proper name in a mall is a shop
 
@@ -29,6 +37,7 @@ class OfflineModel:
             self._signs = load_sign_reader()
         self.namer = Namer(self._knowledge, self._signs)
         self._index: LandmarkIndex | None = None
+        self._scorer: tuple[LandmarkIndex, EmbeddedScorer] | None = None
 
     @property
     def model(self) -> str:
@@ -47,7 +56,7 @@ class OfflineModel:
     def _judge(self, name: str, question: str, wish: Wish) -> Judgement:
         sign = self._signs.read(name)
         if not wish.wanted and not wish.refused:
-            return Judgement(question, False, 0.0, "the question names no kind of place that is known", self.model)
+            return Judgement(question, False, 0.0, CANNOT_JUDGE, self.model)
         # “A place to eat” asks for more than a place, “the sign of a restroom” for more than a sign.
         asked = [concept for concept in wish.main if concept not in ("place", "sign")] or wish.main
         refused = any(likeness(concept, sign.kinds, self._knowledge) >= _YES for concept in wish.refused)
@@ -64,9 +73,27 @@ class OfflineModel:
         """Choose the landmark whose kinds serve the wish best; none rather than one that does not (III-I)."""
         return choose(question, self.index(landmarks), self._signs, self._knowledge, self.model)
 
+    def read_wish(self, question: str) -> WishForm:
+        """Return what a question means, as a form that the map answers."""
+        return read_wish(question, self._knowledge)
+
+    def scorer(self, landmarks: Sequence[Candidate]) -> EmbeddedScorer:
+        """Return what says which of the landmarks serve a stop of a wish; kept for the next question about them."""
+        index = self.index(landmarks)
+        if self._scorer is None or self._scorer[0] is not index:
+            with building():
+                self._scorer = index, EmbeddedScorer(landmarks, index, self._signs, self._knowledge)
+        return self._scorer[1]
+
     def index(self, landmarks: Sequence[Candidate]) -> LandmarkIndex:
         """Return the landmarks as they are looked up; kept for the next question about the same ones."""
         if self._index is None or not self._index.is_of(landmarks):
             with building():
                 self._index = LandmarkIndex(landmarks, self._signs, self._knowledge)
         return self._index
+
+
+@lru_cache(maxsize=1)
+def embedded_model() -> OfflineModel:
+    """Return the embedded model that reads wishes for others, made once a process."""
+    return OfflineModel()

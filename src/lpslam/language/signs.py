@@ -28,13 +28,18 @@ from lpslam.language.sign_words import (
     weighed,
     without_stray_letters,
 )
+from lpslam.language.sorts import is_eaten
 from lpslam.language.words import Span, is_mark, is_unspaced, longest_phrases
 
 _PARTS = re.compile(r"[()\[\]{}<>|/·•:;—–]+|\s-\s")
+_PERSON = re.compile(r"(?:Prof|Dr|Dra|Mr|Mrs|Ms|Sr|Sra|Mme)\.\s?(?:\w+\.\s?)*[A-ZÀ-Þ]")
 _SHORTEST_IDEOGRAPHS, _SHORTEST_LETTERS = 3, 6  # of a brand at the head of a longer name; shorter ones are chance
 _SURE_TRADE = 0.95  # of a trade at the end of a long name
 _JOINS = str.maketrans("", "", "-/")
 _COMPOUND = 9  # letters of a word that may be a compound in a name of several words
+_HOUSES = ("shop/", "amenity/", "leisure/", "cuisine/", "craft/", "tourism/")
+_SHOP_ENDS = frozenset("店馆屋坊铺舗")
+_MOST_DOMAINS = 2.0  # sorts of business that one sign may be wholly
 _REPAIR = "shop/repair"
 _POURED = frozenset({"wine", "alcohol", "tea", "coffee", "drink"})
 
@@ -83,6 +88,9 @@ class SignReader:
         """Return the meaning of one painted name; brackets and dashes part it, a warning in any part decides."""
         text = clean_text(name)
         parts = [part for part in (piece.strip() for piece in _PARTS.split(text)) if part]
+        if len(parts) > 1 and _PERSON.match(text):
+            # Who “Dr. Schneider – Orthopaedics” is called says nothing of what is done there.
+            parts = [part for part in parts if not _PERSON.match(part)] or parts
         if len(parts) > 1 and self._fold.key(text) not in self._knowledge.known:
             return joined([self._read_part(part) for part in parts])
         return self._read_part(text)
@@ -183,8 +191,15 @@ class SignReader:
         water, glass) are no trade.
         """
         words = [at for at, unit in enumerate(units) if not is_mark(unit) and unit not in self._knowledge.company_forms]
-        if not words or not spans or units[words[0]] in self._knowledge.imperatives or is_unspaced(units[words[0]]):
+        if not words or not spans or units[words[0]] in self._knowledge.imperatives:
             return False
+        if is_unspaced(units[words[0]]):
+            # 勿忘我花店 begins with a “don't”, and says no more of what must not be done.
+            whole = " ".join(units)
+            forbids = any(whole.startswith(start) for start in self._knowledge.forbidding)
+            kinds = [concept for concept, _ in spans[-1].value.concepts]
+            is_house = any(kind.startswith(_HOUSES) for kind in kinds) or units[words[-1]] in _SHOP_ENDS
+            return not forbids and is_house and spans[-1].end > words[-1] and spans[-1].end - spans[-1].start > 1
         return spans[-1].end > words[-1] and any(
             concept in self._knowledge.trade_goods or concept.startswith(TRADES)
             for concept, _ in spans[-1].value.concepts
@@ -230,8 +245,21 @@ class SignReader:
             return None
         own_name = covered <= 0.5 and reads_like_a_name(text, units)
         told = f"“{text}” says {said_in(spans)}"
-        kinds_of = tuple(self._offered(places).items())
+        kinds_of = self._spread(self._offered(places), spans)
         return SignMeaning(kinds_of, told, name_like=own_name, owner=owner_in(text, units, spans))
+
+    def _spread(self, kinds: dict[str, float], spans: Sequence[Span[Meaning]]) -> tuple[tuple[str, float], ...]:
+        """A sign that claims everything (“coffee pizza wc shoes bank”) is each of it the less surely."""
+        domains = {self._domain(span.value.concepts[0][0]) for span in spans if span.value.concepts}
+        share = min(1.0, _MOST_DOMAINS / max(len(domains), 1))
+        return tuple((kind, share * weight) for kind, weight in kinds.items())
+
+    def _domain(self, concept: str) -> str:
+        """What sort of business a concept belongs to: all food is one, all goods of shops are one."""
+        if is_eaten(concept, self._knowledge) or concept.startswith(("cuisine/", "aisle/")):
+            return "food"
+        first = concept if "/" in concept else next(iter(self._knowledge.offers.get(concept, ())), concept)
+        return "shop" if first.startswith("shop/") else "/".join(first.split("/")[:2])
 
     def _in_the_name(self, spans: Sequence[Span[Meaning]], units: Sequence[str]) -> frozenset[int]:
         """Starts of the phrases that belong to the owner's name: the jean of “Boulangerie Petit Jean”."""

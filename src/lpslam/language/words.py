@@ -16,6 +16,7 @@ _UNIT = re.compile(rf"[{_UNSPACED}]|[^\W_{_UNSPACED}]+|[^\w\s]")
 _LETTERS_UNSPACED = re.compile("[\u3041-\u3096\u30a1-\u30fa\u30fc\u3400-\u4dbf\u4e00-\u9fff\uac00-\ud7a3]+")
 _PLAIN = re.compile("[a-zA-Z0-9 ]+")
 _CAMEL = re.compile(r"(?<=[a-zß-ÿ])(?=[A-ZÀ-Þ])")
+_INNER_HYPHEN = re.compile(r"(?<=[^\W\d_])-(?=[^\W\d_])")
 _ACCENT = re.compile("[\u0300-\u036f]")
 _NOT_LETTER = re.compile(r"[\W_]+")
 UNSPACED_RUN = re.compile(f"[{_UNSPACED}]+")
@@ -89,8 +90,8 @@ class Folder:
         return frozenset(at for at, start in enumerate(starts) if start and folded[start - 1].isspace())
 
     def sign_units(self, text: str) -> list[str]:
-        """Return the units of a sign: where the reader lost a space, a capital inside a word begins a new one."""
-        return self.units(_CAMEL.sub(" ", text))
+        """Return the units of a sign: a capital inside a word begins a new one, and so does a hyphen in it."""
+        return self.units(_INNER_HYPHEN.sub(" ", _CAMEL.sub(" ", text)))
 
     def phrase(self, text: str) -> str:
         """Return the key under which `text` stands in a phrase table."""

@@ -19,7 +19,7 @@ from lpslam.language.model import LanguageModel
 from lpslam.language.offline import OfflineModel
 from lpslam.mapfile.compatibility import refuse_other_camera
 from lpslam.mapfile.language_map import LanguageMap
-from lpslam.navigation import Answer, answer, last_view
+from lpslam.navigation.asking import Answer, answer, last_view
 from lpslam.priority import READING
 from lpslam.session.announcing import AnnouncingMapper
 from lpslam.session.checks import checked_colour, checked_depth, refuse_no_metres, refuse_time

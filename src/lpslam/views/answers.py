@@ -12,13 +12,16 @@ from lpslam.views.drawable import printable
 _INSTEAD = " (instead of "
 
 
-def answer_text(answer: Answer, language: str | None = None, *, is_further: bool = False) -> str:
+def answer_text(
+    answer: Answer, language: str | None = None, *, is_further: bool = False, understood: bool = False
+) -> str:
     """A few lines: where to go, how far and in which direction it is, why, and what else there is.
 
     Args:
         answer: to say.
         language: tag of the language to say it in; the question's without.
         is_further: whether something else was named before.
+        understood: whether to say first what was understood of the question.
     """
     phrases = phrases_in(language or answer_language(answer.question))
     why = printable(answer.choice.evidence, longest=300)
@@ -38,9 +41,23 @@ def answer_text(answer: Answer, language: str | None = None, *, is_further: bool
         sure = phrases.say("confidence", sure=f"{answer.choice.confidence:.2f}", model=printable(embedded, longest=100))
         lines.append(f"  {phrases.say('because', why=why)} ({sure})")
         more = "alternatives"
+    lines = [*_stops_before(answer), *lines]
+    if understood:
+        lines.insert(0, f"? {printable(str(answer.wish), longest=400)}")
     if absent:
         lines.append("  " + phrases.say("instead", model=printable(absent.removesuffix(")"), longest=100)))
     return "\n".join([*lines, "  " + phrases.say(more, others=others)] if others else lines)
+
+
+def _stops_before(answer: Answer) -> list[str]:
+    """The stops of a plan before its last, one a line."""
+    earlier = zip(answer.wish.stops, answer.stops, strict=True) if len(answer.stops) > 1 else ()
+    lines = [
+        f"{at}. {printable(stop.what)}: {'-' if mark is None else printable(mark.name)}"
+        + ("" if mark is None else " ({:.2f}, {:.2f}, {:.2f})".format(*mark.position))
+        for at, (stop, mark) in enumerate(earlier, 1)
+    ]
+    return lines[:-1]
 
 
 def _other(mark: Landmark, answer: Answer, phrases: Phrases) -> str:
@@ -70,6 +87,8 @@ def answer_record(answer: Answer) -> dict[str, Any]:
         "direction_is_from": "heading" if is_relative else "map x axis",
         "asked_from": [round(float(value), 4) for value in answer.here],
         "choice": asdict(answer.choice),
+        "wish": answer.wish.to_document(),
+        "stops": [None if mark is None else mark.id for mark in answer.stops],
         "alternatives": [mark.name for mark in answer.alternatives],
         "alternative_ids": [mark.id for mark in answer.alternatives],
     }

@@ -57,9 +57,9 @@ class Dialogue:
         self._named = named if answer.landmark is None else named | {answer.landmark.id}
         return answer
 
-    def said(self, answer: Answer) -> str:
-        """The last answer as text, in the language in which it was asked for."""
-        return answer_text(answer, self._language_said, is_further=self._is_further)
+    def said(self, answer: Answer, *, understood: bool = False) -> str:
+        """The last answer as text, in the language of the question; first what was `understood`, if wanted."""
+        return answer_text(answer, self._language_said, is_further=self._is_further, understood=understood)
 
 
 def parsed_place(text: str) -> tuple[NDArray[np.float64], float | None]:

@@ -66,6 +66,8 @@ def naming_notes(world: LanguageMap, model: str) -> list[str]:
 def judging_notes(landmarks: Sequence[Landmark], question: str, model: str) -> list[str]:
     """Say so when judgements are not by the language model that was asked for."""
     given = [mark.judgements[question] for mark in landmarks if question in mark.judgements]
+    if given and all(not each.answer and each.confidence == 0.0 for each in given):
+        return [f"“{question}”: {given[0].evidence}"]
     return _instead("judgements", [(each.model, each.evidence) for each in given], model)
 
 

@@ -1,16 +1,19 @@
 """Navigation: a question in any language → the landmark that serves it (paper, Fig. 1)."""
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.errors import UserError
-from lpslam.language.distrust import choose_trusted
-from lpslam.language.model import Candidate, Choice, LanguageModel
-from lpslam.language.offline import OfflineModel
+from lpslam.language.model import Choice, LanguageModel
+from lpslam.language.offline import embedded_model
+from lpslam.language.sanitise import clean_text
+from lpslam.language.wishes.form import Wish
 from lpslam.mapfile.language_map import LanguageMap
+from lpslam.navigation.answering import answer_wish
+from lpslam.navigation.places import Here
 from lpslam.text.types import Landmark
 
 
@@ -26,7 +29,9 @@ class Answer:
         alternatives: next best, best first.
         here: (3,) map frame, where the question was asked.
         heading: radians counter-clockwise from the map's x axis, which way the asker looks; None where that is unknown.
-        same_name: places of the landmark's name, of which it is the nearest.
+        same_name: places of the landmark's name, of which it is the nearest where nothing else is asked for.
+        wish: what was understood.
+        stops: the places of a plan in order, `landmark` being the last; None for a stop that nothing serves.
     """
 
     question: str
@@ -37,6 +42,8 @@ class Answer:
     here: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
     heading: float | None = None
     same_name: int = 0
+    wish: Wish = field(default_factory=lambda: Wish(()))
+    stops: tuple[Landmark | None, ...] = ()
 
     def distance_to(self, landmark: Landmark) -> float:
         """Metres from where the question was asked."""
@@ -96,7 +103,7 @@ def answer(
     Raises:
         UserError: the question is empty.
     """
-    if not question.strip():
+    if not clean_text(question):
         raise UserError("the question is empty; ask for a place, as in: Where can I eat pizza?")
     landmarks = [mark for mark in landmarks if mark.id not in excluded]
     here, looked = view
@@ -104,20 +111,21 @@ def answer(
         heading = looked if heading is None else heading
     else:
         here = np.concatenate([position, here[len(position) :]])
-    candidates = [Candidate(mark.id, mark.name, tuple(mark.variants), mark.other_lines) for mark in landmarks]
-    choice = choose_trusted(language or OfflineModel(), question, candidates)
+    solution = answer_wish(question, landmarks, language or embedded_model(), Here(here, heading))
     by_id = {mark.id: mark for mark in landmarks}
-    if choice.landmark is not None and choice.landmark not in by_id:
-        choice = replace(choice, landmark=None, evidence=f"{choice.evidence} (no such landmark: {choice.landmark})")
-    others = _known(choice.alternatives, by_id)
-    if choice.landmark is None:
-        return Answer(question, None, None, choice, others, here, heading)
-    same = [mark for mark in landmarks if mark.name == by_id[choice.landmark].name]
-    # The same sign may stand at several places: the language model chose the name, the map chooses the nearest.
-    chosen = min(same, key=lambda mark: (float(np.linalg.norm(mark.position - here)), mark.id))
+    last = solution.stops[-1]
+    chosen = by_id[last.place.id] if last.place is not None else None
+    evidence = "; ".join(dict.fromkeys((last.evidence, *solution.notes)))
+    others = tuple(by_id[place.id] for place in last.others)
+    choice = Choice(
+        None if chosen is None else chosen.id, last.confidence, evidence, last.model, tuple(mark.id for mark in others)
+    )
+    stops = tuple(by_id[stop.place.id] if stop.place is not None else None for stop in solution.stops)
+    if chosen is None:
+        return Answer(question, None, None, choice, others, here, heading, wish=solution.wish, stops=stops)
+    same = sum(mark.name == chosen.name for mark in landmarks)
     distance = float(np.linalg.norm(chosen.position - here))
-    others = tuple(mark for mark in (by_id[choice.landmark], *others) if mark.id != chosen.id)
-    return Answer(question, chosen, distance, choice, others, here, heading, len(same))
+    return Answer(question, chosen, distance, choice, others, here, heading, same, solution.wish, stops)
 
 
 def last_view(poses: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
@@ -126,7 +134,3 @@ def last_view(poses: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
         return np.zeros(3), 0.0
     forward = poses[-1][:3, 2]
     return poses[-1][:3, 3], float(np.arctan2(forward[1], forward[0]))
-
-
-def _known(ids: Sequence[int], by_id: dict[int, Landmark]) -> tuple[Landmark, ...]:
-    return tuple(by_id[number] for number in ids if number in by_id)

@@ -1,0 +1,1 @@
+"""What a question means, as a form that a map can answer."""

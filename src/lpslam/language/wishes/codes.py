@@ -1,0 +1,233 @@
+"""Numbers and codes: what a question asks for and what a board bears, with ranges (gate B31 lies in B20–B38).
+
+A code is a number, a letter with one (B31, 3.14, 2-105), or a letter that stands beside what is numbered (Zone C).
+"""
+
+import json
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib.resources import files
+
+from lpslam.language.sanitise import clean_text
+from lpslam.language.wishes.form import Identity, Sort
+from lpslam.language.words import is_unspaced
+
+_SPELLED = {
+    word: str(at)
+    for at, words in enumerate(
+        (
+            "",
+            "one|uno|una|eins|un|une|하나|first|primero|primera|erste|ersten|erster|premier|première",
+            "two|dos|zwei|deux|둘|second|segundo|segunda|zweite|zweiten|zweiter|deuxième",
+            "three|tres|drei|trois|third|tercero|tercera|dritte|dritten|dritter|troisième",
+            "four|cuatro|vier|quatre|fourth|cuarto|cuarta|vierte|vierten|vierter|quatrième",
+            "five|cinco|fünf|cinq|fifth|quinto|quinta|fünfte|fünften|fünfter|cinquième",
+            "six|seis|sechs|sixth|sexto|sexta|sechste|sechsten|sechster|sixième",
+            "seven|siete|sieben|sept|seventh|septième|siebte|siebten",
+            "eight|ocho|acht|huit|eighth|huitième|achte|achten",
+            "nine|nueve|neun|neuf|ninth|neuvième|neunte|neunten",
+            "ten|diez|zehn|dix|tenth|dixième|zehnte|zehnten",
+            "eleven|once|elf|onze",
+            "twelve|doce|zwölf|douze",
+        )
+    )
+    if words
+    for word in words.split("|")
+}
+_HAN = {ch: at for at, ch in enumerate("〇一二三四五六七八九")} | {"零": 0, "两": 2, "兩": 2}
+_HAN_NUMBER = re.compile(
+    r"第?([〇零一二三四五六七八九两兩十百]+)(?=[号號番楼樓层層階栋幢站股])|(?<=[第])([一二三四五六七八九十]+)(?!近)"
+)
+_ONE = r"(?:[a-z]{1,2}[-.]?|[b-z] )?\d{1,4}(?:[-.]\d{1,4}){0,2}[a-z]?|[a-z]"
+_CODE = re.compile(rf"(?<![a-zà-ÿ0-9'’])({_ONE})(?![^\W_\u2e80-\uffff])(?!['’-][a-z])", re.IGNORECASE)
+_TO = "-|–|—|~|〜|～|to|bis|through|thru|à|a|al|至|到|から|부터|에서"
+_RANGE = re.compile(
+    rf"(?<![a-zà-ÿ0-9])([a-z]{{0,2}})(\d{{0,4}}) ?(?:{_TO}) ?([a-z]{{0,2}})(\d{{0,4}})(?![a-z0-9])", re.IGNORECASE
+)
+_TIMES = (
+    r"min(?:ute)?n?s?|minutos|分钟|分鐘|小时|小時|時間|시간|分(?!院)|hours?|horas|heures|stunden|days?|días|jours|tage|天|日間|"
+    r"a\.?m\.?|p\.?m\.?|uhr|o'clock|点|點|時|시(?!\S)|h(?![a-z])|years?|años|ans|jahre|岁|歳|살"
+)
+_MEASURES = (
+    r"%|€|\$|£|¥|元|円|원|eur|euros?|dollars?|met(?:er|re)s?|metros|mètres|米|m(?![a-z])|km|g|kg|ml|l(?![a-z])|"
+    r"キロ|킬로|公斤|kilos?|番目|回|次|杯|つ|個|个(?!房)|枚|本|位|people|persons|personas|personnes|personen|人|명|kids|children|niños|enfants|kinder"
+)
+_QUANTITY = re.compile(
+    rf"\d+(?:[.,:h]\d+)? ?(?:{_TIMES}|{_MEASURES})(?![a-z])|\d{{1,2}}:\d{{2}}|[$€£¥]\d+", re.IGNORECASE
+)
+_BEFORE, _AFTER = 26, 8  # letters around a code in which the word for what is numbered is looked for
+_FEW_WORDS, _SHORT = 2, 16  # words and letters of a question that may be no more than a number
+
+
+@dataclass(frozen=True, slots=True)
+class Code:
+    """A code on a board or in a question: letters, number (None: a letter alone), the rest, and what is numbered."""
+
+    letters: str
+    number: int | None
+    rest: str
+    of: frozenset[str]
+    last: int | None = None
+    last_letters: str = ""
+
+    @property
+    def value(self) -> str:
+        """As it is compared: "b31"."""
+        return f"{self.letters}{'' if self.number is None else self.number}{self.rest}"
+
+    def bears(self, asked: "Code") -> bool:
+        """Whether this code, or range of codes, of a board is or contains the one that is asked for."""
+        if self.of and asked.of and self.of.isdisjoint(asked.of):
+            return False
+        if self.last_letters:
+            return asked.number is None and not asked.rest and self.letters <= asked.letters <= self.last_letters
+        if self.number is None:
+            return asked.letters == self.letters and not asked.rest and bool(self.of or asked.number is None)
+        if asked.letters != self.letters:
+            return False
+        if asked.number is None:
+            # “Gates A” are A1 to A15.
+            return bool(self.of & asked.of)
+        if self.last is not None:
+            return self.number <= asked.number <= self.last
+        return (asked.number, asked.rest) == (self.number, self.rest)
+
+
+@lru_cache(maxsize=1)
+def _classes() -> tuple[re.Pattern[str], Mapping[str, frozenset[str]]]:
+    """A pattern of all words for what is numbered, longest first, and what each word may stand for."""
+    tree: Mapping[str, str] = json.loads(
+        (files("lpslam.language") / "data" / "wishes" / "numbered.json").read_text(encoding="utf-8")
+    )
+    of: dict[str, set[str]] = {}
+    for name, joined in tree.items():
+        for word in joined.split("|"):
+            of.setdefault(word, set()).add(name)
+    words = sorted(of, key=lambda word: (-len(word), word))
+    spaced = "|".join(re.escape(word) for word in words if not is_unspaced(word))
+    unspaced = "|".join(re.escape(word) for word in words if is_unspaced(word))
+    pattern = re.compile(rf"(?<!\w)(?:{spaced})(?![a-zà-ÿ])|{unspaced}")
+    return pattern, {word: frozenset(names) for word, names in of.items()}
+
+
+def _of_code(text: str, start: int, end: int) -> frozenset[str]:
+    """What is numbered by the code between: said right before it (“gate B31”) or right after it (3号登机口)."""
+    after = re.split(r"[\d,;。，/|]", text[end : end + _AFTER])[0]
+    ahead = _starting(after) or _starting(after.lstrip(_COUNTERS))
+    before = re.split(r"[;。，|]", text[max(0, start - _BEFORE) : start])[-1]
+    word = next(
+        ((of, hit.end()) for hit, of in _last_words(before) if not _BETWEEN.sub("", before[hit.end() :])),
+        (frozenset[str](), 0),
+    )
+    is_unspaced_after = is_unspaced(after.strip()[:1] or "a")
+    return word[0] | ahead if is_unspaced_after or not word[0] else word[0]
+
+
+_COUNTERS = " 号號番번-の"
+_BETWEEN = re.compile(
+    r"\b(?:no|nr|number|nummer|numéro|número|and|und|y|et|to|bis|à|a|al)\b|[\d\s.:#º°&,/()–—~-]|(?<![a-z])[a-z](?![a-z])|(?<![a-z])[a-z](?=\d)"
+)
+"""What may stand between “gates” and a number: other numbers, “no.”, “and”."""
+
+
+def _starting(text: str) -> frozenset[str]:
+    """What is numbered by the longest word with which a text begins."""
+    pattern, of = _classes()
+    found = pattern.match(text.strip())
+    return of[found.group()] if found is not None else frozenset()
+
+
+def _last_words(text: str) -> list[tuple[re.Match[str], frozenset[str]]]:
+    """The words for what is numbered, the last first; one word may stand for several."""
+    pattern, of = _classes()
+    return [(hit, of[hit.group()]) for hit in reversed(list(pattern.finditer(text)))]
+
+
+def _folded(text: str) -> str:
+    clean = clean_text(text).casefold()
+    return _HAN_NUMBER.sub(lambda found: str(_number_of(found.group(1) or found.group(2))), clean)
+
+
+def _number_of(han: str) -> int:
+    if "十" in han:
+        tens, _, ones = han.partition("十")
+        return 10 * (_HAN.get(tens, 1) if tens else 1) + (_HAN.get(ones, 0) if ones else 0)
+    return int("".join(str(_HAN.get(ch, 0)) for ch in han if ch in _HAN) or "0")
+
+
+def _code(text: str, of: frozenset[str]) -> Code:
+    bare = re.sub(r"(?<=[a-z])[-. ](?=\d)", "", text)
+    found = re.match(r"([a-z]{0,2})(\d{1,4})(.*)$", bare)
+    if found is None:
+        return Code(bare, None, "", of)
+    return Code(found.group(1), int(found.group(2)), found.group(3), of)
+
+
+@lru_cache(maxsize=1 << 15)
+def board_codes(text: str) -> tuple[Code, ...]:
+    """Return the codes that a board bears: every number, code and range; and letters beside what is numbered."""
+    folded = _folded(text)
+    found: list[Code] = []
+    for hit in _RANGE.finditer(folded):
+        letters, first, last_letters, last = hit.groups()
+        of = _of_code(folded, hit.start(), hit.end())
+        if first and last and (letters == last_letters or not last_letters) and int(first) <= int(last):
+            found.append(Code(letters, int(first), "", of, int(last)))
+        elif letters and last_letters and not first and not last and len(letters) == len(last_letters) == 1 and of:
+            found.append(Code(letters, None, "", of, None, last_letters))
+    for hit in _CODE.finditer(folded):
+        of = _of_code(folded, hit.start(), hit.end())
+        code = _code(hit.group(1), of)
+        if code.number is not None or of:
+            found.append(code)
+    return tuple(found)
+
+
+def asked_codes(text: str) -> list[Code]:
+    """Return the codes that a question asks for: beside what is numbered, or of a letter and a number.
+
+    Hours, prices and numbers of people are none.
+    """
+    folded = _QUANTITY.sub(" ", _folded(text))
+    folded = re.sub(r"[a-zà-ÿ]+", lambda hit: _numeral(folded, hit), folded)
+    found: list[Code] = []
+    alone = len(re.findall(r"\w+", folded)) <= _FEW_WORDS and len(folded) <= _SHORT
+    for hit in _CODE.finditer(folded):
+        of = _of_code(folded, hit.start(), hit.end())
+        code = _code(hit.group(1), of)
+        is_mixed = code.number is not None and bool(code.letters or code.rest)
+        if (
+            code.number is None
+            and (not of or hit.group(1) in ("a", "y", "à", "e", "o", "i"))
+            and not _is_capital(text, hit.group(1), of)
+        ):
+            continue
+        if of or is_mixed or (alone and code.number is not None) or len(hit.group(1)) >= 3:
+            found.append(code)
+    return found
+
+
+def _is_capital(text: str, letter: str, of: frozenset[str]) -> bool:
+    # “I” is seldom a hall.
+    return letter != "i" and bool(of) and bool(re.search(rf"(?<!\w){letter.upper()}(?!\w)", text))
+
+
+def _numeral(folded: str, hit: re.Match[str]) -> str:
+    """“Terminal two” is terminal 2; “one” alone is none."""
+    number = _SPELLED.get(hit.group())
+    if number is None:
+        return hit.group()
+    before = folded[max(0, hit.start() - 12) : hit.start()].rstrip()
+    return number if any(word.end() == len(before) for word, _ in _last_words(before)) else hit.group()
+
+
+def identities(codes: Iterable[Code]) -> tuple[Identity, ...]:
+    """The codes of a question as hard constraints."""
+    return tuple(Identity(Sort.CODE, code.value, tuple(sorted(code.of))) for code in codes)
+
+
+def code_of(identity: Identity) -> Code:
+    """The code of a constraint."""
+    return _code(identity.value, frozenset(identity.of))

@@ -1,0 +1,191 @@
+"""The form of what is meant: an ordered list of stops, frozen, typed, as JSON and in words.
+
+Language says what is meant, the map says where and which: nothing here holds a coordinate.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from enum import StrEnum
+from typing import Any
+
+
+class Ask(StrEnum):
+    """What is asked of a stop."""
+
+    WHERE = "where"
+    LIST = "list"
+    HOW_FAR = "how far"
+    IS_THERE = "is there"
+    WHICH = "which"
+    HERE = "what is here"
+    FORBIDDEN = "forbidden here"
+
+
+class Which(StrEnum):
+    """Which of several places that serve."""
+
+    ANY = "any"
+    ALL = "all"
+    NEAREST = "nearest"
+    FARTHEST = "farthest"
+    LARGEST = "largest"
+
+
+class Relation(StrEnum):
+    """How a place stands to its anchor."""
+
+    NEXT_TO = "next to"
+    OPPOSITE = "opposite"
+    LEFT_OF = "left of"
+    RIGHT_OF = "right of"
+    BETWEEN = "between"
+    ON_THE_WAY = "on the way to"
+    NEAR = "near"
+    THIS_SIDE = "on this side of"
+    BEFORE = "before"
+    BEHIND = "behind"
+
+
+class Sort(StrEnum):
+    """What sort of identity a place must have."""
+
+    NAME = "name"
+    CODE = "code"
+    PERSON = "person"
+
+
+@dataclass(frozen=True, slots=True)
+class Identity:
+    """A hard constraint: a place whose board does not bear it is none.
+
+    Attributes:
+        sort: what it is.
+        value: as it is compared: "b31", "203", "schneider".
+        of: what is numbered, where that is said: "gate", "room"; a word may stand for several.
+    """
+
+    sort: Sort
+    value: str
+    of: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        """As it is told: "gate b31"."""
+        return f"{'/'.join(self.of)} {self.value}".strip()
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """One place of a wish.
+
+    Attributes:
+        what: the words that say what is wanted; empty is any place.
+        kinds: what the words mean, as the tables call it.
+        refused: kinds and names that are refused.
+        identity: names, codes and persons that must stand on the board.
+        which: of several places; `rank` 2 is the second of that order.
+        relation: to the anchor or, for BETWEEN, to both; None without one.
+        anchor: stops themselves. PREVIOUS is the stop before.
+        start: where a way begins that does not begin here.
+        ask: what is asked of it.
+        whole: all words of the stop, its relation among them: what it says where the anchor turns out to be none.
+    """
+
+    what: str
+    kinds: tuple[str, ...] = ()
+    refused: tuple[str, ...] = ()
+    identity: tuple[Identity, ...] = ()
+    which: Which = Which.ANY
+    rank: int = 1
+    relation: Relation | None = None
+    anchor: tuple["Stop", ...] = ()
+    start: "Stop | None" = None
+    ask: Ask = Ask.WHERE
+    whole: str = ""
+
+
+PREVIOUS = Stop("the stop before")
+"""The anchor “it” of “then a café near it”."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wish:
+    """What a question means: stops in order, and the language in which it was asked; None where that is not known."""
+
+    stops: tuple[Stop, ...]
+    language: str | None = None
+    notes: tuple[str, ...] = field(default=())
+
+    def to_document(self) -> dict[str, Any]:
+        """Return the wish as JSON."""
+        return asdict(self)
+
+    @classmethod
+    def from_document(cls, tree: Mapping[str, Any]) -> "Wish":
+        """Read a wish from JSON.
+
+        Raises:
+            ValueError: it is none.
+        """
+        try:
+            stops = tuple(_stop_of(each) for each in tree["stops"])
+            language = tree.get("language")
+            return cls(stops, None if language is None else str(language), _texts(tree.get("notes", ())))
+        except (KeyError, TypeError, AttributeError) as error:
+            raise ValueError(f"this is no wish: {error!r}") from error
+
+    def __str__(self) -> str:
+        """What was understood, in a line: "toilet, nearest, near (exit)"."""
+        return "; then ".join(told(stop) for stop in self.stops) or "nothing"
+
+
+def told(stop: Stop) -> str:
+    """One stop in words."""
+    if stop == PREVIOUS:
+        return stop.what
+    parts = [f"“{stop.what}”" if stop.what else "any place"]
+    if stop.kinds:
+        parts.append(f"[{', '.join(stop.kinds)}]")
+    if stop.identity:
+        parts.append("must be " + " and ".join(map(str, stop.identity)))
+    if stop.refused:
+        parts.append("not " + ", ".join(stop.refused))
+    if stop.which is not Which.ANY:
+        parts.append(stop.which.value if stop.rank == 1 else f"{stop.which.value} no. {stop.rank}")
+    if stop.relation is not None:
+        parts.append(f"{stop.relation.value} ({' and '.join(told(each) for each in stop.anchor)})")
+    if stop.start is not None:
+        parts.append(f"from ({told(stop.start)})")
+    if stop.ask is not Ask.WHERE:
+        parts.append(f"asks: {stop.ask.value}")
+    return ", ".join(parts)
+
+
+def _stop_of(tree: Mapping[str, Any], depth: int = 0) -> Stop:
+    if depth > 3:
+        raise TypeError("anchors of anchors of anchors")
+    start = tree.get("start")
+    relation = tree.get("relation")
+    return Stop(
+        str(tree["what"]),
+        _texts(tree.get("kinds", ())),
+        _texts(tree.get("refused", ())),
+        tuple(
+            Identity(Sort(each["sort"]), str(each["value"]), _texts(each["of"])) for each in tree.get("identity", ())
+        ),
+        Which(tree.get("which", "any")),
+        max(1, int(tree.get("rank", 1))),
+        None if relation is None else Relation(relation),
+        tuple(_stop_of(each, depth + 1) for each in tree.get("anchor", ())),
+        None if start is None else _stop_of(start, depth + 1),
+        Ask(tree.get("ask", "where")),
+        str(tree.get("whole", "")),
+    )
+
+
+def _texts(given: Sequence[object]) -> tuple[str, ...]:
+    return tuple(str(each) for each in given)
+
+
+def with_meaning(stop: Stop, kinds: Sequence[str], refused: Sequence[str]) -> Stop:
+    """Return the stop with what the tables make of its words."""
+    return replace(stop, kinds=tuple(kinds), refused=tuple(refused))

@@ -1,0 +1,168 @@
+"""From a question to a `Wish`: one evaluator over the rows of each language's table."""
+
+import re
+from dataclasses import replace
+
+from lpslam.language.knowledge import Knowledge
+from lpslam.language.question import languages_of, read_question
+from lpslam.language.sanitise import clean_text
+from lpslam.language.wishes.codes import asked_codes, identities
+from lpslam.language.wishes.form import PREVIOUS, Ask, Identity, Relation, Sort, Stop, Which, Wish
+from lpslam.language.wishes.rules import LANGUAGES, Row, Rules, rules_of
+
+_LONGEST = 400  # letters of a question
+_LATIN = ("en", "es", "de", "fr")
+_ENDS = " .。!！?？,，、;；¿¡"
+_MOST_STOPS = 6
+_POSSESSIVE = re.compile(r"['’]s?$")
+_RANKS = {
+    **dict.fromkeys(("second", "2nd", "二", "2", "２", "두", "zweit", "segundo", "segunda", "deuxième", "seconde"), 2),
+    **dict.fromkeys(("third", "3rd", "三", "3", "３", "세", "dritt", "tercero", "tercera", "tercer", "troisième"), 3),
+}
+
+
+def wish_languages(text: str, knowledge: Knowledge) -> tuple[str, ...]:
+    """Return the languages whose rules are tried, likeliest first."""
+    likely = [language for language in languages_of(text, knowledge) if language in LANGUAGES]
+    if not likely or likely[0] in _LATIN:
+        likely += [language for language in _LATIN if language not in likely]
+    return tuple(dict.fromkeys(likely))
+
+
+def read_wish(question: str, knowledge: Knowledge) -> Wish:
+    """Return what a question means; one stop with all its words where no rule says more."""
+    text = clean_text(question, _LONGEST).strip(_ENDS)
+    languages = wish_languages(text, knowledge)
+    likely = languages_of(text, knowledge)
+    for language in languages:
+        parts = _in_sequence(text, rules_of(language))
+        if len(parts) > 1 and all(_says_a_place(part, knowledge) for part in parts):
+            stops = tuple(_stop(part, languages, is_later=at > 0) for at, part in enumerate(parts))
+            return Wish(stops[:_MOST_STOPS], language)
+    return Wish((_stop(text, languages),), likely[0] if likely else None)
+
+
+def _says_a_place(text: str, knowledge: Knowledge) -> bool:
+    """Whether a part of a question may be a stop: it wants something or bears a name, and refuses nothing."""
+    read = read_question(text, knowledge)
+    if read.refused or read.refused_names:
+        return False
+    return bool(read.wanted) or any(ch.isupper() or ch.isdigit() for ch in text)
+
+
+def _in_sequence(text: str, rules: Rules) -> list[str]:
+    found = rules.first(rules.sequences, text)
+    if found is None:
+        return [text]
+    _, match = found
+    first, then = (match.group(name).strip(_ENDS) for name in ("first", "then"))
+    if not content_left(first, rules) or not content_left(then, rules):
+        return [text]
+    return [*_in_sequence(first, rules), *_in_sequence(then, rules)]
+
+
+def _stop(text: str, languages: tuple[str, ...], is_later: bool = False, depth: int = 0) -> Stop:
+    """Read one stop: what is asked of it, its relation and anchor, its order, and what must stand on its board."""
+    ask, ask_language = _asked(text, languages)
+    relation = _related(text, languages) if depth < 2 else None
+    what, stop = text, Stop(text)
+    if relation is not None:
+        row, match, rules = relation
+        groups = {name: (value or "").strip(_ENDS) for name, value in match.groupdict().items()}
+        what = " ".join(
+            each for each in (groups.get("what", ""), groups.get("thing", ""), groups.get("rest", "")) if each
+        )
+        anchors = tuple(
+            _anchor(groups[name], languages, rules, depth) for name in ("anchor", "second") if groups.get(name)
+        )
+        is_here = len(anchors) == 1 and rules.here.match(groups.get("anchor", ""))
+        rank = _RANKS.get(groups.get("rank", "").casefold(), 1)
+        which = Which(row.then.get("which", "nearest" if is_here else "any"))
+        stop = replace(
+            stop,
+            relation=None if is_here else Relation(row.then["relation"]),
+            anchor=() if is_here else anchors,
+            which=which,
+            rank=rank,
+            start=_anchor(groups["start"], languages, rules, depth) if groups.get("start") else None,
+        )
+    order, place = _ordered(what, languages)
+    if order is not None and (stop.which is Which.ANY or place > 1):
+        stop = replace(stop, which=order, rank=place)
+    rules = rules_of(ask_language)
+    left = content_left(what, rules)
+    is_told_by_place = stop.relation is not None or ask in (Ask.LIST, Ask.WHICH)
+    if is_told_by_place:
+        left = content_left(rules.any.sub(" ", left), rules)
+    is_any = ask in (Ask.HERE, Ask.FORBIDDEN) or (not left and (stop.relation is not None or ask is Ask.LIST))
+    return replace(
+        stop,
+        what="" if is_any else what,
+        identity=() if is_any else _identity(what, languages),
+        ask=ask,
+        whole=text,
+        which=Which.NEAREST
+        if is_later and stop.which is Which.ANY
+        else Which.ALL
+        if stop.which is Which.ANY and ask in (Ask.LIST, Ask.HERE, Ask.FORBIDDEN)
+        else stop.which,
+    )
+
+
+def _anchor(text: str, languages: tuple[str, ...], rules: Rules, depth: int) -> Stop:
+    if rules.previous.match(text):
+        return PREVIOUS
+    return replace(_stop(text, languages, depth=depth + 1), ask=Ask.WHERE)
+
+
+def _asked(text: str, languages: tuple[str, ...]) -> tuple[Ask, str]:
+    for language in languages:
+        found = rules_of(language).first(rules_of(language).asks, text)
+        if found is not None:
+            return Ask(found[0].then["ask"]), language
+    return Ask.WHERE, languages[0] if languages else "en"
+
+
+def _ordered(text: str, languages: tuple[str, ...]) -> tuple[Which | None, int]:
+    for language in languages:
+        found = rules_of(language).first(rules_of(language).orders, text)
+        if found is not None:
+            said = next(
+                (value for name, value in found[1].groupdict().items() if name.startswith("rank") and value), ""
+            )
+            return Which(found[0].then["which"]), _RANKS.get(said.casefold(), 1)
+    return None, 1
+
+
+def _related(text: str, languages: tuple[str, ...]) -> tuple[Row, re.Match[str], Rules] | None:
+    for language in languages:
+        rules = rules_of(language)
+        for row in rules.relations:
+            match = row.match(text)
+            if match is not None and content_left(match.group("anchor"), rules, least=1):
+                return row, match, rules
+            if match is not None and rules.previous.match(match.group("anchor").strip(_ENDS)):
+                return row, match, rules
+    return None
+
+
+def _identity(text: str, languages: tuple[str, ...]) -> tuple[Identity, ...]:
+    persons: list[Identity] = []
+    for language in languages:
+        rules = rules_of(language)
+        found = rules.first(rules.persons, text)
+        if found is not None:
+            persons.append(Identity(Sort.PERSON, _POSSESSIVE.sub("", found[1].group("person"))))
+            break
+    return (*persons, *identities(asked_codes(text)))
+
+
+def content_left(text: str, rules: Rules, least: int = 1) -> str:
+    """Return what of a text is not filler; empty where nothing is left."""
+    left = " ".join(rules.filler.sub(" ", text).split()).strip(_ENDS + "'’")
+    return left if len(left) >= least else ""
+
+
+def content_of(text: str, languages: tuple[str, ...]) -> str:
+    """Return what is left of a text without the filler of its likeliest language."""
+    return content_left(clean_text(text, _LONGEST).strip(_ENDS), rules_of(languages[0] if languages else "en"))

@@ -1,0 +1,77 @@
+"""Rules of a language as rows of a table, read from `data/wishes/LANGUAGE.json`; one evaluator for all of them."""
+
+import json
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib.resources import files
+from typing import Any
+
+LANGUAGES = ("en", "zh", "ja", "ko", "es", "de", "fr")
+_NAMED = re.compile(r"<(\w+)>")
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """When the pattern is found, and not the other, then this."""
+
+    when: re.Pattern[str]
+    unless: re.Pattern[str] | None
+    then: Mapping[str, Any]
+
+    def match(self, text: str) -> re.Match[str] | None:
+        """Return where the row's pattern is, if the row holds."""
+        if self.unless is not None and self.unless.search(text):
+            return None
+        return self.when.search(text)
+
+
+@dataclass(frozen=True, slots=True)
+class Rules:
+    """The rows of one language: what is asked, orders, sequences, relations; and words that say nothing of a place."""
+
+    asks: tuple[Row, ...]
+    orders: tuple[Row, ...]
+    sequences: tuple[Row, ...]
+    relations: tuple[Row, ...]
+    persons: tuple[Row, ...]
+    here: re.Pattern[str]
+    previous: re.Pattern[str]
+    filler: re.Pattern[str]
+    any: re.Pattern[str]
+
+    def first(self, rows: Sequence[Row], text: str) -> tuple[Row, re.Match[str]] | None:
+        """The first row that holds; rows stand in order, the most particular first."""
+        return next(((row, found) for row in rows if (found := row.match(text))), None)
+
+
+@lru_cache(maxsize=8)
+def rules_of(language: str) -> Rules:
+    """Read the rules of a language, once a process."""
+    path = files("lpslam.language") / "data" / "wishes" / f"{language}.json"
+    tree: Mapping[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    parts: Mapping[str, str] = tree.get("parts", {})
+
+    def compiled(pattern: str) -> re.Pattern[str]:
+        # <next> in a pattern is the part of that name; (?P<what>…) is a group.
+        filled = _NAMED.sub(lambda found: parts.get(found.group(1), found.group(0)), pattern)
+        return re.compile(filled, re.IGNORECASE)
+
+    def rows(name: str) -> tuple[Row, ...]:
+        return tuple(
+            Row(compiled(row["when"]), compiled(row["unless"]) if "unless" in row else None, row.get("then", {}))
+            for row in tree.get(name, ())
+        )
+
+    return Rules(
+        rows("asks"),
+        rows("orders"),
+        rows("sequences"),
+        rows("relations"),
+        rows("persons"),
+        compiled(tree["here"]),
+        compiled(tree["previous"]),
+        compiled(tree["filler"]),
+        compiled(tree["any"]),
+    )

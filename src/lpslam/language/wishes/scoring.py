@@ -1,0 +1,417 @@
+"""Which landmarks serve a stop's words: by what stands on their boards first, then by what they are.
+
+Ids and strings only: where landmarks stand is the map's own knowledge.
+"""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Protocol
+
+from lpslam.language.choosing import ranked
+from lpslam.language.distrust import choose_trusted, commands
+from lpslam.language.knowledge import Knowledge, load_words
+from lpslam.language.landmark_index import LandmarkIndex
+from lpslam.language.model import Candidate, LanguageModel
+from lpslam.language.question import Wish as Meaning
+from lpslam.language.question import asks_for_another, languages_of, read_question
+from lpslam.language.serving import likeness
+from lpslam.language.sign_words import WARNING
+from lpslam.language.signs import SignReader
+from lpslam.language.wishes.codes import board_codes, code_of
+from lpslam.language.wishes.form import Ask, Identity, Sort, Stop, Which, Wish, with_meaning
+from lpslam.language.wishes.names import Names
+from lpslam.language.wishes.reading import content_of, wish_languages
+from lpslam.language.wishes.rules import rules_of
+from lpslam.language.words import is_mark, is_unspaced, longest_phrases
+
+_ANY_SORT = frozenset({"shop", "business", "place"})
+_FEW_OF_A_FAMILY = 3  # rooms of one sort of building that make the map one of it, at least
+_MUCH_OF_A_FAMILY = 0.25  # of all landmarks: fewer aisles of goods are shops of a mall
+_OF_THE_HOUSE = ("facility", "amenity/toilets", "highway/", "emergency/", "indoor/", "entrance", "aeroway/")
+_FEWEST_TO_TELL_APART = 2
+_SHORT_QUESTION = 8  # words of a question whose capital is the name that it asks for
+_SHORT_NAME = 5  # words of an anchor that is a name
+_ROOMS = ("facility/", "indoor/", "department/", "office/", "aeroway/", "amenity/doctors", "museum/")
+_CAPITALS_ARE_NAMES = frozenset({"en", "es", "fr"})
+_SURE, _NAMED, _ACROSS = 1.0, 0.9, 0.85  # of a code or person, of a part of a name, of a name in another script
+_WHOLE = 0.95  # of a name's letters: the name itself
+_BY_THE_WAY = frozenset({"floor", "building", "zone"})
+"""What may be numbered beside what is asked for: “a toilet on level 2”."""
+_SHORTEST = 3  # letters of a word that is a name by itself
+_LEAST_LITERAL = 0.3  # of a board's letters that are asked for word by word
+
+
+@dataclass(frozen=True, slots=True)
+class Served:
+    """The landmarks that serve a stop.
+
+    Attributes:
+        stop: with what its words mean.
+        scores: by id, 0 < score <= 1.
+        evidence: why, in words.
+        confidence: of the best, 0 to 1.
+        others: next best where none serves.
+        ignored: what of the wish could not be heeded.
+        exact: of those, the landmarks whose board says these very words, and no more.
+        sees_all: whether every landmark that serves has its score; a model names a few only.
+    """
+
+    stop: Stop
+    scores: Mapping[int, float]
+    evidence: str
+    confidence: float = 0.0
+    others: tuple[int, ...] = ()
+    ignored: tuple[str, ...] = ()
+    sees_all: bool = True
+    model: str = "offline"
+    exact: frozenset[int] = field(default=frozenset())
+
+
+class Scorer(Protocol):
+    """Whatever says which landmarks serve a stop's words."""
+
+    @property
+    def model(self) -> str:
+        """Which model answers."""
+        ...
+
+    def serve(self, stop: Stop) -> Served:
+        """Return the landmarks that serve."""
+        ...
+
+    def is_understood(self, stop: Stop) -> bool:
+        """Whether a stop's words are words for a place at all."""
+        ...
+
+
+class EmbeddedScorer:
+    """The embedded model's scores over one set of landmarks."""
+
+    def __init__(
+        self, landmarks: Sequence[Candidate], index: LandmarkIndex, signs: SignReader, knowledge: Knowledge
+    ) -> None:
+        self.model = "offline"
+        self._landmarks = landmarks
+        self._index = index
+        self._signs = signs
+        self._knowledge = knowledge
+        self._names = Names(landmarks, knowledge)
+        self._codes = {
+            mark.id: [code for text in dict.fromkeys((mark.name, *mark.lines)) for code in board_codes(text)]
+            for mark in landmarks
+        }
+        families = [
+            {self._knowledge.family(kind) for kind, weight in sign.kinds if weight >= 0.5}
+            for sign in index.signs.values()
+        ]
+        self._families = Counter(family for found in families for family in found if family)
+        self._hostile = {mark.id for mark in landmarks if commands(mark.name) is not None}
+
+    def serve(self, stop: Stop) -> Served:
+        """Return the landmarks that serve a stop: by identity, by name, else by what they are."""
+        if not stop.what:
+            return self._any_place(stop)
+        allowed, ignored, failed = self._identified(stop)
+        if failed:
+            return Served(stop, {}, f"no board bears {failed}", 0.8, self._of_what(stop), ignored)
+        if allowed is not None:
+            return Served(stop, self._trusted(allowed), "the board bears it", 0.97, ignored=ignored)
+        meaning = read_question(stop.what, self._knowledge, self._index.names)
+        stop = with_meaning(stop, [kind for kind, _ in meaning.wanted], (*meaning.refused, *meaning.refused_names))
+        within = self._on_level(stop, ignored)
+        found = self._by_name(stop, meaning)
+        if found:
+            return Served(stop, self._trusted(_within(found, within)), "the board says the name", 0.95, ignored=ignored)
+        general = self._of_any_sort(stop, meaning)
+        if general:
+            return Served(stop, self._trusted(_within(general, within)), "any of this sort", 0.9, ignored=ignored)
+        choice, scores = ranked(stop.what, self._index, self._signs, self._knowledge, self.model)
+        scores = _within({id_: score for id_, score in scores.items() if id_ not in self._hostile}, within)
+        scores = self._bearing_the_words(stop, meaning, self._of_the_family(meaning, scores))
+        if not scores or self._is_another(stop, meaning, scores):
+            literal = self._literal(stop, meaning)
+            if literal:
+                return Served(stop, self._trusted(literal), "the board says these words", 0.7, ignored=ignored)
+            return Served(stop, {}, choice.evidence, choice.confidence, choice.alternatives, ignored)
+        top = max(scores.values())
+        scores = {id_: score / top for id_, score in scores.items()}
+        words, _ = self._asked_words(stop.what)
+        exact = frozenset(id_ for id_, share in self._names.covered(words).items() if share >= _WHOLE and id_ in scores)
+        return Served(stop, scores, choice.evidence, choice.confidence, ignored=ignored, exact=exact)
+
+    def _of_any_sort(self, stop: Stop, meaning: Meaning) -> dict[int, float]:
+        """“The shop next to …” is any shop: what the map says of where it stands is all that tells it from others."""
+        wanted = {kind for kind, _ in meaning.wanted}
+        is_told_by_place = stop.relation is not None or stop.ask in (Ask.LIST, Ask.HERE) or stop.which is not Which.ANY
+        if not wanted or not wanted <= _ANY_SORT or not is_told_by_place or meaning.refused:
+            return {}
+        return {mark.id: 1.0 for mark in self._landmarks if wanted == {"place"} or self._is_shop(mark.id)}
+
+    def _is_shop(self, id_: int) -> bool:
+        """Whether a place may be called a shop where its place tells which: anything that is no part of the house."""
+        sign = self._index.signs[id_]
+        if likeness("business", sign.kinds, self._knowledge) >= 0.5:
+            return True
+        return (sign.is_place or sign.name_like) and not any(kind.startswith(_OF_THE_HOUSE) for kind, _ in sign.kinds)
+
+    def _of_the_family(self, meaning: Meaning, scores: Mapping[int, float]) -> dict[int, float]:
+        """Who asks for one department of a hospital wants no other; an aisle goes before the rest of a supermarket."""
+        for kind, _ in meaning.wanted:
+            family = self._knowledge.family(kind)
+            if family and self._families[family] >= max(_FEW_OF_A_FAMILY, _MUCH_OF_A_FAMILY * len(self._landmarks)):
+                own = {
+                    id_ for id_, sign in self._index.signs.items() if likeness(kind, sign.kinds, self._knowledge) >= 0.5
+                }
+                others = {
+                    other for other, _ in meaning.wanted if other != kind and (self._knowledge.family(other) == family)
+                }
+                if own or not others:
+                    kept = {id_: score for id_, score in scores.items() if id_ in own}
+                    more = {
+                        id_: score
+                        for id_, score in scores.items()
+                        if any(
+                            likeness(other, self._index.signs[id_].kinds, self._knowledge) >= 0.5 for other in others
+                        )
+                    }
+                    return kept | more
+        return dict(scores)
+
+    def _bearing_the_words(self, stop: Stop, meaning: Meaning, scores: Mapping[int, float]) -> dict[int, float]:
+        """Of several that serve, those whose boards bear the words that say no kind: “meeting room Alpha”."""
+        if len(scores) < _FEWEST_TO_TELL_APART or self._refuses(stop.what, meaning):
+            return dict(scores)
+        _, proper = self._asked_words(stop.what)
+        bearing = self._names.covered(proper)
+        return {id_: score for id_, score in scores.items() if id_ in bearing} or dict(scores)
+
+    def _is_another(self, stop: Stop, meaning: Meaning, scores: Mapping[int, float]) -> bool:
+        """Whether a name is asked for that stands on no board, where boards of the sort bear names: room Gamma."""
+        languages = wish_languages(stop.what, self._knowledge)
+        if not languages or languages[0] not in _CAPITALS_ARE_NAMES or self._refuses(stop.what, meaning):
+            return False
+        _, proper = self._asked_words(stop.what)
+        capital = {self._knowledge.folder.fold(word) for word in stop.what.split()[1:] if word[:1].isupper()}
+        named = [word for word in proper if word in capital or any(word.startswith(each) for each in capital)]
+        if not named or scores.keys() & self._names.covered(named).keys():
+            return False
+        top = max(scores.values())
+        best = [id_ for id_, score in scores.items() if score >= 0.97 * top]
+        return len(stop.what.split()) <= _SHORT_QUESTION and all(
+            self._is_a_room(id_) and self._bears_a_name(id_, self._likely(stop.what)) for id_ in best
+        )
+
+    def _is_a_room(self, id_: int) -> bool:
+        return any(kind.startswith(_ROOMS) for kind, _ in self._index.signs[id_].kinds)
+
+    def _refuses(self, text: str, meaning: Meaning) -> bool:
+        """Whether a text says no to something: then a name in it may be what is refused."""
+        if meaning.refused_names or meaning.refused or asks_for_another(text):
+            return True
+        units = self._knowledge.folder.units(text)
+        return any(
+            span.value.role.startswith("refuse")
+            for language in self._likely(text)[:1]
+            for span in longest_phrases(units, (self._knowledge.spoken(language),))
+        )
+
+    def is_understood(self, stop: Stop) -> bool:
+        """Whether a stop's words are words for a place at all, on this map or on another."""
+        if stop.identity:
+            return True
+        meaning = read_question(stop.what, self._knowledge)
+        is_name = any(ch.isupper() for ch in stop.what) and len(stop.what.split()) <= _SHORT_NAME
+        return is_name or any(weight > 0.5 for _, weight in meaning.wanted)
+
+    def _bears_a_name(self, id_: int, languages: Sequence[str]) -> bool:
+        name = next(mark.name for mark in self._landmarks if mark.id == id_)
+        return bool(self._words(name, languages)[1]) or bool(self._codes[id_])
+
+    def _trusted(self, scores: Mapping[int, float]) -> dict[int, float]:
+        return {id_: score for id_, score in scores.items() if id_ not in self._hostile}
+
+    def _any_place(self, stop: Stop) -> Served:
+        warns = {id_ for id_, sign in self._index.signs.items() if any(kind == WARNING for kind, _ in sign.kinds)}
+        if stop.ask is Ask.FORBIDDEN:
+            return Served(stop, dict.fromkeys(sorted(warns), 1.0), "what warns or forbids", 0.9)
+        places = [mark.id for mark in self._landmarks if mark.id not in warns]
+        return Served(stop, self._trusted(dict.fromkeys(places, 1.0)), "any place", 0.9)
+
+    def _identified(self, stop: Stop) -> tuple[dict[int, float] | None, tuple[str, ...], str]:
+        """The landmarks that bear all that must stand there; what is not heeded; and what stands on none."""
+        found: dict[int, float] | None = None
+        ignored: list[str] = []
+        for identity in stop.identity:
+            bearing = self._bearing(identity)
+            if identity.sort is Sort.CODE and _BY_THE_WAY.intersection(identity.of) and self._says_more(stop, identity):
+                if not bearing:
+                    ignored.append(str(identity))
+                continue
+            if not bearing:
+                return None, tuple(ignored), str(identity)
+            found = bearing if found is None else {id_: found[id_] for id_ in found if id_ in bearing}
+            if not found:
+                return None, tuple(ignored), " and ".join(map(str, stop.identity))
+        return found, tuple(ignored), ""
+
+    def _says_more(self, stop: Stop, identity: Identity) -> bool:
+        """Whether a stop names something else than what is numbered: “a toilet on level 2”."""
+        meaning = read_question(stop.what, self._knowledge)
+        return any(weight > 0.5 for _, weight in meaning.wanted)
+
+    def _bearing(self, identity: Identity) -> dict[int, float]:
+        if identity.sort is Sort.PERSON:
+            return dict.fromkeys(self._names.persons(identity.value), _SURE)
+        asked = code_of(identity)
+        found: dict[int, float] = {}
+        for id_, codes in self._codes.items():
+            fits = [code for code in codes if code.bears(asked)]
+            if fits:
+                is_same = any(code.of & asked.of for code in fits) or not asked.of
+                is_exact = any(
+                    code.last is None and not code.last_letters and code.number == asked.number for code in fits
+                )
+                found[id_] = _SURE - 0.1 * (not is_same) - 0.05 * (not is_exact)
+        best = max(found.values(), default=0.0)
+        return {id_: score for id_, score in found.items() if score >= best - 0.01}
+
+    def _on_level(self, stop: Stop, ignored: Sequence[str]) -> set[int] | None:
+        """Where a level or a building is named by the way, the landmarks that bear it."""
+        within: set[int] | None = None
+        for identity in stop.identity:
+            if str(identity) not in ignored:
+                bearing = set(self._bearing(identity))
+                within = bearing if within is None else within & bearing
+        return within
+
+    def _of_what(self, stop: Stop) -> tuple[int, ...]:
+        """What comes next where an identity stands on no board: others of the same sort."""
+        plain = replace(stop, identity=())
+        choice, _ = ranked(plain.what, self._index, self._signs, self._knowledge, self.model)
+        return tuple(id_ for id_ in (choice.landmark, *choice.alternatives) if id_ is not None)
+
+    def _by_name(self, stop: Stop, meaning: Meaning) -> dict[int, float]:
+        """Landmarks whose board bears every word that is asked for and means nothing else."""
+        if self._refuses(stop.what, meaning):
+            return {}
+        languages = wish_languages(stop.what, self._knowledge)
+        words, proper = self._asked_words(stop.what)
+        if not words:
+            return {}
+        whole = self._names.covered(words)
+        exact = {id_: _SURE for id_, share in whole.items() if share >= _WHOLE}
+        if not proper and not (exact and self._unread(exact)):
+            return {}
+        if exact:
+            return exact
+        if whole and proper:
+            return {id_: _NAMED + (1.0 - _NAMED) * share for id_, share in whole.items()}
+        names_a_kind = len(words) > len(proper)
+        # “Sala Everest” is Meeting Room Everest.
+        proper = [word for word in proper if not any(rules_of(each).any.fullmatch(word) for each in languages)]
+        if names_a_kind:
+            # Beside a word for a kind of place, an everyday word is no name: “the psychiatry department”.
+            proper = [word for word in proper if is_unspaced(word) or word not in load_words()]
+        named = self._names.covered(proper)
+        if named and (len(named) == 1 or sum(map(len, proper)) >= _SHORTEST):
+            return {id_: _NAMED + (1.0 - _NAMED) * share for id_, share in named.items()}
+        sounding = self._names.across(proper)
+        return {id_: _ACROSS * share for id_, share in sounding.items()}
+
+    def _unread(self, ids: Mapping[int, float]) -> bool:
+        """Whether no table knows what the boards say: then their letters are all there is."""
+        return not any(self._index.signs[id_].is_place for id_ in ids)
+
+    def _likely(self, text: str) -> tuple[str, ...]:
+        """The languages that a text may be in; a few words may be in any that knows them."""
+        return languages_of(text, self._knowledge) or wish_languages(text, self._knowledge)
+
+    def _asked_words(self, text: str) -> tuple[list[str], list[str]]:
+        """The words of a question without its filler, and those of them that no table knows."""
+        languages = wish_languages(text, self._knowledge)
+        words, bare = self._words(content_of(text, languages), self._likely(text))
+        # “Sala de reuniones” is one phrase with its filler only.
+        proper = set(self._words(text, self._likely(text))[1])
+        return words, [word for word in bare if is_unspaced(word) or word in proper]
+
+    def _words(self, content: str, languages: Sequence[str]) -> tuple[list[str], list[str]]:
+        """The words of a text, runs of scripts without spaces whole; and those of them that no table knows."""
+        units = self._knowledge.folder.units(content)
+        common = frozenset().union(*(self._knowledge.common.get(each, frozenset()) for each in languages))
+        known: set[int] = set()
+        for language in languages:
+            for span in longest_phrases(units, self._knowledge.tables_of(language)):
+                known.update(range(span.start, span.end))
+        words = _joined([unit for unit in units if is_unspaced(unit) or not (is_mark(unit) or unit in common)])
+        proper = _joined(
+            ["" if at in known or unit in common or is_mark(unit) else unit for at, unit in enumerate(units)]
+        )
+        return words, [word for word in proper if len(word) >= (2 if is_unspaced(word) else _SHORTEST)]
+
+    def _literal(self, stop: Stop, meaning: Meaning) -> dict[int, float]:
+        """Boards that bear every word, where nothing else is known to serve."""
+        if self._refuses(stop.what, meaning):
+            return {}
+        words, _ = self._asked_words(stop.what)
+        return {id_: share for id_, share in self._names.covered(words).items() if share >= _LEAST_LITERAL}
+
+
+def _joined(units: Sequence[str]) -> list[str]:
+    """Characters of scripts without spaces that follow one another as one word; "" parts them."""
+    words: list[str] = []
+    is_open = False
+    for unit in units:
+        if unit and is_unspaced(unit):
+            if is_open:
+                words[-1] += unit
+            else:
+                words.append(unit)
+            is_open = True
+        else:
+            is_open = False
+            if unit and not is_mark(unit):
+                words.append(unit)
+    return words
+
+
+def _within(scores: Mapping[int, float], within: set[int] | None) -> dict[int, float]:
+    left = {id_: score for id_, score in scores.items() if within is None or id_ in within}
+    return left or dict(scores)
+
+
+class ModelScorer:
+    """Any other model: it names a landmark and the next best, for the words of a stop.
+
+    A wish of one stop that says nothing of where it stands is put to the model as it was asked.
+    """
+
+    def __init__(self, model: LanguageModel, landmarks: Sequence[Candidate], question: str, wish: Wish) -> None:
+        self._model = model
+        self._landmarks = landmarks
+        is_plain = len(wish.stops) == 1 and wish.stops[0].relation is None and wish.stops[0].what
+        self._whole = question if is_plain else None
+
+    @property
+    def model(self) -> str:
+        """Which model answers."""
+        return self._model.model
+
+    def is_understood(self, stop: Stop) -> bool:
+        """A model that finds none has understood."""
+        return True
+
+    def serve(self, stop: Stop) -> Served:
+        """Ask the model for the landmark that serves a stop's words."""
+        if not stop.what:
+            return Served(stop, dict.fromkeys([mark.id for mark in self._landmarks], 1.0), "any place", 0.9)
+        choice = choose_trusted(self._model, self._whole or stop.what, self._landmarks)
+        ids = {mark.id for mark in self._landmarks}
+        if choice.landmark is None or choice.landmark not in ids:
+            others = tuple(id_ for id_ in choice.alternatives if id_ in ids)
+            missing = "" if choice.landmark is None else f" (no such landmark: {choice.landmark})"
+            return Served(stop, {}, choice.evidence + missing, choice.confidence, others, model=choice.model)
+        name = next(mark.name for mark in self._landmarks if mark.id == choice.landmark)
+        scores = {mark.id: 1.0 for mark in self._landmarks if mark.name == name}
+        others = tuple(id_ for id_ in choice.alternatives if id_ in ids and id_ not in scores)
+        return Served(stop, scores, choice.evidence, choice.confidence, others, (), False, choice.model)

@@ -1,0 +1,1 @@
+"""Where, which and how: a wish answered by the places of a map."""

@@ -1,0 +1,41 @@
+"""A question answered by a map: language says what is meant, the solver where and which."""
+
+from collections.abc import Sequence
+
+from lpslam.language.model import Candidate, LanguageModel
+from lpslam.language.offline import OfflineModel, embedded_model
+from lpslam.language.wishes.scoring import ModelScorer, Scorer
+from lpslam.navigation.places import Distances, Here, Place
+from lpslam.navigation.solver import Solution, solve
+from lpslam.text.types import Landmark
+
+
+def answer_wish(
+    question: str,
+    landmarks: Sequence[Landmark],
+    language: LanguageModel,
+    here: Here,
+    ways: Distances | None = None,
+) -> Solution:
+    """Read a question into a wish and answer it by the landmarks of a map.
+
+    The embedded model reads the wish; which landmarks serve is said by the model that is given.
+
+    Args:
+        question: in any language.
+        landmarks: of the map.
+        language: says which names serve; it sees ids and strings only.
+        here: where the asker stands.
+        ways: distances; straight without.
+    """
+    candidates = [Candidate(mark.id, mark.name, tuple(mark.variants), mark.other_lines) for mark in landmarks]
+    embedded = language if isinstance(language, OfflineModel) else embedded_model()
+    wish = embedded.read_wish(question)
+    scorer: Scorer = (
+        embedded.scorer(candidates) if embedded is language else ModelScorer(language, candidates, question, wish)
+    )
+    return solve(wish, [_place(mark) for mark in landmarks], scorer, here, ways)
+
+
+def _place(mark: Landmark) -> Place:
+    return Place(mark.id, mark.name, mark.position, mark.normal, mark.width, mark.spread)

@@ -1,0 +1,207 @@
+"""How places stand to one another: costs in metres, lower is truer; infinite where a relation does not hold.
+
+A relation that the positions cannot decide is no cost but `UNDECIDED`.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from lpslam.language.wishes.form import Relation
+from lpslam.navigation.places import Distances, Here, Place, Point
+
+_UP = np.array([0.0, 0.0, 1.0])
+_NO = float("inf")
+_NEIGHBOURS = 4.0
+"""Times the usual gap between a place and its nearest neighbour that “next to” reaches."""
+_NEIGHBOURS_OF_A_LINE = 3  # places that tell along which line boards hang
+_LEAST_REACH_M = 6.0  # “next to” reaches as far in maps of few, close signs
+_ACROSS_SHARE = 0.7  # of the way to what is opposite that runs along the sign's normal
+_DETOUR = 1.5  # times the straight way, within which a place is on it or between
+_BESIDE_SHARE = 0.35  # of the way to what is left or right that runs sideways
+_OPPOSED = -0.3  # cosine between the facings of boards that face one another
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """What a relation costs, and what is not sure of it."""
+
+    cost: float
+    doubt: str = ""
+
+
+class Scene:
+    """All places, the asker, and how far it is between them."""
+
+    def __init__(self, places: Sequence[Place], here: Here, ways: Distances) -> None:
+        self.places = places
+        self.here = here
+        self.ways = ways
+        self._facings: dict[int, tuple[Point | None, str]] = {}
+
+    @cached_property
+    def _tree(self) -> cKDTree:
+        return cKDTree(np.array([place.position for place in self.places]))
+
+    @cached_property
+    def usual_gap(self) -> float:
+        """Metres, the median distance from a place to its nearest neighbour; 0 where there is none."""
+        if len(self.places) < 2:
+            return 0.0
+        apart = np.asarray(self._tree.query(self._tree.data, k=2)[0])
+        return float(np.median(apart[:, 1]))
+
+    def facing_of(self, place: Place) -> tuple[Point | None, str]:
+        """Where a board faces; where that is not known, across the line of its neighbours, which is a guess."""
+        if place.facing is not None:
+            return _level(place.facing), ""
+        if place.id not in self._facings:
+            self._facings[place.id] = self._guessed_facing(place)
+        return self._facings[place.id]
+
+    def _guessed_facing(self, place: Place) -> tuple[Point | None, str]:
+        if len(self.places) < _NEIGHBOURS_OF_A_LINE:
+            return None, ""
+        near = np.asarray(self._tree.query(place.position, k=min(len(self.places), 5))[1])
+        spread = np.array([self.places[int(at)].position[:2] for at in near]) - place.position[:2]
+        _, _, axes = np.linalg.svd(np.vstack([spread, -spread]), full_matrices=False)
+        normal = np.array([-axes[0][1], axes[0][0], 0.0])
+        return normal, f"which way {place.name} faces is guessed from its neighbours"
+
+
+def _level(direction: Point) -> Point | None:
+    flat = np.array([direction[0], direction[1], 0.0])
+    size = float(np.linalg.norm(flat))
+    return flat / size if size > 1e-6 else None
+
+
+def next_to(place: Place, anchor: Place, scene: Scene) -> Judged:
+    """Near enough to be a neighbour, on the same wall before across the corridor."""
+    apart = scene.ways.distance(place.position, anchor.position)
+    reach = max(_LEAST_REACH_M, _NEIGHBOURS * scene.usual_gap)
+    if apart > reach:
+        return Judged(_NO)
+    if place.facing is not None and anchor.facing is not None and float(place.facing @ anchor.facing) < _OPPOSED:
+        # What faces the anchor is opposite.
+        apart *= 2.0
+    return Judged(apart)
+
+
+def near(place: Place, anchor: Place, scene: Scene) -> Judged:
+    """As near as possible."""
+    return Judged(scene.ways.distance(place.position, anchor.position))
+
+
+def opposite(place: Place, anchor: Place, scene: Scene) -> Judged:
+    """Across, in the direction in which the anchor's board faces."""
+    facing, doubt = scene.facing_of(anchor)
+    if facing is None:
+        return Judged(_NO, f"which way {anchor.name} faces is not known")
+    offset = place.position - anchor.position
+    offset = np.array([offset[0], offset[1], 0.0])
+    across = float(offset @ facing)
+    across = abs(across) if doubt else across
+    apart = float(np.linalg.norm(offset))
+    if apart < 1e-6 or across < _ACROSS_SHARE * apart:
+        return Judged(_NO, doubt)
+    beside = float(np.linalg.norm(offset - (offset @ facing) * facing))
+    faces_away = place.facing is not None and float(place.facing @ facing) > 0.5
+    return Judged(across + 2.0 * beside + (10.0 if faces_away else 0.0), doubt)
+
+
+def _sideways(sign: float) -> Callable[[Place, Place, Scene], Judged]:
+    def judge(place: Place, anchor: Place, scene: Scene) -> Judged:
+        forward: Point | None
+        doubt = ""
+        if anchor.facing is not None and (level := _level(anchor.facing)) is not None:
+            forward = -level
+        elif scene.here.position is not None:
+            forward = _level(anchor.position - scene.here.position)
+            doubt = "left and right are taken as seen from here"
+        else:
+            forward, doubt = None, ""
+        if forward is None:
+            return Judged(_NO, f"which way {anchor.name} faces is not known, nor where you stand")
+        right = np.cross(forward, _UP)
+        offset = place.position - anchor.position
+        offset = np.array([offset[0], offset[1], 0.0])
+        beside, apart = sign * float(offset @ right), float(np.linalg.norm(offset))
+        if beside <= _BESIDE_SHARE * apart:
+            return Judged(_NO, doubt)
+        across = (
+            place.facing is not None and anchor.facing is not None and float(place.facing @ anchor.facing) < _OPPOSED
+        )
+        if across:
+            # On the other wall it is opposite, and to the left of nothing here.
+            return Judged(_NO, doubt)
+        return Judged(beside + 2.0 * abs(float(offset @ forward)), doubt)
+
+    return judge
+
+
+def between(place: Place, first: Place, second: Place, scene: Scene) -> Judged:
+    """On the way from one anchor to the other, with the smallest detour."""
+    whole = scene.ways.distance(first.position, second.position)
+    parts = scene.ways.distance(first.position, place.position), scene.ways.distance(place.position, second.position)
+    if max(parts) >= whole or sum(parts) > _DETOUR * whole:
+        return Judged(_NO)
+    return Judged(sum(parts) - whole)
+
+
+def on_the_way(place: Place, anchor: Place, start: Point | None, scene: Scene) -> Judged:
+    """The detour on the way to the anchor."""
+    if start is None:
+        return Judged(_NO, "where you stand is not known")
+    parts = scene.ways.distance(start, place.position), scene.ways.distance(place.position, anchor.position)
+    return Judged(sum(parts) - scene.ways.distance(start, anchor.position))
+
+
+def before(place: Place, anchor: Place, scene: Scene) -> Judged:
+    """In front of the anchor: on the way to it; without a start, where its board faces."""
+    start = scene.here.position
+    if start is None:
+        facing, doubt = scene.facing_of(anchor)
+        offset = place.position - anchor.position
+        if facing is None or float(offset @ facing) <= 0.0:
+            return Judged(_NO, doubt or f"which way {anchor.name} faces is not known")
+        return Judged(float(np.linalg.norm(offset)), doubt)
+    if scene.ways.distance(start, place.position) >= scene.ways.distance(start, anchor.position):
+        return Judged(_NO)
+    detour = on_the_way(place, anchor, start, scene).cost
+    return Judged(detour + scene.ways.distance(place.position, anchor.position))
+
+
+def behind(place: Place, anchor: Place, scene: Scene) -> Judged:
+    """Past the anchor, seen from here; without a start, behind its board."""
+    start = scene.here.position
+    apart = scene.ways.distance(place.position, anchor.position)
+    if start is None:
+        facing, doubt = scene.facing_of(anchor)
+        if facing is None or float((place.position - anchor.position) @ facing) >= 0.0:
+            return Judged(_NO, doubt or f"which way {anchor.name} faces is not known")
+        return Judged(apart, doubt)
+    if scene.ways.distance(start, place.position) <= scene.ways.distance(start, anchor.position):
+        return Judged(_NO)
+    detour = scene.ways.distance(start, anchor.position) + apart - scene.ways.distance(start, place.position)
+    return Judged(detour + apart)
+
+
+def this_side(place: Place, anchor: Place, scene: Scene) -> Judged:
+    """Nearer to here than the anchor."""
+    return before(place, anchor, scene)
+
+
+PAIRED: dict[Relation, Callable[[Place, Place, Scene], Judged]] = {
+    Relation.NEXT_TO: next_to,
+    Relation.NEAR: near,
+    Relation.OPPOSITE: opposite,
+    Relation.LEFT_OF: _sideways(-1.0),
+    Relation.RIGHT_OF: _sideways(1.0),
+    Relation.BEFORE: before,
+    Relation.BEHIND: behind,
+    Relation.THIS_SIDE: this_side,
+}
+"""Relations between a place and one anchor."""

@@ -1,0 +1,263 @@
+"""One solver: which places serve, then what must hold, then relations and order by geometry."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lpslam.language.wishes.form import PREVIOUS, Relation, Stop, Which, Wish
+from lpslam.language.wishes.scoring import Scorer, Served
+from lpslam.navigation.places import Distances, Here, Place, Point, Straight
+from lpslam.navigation.relations import PAIRED, Judged, Scene, between, on_the_way
+
+_EQUAL = 0.97  # of the best score: served equally, where the nearer is chosen
+_NEARLY = 0.8  # of the best score: served well enough, where the nearest is asked for
+_SERVES = 0.6  # of the best score: what may stand in a relation, or in a list
+_MOST = 50  # places of a list
+_MOST_ANCHORS = 8  # places of an anchor that a place is held against
+_WEAK = frozenset({Relation.NEAR, Relation.BEFORE, Relation.BEHIND})  # said of times and manners as well
+_ALTERNATIVES = 5  # further places that are told where one is asked for
+_DECIDED = 2.0  # standard deviations by which two distances must differ to be told apart
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Solved:
+    """One stop answered.
+
+    Attributes:
+        stop: with what its words mean.
+        place: None where none serves; then `notes` say what is missing.
+        others: further places that serve, best first; or the next best.
+        confidence: 0 to 1.
+        evidence: why these places serve.
+        notes: what is not sure, what is missing, what was not heeded.
+        model: which model said what serves.
+    """
+
+    stop: Stop
+    place: Place | None
+    others: tuple[Place, ...]
+    confidence: float
+    evidence: str
+    notes: tuple[str, ...] = ()
+    model: str = "offline"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Solution:
+    """A wish answered, stop by stop."""
+
+    wish: Wish
+    stops: tuple[Solved, ...]
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """All that is not sure, missing or not heeded, each once."""
+        return tuple(dict.fromkeys((*self.wish.notes, *(note for stop in self.stops for note in stop.notes))))
+
+
+def solve(
+    wish: Wish, places: Sequence[Place], scorer: Scorer, here: Here | None = None, ways: Distances | None = None
+) -> Solution:
+    """Answer a wish.
+
+    Args:
+        wish: what is meant.
+        places: all landmarks, where they stand.
+        scorer: says which landmarks serve a stop's words.
+        here: where the asker stands; unknown without.
+        ways: distances between points; straight without.
+    """
+    solver = _Solver(Scene(places, here or Here(), ways or Straight()), scorer)
+    solved: list[Solved] = []
+    for stop in wish.stops:
+        solved.append(solver.stop(stop, solved[-1].place if solved else None, bool(solved)))
+    return Solution(replace(wish, stops=tuple(each.stop for each in solved)), tuple(solved))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Ranked:
+    """A place with the cost by which it is ordered, lower first, and what is not sure of that."""
+
+    cost: float
+    place: Place
+    score: float
+    doubt: str = ""
+
+
+class _Solver:
+    def __init__(self, scene: Scene, scorer: Scorer) -> None:
+        self._scene = scene
+        self._scorer = scorer
+        self._by_id = {place.id: place for place in scene.places}
+
+    def stop(self, stop: Stop, previous: Place | None, is_later: bool) -> Solved:
+        """Answer one stop; `previous` is the place of the stop before."""
+        ignored = self._idle_relation(stop)
+        if ignored:
+            stop = replace(stop, what=stop.whole or stop.what, relation=None, anchor=())
+        served = self._scorer.serve(stop)
+        notes = [f"not heeded: {each}" for each in (*ignored, *served.ignored)]
+        stop = served.stop
+        if not served.scores:
+            return self._none(served, (served.evidence, *notes))
+        if stop.relation is None:
+            start = previous.position if is_later and previous is not None else self._scene.here.position
+            return self._ordered(served, start, notes)
+        anchors = [self._anchors(each, previous) for each in stop.anchor]
+        missing = [each.what for each, found in zip(stop.anchor, anchors, strict=True) if not found]
+        if missing:
+            notes.append(f"{' and '.join(missing)}: not on this map, so “{stop.relation.value}” cannot be decided")
+            return self._none(served, notes, self._listed(served))
+        return self._related(served, anchors, previous, notes)
+
+    def _idle_relation(self, stop: Stop) -> tuple[str, ...]:
+        """A relation to what is no place: “near at hand”, “before the flight”; it says when or how, not where."""
+        if stop.relation not in _WEAK or stop.which is not Which.ANY or any(each == PREVIOUS for each in stop.anchor):
+            return ()
+        missing = [each for each in stop.anchor if each.what and not self._scorer.serve(each).scores]
+        is_near = stop.relation is Relation.NEAR
+        idle = [each for each in missing if not (is_near and self._scorer.is_understood(each))]
+        return tuple(f"{stop.relation.value} {each.what}" for each in idle if stop.relation is not None)
+
+    def _none(self, served: Served, notes: Sequence[str], others: Sequence[Place] = ()) -> Solved:
+        next_best = tuple(others) or tuple(self._by_id[id_] for id_ in served.others if id_ in self._by_id)
+        return Solved(
+            served.stop, None, next_best, served.confidence, served.evidence, tuple(dict.fromkeys(notes)), served.model
+        )
+
+    def _listed(self, served: Served) -> list[Place]:
+        best = sorted(served.scores, key=lambda id_: (-served.scores[id_], id_))
+        return [self._by_id[id_] for id_ in best if id_ in self._by_id][:_MOST]
+
+    def _serving(self, scores: Mapping[int, float], least: float) -> list[tuple[Place, float]]:
+        top = max(scores.values(), default=0.0)
+        return [
+            (self._by_id[id_], score) for id_, score in scores.items() if score >= least * top and id_ in self._by_id
+        ]
+
+    def _anchors(self, anchor: Stop, previous: Place | None) -> list[Place]:
+        if anchor == PREVIOUS:
+            return [previous] if previous is not None else []
+        served = self._scorer.serve(anchor)
+        if anchor.relation is not None or anchor.which is not Which.ANY:
+            solved = self.stop(anchor, previous, False)
+            return [solved.place] if solved.place is not None else []
+        # “Next to Customs” means the board that says so, not all that deals with customs.
+        scores = {id_: served.scores[id_] for id_ in served.exact} or served.scores
+        return [place for place, _ in self._serving(scores, _EQUAL)]
+
+    def _from(self, start: Point | None, place: Place) -> float:
+        return 0.0 if start is None else self._scene.ways.distance(start, place.position)
+
+    def _ordered(self, served: Served, start: Point | None, notes: list[str]) -> Solved:
+        """Places that serve, in the order that is asked for."""
+        stop = served.stop
+        least = {Which.ANY: _EQUAL, Which.ALL: _SERVES, Which.LARGEST: _NEARLY}.get(stop.which, _NEARLY)
+        serving = self._serving(served.scores, least)
+        if start is None and stop.which in (Which.NEAREST, Which.FARTHEST):
+            notes.append(f"where you stand is not known, so “{stop.which.value}” cannot be decided")
+        sign = -1.0 if stop.which is Which.FARTHEST else 1.0
+        ranked = [
+            _Ranked(-place.size if stop.which is Which.LARGEST else sign * self._from(start, place), place, score)
+            for place, score in serving
+        ]
+        if stop.which is Which.ALL:
+            ranked = [replace(each, cost=each.cost) for each in ranked]
+        ranked.sort(key=lambda each: (each.cost, -each.score, each.place.id))
+        if start is None and stop.which not in (Which.LARGEST,):
+            ranked.sort(key=lambda each: (-each.score, each.place.id))
+        if stop.which is Which.LARGEST and not any(each.place.size for each in ranked):
+            notes.append("how large the places are is not known")
+        return self._picked(served, ranked, notes)
+
+    def _related(
+        self, served: Served, anchors: Sequence[Sequence[Place]], previous: Place | None, notes: list[str]
+    ) -> Solved:
+        """Places that serve, by how they stand to the anchors."""
+        stop = served.stop
+        assert stop.relation is not None
+        serving = self._serving(served.scores, _NEARLY)
+        start, note = self._start(stop, previous)
+        notes += [note] if note else []
+        ranked: list[_Ranked] = []
+        doubts: dict[str, None] = {}
+        for place, score in serving:
+            judged = self._judged(stop, place, anchors, start)
+            if judged.doubt:
+                doubts.setdefault(judged.doubt)
+            if math.isfinite(judged.cost):
+                cost = -judged.cost if stop.which is Which.FARTHEST else judged.cost
+                ranked.append(_Ranked(cost, place, score, judged.doubt))
+        if not ranked:
+            said = " and ".join(place.name for found in anchors for place in found[:1])
+            notes += list(doubts) or [f"nothing that serves stands {stop.relation.value} {said}"]
+            nearest = sorted(serving, key=lambda pair: self._to_anchors(pair[0], anchors))
+            return self._none(served, notes, [place for place, _ in nearest])
+        ranked.sort(key=lambda each: (each.cost, -each.score, each.place.id))
+        notes += [ranked[0].doubt] if ranked[0].doubt else []
+        return self._picked(served, ranked, notes)
+
+    def _start(self, stop: Stop, previous: Place | None) -> tuple[Point | None, str]:
+        if stop.start is None:
+            return self._scene.here.position, ""
+        found = self._anchors(stop.start, previous)
+        if not found:
+            return self._scene.here.position, f"{stop.start.what}: not on this map; the way is taken from here"
+        return found[0].position, ""
+
+    def _to_anchors(self, place: Place, anchors: Sequence[Sequence[Place]]) -> float:
+        return min(self._scene.ways.distance(place.position, each.position) for found in anchors for each in found)
+
+    def _judged(self, stop: Stop, place: Place, anchors: Sequence[Sequence[Place]], start: Point | None) -> Judged:
+        """The cheapest of all anchors that may be meant; no place is its own anchor."""
+        others = [[each for each in _nearest_to(place, found) if each is not place] for found in anchors]
+        if not all(others):
+            return Judged(math.inf)
+        if stop.relation is Relation.BETWEEN:
+            if len(others) < 2:
+                return PAIRED[Relation.NEAR](place, others[0][0], self._scene)
+            pairs = [between(place, one, two, self._scene) for one in others[0] for two in others[1] if one is not two]
+            return min(pairs, key=lambda each: each.cost, default=Judged(math.inf))
+        if stop.relation is Relation.ON_THE_WAY:
+            return min((on_the_way(place, each, start, self._scene) for each in others[0]), key=lambda each: each.cost)
+        assert stop.relation is not None
+        judge = PAIRED[stop.relation]
+        return min((judge(place, each, self._scene) for each in others[0]), key=lambda each: each.cost)
+
+    def _picked(self, served: Served, ranked: Sequence[_Ranked], notes: list[str]) -> Solved:
+        stop = served.stop
+        at = stop.rank - 1
+        if at >= len(ranked):
+            notes.append(f"there are only {len(ranked)} that serve")
+            return self._none(served, notes, [each.place for each in ranked])
+        chosen = ranked[at]
+        sure = served.confidence
+        rival = ranked[at + 1] if at + 1 < len(ranked) else None
+        is_ordered = stop.which in (Which.NEAREST, Which.FARTHEST) or stop.relation is not None
+        if rival is not None and is_ordered:
+            spread = math.hypot(chosen.place.uncertainty, rival.place.uncertainty)
+            if spread > 0.0 and abs(rival.cost - chosen.cost) < _DECIDED * spread:
+                notes.append(f"{rival.place.name} may be as near: the difference is within what the map knows")
+                sure *= 0.7
+        others = [each.place for each in ranked if each.place is not chosen.place]
+        others += [place for place in self._listed(served)[:_ALTERNATIVES] if place is not chosen.place]
+        others += [self._by_id[id_] for id_ in served.others if id_ in self._by_id]
+        return Solved(
+            stop,
+            chosen.place,
+            tuple(dict.fromkeys(others))[: _MOST if stop.which is Which.ALL else _ALTERNATIVES],
+            round(min(sure, 0.99), 3),
+            served.evidence,
+            tuple(dict.fromkeys(notes)),
+            served.model,
+        )
+
+
+def _nearest_to(place: Place, anchors: Sequence[Place]) -> Sequence[Place]:
+    """The few anchors that stand nearest, as the crow flies: the others can hardly be meant."""
+    if len(anchors) <= _MOST_ANCHORS:
+        return anchors
+    apart = np.linalg.norm(np.array([each.position for each in anchors]) - place.position, axis=1)
+    return [anchors[int(at)] for at in np.argpartition(apart, _MOST_ANCHORS)[:_MOST_ANCHORS]]

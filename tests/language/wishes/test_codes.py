@@ -1,0 +1,75 @@
+"""Numbers and codes: what is asked for, what boards bear, and ranges."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lpslam.language.wishes.codes import asked_codes, board_codes, code_of, identities
+
+
+def fits(question: str, board: str) -> bool:
+    return all(any(code.bears(asked) for code in board_codes(board)) for asked in asked_codes(question))
+
+
+@pytest.mark.parametrize(
+    ("question", "board"),
+    [
+        ("gate B31", "Gates B20–B38"),
+        ("B31番ゲート", "ゲート B20〜B38"),
+        ("三号登机口", "登机口 1-9"),
+        ("Zimmer 203", "Room 201-215"),
+        ("terminal two", "Terminal 2"),
+        ("andén 5", "Platforms 5-8"),
+        ("dock 9", "Dock 7 to 12"),
+        ("Zone C", "Zones A–D"),
+        ("salle 2.14", "Salle 2.14"),
+        ("gates A", "Gates A1-A15"),
+    ],
+)
+def test_a_board_bears_what_is_asked(question: str, board: str) -> None:
+    assert asked_codes(question)
+    assert fits(question, board)
+
+
+@pytest.mark.parametrize(
+    ("question", "board"),
+    [
+        ("gate B31", "Gates A1-A40"),
+        ("gate B39", "Gates B20–B38"),
+        ("room 203", "Room 101"),
+        ("platform 2", "Platform 12"),
+        ("gate 12", "Platform 12"),
+        ("room 2", "Rooms 201-215"),
+        ("Zone E", "Zones A–D"),
+    ],
+)
+def test_another_board_does_not(question: str, board: str) -> None:
+    assert not fits(question, board)
+
+
+@pytest.mark.parametrize(
+    "question",
+    [
+        "in 20 minutes",
+        "a table for 4 people",
+        "at 5 pm",
+        "under 10 €",
+        "2時間あるんだけど",
+        "one coffee",
+        "8キロの荷物",
+        "I am lost",
+    ],
+)
+def test_hours_prices_and_people_are_no_codes(question: str) -> None:
+    assert not asked_codes(question)
+
+
+@given(st.integers(0, 900), st.integers(0, 90), st.integers(0, 999), st.sampled_from("ABCDK"))
+def test_a_range_bears_just_its_numbers(first: int, size: int, asked: int, letter: str) -> None:
+    board = f"Gates {letter}{first}-{letter}{first + size}"
+    assert fits(f"gate {letter}{asked}", board) == (first <= asked <= first + size)
+
+
+def test_an_identity_is_its_code() -> None:
+    codes = asked_codes("gate B31")
+    assert [code_of(each) for each in identities(codes)] == codes

@@ -1,0 +1,60 @@
+"""What stands on a board is found when it is asked for, before any intent."""
+
+import pytest
+
+from lpslam.language.model import Candidate
+from lpslam.language.offline import OfflineModel
+
+BOARDS = (
+    "GRAND STREET 1070 a cowte m 653",
+    "New Arrivals",
+    "Meeting Room Everest",
+    "Meeting Room Alpha",
+    "Schneiderei Kaya",
+    "Prof. Dr. Ines Weber – Room 12",
+    "王府井",
+    "Dairy & Eggs",
+    "Aisle 7 Pasta Rice Sauces",
+    "coffee pizza wc shoes bank",
+    "Starbucks",
+)
+
+
+@pytest.fixture(scope="module")
+def model() -> OfflineModel:
+    return OfflineModel()
+
+
+def found(model: OfflineModel, question: str) -> set[str]:
+    served = model.scorer([Candidate(at, name) for at, name in enumerate(BOARDS)]).serve(
+        model.read_wish(question).stops[0]
+    )
+    top = max(served.scores.values(), default=0.0)
+    return {BOARDS[id_] for id_, score in served.scores.items() if score == top}
+
+
+@pytest.mark.parametrize(
+    ("question", "expected"),
+    [
+        ("Where is Grand Street?", BOARDS[0]),
+        ("New Arrivals", BOARDS[1]),
+        ("Everest", BOARDS[2]),
+        ("Sala Everest", BOARDS[2]),
+        ("meeting room Alpha", BOARDS[3]),
+        ("Wo ist Frau Weber?", BOARDS[5]),
+        ("Wangfujing", BOARDS[6]),
+        ("beurre", BOARDS[7]),
+        ("牛奶在哪里", BOARDS[7]),
+    ],
+)
+def test_a_name_is_found(model: OfflineModel, question: str, expected: str) -> None:
+    assert found(model, question) == {expected}
+
+
+@pytest.mark.parametrize("question", ["Dr. Schneider", "meeting room Gamma", "room 13", "gate B7"])
+def test_what_stands_on_no_board_abstains(model: OfflineModel, question: str) -> None:
+    assert not found(model, question)
+
+
+def test_a_name_that_is_refused_is_not_found(model: OfflineModel) -> None:
+    assert "Starbucks" not in found(model, "coffee, but not at Starbucks")
