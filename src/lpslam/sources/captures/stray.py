@@ -69,7 +69,7 @@ class _Video:
 
     def frame(self, number: int) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
         """Colour (height, width, 3), red, green, blue."""
-        if number < self._next or number > self._next + 30:
+        if self._next < 0 or not self._next <= number <= self._next + 30:
             self._frames, self._next = self._decoded(number), number
         for found, picture in self._frames:
             self._next = found + 1

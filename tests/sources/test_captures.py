@@ -1,0 +1,222 @@
+"""Captures of phones and data sets, written here as their descriptions say: colour, depth in metres, camera, times."""
+
+import json
+import struct
+import zipfile
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from lpslam.errors import UserError
+from lpslam.sources.captures import folders, record3d, replica, scannet, stray
+from lpslam.sources.open import FORMATS
+
+WIDTH, HEIGHT, FRAMES = 64, 48, 4
+FOCAL = 60.0
+
+
+def colour(number: int, width: int = WIDTH, height: int = HEIGHT) -> np.ndarray:
+    """A picture that JPEG keeps: broad stripes, brighter with every frame; red, green, blue."""
+    across = np.linspace(0, 150, width)[None, :, None]
+    return np.broadcast_to(across + 20 * number + np.array([0.0, 10.0, 30.0]), (height, width, 3)).astype(np.uint8)
+
+
+def metres(number: int, width: int = WIDTH, height: int = HEIGHT) -> np.ndarray:
+    depth = np.linspace(0.5, 3.0, width)[None, :] + 0.1 * number + np.zeros((height, 1))
+    depth[: height // 4, : width // 4] = 0.0
+    return np.round(depth, 3).astype(np.float32)
+
+
+def jpeg(picture: np.ndarray) -> bytes:
+    return bytes(cv2.imencode(".jpg", picture[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, 98])[1])
+
+
+def write_scannet(path: Path) -> Path:
+    matrix, same = np.eye(4, dtype="<f4"), np.eye(4, dtype="<f4")
+    matrix[0, 0] = matrix[1, 1] = FOCAL
+    matrix[0, 2], matrix[1, 2] = (WIDTH - 1) / 2, (HEIGHT - 1) / 2
+    data = struct.pack("<IQ", 4, 6) + b"sensor" + b"".join(each.tobytes() for each in (matrix, same, matrix, same))
+    data += struct.pack("<ii4IfQ", 2, 1, WIDTH, HEIGHT, WIDTH, HEIGHT, 1000.0, FRAMES)
+    for number in range(FRAMES):
+        picture = jpeg(colour(number))
+        packed = zlib.compress(np.round(1000 * metres(number)).astype("<u2").tobytes())
+        taken = 1_000_000 + 33_333 * number
+        data += np.eye(4, dtype="<f4").tobytes() + struct.pack("<4Q", taken, taken, len(picture), len(packed))
+        data += picture + packed
+    path.write_bytes(data)
+    return path
+
+
+def write_pairs(folder: Path, colours: str = "color", name: str = "{:05d}") -> Path:
+    for room in (colours, "depth"):
+        (folder / room).mkdir(parents=True)
+    for number in range(FRAMES):
+        (folder / colours / f"{name.format(number)}.jpg").write_bytes(jpeg(colour(number)))
+        millimetres = np.round(1000 * metres(number)).astype(np.uint16)
+        cv2.imwrite(str(folder / "depth" / f"{name.format(number)}.png"), millimetres)
+    matrix = [FOCAL, 0, 0, 0, FOCAL, 0, (WIDTH - 1) / 2, (HEIGHT - 1) / 2, 1]
+    (folder / "camera_intrinsic.json").write_text(
+        json.dumps({"width": WIDTH, "height": HEIGHT, "intrinsic_matrix": matrix})
+    )
+    return folder
+
+
+def write_replica(scene: Path) -> Path:
+    (scene / "results").mkdir(parents=True)
+    for number in range(FRAMES):
+        (scene / "results" / f"frame{number:06d}.jpg").write_bytes(jpeg(colour(number)))
+        scaled = np.round(6553.5 * metres(number)).astype(np.uint16)
+        cv2.imwrite(str(scene / "results" / f"depth{number:06d}.png"), scaled)
+    camera = {"w": WIDTH, "h": HEIGHT, "fx": FOCAL, "fy": FOCAL, "cx": 31.5, "cy": 23.5, "scale": 6553.5}
+    (scene.parent / "cam_params.json").write_text(json.dumps({"camera": camera}))
+    return scene
+
+
+def write_stray(folder: Path) -> Path:
+    """Colour is four times as large as depth."""
+    (folder / "depth").mkdir(parents=True)
+    (folder / "confidence").mkdir()
+    size = 4 * WIDTH, 4 * HEIGHT
+    video = cv2.VideoWriter(str(folder / "rgb.mp4"), cv2.VideoWriter.fourcc(*"mp4v"), 30, size)
+    assert video.isOpened()
+    for number in range(FRAMES):
+        video.write(np.ascontiguousarray(colour(number, *size)[..., ::-1]))
+        millimetres = np.round(1000 * metres(number)).astype(np.uint16)
+        cv2.imwrite(str(folder / "depth" / f"{number:06d}.png"), millimetres)
+        sure = np.full((HEIGHT, WIDTH), 2, np.uint8)
+        sure[-1] = 0
+        cv2.imwrite(str(folder / "confidence" / f"{number:06d}.png"), sure)
+    video.release()
+    rows = [[4 * FOCAL, 0, 2 * WIDTH], [0, 4 * FOCAL, 2 * HEIGHT], [0, 0, 1]]
+    (folder / "camera_matrix.csv").write_text("\n".join(",".join(map(str, row)) for row in rows))
+    lines = [f"{100 + number / 60},{number:06d},0,0,0,0,0,0,1" for number in range(FRAMES)]
+    (folder / "odometry.csv").write_text("\n".join(["timestamp,frame,x,y,z,qx,qy,qz,qw", *lines]))
+    return folder
+
+
+def write_record3d(path: Path) -> Path:
+    liblzfse = pytest.importorskip("liblzfse")
+    size = 4 * WIDTH, 4 * HEIGHT
+    with zipfile.ZipFile(path, "w") as archive:
+        matrix = [4 * FOCAL, 0, 0, 0, 4 * FOCAL, 0, 2.0 * WIDTH, 2.0 * HEIGHT, 1]
+        tree = {"K": matrix, "w": size[0], "h": size[1], "dw": WIDTH, "dh": HEIGHT, "fps": 60}
+        tree["frameTimestamps"] = [5 + number / 60 for number in range(FRAMES)]
+        archive.writestr("metadata", json.dumps(tree))
+        for number in range(FRAMES):
+            depth = metres(number)
+            depth[depth == 0] = np.nan
+            archive.writestr(f"rgbd/{number}.jpg", jpeg(colour(number, *size)))
+            archive.writestr(f"rgbd/{number}.depth", liblzfse.compress(depth.astype("<f4").tobytes()))
+    return path
+
+
+LAYOUTS = {
+    "ScanNet": (lambda place: write_scannet(place / "scene.sens"), scannet, 1, 1 / 30),
+    "Redwood, Open3D": (lambda place: write_pairs(place / "scene"), folders, 1, 1 / 30),
+    "folders": (lambda place: write_pairs(place / "scene", "rgb", "frame-{:03d}"), folders, 1, 1 / 30),
+    "Replica": (lambda place: write_replica(place / "office0"), replica, 1, 1 / 30),
+    "Stray Scanner": (lambda place: write_stray(place / "scan"), stray, 4, 1 / 60),
+    "Record3D": (lambda place: write_record3d(place / "walk.r3d"), record3d, 4, 1 / 60),
+}
+
+
+@pytest.mark.parametrize("name", list(LAYOUTS))
+def test_a_capture_gives_what_was_written(tmp_path: Path, name: str) -> None:
+    write, room, larger, step = LAYOUTS[name]
+    place = write(tmp_path)
+    assert [layout.name for layout in FORMATS if layout.is_at(place)] == [name]
+    source = room.open_capture(place, None, None, nominal=False)
+    frames = list(source)
+    assert not source.faults
+    assert len(frames) == FRAMES
+    camera = source.camera
+    assert (camera.width, camera.height) == (larger * WIDTH, larger * HEIGHT)
+    assert (camera.fx, camera.fy) == (larger * FOCAL, larger * FOCAL)
+    np.testing.assert_allclose(np.diff(source.timestamps), step, atol=1e-4)
+    for number, frame in enumerate(frames):
+        wanted = colour(number, larger * WIDTH, larger * HEIGHT)
+        assert np.abs(frame.rgb.astype(int) - wanted).mean() < 6, "colours are red, green, blue"
+        depth = frame.depth[larger // 2 :: larger, larger // 2 :: larger]
+        expected = metres(number)
+        if name == "Stray Scanner":
+            expected[-1] = 0.0  # its least confidence
+        np.testing.assert_allclose(depth, expected, atol=2e-3)
+
+
+@pytest.mark.parametrize("name", list(LAYOUTS))
+def test_a_part_of_a_capture_is_that_part(tmp_path: Path, name: str) -> None:
+    write, room, _, step = LAYOUTS[name]
+    source = room.open_capture(write(tmp_path), None, None, nominal=False)
+    frames = list(source.part(0.9 * step, 2.1 * step, None))
+    assert len(frames) == 2
+    np.testing.assert_array_equal(frames[0].rgb, list(source)[1].rgb)
+
+
+@pytest.mark.parametrize("share", np.linspace(0.0, 0.98, 20).tolist())
+@pytest.mark.parametrize("name", ["ScanNet", "Record3D"])
+def test_a_file_that_is_cut_off_is_one_clear_line_or_what_is_left(tmp_path: Path, name: str, share: float) -> None:
+    write, room, *_ = LAYOUTS[name]
+    place = write(tmp_path)
+    data = place.read_bytes()
+    place.write_bytes(data[: round(share * len(data))])
+    try:
+        source = room.open_capture(place, None, None, nominal=False)
+        frames = list(source)
+    except UserError as error:
+        assert "\n" not in str(error)  # noqa: PT017
+        return
+    assert 1 <= len(frames) <= FRAMES
+    np.testing.assert_allclose(frames[0].depth[:, ::2], metres(0)[:, ::2], atol=2e-3)
+
+
+def spoil_matrix(place: Path) -> None:
+    (place / "camera_matrix.csv").write_text("a,b\nc")
+
+
+def spoil_video(place: Path) -> None:
+    (place / "rgb.mp4").write_bytes(b"no video")
+
+
+def spoil_intrinsics(place: Path) -> None:
+    (place / "camera_intrinsic.json").write_text('{"width": 64, "intrinsic_matrix": [1, 2]}')
+
+
+def spoil_numbers(place: Path) -> None:
+    for path in list((place / "depth").iterdir()):
+        path.rename(path.with_name(f"{1000 + int(path.stem)}.png"))
+
+
+def spoil_params(place: Path) -> None:
+    (place.parent / "cam_params.json").write_text("[" * 5000)
+
+
+@pytest.mark.parametrize(
+    ("name", "spoil"),
+    [
+        ("Stray Scanner", spoil_matrix),
+        ("Stray Scanner", spoil_video),
+        ("Redwood, Open3D", spoil_intrinsics),
+        ("Redwood, Open3D", spoil_numbers),
+        ("Replica", spoil_params),
+    ],
+)
+def test_what_a_capture_lacks_is_one_clear_line(tmp_path: Path, name: str, spoil: Callable[[Path], None]) -> None:
+    write, room, *_ = LAYOUTS[name]
+    place = write(tmp_path)
+    spoil(place)
+    with pytest.raises(UserError) as caught:
+        room.open_capture(place, None, None, nominal=False)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_depth_image_that_is_damaged_is_one_fault(tmp_path: Path) -> None:
+    place = write_pairs(tmp_path / "scene")
+    path = place / "depth" / "00002.png"
+    path.write_bytes(path.read_bytes()[:60])
+    source = folders.open_capture(place, None, None, nominal=False)
+    assert len(list(source)) == FRAMES - 1
+    assert [fault.index for fault in source.faults] == [2]
