@@ -3,7 +3,7 @@
 What is read is one more reading of its class, with a probability of its own; nothing is promoted or founded by it.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from lpslam.camera import PinholeCamera
 from lpslam.language.model import LanguageModel
 from lpslam.text.again.averaging import Canvas, canvas_of
-from lpslam.text.again.crops import Crop
 from lpslam.text.placing.instances import KeyframePoses
 from lpslam.text.placing.places import Place, places_of_class
 from lpslam.text.reading.boxes import letter_heights
@@ -38,7 +37,7 @@ _LEADING = 4
 """Commonest spellings that a reading must be like, as in memory."""
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class Looked:
     """What second looks did: texts drawn, readings of them that joined a class, and pixels searched."""
 
@@ -77,31 +76,30 @@ def look_again(
         if should_stop():
             break
         text_class = text_map.memory.long_term[key]
-        before = looked.readings
-        for place in places_of_class(text_class, world_from_keyframe, config.instances, config.memory):
-            canvas = canvas_of(
-                place, _at(place, store.by_class[key], text_class), world_from_keyframe, camera, config.again
-            )
-            if canvas is None:
-                continue
-            if looked.pixels + canvas.rgb[..., 0].size > pixels:
-                return looked
-            looked.pixels += canvas.rgb[..., 0].size
-            looked.texts += 1
-            looked.readings += _read(canvas, place, text_class, text_map, spotter)
+        places = places_of_class(text_class, world_from_keyframe, config.instances, config.memory)
+        drawn = [_canvas(place, text_class, text_map, world_from_keyframe, camera) for place in places]
+        canvases = [each for each in drawn if each is not None]
+        cost = sum(each.rgb[..., 0].size for each in canvases)
+        if looked.pixels + cost > pixels:
+            break
+        readings = sum(_read(canvas, text_class, text_map, spotter) for canvas in canvases)
+        looked = Looked(looked.texts + len(canvases), looked.readings + readings, looked.pixels + cost)
         store.drop([key])
-        if looked.readings > before:
+        if readings:
             name_class(text_class, language, config)
     return looked
 
 
-def _at(place: Place, crops: Sequence[Crop], text_class: TextClass) -> list[Crop]:
-    """The crops of a class that were taken of one of its places."""
-    frames = {each.timestamp for each in text_class.observations if each.frame in place.positions_by_frame}
-    return [crop for crop in crops if crop.timestamp in frames]
+def _canvas(
+    place: Place, text_class: TextClass, text_map: TextMap, world_from_keyframe: KeyframePoses, camera: PinholeCamera
+) -> Canvas | None:
+    """A class at one of its places, drawn from the crops that were taken there."""
+    taken = {each.timestamp for each in text_class.observations if each.frame in place.positions_by_frame}
+    crops = [crop for crop in text_map.crops.by_class[text_class.id] if crop.timestamp in taken]
+    return canvas_of(place, crops, world_from_keyframe, camera, text_map.config.again)
 
 
-def _read(canvas: Canvas, place: Place, text_class: TextClass, text_map: TextMap, spotter: TextSpotter) -> int:
+def _read(canvas: Canvas, text_class: TextClass, text_map: TextMap, spotter: TextSpotter) -> int:
     """Read the text in its own box and in the boxes found anew; how many readings were like its class."""
     config = text_map.config
     found, _ = spotter.detect(canvas.rgb)
