@@ -106,6 +106,13 @@ def test_a_reading_unlike_all_others_joins_nothing() -> None:
     assert made.long_term[0].variants == before
 
 
+def test_a_piece_of_what_was_read_says_nothing_of_the_ends() -> None:
+    made = text_map(["HELLO", "HFLLO", "HELLO", "HELLO", "HELLD"])
+    looked = look_again(made, poses, CAMERA, Reader("HELL"), None)
+    assert (looked.texts, looked.readings) == (1, 0)
+    assert made.long_term[0].name == "HELLO"
+
+
 def test_no_more_is_searched_than_allowed_and_the_rest_keeps_its_crops() -> None:
     made = text_map(["HELLD", "HFLLO", "NELLO", "HELLU", "HELIO"])
     reader = Reader("HELLO")

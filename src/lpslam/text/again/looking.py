@@ -105,17 +105,29 @@ def _read(canvas: Canvas, text_class: TextClass, text_map: TextMap, spotter: Tex
     found, _ = spotter.detect(canvas.rgb)
     boxes = np.concatenate([canvas.box[None], found[_are_its(found, canvas.box)]])
     accepted = accepted_texts(boxes, spotter.recognise(canvas.rgb, boxes), config.spotting)
-    likest = [comparison_key(each) for each in text_class.spellings[:_LEADING]]
     texts = [
         each
-        for each in accepted
+        for row, each in enumerate(accepted)
         if each is not None
-        and max(similarity(comparison_key(each.text), other) for other in likest) >= config.memory.similarity_in_place
+        and _is_like(each.text, text_class, config.memory.similarity_in_place)
+        # The known box is a median, also of boxes around pieces: what it cuts off says nothing of a text's ends.
+        and not (row == 0 and _is_piece(each.text, text_class))
     ]
     if texts:
         # Both boxes are cut from one drawing: the surer reading is what it says.
         _add(max(texts, key=lambda each: _glance(each, canvas).right), canvas, text_class)
     return min(len(texts), 1)
+
+
+def _is_like(text: str, text_class: TextClass, least: float) -> bool:
+    key = comparison_key(text)
+    return any(similarity(key, comparison_key(each)) >= least for each in text_class.spellings[:_LEADING])
+
+
+def _is_piece(text: str, text_class: TextClass) -> bool:
+    """Whether a longer spelling that was read has all of a text in it."""
+    key = comparison_key(text)
+    return any(key in longer and key != longer for longer in map(comparison_key, text_class.variants))
 
 
 def _add(text: SpottedText, canvas: Canvas, text_class: TextClass) -> None:
