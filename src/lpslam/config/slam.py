@@ -108,7 +108,7 @@ class TrackingConfig(Section):
     min_agreement: float = Field(default=0.6, ge=0, le=1)  # share of what is followed that one motion must explain
     min_followed: int = 60  # inliers; fewer, and the frame is matched with the map at once
     min_followed_share: float = Field(default=0.7, ge=0, le=1)  # of those followed first, the same
-    anchor_interval: float = Field(default=0.2, ge=0)  # seconds after which a frame is matched with the map anyway
+    anchor_interval: float = Field(default=0.1, ge=0)  # seconds after which a frame is matched with the map anyway
     anchor_travel: float = Field(default=0.08, ge=0)  # of the image's width that the picture moves, the same
     bridged_travel: float = Field(default=1.5, ge=0)  # of the same, over which frames that showed nothing are bridged
     steady_share: float = Field(default=0.5, ge=0)  # of `motion_radius`; predictions farther off, and flow goes first
@@ -119,6 +119,7 @@ class TrackingConfig(Section):
     predictable_gap: float = Field(default=0.08, gt=0)  # seconds between frames; more, and a turn has changed its pace
     long_gap: float = Field(default=0.3, gt=0)  # seconds without frames after which the same: nothing was predicted
     recovery_candidates: int = Field(default=4, ge=1)  # places tried a frame when lost
+    carried_speed: float = Field(default=2.0, gt=0)  # m/s; a camera that is carried unseen is not faster: a quick walk
     recovery_sweep: int = Field(default=3, ge=0)  # further keyframes a frame, whatever they look like: all in turn
     doubt_seconds: float = Field(default=3.0, ge=0)  # after relocalising, in which signs may speak against the place
     submap_after: float = Field(default=0.5, ge=0)  # seconds of usable but unknown views after which a sub-map begins
@@ -143,6 +144,9 @@ class SurfaceConfig(Section):
     )  # grey values; a picture with less is blank or dark and says nothing
     least_correlation: float = Field(default=0.5, ge=-1, le=1)  # of two pictures with contrast; those of others differ
     told_share: float = Field(default=0.33, gt=0)  # of the guess's sigma; images that tell no better do not hold
+    least_noise: float = Field(
+        default=0.4, gt=0
+    )  # of the supposed sigma: the median of nine readings leaves so much
     renewed_share: float = Field(default=0.8, gt=0, le=1)  # of the reference in view; less, and the next one is taken
     held_seconds: float = Field(default=10.0, ge=0)  # for which images alone tell the way; they drift by a twentieth
 
@@ -223,6 +227,8 @@ class LocatingConfig(Section):
     min_spread: int = Field(default=6, ge=1)  # ... and how many of the cells must hold an inlier
     rival_share: float = Field(default=0.6, ge=0, le=1)  # of the best place's inliers that make another one a rival ...
     rival_distance: float = Field(default=0.5, ge=0)  # ... if it is farther off than this, metres: neither is believed
+    sure_inliers: int = Field(default=100, ge=10)  # believed at once; fewer when the next frame finds the same place
+    agreement_distance: float = Field(default=0.1, gt=0)  # metres by which one place may differ in the next frame
     disowned_radius: float = Field(default=3.0, ge=0)  # metres around a place that signs have spoken against
 
 

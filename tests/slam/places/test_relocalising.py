@@ -13,7 +13,7 @@ from lpslam.slam.features import Features
 from lpslam.slam.map import SlamMap
 from lpslam.slam.places.index import PlaceIndex
 from lpslam.slam.places.locating import Located, Locator
-from lpslam.slam.places.relocalising import Relocaliser
+from lpslam.slam.places.relocalising import LastSeen, Relocaliser
 
 VIEW = view_of(np.eye(4), np.array([[0.0, 0.0, 2.0]]), np.zeros((1, 4), np.uint64))
 
@@ -169,3 +169,26 @@ def test_an_empty_map_has_no_place() -> None:
     slam_map = SlamMap(20, SENSOR.scales)
     assert relocaliser(slam_map, [], locator).find(VIEW, -1) is None
     assert locator.asked == []
+
+
+def test_a_place_that_little_tells_is_believed_when_the_next_frame_finds_it_too() -> None:
+    """What fits by chance fits elsewhere a frame later, or nowhere."""
+    slam_map, scores, frame = places_apart(2), [0.5, 0.5], 1 / 30
+    locator = Holding({0: (0.0, 60)})
+    searching = relocaliser(slam_map, scores, locator)
+    assert searching.confirm(VIEW, -1, None, 0.0) is None
+    locator.holds = {0: (1.5, 60)}
+    assert searching.confirm(VIEW, -1, None, frame) is None, "too far for a thirtieth of a second"
+    locator.holds = {0: (1.55, 60)}
+    found = searching.confirm(VIEW, -1, None, 2 * frame)
+    assert found is not None
+    assert found.inliers == 60
+
+
+def test_a_place_that_much_tells_or_that_is_near_is_believed_at_once() -> None:
+    slam_map = places_apart(2)
+    assert relocaliser(slam_map, [0.5, 0.5], Holding({0: (5.0, 100)})).confirm(VIEW, -1, None, 0.0) is not None
+    last_seen = LastSeen(0, rigid([-4.0, 0.0, 0.0], [0, 0, 0]), 10.0)
+    for seconds, is_believed in ((0.3, False), (0.6, True)):
+        searching = relocaliser(slam_map, [0.5, 0.5], Holding({0: (5.0, 60)}))
+        assert (searching.confirm(VIEW, -1, last_seen, 10.0 + seconds) is not None) == is_believed

@@ -70,10 +70,10 @@ def tell(clip: Clip, monkeypatch: pytest.MonkeyPatch) -> Tell:
     def told(in_vain: int = len(HIDDEN) + len(UNSEEN), advisor: LoopAdvisor = NO_ADVICE, **tracking: float) -> Story:
         find, calls = Relocaliser.find, 0
 
-        def late(relocaliser: Relocaliser, features: Features, reference: int) -> Located | None:
+        def late(relocaliser: Relocaliser, features: Features, reference: int, likely: Sequence[int]) -> Located | None:
             nonlocal calls
             calls += 1
-            return None if calls <= in_vain else find(relocaliser, features, reference)
+            return None if calls <= in_vain else find(relocaliser, features, reference, likely)
 
         monkeypatch.setattr(Relocaliser, "find", late)
         config = SlamConfig(tracking=TrackingConfig.model_validate({"coast_seconds": 0.0, **tracking}))

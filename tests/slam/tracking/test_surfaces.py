@@ -34,7 +34,7 @@ SHADELESS = small(CORNER, np.eye(4), 0.0)
 
 
 @settings(max_examples=12)
-@given(twists(distance=0.06, angle=0.08))
+@given(twists(distance=0.05, angle=0.08))  # farther than six sigmas of the guess is not believed
 def test_a_step_before_a_corner_is_told_to_millimetres(twist: np.ndarray) -> None:
     moved = exponential(twist)
     aligned = SURFACES.align(REFERENCE, small(CORNER, moved, noise=0.5), np.eye(4), 1 / 30)
@@ -55,6 +55,16 @@ def test_three_planes_without_any_shade_tell_it_by_themselves(twist: np.ndarray)
     metres, radians = pose_error(aligned.image_from_reference, moved)
     assert metres < 0.006
     assert np.degrees(radians) < 0.3
+
+
+@pytest.mark.parametrize("rate", [30, 60, 120])
+def test_readings_with_less_noise_than_supposed_tell_smaller_steps(rate: int) -> None:
+    """The faster the frames, the less the guess leaves open: a sensor that is good tells it still, in the dark."""
+    moved = rigid([0.002, -0.001, 0.002], [0.001, 0.002, 0.0])
+    aligned = SURFACES.align(SHADELESS, small(CORNER, moved, 0.0, noise=0.1), np.eye(4), 1 / rate)
+    assert aligned is not None
+    assert aligned.holds
+    assert pose_error(aligned.image_from_reference, moved)[0] < 0.001
 
 
 def test_a_camera_that_exposes_longer_moves_no_farther() -> None:

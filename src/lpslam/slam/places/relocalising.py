@@ -1,6 +1,7 @@
 """Finding a lost view in the whole map (ORB-SLAM, V-B)."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +15,24 @@ from lpslam.slam.places.index import PlaceIndex, group_candidates
 from lpslam.slam.places.locating import Located, Locator
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class LastSeen:
+    """Where the camera was last.
+
+    Attributes:
+        keyframe, camera_from_keyframe: its pose (4×4), which follows every correction of the map.
+        timestamp: in seconds.
+    """
+
+    keyframe: int
+    camera_from_keyframe: NDArray[np.float64]
+    timestamp: float
+
+
 class Relocaliser:
     """Believes one place that holds, unless another holds as well elsewhere.
 
+    A place that few points tell is believed when the next frame finds it too, or the camera was near it.
     Candidates are the last keyframe, those that an advisor recalls, those that look alike by their words, and, a few a
     frame, all others in turn: words are learned on some pictures of the world, and a view of another may have none.
     """
@@ -39,17 +55,44 @@ class Relocaliser:
         self._sweep = tracking.recovery_sweep
         self._swept = -1
         self._disowned: list[tuple[int, NDArray[np.float64]]] = []
+        self._carried_speed = tracking.carried_speed
+        self._unconfirmed: LastSeen | None = None
 
-    def find(self, features: Features, last_reference: int) -> Located | None:
+    def confirm(
+        self, features: Features, last_reference: int, last_seen: LastSeen | None, timestamp: float
+    ) -> Located | None:
+        """The place of a view: one that little tells only if the camera can have come there since it was last seen.
+
+        That is: before it was lost, or by a place found a frame ago. What fits by chance fits
+        elsewhere in the next frame; a place that is right is found again.
+
+        Args:
+            features: the view's keypoints.
+            last_reference: the keyframe by which the camera was last seen, tried first.
+            last_seen: where it was then, if that is known.
+            timestamp: of the view, in seconds.
+        """
+        before, self._unconfirmed = self._unconfirmed, None
+        located = self.find(features, last_reference, () if before is None else (before.keyframe,))
+        if located is None or located.inliers >= self._config.sure_inliers:
+            return located
+        if any(self._is_within_reach(located, seen, timestamp) for seen in (last_seen, before)):
+            return located
+        camera_from_keyframe = located.camera_from_world @ self._map.world_from_keyframe(located.keyframe)
+        self._unconfirmed = LastSeen(located.keyframe, camera_from_keyframe, timestamp)
+        return None
+
+    def find(self, features: Features, last_reference: int, likely: Sequence[int] = ()) -> Located | None:
         """The place of a view, or None; the caller holds the map's lock.
 
         Args:
             features: the view's keypoints.
             last_reference: the keyframe by which the camera was last seen, tried first.
+            likely: keyframes tried next.
         """
         found = [
             located
-            for candidate, guess in self._likely(features, last_reference)
+            for candidate, guess in self._likely(features, last_reference, likely)
             if (located := self._locator.locate(features, candidate, guess=guess)) is not None
             and not self._is_disowned(located)
         ]
@@ -67,6 +110,15 @@ class Relocaliser:
         """Believe every place again."""
         self._disowned.clear()
 
+    def _is_within_reach(self, located: Located, seen: LastSeen | None, timestamp: float) -> bool:
+        submaps = self._map.submaps()
+        if seen is None or submaps[seen.keyframe] != submaps[located.keyframe]:
+            return False
+        camera_from_world = seen.camera_from_keyframe @ self._map.camera_from_world(seen.keyframe)
+        apart = inverse_transform(camera_from_world)[:3, 3] - inverse_transform(located.camera_from_world)[:3, 3]
+        reach = self._config.agreement_distance + self._carried_speed * abs(timestamp - seen.timestamp)
+        return float(np.linalg.norm(apart)) <= reach
+
     def _is_disowned(self, located: Located) -> bool:
         submaps = self._map.submaps()
         centre = inverse_transform(located.camera_from_world)[:3, 3]
@@ -76,11 +128,17 @@ class Relocaliser:
             for keyframe, other in self._disowned
         )
 
-    def _likely(self, features: Features, last_reference: int) -> Iterator[tuple[int, NDArray[np.float64] | None]]:
+    def _likely(
+        self, features: Features, last_reference: int, likely: Sequence[int]
+    ) -> Iterator[tuple[int, NDArray[np.float64] | None]]:
         """Keyframes to try, with the pose (4×4, camera from world) where one is known from elsewhere."""
         tried = {last_reference}
         if last_reference >= 0 and self._map.is_alive(last_reference):
             yield last_reference, None
+        for candidate in likely:
+            if candidate not in tried and self._map.is_alive(candidate):
+                tried.add(candidate)
+                yield candidate, None
         for recalled in self._advisor.recalls(self._map):
             if self._map.is_alive(recalled.keyframe):
                 yield recalled.keyframe, recalled.camera_from_world

@@ -143,8 +143,11 @@ class Surfaces:
                 break
         if halvings:
             return Aligned(pose, inside / known, False, False)  # only the finest images are asked whether they hold
-        noise = self._depth_noise(image[3])
-        told = hessian - noise**2 * measured / inside * self._told_by_noise(reference, pose, intrinsics)
+        noise, by_depth = self._depth_noise(image[3]), np.empty((6, 6))
+        align_terms(reference, image, intrinsics, pose, brightness, np.inf, self._noise, by_depth, gradient, residuals)
+        by_depth += np.triu(by_depth, 1).T
+        by_noise = noise**2 * measured / inside * self._told_by_noise(reference, pose, intrinsics)
+        told = hessian - by_depth + (by_depth - by_noise) / max(noise, config.least_noise) ** 2
         # By eigenvalues in units of the guess: in the direction that the images tell worst.
         told *= np.outer(sigmas, sigmas) * config.told_share**2
         is_firm = bool(np.linalg.eigvalsh(told)[0] > 1.0)

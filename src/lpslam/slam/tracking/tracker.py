@@ -172,7 +172,7 @@ class Tracker:
                 picture = replace(picture, features=followed.features, seen=followed.seen)
                 return self._accept(picture, followed.estimate, is_sure=False)
         # Nothing near where it should be: a frame is given up only after the whole map was searched.
-        found = self._search.best(view, self._lost_starts(view), gap, is_strict=True)
+        found = self._search.best(view, self._lost_starts(view, picture.timestamp), gap, is_strict=True)
         return self._miss(picture) if found is None else self._take(picture, found, is_refound=True)
 
     def _take(self, picture: Picture, found: Search, is_refound: bool = False) -> TrackedFrame:
@@ -238,8 +238,9 @@ class Tracker:
         # Asked for only if that led nowhere: it compares every descriptor with every other.
         yield from self._guesser.from_reference(last, view, self._where.reference)
 
-    def _lost_starts(self, view: View) -> Iterator[FirstGuess]:
-        located = self._relocaliser.find(view.features, self._where.reference)
+    def _lost_starts(self, view: View, timestamp: float) -> Iterator[FirstGuess]:
+        where = self._where
+        located = self._relocaliser.confirm(view.features, where.reference, where.seen(), timestamp)
         if located is not None:
             yield FirstGuess(located.camera_from_world, located.points, located.points)
 

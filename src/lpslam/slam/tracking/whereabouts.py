@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 from lpslam.frames import RgbdFrame
 from lpslam.slam.map import SlamMap
+from lpslam.slam.places.relocalising import LastSeen
 from lpslam.slam.state import EventKind, SlamEvent, TrackedFrame, TrackingState
 from lpslam.slam.tracking.guesses import LastFrame
 from lpslam.slam.tracking.motion import ConstantVelocity
@@ -20,6 +21,7 @@ class Whereabouts:
         state: how far the pose is trusted.
         reference: the keyframe nearest to the camera; -1 before the first.
         last: the last frame with a pose; None while there is none that leads from there to here.
+        last_seen: where the camera was when that was last known; None before the first frame.
         motion: how the camera has moved.
     """
 
@@ -28,12 +30,19 @@ class Whereabouts:
     state: TrackingState
     reference: int
     last: LastFrame | None = None
+    last_seen: LastSeen | None = None
     motion: ConstantVelocity = field(default_factory=ConstantVelocity)
 
     def forget(self) -> None:
         """Nothing leads from where the camera was before to where it is."""
+        self.last_seen = self.seen()
         self.last = None
         self.motion.forget()
+
+    def seen(self) -> LastSeen | None:
+        """Where the camera was last."""
+        last = self.last
+        return self.last_seen if last is None else LastSeen(last.reference, last.camera_from_reference, last.timestamp)
 
     def tell(self, kind: EventKind, frame: RgbdFrame, reason: str) -> None:
         """Say that something has happened at a frame, and why."""
