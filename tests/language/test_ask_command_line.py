@@ -104,3 +104,12 @@ def test_a_map_without_text_is_one_clear_answer(lpslam: Command, walk: Path, tmp
     assert lpslam("run", walk, "-o", bare, "--no-text", "--max-frames", 3).code == 0
     assert "the map has no text" in lpslam("ask", bare, "Where can I eat pizza?").out
     assert lpslam("ask", bare, "Where can I eat pizza?", "--json").json["landmark"] is None
+
+
+def test_what_is_there_is_a_list_the_nearest_first(lpslam: Command, walked: Path) -> None:
+    done = lpslam("ask", walked, "What is here?", "--from", "0,0,0")
+    lines = done.out.splitlines()
+    assert len(lines) >= 3
+    assert all(line.startswith("- ") for line in lines)
+    metres = [float(line.rsplit("(", 1)[1].split(" m")[0]) for line in lines]
+    assert metres == sorted(metres)

@@ -4,6 +4,7 @@ from dataclasses import asdict
 from typing import Any
 
 from lpslam.language.phrasing import Phrases, answer_language, phrases_in
+from lpslam.language.wishes.form import Ask
 from lpslam.mapfile.export import landmark_record
 from lpslam.pipeline import Answer
 from lpslam.text.types import Landmark
@@ -27,7 +28,10 @@ def answer_text(
     why = printable(answer.choice.evidence, longest=300)
     others = phrases.join([_other(mark, answer, phrases) for mark in answer.alternatives])
     embedded, _, absent = answer.choice.model.partition(_INSTEAD)
-    if answer.landmark is None:
+    if answer.landmark is not None and answer.wish.stops[-1].ask in (Ask.LIST, Ask.HERE):
+        shown = [_other(mark, answer, phrases) for mark in (answer.landmark, *answer.alternatives)]
+        lines, others, more = [f"- {each}" for each in shown], "", ""
+    elif answer.landmark is None:
         nothing = phrases.say("no_further") if is_further else phrases.say("nothing", why=why)
         lines = [nothing]
         more = "nothing_near"
