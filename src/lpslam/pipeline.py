@@ -25,6 +25,7 @@ from lpslam.sources.open import open_source
 from lpslam.sources.pacing import Paced
 from lpslam.sources.prefetch import Prefetched
 from lpslam.text.advice.advising import TextAdvisor
+from lpslam.text.again.looking import look_again
 from lpslam.text.distilling import DEFAULT_QUESTION, distil
 from lpslam.text.mapper import TextMapper
 from lpslam.text.reading.spotting import TextSpotter
@@ -193,9 +194,21 @@ def localise(
 
 
 def distill(
-    world: LanguageMap, question: str = DEFAULT_QUESTION, *, language: LanguageModel | None = None
+    world: LanguageMap,
+    question: str = DEFAULT_QUESTION,
+    *,
+    language: LanguageModel | None = None,
+    spotter: TextSpotter | None = None,
 ) -> list[Landmark]:
     """Distilling: names from all evidence, positions by clustering, and the question judged for every name.
+
+    A map that still has crops of unsure texts, for want of time in its run, gets its second looks first.
+
+    Args:
+        world: is changed.
+        question: what is judged.
+        language: names and judges; the embedded model without.
+        spotter: reads what is looked at again; the networks of the configuration without, loaded where there are crops.
 
     Returns:
         All landmarks of the map; `is_landmark` holds the judgement.
@@ -205,4 +218,7 @@ def distill(
     """
     if not question.strip():
         raise UserError("the question is empty; ask what makes a text a landmark, as in: Is this a shop?")
+    if any(map(world.text.is_unsure, world.text.crops.by_class)):
+        reader = spotter or load_spotter(world.text.config.spotting, 0)
+        look_again(world.text, world.world_from_keyframe, world.camera, reader, OfflineModel())
     return distil(world.text, world.world_from_keyframe, language or OfflineModel(), question).landmarks

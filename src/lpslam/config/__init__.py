@@ -32,6 +32,7 @@ from lpslam.config.text import (
     MemoryConfig,
     PlacementConfig,
     ReadingConfig,
+    SecondLookConfig,
     SpottingConfig,
     TextConfig,
 )
@@ -59,6 +60,7 @@ __all__ = [
     "PlacementConfig",
     "PlacesConfig",
     "ReadingConfig",
+    "SecondLookConfig",
     "SensorNoiseConfig",
     "ShutterConfig",
     "SimulationConfig",

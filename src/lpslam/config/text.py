@@ -207,6 +207,29 @@ class AdviceConfig(Section):
     contradictions: int = Field(default=2, ge=2)
 
 
+class SecondLookConfig(Section):
+    """Texts whose name stays unsure: read once more from all their views together."""
+
+    # Whether crops are kept and looked at.
+    enabled: bool = True
+    # Names surer than this are not looked at again.
+    sure: float = Field(default=0.97, ge=0, le=1)
+    # Crops of a class: the mean of a dozen has a third of the noise, and more are nearly the same view.
+    crops: int = Field(default=12, ge=1)
+    # Bytes of one crop and of all; letters that fill more of the image are read at their full size anyhow.
+    crop_bytes: int = Field(default=1 << 18, ge=1)
+    all_bytes: int = Field(default=1 << 25, ge=1)
+    # Height, pixels, at which a text is drawn, and the ground around it in heights: the detector looks for its ends.
+    line_height: float = Field(default=48.0, gt=0)
+    margin: float = Field(default=0.7, ge=0)
+    # Longest side of the drawing, pixels.
+    longest: int = Field(default=1280, ge=48)
+    # Correlation with the sharpest view from which a view is averaged with it.
+    alike: float = Field(default=0.6, ge=0, le=1)
+    # Pixels that second looks may search, as a share of those that reading has searched.
+    share: float = Field(default=0.15, ge=0)
+
+
 class TextConfig(Section):
     """Reading and remembering (III-B to III-H)."""
 
@@ -216,3 +239,4 @@ class TextConfig(Section):
     placement: PlacementConfig = PlacementConfig()
     instances: InstanceConfig = InstanceConfig()
     advice: AdviceConfig = AdviceConfig()
+    again: SecondLookConfig = SecondLookConfig()

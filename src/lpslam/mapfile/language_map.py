@@ -15,6 +15,7 @@ from lpslam.poses import StampedPoses
 from lpslam.slam.map import SlamMap
 from lpslam.slam.state import EventKind, SlamEvent
 from lpslam.slam.trajectory import Trajectory
+from lpslam.text.again.crops import CropStore
 from lpslam.text.text_map import TextMap
 from lpslam.text.types import Landmark
 
@@ -74,6 +75,7 @@ class LanguageMap:
         """
         arrays: dict[str, NDArray[Any]] = {f"slam.{name}": array for name, array in self.slam.to_arrays().items()}
         arrays |= {f"trajectory.{name}": array for name, array in self.trajectory.to_arrays().items()}
+        arrays |= {f"crops.{name}": array for name, array in self.text.crops.to_arrays().items()}
         documents = {
             "camera": asdict(self.camera),
             "text": self.text.to_document(),
@@ -93,11 +95,13 @@ class LanguageMap:
             camera = dict(contents.documents["camera"])
             camera["distortion"] = tuple(camera["distortion"])
             run = contents.documents["run"]
+            text = TextMap.from_document(contents.documents["text"])
+            text.crops = CropStore.from_arrays(_part(contents.arrays, "crops."), text.config.again)
             return cls(
                 camera=PinholeCamera(**camera),
                 slam=SlamMap.from_arrays(_part(contents.arrays, "slam.")),
                 trajectory=Trajectory.from_arrays(_part(contents.arrays, "trajectory.")),
-                text=TextMap.from_document(contents.documents["text"]),
+                text=text,
                 source=str(run["source"]),
                 statistics=dict(run["statistics"]),
                 events=[SlamEvent(**{**event, "kind": EventKind(event["kind"])}) for event in run["events"]],

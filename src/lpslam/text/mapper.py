@@ -15,6 +15,8 @@ from lpslam.config import ReadingConfig, TextConfig
 from lpslam.frames import RgbdFrame
 from lpslam.language.model import LanguageModel
 from lpslam.slam.state import TrackedFrame, TrackingState
+from lpslam.text.again.crops import Crop, cut_out
+from lpslam.text.again.looking import look_again
 from lpslam.text.boards.surroundings import surroundings
 from lpslam.text.placing.bearings import bearing_of
 from lpslam.text.placing.instances import KeyframePoses
@@ -155,6 +157,7 @@ class TextMapper:
             )
             text_class.observations.append(observation)
             if placement is not None:
+                self._keep_crop(text_class, frame, tracked.keyframe, tracked.keyframe_from_camera, text, glance)
                 if self._is_sure(placement):
                     self._on_sighting(text_class.id, observation)
                 observations.append(observation)
@@ -268,6 +271,43 @@ class TextMapper:
             ink=around.ink,
             clear=around.clear,
         )
+
+    def _keep_crop(
+        self,
+        text_class: TextClass,
+        frame: RgbdFrame,
+        keyframe: int,
+        keyframe_from_camera: Array,
+        text: SpottedText,
+        glance: Glance,
+    ) -> None:
+        """Keep what a text looks like while its name is unsure, for a second look."""
+        config, text_map = self._config.again, self.text_map
+        is_sure = text_class.pool is Pool.LONG_TERM and not text_map.is_unsure(text_class.id)
+        if not config.enabled or is_sure:
+            return
+        left, top, rgb = cut_out(frame.rgb, text.box, config.margin * text.letter_height)
+        seen = SeenSize(glance.height, glance.frontal)
+        crop = Crop(frame.timestamp, keyframe, keyframe_from_camera.copy(), left, top, rgb, seen)
+        text_map.crops.keep(text_class.id, crop, text_map.is_unsure)
+
+    def look_again(self, world_from_keyframe: KeyframePoses, should_stop: Callable[[], bool] = lambda: False) -> None:
+        """Look once more at texts whose names are unsure, for a set share of what reading has searched."""
+        if not self._config.again.enabled or not len(self.text_map.crops):
+            return
+        pixels = self._config.again.share * self.statistics.frames_read * self._camera.width * self._camera.height
+        started = perf_counter()
+        try:
+            looked = look_again(
+                self.text_map, world_from_keyframe, self._camera, self._spotter, self._language, pixels, should_stop
+            )
+        except Exception as error:
+            self.statistics.first_reader_error = self.statistics.first_reader_error or f"second look: {error!r}"
+            self.statistics.reader_errors += 1
+            return
+        self.statistics.second_looks += looked.texts
+        self.statistics.second_readings += looked.readings
+        self.statistics.second_look_ms += 1000.0 * (perf_counter() - started)
 
     def _processor_seconds(self) -> float:
         spotter = self._spotter

@@ -10,6 +10,7 @@ from lpslam.config import TextConfig
 from lpslam.errors import UserError
 from lpslam.language.model import Judgement
 from lpslam.text import documents
+from lpslam.text.again.crops import CropStore
 from lpslam.text.boards.boards import boards
 from lpslam.text.boards.lines import lines_of
 from lpslam.text.boards.overlaps import without_overlaps
@@ -28,6 +29,7 @@ class TextMap:
         memory: the classes of homologous texts in their two pools.
         judgements: by what a board says of itself, then by question.
         question: what `Landmark.is_landmark` answers; None before anything was judged.
+        crops: cut-outs around texts whose names are unsure, until they are looked at again.
     """
 
     def __init__(self, config: TextConfig) -> None:
@@ -35,11 +37,17 @@ class TextMap:
         self.memory = LongShortTermMemory(config.memory)
         self.judgements: dict[str, dict[str, Judgement]] = {}
         self.question: str | None = None
+        self.crops = CropStore(config.again)
 
     @property
     def long_term(self) -> list[TextClass]:
         """The classes in long-term memory, by id."""
         return [self.memory.long_term[key] for key in sorted(self.memory.long_term)]
+
+    def is_unsure(self, text_class: int) -> bool:
+        """Whether a class has a name that another look may mend."""
+        own = self.memory.long_term.get(text_class)
+        return own is not None and (own.naming is None or own.naming.confidence < self.config.again.sure)
 
     def landmarks(self, world_from_keyframe: KeyframePoses) -> list[Landmark]:
         """Derive the landmarks: the boards that long-term texts stand on, wherever they stand.

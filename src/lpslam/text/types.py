@@ -253,3 +253,6 @@ class TextStatistics:
     detection_ms: float = 0.0
     recognition_ms: float = 0.0
     mapping_ms: float = 0.0
+    second_looks: int = 0
+    second_readings: int = 0
+    second_look_ms: float = 0.0
