@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from lpslam.poses import StampedPoses
+from lpslam.sources.clocks import in_seconds
 from lpslam.sources.sevenscenes import FRAMES_PER_SECOND
 
 _POSE = re.compile(r"frame-(\d+)\.pose\.txt", re.IGNORECASE)
@@ -21,7 +22,8 @@ def read_ground_truth(folder: Path | str) -> StampedPoses | None:
     """
     folder = Path(folder)
     if (folder / "groundtruth.txt").is_file():
-        return StampedPoses.from_tum_file(folder / "groundtruth.txt")
+        truth = StampedPoses.from_tum_file(folder / "groundtruth.txt")
+        return StampedPoses(in_seconds(truth.timestamps)[0], truth.world_from_camera)
     timestamps: list[float] = []
     poses: list[np.ndarray[tuple[int, int], np.dtype[np.float64]]] = []
     for path in sorted(folder.glob("frame-*.pose.txt")):

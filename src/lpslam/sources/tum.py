@@ -8,6 +8,7 @@ import numpy as np
 from lpslam.camera import PinholeCamera
 from lpslam.errors import UserError
 from lpslam.sources.calibration import read_calibration
+from lpslam.sources.clocks import in_seconds
 from lpslam.sources.image_pairs import ImagePair, ImagePairSource, first_image_size, in_depth_pauses
 from lpslam.timestamps import associate
 
@@ -49,7 +50,8 @@ def open_tum(
     Raises:
         UserError: a list is missing, empty or malformed, no images belong together, or no calibration is known.
     """
-    colours, depths = _read_list(folder / "rgb.txt"), _read_list(folder / "depth.txt")
+    colours, note = _read_list(folder / "rgb.txt")
+    depths, _ = _read_list(folder / "depth.txt")
     # A repeated timestamp is one moment: its first image takes the depth, the others are faults.
     colour_times, depth_times = _times(colours), _times(depths)
     times, firsts = np.unique(colour_times, return_index=True)
@@ -75,6 +77,7 @@ def open_tum(
             pairs.append(ImagePair(timestamp, path, None, fault))
         previous = timestamp
     camera, notes = _find_camera(folder, camera_file, [path for _, path in colours], nominal)
+    notes = (*notes, note) if note else notes
     return ImagePairSource(
         folder.resolve().name,
         camera,
@@ -110,8 +113,8 @@ def _find_camera(
     return camera, (f"no {CAMERA_FILES[0]}: the calibration of freiburg{sensor[1]} is used, after the folder's name",)
 
 
-def _read_list(path: Path) -> list[tuple[float, Path]]:
-    """Read lines `timestamp file`, in order of time; `#` begins a comment."""
+def _read_list(path: Path) -> tuple[list[tuple[float, Path]], str]:
+    """Read lines `timestamp file`, in order of time, and what was made of the stamps; `#` begins a comment."""
     try:
         text = path.read_text(encoding="utf-8-sig")
     except OSError as error:
@@ -132,7 +135,9 @@ def _read_list(path: Path) -> list[tuple[float, Path]]:
         entries.append((timestamp, path.parent / words[1].strip()))
     if not entries:
         raise UserError(f"{path} lists no images; each line is a timestamp and a file name")
-    return sorted(entries, key=lambda entry: entry[0])
+    seconds, note = in_seconds(_times(entries))
+    timed = [(float(second), image) for second, (_, image) in zip(seconds, entries, strict=True)]
+    return sorted(timed, key=lambda entry: entry[0]), note
 
 
 def _times(entries: list[tuple[float, Path]]) -> np.ndarray[tuple[int], np.dtype[np.float64]]:

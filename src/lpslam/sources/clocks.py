@@ -1,0 +1,44 @@
+"""In which unit a recording counts time: seconds, or thousandths, millionths or billionths of them, or durations."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Times = NDArray[np.float64]
+
+_UNITS = ((1.0, "seconds"), (1e3, "milliseconds"), (1e6, "microseconds"), (1e9, "nanoseconds"))
+_SLOWEST = 4.0
+"""Seconds between frames at most: a thousandth of more is another unit's step, of a camera of 250 frames a second."""
+_EPOCH = (1e9, 1e11)
+"""Between these, stamps are seconds since 1970, however slowly frames come ..."""
+_SLOWEST_EPOCH = 60.0
+"""... though no slower than this, seconds."""
+_ALIKE, _NO_TREND = 0.3, 0.4
+"""Durations spread by less than this share of their median, and correlate with their order by less."""
+_LEAST = 20
+"""Stamps by which durations are known; fewer may be alike by chance."""
+
+
+def in_seconds(times: Times) -> tuple[Times, str]:
+    """Stamps (n,) in order of the recording → seconds, and a note of what was converted, empty where nothing was."""
+    if len(times) < 2:
+        return times, ""
+    if _are_durations(times):
+        seconds, note = in_seconds(np.concatenate([[0.0], np.cumsum(times[1:])]))
+        return seconds, "its stamps are durations from frame to frame, which are added up" + (note and f"; {note}")
+    steps = np.diff(np.unique(times))
+    step = float(np.median(steps)) if len(steps) else 0.0
+    if _EPOCH[0] <= times.min() and times.max() < _EPOCH[1] and step < _SLOWEST_EPOCH:
+        return times, ""
+    factor, unit = next((each for each in _UNITS if step < _SLOWEST * each[0]), _UNITS[-1])
+    return (times, "") if factor == 1.0 else (times / factor, f"its stamps are {unit}, which are converted to seconds")
+
+
+def _are_durations(times: Times) -> bool:
+    """Whether stamps stay about the same instead of rising."""
+    middle = float(np.median(times))
+    if len(times) < _LEAST or not middle > 0 or float(times.max()) >= _SLOWEST * 1e3:
+        return False
+    spread = float(np.median(np.abs(times - middle)))
+    ranks = np.argsort(np.argsort(times, kind="stable"), kind="stable")
+    trend = float(np.corrcoef(np.arange(len(times)), ranks)[0, 1]) if spread > 0 else 0.0
+    return spread < _ALIKE * middle and abs(trend) < _NO_TREND
