@@ -268,13 +268,13 @@ class Session:
             self._reader.abandon()
         try:
             self._resources.close()
+            # A live reader has ended with its process: `distill` looks at what was kept.
+            if self._mapper is not None and not hurry and not self._live:
+                self._mapper.look_again(self._whole().world_from_keyframe)
             if self._beside is not None:
                 self._beside.finish(0.0 if hurry else self._config.language.patience_s)
             if self._mapper is not None:
                 self._mapper.take_last_names()
-                # A live reader has ended with its process: `distill` looks at what was kept.
-                if not hurry and not self._live:
-                    self._mapper.look_again(self._whole().world_from_keyframe)
             self._result = self._whole()
         finally:
             self._listeners.tell(None)
