@@ -17,6 +17,8 @@ from lpslam.sources.open import FORMATS
 
 WIDTH, HEIGHT, FRAMES = 64, 48, 4
 FOCAL = 60.0
+SENS_SIZES = 4 + 8 + len(b"sensor") + 4 * 64 + 8
+"""Where a `.sens` states the sizes of its images."""
 
 
 def colour(number: int, width: int = WIDTH, height: int = HEIGHT) -> np.ndarray:
@@ -211,6 +213,77 @@ def test_what_a_capture_lacks_is_one_clear_line(tmp_path: Path, name: str, spoil
     with pytest.raises(UserError) as caught:
         room.open_capture(place, None, None, nominal=False)
     assert "\n" not in str(caught.value)
+
+
+def restate(**changes: object) -> Callable[[Path], None]:
+    """Other values in Record3D's metadata."""
+
+    def spoil(place: Path) -> None:
+        with zipfile.ZipFile(place) as archive:
+            members = {name: archive.read(name) for name in archive.namelist()}
+        members["metadata"] = json.dumps(json.loads(members["metadata"]) | changes).encode()
+        with zipfile.ZipFile(place, "w") as archive:
+            for name, data in members.items():
+                archive.writestr(name, data)
+
+    return spoil
+
+
+def overwrite(offset: int, layout: str, *values: float) -> Callable[[Path], None]:
+    """Other values in the header of a `.sens`."""
+
+    def spoil(place: Path) -> None:
+        data = bytearray(place.read_bytes())
+        struct.pack_into(layout, data, offset, *values)
+        place.write_bytes(data)
+
+    return spoil
+
+
+def spoil_width(place: Path) -> None:
+    for path in (place / "camera_intrinsic.json", place.parent / "cam_params.json"):
+        if path.is_file():
+            tree = json.loads(path.read_text())
+            tree.get("camera", tree).update({"w": 1e999, "width": 1e999})
+            path.write_text(json.dumps(tree))
+
+
+@pytest.mark.parametrize(
+    ("name", "spoil"),
+    [
+        ("Record3D", restate(frameTimestamps=[None] * FRAMES)),
+        ("Record3D", restate(dh="many")),
+        ("Record3D", restate(dw=None)),
+        ("Record3D", restate(w=10**9, h=10**9)),
+        ("ScanNet", overwrite(4, "<Q", 2**63)),
+        ("ScanNet", overwrite(SENS_SIZES, "<2I", 2**31, 2**31)),
+        ("ScanNet", overwrite(SENS_SIZES + 8, "<2I", 2**31, 2**31)),
+        ("Redwood, Open3D", spoil_width),
+        ("Replica", spoil_width),
+    ],
+)
+def test_hostile_values_are_one_clear_line(tmp_path: Path, name: str, spoil: Callable[[Path], None]) -> None:
+    write, room, *_ = LAYOUTS[name]
+    place = write(tmp_path)
+    spoil(place)
+    with pytest.raises(UserError) as caught:
+        list(room.open_capture(place, None, None, nominal=False))
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("times", [[float("nan")] * FRAMES, [5.0] * FRAMES, [4.0, 3.0, 2.0, 1.0], [1.0]])
+@pytest.mark.parametrize("name", ["Record3D", "Stray Scanner"])
+def test_times_that_do_not_rise_are_replaced_and_that_is_said(tmp_path: Path, name: str, times: list[float]) -> None:
+    write, room, *_ = LAYOUTS[name]
+    place = write(tmp_path)
+    if name == "Record3D":
+        restate(frameTimestamps=times)(place)
+    else:
+        (place / "odometry.csv").write_text("\n".join(["timestamp", *map(str, times)]))
+    source = room.open_capture(place, None, None, nominal=False)
+    rate = 60 if name == "Record3D" else 30
+    np.testing.assert_allclose(source.timestamps, np.arange(FRAMES) / rate)
+    assert source.notes == (f"its frames carry no times: {rate} a second are taken",)
 
 
 def test_a_depth_image_that_is_damaged_is_one_fault(tmp_path: Path) -> None:

@@ -1,6 +1,9 @@
 """What the readers of captures share: decoding from memory, and files that are listed by number."""
 
+import itertools
+import math
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 import cv2
@@ -45,6 +48,15 @@ def numbered(folder: Path, suffixes: tuple[str, ...]) -> dict[int, Path]:
 def enlarged(depth: NDArray[np.float32], size: tuple[int, int]) -> NDArray[np.float32]:
     """Depth (h, w) of the same view at the size (width, height) of the colour image; readings are not mixed."""
     return np.asarray(cv2.resize(depth, size, interpolation=cv2.INTER_NEAREST), np.float32)
+
+
+def rising_times(seconds: Sequence[float], count: int, rate: float = RATE) -> tuple[list[float], tuple[str, ...]]:
+    """The first `count` of a recording's times where they are finite and rise; else `rate` frames a second, with a note."""
+    times = list(seconds[:count])
+    is_rising = all(later > earlier for earlier, later in itertools.pairwise(times))
+    if len(times) == count and is_rising and all(map(math.isfinite, times)):
+        return times, ()
+    return [number / rate for number in range(count)], (f"its frames carry no times: {rate:g} a second are taken",)
 
 
 def texts_of(path: Path) -> str:

@@ -75,5 +75,5 @@ def open3d_camera(path: Path) -> PinholeCamera:
         matrix = [float(value) for value in tree["intrinsic_matrix"]]
         fx, fy, cx, cy = matrix[0], matrix[4], matrix[6], matrix[7]
         return PinholeCamera(int(tree["width"]), int(tree["height"]), fx, fy, cx, cy, depth_scale=_MILLIMETRES)
-    except (ValueError, KeyError, TypeError, IndexError, RecursionError) as error:
+    except (ValueError, OverflowError, KeyError, TypeError, IndexError, RecursionError) as error:
         raise UserError(f"{path} is no calibration of Open3D (width, height, intrinsic_matrix)") from error

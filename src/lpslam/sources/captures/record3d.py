@@ -12,13 +12,14 @@ import numpy as np
 
 from lpslam.camera import PinholeCamera
 from lpslam.errors import MissingExtraError, UserError
-from lpslam.sources.captures.common import decoded_colour, enlarged
+from lpslam.sources.captures.common import decoded_colour, enlarged, rising_times
 from lpslam.sources.images import BadImageError
 from lpslam.sources.listed import ListedSource, Picture
 
 _SIZES = ((192, 256), (256, 192), (480, 640), (640, 480), (360, 640), (640, 360))
 _LARGEST = 1 << 26
 """Bytes of one member; a depth image has a megabyte."""
+_MALFORMED = (OSError, zipfile.BadZipFile, KeyError, ValueError, OverflowError, TypeError, IndexError, RecursionError)
 
 
 def open_capture(folder: Path, camera_file: Path | None, max_frames: int | None, *, nominal: bool) -> ListedSource:
@@ -40,15 +41,13 @@ def open_capture(folder: Path, camera_file: Path | None, max_frames: int | None,
         rate = float(tree.get("fps", 60))
         fx, fy, cx, cy = matrix[0], matrix[4], matrix[6], matrix[7]
         camera = PinholeCamera(width, height, fx, fy, cx, cy, fps=rate)
-    except (OSError, zipfile.BadZipFile, KeyError, ValueError, TypeError, IndexError, RecursionError) as error:
+        times = [float(time) for time in tree.get("frameTimestamps", ())]
+        depth_size = (int(tree["dh"]), int(tree["dw"])) if "dh" in tree and "dw" in tree else None
+    except _MALFORMED as error:
         raise UserError(f"{folder} is no recording of Record3D that can be read ({type(error).__name__})") from error
     names = set(archive.namelist())
     count = sum(name.startswith("rgbd/") and name.endswith(".jpg") for name in names)
-    times = tree.get("frameTimestamps")
-    is_timed = isinstance(times, list) and len(times) == count
-    notes = () if is_timed else (f"its frames carry no times: {rate:g} a second are taken",)
-    stamps = [float(time) for time in times] if is_timed else [number / rate for number in range(count)]
-    depth_size = (int(tree["dh"]), int(tree["dw"])) if "dh" in tree and "dw" in tree else None
+    stamps, notes = rising_times(times if len(times) == count else (), count, rate)
 
     def decode(number: int) -> Picture:
         try:
@@ -63,7 +62,7 @@ def open_capture(folder: Path, camera_file: Path | None, max_frames: int | None,
         depth = metres.reshape(size).copy()
         with np.errstate(invalid="ignore"):
             depth[~(np.isfinite(depth) & (depth > 0))] = 0.0
-        return rgb, enlarged(depth, (width, height))
+        return rgb, enlarged(depth, (rgb.shape[1], rgb.shape[0]))
 
     return ListedSource(folder.stem, camera, stamps, decode, notes=notes, max_frames=max_frames)
 

@@ -48,5 +48,5 @@ def _camera(
         width, height = int(tree["w"]), int(tree["h"])
         fx, fy, cx, cy = (float(tree[name]) for name in ("fx", "fy", "cx", "cy"))
         return PinholeCamera(width, height, fx, fy, cx, cy, depth_scale=float(tree.get("scale", _SCALE))), ()
-    except (ValueError, KeyError, TypeError, RecursionError) as error:
+    except (ValueError, OverflowError, KeyError, TypeError, RecursionError) as error:
         raise UserError(f"{path} is no calibration of Replica (camera: w, h, fx, fy, cx, cy, scale)") from error

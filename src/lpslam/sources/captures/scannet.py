@@ -3,7 +3,6 @@
 The layout: https://github.com/ScanNet/ScanNet/tree/master/SensReader (version 4, little-endian).
 """
 
-import itertools
 import struct
 import zlib
 from pathlib import Path
@@ -15,7 +14,7 @@ from numpy.typing import NDArray
 from lpslam.camera import PinholeCamera, inverse_transform
 from lpslam.errors import UserError
 from lpslam.sources.bags.containers.container import Damage
-from lpslam.sources.captures.common import RATE, decoded_colour
+from lpslam.sources.captures.common import decoded_colour, rising_times
 from lpslam.sources.images import BadImageError
 from lpslam.sources.listed import ListedSource, Picture
 from lpslam.sources.registering.registration import DepthRegistration, DepthRig
@@ -24,6 +23,7 @@ _VERSION, _JPEG, _ZLIB, _RAW = 4, 2, 1, 0
 _POSE, _HEADER = 64, 96
 """Bytes of a frame before its images: a pose, two times and two lengths."""
 _LARGEST = 1 << 27
+"""Bytes of one image, packed or not."""
 
 
 def open_capture(folder: Path, camera_file: Path | None, max_frames: int | None, *, nominal: bool) -> ListedSource:
@@ -52,7 +52,7 @@ def open_capture(folder: Path, camera_file: Path | None, max_frames: int | None,
             raise BadImageError(f"the depth of frame {number} is damaged") from error
         return rgb, raw.astype(np.float32) * np.float32(1 / depth.depth_scale)
 
-    stamps, notes = _times([entry[3] for entry in offsets])
+    stamps, notes = rising_times([entry[3] / 1e6 for entry in offsets], len(offsets))
     register = DepthRegistration(DepthRig(depth, colour, colour_from_depth))
     return ListedSource(folder.stem, colour, stamps, decode, register=register, notes=notes, max_frames=max_frames)
 
@@ -62,6 +62,8 @@ def _cameras(file: BinaryIO, path: Path) -> tuple[PinholeCamera, PinholeCamera, 
     if version != _VERSION:
         raise UserError(f"{path} is of version {version} of ScanNet's .sens; version {_VERSION} is known")
     (length,) = struct.unpack("<Q", file.read(8))
+    if length > path.stat().st_size:
+        raise UserError(f"{path} ends within its header; copy it again")
     file.seek(length, 1)
     colour_k, colour_pose, depth_k, depth_pose = (
         np.array(struct.unpack("<16f", file.read(64)), np.float64).reshape(4, 4) for _ in range(4)
@@ -72,6 +74,8 @@ def _cameras(file: BinaryIO, path: Path) -> tuple[PinholeCamera, PinholeCamera, 
             f"{path} is compressed as {colour_kind}, {depth_kind}; JPEG ({_JPEG}) and zlib ({_ZLIB}) are known"
         )
     width, height, depth_width, depth_height = struct.unpack("<4I", file.read(16))
+    if max(3 * width * height, 2 * depth_width * depth_height) > _LARGEST:
+        raise UserError(f"{path} states images of {width}×{height} and {depth_width}×{depth_height}; copy it again")
     (shift,) = struct.unpack("<f", file.read(4))
     colour = PinholeCamera(width, height, *_focal(colour_k), depth_scale=shift)
     depth = PinholeCamera(depth_width, depth_height, *_focal(depth_k), depth_scale=shift)
@@ -102,10 +106,3 @@ def _offsets(file: BinaryIO, path: Path) -> list[tuple[int, int, int, int]]:
     if len(found) < count:
         Damage(path).note(f"it states {count} frames and holds {len(found)}")
     return found
-
-
-def _times(taken: list[int]) -> tuple[list[float], tuple[str, ...]]:
-    seconds = [each / 1e6 for each in taken]
-    if len(seconds) > 1 and all(later > earlier for earlier, later in itertools.pairwise(seconds)):
-        return seconds, ()
-    return [number / RATE for number in range(len(taken))], (f"its frames carry no times: {RATE:g} a second are taken",)

@@ -11,7 +11,7 @@ import numpy as np
 
 from lpslam.camera import PinholeCamera
 from lpslam.errors import UserError
-from lpslam.sources.captures.common import RATE, enlarged, numbered, texts_of
+from lpslam.sources.captures.common import enlarged, numbered, rising_times, texts_of
 from lpslam.sources.images import BadImageError, read_depth
 from lpslam.sources.listed import ListedSource, Picture
 
@@ -48,7 +48,7 @@ def open_capture(folder: Path, camera_file: Path | None, max_frames: int | None,
             confidence = cv2.imread(str(sure[number]), cv2.IMREAD_UNCHANGED)
             if confidence is not None and confidence.shape == depth.shape:
                 depth[confidence < _SURE] = 0.0
-        return rgb, enlarged(depth, (width, height))
+        return rgb, enlarged(depth, (rgb.shape[1], rgb.shape[0]))
 
     return ListedSource(folder.resolve().name, camera, stamps, decode, notes=notes, max_frames=max_frames)
 
@@ -100,7 +100,4 @@ def _stamps(path: Path, count: int) -> tuple[list[float], tuple[str, ...]]:
         seconds = [float(line.split(",")[0]) for line in lines if line.strip()]
     except (UserError, ValueError):
         seconds = []
-    if len(seconds) >= count:
-        return seconds[:count], ()
-    times = [number / RATE for number in range(count)]
-    return times, (f"no odometry.csv with {count} times: {RATE:g} frames a second are taken",)
+    return rising_times(seconds, count)
