@@ -39,6 +39,7 @@ def _are_durations(times: Times) -> bool:
     if len(times) < _LEAST or not middle > 0 or float(times.max()) >= _SLOWEST * 1e3:
         return False
     spread = float(np.median(np.abs(times - middle)))
-    ranks = np.argsort(np.argsort(times, kind="stable"), kind="stable")
+    # Durations are often rounded to a few values: equal ones share a rank, or their order alone would be a trend.
+    ranks = np.unique(times, return_inverse=True)[1]
     trend = float(np.corrcoef(np.arange(len(times)), ranks)[0, 1]) if spread > 0 else 0.0
     return spread < _ALIKE * middle and abs(trend) < _NO_TREND

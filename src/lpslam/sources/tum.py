@@ -51,7 +51,7 @@ def open_tum(
         UserError: a list is missing, empty or malformed, no images belong together, or no calibration is known.
     """
     colours, note = _read_list(folder / "rgb.txt")
-    depths, _ = _read_list(folder / "depth.txt")
+    depths, depth_note = _read_list(folder / "depth.txt")
     # A repeated timestamp is one moment: its first image takes the depth, the others are faults.
     colour_times, depth_times = _times(colours), _times(depths)
     times, firsts = np.unique(colour_times, return_index=True)
@@ -77,6 +77,8 @@ def open_tum(
             pairs.append(ImagePair(timestamp, path, None, fault))
         previous = timestamp
     camera, notes = _find_camera(folder, camera_file, [path for _, path in colours], nominal)
+    if depth_note and depth_note != note:
+        note = f"{note}; in depth.txt {depth_note}" if note else f"in depth.txt {depth_note}"
     notes = (*notes, note) if note else notes
     return ImagePairSource(
         folder.resolve().name,

@@ -107,18 +107,30 @@ class BagSource:
             UserError: at the end, if not one frame could be used.
         """
         self._faults = faults = []
-        count = 0
+        count = with_depth = 0
         for index, pair in enumerate(paired(self._stamped(self._start, self._end), self._tolerance)):
             if self._max_frames is not None and index >= self._max_frames:
                 break
             count += 1
+            with_depth += not pair.fault
             try:
                 yield self._decoded(index, pair)
             except (BadImageError, BadMessageError) as error:
                 faults.append(FrameFault(index, pair.timestamp, str(error)))
         if len(faults) == count:
             first = f"; the first: {faults[0].reason}" if faults else ""
-            raise UserError(f"{self.name}: none of its {count} frames can be used{first}")
+            apart = self._apart() if faults and not with_depth else ""
+            raise UserError(f"{self.name}: none of its {count} frames can be used{first}{apart}")
+
+    def _apart(self) -> str:
+        """How far apart colour and depth begin, where no picture of one is near one of the other."""
+        firsts: dict[bool, float] = {}
+        for picture in self._stamped(self._start, self._end):
+            firsts.setdefault(picture.is_depth, picture.timestamp)
+            if len(firsts) == 2:
+                seconds = abs(firsts[True] - firsts[False])
+                return f"; colour and depth begin {seconds:.3f} s apart and must use the same clock"
+        return ""
 
     def frame(self, index: int) -> RgbdFrame | None:
         """The frame whose colour picture was recorded as the index-th; None if it cannot be used."""

@@ -51,7 +51,7 @@ def enlarged(depth: NDArray[np.float32], size: tuple[int, int]) -> NDArray[np.fl
 
 
 def rising_times(seconds: Sequence[float], count: int, rate: float = RATE) -> tuple[list[float], tuple[str, ...]]:
-    """The first `count` of a recording's times where they are finite and rise; else `rate` frames a second, with a note."""
+    """The first `count` times where they are finite and rise; else `rate` frames a second, with a note."""
     times = list(seconds[:count])
     is_rising = all(later > earlier for earlier, later in itertools.pairwise(times))
     if len(times) == count and is_rising and all(map(math.isfinite, times)):
