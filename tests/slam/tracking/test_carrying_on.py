@@ -1,5 +1,7 @@
 """A room whose pattern vanishes for a second: surfaces and shades carry the camera over it, without the map."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from corner_room import CAMERA, CORNER, shot
@@ -9,10 +11,16 @@ from lpslam.camera import inverse_transform
 from lpslam.config import SlamConfig, SurfaceConfig, TrackingConfig
 from lpslam.frames import RgbdFrame
 from lpslam.slam.kernels.geometry import exponential
+from lpslam.slam.sensor import SensorModel
 from lpslam.slam.state import EventKind, TrackedFrame, TrackingState
 from lpslam.slam.system import RgbdSlam
-from lpslam.slam.tracking.carrying_on import Doubtful, Told
+from lpslam.slam.tracking.carrying_on import CarryingOn, Doubtful, Told
 from lpslam.slam.tracking.coasting import Coasting
+from lpslam.slam.tracking.guesses import LastFrame
+from lpslam.slam.tracking.motion import ConstantVelocity
+from lpslam.slam.tracking.picture import Picture
+from lpslam.slam.tracking.surfaces import Surfaces
+from lpslam.slam.tracking.turning import Turning
 
 FRAMES, LATE, RATE = 44, 50, 20.0
 BARE = range(12, 32)
@@ -143,3 +151,26 @@ def test_a_turn_is_believed_until_the_position_may_be_too_far_off() -> None:
     assert coasting.guessed_since is None
     assert coasting.goes_on(3.0, Told.TURN, Doubtful(0.39))
     assert not coasting.goes_on(3.0, Told.TURN, Doubtful(0.41))
+
+
+def test_a_turn_that_is_told_for_long_stays_a_rotation() -> None:
+    """Rounding adds to a rotation; a reference that is renewed with every frame must not double that each time."""
+    config, motion = SlamConfig(), ConstantVelocity()
+    surfaces = Surfaces(CAMERA, SensorModel.of(CAMERA, config), config.surfaces)
+    carrying_on = CarryingOn(surfaces, Turning(CAMERA, config.turning, config.surfaces), motion, 0.5)
+    pictures = []
+    for index in range(90):
+        turn = exponential(np.array([0.0, 0.0, 0.0, 0.01 * np.sin(index), 0.3 * np.sin(index / 20.0), 0.0]))
+        gray, depth = shot(CORNER, turn, 2.0, checks=1)
+        frame = RgbdFrame(index, index / 60.0, np.repeat(gray[:, :, None], 3, axis=2), np.zeros_like(depth))
+        nothing: Any = None
+        pictures.append(Picture(frame, gray, nothing, nothing, False))
+    first = pictures[0]
+    last = LastFrame(0.0, first.gray, first.frame.depth, nothing, nothing, nothing, 0, np.eye(4))
+    for index, picture in enumerate(pictures[1:], 1):
+        pose = carrying_on.follow(last, picture)
+        assert carrying_on.told is Told.TURN
+        assert pose[:3, :3] @ pose[:3, :3].T == pytest.approx(np.eye(3), abs=1e-9)
+        assert np.linalg.norm(pose[:3, 3]) < 1e-3
+    assert index == 89
+    assert pose[0, 2] == pytest.approx(np.sin(0.3 * np.sin(89 / 20.0)), abs=0.02)
