@@ -1,5 +1,6 @@
 """A room whose pattern vanishes for a second: surfaces and shades carry the camera over it, without the map."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -33,11 +34,15 @@ def truth(index: int) -> np.ndarray:
     return exponential(np.array([0.12 * np.sin(1.5 * way), 0.03 * way, -0.08 * way, 0.0, 0.15 * np.sin(way), 0.03]))
 
 
-def taken(first: int, last: int, checks: int) -> list[RgbdFrame]:
-    """Some of the camera's frames; colour and depth have noise, and without checks the room is all but one shade."""
+def taken(first: int, last: int, checks: int, turned: float = 0.0) -> list[RgbdFrame]:
+    """Some of the camera's frames; colour and depth have noise, and without checks the room is all but one shade.
+
+    The camera may look to the side by some radians.
+    """
+    aside = exponential(np.array([0.0, 0.0, 0.0, 0.0, turned, 0.0]))
     random, taken = np.random.default_rng([6, first]), []
     for index in range(first, last):
-        gray, depth = shot(CORNER, truth(index), 2.0, checks=checks)
+        gray, depth = shot(CORNER, aside @ truth(index), 2.0, checks=checks)
         noisy = (gray + random.normal(0.0, 0.7, gray.shape)).clip(0, 255).round().astype(np.uint8)
         strayed = random.normal(depth, 0.001 + 0.0015 * depth**2).astype(np.float32)
         taken.append(
@@ -107,6 +112,18 @@ def test_the_map_goes_on_where_the_camera_was_carried_to_what_is_unknown(until_f
 
 
 @pytest.mark.slow
+@pytest.mark.slow
+def test_a_view_to_which_not_even_the_turn_was_told_begins_a_submap_soon(until_found: list[RgbdFrame]) -> None:
+    seen, covered = until_found[: BARE.start], until_found[BARE.start : BARE.start + 3]
+    dark = [replace(frame, rgb=np.zeros_like(frame.rgb), depth=np.zeros_like(frame.depth)) for frame in covered]
+    slam, tracked = track(seen + dark + taken(BARE.start + 3, LATE, 2, 0.8), SlamConfig())
+    (event,) = [event for event in slam.events if event.kind is EventKind.NEW_SUBMAP]
+    uncovered = (BARE.start + 3) / RATE
+    assert event.timestamp - uncovered == pytest.approx(TrackingConfig().submap_after, abs=1.1 / RATE)
+    assert set(slam.map.submaps().tolist()) == {0, 1}
+    assert all(frame.state is TrackingState.TRACKING for frame in tracked[event.frame :])
+
+
 @pytest.mark.parametrize(
     "config",
     [

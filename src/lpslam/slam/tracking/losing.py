@@ -194,6 +194,13 @@ class Losing:
         self._coasting.end()
         return self.expected(picture.timestamp)
 
+    def parts(self, picture: Picture) -> bool:
+        """Whether a frame that is coasted over begins a sub-map: it shows enough, and not even its turn is told."""
+        since = self._unknown_since
+        if since is None or not self._grows or picture.depths < self._beginnings.min_start_depths:
+            return False
+        return self._carrying_on.doubtful.seconds > 0.0 and self._may_begin(picture, since)
+
     def _may_begin(self, picture: Picture, since: float) -> bool:
         """Whether views have been unknown for long enough, since a time in seconds, and this one shows enough."""
         waited = picture.timestamp - since

@@ -293,7 +293,10 @@ class Tracker:
         coasted = self._losing.coast(picture)
         if coasted is not None:
             here = None if self._doubt.is_open else self._losing.continued(picture)
-            return coasted if here is None else self._go_on(picture, here)
+            if here is not None:
+                return self._go_on(picture, here)
+            if not self._losing.parts(picture):
+                return coasted
         self._doubt.end()
         lost = self._losing.lose(picture)
         return self._found(picture, self._map.camera_from_world(self._where.reference)) if lost is None else lost
