@@ -18,7 +18,6 @@ from lpslam.cli_checks import (
     refuse_with_localize,
 )
 from lpslam.cli_runs import (
-    INTERRUPTED,
     call_to_its_end,
     keep,
     localise_recording,
@@ -28,6 +27,7 @@ from lpslam.cli_runs import (
     say_usage,
 )
 from lpslam.cli_sources import Color, Depth, From, Info, To, convert, sources, topics_and_span
+from lpslam.interruption import INTERRUPTED
 from lpslam.views.printed import (
     facts_of,
     landmark_records,
@@ -409,9 +409,8 @@ def demo(
 
 @app.command(name="config")
 def show_config() -> None:
-    """Print every threshold with its default, as YAML that --config takes."""
-    import yaml
-
+    """Print every threshold with its default, its unit and its reason, as YAML that --config takes."""
     from lpslam.config import Config
+    from lpslam.views.thresholds import commented_yaml
 
-    print(yaml.safe_dump(Config().model_dump(mode="json"), sort_keys=False, allow_unicode=True), end="")
+    print(commented_yaml(Config()))

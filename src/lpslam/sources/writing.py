@@ -35,6 +35,8 @@ class _Sink(Protocol):
 
     def finish(self) -> None: ...
 
+    def close(self) -> None: ...
+
 
 def written(source: FrameSource, output: Path, on_progress: OnProgress = lambda done, of: None) -> int:
     """Write every frame of a source; how many there were.
@@ -54,11 +56,14 @@ def written(source: FrameSource, output: Path, on_progress: OnProgress = lambda 
     part = output.with_name(f".{output.name}.part")
     with _removed_on_failure(part, output):
         sink: _Sink = _McapSink(part, source.camera) if is_mcap else _FolderSink(part, source.camera)
-        for frame in source:
-            sink.add(frame)
-            count += 1
-            on_progress(count, len(source))
-        sink.finish()
+        try:
+            for frame in source:
+                sink.add(frame)
+                count += 1
+                on_progress(count, len(source))
+            sink.finish()
+        finally:
+            sink.close()
         if output.is_dir():
             output.rmdir()
         os.replace(part, output)
@@ -122,6 +127,9 @@ class _FolderSink:
         tail = {"distortion": list(camera.distortion), "depth_scale": camera.depth_scale, "fps": camera.fps}
         (self._folder / "camera.yaml").write_text(yaml.safe_dump(fields | tail, sort_keys=False), encoding="utf-8")
 
+    def close(self) -> None:
+        """Every file is closed already."""
+
 
 class _McapSink:
     """Compressed colour, depth in millimetres or metres, and the calibration once a second."""
@@ -162,6 +170,8 @@ class _McapSink:
 
     def finish(self) -> None:
         self._writer.finish()  # type: ignore[no-untyped-call]
+
+    def close(self) -> None:
         self._file.close()
 
     def _write(self, topic: str, nanoseconds: int, message: Any) -> None:

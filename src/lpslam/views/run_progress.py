@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Self
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
+from lpslam.views.printed import write_line
+
 if TYPE_CHECKING:
     from lpslam.pipeline import Progress as RunState
     from lpslam.slam.state import TrackedFrame
@@ -57,7 +59,7 @@ class RunProgress:
         if (now := time.monotonic()) >= self._next_line:
             self._next_line = now + _LINE_EVERY
             line = f"{progress.frames} of {self._total} frames, {progress.keyframes} keyframes"
-            print(f"lpslam: {line}, {progress.landmarks} texts, {frame.state}", file=sys.stderr, flush=True)
+            write_line(f"lpslam: {line}, {progress.landmarks} texts, {frame.state}")
         self._bar.update(
             self._task,
             completed=progress.frames,
@@ -113,7 +115,7 @@ def prepare() -> None:
     def announce(line: str) -> None:
         # Where kernels cannot be kept, that was said, and what it costs.
         if is_kept():
-            print(f"lpslam: {line}", file=sys.stderr)
+            write_line(f"lpslam: {line}")
 
     cv2.setNumThreads(1)
     seconds = warm_up(announce)
@@ -123,7 +125,7 @@ def prepare() -> None:
 
 @contextmanager
 def counting(first_state: str, quiet: bool = False) -> Iterator[Callable[[int, int], None]]:
-    """A bar for work that reports (done, total)."""
+    """A bar for work that reports (done, total); a line now and then where there is no terminal."""
     bar = Progress(
         TextColumn("{task.description}"),
         BarColumn(),
@@ -132,6 +134,15 @@ def counting(first_state: str, quiet: bool = False) -> Iterator[Callable[[int, i
         console=Console(stderr=True),
         disable=quiet or not sys.stderr.isatty(),
     )
+    next_line = time.monotonic() + _LINE_EVERY if bar.disable and not quiet else math.inf
+
+    def update(done: int, total: int) -> None:
+        nonlocal next_line
+        if (now := time.monotonic()) >= next_line:
+            next_line = now + _LINE_EVERY
+            write_line(f"lpslam: {first_state}, {done} of {total} frames")
+        bar.update(task, completed=done, total=total, description="frames")
+
     with bar:
         task = bar.add_task(first_state, total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total, description="frames")
+        yield update
