@@ -125,8 +125,8 @@ def run(
     if not is_stopped and world.trajectory.tracked_count == 0:
         reason = step.reason if step is not None else "it gave none"
         raise UserError(
-            f"{source.name}: none of {session.frames} frames can be tracked ({reason}); check its depth images and"
-            " depth scale"
+            f"{source.name}: none of {session.frames} frames can be tracked ({reason}); look at its colour and depth"
+            " images ('lpslam convert' writes them as files), and check the depth scale"
         )
     return world
 

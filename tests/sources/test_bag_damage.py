@@ -4,9 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bag_writers import COLOUR, DEPTH, KINDS, Entry, Types, walk, write
+from bag_writers import COLOUR, DEPTH, FIRST, KINDS, Entry, Types, walk, write
 from recordings import picture, raw_depth
 
+from command_line import Command
 from lpslam.errors import LpSlamError, UserError
 from lpslam.sources.open import open_source
 
@@ -31,6 +32,55 @@ def test_a_recording_that_was_cut_off_is_read_as_far_as_it_goes(tmp_path: Path, 
     # The last chunk of a megabyte, which holds 65 frames, is lost with its end.
     assert counts[19] >= 190 - 65, counts
     assert counts[10] >= 100 - 65, counts
+
+
+@pytest.mark.parametrize("kind", ["bag", "mcap"])
+def test_a_recording_of_which_nothing_is_left_is_one_line(
+    lpslam: Command, tmp_path: Path, kind: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    whole = write(tmp_path / f"whole.{kind}", lambda types: walk(types, 20)).read_bytes()
+    (tmp_path / f"part.{kind}").write_bytes(whole[:9000])
+    complaint = lpslam("run", tmp_path / f"part.{kind}", "-o", tmp_path / "map.lpmap").complaint
+    assert "holds no messages that can be read" in complaint
+    assert "cut off" in complaint
+
+
+@pytest.mark.parametrize("page", [0.2, 0.5, 0.8])
+def test_a_database_with_a_damaged_page_says_so_and_gives_the_rest(
+    tmp_path: Path, page: float, caplog: pytest.LogCaptureFixture
+) -> None:
+    path = write(tmp_path / "walk.db3", lambda types: walk(types, 60))
+    data = bytearray(path.read_bytes())
+    size = int.from_bytes(data[16:18], "big")
+    leaves = [begin for begin in range(size, len(data), size) if data[begin] == 0x0D and begin > len(data) // 10]
+    begin = leaves[int(page * len(leaves))]
+    # Its cells lie elsewhere than it says.
+    data[begin + 3 : begin + 5] = b"\x00\x00"
+    data[begin + 8 : begin + 16] = b"\xff" * 8
+    path.write_bytes(data)
+    frames = list(open_source(path))
+    assert "cannot be reached" in caplog.text or "a part of it" in caplog.text
+    assert 40 <= len(frames) < 60
+    for frame in frames:
+        np.testing.assert_array_equal(frame.rgb, picture(round((frame.timestamp - FIRST / 1e9) * 30)))
+
+
+def test_a_tree_that_leads_around_ends(tmp_path: Path) -> None:
+    """Every child of the table's root is the same leaf: its rows come again and again."""
+    path = write(tmp_path / "walk.db3", lambda types: walk(types, 200))
+    data = bytearray(path.read_bytes())
+    size = int.from_bytes(data[16:18], "big")
+    for begin in range(size, len(data), size):
+        if data[begin] == 0x05:
+            cells = [int.from_bytes(data[begin + 12 + 2 * i : begin + 14 + 2 * i], "big")
+                     for i in range(int.from_bytes(data[begin + 3 : begin + 5], "big"))]  # fmt: skip
+            for cell in cells:
+                data[begin + cell : begin + cell + 4] = data[begin + cells[0] : begin + cells[0] + 4]
+    path.write_bytes(data)
+    try:
+        assert len(list(open_source(path))) < 200
+    except UserError as error:
+        assert "\n" not in str(error)  # noqa: PT017
 
 
 @pytest.mark.parametrize("kind", KINDS)

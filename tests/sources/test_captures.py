@@ -158,6 +158,19 @@ def test_a_part_of_a_capture_is_that_part(tmp_path: Path, name: str) -> None:
     np.testing.assert_array_equal(frames[0].rgb, list(source)[1].rgb)
 
 
+def test_a_zip_with_a_password_is_one_clear_line(tmp_path: Path) -> None:
+    place = write_record3d(tmp_path / "walk.r3d")
+    data = bytearray(place.read_bytes())
+    for signature, offset in ((b"PK\x03\x04", 6), (b"PK\x01\x02", 8)):
+        begin = data.find(signature)
+        while begin >= 0:
+            data[begin + offset] |= 1
+            begin = data.find(signature, begin + 1)
+    place.write_bytes(data)
+    with pytest.raises(UserError, match="is protected by a password"):
+        record3d.open_capture(place, None, None, nominal=False)
+
+
 @pytest.mark.parametrize("share", np.linspace(0.0, 0.98, 20).tolist())
 @pytest.mark.parametrize("name", ["ScanNet", "Record3D"])
 def test_a_file_that_is_cut_off_is_one_clear_line_or_what_is_left(tmp_path: Path, name: str, share: float) -> None:

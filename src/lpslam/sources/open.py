@@ -73,14 +73,24 @@ def _open_bag(path: Path, camera_file: Path | None, max_frames: int | None, opti
     from lpslam.sources.bags.containers.opening import open_container
     from lpslam.sources.bags.source import BagSource
 
-    return BagSource(
-        open_container(path),
-        options.topics,
-        camera_file,
-        start=options.start,
-        end=options.end,
-        max_frames=max_frames,
-    )
+    container = open_container(path)
+    try:
+        source = BagSource(
+            container,
+            options.topics,
+            camera_file,
+            start=options.start,
+            end=options.end,
+            max_frames=max_frames,
+        )
+    except UserError as error:
+        damages = [text for damage in container.damages for text in damage.texts]
+        if not damages:
+            raise
+        raise UserError(f"{error}; {'; '.join(damages)}") from error
+    for damage in container.damages:
+        damage.say()
+    return source
 
 
 FORMATS = (

@@ -27,7 +27,9 @@ _FOXGLOVE = {
     "foxglove.CameraCalibration": CAMERA_INFO,
 }
 _DEFINITIONS = {
+    # rosbags has the second one for ROS 2 only.
     "tf/msg/tfMessage": "geometry_msgs/TransformStamped[] transforms",
+    "tf2_msgs/msg/TFMessage": "geometry_msgs/TransformStamped[] transforms",
     "realsense_msgs/msg/StreamInfo": "uint32 fps\nstring encoding\nbool is_recommended",
 }
 

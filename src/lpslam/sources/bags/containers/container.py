@@ -54,7 +54,11 @@ class Container(Protocol):
 
     path: Path
     topics: tuple[Topic, ...]
-    damage: "Damage"
+
+    @property
+    def damages(self) -> "list[Damage]":
+        """Of each of its files."""
+        ...
 
     def messages(self, names: Collection[str], start: int | None = None, end: int | None = None) -> Iterator[Message]:
         """The messages of some topics in the order of the recording, as far as the file can be read.
@@ -72,18 +76,32 @@ class Container(Protocol):
 
 @dataclass(slots=True)
 class Damage:
-    """Where a file ends too early or cannot be read on; said once."""
+    """Where a file ends too early or cannot be read on; said once, and not before it is known that it can be used.
+
+    Attributes:
+        path: of the file.
+        texts: what was found, in order.
+    """
 
     path: Path
-    text: str = ""
-    _said: set[str] = field(default_factory=set)
+    texts: list[str] = field(default_factory=list)
+    _is_heard: bool = False
 
     def note(self, text: str) -> None:
-        """Remember and say it; the file is used as far as it goes."""
-        self.text = text
-        if text not in self._said:
-            self._said.add(text)
-            logger.warning("%s: %s; what is before it is used", self.path.name, text)
+        """Remember it, and say it if the file is in use; it is used as far as it goes."""
+        if text not in self.texts:
+            self.texts.append(text)
+            if self._is_heard:
+                self._say(text)
+
+    def say(self) -> None:
+        """Say what was found, and from now on what is found."""
+        self._is_heard = True
+        for text in self.texts:
+            self._say(text)
+
+    def _say(self, text: str) -> None:
+        logger.warning("%s: %s; what is before it is used", self.path.name, text)
 
 
 def ros2_type(name: str) -> str:

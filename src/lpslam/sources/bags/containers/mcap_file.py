@@ -33,7 +33,8 @@ class McapFile:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.damage = Damage(path)
+        self._damage = Damage(path)
+        self.damages = [self._damage]
         with path.open("rb") as file:
             if file.read(len(MAGIC)) != MAGIC:
                 raise UserError(f"{path} is no MCAP file")
@@ -59,7 +60,7 @@ class McapFile:
         except GeneratorExit:
             raise
         except Exception as error:
-            self.damage.note(f"a part of it cannot be read ({_said(error)})")
+            self._damage.note(f"a part of it cannot be read ({_said(error)})")
 
     def times(self, name: str) -> list[int]:
         """See `Container`."""
@@ -110,7 +111,7 @@ class McapFile:
             except GeneratorExit:
                 raise
             except Exception as error:
-                self.damage.note(
+                self._damage.note(
                     f"it is cut off or damaged {file.tell() / 1e6:.3f} MB from its beginning ({_said(error)})"
                 )
 

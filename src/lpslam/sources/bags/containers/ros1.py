@@ -32,7 +32,8 @@ class Ros1Bag:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.damage = Damage(path)
+        self._damage = Damage(path)
+        self.damages = [self._damage]
         with path.open("rb") as file:
             magic = file.read(len(MAGIC))
             if magic != MAGIC:
@@ -67,7 +68,7 @@ class Ros1Bag:
             except GeneratorExit:
                 raise
             except Exception as error:
-                self.damage.note(f"a part of it cannot be read ({_said(error)})")
+                self._damage.note(f"a part of it cannot be read ({_said(error)})")
 
     def times(self, name: str) -> list[int]:
         """See `Container`."""
@@ -108,11 +109,11 @@ class Ros1Bag:
                 except GeneratorExit:
                     raise
                 except Exception as error:
-                    self.damage.note(
+                    self._damage.note(
                         f"it is cut off or damaged {_megabytes(begun)} from its beginning ({_said(error)})"
                     )
                     return
-        self.damage.note("it has no index, as after a power failure")
+        self._damage.note("it has no index, as after a power failure")
 
     def _unpacked(self, header: Header, data: bytes, names: dict[int, str]) -> Iterator[tuple[str, int, bytes]]:
         kind = header.get_uint8("op")
