@@ -26,7 +26,7 @@ from lpslam.cli_runs import (
     render_simulation,
     say_usage,
 )
-from lpslam.cli_sources import Color, Depth, From, Info, To, convert, sources, topics_and_span
+from lpslam.cli_sources import Color, Depth, From, Info, To, convert, record, sources, topics_and_span
 from lpslam.interruption import INTERRUPTED
 from lpslam.views.printed import (
     facts_of,
@@ -75,6 +75,7 @@ def main() -> None:
 
 app.command()(calibrate)
 app.command()(convert)
+app.command()(record)
 app.command()(sources)
 
 
@@ -89,7 +90,7 @@ def _options(version: Annotated[bool, typer.Option("--version", help="Print the 
 def run(
     source: Annotated[
         Path,
-        typer.Argument(metavar="SOURCE", help="A ROS bag or a folder; see 'lpslam sources'.", show_default=False),
+        typer.Argument(metavar="SOURCE", help="A bag, a folder or a camera; see 'lpslam sources'.", show_default=False),
     ],
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="MAP.lpmap", help="Where the map goes.")
@@ -132,6 +133,7 @@ def run(
     from lpslam.language.registry import language_model
     from lpslam.mapfile.container import refuse_foreign_file
     from lpslam.sources.in_order import InOrder
+    from lpslam.sources.live.source import camera_in
     from lpslam.sources.open import open_source
 
     # A mistake shows before anything slow is loaded.
@@ -177,7 +179,9 @@ def run(
         if not world.trajectory.tracked_count:
             say("interrupted before anything was mapped; nothing is written")
             raise typer.Exit(INTERRUPTED)
-        if interrupted.is_set():
+        # A camera has no other end.
+        is_broken_off = interrupted.is_set() and camera_in(frames) is None
+        if is_broken_off:
             output = partial_name(output)
         keep(world, output)
     for note in run_notes(world, frames.faults, progress.first_untracked, language.model):
@@ -186,7 +190,7 @@ def run(
     if trajectory is not None:
         world.frame_poses().to_tum_file(trajectory, ["camera optical frame in the map frame"])
     print_facts(world, output, as_json)
-    if interrupted.is_set():
+    if is_broken_off:
         say(f"interrupted; the map so far is in {output}")
         raise typer.Exit(INTERRUPTED)
 

@@ -7,7 +7,7 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
-from bag_writers import COLOUR, COLOUR_INFO, DEPTH, DEPTH_INFO, KINDS, Entry, Types, write
+from bag_writers import COLOUR, COLOUR_INFO, DEPTH, DEPTH_INFO, Entry, Types, write
 
 from lpslam import pipeline
 from lpslam.camera import PinholeCamera

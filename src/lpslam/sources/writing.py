@@ -38,13 +38,16 @@ class _Sink(Protocol):
     def close(self) -> None: ...
 
 
-def written(source: FrameSource, output: Path, on_progress: OnProgress = lambda done, of: None) -> int:
+def written(
+    source: FrameSource, output: Path, on_progress: OnProgress = lambda done, of: None, *, keeps_part: bool = False
+) -> int:
     """Write every frame of a source; how many there were.
 
     Args:
         source: the recording.
         output: NAME.mcap, or a folder that is not there or empty.
         on_progress: called with frames written and frames in all.
+        keeps_part: whether what was written stays when no more can be, as NAME.partial.mcap: it cannot be had again.
 
     Raises:
         UserError: the output is there already, or cannot be written; what was begun is removed.
@@ -54,7 +57,7 @@ def written(source: FrameSource, output: Path, on_progress: OnProgress = lambda 
         raise UserError(f"{output} is there already and is not overwritten; choose another name")
     count = 0
     part = output.with_name(f".{output.name}.part")
-    with _removed_on_failure(part, output):
+    with _removed_on_failure(part, output, keeps_part):
         sink: _Sink = _McapSink(part, source.camera) if is_mcap else _FolderSink(part, source.camera)
         try:
             for frame in source:
@@ -71,12 +74,17 @@ def written(source: FrameSource, output: Path, on_progress: OnProgress = lambda 
 
 
 @contextmanager
-def _removed_on_failure(part: Path, output: Path) -> Iterator[None]:
+def _removed_on_failure(part: Path, output: Path, keeps_part: bool) -> Iterator[None]:
     try:
         part.parent.mkdir(parents=True, exist_ok=True)
         yield
     except OSError as error:
-        raise UserError(f"{output} cannot be written ({error.strerror or error}); choose another place") from error
+        told = f"{output} cannot be written ({error.strerror or error})"
+        if keeps_part and part.exists():
+            kept = output.with_name(f"{output.stem}.partial{output.suffix}")
+            os.replace(part, kept)
+            raise UserError(f"{told}; what was recorded until then is in {kept}") from error
+        raise UserError(f"{told}; choose another place") from error
     finally:
         if part.is_dir():
             shutil.rmtree(part, ignore_errors=True)

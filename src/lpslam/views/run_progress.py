@@ -30,6 +30,9 @@ _LINE_EVERY = 10.0
 class RunProgress:
     """A bar with frames a second, tracking state, keyframes and landmarks; on standard error, only in a terminal.
 
+    Args:
+        total: frames that will come; 0 where that is not known.
+
     Attributes:
         first_untracked: the first frame without a pose, which says why; None while there is none.
     """
@@ -44,7 +47,7 @@ class RunProgress:
             console=Console(stderr=True),
             disable=quiet or not sys.stderr.isatty(),
         )
-        self._task = self._bar.add_task("frames", total=total, state="starting", rate="")
+        self._task = self._bar.add_task("frames", total=total or None, state="starting", rate="")
         self.first_untracked: TrackedFrame | None = None
         self._total = total
         # A pipe gets a line now and then in place of the bar.
@@ -58,13 +61,14 @@ class RunProgress:
             self.first_untracked = frame
         if (now := time.monotonic()) >= self._next_line:
             self._next_line = now + _LINE_EVERY
-            line = f"{progress.frames} of {self._total} frames, {progress.keyframes} keyframes"
+            of = f" of {self._total}" if self._total else ""
+            line = f"{progress.frames}{of} frames{_dropped(progress)}, {progress.keyframes} keyframes"
             write_line(f"lpslam: {line}, {progress.landmarks} texts, {frame.state}")
         self._bar.update(
             self._task,
             completed=progress.frames,
             state=progress.frame.state,
-            rate=f"{progress.frames_per_second:.1f} frames/s, {progress.keyframes} keyframes, "
+            rate=f"{progress.frames_per_second:.1f} frames/s{_dropped(progress)}, {progress.keyframes} keyframes, "
             f"{progress.landmarks} landmarks",
         )
 
@@ -76,6 +80,10 @@ class RunProgress:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._bar.stop()
+
+
+def _dropped(progress: "RunState") -> str:
+    return f", {progress.dropped} dropped" if progress.dropped else ""
 
 
 class InterruptFlag:
@@ -140,8 +148,8 @@ def counting(first_state: str, quiet: bool = False) -> Iterator[Callable[[int, i
         nonlocal next_line
         if (now := time.monotonic()) >= next_line:
             next_line = now + _LINE_EVERY
-            write_line(f"lpslam: {first_state}, {done} of {total} frames")
-        bar.update(task, completed=done, total=total, description="frames")
+            write_line(f"lpslam: {first_state}, {done}{f' of {total}' if total else ''} frames")
+        bar.update(task, completed=done, total=total or None, description="frames")
 
     with bar:
         task = bar.add_task(first_state, total=None)
