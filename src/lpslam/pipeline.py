@@ -91,6 +91,7 @@ def run(
         live: take the frames at the pace at which they were recorded, as from a camera (one that is connected always
             is): mapping has threads of its own, and frames that come while tracking is busy are dropped. Implies that
             reading is not sequential.
+        base: a map of an earlier recording that this one continues; it is changed and returned.
         on_progress: called after every frame.
         should_stop: asked before every frame; the map so far is returned when it says yes.
 
