@@ -51,7 +51,7 @@ def record(
     """Record a connected camera, without loss, until Ctrl-C."""
     from lpslam.errors import UserError
     from lpslam.sources.live.opening import CAMERAS, is_camera, open_camera
-    from lpslam.sources.writing import written
+    from lpslam.sources.writing.recordings import written
     from lpslam.views.printed import print_table
     from lpslam.views.run_progress import InterruptFlag, counting
 
@@ -75,6 +75,7 @@ def convert(
         Path | None, typer.Option("--camera", metavar="FILE", help="Calibration to use instead of the recording's.")
     ] = None,
     max_frames: Annotated[int | None, typer.Option("--max-frames", min=1, help="Only the first N frames.")] = None,
+    foxglove: Annotated[bool, typer.Option("--foxglove", help="MCAP with Foxglove's messages in JSON.")] = False,
     start: From = None,
     end: To = None,
     color: Color = None,
@@ -83,14 +84,14 @@ def convert(
 ) -> None:
     """Write a recording as a TUM RGB-D folder or as MCAP (ROS 2 messages), without loss."""
     from lpslam.sources.open import open_source
-    from lpslam.sources.writing import written
+    from lpslam.sources.writing.recordings import written
     from lpslam.views.notes import fault_notes
     from lpslam.views.printed import print_table, say
     from lpslam.views.run_progress import counting
 
     frames = open_source(source, camera, max_frames, options=topics_and_span(color, depth, info, start, end))
     with counting("writing") as progress:
-        count = written(frames, output, progress)
+        count = written(frames, output, progress, foxglove=foxglove)
     for note in fault_notes(frames.faults):
         say(note)
     print_table({"written": str(output), "frames": str(count)})

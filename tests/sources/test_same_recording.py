@@ -14,7 +14,7 @@ from lpslam.camera import PinholeCamera
 from lpslam.frames import RgbdFrame
 from lpslam.mapfile.export import landmark_record
 from lpslam.sources.open import open_source
-from lpslam.sources.writing import written
+from lpslam.sources.writing.recordings import written
 
 pytestmark = pytest.mark.slow
 
