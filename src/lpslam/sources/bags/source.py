@@ -30,8 +30,8 @@ logger = logging.getLogger(__name__)
 
 TOLERANCE = 0.02
 """Seconds between a colour picture and its depth: more than half of what lies between frames at 30 a second."""
-_AROUND = 10**9
-"""Nanoseconds around a frame in which its pictures were recorded, where one frame is looked for."""
+_AROUND = (3 * 10**8, 10**9)
+"""Nanoseconds around a frame in which its pictures were recorded, usually and at most, where one frame is sought."""
 _SECOND = 10**9
 
 
@@ -141,12 +141,13 @@ class BagSource:
         if not 0 <= index < len(self._logged):
             return None
         logged = self._logged[index]
-        for pair in paired(self._stamped(logged - _AROUND, logged + _AROUND), self._tolerance):
-            if pair.colour.logged == logged:
-                try:
-                    return self._decoded(index, pair)
-                except (BadImageError, BadMessageError):
-                    return None
+        for around in _AROUND:
+            for pair in paired(self._stamped(logged - around, logged + around), self._tolerance):
+                if pair.colour.logged == logged and (not pair.fault or around == _AROUND[-1]):
+                    try:
+                        return self._decoded(index, pair)
+                    except (BadImageError, BadMessageError):
+                        return None
         return None
 
     def sample_depths(self, count: int) -> list[NDArray[np.float32]]:
@@ -154,7 +155,7 @@ class BagSource:
         depths = []
         for row in np.unique(np.linspace(0, len(self._logged) - 1, count).astype(int)):
             logged = self._logged[row]
-            message = next(self._container.messages([self._depth], logged, logged + _AROUND), None)
+            message = next(self._container.messages([self._depth], logged, logged + _AROUND[-1]), None)
             try:
                 if message is not None:
                     depths.append(in_metres(depth_of(decoded(message)), self._rig.depth_scale))

@@ -5,6 +5,7 @@ The format: https://mcap.dev/spec
 
 from collections.abc import Collection, Iterator
 from pathlib import Path
+from typing import BinaryIO
 
 from mcap.exceptions import McapError
 from mcap.reader import SeekingReader
@@ -41,7 +42,9 @@ class McapFile:
         self._times: dict[str, list[int]] = {}
         self._has_times = False
         summary = self._summary()
-        self._is_indexed = summary is not None and bool(summary.chunk_indexes)
+        # Read once: of a large file it has tens of thousands of entries.
+        self._index = summary if summary is not None and summary.chunk_indexes else None
+        self._is_indexed = self._index is not None
         if summary is not None and self._is_indexed:
             self.topics = tuple(_topics(list(summary.channels.values()), summary.schemas))
         else:
@@ -85,7 +88,7 @@ class McapFile:
 
     def _sought(self, names: list[str], start: int | None, end: int | None) -> Iterator[tuple[Channel, Record]]:
         with self.path.open("rb") as file:
-            reader = SeekingReader(file, record_size_limit=_LARGEST_RECORD)
+            reader = _Indexed(file, self._index)
             for _, channel, record in reader.iter_messages(names, starting_at=start, ending_before=end):
                 yield channel, record
 
@@ -117,18 +120,28 @@ class McapFile:
 
     def _read_times(self) -> None:
         """The indexes of messages lie behind their chunks: one small record for each chunk and channel."""
+        assert self._index is not None
         with self.path.open("rb") as file:
-            summary = SeekingReader(file).get_summary()
-            if summary is None:
-                return
-            for chunk in summary.chunk_indexes:
+            for chunk in self._index.chunk_indexes:
                 for channel_id, offset in chunk.message_index_offsets.items():
-                    channel = summary.channels.get(channel_id)
+                    channel = self._index.channels.get(channel_id)
                     if channel is not None:
                         file.seek(offset)
                         self._times.setdefault(channel.topic, []).extend(_index_times(file.read(9), file.read))
         for times in self._times.values():
             times.sort()
+
+
+class _Indexed(SeekingReader):
+    """A reader that knows the file's index."""
+
+    def __init__(self, file: BinaryIO, summary: Summary | None) -> None:
+        super().__init__(file, record_size_limit=_LARGEST_RECORD)
+        self._known = summary
+
+    def get_summary(self) -> Summary | None:
+        """As it was read before."""
+        return self._known
 
 
 def _index_times(head: bytes, read: "object") -> list[int]:

@@ -4,7 +4,10 @@ The format: http://wiki.ros.org/Bags/Format/2.0
 """
 
 import struct
+from bisect import bisect_left
 from collections.abc import Collection, Iterator
+from contextlib import contextmanager
+from copy import copy
 from io import BytesIO
 from pathlib import Path
 from typing import BinaryIO
@@ -58,7 +61,7 @@ class Ros1Bag:
                 if name in topics and _is_within(logged, start, end):
                     yield Message(topics[name], logged, data)
             return
-        with Reader(self.path) as reader:
+        with self._reader(start) as reader:
             connections = [each for each in reader.connections if each.topic in topics]
             if not connections:
                 return
@@ -70,17 +73,36 @@ class Ros1Bag:
             except Exception as error:
                 self._damage.note(f"a part of it cannot be read ({_said(error)})")
 
+    @contextmanager
+    def _reader(self, start: int | None) -> Iterator[Reader]:
+        """A reader of its own that begins at a time; the index was read once, which takes a second of a large bag."""
+        reader = copy(self._index)
+        if start is not None:
+            reader.indexes = {
+                number: entries[bisect_left(entries, start, key=lambda entry: entry.time) :]
+                for number, entries in reader.indexes.items()
+            }
+        with self.path.open("rb") as file:
+            reader.bio = file
+            reader.current_chunk = (-1, BytesIO())
+            yield reader
+
     def times(self, name: str) -> list[int]:
         """See `Container`."""
         return self._times.get(name, [])
 
     def _read_index(self) -> bool:
         try:
-            with Reader(self.path) as reader:
-                by_name = {each.topic: _topic(each.topic, each.msgtype) for each in reader.connections}
-                self.topics = tuple(by_name.values())
-                for each in reader.connections:
-                    self._times.setdefault(each.topic, []).extend(entry.time for entry in reader.indexes[each.id])
+            self._index = reader = Reader(self.path)
+            reader.open()
+            # Closing it would drop its index.
+            file, reader.bio = reader.bio, None
+            if file is not None:
+                file.close()
+            by_name = {each.topic: _topic(each.topic, each.msgtype) for each in reader.connections}
+            self.topics = tuple(by_name.values())
+            for each in reader.connections:
+                self._times.setdefault(each.topic, []).extend(entry.time for entry in reader.indexes[each.id])
         except Exception:
             self._times.clear()
             return False
