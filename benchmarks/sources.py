@@ -155,32 +155,29 @@ def registration() -> None:
 
 
 def session(folder: Path, count: int) -> None:
-    """What `Session.step` takes beyond tracking and mapping: the same frames, with and without it, in turn."""
+    """What `Session.step` takes around tracking and mapping."""
     warm_up(lambda line: None)
     source = open_source(folder, max_frames=count)
     frames = list(source)
-    with_session, alone = [], []
-    for _ in range(3):
-        slam = RgbdSlam(source.camera)
-        alone.append(times_of(lambda frame, slam=slam: slam.process(frame), frames))
-        slam.finish()
-        with Session(source.camera, text=False) as running:
-            with_session.append(
-                times_of(lambda frame, to=running: to.step(frame.rgb, frame.depth, frame.timestamp), frames)
-            )
-    # The least of three for every frame: what else the machine does comes and goes.
-    beyond = np.min(with_session, axis=0) - np.min(alone, axis=0)
-    print(f"a step beyond tracking: {1000 * float(np.median(beyond)):.3f} ms (median of {count} frames)")
+    inside = 0.0
+    process = RgbdSlam.process
 
+    def timed(slam: RgbdSlam, frame: RgbdFrame) -> Any:
+        nonlocal inside
+        begun = time.perf_counter()
+        tracked = process(slam, frame)
+        inside = time.perf_counter() - begun
+        return tracked
 
-def times_of(step: Callable[[RgbdFrame], object], frames: list[RgbdFrame]) -> list[float]:
-    """Processor seconds of each frame."""
-    taken = []
-    for frame in frames:
-        begun = time.thread_time()
-        step(frame)
-        taken.append(time.thread_time() - begun)
-    return taken
+    RgbdSlam.process = timed  # type: ignore[method-assign]
+    around = []
+    with Session(source.camera, text=False) as running:
+        for frame in frames:
+            begun = time.perf_counter()
+            running.step(frame.rgb, frame.depth, frame.timestamp)
+            around.append(time.perf_counter() - begun - inside)
+    RgbdSlam.process = process  # type: ignore[method-assign]
+    print(f"a step around tracking: {1000 * float(np.median(around)):.3f} ms (median of {count} frames, wall)")
 
 
 def write_raw(path: Path, frames: Iterator[RgbdFrame], camera: PinholeCamera) -> None:
