@@ -40,7 +40,6 @@ class McapFile:
             if file.read(len(MAGIC)) != MAGIC:
                 raise UserError(f"{path} is no MCAP file")
         self._times: dict[str, list[int]] = {}
-        self._has_times = False
         summary = self._summary()
         # Read once: of a large file it has tens of thousands of entries.
         self._index = summary if summary is not None and summary.chunk_indexes else None
@@ -67,9 +66,8 @@ class McapFile:
 
     def times(self, name: str) -> list[int]:
         """See `Container`."""
-        if self._is_indexed and not self._has_times:
-            self._has_times = True
-            self._read_times()
+        if self._is_indexed and name not in self._times:
+            self._times[name] = self._read_times(name)
         return self._times.get(name, [])
 
     def _summary(self) -> Summary | None:
@@ -98,7 +96,6 @@ class McapFile:
         schemas: dict[int, Schema] = {}
         for channel, record in self._scanned(channels, schemas):
             self._times.setdefault(channel.topic, []).append(record.log_time)
-        self._has_times = True
         return tuple(_topics(list(channels.values()), schemas))
 
     def _scanned(self, channels: dict[int, Channel], schemas: dict[int, Schema]) -> Iterator[tuple[Channel, Record]]:
@@ -118,18 +115,17 @@ class McapFile:
                     f"it is cut off or damaged {file.tell() / 1e6:.3f} MB from its beginning ({_said(error)})"
                 )
 
-    def _read_times(self) -> None:
+    def _read_times(self, name: str) -> list[int]:
         """The indexes of messages lie behind their chunks: one small record for each chunk and channel."""
         assert self._index is not None
+        channels = [number for number, channel in self._index.channels.items() if channel.topic == name]
+        times: list[int] = []
         with self.path.open("rb") as file:
             for chunk in self._index.chunk_indexes:
-                for channel_id, offset in chunk.message_index_offsets.items():
-                    channel = self._index.channels.get(channel_id)
-                    if channel is not None:
-                        file.seek(offset)
-                        self._times.setdefault(channel.topic, []).extend(_index_times(file.read(9), file.read))
-        for times in self._times.values():
-            times.sort()
+                for offset in filter(None, map(chunk.message_index_offsets.get, channels)):
+                    file.seek(offset)
+                    times += _index_times(file.read(9), file.read)
+        return sorted(times)
 
 
 class _Indexed(SeekingReader):
