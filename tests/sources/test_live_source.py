@@ -1,8 +1,10 @@
 """Connected cameras: dropped frames are counted, unplugged ones are waited for, and Ctrl-C always ends."""
 
+import errno
 import threading
 import time
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,10 +12,13 @@ from recordings import HEIGHT, WIDTH, picture
 
 from lpslam.camera import PinholeCamera
 from lpslam.errors import UserError
-from lpslam.frames import FrameSource
+from lpslam.frames import FrameSource, RgbdFrame
 from lpslam.sources.in_order import InOrder
 from lpslam.sources.live.driver import Shot, UnpluggedError
 from lpslam.sources.live.source import LiveSource, camera_in
+from lpslam.sources.open import open_source
+from lpslam.sources.writing.mcap_recording import McapSink
+from lpslam.sources.writing.recordings import written
 
 
 class Scripted:
@@ -42,7 +47,8 @@ class Scripted:
             raise UnpluggedError("it is gone")
         assert isinstance(step, tuple)
         number, timestamp = step
-        return Shot(number, timestamp, picture(number), np.full((HEIGHT, WIDTH), 2000, np.uint16))
+        width, height = self.camera.width, self.camera.height
+        return Shot(number, timestamp, picture(number, width, height), np.full((height, width), 2000, np.uint16))
 
     def registered(self, depth: np.ndarray) -> np.ndarray:
         return depth.astype(np.float32) / 1000
@@ -108,6 +114,30 @@ def test_a_camera_that_is_silent_or_gone_can_be_stopped() -> None:
 def test_a_camera_that_is_not_there_is_one_line() -> None:
     with pytest.raises(UserError, match="scripted: it is not there; plug it in"):
         list(LiveSource(Scripted([], absent=1)))
+
+
+@pytest.mark.parametrize("error", [OSError(errno.ENOSPC, "No space left on device"), KeyboardInterrupt()])
+def test_a_recording_that_is_broken_off_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: BaseException
+) -> None:
+    add = McapSink.add
+
+    def filling(sink: McapSink, frame: RgbdFrame) -> None:
+        if frame.index == 4:
+            raise error
+        add(sink, frame)
+
+    monkeypatch.setattr(McapSink, "add", filling)
+    driver = Scripted([(number, number / 30) for number in range(6)], pause=0.02)
+    driver.camera = PinholeCamera(640, 480, 500.0, 500.0, 319.5, 239.5)
+    with pytest.raises((UserError, KeyboardInterrupt)):
+        written(LiveSource(driver, backlog=10), tmp_path / "walk.mcap", keeps_part=True)
+    assert [path.name for path in tmp_path.iterdir()] == ["walk.partial.mcap"]
+    frames = list(open_source(tmp_path / "walk.partial.mcap"))
+    assert 3 <= len(frames) <= 4
+    np.testing.assert_array_equal(frames[2].rgb, picture(2, 640, 480))
+    with pytest.raises(UserError, match="of a recording that was broken off"):
+        written(LiveSource(driver, backlog=10), tmp_path / "walk.mcap", keeps_part=True)
 
 
 def test_what_breaks_in_the_driver_reaches_the_consumer() -> None:

@@ -62,7 +62,10 @@ def written(
         raise UserError(f"{output} is no .mcap; Foxglove's messages are written to that alone")
     count = 0
     part = output.with_name(f".{output.name}.part")
-    with _removed_on_failure(part, output, keeps_part):
+    kept = output.with_name(f"{output.stem}.partial{output.suffix}") if keeps_part else None
+    if kept is not None and kept.exists():
+        raise UserError(f"{kept} is there already, of a recording that was broken off; move it away first")
+    with _removed_on_failure(part, output, kept):
         sink = _sink(part, source, is_mcap, foxglove)
         try:
             for frame in source:
@@ -85,19 +88,18 @@ def _sink(part: Path, source: FrameSource, is_mcap: bool, foxglove: bool) -> Sin
 
 
 @contextmanager
-def _removed_on_failure(part: Path, output: Path, keeps_part: bool) -> Iterator[None]:
+def _removed_on_failure(part: Path, output: Path, kept: Path | None) -> Iterator[None]:
+    """What was begun is removed, or kept under another name."""
     try:
         part.parent.mkdir(parents=True, exist_ok=True)
         yield
     except OSError as error:
-        told = f"{output} cannot be written ({error.strerror or error})"
-        if keeps_part and part.exists():
-            kept = output.with_name(f"{output.stem}.partial{output.suffix}")
-            os.replace(part, kept)
-            raise UserError(f"{told}; what was recorded until then is in {kept}") from error
-        raise UserError(f"{told}; choose another place") from error
+        remedy = "choose another place" if kept is None else f"what was recorded until then is in {kept}"
+        raise UserError(f"{output} cannot be written ({error.strerror or error}); {remedy}") from error
     finally:
-        if part.is_dir():
+        if kept is not None and part.exists():
+            os.replace(part, kept)
+        elif part.is_dir():
             shutil.rmtree(part, ignore_errors=True)
         else:
             part.unlink(missing_ok=True)
