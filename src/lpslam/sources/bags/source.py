@@ -30,7 +30,7 @@ logger = logging.getLogger(__name__)
 
 TOLERANCE = 0.02
 """Seconds between a colour picture and its depth: more than half of what lies between frames at 30 a second."""
-_AROUND = (3 * 10**8, 10**9)
+_AROUND = (12 * 10**7, 10**9)
 """Nanoseconds around a frame in which its pictures were recorded, usually and at most, where one frame is sought."""
 _SECOND = 10**9
 
