@@ -54,10 +54,11 @@ ALLOWED: dict[str, set[str]] = {
     "cli_checks": {"mapfile"},
     "cli_calibrate": {"sources", "calibration", "views", "cli_checks"},
     "cli_sources": {"sources", "views"},
+    "cli_ground": {"language", "mapfile", "navigation", "views"},
     "cli_runs": {"simulation", "language", "pipeline", "views"},
     "cli": {
         *("sources", "simulation", "language", "mapfile", "pipeline", "evaluation", "views", "demo"),
-        *("cli_calibrate", "cli_checks", "cli_runs", "cli_sources"),
+        *("cli_calibrate", "cli_checks", "cli_ground", "cli_runs", "cli_sources"),
     },
     "__main__": {"cli"},
 }
