@@ -153,8 +153,11 @@ def run(
         open_source(source, camera, max_frames, settings.calibration, topics_and_span(color, depth, info, start, end))
     )
     base = map_for(localize, continued, frames.camera, settings)
+    is_endless = camera_in(frames) is not None
     if localize is not None and trajectory is not None:
-        localise_recording(frames, base, settings, localize, trajectory, text=not no_text, as_json=as_json)
+        localise_recording(
+            frames, base, settings, localize, trajectory, text=not no_text, is_endless=is_endless, as_json=as_json
+        )
         return
     assert output is not None
     language = language_model(llm, settings.language)
@@ -180,7 +183,7 @@ def run(
             say("interrupted before anything was mapped; nothing is written")
             raise typer.Exit(INTERRUPTED)
         # A camera has no other end.
-        is_broken_off = interrupted.is_set() and camera_in(frames) is None
+        is_broken_off = interrupted.is_set() and not is_endless
         if is_broken_off:
             output = partial_name(output)
         keep(world, output)

@@ -73,9 +73,17 @@ def say_usage(language: Any) -> None:
 
 
 def localise_recording(
-    frames: Any, world: Any, settings: Any, map_file: Path, trajectory: Path, *, text: bool, as_json: bool
+    frames: Any,
+    world: Any,
+    settings: Any,
+    map_file: Path,
+    trajectory: Path,
+    *,
+    text: bool,
+    is_endless: bool,
+    as_json: bool,
 ) -> None:
-    """Find a recording's camera in a saved map, write its poses and print how many were found."""
+    """Find a camera in a saved map, write its poses and print how many were found; an endless one ends by Ctrl-C."""
     from lpslam import pipeline
     from lpslam.views.notes import event_notes, fault_notes
     from lpslam.views.run_progress import InterruptFlag, RunProgress, prepare
@@ -109,7 +117,7 @@ def localise_recording(
         print_json(facts)
     else:
         print_table({what.replace("_", " "): str(value) for what, value in facts.items()})
-    if interrupted.is_set():
+    if interrupted.is_set() and not is_endless:
         raise typer.Exit(INTERRUPTED)
 
 

@@ -1,5 +1,7 @@
 """Bags that are cut off, empty or hold something else: one line, and what can be read is read."""
 
+import sqlite3
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +11,11 @@ from recordings import picture, raw_depth
 
 from command_line import Command
 from lpslam.errors import LpSlamError, UserError
+from lpslam.frames import RgbdFrame
 from lpslam.sources.open import open_source
+from lpslam.sources.writing.mcap_recording import McapSink
+from lpslam.sources.writing.messages import RosMessages
+from lpslam.sources.writing.recordings import written
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -156,9 +162,6 @@ def test_pictures_that_cannot_be_decoded_are_faults(tmp_path: Path, kind: str) -
 
 
 def test_messages_of_no_bytes_are_faults(tmp_path: Path) -> None:
-    import sqlite3
-    from contextlib import closing
-
     path = write(tmp_path / "walk.db3", walk)
     with closing(sqlite3.connect(path)) as connection:
         query = "UPDATE messages SET data = x'' WHERE id IN (SELECT id FROM messages WHERE topic_id = " \
@@ -168,3 +171,25 @@ def test_messages_of_no_bytes_are_faults(tmp_path: Path) -> None:
     source = open_source(path)
     assert len(list(source)) == 4
     assert len(source.faults) == 2
+
+
+def test_messages_of_no_bytes_in_mcap_are_faults(tmp_path: Path) -> None:
+    path = tmp_path / "walk.mcap"
+    written(open_source(write(tmp_path / "walk.db3", walk)), path)
+    whole = open_source(path)
+    messages = RosMessages.of
+
+    class Emptied(RosMessages):
+        def of(self, frame: RgbdFrame, nanoseconds: int) -> list[tuple[str, bytes]]:
+            found = messages(self, frame, nanoseconds)
+            return [(topic, b"" if frame.index == 2 else data) for topic, data in found]
+
+    sink = McapSink(tmp_path / "emptied.mcap", Emptied(whole.camera))
+    for frame in whole:
+        sink.add(frame)
+    sink.finish()
+    sink.close()
+    source = open_source(tmp_path / "emptied.mcap")
+    assert len(list(source)) == 5
+    assert [fault.index for fault in source.faults] == [2]
+    assert "is empty" in source.faults[0].reason

@@ -1,7 +1,9 @@
 """RealSense cameras through the maker's library, on its software device."""
 
+import signal
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -10,10 +12,13 @@ from software_camera import COLOUR_LENS, DEPTH_LENS, HEIGHT, SHIFT, WIDTH, Feedi
 
 from command_line import Command
 from lpslam.errors import MissingExtraError, UserError
+from lpslam.frames import RgbdFrame
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.sources.live import realsense
 from lpslam.sources.live.opening import is_camera, open_camera
 from lpslam.sources.open import open_source
+from lpslam.sources.writing.mcap_recording import McapSink
+from lpslam.views.run_progress import RunProgress
 
 
 def plugged_in(monkeypatch: pytest.MonkeyPatch, *cameras: SoftwareCamera) -> None:
@@ -181,3 +186,45 @@ def test_a_camera_is_recorded_and_mapped(
     assert done.json["frames"] == 20
     assert LanguageMap.load(output).trajectory.tracked_count == 20
     assert lpslam("record", tmp_path, bag).code == 2
+
+
+@pytest.mark.slow
+def test_ctrl_c_is_the_end_of_a_camera(
+    lpslam: Command, clip: Callable[[int], Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    camera, picture = of_clip(clip(20))
+    plugged_in(monkeypatch, camera)
+    show = RunProgress.update
+
+    def press(self: RunProgress, state: Any) -> None:
+        show(self, state)
+        if state.frames == 8:
+            signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(RunProgress, "update", press)
+    output, poses = tmp_path / "map.lpmap", tmp_path / "poses.txt"
+    with Feeding(camera, picture):
+        done = lpslam("run", "realsense:", "-o", output, "--no-text", "--json")
+    assert done.code == 0
+    assert done.json["frames_tracked"] >= 8
+    assert "interrupted" not in done.err
+    assert LanguageMap.load(output).trajectory.tracked_count == done.json["frames_tracked"]
+    camera, picture = of_clip(tmp_path / "clip")
+    plugged_in(monkeypatch, camera)
+    with Feeding(camera, picture):
+        done = lpslam("run", "realsense:", "--localize", output, "--trajectory", poses, "--no-text", "--json")
+    assert done.code == 0
+    assert done.json["frames_localised"] >= 8
+    camera, picture = of_clip(tmp_path / "clip")
+    plugged_in(monkeypatch, camera)
+
+    def press_while_recording(sink: McapSink, frame: RgbdFrame) -> None:
+        add(sink, frame)
+        if frame.index == 5:
+            signal.raise_signal(signal.SIGINT)
+
+    add = McapSink.add
+    monkeypatch.setattr(McapSink, "add", press_while_recording)
+    with Feeding(camera, picture):
+        assert lpslam("record", "realsense:", tmp_path / "walk.mcap").code == 0
+    assert len(list(open_source(tmp_path / "walk.mcap"))) >= 6
