@@ -3,6 +3,7 @@
 import sqlite3
 from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,6 +13,8 @@ from recordings import picture, raw_depth
 from command_line import Command
 from lpslam.errors import LpSlamError, UserError
 from lpslam.frames import RgbdFrame
+from lpslam.sources.bags.containers import container, ros1
+from lpslam.sources.bags.containers.opening import open_container
 from lpslam.sources.open import open_source
 from lpslam.sources.writing.mcap_recording import McapSink
 from lpslam.sources.writing.messages import RosMessages
@@ -38,6 +41,32 @@ def test_a_recording_that_was_cut_off_is_read_as_far_as_it_goes(tmp_path: Path, 
     # The last chunk of a megabyte, which holds 65 frames, is lost with its end.
     assert counts[19] >= 190 - 65, counts
     assert counts[10] >= 100 - 65, counts
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_part_of_what_was_cut_off_is_read_alone(
+    tmp_path: Path, kind: str, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    whole = write(tmp_path / f"whole.{kind}", lambda types: walk(types, 500)).read_bytes()
+    (tmp_path / f"part.{kind}").write_bytes(whole[: len(whole) * 9 // 10])
+    monkeypatch.setattr(container, "_LARGE", 0)
+    found = open_container(tmp_path / f"part.{kind}")
+    assert ("are read through first" in caplog.text) == (kind != "db3")
+    everything = list(found.messages([COLOUR, DEPTH]))
+    start, end = everything[500].logged, everything[520].logged
+    expected = [message for message in everything if start <= message.logged < end]
+    unpacked = 0
+    record = ros1._record
+
+    def counted(*given: Any) -> Any:
+        nonlocal unpacked
+        unpacked += 1
+        return record(*given)
+
+    monkeypatch.setattr(ros1, "_record", counted)
+    assert list(found.messages([COLOUR, DEPTH], start, end)) == expected
+    assert unpacked < 600, "one chunk of a megabyte, or two"
+    assert found.times(COLOUR) == [message.logged for message in everything if message.topic.name == COLOUR]
 
 
 @pytest.mark.parametrize("kind", ["bag", "mcap"])

@@ -9,6 +9,9 @@ from typing import Protocol
 
 logger = logging.getLogger(__name__)
 
+_LARGE = 10**9
+"""Bytes that are read in more than a moment."""
+
 
 class Encoding(Enum):
     """How a message's bytes are laid out."""
@@ -102,6 +105,13 @@ class Damage:
 
     def _say(self, text: str) -> None:
         logger.warning("%s: %s; what is before it is used", self.path.name, text)
+
+
+def say_before_a_pass(path: Path) -> None:
+    """Say that a large file is read through once, which takes a while, to be known as one with an index is at once."""
+    size = path.stat().st_size
+    if size > _LARGE:
+        logger.warning("%s: it has no index; its %.1f GB are read through first", path.name, size / 1e9)
 
 
 def ros2_type(name: str) -> str:

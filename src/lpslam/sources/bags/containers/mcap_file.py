@@ -3,19 +3,19 @@
 The format: https://mcap.dev/spec
 """
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
 from typing import BinaryIO
 
 from mcap.exceptions import McapError
 from mcap.reader import SeekingReader
-from mcap.records import Channel, Schema
+from mcap.records import Channel, Chunk, ChunkIndex, McapRecord, Schema
 from mcap.records import Message as Record
-from mcap.stream_reader import StreamReader
+from mcap.stream_reader import StreamReader, breakup_chunk
 from mcap.summary import Summary
 
 from lpslam.errors import UserError
-from lpslam.sources.bags.containers.container import Damage, Encoding, Message, Topic, ros2_type
+from lpslam.sources.bags.containers.container import Damage, Encoding, Message, Topic, ros2_type, say_before_a_pass
 
 MAGIC = b"\x89MCAP0\r\n"
 _LARGEST_RECORD = 1 << 30
@@ -91,12 +91,42 @@ class McapFile:
                 yield channel, record
 
     def _read_all(self) -> tuple[Topic, ...]:
-        """Topics and times of a file without an index, which one pass over it tells."""
-        channels: dict[int, Channel] = {}
-        schemas: dict[int, Schema] = {}
-        for channel, record in self._scanned(channels, schemas):
-            self._times.setdefault(channel.topic, []).append(record.log_time)
-        return tuple(_topics(list(channels.values()), schemas))
+        """Topics and times of a file without an index, which one pass over it tells; and an index, if it has chunks."""
+        say_before_a_pass(self.path)
+        index = Summary()
+        is_in_chunks = True
+        with self.path.open("rb") as file:
+            begun = 0
+            try:
+                for record in StreamReader(file, emit_chunks=True, record_size_limit=_LARGEST_RECORD).records:
+                    inner = breakup_chunk(record) if isinstance(record, Chunk) else [record]
+                    times = self._noted(inner, index)
+                    if isinstance(record, Chunk) and times:
+                        index.chunk_indexes.append(_entry(record, begun, times))
+                    is_in_chunks &= isinstance(record, Chunk) or not times
+                    begun = file.tell()
+            except Exception as error:
+                self._damage.note(
+                    f"it is cut off or damaged {file.tell() / 1e6:.3f} MB from its beginning ({_said(error)})"
+                )
+        for noted in self._times.values():
+            noted.sort()
+        if is_in_chunks and index.chunk_indexes:
+            self._index, self._is_indexed = index, True
+        return tuple(_topics(list(index.channels.values()), index.schemas))
+
+    def _noted(self, records: Iterable[McapRecord], index: Summary) -> list[int]:
+        """Take schemas, channels and times of messages to the index; the times of these."""
+        times = []
+        for record in records:
+            if isinstance(record, Schema):
+                index.schemas[record.id] = record
+            elif isinstance(record, Channel):
+                index.channels[record.id] = record
+            elif isinstance(record, Record) and record.channel_id in index.channels:
+                self._times.setdefault(index.channels[record.channel_id].topic, []).append(record.log_time)
+                times.append(record.log_time)
+        return times
 
     def _scanned(self, channels: dict[int, Channel], schemas: dict[int, Schema]) -> Iterator[tuple[Channel, Record]]:
         with self.path.open("rb") as file:
@@ -138,6 +168,21 @@ class _Indexed(SeekingReader):
     def get_summary(self) -> Summary | None:
         """As it was read before."""
         return self._known
+
+
+def _entry(chunk: Chunk, begun: int, times: list[int]) -> ChunkIndex:
+    """A chunk's entry in an index; which channels it has is not stated."""
+    return ChunkIndex(
+        chunk_length=0,
+        chunk_start_offset=begun,
+        compression=chunk.compression,
+        compressed_size=len(chunk.data),
+        message_end_time=max(times),
+        message_index_length=0,
+        message_index_offsets={},
+        message_start_time=min(times),
+        uncompressed_size=chunk.uncompressed_size,
+    )
 
 
 def _index_times(head: bytes, read: "object") -> list[int]:
