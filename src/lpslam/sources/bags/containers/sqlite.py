@@ -54,6 +54,8 @@ class Ros2Database:
         )
         self._rows, self._logged, self._of_topic = array("q"), array("q"), array("q")
         self._is_whole = self._walk()
+        if not self._is_whole:
+            self._collect()
         # Rows are recorded in order; only where they are not does the index of times decide.
         self._is_in_order = all(one <= other for one, other in pairwise(self._logged))
 
@@ -84,9 +86,6 @@ class Ros2Database:
         if name not in self._ids:
             return []
         number = self._ids[name]
-        if not self._is_whole:
-            topic = {number: Topic(name, "", Encoding.CDR)}
-            return [message.logged for message in self._salvaged(topic, -(1 << 62), 1 << 62)]
         return sorted(logged for logged, topic in zip(self._logged, self._of_topic, strict=True) if topic == number)
 
     def _query(self, start: int, end: int) -> tuple[str, tuple[int, int]]:
@@ -146,21 +145,39 @@ class Ros2Database:
         with self.path.open("rb") as file:
             return file.read(100)
 
+    def _collect(self) -> None:
+        """Number, topic and time of all rows that can be read with what they hold: one pass over a damaged file."""
+        self._rows, self._logged, self._of_topic = array("q"), array("q"), array("q")
+        for row, topic_id, logged, _ in self._readable(0):
+            self._rows.append(row)
+            self._of_topic.append(topic_id)
+            self._logged.append(logged)
+
     def _salvaged(self, wanted: dict[int, Topic], start: int, end: int) -> Iterator[Message]:
-        """Rows in the order in which they were written; rows that cannot be read are leapt over."""
-        row, step = 0, 1
+        """Messages between two times in the order in which they were written."""
+        first = bisect_left(self._logged, start) if self._is_in_order else 0
+        if first == len(self._rows):
+            return
+        for _, topic_id, logged, data in self._readable(self._rows[first] - 1):
+            if self._is_in_order and logged >= end:
+                return
+            if topic_id in wanted and start <= logged < end:
+                yield Message(wanted[topic_id], logged, data)
+
+    def _readable(self, row: int) -> Iterator[tuple[int, int, int, bytes]]:
+        """Number, topic, time and data of the rows after one; rows that cannot be read are leapt over."""
+        step = 1
         with closing(self._connection()) as connection:
             for _ in range(_LEAPS):
                 try:
-                    query = "SELECT id, topic_id, timestamp, data FROM messages WHERE id > ? ORDER BY id"
+                    query = "SELECT id, topic_id, timestamp, data FROM messages NOT INDEXED WHERE id > ? ORDER BY id"
                     for found, topic_id, logged, data in connection.execute(query, (row,)):
                         if int(found) <= row:
                             return  # a damaged tree that leads back into itself
                         row, step = int(found), 1
-                        if topic_id in wanted and start <= int(logged) < end:
-                            yield Message(wanted[topic_id], int(logged), bytes(data or b""))
+                        yield row, int(topic_id), int(logged), bytes(data or b"")
                     return
-                except (sqlite3.Error, TypeError, ValueError):
+                except (sqlite3.Error, TypeError, ValueError, OverflowError):
                     row, step = row + step, 2 * step
 
 
