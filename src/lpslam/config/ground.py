@@ -58,8 +58,8 @@ class WayConfig(Section):
     # Metres from the robot's middle to its rim.
     robot_radius: float = Field(default=0.25, gt=0)
     # Metres from what is in the way that are kept where there is room, and how much longer a way may be for it.
-    comfort: float = Field(default=0.3, ge=0)
-    comfort_cost: float = Field(default=1.0, ge=0)
+    comfort: float = Field(default=0.2, ge=0)
+    comfort_cost: float = Field(default=0.5, ge=0)
     # Metres a second.
     speed: float = Field(default=1.0, gt=0)
     # Metres before a sign at which people stand to read it: nearest, best and farthest.
