@@ -70,7 +70,7 @@ def test_an_export_is_whole_or_leaves_what_was_there(
     export.export_map(world, folder)
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
 
-    def full(path: Path, points: object) -> None:
+    def full(path: Path, *what: object) -> None:
         path.write_bytes(b"ply")
         raise OSError(errno.ENOSPC, "No space left on device")
 
