@@ -133,3 +133,12 @@ def test_cells_and_places_agree() -> None:
     assert grid.cell(np.array([1.9, 3.9, 7.0])) == (3, 5)
     assert grid.middles(np.array([[3, 5]])).tolist() == [[1.75, 3.75]]
     assert grid.at(np.array([9.0, 9.0])) == UNKNOWN
+
+
+def test_a_counter_that_is_seen_more_often_than_the_floor_is_not_the_floor() -> None:
+    counter = Box((0.7, -3.0, 0.9), (1.5, 3.0, 0.95))
+    before = [looking((0.0, 0.2 * at), 0.0, 1.4, 0.6) for at in range(-9, 10)]
+    aside = [looking((0.0, 0.3 * at), np.pi, 1.4, 0.5) for at in range(-1, 2)]
+    grid = grid_of([*WALLS, counter], before + aside)
+    assert (values(grid, (0.75, -1.5), (1.4, 1.5)) == OCCUPIED).mean() > 0.7
+    assert (values(grid, (-3.0, -0.8), (-1.5, 0.8)) == FREE).mean() > 0.9

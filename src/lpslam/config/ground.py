@@ -28,10 +28,12 @@ class GroundConfig(Section):
     least_up: float = Field(default=0.87, gt=0, le=1)
     # Metres by which the floor lies below the camera at least.
     least_camera_height: float = Field(default=0.15, ge=0)
+    # Metres by which it lies below at most: what lies deeper is another storey.
+    most_camera_height: float = Field(default=2.5, gt=0)
     # Readings of level surfaces in a scan, from which one may be the floor.
     min_floor_readings: int = Field(default=40, ge=3)
     # Share of the scans that must have seen a floor.
-    min_floor_share: float = Field(default=0.05, ge=0, le=1)
+    min_floor_share: float = Field(default=0.08, ge=0, le=1)
     # Metres by which a camera's height over the floor changes while it is carried.
     height_change: float = Field(default=0.6, gt=0)
     # Metres around the floor in which readings of level surfaces tell its noise; noise of three sigma beyond it is not
