@@ -12,7 +12,8 @@ import lpslam
 
 PACKAGE = Path(lpslam.__file__).parent
 FOUNDATION = {
-    *("_version", "assets", "camera", "config", "errors", "frames", "isolated", "kernel_cache"),
+    *("_version", "assets", "camera", "config", "errors", "frames", "interruption", "isolated"),
+    "kernel_cache",
     *("poses", "priority", "timestamps"),
 }
 
