@@ -1,4 +1,4 @@
-"""Landmarks prepared once answer as landmarks prepared for each question, also from many threads and of several maps."""
+"""Landmarks prepared once answer as those prepared for each question, from many threads and of several maps."""
 
 from concurrent.futures import ThreadPoolExecutor
 

@@ -10,6 +10,7 @@ from pydantic import Field, PositiveFloat, ValidationError
 
 from lpslam.config.calibrating import CalibratingConfig
 from lpslam.config.section import Section
+from lpslam.config.serving import JobsConfig, ServingConfig
 from lpslam.config.slam import (
     DepthDelayConfig,
     FeatureConfig,
@@ -49,6 +50,7 @@ __all__ = [
     "FeatureConfig",
     "FocalCheckConfig",
     "InstanceConfig",
+    "JobsConfig",
     "KeyframeConfig",
     "LanguageConfig",
     "LevellingConfig",
@@ -62,6 +64,7 @@ __all__ = [
     "ReadingConfig",
     "SecondLookConfig",
     "SensorNoiseConfig",
+    "ServingConfig",
     "ShutterConfig",
     "SimulationConfig",
     "SlamConfig",
@@ -264,6 +267,8 @@ class Config(Section):
     evaluation: EvaluationConfig = EvaluationConfig()
 
     live: LiveConfig = LiveConfig()
+
+    serving: ServingConfig = ServingConfig()
 
     simulation: SimulationConfig = SimulationConfig()
 
