@@ -27,6 +27,7 @@ from lpslam.cli_runs import (
     render_simulation,
     say_usage,
 )
+from lpslam.cli_serving import COMMANDS as SERVING
 from lpslam.cli_sources import Color, Depth, From, Info, To, convert, sources, topics_and_span
 from lpslam.views.printed import (
     facts_of,
@@ -76,6 +77,8 @@ def main() -> None:
 app.command()(calibrate)
 app.command()(convert)
 app.command()(sources)
+for _command in SERVING:
+    app.command()(_command)
 
 
 @app.callback(invoke_without_command=True)

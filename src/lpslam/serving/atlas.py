@@ -37,6 +37,7 @@ class ServedMap:
         view: where the camera was last, (3,) map frame, and its heading in radians.
         records: its landmarks as JSON has them, in their order.
         words: all that stands on each of them, folded as it is looked for.
+        path_length: metres that the camera went.
     """
 
     name: str
@@ -46,14 +47,16 @@ class ServedMap:
     view: tuple[NDArray[np.float64], float]
     records: tuple[dict[str, Any], ...]
     words: tuple[str, ...]
+    path_length: float
 
 
 def served(name: str, version: str, world: LanguageMap) -> ServedMap:
     """A map made ready to be served."""
     marks = world.landmarks()
-    view = last_view(world.frame_poses().world_from_camera)
+    poses = world.frame_poses()
+    view, length = last_view(poses.world_from_camera), poses.path_length
     words = tuple(folded("\n".join((mark.name, *mark.other_lines))) for mark in marks)
-    return ServedMap(name, version, world, Directory(marks), view, tuple(map(landmark_record, marks)), words)
+    return ServedMap(name, version, world, Directory(marks), view, tuple(map(landmark_record, marks)), words, length)
 
 
 def folded(text: str) -> str:

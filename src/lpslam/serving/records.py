@@ -175,6 +175,24 @@ class AnswerEnvelope(Outward):
     answer: AnswerRecord
 
 
+class GoalRecord(Outward):
+    """Where to stand before a landmark."""
+
+    map: str
+    version: str
+    landmark: int
+    name: str
+    position: list[float] = Field(description="Metres, map frame.")
+    heading: float = Field(description="Degrees, towards the landmark.")
+
+
+class PathRecord(GoalRecord):
+    """The way to where one stands before a landmark."""
+
+    points: list[list[float]] = Field(description="Metres, map frame, from the start to the goal.")
+    length: float = Field(description="Metres.")
+
+
 class JobRecord(Outward):
     """An uploaded recording that is mapped."""
 

@@ -1,0 +1,91 @@
+"""What the routes share: maps, who answers, events and jobs, and the time in which they live."""
+
+import asyncio
+import contextlib
+import logging
+import tempfile
+import threading
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from lpslam.config import Config
+from lpslam.serving.answerers import Answerer
+from lpslam.serving.atlas import Atlas, ServedMap
+from lpslam.serving.hub import Hub
+from lpslam.serving.jobs.queue import Jobs
+
+logger = logging.getLogger(__name__)
+
+
+@dataclass(slots=True)
+class Services:
+    """All that routes use.
+
+    Attributes:
+        atlas: the maps.
+        answerer: answers questions.
+        hub: tells of events.
+        config: limits, and thresholds of the maps that jobs make.
+        uploads: folder for uploads; None where none are taken.
+        jobs: of the uploads, while the server runs.
+    """
+
+    atlas: Atlas
+    answerer: Answerer
+    hub: Hub
+    config: Config
+    uploads: Path | None = None
+    jobs: Jobs | None = None
+    _pictures: dict[str, tuple[str, bytes]] = field(default_factory=dict)
+    _drawing: threading.Lock = field(default_factory=threading.Lock)
+
+    @asynccontextmanager
+    async def running(self) -> AsyncIterator[None]:
+        """From the first request to the last."""
+        await self.answerer.start(self.atlas.maps.values())
+        if self.uploads is not None:
+            self.jobs = Jobs(self.uploads, self.config, self.atlas, self.hub, self._on_map)
+            self.jobs.start()
+        looking = asyncio.create_task(self._look())
+        try:
+            yield
+        finally:
+            looking.cancel()
+            with contextlib.suppress(asyncio.CancelledError):
+                await looking
+            if self.jobs is not None:
+                await self.jobs.close()
+            await self.answerer.close()
+
+    async def _look(self) -> None:
+        """Serve maps anew whose files were replaced."""
+        while True:
+            await asyncio.sleep(self.config.serving.look_s)
+            try:
+                for served in await asyncio.to_thread(self.atlas.refresh):
+                    await self._on_map(served)
+            except Exception as error:
+                # A map that cannot be served anew is served as it was; the next look tries again.
+                logger.warning("maps could not be looked at: %s", error)
+
+    async def _on_map(self, served: ServedMap) -> None:
+        await self.answerer.know(served)
+        facts = {"name": served.name, "version": served.version, "landmarks": len(served.records)}
+        self.hub.tell("map", facts)
+
+    def picture(self, served: ServedMap) -> bytes:
+        """The map from above as PNG, drawn once for each version."""
+        from lpslam.views.pictures import draw_language_map
+
+        # One at a time: drawing takes a second, and a flood must not take them all.
+        with self._drawing:
+            version, drawn = self._pictures.get(served.name, ("", b""))
+            if version != served.version:
+                with tempfile.TemporaryDirectory(prefix="lpslam-") as folder:
+                    out = Path(folder) / "map.png"
+                    draw_language_map(served.world, out)
+                    drawn = out.read_bytes()
+                self._pictures[served.name] = served.version, drawn
+        return drawn
