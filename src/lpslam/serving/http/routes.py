@@ -127,7 +127,7 @@ def map_routes(services: Services) -> APIRouter:
     @router.get("/map.png", response_class=Response, dependencies=[needs("read")], tags=["maps"])
     def picture(map_: MapQuery = None) -> Response:
         """The map from above."""
-        return Response(services.picture(services.atlas.get(map_)), media_type="image/png")
+        return Response(services.pictures.of(services.atlas.get(map_)), media_type="image/png")
 
     @router.get("/grid.png", response_class=Response, dependencies=[needs("read")], tags=["ways"])
     def grid(map_: MapQuery = None) -> Response:

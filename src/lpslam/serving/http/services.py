@@ -3,8 +3,6 @@
 import asyncio
 import contextlib
 import logging
-import tempfile
-import threading
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
@@ -15,6 +13,7 @@ from lpslam.serving.answerers import Answerer
 from lpslam.serving.atlas import Atlas, ServedMap
 from lpslam.serving.hub import Hub
 from lpslam.serving.jobs.queue import Jobs
+from lpslam.serving.pictures import Pictures
 
 logger = logging.getLogger(__name__)
 
@@ -30,6 +29,7 @@ class Services:
         config: limits, and thresholds of the maps that jobs make.
         uploads: folder for uploads; None where none are taken.
         jobs: of the uploads, while the server runs.
+        pictures: of the maps.
     """
 
     atlas: Atlas
@@ -38,8 +38,7 @@ class Services:
     config: Config
     uploads: Path | None = None
     jobs: Jobs | None = None
-    _pictures: dict[str, tuple[str, bytes]] = field(default_factory=dict)
-    _drawing: threading.Lock = field(default_factory=threading.Lock)
+    pictures: Pictures = field(default_factory=Pictures)
 
     @asynccontextmanager
     async def running(self) -> AsyncIterator[None]:
@@ -74,18 +73,3 @@ class Services:
         await self.answerer.know(served)
         facts = {"name": served.name, "version": served.version, "landmarks": len(served.records)}
         self.hub.tell("map", facts)
-
-    def picture(self, served: ServedMap) -> bytes:
-        """The map from above as PNG, drawn once for each version."""
-        from lpslam.views.pictures import draw_language_map
-
-        # One at a time: drawing takes a second, and a flood must not take them all.
-        with self._drawing:
-            version, drawn = self._pictures.get(served.name, ("", b""))
-            if version != served.version:
-                with tempfile.TemporaryDirectory(prefix="lpslam-") as folder:
-                    out = Path(folder) / "map.png"
-                    draw_language_map(served.world, out)
-                    drawn = out.read_bytes()
-                self._pictures[served.name] = served.version, drawn
-        return drawn
