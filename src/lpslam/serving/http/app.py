@@ -37,7 +37,13 @@ def build_app(services: Services, door: Door, pages: Sequence[BaseRoute] = ()) -
 
     # Pages that show the schema load programs from elsewhere: there are none.
     app = FastAPI(
-        title="lpslam", version=__version__, description=_ABOUT, docs_url=None, redoc_url=None, lifespan=lifespan
+        title="lpslam",
+        version=__version__,
+        description=_ABOUT,
+        docs_url=None,
+        redoc_url=None,
+        redirect_slashes=False,
+        lifespan=lifespan,
     )
     handle_problems(app)
     app.include_router(map_routes(services))
