@@ -19,6 +19,8 @@ from lpslam.serving.tokens import Tokens
 from small_maps import small_map
 
 Serve = Callable[..., TestClient]
+SERVICES: dict[int, Services] = {}
+"""What a client's server uses, by the client's `id`."""
 
 
 @pytest.fixture
@@ -59,6 +61,7 @@ def serve(mall: Path, model: OfflineModel) -> Iterator[Serve]:
         )
         client = TestClient(build_app(services, door), base_url="http://127.0.0.1:8765", raise_server_exceptions=False)
         client.__enter__()
+        SERVICES[id(client)] = services
         opened.append(client)
         return client
 

@@ -187,7 +187,17 @@ def test_any_query_gets_a_page_or_a_line(long_lived: TestClient, query: dict[str
 @settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     name=st.sampled_from(
-        ["authorization", "accept", "content-type", "content-length", "last-event-id", "origin", "range", "cookie", "te"]
+        [
+            "authorization",
+            "accept",
+            "content-type",
+            "content-length",
+            "last-event-id",
+            "origin",
+            "range",
+            "cookie",
+            "te",
+        ]
     ),
     value=st.text(alphabet=string.printable.replace("\r", "").replace("\n", "") + "éÿ", max_size=40),
 )

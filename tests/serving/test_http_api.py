@@ -65,7 +65,12 @@ def test_one_landmark_is_that_of_the_list(client: TestClient) -> None:
         assert client.get(f"/landmarks/{missing}").status_code == 404
 
 
-QUESTIONS = ("Where can I eat pizza?", "哪里可以买书？", "a place that sells aeroplanes", "the toilet next to the bookshop")
+QUESTIONS = (
+    "Where can I eat pizza?",
+    "哪里可以买书？",
+    "a place that sells aeroplanes",
+    "the toilet next to the bookshop",
+)
 
 
 @pytest.mark.parametrize("question", QUESTIONS)
@@ -124,12 +129,19 @@ def test_the_schema_covers_every_route_and_says_nothing_of_pages_elsewhere(clien
 
 
 def test_every_response_is_shut_to_other_origins(client: TestClient) -> None:
-    for response in (client.get("/maps"), client.get("/nothing"), client.post("/ask", content=b"{"), client.get("/ask")):
+    for response in (
+        client.get("/maps"),
+        client.get("/nothing"),
+        client.post("/ask", content=b"{"),
+        client.get("/ask"),
+    ):
         assert "default-src 'none'" in response.headers["content-security-policy"]
         assert response.headers["x-content-type-options"] == "nosniff"
         assert response.headers["cross-origin-resource-policy"] == "same-origin"
         assert not [name for name in response.headers if name.startswith("access-control")]
-    preflight = client.options("/ask", headers={"origin": "http://evil.example", "access-control-request-method": "POST"})
+    preflight = client.options(
+        "/ask", headers={"origin": "http://evil.example", "access-control-request-method": "POST"}
+    )
     assert preflight.status_code == 403
 
 
@@ -226,9 +238,7 @@ def test_a_token_is_withdrawn_while_the_server_runs(serve: Serve, tokens: tuple[
     assert client.get("/maps", headers=bearer(made["reader"])).status_code == 401
 
 
-def test_who_guesses_tokens_waits_and_who_has_one_does_not(
-    serve: Serve, tokens: tuple[Path, dict[str, str]]
-) -> None:
+def test_who_guesses_tokens_waits_and_who_has_one_does_not(serve: Serve, tokens: tuple[Path, dict[str, str]]) -> None:
     path, made = tokens
     client = serve(tokens=path, refusals_a_minute=5)
     answers = [client.get("/maps", headers=bearer(f"lps_{number}")).status_code for number in range(8)]

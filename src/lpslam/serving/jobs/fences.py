@@ -15,7 +15,7 @@ _SYSTEM = ("/usr", "/lib", "/lib64", "/opt", "/proc", "/sys", "/dev", "/etc/ld.s
 def kernel_places() -> list[Path]:
     """Where compiled kernels may be kept besides beside their code."""
     named = os.environ.get("NUMBA_CACHE_DIR")
-    return [Path(named)] if named else [Path.home() / ".cache" / "numba"]
+    return [Path(named)] if named else [Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "numba"]
 
 
 def limit_resources(limits: JobsConfig) -> None:

@@ -28,7 +28,7 @@ SUFFIXES = {
 
 _NAME = re.compile(r"[A-Za-z0-9][\w.-]{0,59}", re.ASCII)
 _CODE = "from lpslam.serving.jobs.running import main; main()"
-_KEPT_VARIABLES = ("PATH", "HOME", "LANG", "LC_ALL", "TZ", "NUMBA_CACHE_DIR", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
+_KEPT_VARIABLES = ("PATH", "LANG", "LC_ALL", "TZ", "NUMBA_CACHE_DIR", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
 _MAPS, _WORK = "maps", "jobs"
 _FINAL = ("done", "failed", "cancelled")
 
@@ -232,8 +232,7 @@ class Jobs:
             stdin=asyncio.subprocess.PIPE,
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.DEVNULL,
-            # No keys, and no folder but its own.
-            env={name: os.environ[name] for name in _KEPT_VARIABLES if name in os.environ} | {"TMPDIR": str(temporary)},
+            env=_surroundings(temporary),
             cwd=place,
             start_new_session=True,
         )
@@ -298,6 +297,13 @@ _KNOWN: dict[str, type] = {
     "state": str, "message": str, "frames": int, "frames_total": int, "frames_per_second": float, "keyframes": int,
     "landmarks": int,
 }  # fmt: skip
+
+
+def _surroundings(temporary: Path) -> dict[str, str]:
+    """Variables of a job: no keys, and a home of its own; only compiled kernels are kept where they are."""
+    kept = {name: os.environ[name] for name in _KEPT_VARIABLES if name in os.environ}
+    cache = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    return kept | {"HOME": str(temporary), "TMPDIR": str(temporary), "XDG_CACHE_HOME": cache}
 
 
 def _facts(line: bytes) -> dict[str, Any]:
