@@ -209,10 +209,10 @@ class _Process:
                 return await asyncio.shield(promise)
         except TimeoutError:
             if not promise.done() and self.pending and self.pending[0] is promise:
-                self._kill()
+                await self.end()
             raise AnswerLostError("the answer took too long; it is given up") from None
         finally:
-            promise.cancel() if not promise.done() else None
+            promise.cancel()
 
     async def _start(self) -> None:
         # What is read from a map reaches it through the pipe alone; keys of language models are none of its business.
@@ -255,16 +255,13 @@ class _Process:
         with suppress(ProcessLookupError):
             process.kill()
 
-    def _kill(self) -> None:
+    async def end(self) -> None:
+        """End it; whoever waits for an answer of it is told."""
         if self.process is not None:
             with suppress(ProcessLookupError):
                 self.process.kill()
-
-    async def end(self) -> None:
-        """End it."""
-        self._kill()
         if self._listening is not None:
-            await self._listening
+            await asyncio.shield(self._listening)
 
 
 def as_json(value: dict[str, Any]) -> bytes:
