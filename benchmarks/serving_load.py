@@ -36,7 +36,9 @@ def questions(count: int) -> list[str]:
         if path.is_file():
             choosing = json.loads(path.read_text()).get("choosing", [])
             groups = choosing if isinstance(choosing, list) else [choosing]
-            plain += [each["question"] for group in groups for each in group.get("questions", [group]) if "question" in each]
+            plain += [
+                each["question"] for group in groups for each in group.get("questions", [group]) if "question" in each
+            ]
     plain = list(dict.fromkeys(plain))
     np.random.default_rng(4).shuffle(plain)
     turns = -(-count // len(plain))
@@ -125,7 +127,9 @@ def processor_seconds(process: int) -> float:
 def said(spent: list[float]) -> str:
     """Times in a line."""
     median, ninety, last = np.percentile(spent, [50, 90, 99])
-    return f"mean {np.mean(spent):.1f} ms, median {median:.1f}, 90 % {ninety:.1f}, 99 % {last:.1f}, most {max(spent):.1f}"
+    return (
+        f"mean {np.mean(spent):.1f} ms, median {median:.1f}, 90 % {ninety:.1f}, 99 % {last:.1f}, most {max(spent):.1f}"
+    )
 
 
 def main() -> None:

@@ -16,7 +16,13 @@ from lpslam.serving.atlas import Atlas
 from lpslam.serving.questions import Asked
 from small_maps import small_map
 
-QUESTIONS = ("Where can I eat pizza?", "哪里可以买书？", "exit", "a place that sells aeroplanes", "the toilet next to KFC")
+QUESTIONS = (
+    "Where can I eat pizza?",
+    "哪里可以买书？",
+    "exit",
+    "a place that sells aeroplanes",
+    "the toilet next to KFC",
+)
 
 
 def with_processes(

@@ -131,7 +131,7 @@ VALUES = st.recursive(
 )
 FIELDS = st.fixed_dictionaries(
     {},
-    optional={name: VALUES for name in ("question", "map", "before", "position", "heading", "excluded", "landmark")},
+    optional=dict.fromkeys(("question", "map", "before", "position", "heading", "excluded", "landmark"), VALUES),
 )
 
 

@@ -12,12 +12,12 @@ from typing import Any
 
 import pytest
 from starlette.testclient import TestClient
+from test_archives import zipped
 
 from conftest import SERVICES, Serve
 from lpslam.isolated import python_command
 from lpslam.serving import records
 from lpslam.serving.hub import Event, Hub, TooManyListenersError
-from test_archives import zipped
 
 
 def wait(
