@@ -29,7 +29,7 @@ SETS = ("paper", "second", "third", "fourth", "fifth", "sixth", "development", "
 
 
 def questions(count: int) -> list[str]:
-    """Questions in seven languages, none twice: those of the language benchmarks, and the same with a place or a time."""
+    """Questions in seven languages, none twice: those of the language benchmarks, and the same with a number."""
     plain: list[str] = []
     for name in SETS:
         path = ROOT / "benchmarks" / "language" / f"{name}.json"

@@ -95,11 +95,13 @@ def test_the_tools_over_standard_input_and_output(mall: Path) -> None:
     ("tool", "arguments"),
     [
         ("ask_place", {}), ("ask_place", {"question": ""}), ("ask_place", {"question": "x" * 5000}),
-        ("ask_place", {"question": "x", "position": [float("nan"), 0]}), ("ask_place", {"question": "x", "position": [1]}),
+        ("ask_place", {"question": "x", "position": [float("nan"), 0]}),
+        ("ask_place", {"question": "x", "position": [1]}),
         ("ask_place", {"question": "x", "heading": 1e30}), ("ask_place", {"question": "x", "map": "../mall"}),
         ("describe", {"place": -1}), ("describe", {"place": 10**30}), ("describe", {"place": 1}),
         ("describe", {"place": "1; drop"}), ("route", {"place": 77}), ("list_places", {"page": 0}),
-        ("list_places", {"near": "here"}), ("list_places", {"judged": "perhaps"}), ("where_am_i", {"signs": ["x"] * 99}),
+        ("list_places", {"near": "here"}), ("list_places", {"judged": "perhaps"}),
+        ("where_am_i", {"signs": ["x"] * 99}),
         ("where_am_i", {"signs": "EXIT"}), ("delete_map", {"map": "mall"}),
     ],
 )  # fmt: skip

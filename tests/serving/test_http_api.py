@@ -120,7 +120,8 @@ def test_where_there_is_no_ground_it_is_said_in_one_line(client: TestClient) -> 
 def test_the_schema_covers_every_route_and_says_nothing_of_pages_elsewhere(client: TestClient) -> None:
     schema = client.get("/openapi.json").json()
     assert set(schema["paths"]) == {
-        "/health", "/maps", "/maps/{name}", "/landmarks", "/landmarks/{id_}", "/map.png", "/grid.png", "/events", "/ask",
+        "/health", "/maps", "/maps/{name}", "/landmarks", "/landmarks/{id_}", "/map.png", "/grid.png", "/events",
+        "/ask",
         "/goal", "/path", "/jobs", "/jobs/{id_}",
     }  # fmt: skip
     assert {"AnswerEnvelope", "LandmarkPage", "Problem", "JobRecord"} <= set(schema["components"]["schemas"])

@@ -16,7 +16,7 @@ from mcp.server.mcpserver.exceptions import ResourceError, ToolError
 from mcp.types import ToolAnnotations
 from pydantic import BaseModel, Field
 
-from lpslam import __version__
+from lpslam._version import __version__
 from lpslam.config import Config
 from lpslam.errors import UserError
 from lpslam.language.model import LanguageModel

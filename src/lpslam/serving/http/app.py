@@ -7,7 +7,7 @@ from typing import Any
 from fastapi import FastAPI
 from starlette.routing import BaseRoute
 
-from lpslam import __version__
+from lpslam._version import __version__
 from lpslam.serving.http.job_routes import job_routes
 from lpslam.serving.http.problems import handle_problems
 from lpslam.serving.http.routes import map_routes, question_routes

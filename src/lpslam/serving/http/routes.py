@@ -9,7 +9,7 @@ from fastapi import APIRouter, Depends, Query, Request
 from starlette.exceptions import HTTPException
 from starlette.responses import Response, StreamingResponse
 
-from lpslam import __version__
+from lpslam._version import __version__
 from lpslam.errors import LpSlamError, UserError
 from lpslam.serving import ground, records
 from lpslam.serving.answerers import as_json
