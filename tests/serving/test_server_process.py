@@ -69,11 +69,12 @@ class Server:
 @pytest.fixture(scope="module")
 def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
     one = Server(tmp_path_factory.mktemp("served"))
-    yield one
-    one.process.send_signal(signal.SIGINT)
-    assert one.process.wait(20) == 0
-    assert one.process.stderr is not None
-    assert "Traceback" not in one.process.stderr.read()
+    with one.process:
+        yield one
+        one.process.send_signal(signal.SIGINT)
+        assert one.process.wait(20) == 0
+        assert one.process.stderr is not None
+        assert "Traceback" not in one.process.stderr.read()
 
 
 HOST = b"host: 127.0.0.1\r\n"
@@ -230,8 +231,8 @@ def test_processes_end_with_a_server_that_is_killed(tmp_path: Path) -> None:
     if not children.is_file():
         pytest.skip("the system does not tell a process's children")
     (child,) = children.read_text().split()
-    server.process.kill()
-    server.process.wait()
+    with server.process:
+        server.process.kill()
     for _ in range(100):
         if not os.path.exists(f"/proc/{child}") or "Z" in Path(f"/proc/{child}/stat").read_text().split(")")[1][:3]:
             break

@@ -119,7 +119,8 @@ def run(
     except OSError as error:
         raise UserError(f"--certificate or --key cannot be used ({error.strerror or error})") from error
     server = _Server(config, on_ready)
-    with contextlib.suppress(KeyboardInterrupt):
+    # Where it cannot begin, uvicorn ends the program; what is said of that is below.
+    with contextlib.suppress(KeyboardInterrupt, SystemExit):
         asyncio.run(server.serve(sockets=[listening]))
     if not server.started:
         raise UserError("the server could not be started; what was wrong is said above")

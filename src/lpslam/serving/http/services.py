@@ -22,13 +22,16 @@ logger = logging.getLogger(__name__)
 class Services:
     """All that routes use.
 
+    Raises:
+        UserError: uploads cannot be kept.
+
     Attributes:
         atlas: the maps.
         answerer: answers questions.
         hub: tells of events.
         config: limits, and thresholds of the maps that jobs make.
         uploads: folder for uploads; None where none are taken.
-        jobs: of the uploads, while the server runs.
+        jobs: of the uploads; None where none are taken.
         pictures: of the maps.
     """
 
@@ -40,12 +43,20 @@ class Services:
     jobs: Jobs | None = None
     pictures: Pictures = field(default_factory=Pictures)
 
+    def __post_init__(self) -> None:
+        """Have a place for uploads, where they are taken."""
+        if self.uploads is not None:
+            self.jobs = Jobs(self.uploads, self.config, self.atlas, self.hub, self._on_map)
+
     @asynccontextmanager
     async def running(self) -> AsyncIterator[None]:
         """From the first request to the last."""
-        await self.answerer.start(self.atlas.maps.values())
-        if self.uploads is not None:
-            self.jobs = Jobs(self.uploads, self.config, self.atlas, self.hub, self._on_map)
+        try:
+            await self.answerer.start(self.atlas.maps.values())
+        except Exception as error:
+            logger.error("no questions can be answered: %s", error or type(error).__name__)
+            raise
+        if self.jobs is not None:
             self.jobs.start()
         looking = asyncio.create_task(self._look())
         try:
