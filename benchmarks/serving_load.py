@@ -4,8 +4,9 @@
 
 A map of so many boards with names as the drawn streets have them is served by the command itself, on loopback. First
 questions are asked one after the other; then they come at a fixed rate, whether or not the ones before are answered,
-over connections that stay open, and each one's time counts from when it was due. No question comes twice. The
-processor time of the server and its processes is read from the system, since the machine may be shared.
+over connections that stay open, and each one's time counts from when it was due. No question comes twice, unless
+`--distinct N` has as many come in any order, over and over, as visitors ask. The processor time of the server and its
+processes is read from the system, since the machine may be shared.
 """
 
 import argparse
@@ -139,11 +140,15 @@ def main() -> None:
     parser.add_argument("--rate", type=float, default=200.0)
     parser.add_argument("--seconds", type=float, default=20.0)
     parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--distinct", type=int, default=None)
     options = parser.parse_args()
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
     texts = questions(int(options.rate * options.seconds) + 600)
+    if options.distinct is not None:
+        chosen = np.random.default_rng(5).integers(0, options.distinct, len(texts) - 600).tolist()
+        texts = [*texts[:600], *(texts[600 + at] for at in chosen)]
     with tempfile.TemporaryDirectory() as folder:
         path = served_map(Path(folder), options.landmarks)
         command = ["serve", str(path), "--port", str(port), "--workers", str(options.workers)]

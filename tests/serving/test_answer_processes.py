@@ -26,10 +26,14 @@ QUESTIONS = (
 
 
 def with_processes(
-    path: Path, use: Callable[[ProcessAnswerer, Atlas], Awaitable[None]], waiting: int = 64, patience: float = 30.0
+    path: Path,
+    use: Callable[[ProcessAnswerer, Atlas], Awaitable[None]],
+    waiting: int = 64,
+    patience: float = 30.0,
+    kept: int = 0,
 ) -> None:
     async def run() -> None:
-        atlas, answerer = Atlas([path]), ProcessAnswerer(2, 400, waiting, patience)
+        atlas, answerer = Atlas([path]), ProcessAnswerer(2, 400, waiting, patience, kept)
         await answerer.start(atlas.maps.values())
         try:
             await use(answerer, atlas)
@@ -86,3 +90,29 @@ def test_one_that_hangs_is_given_up_and_too_many_questions_are_refused(mall: Pat
         assert json.loads(await answerer.ask(Asked("pizza"), served))["answer"]["landmark"]["id"] == 1000
 
     with_processes(mall, use, waiting=4, patience=3.0)
+
+
+@pytest.mark.slow
+def test_who_asks_the_same_gets_the_same_until_the_map_is_another(mall: Path) -> None:
+    async def use(answerer: ProcessAnswerer, atlas: Atlas) -> None:
+        served, asked = atlas.get(), Asked("something to eat", position=(0.0, 0.0))
+        first = await answerer.ask(asked, served)
+        stopped = answerer.process_ids
+        for process in stopped:
+            os.kill(process, signal.SIGSTOP)
+        # No process is needed for what is known, and another place is another question.
+        assert await answerer.ask(asked, served) == first
+        for process in stopped:
+            os.kill(process, signal.SIGCONT)
+        elsewhere = await answerer.ask(Asked("something to eat", position=(28.0, 0.0)), served)
+        assert json.loads(elsewhere)["answer"]["landmark"]["name"] == "KFC" != json.loads(first)["answer"]["landmark"]
+        small_map(["KFC"]).save(mall)
+        (new,) = atlas.refresh()
+        await answerer.know(new)
+        assert json.loads(await answerer.ask(asked, new))["version"] == new.version != served.version
+        # More than are kept push out the oldest.
+        for number in range(5):
+            await answerer.ask(Asked(f"shop {number}"), new)
+        assert json.loads(await answerer.ask(asked, new))["answer"]["landmark"]["name"] == "KFC"
+
+    with_processes(mall, use, kept=3)

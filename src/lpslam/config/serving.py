@@ -58,6 +58,8 @@ class ServingConfig(Section):
     waiting_questions: int = Field(default=128, ge=1)
     # Seconds after which a question's answer is given up.
     answer_s: float = Field(default=30.0, gt=0)
+    # Answers that are kept for who asks the same of the same version of a map; 2 KB each.
+    answers_kept: int = Field(default=2000, ge=0)
     # Landmarks on a page at most, ...
     page_size: int = Field(default=200, ge=1)
     # ... and where nobody says.

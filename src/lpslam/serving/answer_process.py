@@ -1,5 +1,6 @@
 """The process that answers questions with the embedded model: requests come in by a pipe, answers go out by another."""
 
+import gc
 import json
 import logging
 import os
@@ -66,6 +67,9 @@ def _reply(request: bytes, maps: dict[str, _KnownMap]) -> bytes:
         maps[name] = known = _KnownMap(name, version, Directory(landmarks), view)
         # The tables are made now, and not when the first question waits for them.
         embedded_model().scorer(known.directory.candidates)
+        # None of it is garbage: the collector need not go through it again and again.
+        gc.collect()
+        gc.freeze()
         return b"{}"
     asked = json.loads(request)
     question = Asked(**{key: _frozen(value) for key, value in asked["asked"].items()})

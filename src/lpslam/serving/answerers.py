@@ -9,7 +9,7 @@ import json
 import os
 import pickle
 import struct
-from collections import deque
+from collections import OrderedDict, deque
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
@@ -23,6 +23,7 @@ from lpslam.serving.atlas import ServedMap
 from lpslam.serving.questions import Asked, answered, understood
 
 _HEAD = struct.Struct("<Q")
+_HEAD_BYTES = 400  # of an answer, in which its map and version stand
 _THREADS = 8  # questions that wait for a hosted model at once
 _TRIES = 2  # processes that a question is given to before it is given up
 _CODE = "from lpslam.serving.answer_process import main; main()"
@@ -115,12 +116,14 @@ class ProcessAnswerer:
         longest: letters of a question that are read.
         waiting: questions that may wait.
         patience: seconds after which a question is given up, and its process with it.
+        kept: answers that are kept.
     """
 
-    def __init__(self, count: int, longest: int, waiting: int, patience: float) -> None:
-        self._longest, self._waiting, self._patience = longest, waiting, patience
+    def __init__(self, count: int, longest: int, waiting: int, patience: float, kept: int = 0) -> None:
+        self._longest, self._waiting, self._patience, self._kept = longest, waiting, patience, kept
         self._members = [_Process() for _ in range(count)]
         self._maps: dict[str, tuple[str, bytes]] = {}
+        self._given: OrderedDict[tuple[str, Asked], bytes] = OrderedDict()
 
     @property
     def process_ids(self) -> list[int]:
@@ -143,7 +146,19 @@ class ProcessAnswerer:
         """As in `Answerer`."""
         if served.name not in self._maps:
             await self.know(served)
-        return await self._call({"do": "ask", "map": served.name, "longest": self._longest, "asked": asdict(asked)})
+        # Visitors ask the same; of one version of a map, the answer is the same too.
+        key = f"{served.name} {served.version}", asked
+        if key in self._given:
+            self._given.move_to_end(key)
+            return self._given[key]
+        request = {"do": "ask", "map": served.name, "longest": self._longest, "asked": asdict(asked)}
+        answer = await self._call(request)
+        # While a new version is on its way to the processes, the one before may have answered.
+        if f'"version":"{served.version}"'.encode() in answer[:_HEAD_BYTES]:
+            self._given[key] = answer
+            if len(self._given) > self._kept:
+                self._given.popitem(last=False)
+        return answer
 
     async def understand(self, asked: Asked) -> bytes:
         """As in `Answerer`."""

@@ -50,7 +50,7 @@ def assemble(
     count = min(_WORKERS, os.cpu_count() or 1) if workers is None else workers
     answerer: Answerer
     if isinstance(language, OfflineModel) and count:
-        answerer = ProcessAnswerer(count, longest, limits.waiting_questions, limits.answer_s)
+        answerer = ProcessAnswerer(count, longest, limits.waiting_questions, limits.answer_s, limits.answers_kept)
     else:
         answerer = ThreadAnswerer(language, longest, limits.waiting_questions)
     services = Services(atlas, answerer, Hub(limits.listeners, limits.waiting_events), config, uploads)

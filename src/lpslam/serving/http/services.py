@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import gc
 import logging
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -58,6 +59,9 @@ class Services:
             raise
         if self.jobs is not None:
             self.jobs.start()
+        # Maps and programs stay: the collector need not go through them while somebody waits.
+        gc.collect()
+        gc.freeze()
         looking = asyncio.create_task(self._look())
         try:
             yield
