@@ -21,6 +21,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lpslam.simulation.boards.wording import compose
 
@@ -116,13 +117,13 @@ async def at_rate(port: int, texts: list[str], rate: float) -> tuple[list[float]
     return spent, refused, time.perf_counter() - start
 
 
-def processor_seconds(process: int) -> float:
-    """Of a process and its children, so far."""
-    total = 0.0
+def processor_seconds(process: int) -> NDArray[np.float64]:
+    """(2,) of a process and of its children, so far."""
+    spent = [0.0, 0.0]
     for one in [str(process), *Path(f"/proc/{process}/task/{process}/children").read_text().split()]:
         fields = Path(f"/proc/{one}/stat").read_text().rsplit(")", 1)[1].split()
-        total += (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-    return total
+        spent[one != str(process)] += (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+    return np.array(spent)
 
 
 def said(spent: list[float]) -> str:
@@ -159,12 +160,17 @@ def main() -> None:
             asyncio.run(alone(port, texts[:300]))
             before = processor_seconds(server.pid)
             print("one after the other:", said(asyncio.run(alone(port, texts[300:600]))))
-            print(f"  processor: {1000 * (processor_seconds(server.pid) - before) / 300:.1f} ms a question")
+            here, children = 1000 * (processor_seconds(server.pid) - before) / 300
+            print(f"  processor: {here:.1f} ms a question in the server, {children:.1f} in its processes")
             before, load = processor_seconds(server.pid), os.getloadavg()[0]
             spent, refused, seconds = asyncio.run(at_rate(port, texts[600:], options.rate))
             print(f"{options.rate:g} a second for {seconds:.1f} s: {said(spent)}; {refused} refused")
             used = processor_seconds(server.pid) - before
-            print(f"  processor: {1000 * used / len(texts[600:]):.1f} ms a question, {used / seconds:.2f} cores")
+            here, children = 1000 * used / len(texts[600:])
+            cores = float(used.sum()) / seconds
+            print(
+                f"  processor: {here:.1f} ms a question in the server, {children:.1f} in its processes; {cores:.2f} cores"
+            )
             print(f"  load of the machine before and after: {load:.1f}, {os.getloadavg()[0]:.1f}")
         finally:
             server.terminate()
