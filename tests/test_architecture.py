@@ -31,9 +31,10 @@ ALLOWED: dict[str, set[str]] = {
         "slam.state",
         "slam.advice",
     },
-    "mapfile": {"slam", "text"},
-    "navigation": {"language", "text", "mapfile"},
-    "session": {"slam", "language", "text", "mapfile", "navigation"},
+    "ground": set(),
+    "mapfile": {"slam", "text", "ground"},
+    "navigation": {"language", "text", "mapfile", "ground"},
+    "session": {"slam", "language", "text", "mapfile", "navigation", "ground"},
     "pipeline": {"sources", "slam", "language", "text", "mapfile", "navigation", "session"},
     "evaluation": {"sources", "language", "text", "mapfile"},
     "views": {

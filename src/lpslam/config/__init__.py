@@ -9,6 +9,7 @@ from typing import Any, Literal
 from pydantic import Field, PositiveFloat, ValidationError
 
 from lpslam.config.calibrating import CalibratingConfig
+from lpslam.config.ground import GroundConfig, WayConfig
 from lpslam.config.section import Section
 from lpslam.config.serving import JobsConfig, ServingConfig
 from lpslam.config.slam import (
@@ -49,6 +50,7 @@ __all__ = [
     "EvaluationConfig",
     "FeatureConfig",
     "FocalCheckConfig",
+    "GroundConfig",
     "InstanceConfig",
     "JobsConfig",
     "KeyframeConfig",
@@ -73,6 +75,7 @@ __all__ = [
     "TextConfig",
     "TrackingConfig",
     "TurningConfig",
+    "WayConfig",
 ]
 
 
@@ -275,6 +278,10 @@ class Config(Section):
     slam: SlamConfig = SlamConfig()
 
     text: TextConfig = TextConfig()
+
+    ground: GroundConfig = GroundConfig()
+
+    ways: WayConfig = WayConfig()
 
     @classmethod
     def from_yaml(cls, path: Path) -> "Config":

@@ -180,7 +180,9 @@ class KeyframeConfig(Section):
     close_untracked: int = 70  # ... more close keypoints without a point: a keyframe is wanted
     point_depth: float = 5.0  # metres; nearer keypoints become points, weighted by their depth's noise
     points_in_view: int = 500  # map points a keyframe should see; farther keypoints become points until it does
-    min_start_depths: int = 80  # keypoints with depth that the first keyframe needs
+    min_start_depths: int = 80  # keypoints with depth that the first keyframe of a map needs ...
+    start_patience: float = Field(default=1.0, ge=0)  # ... for so many seconds of waiting; then ...
+    patient_start_depths: int = 30  # ... so many do: as many as hold a frame in the map
 
 
 class MappingConfig(Section):

@@ -1,5 +1,8 @@
 """A room whose pattern vanishes for a second: surfaces and shades carry the camera over it, without the map."""
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 from corner_room import CAMERA, CORNER, shot
@@ -9,10 +12,16 @@ from lpslam.camera import inverse_transform
 from lpslam.config import SlamConfig, SurfaceConfig, TrackingConfig
 from lpslam.frames import RgbdFrame
 from lpslam.slam.kernels.geometry import exponential
+from lpslam.slam.sensor import SensorModel
 from lpslam.slam.state import EventKind, TrackedFrame, TrackingState
 from lpslam.slam.system import RgbdSlam
-from lpslam.slam.tracking.carrying_on import Doubtful, Told
+from lpslam.slam.tracking.carrying_on import CarryingOn, Doubtful, Told
 from lpslam.slam.tracking.coasting import Coasting
+from lpslam.slam.tracking.guesses import LastFrame
+from lpslam.slam.tracking.motion import ConstantVelocity
+from lpslam.slam.tracking.picture import Picture
+from lpslam.slam.tracking.surfaces import Surfaces
+from lpslam.slam.tracking.turning import Turning
 
 FRAMES, LATE, RATE = 44, 50, 20.0
 BARE = range(12, 32)
@@ -25,11 +34,15 @@ def truth(index: int) -> np.ndarray:
     return exponential(np.array([0.12 * np.sin(1.5 * way), 0.03 * way, -0.08 * way, 0.0, 0.15 * np.sin(way), 0.03]))
 
 
-def taken(first: int, last: int, checks: int) -> list[RgbdFrame]:
-    """Some of the camera's frames; colour and depth have noise, and without checks the room is all but one shade."""
+def taken(first: int, last: int, checks: int, turned: float = 0.0) -> list[RgbdFrame]:
+    """Some of the camera's frames; colour and depth have noise, and without checks the room is all but one shade.
+
+    The camera may look to the side by some radians.
+    """
+    aside = exponential(np.array([0.0, 0.0, 0.0, 0.0, turned, 0.0]))
     random, taken = np.random.default_rng([6, first]), []
     for index in range(first, last):
-        gray, depth = shot(CORNER, truth(index), 2.0, checks=checks)
+        gray, depth = shot(CORNER, aside @ truth(index), 2.0, checks=checks)
         noisy = (gray + random.normal(0.0, 0.7, gray.shape)).clip(0, 255).round().astype(np.uint8)
         strayed = random.normal(depth, 0.001 + 0.0015 * depth**2).astype(np.float32)
         taken.append(
@@ -99,6 +112,18 @@ def test_the_map_goes_on_where_the_camera_was_carried_to_what_is_unknown(until_f
 
 
 @pytest.mark.slow
+@pytest.mark.slow
+def test_a_view_to_which_not_even_the_turn_was_told_begins_a_submap_soon(until_found: list[RgbdFrame]) -> None:
+    seen, covered = until_found[: BARE.start], until_found[BARE.start : BARE.start + 3]
+    dark = [replace(frame, rgb=np.zeros_like(frame.rgb), depth=np.zeros_like(frame.depth)) for frame in covered]
+    slam, tracked = track(seen + dark + taken(BARE.start + 3, LATE, 2, 0.8), SlamConfig())
+    (event,) = [event for event in slam.events if event.kind is EventKind.NEW_SUBMAP]
+    uncovered = (BARE.start + 3) / RATE
+    assert event.timestamp - uncovered == pytest.approx(TrackingConfig().submap_after, abs=1.1 / RATE)
+    assert set(slam.map.submaps().tolist()) == {0, 1}
+    assert all(frame.state is TrackingState.TRACKING for frame in tracked[event.frame :])
+
+
 @pytest.mark.parametrize(
     "config",
     [
@@ -143,3 +168,25 @@ def test_a_turn_is_believed_until_the_position_may_be_too_far_off() -> None:
     assert coasting.guessed_since is None
     assert coasting.goes_on(3.0, Told.TURN, Doubtful(0.39))
     assert not coasting.goes_on(3.0, Told.TURN, Doubtful(0.41))
+
+
+def test_a_turn_that_is_told_for_long_stays_a_rotation() -> None:
+    """Rounding adds to a rotation; a reference that is renewed with every frame must not double that each time."""
+    config, motion = SlamConfig(), ConstantVelocity()
+    surfaces = Surfaces(CAMERA, SensorModel.of(CAMERA, config), config.surfaces)
+    carrying_on = CarryingOn(surfaces, Turning(CAMERA, config.turning, config.surfaces), motion, 0.5)
+    pictures = []
+    for index in range(90):
+        turn = exponential(np.array([0.0, 0.0, 0.0, 0.01 * np.sin(index), 0.3 * np.sin(index / 20.0), 0.0]))
+        gray, depth = shot(CORNER, turn, 2.0, checks=1)
+        frame = RgbdFrame(index, index / 60.0, np.repeat(gray[:, :, None], 3, axis=2), np.zeros_like(depth))
+        nothing: Any = None
+        pictures.append(Picture(frame, gray, nothing, nothing, False))
+    first = pictures[0]
+    last = LastFrame(0.0, first.gray, first.frame.depth, nothing, nothing, nothing, 0, np.eye(4))
+    for picture in pictures[1:]:
+        pose = carrying_on.follow(last, picture)
+        assert carrying_on.told is Told.TURN
+        assert pose[:3, :3] @ pose[:3, :3].T == pytest.approx(np.eye(3), abs=1e-9)
+        assert np.linalg.norm(pose[:3, 3]) < 1e-3
+    assert pose[0, 2] == pytest.approx(np.sin(0.3 * np.sin(89 / 20.0)), abs=0.02)

@@ -91,6 +91,30 @@ def test_waiting_for_a_first_view_is_no_event_and_the_beginning_is_one(clip: Cli
     assert int(event.reason.split()[0]) >= 150
 
 
+def test_after_a_while_a_view_with_less_depth_begins_the_map(clip: Clip) -> None:
+    config, first = KeyframeConfig(), next(iter(clip))
+
+    def process(slam: RgbdSlam, columns: int, seconds: float) -> TrackedFrame:
+        depth = first.depth.copy()
+        depth[:, columns:] = 0.0
+        return slam.process(replace(first, index=round(30 * seconds), timestamp=seconds, depth=depth))
+
+    def depths(columns: int) -> int:
+        said = process(RgbdSlam(clip.camera), columns, 0.0).reason
+        return int(said.removeprefix("waiting for a first view: ").split()[0]) if said else 1000
+
+    shown = {columns: depths(columns) for columns in range(40, 400, 20)}
+    few = next(columns for columns, count in shown.items() if count >= config.patient_start_depths)
+    fewer = max(columns for columns, count in shown.items() if count < config.patient_start_depths)
+    assert shown[few] < config.min_start_depths
+    for columns, begins in ((few, True), (fewer, False)):
+        slam = RgbdSlam(clip.camera)
+        states = [process(slam, columns, step / 4).state for step in range(7)]
+        early, late = states[: round(4 * config.start_patience)], states[round(4 * config.start_patience) :]
+        assert set(early) == {TrackingState.INITIALISING}
+        assert (TrackingState.INITIALISING not in late) == begins
+
+
 def test_losing_and_finding_are_said_once_each_with_reasons(covered: tuple[RgbdSlam, list[TrackedFrame]]) -> None:
     slam, tracked = covered
     lost = [event for event in slam.events if event.kind is EventKind.LOST]

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.camera import inverse_transform
-from lpslam.slam.kernels.geometry import exponential, logarithm
+from lpslam.slam.kernels.geometry import exponential, logarithm, orthonormalise
 from lpslam.slam.tracking.guesses import LastFrame
 from lpslam.slam.tracking.motion import FARTHEST_AHEAD, ConstantVelocity
 from lpslam.slam.tracking.picture import Picture
@@ -102,6 +102,9 @@ class CarryingOn:
         elif moved is not None:
             pose = moved.motion @ self._image_from_reference
             self.told = Told.WAY if moved.is_step_told else Told.TURN
+        # Else what rounding adds to a rotation doubles with every renewal.
+        pose = pose.copy()
+        orthonormalise(pose)
         if self.told and seconds > 0.0:
             self._twist = logarithm(pose @ inverse_transform(self._image_from_reference)) / seconds
         self._image_from_reference, self._timestamp = pose, picture.timestamp

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.camera import inverse_transform
-from lpslam.config import SlamConfig
+from lpslam.config import KeyframeConfig, SlamConfig
 from lpslam.slam.state import EventKind, TrackedFrame, TrackingState
 from lpslam.slam.tracking.anchoring import Anchoring
 from lpslam.slam.tracking.backtracking import Placed
@@ -48,6 +48,11 @@ class Hindsight:
         self.bridged, self.placed = {}, {}
 
 
+def start_depths(config: KeyframeConfig, waited: float) -> int:
+    """Keypoints with depth that the first keyframe of a map needs after so many seconds of waiting for it."""
+    return config.min_start_depths if waited < config.start_patience else config.patient_start_depths
+
+
 class Losing:
     """Says what becomes of a frame without a place of its own, and of those before it.
 
@@ -74,7 +79,7 @@ class Losing:
         self._anchoring = anchoring
         self._quality = quality
         self._submap_after = config.tracking.submap_after
-        self._min_depths = config.keyframes.min_start_depths
+        self._beginnings = config.keyframes
         self._grows = grows
         self._coasting = Coasting(
             config.tracking.coast_seconds, config.surfaces.held_seconds, config.tracking.coast_metres
@@ -108,7 +113,7 @@ class Losing:
         if not self._coasting.goes_on(frame.timestamp, told, self._carrying_on.doubtful):
             return None
         self._coasting.pass_over(frame.index, frame.timestamp, camera_from_keyframe, told)
-        if self._unknown_since is None and picture.depths >= self._min_depths:
+        if self._unknown_since is None and picture.depths >= self._beginnings.patient_start_depths:
             self._unknown_since = frame.timestamp
         reason = f"{_SAID[told]}: {self._quality.shown(picture)}"
         if where.state is not TrackingState.WEAK:
@@ -141,11 +146,11 @@ class Losing:
             where.tell(EventKind.LOST, frame, reason)
         where.state = TrackingState.LOST
         where.forget()
-        if picture.depths < self._min_depths or not self._grows:
+        if picture.depths < self._beginnings.patient_start_depths or not self._grows:
             self._unknown_since = None
         elif self._unknown_since is None:
             self._unknown_since = frame.timestamp
-        elif frame.timestamp - self._unknown_since >= self._submap_after:
+        elif self._may_begin(picture, self._unknown_since):
             where.tell(EventKind.NEW_SUBMAP, frame, f"unknown for {self._submap_after:g} s ({reason})")
             return None
         return where.unknown(frame, reason)
@@ -184,10 +189,22 @@ class Losing:
         last, since = self._where.last, self._unknown_since
         if last is None or since is None or not self._grows or not self._carrying_on.is_told:
             return None
-        if picture.depths < self._min_depths or picture.timestamp - since < self._submap_after:
+        if not self._may_begin(picture, since):
             return None
         self._coasting.end()
         return self.expected(picture.timestamp)
+
+    def parts(self, picture: Picture) -> bool:
+        """Whether a frame that is coasted over begins a sub-map: it shows enough, and not even its turn is told."""
+        since = self._unknown_since
+        if since is None or not self._grows or picture.depths < self._beginnings.min_start_depths:
+            return False
+        return self._carrying_on.doubtful.seconds > 0.0 and self._may_begin(picture, since)
+
+    def _may_begin(self, picture: Picture, since: float) -> bool:
+        """Whether views have been unknown for long enough, since a time in seconds, and this one shows enough."""
+        waited = picture.timestamp - since
+        return waited >= self._submap_after and picture.depths >= start_depths(self._beginnings, waited)
 
     def disown(self, since: float) -> None:
         """The poses from a time on, in seconds, are not where the camera was."""

@@ -34,7 +34,7 @@ from lpslam.slam.tracking.guesses import FirstGuess, Followed, LastFrame, Search
 from lpslam.slam.tracking.guessing import Guesser
 from lpslam.slam.tracking.keyframes import Keyframes
 from lpslam.slam.tracking.local_search import LocalSearch
-from lpslam.slam.tracking.losing import Hindsight, Losing
+from lpslam.slam.tracking.losing import Hindsight, Losing, start_depths
 from lpslam.slam.tracking.moving_on import MovingOn
 from lpslam.slam.tracking.picture import Picture
 from lpslam.slam.tracking.quality import Quality
@@ -76,7 +76,8 @@ class Tracker:
         self._map = slam_map
         self._sensor = sensor
         self._config = config.tracking
-        self._min_depths = config.keyframes.min_start_depths
+        self._beginnings = config.keyframes
+        self._waiting_since: float | None = None
         self._extractor = extractor
         self._shutter = shutter
         self._relocaliser = relocaliser
@@ -248,7 +249,9 @@ class Tracker:
 
     def _initialise(self, picture: Picture) -> TrackedFrame:
         """The first frame with enough depth founds the map."""
-        depths, needed, rows = picture.depths, self._min_depths, picture.features.rows
+        since = self._waiting_since = picture.timestamp if self._waiting_since is None else self._waiting_since
+        needed = start_depths(self._beginnings, picture.timestamp - since)
+        depths, rows = picture.depths, picture.features.rows
         if depths < needed:
             self._backtracking.keep(picture)
             return self._where.unknown(
@@ -290,7 +293,10 @@ class Tracker:
         coasted = self._losing.coast(picture)
         if coasted is not None:
             here = None if self._doubt.is_open else self._losing.continued(picture)
-            return coasted if here is None else self._go_on(picture, here)
+            if here is not None:
+                return self._go_on(picture, here)
+            if not self._losing.parts(picture):
+                return coasted
         self._doubt.end()
         lost = self._losing.lose(picture)
         return self._found(picture, self._map.camera_from_world(self._where.reference)) if lost is None else lost
