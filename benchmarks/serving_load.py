@@ -168,9 +168,8 @@ def main() -> None:
             used = processor_seconds(server.pid) - before
             here, children = 1000 * used / len(texts[600:])
             cores = float(used.sum()) / seconds
-            print(
-                f"  processor: {here:.1f} ms a question in the server, {children:.1f} in its processes; {cores:.2f} cores"
-            )
+            print(f"  processor: {here:.1f} ms a question in the server, {children:.1f} in its processes")
+            print(f"  {cores:.2f} cores of two")
             print(f"  load of the machine before and after: {load:.1f}, {os.getloadavg()[0]:.1f}")
         finally:
             server.terminate()

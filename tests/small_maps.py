@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from lpslam.camera import PinholeCamera
-from lpslam.config import TextConfig
+from lpslam.config import GroundConfig, TextConfig
+from lpslam.ground.scans import Scans
 from lpslam.language.model import Naming
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.slam.features import Features
@@ -44,6 +45,17 @@ def small_map(signs: Sequence[str] = MALL, spacing: float = 4.0, source: str = "
         text.memory.long_term[number] = _board(number, sign, (number % 40) * spacing, (number // 40) * spacing)
     text.memory.next_id = len(signs)
     return LanguageMap(CAMERA, slam, trajectory, text, source)
+
+
+def with_floor(world: LanguageMap, height: float = 1.2) -> LanguageMap:
+    """The same with what its keyframe sees of a floor so far below the camera, metres."""
+    rows = np.arange(CAMERA.height, dtype=np.float64)[:, None]
+    with np.errstate(divide="ignore"):
+        ahead = height * CAMERA.fy / (rows - CAMERA.cy)
+    depth = np.where((ahead > 0) & (ahead < 8), ahead, 0.0) * np.ones((1, CAMERA.width))
+    world.scans = Scans(CAMERA, GroundConfig().width)
+    world.scans.take(0, np.full((CAMERA.height, CAMERA.width, 3), 120, np.uint8), depth.astype(np.float32))
+    return world
 
 
 def _board(number: int, sign: str, x: float, y: float) -> TextClass:

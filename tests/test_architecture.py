@@ -52,7 +52,7 @@ ALLOWED: dict[str, set[str]] = {
     # What is served is read and asked; nothing of tracking or reading is known here.
     "serving": {
         *("language.model", "language.offline", "language.sanitise", "language.follow_up"),
-        *("text.types", "mapfile", "navigation", "session", "pipeline", "sources.open", "sources.in_order"),
+        *("text.types", "mapfile", "ground", "navigation", "session", "pipeline", "sources.open", "sources.in_order"),
         *("views.answers", "views.drawable", "views.pictures"),
     },
     "demo": {"simulation", "language", "mapfile", "pipeline", "evaluation", "views"},

@@ -239,3 +239,34 @@ def test_an_error_inside_is_one_line_and_no_traceback(serve: Serve) -> None:
     assert "secret" not in response.text
     assert "content-security-policy" in response.headers
     assert client.get("/maps").status_code == 200
+
+
+def test_pages_beside_the_api_stand_behind_the_same_shield(serve: Serve, mall: Any) -> None:
+    from starlette.responses import HTMLResponse
+    from starlette.routing import Route, WebSocketRoute
+    from starlette.websockets import WebSocket, WebSocketDisconnect
+
+    from conftest import SERVICES
+    from lpslam.serving.http.app import build_app
+    from lpslam.serving.http.shield import Door, allowed_hosts
+
+    async def page(request: Any) -> HTMLResponse:
+        return HTMLResponse("<p>map</p>", headers={"content-security-policy": "default-src 'self'"})
+
+    async def talk(socket: WebSocket) -> None:
+        await socket.accept()
+        await socket.send_text("hello")
+        await socket.close()
+
+    services = SERVICES[id(serve())]
+    door = Door(allowed_hosts("127.0.0.1", ()), None, services.config.serving)
+    app = build_app(services, door, [Route("/", page), WebSocketRoute("/live", talk)])
+    client = TestClient(app, base_url="http://127.0.0.1:8765")
+    shown = client.get("/")
+    assert shown.headers["content-security-policy"] == "default-src 'self'"
+    assert shown.headers["x-content-type-options"] == "nosniff"
+    with client.websocket_connect("ws://127.0.0.1:8765/live", headers={"origin": "http://127.0.0.1:8765"}) as socket:
+        assert socket.receive_text() == "hello"
+    for headers in ({"origin": "http://evil.example"}, {"host": "evil.example"}, {"origin": "null"}):
+        with pytest.raises(WebSocketDisconnect), client.websocket_connect("ws://127.0.0.1:8765/live", headers=headers):
+            pass

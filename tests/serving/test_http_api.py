@@ -5,6 +5,8 @@ import os
 from pathlib import Path
 from typing import Any
 
+import cv2
+import numpy as np
 import pytest
 from starlette.testclient import TestClient
 
@@ -12,7 +14,7 @@ from command_line import Command
 from conftest import Serve
 from lpslam.serving import records
 from lpslam.serving.tokens import add_token
-from small_maps import small_map
+from small_maps import small_map, with_floor
 
 
 def test_the_maps_are_listed_by_the_schema(client: TestClient) -> None:
@@ -112,16 +114,37 @@ def test_where_there_is_no_ground_it_is_said_in_one_line(client: TestClient) -> 
         client.post("/goal", json={"landmark": 1000}),
         client.post("/path", json={"question": "pizza", "position": [0, 0]}),
         client.get("/grid.png"),
+        client.get("/grid"),
     ):
         assert response.status_code == 501
         assert "no ground" in records.Problem.model_validate(response.json()).detail
 
 
+def test_a_map_that_saw_a_floor_gives_its_grid(serve: Serve, tmp_path: Path) -> None:
+    path = tmp_path / "floor.lpmap"
+    with_floor(small_map()).save(path)
+    client = serve(path)
+    assert client.get("/maps/floor").json()["has_ground"]
+    facts = records.GridRecord.model_validate(client.get("/grid").json())
+    picture = cv2.imdecode(np.frombuffer(client.get("/grid.png").content, np.uint8), cv2.IMREAD_UNCHANGED)
+    assert picture.shape == (facts.height, facts.width)
+    assert (int((picture == 254).sum()), int((picture == 0).sum())) == (facts.free, facts.occupied)
+    # Three metres ahead there is floor; behind the camera nobody has looked.
+    for (x, y), shade in {(3.0, 0.0): 254, (-0.04, 0.0): 254, (3.0, 5.0): None}.items():
+        column, row = int((x - facts.origin[0]) / facts.resolution), int((y - facts.origin[1]) / facts.resolution)
+        if shade is None:
+            assert not 0 <= row < facts.height or picture[facts.height - 1 - row, column] == 205
+        else:
+            assert picture[facts.height - 1 - row, column] == shade
+    # Ways are not known all the same.
+    assert client.post("/path", json={"landmark": 1000}).status_code == 501
+
+
 def test_the_schema_covers_every_route_and_says_nothing_of_pages_elsewhere(client: TestClient) -> None:
     schema = client.get("/openapi.json").json()
     assert set(schema["paths"]) == {
-        "/health", "/maps", "/maps/{name}", "/landmarks", "/landmarks/{id_}", "/map.png", "/grid.png", "/events",
-        "/ask",
+        "/health", "/maps", "/maps/{name}", "/landmarks", "/landmarks/{id_}", "/map.png", "/grid.png", "/grid",
+        "/events", "/ask",
         "/goal", "/path", "/jobs", "/jobs/{id_}",
     }  # fmt: skip
     assert {"AnswerEnvelope", "LandmarkPage", "Problem", "JobRecord"} <= set(schema["components"]["schemas"])

@@ -237,7 +237,7 @@ def _add_tools(server: MCPServer[Any], desk: _Desk) -> None:
         served = desk.map(map)
         mark = landmark_of(served, place)
         start = np.array(position) if position is not None else served.view[0]
-        if not ground.has_ground(served):
+        if not ground.has_ways(served):
             return _straight(served, mark, start)
         known = None if position is None else (tuple(position), heading)
         found = ground.path(served, mark, known)
@@ -328,7 +328,7 @@ def _straight(served: ServedMap, mark: Landmark, start: np.ndarray[Any, np.dtype
         map=served.name,
         place=_place(served, mark.id),
         is_route=False,
-        remark="the map has no ground: this is the straight line, which may lead through walls",
+        remark="the map knows no way: this is the straight line, which may lead through walls",
         goal=points[-1],
         goal_heading_deg=None,
         points=points,

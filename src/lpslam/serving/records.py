@@ -128,7 +128,7 @@ class MapRecord(Outward):
     question: str | None = Field(description="What was judged last.")
     last_position: list[float] = Field(description="Where the camera was last.")
     last_heading: float = Field(description="Degrees.")
-    has_ground: bool = Field(description="Whether /goal, /path and /grid.png answer.")
+    has_ground: bool = Field(description="Whether the map has kept what /grid.png follows from.")
     trouble: str = Field(description="Why the newest file is not served; empty when it is.")
 
 
@@ -173,6 +173,19 @@ class AnswerEnvelope(Outward):
     understood: str
     notes: list[str]
     answer: AnswerRecord
+
+
+class GridRecord(Outward):
+    """Where the occupancy grid of /grid.png lies: 254 is free, 0 occupied, 205 unknown, as in ROS's map_server."""
+
+    map: str
+    version: str
+    width: int = Field(description="Cells, and pixels, along x.")
+    height: int = Field(description="Along y; the picture's first row is the largest y.")
+    resolution: float = Field(description="Metres a cell.")
+    origin: list[float] = Field(description="(x, y) of the corner with the smallest x and y, metres, map frame.")
+    free: int = Field(description="Cells.")
+    occupied: int
 
 
 class GoalRecord(Outward):

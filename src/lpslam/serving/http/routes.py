@@ -129,9 +129,14 @@ def map_routes(services: Services) -> APIRouter:
         """The map from above."""
         return Response(services.pictures.of(services.atlas.get(map_)), media_type="image/png")
 
+    @router.get("/grid", response_model=records.GridRecord, dependencies=[needs("read")], tags=["ways"])
+    def grid_facts(map_: MapQuery = None) -> Response:
+        """Where the occupancy grid lies; 501 where the map has no ground."""
+        return _json(ground.grid_facts(services.atlas.get(map_)))
+
     @router.get("/grid.png", response_class=Response, dependencies=[needs("read")], tags=["ways"])
     def grid(map_: MapQuery = None) -> Response:
-        """The occupancy grid."""
+        """The occupancy grid, a pixel a cell; 501 where the map has no ground."""
         return Response(ground.grid_picture(services.atlas.get(map_)), media_type="image/png")
 
     @router.get("/events", response_class=StreamingResponse, dependencies=[needs("read")], tags=["server"])
@@ -177,7 +182,7 @@ async def _on_ground(
 ) -> Response:
     served = services.atlas.get(body.map)
     start = None if body.position is None else (tuple(body.position), body.heading)
-    if not ground.has_ground(served):
+    if not ground.has_ways(served):
         ground.refuse(served)
     if (body.landmark is None) == (body.question is None):
         raise UserError("give either a landmark or a question")
