@@ -22,6 +22,11 @@ from lpslam.serving.questions import Asked, answered, understood
 logger = logging.getLogger(__name__)
 
 _HEAD = struct.Struct("<Q")
+_FIRST = (
+    "where can I buy a book next to the exit?", "哪里可以买书？", "本はどこで買えますか？", "책은 어디서 살 수 있나요?",
+    "¿dónde puedo comprar un libro?", "où puis-je acheter un livre ?", "Wo kann ich hier ein Buch kaufen?",
+)  # fmt: skip
+"""One question in each language, whose tables are read at its first."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,6 +72,8 @@ def _reply(request: bytes, maps: dict[str, _KnownMap]) -> bytes:
         maps[name] = known = _KnownMap(name, version, Directory(landmarks), view)
         # The tables are made now, and not when the first question waits for them.
         embedded_model().scorer(known.directory.candidates)
+        for question in _FIRST:
+            answered(Asked(question), known, embedded_model(), len(question))
         # None of it is garbage: the collector need not go through it again and again.
         gc.collect()
         gc.freeze()
