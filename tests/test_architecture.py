@@ -51,7 +51,7 @@ ALLOWED: dict[str, set[str]] = {
     },
     # What is served is read and asked; nothing of tracking or reading is known here.
     "serving": {
-        *("language.model", "language.offline", "language.sanitise", "language.follow_up"),
+        *("language.model", "language.offline", "language.sanitise", "language.follow_up", "language.phrasing"),
         *("text.types", "mapfile", "ground", "navigation", "session", "pipeline", "sources.open", "sources.in_order"),
         *("views.answers", "views.drawable", "views.pictures"),
     },
@@ -60,10 +60,11 @@ ALLOWED: dict[str, set[str]] = {
     "cli_calibrate": {"sources", "calibration", "views", "cli_checks"},
     "cli_serving": {"language.registry", "serving", "views", "cli_checks"},
     "cli_sources": {"sources", "views"},
+    "cli_ground": {"language", "mapfile", "navigation", "views"},
     "cli_runs": {"simulation", "language", "pipeline", "views"},
     "cli": {
         *("sources", "simulation", "language", "mapfile", "pipeline", "evaluation", "views", "demo"),
-        *("cli_calibrate", "cli_checks", "cli_runs", "cli_serving", "cli_sources"),
+        *("cli_calibrate", "cli_checks", "cli_ground", "cli_runs", "cli_serving", "cli_sources"),
     },
     "__main__": {"cli"},
 }

@@ -122,7 +122,7 @@ def test_where_there_is_no_ground_it_is_said_in_one_line(client: TestClient) -> 
 
 def test_a_map_that_saw_a_floor_gives_its_grid(serve: Serve, tmp_path: Path) -> None:
     path = tmp_path / "floor.lpmap"
-    with_floor(small_map()).save(path)
+    with_floor(small_map(spacing=5.5)).save(path)
     client = serve(path)
     assert client.get("/maps/floor").json()["has_ground"]
     facts = records.GridRecord.model_validate(client.get("/grid").json())
@@ -136,8 +136,24 @@ def test_a_map_that_saw_a_floor_gives_its_grid(serve: Serve, tmp_path: Path) -> 
             assert not 0 <= row < facts.height or picture[facts.height - 1 - row, column] == 205
         else:
             assert picture[facts.height - 1 - row, column] == shade
-    # Ways are not known all the same.
-    assert client.post("/path", json={"landmark": 1000}).status_code == 501
+    goal = records.GoalRecord.model_validate(client.post("/goal", json={"landmark": 1000, "position": [3.4, 0]}).json())
+    way = records.PathRecord.model_validate(
+        client.post("/path", json={"question": "Wo gibt es Pizza?", "position": [3.4, 0], "heading": 0}).json()
+    )
+    assert (goal.landmark, way.landmark, way.position) == (1000, 1000, goal.position)
+    assert goal.is_before_the_sign
+    # The board at (5.5, 0) faces the camera at the origin: one stands between the two and looks along x.
+    assert 3.4 < goal.position[0] < 5.5
+    assert min(goal.heading, 360.0 - goal.heading) < 30
+    assert way.points[0] == pytest.approx([3.4, 0], abs=0.1)
+    assert way.points[-1] == pytest.approx(goal.position, abs=0.1)
+    assert way.length == pytest.approx(goal.position[0] - 3.4, abs=0.3)
+    assert "Pizza Hut" in way.steps[-1]
+    for body in ({}, {"landmark": 1000, "question": "pizza"}, {"question": "an aeroplane"}):
+        assert client.post("/goal", json=body).status_code == 422
+    nowhere = client.post("/path", json={"landmark": 1000, "position": [90, 90]})
+    assert (nowhere.status_code, "no way" in nowhere.json()["detail"]) == (422, True)
+    assert client.post("/goal", json={"landmark": 77}).status_code == 404
 
 
 def test_the_schema_covers_every_route_and_says_nothing_of_pages_elsewhere(client: TestClient) -> None:

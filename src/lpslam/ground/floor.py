@@ -65,7 +65,7 @@ def floors_below(cameras: Array, levels: Sequence[Array], config: GroundConfig) 
     if not len(known):
         return None
     nearest = known[np.abs(known[None] - np.arange(len(cameras))[:, None]).argmin(axis=1)]
-    return floors[nearest]
+    return np.asarray(floors[nearest], np.float64)
 
 
 def height_noise(above: Array, distances: Array) -> Array:

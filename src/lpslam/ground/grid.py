@@ -52,7 +52,8 @@ class Grid:
 
     def has(self, cell: tuple[int, int]) -> bool:
         """Whether a cell lies inside."""
-        return 0 <= cell[0] < self.values.shape[0] and 0 <= cell[1] < self.values.shape[1]
+        rows, columns = self.shape
+        return 0 <= cell[0] < rows and 0 <= cell[1] < columns
 
     def at(self, point: Array) -> int:
         """The value at a point (2 or 3,), metres; unknown outside."""

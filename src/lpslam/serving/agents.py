@@ -20,9 +20,10 @@ from lpslam._version import __version__
 from lpslam.config import Config
 from lpslam.errors import UserError
 from lpslam.language.model import LanguageModel
-from lpslam.serving import ground, records
+from lpslam.serving import records
 from lpslam.serving.atlas import Atlas, ServedMap
 from lpslam.serving.filters import Filter, Judged, listed
+from lpslam.serving.ground import Grounds
 from lpslam.serving.pictures import Pictures
 from lpslam.serving.questions import Asked, answered
 from lpslam.serving.summaries import landmark_of
@@ -114,6 +115,7 @@ class Way(BaseModel):
     goal_heading_deg: float | None
     points: list[list[float]]
     length_m: float
+    untrusted_steps: list[str] = Field(default_factory=list, description="In words; names signs.")
 
 
 class Here(BaseModel):
@@ -139,6 +141,7 @@ class _Desk:
 
     def __init__(self, atlas: Atlas, language: LanguageModel, config: Config) -> None:
         self.atlas, self.language, self.config, self.pictures = atlas, language, config, Pictures()
+        self.grounds = Grounds(config)
         self._looked = time.monotonic()
 
     def map(self, name: str | None) -> ServedMap:
@@ -237,10 +240,10 @@ def _add_tools(server: MCPServer[Any], desk: _Desk) -> None:
         served = desk.map(map)
         mark = landmark_of(served, place)
         start = np.array(position) if position is not None else served.view[0]
-        if not ground.has_ways(served):
+        if not desk.grounds.has(served):
             return _straight(served, mark, start)
         known = None if position is None else (tuple(position), heading)
-        found = ground.path(served, mark, known)
+        found = desk.grounds.path(served, mark, known)
         return Way(
             map=served.name,
             place=_place(served, mark.id),
@@ -250,6 +253,7 @@ def _add_tools(server: MCPServer[Any], desk: _Desk) -> None:
             goal_heading_deg=found["heading"],
             points=found["points"],
             length_m=found["length"],
+            untrusted_steps=[printable(step, longest=_LINE) for step in found["steps"]],
         )
 
     @server.tool(annotations=_READS_ONLY)
@@ -328,7 +332,7 @@ def _straight(served: ServedMap, mark: Landmark, start: np.ndarray[Any, np.dtype
         map=served.name,
         place=_place(served, mark.id),
         is_route=False,
-        remark="the map knows no way: this is the straight line, which may lead through walls",
+        remark="the map has no ground: this is the straight line, which may lead through walls",
         goal=points[-1],
         goal_heading_deg=None,
         points=points,

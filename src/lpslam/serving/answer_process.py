@@ -72,8 +72,8 @@ def _reply(request: bytes, maps: dict[str, _KnownMap]) -> bytes:
         maps[name] = known = _KnownMap(name, version, Directory(landmarks), view)
         # The tables are made now, and not when the first question waits for them.
         embedded_model().scorer(known.directory.candidates)
-        for question in _FIRST:
-            answered(Asked(question), known, embedded_model(), len(question))
+        for first in _FIRST:
+            answered(Asked(first), known, embedded_model(), len(first))
         # None of it is garbage: the collector need not go through it again and again.
         gc.collect()
         gc.freeze()

@@ -197,6 +197,8 @@ class GoalRecord(Outward):
     name: str
     position: list[float] = Field(description="Metres, map frame.")
     heading: float = Field(description="Degrees, towards the landmark.")
+    is_before_the_sign: bool = Field(description="Else it is the nearest place that can be reached.")
+    missing: float = Field(description="Metres from there to the sign, seen from above.")
 
 
 class PathRecord(GoalRecord):
@@ -204,6 +206,8 @@ class PathRecord(GoalRecord):
 
     points: list[list[float]] = Field(description="Metres, map frame, from the start to the goal.")
     length: float = Field(description="Metres.")
+    seconds: float
+    steps: list[str] = Field(description="In the question's language; plain text that names signs.")
 
 
 class JobRecord(Outward):

@@ -5,7 +5,7 @@ from typing import Any
 
 from lpslam.errors import UserError
 from lpslam.serving.atlas import Atlas, ServedMap
-from lpslam.serving.ground import has_ground
+from lpslam.serving.ground import Grounds
 from lpslam.text.types import Landmark
 
 
@@ -27,7 +27,7 @@ def summary(served: ServedMap, atlas: Atlas) -> dict[str, Any]:
         "question": served.world.text.question,
         "last_position": [round(float(value), 4) for value in position],
         "last_heading": round(math.degrees(heading), 2),
-        "has_ground": has_ground(served),
+        "has_ground": Grounds.has(served),
         "trouble": atlas.trouble(served.name),
     }
 

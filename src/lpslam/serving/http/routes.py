@@ -2,7 +2,7 @@
 
 import asyncio
 import json
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Depends, Query, Request
@@ -11,10 +11,12 @@ from starlette.responses import Response, StreamingResponse
 
 from lpslam._version import __version__
 from lpslam.errors import LpSlamError, UserError
-from lpslam.serving import ground, records
+from lpslam.language.phrasing import answer_language
+from lpslam.serving import records
 from lpslam.serving.answerers import as_json
 from lpslam.serving.atlas import ServedMap
 from lpslam.serving.filters import Filter, Judged, listed
+from lpslam.serving.ground import Start
 from lpslam.serving.http.services import Services
 from lpslam.serving.hub import Event
 from lpslam.serving.questions import Asked
@@ -132,12 +134,12 @@ def map_routes(services: Services) -> APIRouter:
     @router.get("/grid", response_model=records.GridRecord, dependencies=[needs("read")], tags=["ways"])
     def grid_facts(map_: MapQuery = None) -> Response:
         """Where the occupancy grid lies; 501 where the map has no ground."""
-        return _json(ground.grid_facts(services.atlas.get(map_)))
+        return _json(services.grounds.facts(services.atlas.get(map_)))
 
     @router.get("/grid.png", response_class=Response, dependencies=[needs("read")], tags=["ways"])
     def grid(map_: MapQuery = None) -> Response:
         """The occupancy grid, a pixel a cell; 501 where the map has no ground."""
-        return Response(ground.grid_picture(services.atlas.get(map_)), media_type="image/png")
+        return Response(services.grounds.picture(services.atlas.get(map_)), media_type="image/png")
 
     @router.get("/events", response_class=StreamingResponse, dependencies=[needs("read")], tags=["server"])
     async def events(request: Request) -> Response:
@@ -165,39 +167,32 @@ def question_routes(services: Services) -> APIRouter:
     @router.post("/goal", response_model=records.GoalRecord, tags=["ways"])
     async def goal(body: records.Destination) -> Response:
         """Where to stand before a landmark; 501 where the map has no ground."""
-        return await _on_ground(services, body, ground.goal)
+        served, mark, start, _ = await _destination(services, body)
+        return _json(await asyncio.to_thread(services.grounds.goal, served, mark, start))
 
     @router.post("/path", response_model=records.PathRecord, tags=["ways"])
     async def path(body: records.Destination) -> Response:
         """The way there; 501 where the map has no ground."""
-        return await _on_ground(services, body, ground.path)
+        served, mark, start, language = await _destination(services, body)
+        return _json(await asyncio.to_thread(services.grounds.path, served, mark, start, language))
 
     return router
 
 
-async def _on_ground(
-    services: Services,
-    body: records.Destination,
-    find: Callable[[ServedMap, Landmark, ground.Start | None], dict[str, Any]],
-) -> Response:
+async def _destination(services: Services, body: records.Destination) -> tuple[ServedMap, Landmark, Start | None, str]:
+    """Where to, from where, and the language of who asks; where a map has no ground, it is not looked for."""
     served = services.atlas.get(body.map)
-    start = None if body.position is None else (tuple(body.position), body.heading)
-    if not ground.has_ways(served):
-        ground.refuse(served)
+    if not services.grounds.has(served):
+        services.grounds.facts(served)
     if (body.landmark is None) == (body.question is None):
         raise UserError("give either a landmark or a question")
-    mark = landmark_of(served, body.landmark) if body.landmark is not None else None
-    if body.question is not None:
-        mark = await _landmark_for(services, served, body)
-    assert mark is not None
-    return _json(await asyncio.to_thread(find, served, mark, start))
-
-
-async def _landmark_for(services: Services, served: ServedMap, body: records.Destination) -> Landmark:
+    start = None if body.position is None else (tuple(body.position), body.heading)
+    if body.landmark is not None:
+        return served, landmark_of(served, body.landmark), start, "en"
     answer = json.loads(await services.answerer.ask(asked_of(body, services), served))["answer"]
     if answer["landmark"] is None:
         raise UserError(f"nothing in this map serves that: {answer['choice']['evidence']}")
-    return landmark_of(served, answer["landmark"]["id"])
+    return served, landmark_of(served, answer["landmark"]["id"]), start, answer_language(body.question or "")
 
 
 async def _steps(services: Services, asked: Asked, served: ServedMap) -> AsyncIterator[bytes]:

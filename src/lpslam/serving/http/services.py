@@ -12,6 +12,7 @@ from pathlib import Path
 from lpslam.config import Config
 from lpslam.serving.answerers import Answerer
 from lpslam.serving.atlas import Atlas, ServedMap
+from lpslam.serving.ground import Grounds
 from lpslam.serving.hub import Hub
 from lpslam.serving.jobs.queue import Jobs
 from lpslam.serving.pictures import Pictures
@@ -33,7 +34,7 @@ class Services:
         config: limits, and thresholds of the maps that jobs make.
         uploads: folder for uploads; None where none are taken.
         jobs: of the uploads; None where none are taken.
-        pictures: of the maps.
+        pictures, grounds: of the maps.
     """
 
     atlas: Atlas
@@ -43,9 +44,11 @@ class Services:
     uploads: Path | None = None
     jobs: Jobs | None = None
     pictures: Pictures = field(default_factory=Pictures)
+    grounds: Grounds = field(init=False)
 
     def __post_init__(self) -> None:
         """Have a place for uploads, where they are taken."""
+        self.grounds = Grounds(self.config)
         if self.uploads is not None:
             self.jobs = Jobs(self.uploads, self.config, self.atlas, self.hub, self._on_map)
 
