@@ -15,7 +15,7 @@ from lpslam.config import Config
 from lpslam.language.offline import OfflineModel
 from lpslam.serving.agents import NOTICE, agent_server
 from lpslam.serving.atlas import Atlas
-from small_maps import small_map
+from small_maps import small_map, with_floor
 
 mcp = pytest.importorskip("mcp")
 pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")
@@ -119,6 +119,22 @@ def test_a_mistake_is_one_line(mall: Path, tool: str, arguments: dict[str, Any])
         assert not (await client.call_tool("list_places", {})).is_error
 
     in_memory(use, mall)
+
+
+def test_the_way_is_told_where_the_map_has_ground(tmp_path: Path) -> None:
+    path = tmp_path / "floor.lpmap"
+    with_floor(small_map(spacing=5.5)).save(path)
+
+    async def use(client: Any) -> None:
+        way = await call(client, "route", place=1000, position=[3.4, 0], heading=0)
+        assert way["is_route"]
+        assert way["points"][0] == pytest.approx([3.4, 0], abs=0.1)
+        assert "Pizza Hut" in way["untrusted_steps"][-1]
+        lost = await client.call_tool("route", {"place": 1000, "position": [90, 90]})
+        assert lost.is_error
+        assert "no way" in lost.content[0].text
+
+    in_memory(use, path)
 
 
 def test_an_agent_that_obeys_every_sign_can_only_read(tmp_path: Path) -> None:
