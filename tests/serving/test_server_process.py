@@ -6,6 +6,7 @@ import os
 import re
 import signal
 import socket
+import struct
 import subprocess
 import time
 from collections.abc import Iterator
@@ -74,7 +75,8 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
         one.process.send_signal(signal.SIGINT)
         assert one.process.wait(20) == 0
         assert one.process.stderr is not None
-        assert "Traceback" not in one.process.stderr.read()
+        # However it was treated, it has nothing to tell.
+        assert one.process.stderr.read() == ""
 
 
 HOST = b"host: 127.0.0.1\r\n"
@@ -125,6 +127,29 @@ def test_who_sends_slowly_is_cut_off(server: Server) -> None:
                 pass
         assert time.monotonic() - begun < 12, head
     assert server.get()[0] == 200
+
+
+def test_a_flood_of_connections_that_break_leaves_nothing_behind(server: Server) -> None:
+    files = Path(f"/proc/{server.process.pid}/fd")
+    before = len(os.listdir(files)) if files.is_dir() else 0
+    asked = b'{"question": "pizza"}'
+    head = b"content-type: application/json\r\ncontent-length: %d\r\n\r\n" % len(asked)
+    requests = [
+        b"GET /events HTTP/1.1\r\n" + HOST + b"\r\n", b"POST /ask HTTP/1.1\r\n" + HOST + head + asked,
+        b"GET /landmarks HTTP/1.1\r\n" + HOST + b"\r\n" * 40, b"\x00" * 900,
+        b"GET /map.png HTTP/1.1\r\n" + HOST + b"\r\n",
+        (b"GET /maps HTTP/1.1\r\n" + HOST + b"\r\n") * 30, b"POST /ask HTTP/1.1\r\n" + HOST + head + asked * 50,
+    ]  # fmt: skip
+    for turn in range(300):
+        with server.connect() as connection:
+            connection.sendall(requests[turn % len(requests)])
+            if turn % 3 == 0:
+                # The connection is reset, and not ended in order.
+                connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+    time.sleep(1.5)
+    assert server.get()[0] == 200
+    if before:
+        assert len(os.listdir(files)) <= before + 3
 
 
 def test_more_connections_than_may_be_open_are_refused_and_then_taken_again(server: Server) -> None:

@@ -95,8 +95,10 @@ def run(
     Raises:
         UserError: the certificate or its key cannot be read.
     """
-    # Invalid requests are no news, and a flood of them no reason to fill a disk.
-    logging.getLogger("uvicorn.error").setLevel(logging.CRITICAL)
+    # Invalid requests and connections that break are no news, and a flood of them no reason to fill a disk, or a pipe
+    # that nobody reads, which would hold up the server.
+    for name in ("uvicorn.error", "asyncio"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     config = uvicorn.Config(
         app,
         http=_protocol(limits.request_s),
