@@ -44,6 +44,7 @@ ALLOWED: dict[str, set[str]] = {
         "language.follow_up",
         "language.wishes.form",
         "text",
+        "ground",
         "mapfile",
         "navigation",
         "pipeline",

@@ -28,10 +28,12 @@ class GroundConfig(Section):
     least_up: float = Field(default=0.87, gt=0, le=1)
     # Metres by which the floor lies below the camera at least.
     least_camera_height: float = Field(default=0.15, ge=0)
+    # Metres by which it lies below at most: what lies deeper is another storey.
+    most_camera_height: float = Field(default=2.5, gt=0)
     # Readings of level surfaces in a scan, from which one may be the floor.
     min_floor_readings: int = Field(default=40, ge=3)
     # Share of the scans that must have seen a floor.
-    min_floor_share: float = Field(default=0.05, ge=0, le=1)
+    min_floor_share: float = Field(default=0.08, ge=0, le=1)
     # Metres by which a camera's height over the floor changes while it is carried.
     height_change: float = Field(default=0.6, gt=0)
     # Metres around the floor in which readings of level surfaces tell its noise; noise of three sigma beyond it is not
@@ -58,8 +60,8 @@ class WayConfig(Section):
     # Metres from the robot's middle to its rim.
     robot_radius: float = Field(default=0.25, gt=0)
     # Metres from what is in the way that are kept where there is room, and how much longer a way may be for it.
-    comfort: float = Field(default=0.3, ge=0)
-    comfort_cost: float = Field(default=1.0, ge=0)
+    comfort: float = Field(default=0.2, ge=0)
+    comfort_cost: float = Field(default=0.5, ge=0)
     # Metres a second.
     speed: float = Field(default=1.0, gt=0)
     # Metres before a sign at which people stand to read it: nearest, best and farthest.

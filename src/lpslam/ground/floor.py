@@ -12,6 +12,7 @@ Array = NDArray[np.float64]
 _BIN = 0.02  # metres: heights are counted in steps that noise near the camera does not fill
 _DAMPED = 3  # bins over which counts are averaged
 _PEAK = 0.3  # of the strongest level, the share from which a lower one is a floor: tables stand on something
+_SAME_HEIGHT = 0.15  # metres by which a carried camera rises and falls
 _USUAL = np.array([0.003, 0.003])  # metres and 1/metre: the shape of noise by distance, whose size is found
 
 
@@ -42,19 +43,17 @@ def floor_levels(points: Array, up: Array, camera: Array, config: GroundConfig) 
 def floors_below(cameras: Array, levels: Sequence[Array], config: GroundConfig) -> Array | None:
     """(n,) the height of the floor below each camera; None where too few saw one.
 
-    A camera is carried at much the same height: of several levels the one counts that lies as far below as floors
-    usually do. Where none was seen, it lies as it did before.
+    A camera is carried at much the same height: of several levels the one counts that lies as far below as the floor
+    usually does. Where none was seen, it lies as it did before.
 
     Args:
         cameras: (n, 3) world, in order of time.
         levels: of each, heights (m,) that may be the floor.
         config: thresholds.
     """
-    lowest = np.array([each[0] if len(each) else np.nan for each in levels])
-    seen = np.isfinite(lowest)
-    if np.count_nonzero(seen) < max(config.min_floor_share * len(cameras), 1.0):
+    usual = _usual_height([at[2] - heights for at, heights in zip(cameras, levels, strict=True)], config)
+    if usual is None:
         return None
-    usual = float(np.median(cameras[seen, 2] - lowest[seen]))
     floors = np.full(len(cameras), np.nan)
     for row, heights in enumerate(levels):
         if len(heights):
@@ -66,6 +65,24 @@ def floors_below(cameras: Array, levels: Sequence[Array], config: GroundConfig) 
         return None
     nearest = known[np.abs(known[None] - np.arange(len(cameras))[:, None]).argmin(axis=1)]
     return np.asarray(floors[nearest], np.float64)
+
+
+def _usual_height(below: Sequence[Array], config: GroundConfig) -> float | None:
+    """Metres by which the floor lies below the camera: the deepest level that enough scans show; None without any.
+
+    Counters and tables are seen more often than the floor that they stand on.
+
+    Args:
+        below: of each scan, how far below the camera its levels lie.
+        config: thresholds.
+    """
+    depths = np.concatenate([*below, np.empty(0)])
+    needed = max(config.min_floor_share * len(below), 1.0)
+    for depth in np.sort(depths[depths <= config.most_camera_height])[::-1]:
+        near = [each[np.abs(each - depth) <= _SAME_HEIGHT] for each in below]
+        if sum(len(each) > 0 for each in near) >= needed:
+            return float(np.median(np.concatenate(near)))
+    return None
 
 
 def height_noise(above: Array, distances: Array) -> Array:

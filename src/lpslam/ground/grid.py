@@ -20,7 +20,7 @@ UNKNOWN, FREE, OCCUPIED = -1, 0, 100
 """Values of cells, as in ROS's nav_msgs/OccupancyGrid."""
 
 _SURFACE_REACH = 2  # pixels of a scan to each side from which a surface is told
-_SURFACE_BEND = np.array([0.01, 0.01])  # metres, and share of the distance, by which a surface may be uneven there
+_SURFACE_BEND = np.array([0.005, 0.005])  # metres, and share of the distance, by which a surface may be uneven there
 _ROUND_THE_CAMERA = 0.2  # metres: where a camera was carried, nothing stands
 
 
@@ -157,11 +157,11 @@ def _integrated(
         config.occupied_odds, -config.free_odds_down, -config.passed_odds_down, config.most_odds, config.least_readings
     ])  # fmt: skip
     evidence = np.full((rows, columns), np.nan, np.float32)
-    heights = np.full((rows, columns), np.nan, np.float32)
+    heights, tops = (np.full((rows, columns), np.nan, np.float32) for _ in range(2))
     touched = np.zeros((5, rows, columns), np.int32)
     for stamp, ((points, _), what, at, floor) in enumerate(zip(seen, shown, cameras, below, strict=True), 1):
         ray = np.array([floor, config.low_ray])
-        kernels.integrate(points, what, at, ray, corner, stamp, rates, evidence, heights, touched)
+        kernels.integrate(points, what, at, ray, corner, stamp, rates, evidence, heights, tops, touched)
     values = np.full((rows, columns), UNKNOWN, np.int8)
     values[evidence < 0.0] = FREE
     values[evidence > 0.0] = OCCUPIED

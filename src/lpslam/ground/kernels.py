@@ -10,6 +10,10 @@ NOTHING, FLOOR, OBSTACLE, DROP = 0, 1, 2, 3
 """What a reading shows: nothing for a robot, ground to walk on, something in the way, ground that is too low."""
 
 
+_UNSEEN_CLIMB = 0.1
+"""Metres that ground may have risen where it was not seen: more is a step."""
+
+
 @njit(cache=True, nogil=True)
 def upness(
     points: NDArray[np.float64], camera: NDArray[np.float64], reach: int, bend: NDArray[np.float64]
@@ -88,7 +92,7 @@ def classify(
                 continue
             tolerance = max(obstacle, 3.0 * (noise[0] + noise[1] * distance * distance))
             above = z - ground
-            climb = min(slope * max(away - ground_at, 0.0), 0.3)
+            climb = min(slope * max(away - ground_at, 0.0), _UNSEEN_CLIMB)
             if up[v, u] >= least_up and abs(above) <= tolerance + climb:
                 shown[v, u] = FLOOR
                 ground += 0.3 * above
@@ -111,13 +115,14 @@ def integrate(
     rates: NDArray[np.float64],
     evidence: NDArray[np.float32],
     heights: NDArray[np.float32],
+    tops: NDArray[np.float32],
     touched: NDArray[np.int32],
 ) -> None:
     """Add what one scan shows to log odds of being occupied, in place; each cell counts once a scan.
 
     Ground goes on between readings of it that are neighbours in the image. A ray that comes down on a reading shows
-    that nothing stood before it at its height: that takes back what walked away, and makes a cell free that it passes
-    low enough.
+    that nothing stood before it as high as it passes: that takes back what walked away, and makes a cell free that it
+    passes low enough.
 
     Args:
         points, shown, camera: as in `classify`.
@@ -127,6 +132,7 @@ def integrate(
         rates: log odds of an obstacle, of ground, of a ray that passes; the most that is believed; least readings.
         evidence: (rows, columns) log odds; NaN where nothing is known.
         heights: (rows, columns) metres of the ground; NaN where none was seen.
+        tops: (rows, columns) metres, how high what is in the way was seen to be; NaN where nothing is.
         touched: (5, rows, columns) scan that last saw something, how many readings of it, and the scans that last saw
             ground, passed, and passed low.
     """
@@ -137,7 +143,7 @@ def integrate(
             if what == NOTHING:
                 continue
             x, y, z = points[v, u, 0], points[v, u, 1], points[v, u, 2]
-            _mark(x, y, z, what, stamp, grid, heights, touched)
+            _mark(x, y, z, what, stamp, grid, heights, tops, touched)
             if what == FLOOR:
                 for dv, du in ((1, 0), (0, 1)):
                     if v + dv < height and u + du < width and shown[v + dv, u + du] == FLOOR:
@@ -145,17 +151,9 @@ def integrate(
                         steps = int(max(abs(a - x), abs(b - y)) / grid[2]) + 1
                         for step in range(1, min(steps, 20)):
                             at = step / steps
-                            _mark(
-                                x + at * (a - x),
-                                y + at * (b - y),
-                                z + at * (c - z),
-                                FLOOR,
-                                stamp,
-                                grid,
-                                heights,
-                                touched,
-                            )
-            _pass(x, y, z, camera, ray, stamp, grid, touched)
+                            p, q, r = x + at * (a - x), y + at * (b - y), z + at * (c - z)
+                            _mark(p, q, r, FLOOR, stamp, grid, heights, tops, touched)
+            _pass(x, y, z, camera, ray, stamp, grid, tops, touched)
     _judge(stamp, rates, evidence, touched)
 
 
@@ -168,6 +166,7 @@ def _mark(
     stamp: int,
     grid: NDArray[np.float64],
     heights: NDArray[np.float32],
+    tops: NDArray[np.float32],
     touched: NDArray[np.int32],
 ) -> None:
     """Note what was seen in the cell at x and y."""
@@ -181,6 +180,8 @@ def _mark(
     if touched[0, i, j] != stamp:
         touched[0, i, j], touched[1, i, j] = stamp, 0
     touched[1, i, j] += 1
+    if math.isnan(tops[i, j]) or tops[i, j] < z:
+        tops[i, j] = z
 
 
 @njit(cache=True, nogil=True)
@@ -192,6 +193,7 @@ def _pass(
     ray: NDArray[np.float64],
     stamp: int,
     grid: NDArray[np.float64],
+    tops: NDArray[np.float32],
     touched: NDArray[np.int32],
 ) -> None:
     """Note the cells that a ray passes on its way from the camera, all but the last."""
@@ -201,9 +203,11 @@ def _pass(
         i = int((camera[1] + share * (y - camera[1]) - grid[1]) / grid[2])
         j = int((camera[0] + share * (x - camera[0]) - grid[0]) / grid[2])
         if 0 <= i < touched.shape[1] and 0 <= j < touched.shape[2]:
-            touched[3, i, j] = stamp
-            if camera[2] + share * (z - camera[2]) - ray[0] < ray[1]:
-                touched[4, i, j] = stamp
+            height = camera[2] + share * (z - camera[2])
+            if math.isnan(tops[i, j]) or height < tops[i, j]:
+                touched[3, i, j] = stamp
+                if height - ray[0] < ray[1]:
+                    touched[4, i, j] = stamp
 
 
 @njit(cache=True, nogil=True)

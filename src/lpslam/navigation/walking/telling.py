@@ -44,9 +44,12 @@ def told(way: Way, signs: Sequence[Sign], goal: Sign, language: str = "en", head
             step says how to turn.
     """
     words, points = _words(language), _legs(way.points)
-    steps, faced = [], heading
+    steps: list[str] = []
+    faced = heading
     for start, end in pairwise(points):
         step = end - start
+        if np.linalg.norm(step) < 0.5:
+            continue  # a shuffle, not a walk
         towards = float(np.arctan2(step[1], step[0]))
         turn = "" if faced is None else _turn(_difference(towards, faced))
         if turn:
@@ -77,6 +80,8 @@ def _legs(points: Array) -> list[Array]:
         turned = _difference(float(np.arctan2(out[1], out[0])), float(np.arctan2(into[1], into[0])))
         if abs(turned) >= _SLIGHT and np.linalg.norm(here - kept[-1]) >= _SHORT:
             kept.append(here)
+    if len(kept) > 1 and np.linalg.norm(points[-1] - kept[-1]) < _SHORT:
+        kept.pop()
     return [*kept, points[-1]]
 
 
