@@ -26,6 +26,7 @@ from lpslam.cli_runs import (
     render_simulation,
     say_usage,
 )
+from lpslam.cli_serving import COMMANDS as SERVING
 from lpslam.cli_sources import Color, Depth, From, Info, To, convert, record, sources, topics_and_span
 from lpslam.interruption import INTERRUPTED
 from lpslam.views.printed import (
@@ -77,6 +78,8 @@ app.command()(calibrate)
 app.command()(convert)
 app.command()(record)
 app.command()(sources)
+for _command in SERVING:
+    app.command()(_command)
 
 
 @app.callback(invoke_without_command=True)
