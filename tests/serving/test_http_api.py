@@ -129,25 +129,25 @@ def test_a_map_that_saw_a_floor_gives_its_grid(serve: Serve, tmp_path: Path) -> 
     picture = cv2.imdecode(np.frombuffer(client.get("/grid.png").content, np.uint8), cv2.IMREAD_UNCHANGED)
     assert picture.shape == (facts.height, facts.width)
     assert (int((picture == 254).sum()), int((picture == 0).sum())) == (facts.free, facts.occupied)
-    # Three metres ahead there is floor; behind the camera nobody has looked.
-    for (x, y), shade in {(3.0, 0.0): 254, (-0.04, 0.0): 254, (3.0, 5.0): None}.items():
+    # From where the camera sees it there is floor; behind the camera nobody has looked.
+    for (x, y), shade in {(3.6, 0.0): 254, (-0.04, 0.0): 254, (3.0, 5.0): None}.items():
         column, row = int((x - facts.origin[0]) / facts.resolution), int((y - facts.origin[1]) / facts.resolution)
         if shade is None:
             assert not 0 <= row < facts.height or picture[facts.height - 1 - row, column] == 205
         else:
             assert picture[facts.height - 1 - row, column] == shade
-    goal = records.GoalRecord.model_validate(client.post("/goal", json={"landmark": 1000, "position": [3.4, 0]}).json())
+    goal = records.GoalRecord.model_validate(client.post("/goal", json={"landmark": 1000, "position": [3.6, 0]}).json())
     way = records.PathRecord.model_validate(
-        client.post("/path", json={"question": "Wo gibt es Pizza?", "position": [3.4, 0], "heading": 0}).json()
+        client.post("/path", json={"question": "Wo gibt es Pizza?", "position": [3.6, 0], "heading": 0}).json()
     )
     assert (goal.landmark, way.landmark, way.position) == (1000, 1000, goal.position)
     assert goal.is_before_the_sign
     # The board at (5.5, 0) faces the camera at the origin: one stands between the two and looks along x.
-    assert 3.4 < goal.position[0] < 5.5
+    assert 3.6 < goal.position[0] < 5.5
     assert min(goal.heading, 360.0 - goal.heading) < 30
-    assert way.points[0] == pytest.approx([3.4, 0], abs=0.1)
+    assert way.points[0] == pytest.approx([3.6, 0], abs=0.1)
     assert way.points[-1] == pytest.approx(goal.position, abs=0.1)
-    assert way.length == pytest.approx(goal.position[0] - 3.4, abs=0.3)
+    assert way.length == pytest.approx(goal.position[0] - 3.6, abs=0.3)
     assert "Pizza Hut" in way.steps[-1]
     for body in ({}, {"landmark": 1000, "question": "pizza"}, {"question": "an aeroplane"}):
         assert client.post("/goal", json=body).status_code == 422

@@ -46,9 +46,10 @@ class GroundConfig(Section):
     occupied_odds: float = Field(default=0.9, gt=0)
     free_odds_down: float = Field(default=0.5, gt=0)
     passed_odds_down: float = Field(default=0.15, ge=0)
-    # Log odds below which a cell is free: ground that was seen is, and what three scans looked over below the robot's
-    # height, since what stands low there came into view from farther away.
-    free_from_down: float = Field(default=0.4, ge=0)
+    # Metres over the ground below which rays leave no room for what they do not hit, ...
+    low_ray: float = Field(default=0.7, ge=0)
+    # ... and log odds from which a cell is free: at once where ground is seen, after two scans that look over it so low.
+    free_from_down: float = Field(default=0.3, ge=0)
     # Most that is believed, so that what has changed is seen before long.
     most_odds: float = Field(default=3.5, gt=0)
     # Readings in a cell that make something of it.
