@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from lpslam import pipeline
 from lpslam.errors import UserError
-from lpslam.language.follow_up import follow_up
 from lpslam.language.model import LanguageModel
+from lpslam.language.questions.follow_up import follow_up
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.pipeline import Answer
 from lpslam.views.answers import answer_text

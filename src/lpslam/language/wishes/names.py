@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from anyascii import anyascii
 from rapidfuzz import fuzz, process
 
-from lpslam.language.knowledge import Knowledge
 from lpslam.language.model import Candidate
-from lpslam.language.words import UNSPACED_RUN, is_mark, is_unspaced
+from lpslam.language.tables.knowledge import Knowledge
+from lpslam.language.tables.words import UNSPACED_RUN, is_mark, is_unspaced
 
 _SAME = 88.0  # of 100: two words of a name are the same but for a reader's or a typist's slip
 _SAME_PERSON = 90.0  # of 100: Schmidt and Schmitt may be two people, Schneider and Schnieder one

@@ -8,22 +8,22 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Protocol
 
-from lpslam.language.choosing import ranked
-from lpslam.language.distrust import choose_trusted, commands
-from lpslam.language.knowledge import Knowledge, load_words
-from lpslam.language.landmark_index import LandmarkIndex
+from lpslam.language.choosing.choosing import ranked
+from lpslam.language.choosing.landmark_index import LandmarkIndex
+from lpslam.language.choosing.serving import likeness
 from lpslam.language.model import Candidate, LanguageModel
-from lpslam.language.question import Wish as Meaning
-from lpslam.language.question import asks_for_another, languages_of, read_question
-from lpslam.language.serving import likeness
-from lpslam.language.sign_words import WARNING
-from lpslam.language.signs import SignReader
+from lpslam.language.questions.question import Wish as Meaning
+from lpslam.language.questions.question import asks_for_another, languages_of, read_question
+from lpslam.language.signs.distrust import choose_trusted, commands
+from lpslam.language.signs.reader import SignReader
+from lpslam.language.signs.wording import WARNING
+from lpslam.language.tables.knowledge import Knowledge, load_words
+from lpslam.language.tables.words import is_mark, is_unspaced, longest_phrases
 from lpslam.language.wishes.codes import board_codes, code_of
 from lpslam.language.wishes.form import Ask, Identity, Sort, Stop, Which, Wish, with_meaning
 from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.reading import content_of, wish_languages
 from lpslam.language.wishes.rules import rules_of
-from lpslam.language.words import is_mark, is_unspaced, longest_phrases
 
 _ANY_SORT = frozenset({"shop", "business", "place"})
 _FEW_OF_A_FAMILY = 3  # rooms of one sort of building that make the map one of it, at least
