@@ -24,10 +24,10 @@ ALLOWED: dict[str, set[str]] = {
     "language": set(),
     "calibration": {"sources", "slam"},
     "text": {
-        "language.channel",
+        "language.naming.channel",
         "language.model",
         "language.sanitise",
-        "language.spelling",
+        "language.tables.spelling",
         "slam.state",
         "slam.advice",
     },
@@ -39,8 +39,8 @@ ALLOWED: dict[str, set[str]] = {
     "views": {
         "slam",
         "language.model",
-        "language.phrasing",
-        "language.follow_up",
+        "language.questions.phrasing",
+        "language.questions.follow_up",
         "language.wishes.form",
         "text",
         "mapfile",
