@@ -58,6 +58,7 @@ _MEALS = frozenset({"food", "drink"})
 _THING = 0.7  # a wanted concept of this weight is a thing of its own
 _RIVAL = 0.7  # a language with this share of the likeliest one's common words may be meant too
 _KNOWN_SHARE = 0.3  # of the words of a sentence that are common in its language
+_COVERED_SHARE = 0.6  # of the words of a text that a language's tables know, where hardly any are common
 _KANJI_ONLY = 8  # characters of Japanese that needs no kana: 薬局, 市役所; a sentence of Han letters alone is Chinese
 
 
@@ -67,7 +68,8 @@ class Wish:
 
     `wanted_names`, `refused_names` and `near_names` hold the values of the names that were passed in and mentioned;
     `unknown` says that something is asked for whose word is not known; `contested` are concepts that are wanted, but
-    not from where they are had first of all; `anew` are goods that will do where nobody mends the broken ones.
+    not from where they are had first of all; `anew` are goods that will do where nobody mends the broken ones;
+    `contradicted` are phrases that are wanted and refused in one breath.
     """
 
     wanted: tuple[tuple[str, float], ...]
@@ -79,6 +81,7 @@ class Wish:
     unknown: bool = False
     contested: tuple[str, ...] = ()
     anew: tuple[str, ...] = ()
+    contradicted: tuple[str, ...] = ()
 
     @property
     def main(self) -> tuple[str, ...]:
@@ -116,6 +119,22 @@ def languages_of(text: str, knowledge: Knowledge) -> tuple[str, ...]:
     return tuple(language for language in ranked[:1] if hits[language] >= _KNOWN_SHARE * len(words))
 
 
+def _language_by_its_phrases(text: str, knowledge: Knowledge) -> tuple[str, ...]:
+    """The one language whose tables know most words of a text that has hardly any common words: “car rental desk”."""
+    units = knowledge.folder.units(text)
+    words = [at for at, unit in enumerate(units) if not is_mark(unit)]
+    known: dict[str, int] = {}
+    for language in _LATIN if words and not is_unspaced(units[words[0]]) else ():
+        covered = {
+            at for span in longest_phrases(units, (knowledge.spoken(language),)) for at in range(span.start, span.end)
+        }
+        known[language] = len(covered | {at for at in words if units[at] in knowledge.common[language]})
+    ranked = sorted(known, key=lambda language: -known[language])
+    if not ranked or known[ranked[0]] < _COVERED_SHARE * len(words) or known[ranked[0]] == known[ranked[1]]:
+        return ()
+    return tuple(ranked[:1])
+
+
 def language_of(text: str, knowledge: Knowledge) -> str | None:
     """Return the likeliest language of a question; None where it cannot be told."""
     wish = read_question(text, knowledge)
@@ -130,7 +149,7 @@ def read_question(question: str, knowledge: Knowledge, names: Mapping[str, Meani
     # “A sit-down meal” is looked up as three words.
     text = _ALLERGY.sub(r"\1 \2", _HYPHEN.sub(" ", clean_text(question, _QUESTION_LENGTH)))
     first: Wish | None = None
-    for language in languages_of(text, knowledge):
+    for language in languages_of(text, knowledge) or _language_by_its_phrases(text, knowledge):
         wish = _read_in(text, language, knowledge, {} if names is None else names)
         if wish.wanted or wish.refused or wish.wanted_names or wish.refused_names:
             return wish
@@ -144,118 +163,180 @@ def read_question(question: str, knowledge: Knowledge, names: Mapping[str, Meani
 
 
 def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str, Meaning]) -> Wish:
-    tables = (names, *knowledge.tables_of(language))
-    if language == "es":
-        text = _SPANISH_TEA.sub("tea", text)
-    units = knowledge.folder.units(text)
-    starts = knowledge.folder.word_starts(text) if language == "ko" else frozenset[int]()
+    return _Reading(text, language, knowledge, names).wish()
 
-    def is_barred(at: int, end: int, said: Meaning) -> bool:
-        # The end of one Korean word and the beginning of the next make no third.
-        return end - at == 2 and at + 1 in starts and said.role in ("means", "name")
 
-    spans = longest_phrases(units, tables, is_barred)
-    spoken = _with_known_forms(units, spans, language, knowledge)
-    if spoken != units:
-        units, spans = spoken, longest_phrases(spoken, tables, is_barred)
-    troubles = [
-        trouble
-        for trouble in troubles_in(units, knowledge.states(language))
-        # “Left luggage” has lost nothing.
-        if not any(span.value.role == "means" and trouble.units.issubset(range(span.start, span.end)) for span in spans)
-    ]
-    spans = [span for span in spans if span.value.role in ("means", "name") or not _is_part(span, troubles)]
-    pains = [trouble for trouble in troubles if trouble.concept in knowledge.symptoms]
-    hurts = hurting(spans, [trouble.units for trouble in pains], units, knowledge)
-    if hurts:
-        troubles = [trouble for trouble in troubles if trouble not in pains]
-    wanted = {trouble.concept: MAIN for trouble in troubles}
-    refused: list[str] = []
-    wanted_phrases: dict[str, set[str]] = {}
-    refused_phrases: dict[str, set[str]] = {}
-    refused_with: dict[str, list[set[str]]] = {}
-    said_alone: set[str] = set()
-    mentioned: dict[str, list[str]] = {"wanted": [], "refused": [], "near": []}
-    asides = _asides(spans, units, knowledge) | {span.start for span in spans if _is_part(span, troubles)}
-    has_main = bool(troubles) or any(
-        span.value.role == "means" and span.start not in asides and not is_general(span, knowledge) for span in spans
-    )
-    stains = [trouble.units for trouble in troubles if trouble.concept == "laundry"]
-    asides |= spilled(spans, stains, units, knowledge)
-    clauses = clauses_of(units, spans, language, knowledge)
-    for told in told_in(clauses, units, language, knowledge, asks_for_another(text)):
-        for span, stand in told:
+class _Said:
+    """What the phrases of a question say, gathered: concepts wanted and refused, by which phrases, and names."""
+
+    def __init__(self, wanted: dict[str, float]) -> None:
+        self.wanted = wanted
+        self.refused: list[str] = []
+        self.wanted_by: dict[str, set[str]] = {}
+        self.refused_by: dict[str, set[str]] = {}
+        self.refused_with: dict[str, list[set[str]]] = {}
+        self.alone: set[str] = set()
+        self.names: dict[str, list[str]] = {"wanted": [], "refused": [], "near": []}
+
+    def refuse(self, span: Span[Meaning], concept: str) -> None:
+        """Take a concept of a phrase as refused."""
+        self.refused.append(concept)
+        self.refused_by.setdefault(concept, set()).add(span.key)
+        self.refused_with.setdefault(concept, []).append({other for other, _ in span.value.concepts} - {concept})
+
+    def want(self, span: Span[Meaning], concept: str, weight: float) -> None:
+        """Take a concept of a phrase as wanted."""
+        self.wanted[concept] = max(weight, self.wanted.get(concept, 0.0))
+        self.wanted_by.setdefault(concept, set()).add(span.key)
+        if len(span.value.concepts) == 1:
+            self.alone.add(concept)
+
+    def both(self, concept: str) -> set[str]:
+        """The phrases by which a concept is wanted and refused."""
+        return self.wanted_by.get(concept, set()) & self.refused_by.get(concept, set())
+
+
+class _Reading:
+    """One question in one language: cut once into units, phrases, troubles and clauses, and then weighed."""
+
+    def __init__(self, text: str, language: str, knowledge: Knowledge, names: Mapping[str, Meaning]) -> None:
+        self._text = _SPANISH_TEA.sub("tea", text) if language == "es" else text
+        self._language, self._knowledge = language, knowledge
+        self._units, spans = self._phrases((names, *knowledge.tables_of(language)))
+        self._states = knowledge.states(language)
+        troubles = [
+            trouble
+            for trouble in troubles_in(self._units, self._states)
+            # “Left luggage” has lost nothing.
+            if not any(
+                span.value.role == "means" and trouble.units.issubset(range(span.start, span.end)) for span in spans
+            )
+        ]
+        self._spans = [span for span in spans if span.value.role in ("means", "name") or not _is_part(span, troubles)]
+        pains = [trouble for trouble in troubles if trouble.concept in knowledge.symptoms]
+        self._hurts = hurting(self._spans, [trouble.units for trouble in pains], self._units, knowledge)
+        self._troubles = [trouble for trouble in troubles if not (self._hurts and trouble in pains)]
+        self._stains = [trouble.units for trouble in self._troubles if trouble.concept == "laundry"]
+
+    def _phrases(self, tables: tuple[Mapping[str, Meaning], ...]) -> tuple[list[str], list[Span[Meaning]]]:
+        folder = self._knowledge.folder
+        units = folder.units(self._text)
+        starts = folder.word_starts(self._text) if self._language == "ko" else frozenset[int]()
+
+        def is_barred(at: int, end: int, said: Meaning) -> bool:
+            # The end of one Korean word and the beginning of the next make no third.
+            return end - at == 2 and at + 1 in starts and said.role in ("means", "name")
+
+        spans = longest_phrases(units, tables, is_barred)
+        spoken = _with_known_forms(units, spans, self._language, self._knowledge)
+        return (units, spans) if spoken == units else (spoken, longest_phrases(spoken, tables, is_barred))
+
+    def wish(self) -> Wish:
+        """What is wanted and what is refused."""
+        said = self._gathered()
+        self._settle(said)
+        contested = self._contested(said)
+        contradicted = {phrase for concept in said.refused for phrase in said.both(concept)}
+        for concept in (*said.refused, *self._contained(said), *self._knowledge.said_of_food):
+            said.wanted.pop(concept, None)
+        if any(weight >= _THING for weight in said.wanted.values()) or not GIFTS.isdisjoint(said.wanted):
+            # “Something warm to drink, but no coffee”: what is left of “something warm” is wanted.
+            contested = tuple(concept for concept in contested if concept in said.alone)
+        wanted = self._weighed(said)
+        main = [concept for concept, weight in wanted.items() if weight > GENERAL]
+        mended = [each.concept for each in self._troubles if each.concept not in said.wanted_by]
+        asks_for_something = not main and not said.refused
+        return Wish(
+            tuple(wanted.items()),
+            tuple(dict.fromkeys(said.refused)),
+            tuple(dict.fromkeys(said.names["wanted"])),
+            tuple(dict.fromkeys(said.names["refused"])),
+            self._language,
+            tuple(dict.fromkeys(said.names["near"])),
+            # After a refusal, what else may be eaten is left open.
+            asks_for_something and asks_for_unknown(self._units, self._spans, self._language, self._knowledge),
+            contested,
+            tuple(_ANEW[concept] for concept in mended if concept in _ANEW),
+            () if main or contested else tuple(sorted(contradicted)),
+        )
+
+    def _gathered(self) -> _Said:
+        """Go through the clauses: what is wanted, what is refused, what is only said by the way."""
+        knowledge = self._knowledge
+        said = _Said({trouble.concept: MAIN for trouble in self._troubles})
+        asides = _asides(self._spans, self._units, knowledge)
+        asides |= {span.start for span in self._spans if _is_part(span, self._troubles)}
+        has_main = bool(self._troubles) or any(
+            span.value.role == "means" and span.start not in asides and not is_general(span, knowledge)
+            for span in self._spans
+        )
+        asides |= spilled(self._spans, self._stains, self._units, knowledge)
+        clauses = clauses_of(self._units, self._spans, self._language, knowledge)
+        told = told_in(clauses, self._units, self._language, knowledge, asks_for_another(self._text))
+        for span, stand in (each for clause in told for each in clause):
             is_aside = span.start in asides or stand is Stand.ASIDE
-            is_refused = stand is Stand.REFUSED or span.start in hurts
+            is_refused = stand is Stand.REFUSED or span.start in self._hurts
             for concept, weight in span.value.concepts:
                 if span.value.role == "name":
-                    mentioned["refused" if is_refused else "near" if is_aside else "wanted"].append(concept)
+                    said.names["refused" if is_refused else "near" if is_aside else "wanted"].append(concept)
                 elif is_refused:
-                    refused.append(concept)
-                    refused_phrases.setdefault(concept, set()).add(span.key)
-                    refused_with.setdefault(concept, []).append({other for other, _ in span.value.concepts} - {concept})
+                    said.refuse(span, concept)
                 else:
-                    weight *= ASIDE if is_aside and has_main else _importance(concept, knowledge)
-                    wanted[concept] = max(weight, wanted.get(concept, 0.0))
-                    wanted_phrases.setdefault(concept, set()).add(span.key)
-                    if len(span.value.concepts) == 1:
-                        said_alone.add(concept)
-    for concept in {*wanted, *refused} & set(knowledge.refusing):
-        # “Gluten free” names what it refuses.
-        wanted.pop(concept, None)
-        refused.append(knowledge.refusing[concept])
-    if "lost_item" in wanted and says_at_home(units, knowledge.states(language)):
-        wanted["lost_item"] = HINT
-    # “No clothes for women, but for men” refuses no clothes.
-    refused = [
-        concept
-        for concept in refused
-        if concept not in wanted or not all(others - wanted.keys() for others in refused_with.get(concept, [set()]))
-    ]
-    # Nobody refuses to eat (“I'm hungry, but not for that”), but who wants a present may want none to eat.
-    spared = knowledge.general - (_MEALS if {*GIFTS, "business", "shop"} & wanted.keys() else frozenset())
-    refused = [concept for concept in refused if concept not in spared]
-    # “An ice cream, but that parlour is a rip-off”: the thing is wanted, and where it is sold first of all is not.
-    contested = tuple(
-        concept
-        for concept in dict.fromkeys(refused)
-        if wanted.get(concept, 0.0) >= MAIN
-        and wanted_phrases.get(concept, set()).isdisjoint(refused_phrases.get(concept, set()))
-    )
-    contained = [inner for concept in refused if concept in _HABITS for inner in knowledge.contained[concept]]
-    for concept in (*refused, *contained, *knowledge.said_of_food):
-        wanted.pop(concept, None)
-    if any(weight >= _THING for weight in wanted.values()) or not GIFTS.isdisjoint(wanted):
-        # “Something warm to drink, but no coffee”: what is left of “something warm” is wanted.
-        contested = tuple(concept for concept in contested if concept in said_alone)
-    if refused and all(concept in knowledge.instead_of for concept in refused):
-        # Who eats no meat wants a kitchen without.
-        wanted |= {knowledge.instead_of[concept]: MAIN for concept in refused}
-    is_child_ill = "child" in wanted and max(wanted.get("medicine", 0.0), wanted.get("doctor", 0.0)) >= MAIN
-    wanted = as_treated(without_symptoms(wanted, knowledge), knowledge)
-    if is_child_ill:
-        # A child that is ill is taken to its own doctor where there is one.
-        wanted["amenity/doctors/paediatrics"] = MAIN
-    if stains and "clothes" in wanted:
-        # Where nobody cleans the shirt, another one will do.
-        wanted["clothes"] = _THING
-    if not knowledge.worn.isdisjoint(wanted) and knowledge.people.isdisjoint({*wanted, *refused}):
-        # A jacket for “my husband” is one for men.
-        named = {span.value for span in longest_phrases(units, (knowledge.relatives[language],))}
-        wanted |= dict.fromkeys(named, MODIFIER) if len(named) == 1 else {}
-    main = [concept for concept, weight in wanted.items() if weight > GENERAL]
-    return Wish(
-        tuple(wanted.items()),
-        tuple(dict.fromkeys(refused)),
-        tuple(dict.fromkeys(mentioned["wanted"])),
-        tuple(dict.fromkeys(mentioned["refused"])),
-        language,
-        tuple(dict.fromkeys(mentioned["near"])),
-        # After a refusal, what else may be eaten is left open.
-        not main and not refused and asks_for_unknown(units, spans, language, knowledge),
-        contested,
-        tuple(_ANEW[each.concept] for each in troubles if each.concept in _ANEW and each.concept not in wanted_phrases),
-    )
+                    said.want(
+                        span, concept, weight * (ASIDE if is_aside and has_main else _importance(concept, knowledge))
+                    )
+        return said
+
+    def _settle(self, said: _Said) -> None:
+        """Tell what is truly refused from what is only named beside it."""
+        knowledge, wanted = self._knowledge, said.wanted
+        for concept in {*wanted, *said.refused} & set(knowledge.refusing):
+            # “Gluten free” names what it refuses.
+            wanted.pop(concept, None)
+            said.refused.append(knowledge.refusing[concept])
+        if "lost_item" in wanted and says_at_home(self._units, self._states):
+            wanted["lost_item"] = HINT
+        # “No clothes for women, but for men” refuses no clothes.
+        refused = [
+            concept
+            for concept in said.refused
+            if concept not in wanted
+            or not all(others - wanted.keys() for others in said.refused_with.get(concept, [set()]))
+        ]
+        # Nobody refuses to eat (“I'm hungry, but not for that”), but who wants a present may want none to eat.
+        spared = knowledge.general - (_MEALS if {*GIFTS, "business", "shop"} & wanted.keys() else frozenset())
+        said.refused = [concept for concept in refused if concept not in spared]
+
+    def _contested(self, said: _Said) -> tuple[str, ...]:
+        """“An ice cream, but that parlour is a rip-off”: the thing is wanted, where it is sold first of all is not."""
+        return tuple(
+            concept
+            for concept in dict.fromkeys(said.refused)
+            if said.wanted.get(concept, 0.0) >= MAIN and not said.both(concept)
+        )
+
+    def _contained(self, said: _Said) -> list[str]:
+        return [inner for concept in said.refused if concept in _HABITS for inner in self._knowledge.contained[concept]]
+
+    def _weighed(self, said: _Said) -> dict[str, float]:
+        """Weigh what is wanted: what is done to things, whom they are for, what will do instead."""
+        knowledge, wanted = self._knowledge, said.wanted
+        if said.refused and all(concept in knowledge.instead_of for concept in said.refused):
+            # Who eats no meat wants a kitchen without.
+            wanted |= {knowledge.instead_of[concept]: MAIN for concept in said.refused}
+        is_child_ill = "child" in wanted and max(wanted.get("medicine", 0.0), wanted.get("doctor", 0.0)) >= MAIN
+        wanted = as_treated(without_symptoms(wanted, knowledge), knowledge)
+        if is_child_ill:
+            # A child that is ill is taken to its own doctor where there is one.
+            wanted["amenity/doctors/paediatrics"] = MAIN
+        if self._stains and "clothes" in wanted:
+            # Where nobody cleans the shirt, another one will do.
+            wanted["clothes"] = _THING
+        if not knowledge.worn.isdisjoint(wanted) and knowledge.people.isdisjoint({*wanted, *said.refused}):
+            # A jacket for “my husband” is one for men.
+            named = {span.value for span in longest_phrases(self._units, (knowledge.relatives[self._language],))}
+            wanted |= dict.fromkeys(named, MODIFIER) if len(named) == 1 else {}
+        return wanted
 
 
 def asks_for_another(question: str) -> bool:
