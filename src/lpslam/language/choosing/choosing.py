@@ -18,6 +18,7 @@ _SPECIAL = 0.5  # a wanted concept of this weight is more than “food” or “
 _ALTERNATIVES = 5
 _SAME_SORT = 0.25  # what the sort of a refused place weighs where nothing else is wanted
 _FEW = 3  # landmarks that one word may stand for
+_ANY = frozenset({"shop", "place", "business"})  # kinds that say nothing of what is wanted
 _UNSPACED = frozenset({"zh", "ja", "ko"})
 _PART = "part:"  # before the words that are parts of names, among names
 
@@ -41,11 +42,44 @@ def ranked(
     wish, refused, said = understand(question, index, signs, knowledge)
     wish = _as_in_this_building(wish, index, knowledge)
     phrases = phrases_in(answer_language(question) if wish.language is not None else "en")
-    if not index.landmarks:
-        return Choice(None, 1.0, phrases.say("empty_map"), model), {}
-    if wish.language is None:
-        return Choice(None, 0.0, phrases.say("unread"), model), {}
-    refused |= {id_ for name in wish.refused_names for id_ in index.ids_of.get(name, ())}
+    if not index.landmarks or wish.language is None:
+        return Choice(None, float(not index.landmarks), phrases.say(_why_unread(index)), model), {}
+    wish, refused = _without_refused(wish, refused, question, index)
+    named = [id_ for name in wish.wanted_names for id_ in index.ids_of.get(name, ()) if id_ not in refused]
+    named += [id_ for id_ in said if id_ not in refused and id_ not in named]
+    if named:
+        choice = Choice(named[0], 0.95, phrases.say("named"), model, tuple(named[1 : 1 + _ALTERNATIVES]))
+        return choice, dict.fromkeys(named, 1.0)
+    if wish.contradicted and not asks_for_another(question):
+        return Choice(None, 0.8, phrases.say("contradiction", things=", ".join(wish.contradicted)), model), {}
+    if not wish.wanted:
+        wish = replace(wish, wanted=_instead_of_refused(wish, refused, question, index, knowledge))
+    wanted = dict(wish.wanted)
+    missing = [name for name in wish.wanted_names if name not in index.ids_of]
+    if missing and not any(weight >= _SPECIAL for weight in wanted.values()):
+        # A brand was asked for that is not here; another of its kind may do, but that is for the asker to say.
+        return _without_brand(missing[0], question, index, signs, knowledge, model, phrases), {}
+    if not wanted and not wish.contested:
+        return Choice(None, 0.0, phrases.say("no_kind"), model), {}
+    if (wanted.keys() <= _ANY and not wish.contested) or wish.unknown:
+        return Choice(None, 0.5, phrases.say("unknown"), model), {}
+    wishes = _in_turn(wish, knowledge)
+    choices: list[tuple[Choice, Scores]] = []
+    for each in wishes:
+        choices.append(_best(each, index, refused, knowledge, model, phrases))
+        if choices[-1][0].landmark is not None:
+            return choices[-1]
+    # Where nothing serves, it is the wish itself that is told of.
+    return choices[wishes.index(wish)]
+
+
+def _why_unread(index: LandmarkIndex) -> str:
+    return "unread" if index.landmarks else "empty_map"
+
+
+def _without_refused(wish: Wish, refused: set[int], question: str, index: LandmarkIndex) -> tuple[Wish, set[int]]:
+    """The landmarks that are refused by name or as one of many, and what is wanted then."""
+    refused = refused | {id_ for name in wish.refused_names for id_ in index.ids_of.get(name, ())}
     if asks_for_another(question):
         # “Starbucks is full, another café?” names what is not wanted.
         named_besides = (*wish.wanted_names, *wish.near_names)
@@ -55,27 +89,21 @@ def ranked(
             wish = replace(wish, wanted=tuple((kind, 1.0) for kind in wish.refused), refused=())
     if "chain" in wish.refused:
         refused |= {id_ for id_, sign in index.signs.items() if sign.identity}
-    named = [id_ for name in wish.wanted_names for id_ in index.ids_of.get(name, ()) if id_ not in refused]
-    named += [id_ for id_ in said if id_ not in refused and id_ not in named]
-    if named:
-        choice = Choice(named[0], 0.95, phrases.say("named"), model, tuple(named[1 : 1 + _ALTERNATIVES]))
-        return choice, dict.fromkeys(named, 1.0)
-    if not wish.wanted:
-        others = [*wish.refused, *(kind for id_ in refused for kind, _ in index.signs[id_].kinds)]
-        # Another of the same sort, and else something of the same use.
-        alike = kinds_of(sorted(refused), index) if asks_for_another(question) else ()
-        wanted_instead = dict(instead_of(others, knowledge)) | {kind: _SAME_SORT * sure for kind, sure in alike}
-        wish = replace(wish, wanted=tuple(wanted_instead.items()))
+    return wish, refused
+
+
+def _instead_of_refused(
+    wish: Wish, refused: set[int], question: str, index: LandmarkIndex, knowledge: Knowledge
+) -> tuple[tuple[str, float], ...]:
+    """Where only a refusal is said: another of the same sort, and else something of the same use."""
+    others = [*wish.refused, *(kind for id_ in refused for kind, _ in index.signs[id_].kinds)]
+    alike = kinds_of(sorted(refused), index) if asks_for_another(question) else ()
+    return tuple((dict(instead_of(others, knowledge)) | {kind: _SAME_SORT * sure for kind, sure in alike}).items())
+
+
+def _in_turn(wish: Wish, knowledge: Knowledge) -> list[Wish]:
+    """What is wanted, but not from where it is had first of all; then all; and who does not find it may ask."""
     wanted = dict(wish.wanted)
-    missing = [name for name in wish.wanted_names if name not in index.ids_of]
-    if missing and not any(weight >= _SPECIAL for weight in wanted.values()):
-        # A brand was asked for that is not here; another of its kind may do, but that is for the asker to say.
-        return _without_brand(missing[0], question, index, signs, knowledge, model, phrases), {}
-    if not wanted and not wish.contested:
-        return Choice(None, 0.0, phrases.say("no_kind"), model), {}
-    if (set(wanted) <= {"shop", "place", "business"} and not wish.contested) or wish.unknown:
-        return Choice(None, 0.5, phrases.say("unknown"), model), {}
-    # What is wanted, but not from where it is had first of all; then all; and who does not find it may ask.
     wishes = [wish]
     if wish.contested:
         wishes.insert(0, replace(wish, wanted=tuple((concept, 1.0) for concept in wish.contested)))
@@ -83,17 +111,11 @@ def ranked(
         wishes.append(replace(wish, wanted=(("ask", 1.0),)))
     if wish.anew:
         wishes.append(replace(wish, wanted=tuple((ware, 1.0) for ware in wish.anew)))
-    if set(wanted) - knowledge.general <= set(knowledge.instead_of.values()):
+    if wanted.keys() - knowledge.general <= set(knowledge.instead_of.values()):
         # Where there is no vegetarian kitchen, whatever serves no meat.
         without = wish.refused or tuple(each for each, diet in knowledge.instead_of.items() if diet in wanted)
         wishes.append(replace(wish, wanted=instead_of(without, knowledge), refused=without))
-    choices: list[tuple[Choice, Scores]] = []
-    for each in wishes:
-        choices.append(_best(each, index, refused, knowledge, model, phrases))
-        if choices[-1][0].landmark is not None:
-            return choices[-1]
-    # Where nothing serves, it is the wish itself that is told of.
-    return choices[wishes.index(wish)]
+    return wishes
 
 
 def _as_in_this_building(wish: Wish, index: LandmarkIndex, knowledge: Knowledge) -> Wish:

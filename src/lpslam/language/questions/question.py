@@ -237,6 +237,7 @@ class _Reading:
         self._settle(said)
         contested = self._contested(said)
         contradicted = {phrase for concept in said.refused for phrase in said.both(concept)}
+        contradicted |= set(said.names["wanted"]) & set(said.names["refused"])
         for concept in (*said.refused, *self._contained(said), *self._knowledge.said_of_food):
             said.wanted.pop(concept, None)
         if any(weight >= _THING for weight in said.wanted.values()) or not GIFTS.isdisjoint(said.wanted):
