@@ -28,7 +28,10 @@ from lpslam.language.wishes.rules import rules_of
 _ANY_SORT = frozenset({"shop", "business", "place"})
 _FEW_OF_A_FAMILY = 3  # rooms of one sort of building that make the map one of it, at least
 _MUCH_OF_A_FAMILY = 0.25  # of all landmarks: fewer aisles of goods are shops of a mall
-_OF_THE_HOUSE = ("facility", "amenity/", "highway/", "emergency/", "indoor/", "entrance", "aeroway/", "railway/")
+_OF_THE_HOUSE = (
+    *("facility", "amenity/", "highway/", "emergency/", "indoor/", "entrance", "aeroway/", "railway/", "department/"),
+    *("museum/", "aisle/", "warehouse/", "dock/", "office/", "faculty/", "ride/", "ferry/", "factory/"),
+)
 _FEWEST_TO_TELL_APART = 2
 _SHORT_QUESTION = 8  # words of a question whose capital is the name that it asks for
 _SHORT_NAME = 5  # words of an anchor that is a name
