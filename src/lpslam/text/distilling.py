@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from lpslam.language.model import LanguageModel
 from lpslam.text.placing.instances import KeyframePoses
-from lpslam.text.remembering.naming import name_class
+from lpslam.text.remembering.naming import name_classes
 from lpslam.text.text_map import TextMap
 from lpslam.text.types import Landmark
 
@@ -36,9 +36,7 @@ def distil(
     Raises:
         LpSlamError: what the language model raises when it cannot judge.
     """
-    errors = 0
-    for text_class in text_map.long_term:
-        errors += not name_class(text_class, language, text_map.config)
+    errors = name_classes(text_map.long_term, language, text_map.config)
     names = list(dict.fromkeys(landmark.wording for landmark in text_map.landmarks(world_from_keyframe)))
     judgements = language.judge(names, question) if names else []
     text_map.judge(list(zip(names, judgements, strict=True)), question)

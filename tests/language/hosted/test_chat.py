@@ -120,17 +120,33 @@ def test_a_landmark_with_a_name_that_another_one_has_is_the_same_place_to_both_m
     assert len(server.requests) == 1
 
 
-def test_labels_say_nothing_of_ids_and_hang_on_the_question(serve: Serve, chat: Chat) -> None:
+def test_labels_say_nothing_of_ids_and_names_stand_first_in_the_order_of_the_map(serve: Serve, chat: Chat) -> None:
     server = serve(picks())
     marks = [Candidate(number, f"Shop {number}") for number in range(20)]
     model = chat(server)
-    for question in ("Where can I swim?", "Where can I swim?", "Where can I fly?"):
+    for question in ("Where can I swim?", "Where can I fly?"):
         model.choose(question, marks)
-    sent = [{mark["id"]: mark["name"] for mark in given(body)["landmarks"]} for body in server.requests[:3]]
-    assert sent[0] == sent[1], "the same question is the same request"
-    assert sent[0] != sent[2]
-    assert sent[0].keys() == sent[2].keys(), "one schema serves every question"
-    assert all(label.startswith("L") and len(label) == 5 for label in sent[0])
+    sent = [given(body)["landmarks"] for body in server.requests[:2]]
+    assert [mark["name"] for mark in sent[0]] == [mark.name for mark in marks]
+    assert sent[0] == sent[1], "one schema and one prefix serve every question"
+    texts = [body["messages"][-1]["content"] for body in server.requests[:2]]
+    assert texts[0].partition('"question"')[0] == texts[1].partition('"question"')[0]
+    assert all(mark["id"].startswith("L") and len(mark["id"]) == 5 for mark in sent[0])
+
+
+def test_what_was_asked_before_is_sent_as_it_was(serve: Serve, chat: Chat) -> None:
+    server = serve(picks("KFC"))
+    model = chat(server)
+    assert model.choose_after([("I am hungry", "Zara")], "and another one?", MARKS).landmark is not None
+    assert given(server.requests[0])["before"] == [{"question": "I am hungry", "answer": "Zara"}]
+    assert given(server.requests[0])["question"] == "and another one?"
+
+
+def test_a_door_for_staff_may_be_chosen(serve: Serve, chat: Chat) -> None:
+    server = serve(picks("STAFF ONLY"))
+    marks = [Candidate(1, "KFC"), Candidate(2, "STAFF ONLY"), Candidate(3, "HIGH VOLTAGE")]
+    chat(server).choose("where do employees go in?", marks)
+    assert {mark["name"] for mark in given(server.requests[0])["landmarks"]} == {"KFC", "STAFF ONLY"}
 
 
 def test_each_name_is_judged_in_a_request_of_its_own(serve: Serve, chat: Chat) -> None:

@@ -27,6 +27,9 @@ def oracle(cases: LanguageCases) -> Callable[[Json], Json]:
         answer: dict[str, Any] = {"confidence": 0.9, "evidence": "it is known"}
         if "readings" in tree:
             answer["name"] = names[json.dumps([each["text"] for each in tree["readings"]])]
+        elif "signs" in tree:
+            texts = [(each["sign"], judged[tree["question"], each["text"]]) for each in tree["signs"]]
+            answer["judgements"] = [{"sign": sign, "answer": told, "confidence": 0.9} for sign, told in texts]
         elif "sign" in tree:
             answer["answer"] = judged[tree["question"], tree["sign"]]
         elif "place" in tree:

@@ -61,16 +61,18 @@ def test_a_small_map_is_sent_whole_and_in_order() -> None:
 
 
 def test_a_question_costs_a_bounded_number_of_tokens_at_ten_thousand_landmarks(serve: Serve) -> None:
-    server = serve(answers(lambda _: {"landmark": "none", "alternatives": [], "confidence": 1, "evidence": ""}))
+    server = serve(
+        answers(lambda _: {"landmark": "none", "alternatives": [], "confidence": 1, "evidence": "", "serves": ["Zara"]})
+    )
     sizes = {}
     for count in (60, 1000, 10_000):
         before = len(server.requests)
         model_at(server).choose("Wo gibt es " + "漢" * 5000, CITY[:count])
-        (asked,) = server.requests[before:]
+        asked = server.requests[before:]
+        assert len(asked) == (2 if count > 1000 else 1), "of more than can be sent, what would serve is asked first"
         # UTF-8 bytes are more than tokens in every tokeniser that works on them.
         sizes[count] = len(json.dumps(asked, ensure_ascii=False).encode())
-    assert sizes[10_000] <= 1.3 * sizes[60], "more landmarks cost no more"
-    assert sizes[10_000] < 40_000
+    assert sizes[10_000] <= sizes[1000], "more landmarks cost no more"
 
 
 def test_what_is_named_is_among_them() -> None:
@@ -99,6 +101,8 @@ def test_the_right_one_of_ten_thousand_is_chosen(serve: Serve) -> None:
         sure = {"confidence": 0.9, "evidence": "a nut shop"}
         if "place" in tree:
             return {"serves": tree["place"]["name"] == "Hazel & Walnut", **sure}
+        if "landmarks" not in tree:
+            return {"serves": ["Nut shop", "Hazel & Walnut"]}
         return {"landmark": label_of(tree, "Hazel & Walnut"), "alternatives": [], **sure}
 
     marks = [*CITY[:5000], Candidate(5, "Hazel & Walnut"), *CITY[5000:]]

@@ -2,17 +2,17 @@
 
 The paper's “pre-training” (Figs. 3, 6 and 8), a task with examples, is one file a use in `prompts/`. What was read in
 the world goes into the user message alone, JSON-encoded in a field of its own, and only where it does not read like a
-command (`distrust.py`). Names are judged each in a request of its own, so that none can sway another. A choice among
+command (`distrust.py`). Few names are judged each in a request of its own, many in requests of several, and what the
+embedded model sees otherwise once more in another order. A choice among
 many names is taken where the embedded model agrees, or where the model says the same of that place alone. An answer
 that is not allowed is asked for once more; after that, and where the model fails, the embedded one answers and says so.
 """
 
-import hashlib
-import json
 import math
 import random
 import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import lru_cache
 from importlib.resources import files
@@ -30,6 +30,7 @@ from lpslam.language.model import Candidate, Choice, Judgement, LanguageModel, N
 from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.distrust import choose_trusted, commands, is_sentence
 from lpslam.language.signs.reader import load_sign_reader
+from lpslam.language.tables.knowledge import load_knowledge
 
 Given = TypeVar("Given", Naming, Judgement, Choice)
 
@@ -38,6 +39,10 @@ _LABEL = re.compile(r"\bL\d{4}\b")
 _TEXT = {"type": "string"}
 _SURE = {"confidence": {"type": "number"}, "evidence": _TEXT}
 _EVIDENCE_LENGTH = 300
+_UNTRUSTED = "it was not asked: the sign reads like a command"
+_MOST_LISTED = 200  # ids that a schema lists; servers take few hundred, and the answer is checked in any case
+_REMEMBERED = 6  # questions and answers of a dialogue that are sent along
+_SEARCHED = 8  # kinds and names that a model may say would serve
 _FEW_WORDS, _FEW_UNSPACED = 3, 8  # letters of a script without spaces; a sign of a known place seldom says more
 
 
@@ -64,7 +69,57 @@ class ChatModel:
     def name(self, readings: Sequence[Reading]) -> Naming:
         """Ask for the most reasonable name; one that is far from every reading is refused (III-E)."""
         own = self._embedded.name(readings)
-        sent = [
+        sent = self._sent(readings)
+        if not sent:
+            return own
+        if any(commands(reading.text) for reading in readings):
+            return self._instead(own, _UNTRUSTED)
+        schema = _object({"name": _TEXT, **_SURE})
+        question = Question(
+            _task("naming"), {"readings": sent}, schema, lambda tree: self._name_of(tree, str(tree["name"]), readings)
+        )
+        (answer,) = self._exchange.ask([question])
+        return self._instead(own, str(answer)) if isinstance(answer, NoAnswerError) else answer
+
+    def name_all(self, groups: Sequence[Sequence[Reading]]) -> list[Naming]:
+        """Name many classes, some in one request; what was always read alike is not asked (III-E)."""
+        named = [self._embedded.name(readings) for readings in groups]
+        wanting = [at for at, readings in enumerate(groups) if self._is_unsure(readings)]
+        for at, readings in enumerate(groups):
+            if at not in wanting and any(commands(reading.text) for reading in readings):
+                named[at] = self._instead(named[at], _UNTRUSTED)
+        parts = _parts(wanting, self._config.signs_together)
+        answers = self._exchange.ask([self._naming_of(part, groups) for part in parts])
+        for part, answer in zip(parts, answers, strict=True):
+            for at in part:
+                name = None if isinstance(answer, NoAnswerError) else answer.get(at)
+                why = str(answer) if isinstance(answer, NoAnswerError) else "its name is close to none of the readings"
+                named[at] = name or self._instead(named[at], why)
+        return named
+
+    def _is_unsure(self, readings: Sequence[Reading]) -> bool:
+        """Whether a class was read in more ways than one, and may be shown."""
+        texts = {clean_text(reading.text).casefold() for reading in readings} - {""}
+        return len(texts) > 1 and not any(commands(reading.text) for reading in readings)
+
+    def _naming_of(self, part: Sequence[int], groups: Sequence[Sequence[Reading]]) -> Question[dict[int, Naming]]:
+        """One request for the names of several classes; a name that is far from its readings is left out."""
+
+        def read(tree: Mapping[str, Any]) -> dict[int, Naming]:
+            found: dict[int, Naming] = {}
+            for each in tree["names"]:
+                at = _numbered(each, part)
+                with suppress(ValueError):
+                    found[at] = self._name_of(each, str(each["name"]), groups[at])
+            return found
+
+        signs = [{"sign": number, "readings": self._sent(groups[at])} for number, at in enumerate(part, 1)]
+        one = _object({"sign": {"type": "integer"}, "name": _TEXT, "confidence": {"type": "number"}})
+        schema = _object({"names": {"type": "array", "items": one}})
+        return Question(_task("naming_many"), {"signs": signs}, schema, read)
+
+    def _sent(self, readings: Sequence[Reading]) -> list[dict[str, Any]]:
+        return [
             {
                 "text": text,
                 "count": reading.count,
@@ -73,70 +128,130 @@ class ChatModel:
             for reading in readings[: self._config.readings_sent]
             if (text := clean_text(reading.text))
         ]
-        if not sent:
-            return own
-        if any(commands(reading.text) for reading in readings):
-            return self._instead(own, "it was not asked: the sign reads like a command")
-        texts = [clean_text(reading.text) for reading in readings]
 
-        def read(tree: Mapping[str, Any]) -> Naming:
-            name = clean_text(str(tree["name"]))
-            nearness = max(Levenshtein.normalized_similarity(name.casefold(), text.casefold()) for text in texts)
-            if not name or nearness < self._config.name_similarity:
-                raise ValueError("the name is close to none of the readings")
-            return Naming(name, *_sureness(tree), self.model)
-
-        schema = _object({"name": _TEXT, **_SURE})
-        (answer,) = self._exchange.ask([Question(_task("naming"), {"readings": sent}, schema, read)])
-        return self._instead(own, str(answer)) if isinstance(answer, NoAnswerError) else answer
+    def _name_of(self, tree: Mapping[str, Any], said: str, readings: Sequence[Reading]) -> Naming:
+        name = clean_text(said)
+        texts = [clean_text(reading.text).casefold() for reading in readings]
+        nearness = max(Levenshtein.normalized_similarity(name.casefold(), text) for text in texts)
+        if not name or nearness < self._config.name_similarity:
+            raise ValueError("the name is close to none of the readings")
+        return Naming(name, *_sureness(tree), self.model)
 
     def judge(self, names: Sequence[str], question: str) -> list[Judgement]:
-        """Ask the question for each name in a request of its own, a few of them at the same time (III-G)."""
+        """Ask the question for each name: few in a request each, many in requests of several (III-G)."""
         asked = clean_text(question, self._config.question_length)
-        schema = _object({"answer": {"type": "boolean"}, **_SURE})
-
-        def read(tree: Mapping[str, Any]) -> Judgement:
-            return Judgement(question, _a_bool(tree["answer"]), *_sureness(tree), self.model)
-
         trusted = [name for name in dict.fromkeys(names) if clean_text(name) and commands(name) is None]
-        answers = dict(
-            zip(
-                trusted,
-                self._exchange.ask(
-                    [
-                        Question(_task("judging"), {"question": asked, "sign": clean_text(name)}, schema, read)
-                        for name in trusted
-                    ]
-                ),
-                strict=True,
-            )
-        )
-        untrusted = NoAnswerError("it was not asked: the sign reads like a command")
+        few = len(trusted) <= self._config.signs_together
+        answers = self._judged_alone(trusted, asked) if few else self._judged_together(trusted, asked)
+        untrusted = NoAnswerError(_UNTRUSTED)
         failed = {name: answer for name in names if isinstance(answer := answers.get(name, untrusted), NoAnswerError)}
         own = dict(zip(failed, self._embedded.judge(list(failed), question), strict=True))
         judged = {name: self._instead(own[name], str(failure)) for name, failure in failed.items()}
-        judged |= {name: answer for name, answer in answers.items() if isinstance(answer, Judgement)}
+        judged |= {
+            name: replace(each, question=question) for name, each in answers.items() if isinstance(each, Judgement)
+        }
         return [judged[name] for name in names]
+
+    def _judged_alone(self, names: Sequence[str], asked: str) -> dict[str, Judgement | NoAnswerError]:
+        """Each name in a request of its own, so that none can sway another."""
+        schema = _object({"answer": {"type": "boolean"}, **_SURE})
+
+        def read(tree: Mapping[str, Any]) -> Judgement:
+            return Judgement(asked, _a_bool(tree["answer"]), *_sureness(tree), self.model)
+
+        questions = [
+            Question(_task("judging"), {"question": asked, "sign": clean_text(name)}, schema, read) for name in names
+        ]
+        answers = self._exchange.ask(questions)
+        return dict(zip(names, answers, strict=True))
+
+    def _judged_together(self, names: Sequence[str], asked: str) -> dict[str, Judgement | NoAnswerError]:
+        """Several names in a request; where the embedded model says otherwise, once more among others in another order.
+
+        What two orders answer differently is asked alone: there no other sign is read.
+        """
+        first = self._judged_in_parts(names, asked)
+        own = dict(zip(names, self._embedded.judge(names, asked), strict=True))
+        doubtful = [
+            name
+            for name, answer in first.items()
+            if isinstance(answer, Judgement) and answer.answer != own[name].answer and own[name].confidence > 0.0
+        ]
+        random.Random(len(doubtful)).shuffle(doubtful)
+        again = self._judged_in_parts(doubtful, asked)
+        torn = [name for name in doubtful if _says(again[name]) != _says(first[name])]
+        return first | self._judged_alone(torn, asked)
+
+    def _judged_in_parts(self, names: Sequence[str], asked: str) -> dict[str, Judgement | NoAnswerError]:
+        one = _object({"sign": {"type": "integer"}, "answer": {"type": "boolean"}, "confidence": {"type": "number"}})
+        schema = _object({"judgements": {"type": "array", "items": one}})
+        parts = _parts(range(len(names)), self._config.signs_together)
+
+        def question(part: Sequence[int]) -> Question[dict[int, Judgement]]:
+            def read(tree: Mapping[str, Any]) -> dict[int, Judgement]:
+                return {
+                    _numbered(each, part): Judgement(asked, _a_bool(each["answer"]), *_sureness(each), self.model)
+                    for each in tree["judgements"]
+                }
+
+            signs = [{"sign": number, "text": clean_text(names[at])} for number, at in enumerate(part, 1)]
+            return Question(_task("judging_many"), {"question": asked, "signs": signs}, schema, read)
+
+        judged: dict[str, Judgement | NoAnswerError] = {}
+        answers = self._exchange.ask([question(part) for part in parts])
+        for part, answer in zip(parts, answers, strict=True):
+            for at in part:
+                left_out = NoAnswerError("it left this sign out")
+                judged[names[at]] = answer if isinstance(answer, NoAnswerError) else answer.get(at, left_out)
+        return judged
 
     def choose(self, question: str, landmarks: Sequence[Candidate]) -> Choice:
         """Ask for the landmark that serves the wish, and look at the answer once more in another way (III-I)."""
+        return self.choose_after((), question, landmarks)
+
+    def choose_after(self, history: Sequence[tuple[str, str]], question: str, landmarks: Sequence[Candidate]) -> Choice:
+        """As `choose`, after what was asked and answered before, (question, answer), the oldest first."""
         asked = clean_text(question, self._config.question_length)
         if not landmarks:
             return Choice(None, 1.0, "the map has no landmark", self.model)
         if not asked:
             return Choice(None, 0.0, "the question is empty", self.model)
         own = choose_trusted(self._embedded, asked, landmarks)
-        nearest = shortlist(asked, landmarks, self._config.landmarks_sent, own)
-        shown = [mark for mark in nearest if _may_be_shown(mark.name)]
+        shown = [mark for mark in landmarks if _may_be_shown(mark.name)]
         if not shown:
             return self._instead(own, "it was not asked: no sign here names a place")
-        first = self._choose(asked, shown)
+        if len(shown) > self._config.landmarks_sent:
+            shown = self._found(asked, shown, own)
+        before = [
+            {"question": clean_text(said, self._config.question_length), "answer": clean_text(answer)}
+            for said, answer in history[-_REMEMBERED:]
+        ]
+        first = self._choose(asked, shown, before)
         if isinstance(first, NoAnswerError):
             return self._instead(own, str(first))
-        return self._look_again(asked, first, own, {mark.id: mark for mark in landmarks})
+        return first if before else self._look_again(asked, first, own, {mark.id: mark for mark in landmarks})
 
-    def _choose(self, asked: str, shown: Sequence[Candidate]) -> Choice | NoAnswerError:
-        labels = _Labels(asked, shown)
+    def _found(self, asked: str, landmarks: Sequence[Candidate], own: Choice) -> list[Candidate]:
+        """Of more landmarks than may be sent, those that fit the question and what the model says would serve it."""
+
+        def read(tree: Mapping[str, Any]) -> list[str]:
+            return [clean_text(str(text), self._config.name_length) for text in tree["serves"]][:_SEARCHED]
+
+        schema = _object({"serves": {"type": "array", "items": _TEXT}})
+        (said,) = self._exchange.ask([Question(_task("searching"), {"question": asked}, schema, read)])
+        each = self._config.landmarks_found
+        found = shortlist(asked, landmarks, each, own)
+        for text in () if isinstance(said, NoAnswerError) else filter(None, said):
+            found += shortlist(
+                text, landmarks, max(1, each // _SEARCHED), choose_trusted(self._embedded, text, landmarks)
+            )
+        ids = {mark.id for mark in found}
+        return [mark for mark in landmarks if mark.id in ids][: self._config.landmarks_sent]
+
+    def _choose(
+        self, asked: str, shown: Sequence[Candidate], before: Sequence[Mapping[str, str]] = ()
+    ) -> Choice | NoAnswerError:
+        labels = _Labels(shown)
 
         def read(tree: Mapping[str, Any]) -> Choice:
             chosen = labels.landmark(tree["landmark"])
@@ -145,10 +260,14 @@ class ChatModel:
             confidence, evidence = _sureness(tree)
             return Choice(chosen, confidence, labels.told(evidence), self.model, alternatives)
 
-        ids = {"type": "string", "enum": [*labels.all, _NONE]}
-        schema = _object({"landmark": ids, "alternatives": {"type": "array", "items": ids}, **_SURE})
-        places = [{"id": label, **self._place(mark)} for label, mark in labels.shown]
-        given = {"question": asked, "landmarks": places}
+        few = len(labels.all) <= _MOST_LISTED
+        ids = {"type": "string", "enum": [*labels.all, _NONE]} if few else _TEXT
+        # Evidence first: a model that has to say why before it says which thinks before it answers.
+        schema = _object({"evidence": _TEXT, "landmark": ids, "alternatives": {"type": "array", "items": ids}} | _SURE)
+        # What stays the same from question to question stands first, so that a server keeps what it has read of it.
+        given: dict[str, Any] = {"landmarks": [{"id": label, **self._place(mark)} for label, mark in labels.shown]}
+        given |= {"before": list(before)} if before else {}
+        given["question"] = asked
         return self._exchange.ask([Question(_task("choosing"), given, schema, read)])[0]
 
     def _look_again(self, asked: str, first: Choice, own: Choice, by_id: Mapping[int, Candidate]) -> Choice:
@@ -200,17 +319,15 @@ class ChatModel:
 
 
 class _Labels:
-    """Names for landmarks that no sign can know: which label stands for which landmark hangs on the whole question.
+    """Names for landmarks that no sign can know, in the order of the map.
 
-    The labels themselves are always the same ones, so that a server need not learn a new schema for every question.
+    The labels and the order are the same for every question about a map: a server need neither learn a new schema nor
+    read the names again.
     """
 
-    def __init__(self, asked: str, shown: Sequence[Candidate]) -> None:
-        seed = hashlib.sha256(json.dumps([asked, [mark.name for mark in shown]]).encode()).digest()
-        order = list(shown)
-        random.Random(seed).shuffle(order)
+    def __init__(self, shown: Sequence[Candidate]) -> None:
         self.all = [f"L{1000 + number * 7919 % 9000}" for number in range(len(shown))]
-        self.shown = list(zip(self.all, order, strict=True))
+        self.shown = list(zip(self.all, shown, strict=True))
         self._by_label = dict(self.shown)
 
     def landmark(self, label: Any) -> int | None:
@@ -233,8 +350,14 @@ class _Labels:
 
 
 def _may_be_shown(name: str) -> bool:
-    """Whether a sign may stand among others in a prompt: it names a place, and neither commands nor warns."""
-    return bool(clean_text(name)) and commands(name) is None and not is_sentence(name) and not _warns(name)
+    """Whether a sign may stand among others in a prompt: it names a place, and neither commands nor warns.
+
+    What a door says of who may enter (STAFF ONLY) warns, and is a place all the same.
+    """
+    if not clean_text(name) or commands(name) is not None or is_sentence(name):
+        return False
+    knowledge = load_knowledge()
+    return not _warns(name) or knowledge.folder.key(clean_text(name)) in knowledge.doors
 
 
 def _is_plainly_a_place(name: str) -> bool:
@@ -271,6 +394,28 @@ def _a_bool(value: Any) -> bool:
     if not isinstance(value, bool):
         raise ValueError("an answer is neither true nor false")
     return value
+
+
+def _parts(numbers: Sequence[int], most: int) -> list[Sequence[int]]:
+    """The numbers in as few parts of like size as hold at most so many."""
+    count = -(-len(numbers) // most)
+    return [numbers[len(numbers) * at // count : len(numbers) * (at + 1) // count] for at in range(count)]
+
+
+def _numbered(tree: Mapping[str, Any], part: Sequence[int]) -> int:
+    """Which of the signs of a request an answer is about.
+
+    Raises:
+        ValueError: none of them.
+    """
+    number = tree["sign"]
+    if not isinstance(number, int) or not 1 <= number <= len(part):
+        raise ValueError(f"sign {clean_text(str(number), 20)} was not given")
+    return part[number - 1]
+
+
+def _says(answer: Judgement | NoAnswerError) -> bool | None:
+    return answer.answer if isinstance(answer, Judgement) else None
 
 
 def _sureness(tree: Mapping[str, Any]) -> tuple[float, str]:

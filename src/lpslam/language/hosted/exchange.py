@@ -7,7 +7,7 @@ import asyncio
 import json
 import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
@@ -45,6 +45,10 @@ _REMINDER = (
 
 class NoAnswerError(LpSlamError):
     """The model did not answer, or not with what was asked for."""
+
+
+class BusyError(NoAnswerError):
+    """The model did not answer now; later it may."""
 
 
 class _FormRefused(Exception):
@@ -134,11 +138,27 @@ class Exchange:
             async with connect(self.endpoint) as model:
                 # The first one finds out what the server takes, and whether it is there at all.
                 first = await one(0)
-                rest = await asyncio.gather(*(one(at) for at in range(1, len(questions))))
+                answers = [first, *await asyncio.gather(*(one(at) for at in range(1, len(questions))))]
+                await self._ask_again(answers, one)
         except UserError as error:
             self._mistake = error
             raise
-        return [first, *rest]
+        return answers
+
+    async def _ask_again(
+        self, answers: list[Answer | NoAnswerError], one: Callable[[int], Awaitable[Answer | NoAnswerError]]
+    ) -> None:
+        """Put again what was too much for a server that answers: who answers some is there, and needs a rest."""
+        idle = 0
+        busy = [at for at, answer in enumerate(answers) if isinstance(answer, BusyError)]
+        while busy and len(busy) < len(answers) and idle < self._config.rounds:
+            await asyncio.sleep(max(0.0, self._rests_until - time.monotonic()))
+            self._rests_until, self._was_silent = 0.0, False
+            for at, answer in zip(busy, await asyncio.gather(*map(one, busy)), strict=True):
+                answers[at] = answer
+            left = [at for at in busy if isinstance(answers[at], BusyError)]
+            idle = idle + 1 if len(left) == len(busy) else 0
+            busy = left
 
     async def _ask_one(self, model: "Model", question: Question[Answer], key: str) -> Answer | NoAnswerError:
         """Ask, and a second time where the answer is not allowed."""
@@ -186,7 +206,7 @@ class Exchange:
             if attempt:
                 await asyncio.sleep(max(pause, self._config.backoff_s * 2.0 ** (attempt - 1)))
             if time.monotonic() < self._rests_until:
-                raise NoAnswerError("it failed a moment ago and is left alone for a while")
+                raise BusyError("it failed a moment ago and is left alone for a while")
             limit = self.usage.begin_call(self._config.max_calls, self._config.max_tokens)
             if limit is not None:
                 raise NoAnswerError(limit)
@@ -217,7 +237,7 @@ class Exchange:
                 return text
         self._was_silent = True
         self._rests_until = time.monotonic() + self._config.rest_s
-        raise NoAnswerError(failure)
+        raise BusyError(failure)
 
     def _judge_status(self, status: int, body: str) -> str:
         """Return what a status says that may pass; raise for one that stays."""

@@ -86,6 +86,7 @@ class Knowledge:
     imperatives: frozenset[str]
     company_forms: frozenset[str]
     families: Mapping[str, tuple[str, ...]]
+    doors: frozenset[str]
     _tables: "SpokenTables"
     _above: dict[str, tuple[str, ...]] = field(default_factory=dict)
     _shares: dict[tuple[str, str], float] = field(default_factory=dict)
@@ -223,6 +224,7 @@ def load_knowledge() -> Knowledge:
         imperatives=frozenset(kinds["imperatives"]),
         company_forms=frozenset(kinds["company_forms"]),
         families={name: tuple(starts) for name, starts in kinds["families"].items()},
+        doors=frozenset(map(folder.key, kinds["doors"])),
         _tables=SpokenTables(folder, lexicons, gazetteer, kinds["cuisine_kinds"], frozenset(kinds["unspoken"])),
     )
 
