@@ -49,7 +49,7 @@ _FIELD = re.compile(
 )
 
 
-@lru_cache(maxsize=16384)
+@lru_cache(maxsize=1 << 17)
 def commands(text: str) -> str | None:
     """Return why a text reads as if it spoke to a machine, in a few words; None where it does not.
 
@@ -154,8 +154,11 @@ class _Lexicon:
         for verb, thing in product((verb for verb in verbs if len(verb) > 4), things):
             self._glued[(verb + thing).replace(" ", "")].add("order")
         self._glued_sizes = sorted({len(word) for word in self._glued})
+        # Signs share their words.
+        self._inside = lru_cache(maxsize=1 << 16)(self._groups_inside)
         self._most_words = max(word.count(" ") for word in self._whole) + 1
         self._most_letters = max(map(len, self._unspaced))
+        self._longest_stem = max(map(len, self._stems))
 
     def groups_in(self, words: Sequence[str]) -> set[str]:
         """Return the groups of which a text holds a word."""
@@ -165,20 +168,26 @@ class _Lexicon:
                 found |= self._whole.get(" ".join(words[at : at + size]), _NO_GROUP)
                 found |= self._starting(" ".join(words[at : at + size]))
         for word in words:
-            for at, size in product(range(len(word)), self._glued_sizes):
-                if at + size <= len(word):
-                    found |= self._glued.get(word[at : at + size], _NO_GROUP)
+            found |= self._inside(word)
         glued = "".join(words)
         if not glued.isascii():
             for at, size in product(range(len(glued)), range(1, self._most_letters + 1)):
                 found |= self._unspaced.get(glued[at : at + size], _NO_GROUP)
-        for slip in (slip for word in words if len(word) > 5 for slip in _without_one(word)):
-            found |= self._slips.get(slip, _NO_GROUP)
         return found
+
+    def _groups_inside(self, word: str) -> frozenset[str]:
+        """The groups of which a word holds another, or is one but for a slip."""
+        found: set[str] = set()
+        for at, size in product(range(len(word)), self._glued_sizes):
+            if at + size <= len(word):
+                found |= self._glued.get(word[at : at + size], _NO_GROUP)
+        for slip in _without_one(word) if len(word) > 5 else ():
+            found |= self._slips.get(slip, _NO_GROUP)
+        return frozenset(found)
 
     def _starting(self, phrase: str) -> set[str]:
         found: set[str] = set()
-        for end in range(3, len(phrase) + 1):
+        for end in range(3, min(len(phrase), self._longest_stem) + 1):
             found |= self._stems.get(phrase[:end], _NO_GROUP)
         return found
 

@@ -6,6 +6,7 @@ Ids and strings only: where landmarks stand is the map's own knowledge.
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Protocol
 
 from lpslam.language.choosing.choosing import ranked
@@ -19,7 +20,7 @@ from lpslam.language.signs.reader import SignReader
 from lpslam.language.signs.wording import WARNING
 from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.words import is_mark, is_unspaced, longest_phrases
-from lpslam.language.wishes.codes import board_codes, code_of
+from lpslam.language.wishes.codes import Code, board_codes, code_of
 from lpslam.language.wishes.form import Ask, Identity, Sort, Stop, Which, Wish, with_meaning
 from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.reading import content_of, wish_languages
@@ -100,16 +101,20 @@ class EmbeddedScorer:
         self._signs = signs
         self._knowledge = knowledge
         self._names = Names(landmarks, knowledge)
-        self._codes = {
-            mark.id: [code for text in dict.fromkeys((mark.name, *mark.lines)) for code in board_codes(text)]
-            for mark in landmarks
-        }
         families = [
             {self._knowledge.family(kind) for kind, weight in sign.kinds if weight >= 0.5}
             for sign in index.signs.values()
         ]
         self._families = Counter(family for found in families for family in found if family)
-        self._hostile = {mark.id for mark in landmarks if commands(mark.name) is not None}
+        self._by_id = {mark.id: mark for mark in landmarks}
+
+    @cached_property
+    def _codes(self) -> dict[int, list[Code]]:
+        """The codes of every board, read when the first one is asked for."""
+        return {
+            mark.id: [code for text in dict.fromkeys((mark.name, *mark.lines)) for code in board_codes(text)]
+            for mark in self._landmarks
+        }
 
     def serve(self, stop: Stop) -> Served:
         """Return the landmarks that serve a stop: by identity, by name, else by what they are."""
@@ -130,7 +135,7 @@ class EmbeddedScorer:
         if general:
             return Served(stop, self._trusted(_within(general, within)), "any of this sort", 0.9, ignored=ignored)
         choice, scores = ranked(stop.what, self._index, self._signs, self._knowledge, self.model)
-        scores = _within({id_: score for id_, score in scores.items() if id_ not in self._hostile}, within)
+        scores = _within(self._trusted(scores), within)
         scores = self._bearing_the_words(stop, meaning, self._of_the_family(meaning, scores))
         if not scores or self._is_another(stop, meaning, scores):
             literal = self._literal(stop, meaning)
@@ -228,11 +233,10 @@ class EmbeddedScorer:
         return is_name or any(weight > 0.5 for _, weight in meaning.wanted)
 
     def _bears_a_name(self, id_: int, languages: Sequence[str]) -> bool:
-        name = next(mark.name for mark in self._landmarks if mark.id == id_)
-        return bool(self._words(name, languages)[1]) or bool(self._codes[id_])
+        return bool(self._words(self._by_id[id_].name, languages)[1]) or bool(self._codes[id_])
 
     def _trusted(self, scores: Mapping[int, float]) -> dict[int, float]:
-        return {id_: score for id_, score in scores.items() if id_ not in self._hostile}
+        return {id_: score for id_, score in scores.items() if commands(self._by_id[id_].name) is None}
 
     def _any_place(self, stop: Stop) -> Served:
         warns = {id_ for id_, sign in self._index.signs.items() if any(kind == WARNING for kind, _ in sign.kinds)}
