@@ -103,6 +103,14 @@ class LanguageModel(Protocol):
         ...
 
 
+class Chooser(Protocol):
+    """Whatever chooses among landmarks."""
+
+    def choose(self, question: str, landmarks: Sequence[Candidate]) -> Choice:
+        """Choose the landmark that serves what the question wants, or none."""
+        ...
+
+
 @runtime_checkable
 class NamesTogether(Protocol):
     """A model that names many classes in few requests."""

@@ -16,6 +16,7 @@ def answer_wish(
     language: LanguageModel,
     here: Here,
     ways: Distances | None = None,
+    history: Sequence[tuple[str, str]] = (),
 ) -> Solution:
     """Read a question into a wish and answer it by the landmarks of a map.
 
@@ -27,13 +28,16 @@ def answer_wish(
         language: says which names serve; it sees ids and strings only.
         here: where the asker stands.
         ways: distances; straight without.
+        history: (question, answer) of the dialogue so far, for a model that converses.
     """
     candidates = [Candidate(mark.id, mark.name, tuple(mark.variants), mark.other_lines) for mark in landmarks]
     embedded = language if isinstance(language, OfflineModel) else embedded_model()
     wish = embedded.read_wish(question)
-    scorer: Scorer = (
-        embedded.scorer(candidates) if embedded is language else ModelScorer(language, candidates, question, wish)
-    )
+    scorer: Scorer
+    if embedded is language:
+        scorer = embedded.scorer(candidates)
+    else:
+        scorer = ModelScorer(language, candidates, question, wish, history)
     return solve(wish, [_place(mark) for mark in landmarks], scorer, here, ways)
 
 

@@ -12,7 +12,7 @@ from functools import lru_cache
 from importlib.resources import files
 from itertools import groupby, product
 
-from lpslam.language.model import Candidate, Choice, LanguageModel
+from lpslam.language.model import Candidate, Choice, Chooser
 from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.knowledge import load_knowledge
 from lpslam.language.tables.words import is_unspaced
@@ -86,7 +86,7 @@ def is_sentence(text: str, most_words: int = _MOST_WORDS, most_unspaced: int = _
     return len(words) > most_words or unspaced > most_unspaced
 
 
-def choose_trusted(model: LanguageModel, question: str, landmarks: Sequence[Candidate]) -> Choice:
+def choose_trusted(model: Chooser, question: str, landmarks: Sequence[Candidate]) -> Choice:
     """Let any model choose; again without them where it names signs that speak to a machine: they are no places."""
     names = {landmark.id: landmark.name for landmark in landmarks}
     while True:

@@ -12,7 +12,7 @@ from typing import Protocol
 from lpslam.language.choosing.choosing import ranked
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import likeness
-from lpslam.language.model import Candidate, LanguageModel
+from lpslam.language.model import Candidate, Choice, Chooser, Converses, LanguageModel
 from lpslam.language.questions.question import Wish as Meaning
 from lpslam.language.questions.question import asks_for_another, languages_of, read_question
 from lpslam.language.signs.distrust import choose_trusted, commands
@@ -30,7 +30,16 @@ _ANY_SORT = frozenset({"shop", "business", "place"})
 _FEW_OF_A_FAMILY = 3  # rooms of one sort of building that make the map one of it, at least
 _MUCH_OF_A_FAMILY = 0.25  # of all landmarks: fewer aisles of goods are shops of a mall
 _OF_THE_HOUSE = (
-    *("facility", "amenity/", "highway/", "emergency/", "indoor/", "entrance", "aeroway/", "railway/", "department/"),
+    *(
+        f"amenity/{each}"
+        for each in ("toilets", "drinking_water", "shower", "telephone", "bench", "waste", "recycling")
+    ),
+    *(f"amenity/{each}" for each in ("vending_machine", "atm", "parking", "bicycle_parking", "luggage_locker")),
+    *(
+        f"amenity/{each}"
+        for each in ("charging_station", "smoking_area", "water_point", "clock", "lounge", "taxi", "recycling")
+    ),
+    *("facility", "highway/", "emergency/", "indoor/", "entrance", "aeroway/", "railway/", "department/"),
     *("museum/", "aisle/", "warehouse/", "dock/", "office/", "faculty/", "ride/", "ferry/", "factory/"),
 )
 _FEWEST_TO_TELL_APART = 2
@@ -387,14 +396,33 @@ def _within(scores: Mapping[int, float], within: set[int] | None) -> dict[int, f
     return left or dict(scores)
 
 
+class _After:
+    """A model that converses, in the middle of a dialogue."""
+
+    def __init__(self, model: Converses, history: Sequence[tuple[str, str]]) -> None:
+        self._model, self._history = model, history
+
+    def choose(self, question: str, landmarks: Sequence[Candidate]) -> Choice:
+        """Choose after what was asked and answered before."""
+        return self._model.choose_after(self._history, question, landmarks)
+
+
 class ModelScorer:
     """Any other model: it names a landmark and the next best, for the words of a stop.
 
     A wish of one stop that says nothing of where it stands is put to the model as it was asked.
     """
 
-    def __init__(self, model: LanguageModel, landmarks: Sequence[Candidate], question: str, wish: Wish) -> None:
+    def __init__(
+        self,
+        model: LanguageModel,
+        landmarks: Sequence[Candidate],
+        question: str,
+        wish: Wish,
+        history: Sequence[tuple[str, str]] = (),
+    ) -> None:
         self._model = model
+        self._chooser: Chooser = _After(model, history) if history and isinstance(model, Converses) else model
         self._landmarks = landmarks
         is_plain = len(wish.stops) == 1 and wish.stops[0].relation is None and wish.stops[0].what
         self._whole = question if is_plain else None
@@ -412,7 +440,7 @@ class ModelScorer:
         """Ask the model for the landmark that serves a stop's words."""
         if not stop.what:
             return Served(stop, dict.fromkeys([mark.id for mark in self._landmarks], 1.0), "any place", 0.9)
-        choice = choose_trusted(self._model, self._whole or stop.what, self._landmarks)
+        choice = choose_trusted(self._chooser, self._whole or stop.what, self._landmarks)
         ids = {mark.id for mark in self._landmarks}
         if choice.landmark is None or choice.landmark not in ids:
             others = tuple(id_ for id_ in choice.alternatives if id_ in ids)
