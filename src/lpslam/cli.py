@@ -239,6 +239,7 @@ def ask(
     ] = None,
     llm: Llm = None,
     why: Annotated[bool, typer.Option("--why", help="Say first what was understood of the question.")] = False,
+    way: Annotated[bool, typer.Option("--way", help="Say also where to stand, and how to go there.")] = False,
     config: ConfigFile = None,
     as_json: Json = False,
 ) -> None:
@@ -246,6 +247,7 @@ def ask(
 
     At the prompt, or from a pipe with a question a line, "and another one?" means what was asked before.
     """
+    from lpslam.cli_ground import Guide
     from lpslam.errors import UserError
     from lpslam.language.registry import language_model
     from lpslam.mapfile.language_map import LanguageMap
@@ -255,7 +257,8 @@ def ask(
     position, heading = parsed_place(place) if place is not None else (None, None)
     settings = config_of(config)
     language = language_model(llm, settings.language)
-    dialogue = Dialogue(LanguageMap.load(map_file), language, position, heading)
+    world = LanguageMap.load(map_file)
+    dialogue, guide = Dialogue(world, language, position, heading), Guide(world, settings)
     longest = settings.language.question_length
     for text in questions() if question is None else (question,):
         if len(text) > longest:
@@ -268,9 +271,12 @@ def ask(
             say(str(error))
             continue
         if as_json:
-            print(json.dumps(answer_record(answer), ensure_ascii=False, indent=1 if question is not None else None))
+            record = {**answer_record(answer), **(guide.record(answer) if way else {})}
+            print(json.dumps(record, ensure_ascii=False, indent=1 if question is not None else None))
         else:
             print(dialogue.said(answer, understood=why), flush=True)
+            if way:
+                print(guide.said(answer), flush=True)
     say_usage(language)
 
 
@@ -295,13 +301,25 @@ def info(map_file: MapFile, as_json: Json = False) -> None:
 def export(
     map_file: MapFile,
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Where the files go.", show_default=False)],
+    nav2: Annotated[
+        bool, typer.Option("--nav2", help="Also the ground: map.pgm, keepout, waypoints, GeoJSON, a floor plan.")
+    ] = False,
+    route: Annotated[
+        str | None, typer.Option("--route", metavar="QUESTION", help="With --nav2: the way to its answer, route.yaml.")
+    ] = None,
+    config: ConfigFile = None,
     as_json: Json = False,
 ) -> None:
     """Write trajectory.txt and keyframes.txt (TUM format), landmarks.json and cloud.ply."""
+    from lpslam.cli_ground import Guide
     from lpslam.mapfile.export import export_map
     from lpslam.mapfile.language_map import LanguageMap
 
-    print_written(export_map(LanguageMap.load(map_file), folder), as_json)
+    world = LanguageMap.load(map_file)
+    written = export_map(world, folder)
+    if nav2 or route is not None:
+        written += Guide(world, config_of(config)).export(folder, route)
+    print_written(written, as_json)
 
 
 @app.command()

@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 from lpslam.errors import UserError
 from lpslam.evaluation.landmarks import score_landmarks
 from lpslam.evaluation.signs import TrueLine, TrueSign, read_signs
+from lpslam.text.types import Landmark, LandmarkLine
 
 
 @dataclass(frozen=True)
@@ -94,6 +95,20 @@ def test_a_landmark_belongs_to_the_middle_of_the_lines_that_it_says(name: str, h
     # A second line that nobody could read is not missed.
     faint = replace(BOARD, lines=(BOARD.lines[0], replace(BOARD.lines[1], readable_frames=3)))
     assert score_landmarks([mark(0, name, 2, 0, height)], [faint], np.eye(4)).whole_name_share is None
+
+
+def test_a_landmark_with_lines_of_its_own_belongs_to_the_middle_of_those() -> None:
+    """Its name is the primary line alone; all of the board is its place."""
+
+    def line(text: str) -> LandmarkLine:
+        return LandmarkLine(text, "primary", 0.9, np.zeros(3), 1.0, 0.2, 5)
+
+    at = np.array([2.0, 0.0, 1.95])
+    board = Landmark(0, "HUAWEI", {}, at, np.array([0.0, -1.0, 0.0]), 0.0, 1.0, 0.5, 5, 0.9)
+    (match,) = score_landmarks([replace(board, lines=(line("HUAWEI"), line("华为")))], [BOARD], np.eye(4)).matches
+    assert (match.distance, match.whole) == (pytest.approx(0, abs=1e-9), True)
+    (match,) = score_landmarks([replace(board, lines=(line("HUAWEI"), line("FOO")))], [BOARD], np.eye(4)).matches
+    assert (match.distance, match.whole) == (pytest.approx(0.15), False)
 
 
 def test_the_middle_of_lines_of_different_lengths_is_that_of_their_ink() -> None:

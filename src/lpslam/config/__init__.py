@@ -9,6 +9,7 @@ from typing import Any, Literal
 from pydantic import Field, PositiveFloat, ValidationError
 
 from lpslam.config.calibrating import CalibratingConfig
+from lpslam.config.ground import GroundConfig, WayConfig
 from lpslam.config.section import Section
 from lpslam.config.slam import (
     DepthDelayConfig,
@@ -48,6 +49,7 @@ __all__ = [
     "EvaluationConfig",
     "FeatureConfig",
     "FocalCheckConfig",
+    "GroundConfig",
     "InstanceConfig",
     "KeyframeConfig",
     "LanguageConfig",
@@ -70,6 +72,7 @@ __all__ = [
     "TextConfig",
     "TrackingConfig",
     "TurningConfig",
+    "WayConfig",
 ]
 
 
@@ -277,6 +280,10 @@ class Config(Section):
     slam: SlamConfig = SlamConfig()
 
     text: TextConfig = TextConfig()
+
+    ground: GroundConfig = GroundConfig()
+
+    ways: WayConfig = WayConfig()
 
     @classmethod
     def from_yaml(cls, path: Path) -> "Config":

@@ -86,6 +86,8 @@ class PlacementConfig(Section):
     # ... then among the map's points, of which so many must lie there.
     surroundings_of_points: float = Field(default=3.0, gt=0)
     min_points: int = Field(default=8, ge=3)
+    # Share of what is around a slanted text that must lie at depths between those of its ends: else it is two things.
+    between_share: float = Field(default=0.1, ge=0, le=1)
     # Metres, standard deviation: a sign need not lie in the surface around it.
     surroundings_uncertainty: float = Field(default=0.3, ge=0)
     # Triples tried by the plane fit.

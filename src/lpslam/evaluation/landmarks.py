@@ -147,8 +147,11 @@ def score_landmarks(
     likeness = np.array([[like for _, like in row] for row in said]).reshape(shape)
     distances = np.array(
         [
-            [sign.distance(name, position) for (name, _), sign in zip(row, signs, strict=True)]
-            for row, position in zip(said, positions, strict=True)
+            [
+                sign.distance(name, position, _lines_said(mark, sign, thresholds))
+                for (name, _), sign in zip(row, signs, strict=True)
+            ]
+            for mark, row, position in zip(landmarks, said, positions, strict=True)
         ]
     ).reshape(shape)
     possible = (likeness >= thresholds.name_similarity) & (distances <= thresholds.landmark_distance)
@@ -170,7 +173,7 @@ def score_landmarks(
             distance=float(distances[row, column]),
             exact=bool(likeness[row, column] == 1.0),
             angle=signs[column].angle(normals[row]),
-            whole=_is_whole(landmarks[row].name, signs[column], thresholds),
+            whole=_is_whole(landmarks[row], signs[column], thresholds),
         )
         for row, column in sign_of.items()
     )
@@ -211,12 +214,25 @@ def _name_said(name: str, sign: TrueSign) -> tuple[str, float]:
     return max(((text, similarity(key, comparison_key(text))) for text in sign.names), key=lambda each: each[1])
 
 
-def _is_whole(name: str, sign: TrueSign, thresholds: EvaluationConfig) -> bool | None:
-    """Whether a name has all lines of a sign; None where the sign has one line, or one that could not be read."""
+def _lines_said(landmark: NamedPlace, sign: TrueSign, thresholds: EvaluationConfig) -> set[str]:
+    """Which lines of a sign are said by the lines of a landmark that has several."""
+    keys = [comparison_key(line.text) for line in getattr(landmark, "lines", ())]
+    return {
+        line.text
+        for line in sign.lines
+        if len(keys) > 1
+        and any(similarity(key, comparison_key(line.text)) >= thresholds.name_similarity for key in keys if key)
+    }
+
+
+def _is_whole(landmark: NamedPlace, sign: TrueSign, thresholds: EvaluationConfig) -> bool | None:
+    """Whether a landmark says all lines of a sign; None where that has one line, or one that could not be read."""
     if len(sign.lines) < 2 or any((line.readable_frames or 0) < thresholds.readable_frames for line in sign.lines):
         return None
-    said, like = _name_said(name, sign)
-    return like >= thresholds.name_similarity and said not in {line.text for line in sign.lines}
+    painted = {line.text for line in sign.lines}
+    said, like = _name_said(landmark.name, sign)
+    in_one = like >= thresholds.name_similarity and said not in painted
+    return in_one or _lines_said(landmark, sign, thresholds) == painted
 
 
 def _are_twins(first: TrueSign, second: TrueSign, distance: float) -> bool:

@@ -1,7 +1,7 @@
 """The true signs of a recording, as its signs.json lists them."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -73,12 +73,16 @@ class TrueSign:
         """Every name that is right."""
         return (self.text, *self.aliases)
 
-    def middle_of(self, name: str) -> Array:
+    def middle_of(self, name: str, also: Collection[str] = ()) -> Array:
         """Where a landmark of one of its `names` should be, (3,) metres: the middle of the line or lines that it says.
 
         Of a double-sided sign, the middle as seen from its front.
+
+        Args:
+            name: one of its names.
+            also: texts of further lines that the landmark says.
         """
-        named = [line for line in self.lines if line.text == name]
+        named = [line for line in self.lines if line.text == name or line.text in also]
         if not named and name != self.text:
             named = list(self.lines)
         if not named:
@@ -93,9 +97,9 @@ class TrueSign:
         middle = ((places - halves).min(axis=0) + (places + halves).max(axis=0)) / 2.0
         return np.asarray(origin + middle @ axes, dtype=np.float64)
 
-    def distance(self, name: str, position: Array) -> float:
+    def distance(self, name: str, position: Array, also: Collection[str] = ()) -> float:
         """Metres between a position (3,) and where one of its `names` is; any depth within a double-sided sign is."""
-        middle = self.middle_of(name)
+        middle = self.middle_of(name, also)
         if self.double_sided and self.normal is not None:
             behind = float((middle - position) @ np.array(self.normal))
             middle = middle - np.clip(behind, 0.0, self.thickness) * np.array(self.normal)

@@ -51,11 +51,17 @@ def _write_landmarks(world: LanguageMap, path: Path) -> None:
     path.write_text(json.dumps(listed, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
 
 
+def _write_cloud(world: LanguageMap, path: Path) -> None:
+    """What keyframes saw, in its colours; the map's points where nothing was kept."""
+    points, colours = world.coloured_cloud()
+    write_ply(path, *((points, colours) if len(points) else (world.cloud(), None)))
+
+
 _FILES: dict[str, Callable[[LanguageMap, Path], None]] = {
     "trajectory.txt": lambda world, path: world.frame_poses().to_tum_file(path, [f"every tracked frame: {_FRAME}"]),
     "keyframes.txt": lambda world, path: world.keyframe_poses().to_tum_file(path, [f"keyframes: {_FRAME}"]),
     "landmarks.json": _write_landmarks,
-    "cloud.ply": lambda world, path: write_ply(path, world.cloud()),
+    "cloud.ply": lambda world, path: _write_cloud(world, path),
 }
 
 

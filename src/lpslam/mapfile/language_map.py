@@ -8,8 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.camera import PinholeCamera
+from lpslam.camera import PinholeCamera, transform_points
+from lpslam.config import GroundConfig
 from lpslam.errors import UserError
+from lpslam.ground.grid import Grid, build_grid
+from lpslam.ground.scans import Scans
 from lpslam.mapfile.container import read_map_file, write_map_file
 from lpslam.poses import StampedPoses
 from lpslam.slam.map import SlamMap
@@ -32,6 +35,7 @@ class LanguageMap:
         source: name of the recording.
         statistics: counts and times of the run that made it, by part.
         events: what happened to tracking and to the map in that run.
+        scans: what keyframes saw, kept small; None in maps of older programs.
     """
 
     camera: PinholeCamera
@@ -41,6 +45,7 @@ class LanguageMap:
     source: str = ""
     statistics: dict[str, dict[str, float]] = field(default_factory=dict)
     events: list[SlamEvent] = field(default_factory=list)
+    scans: Scans | None = None
 
     def landmarks(self) -> list[Landmark]:
         """Every text in long-term memory, at every place where it stands, whatever its judgement.
@@ -67,6 +72,31 @@ class LanguageMap:
         """(n, 3) positions of the map points, metres, map frame."""
         return self.slam.point_positions()
 
+    def grid(self, config: GroundConfig | None = None) -> Grid | None:
+        """Ground to walk on and what stands in the way; None where no floor was seen, or nothing was kept of it."""
+        if self.scans is None or not len(self.scans):
+            return None
+        _, poses = self.trajectory.world_from_camera(self.slam)
+        return build_grid(self.scans, self._pose_of_scan, config or GroundConfig(), poses[:, :3, 3])
+
+    def coloured_cloud(self) -> tuple[NDArray[np.float64], NDArray[np.uint8]]:
+        """(n, 3) points of all scans, metres, map frame, and their (n, 3) red, green, blue."""
+        points, colours = [np.empty((0, 3))], [np.empty((0, 3), np.uint8)]
+        for keyframe in [] if self.scans is None else self.scans.keyframes:
+            pose = self._pose_of_scan(keyframe)
+            if self.scans is None or pose is None:
+                continue
+            seen = self.scans.points(keyframe).reshape(-1, 3)
+            known = np.isfinite(seen).all(axis=1)
+            points.append(transform_points(pose, seen[known]))
+            colours.append(self.scans.colour(keyframe).reshape(-1, 3)[known])
+        return np.concatenate(points), np.concatenate(colours)
+
+    def _pose_of_scan(self, keyframe: int) -> NDArray[np.float64] | None:
+        """4×4 of a keyframe that the map still has."""
+        is_there = 0 <= keyframe < self.slam.keyframe_count and self.slam.is_alive(keyframe)
+        return self.world_from_keyframe(keyframe) if is_there else None
+
     def save(self, path: Path | str) -> None:
         """Write the map to one file, whole or not at all.
 
@@ -76,6 +106,9 @@ class LanguageMap:
         arrays: dict[str, NDArray[Any]] = {f"slam.{name}": array for name, array in self.slam.to_arrays().items()}
         arrays |= {f"trajectory.{name}": array for name, array in self.trajectory.to_arrays().items()}
         arrays |= {f"crops.{name}": array for name, array in self.text.crops.to_arrays().items()}
+        if self.scans is not None:
+            kept = [each for each in self.scans.keyframes if self.slam.is_alive(each)]
+            arrays |= {f"scans.{name}": array for name, array in self.scans.to_arrays(kept).items()}
         documents = {
             "camera": asdict(self.camera),
             "text": self.text.to_document(),
@@ -97,14 +130,17 @@ class LanguageMap:
             run = contents.documents["run"]
             text = TextMap.from_document(contents.documents["text"])
             text.crops = CropStore.from_arrays(_part(contents.arrays, "crops."), text.config.again)
+            lens = PinholeCamera(**camera)
+            scans = _part(contents.arrays, "scans.")
             return cls(
-                camera=PinholeCamera(**camera),
+                camera=lens,
                 slam=SlamMap.from_arrays(_part(contents.arrays, "slam.")),
                 trajectory=Trajectory.from_arrays(_part(contents.arrays, "trajectory.")),
                 text=text,
                 source=str(run["source"]),
                 statistics=dict(run["statistics"]),
                 events=[SlamEvent(**{**event, "kind": EventKind(event["kind"])}) for event in run["events"]],
+                scans=Scans.from_arrays(lens, scans, GroundConfig().width) if scans else None,
             )
         except (KeyError, TypeError, ValueError, IndexError) as error:
             raise UserError(f"{path} is damaged: {' '.join(str(error).split())}; map the recording again") from error

@@ -15,6 +15,7 @@ from lpslam.camera import PinholeCamera
 from lpslam.config import Config
 from lpslam.errors import UserError
 from lpslam.frames import RgbdFrame
+from lpslam.ground.scans import Scans
 from lpslam.language.model import LanguageModel
 from lpslam.language.offline import OfflineModel
 from lpslam.mapfile.compatibility import refuse_other_camera
@@ -92,6 +93,9 @@ class Session:
         self._language, self._live = language, live
         self._on_landmark, self._on_event = on_landmark, on_event
         self._text = base.text if base else TextMap(config.text)
+        self._scans = base.scans if base is not None else None
+        if self._scans is None and config.ground.enabled:
+            self._scans = Scans(camera, config.ground.width)
         self._words = TextAdvisor(config.text.advice, self._text.memory.classes)
         advisor = self._words if text and config.text.advice.enabled else NO_ADVICE
         self._slam = RgbdSlam(camera, config.slam, live=live, base=base.slam if base else None, advisor=advisor)
@@ -188,6 +192,8 @@ class Session:
             self._seconds_tracking += time.perf_counter() - before
             self.frames += 1
             self._latest, self._pose = frame.timestamp, tracked.world_from_camera
+            if tracked.is_keyframe and self._scans is not None:
+                self._scans.take(tracked.keyframe, frame.rgb, frame.depth)
         if self._reader is not None:
             self._reader.observe(frame, tracked)
             if not self._live:
@@ -356,6 +362,7 @@ class Session:
             source=self.name,
             statistics=self._statistics(),
             events=slam.events,
+            scans=self._scans,
         )
 
     def _statistics(self) -> dict[str, dict[str, float]]:
@@ -383,4 +390,5 @@ class Session:
             trajectory=Trajectory.from_arrays(world.trajectory.to_arrays()),
             text=TextMap.from_document(world.text.to_document()),
             events=list(world.events),
+            scans=None if world.scans is None else world.scans.copy(),
         )

@@ -16,6 +16,7 @@ from lpslam.frames import FrameFault, RgbdFrame
 from lpslam.simulation import sensor
 from lpslam.simulation.mall import Mall, build_mall
 from lpslam.simulation.render import render
+from lpslam.simulation.scene import Scene
 from lpslam.simulation.signs import Sign
 from lpslam.simulation.visibility import SignViews, views_of
 from lpslam.simulation.walk import FPS, Walk, stroll
@@ -86,6 +87,11 @@ class WalkSource:
         """The true poses, at the middle of each exposure."""
         timestamps = np.arange(len(self)) / FPS
         return GroundTruth(timestamps, np.array([self._walk.pose(self._instant(i)) for i in range(len(self))]))
+
+    @property
+    def scene(self) -> Scene:
+        """All faces of the world."""
+        return self._mall.scene
 
     @cached_property
     def signs(self) -> list[Sign]:

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from lpslam.ground.grid import FREE, OCCUPIED, Grid
 from lpslam.views.figure import BLUE, GREEN, GREY, PINK, label, new_figure, save_figure, text_style
 from lpslam.views.labels import place_labels
 
@@ -57,6 +58,7 @@ def draw_map(
     *,
     title: str = "",
     cloud_colours: NDArray[np.uint8] | None = None,
+    ground: Grid | None = None,
 ) -> None:
     """Draw the map from above, x to the right and y up, as the suffix of `out` says (.png, .pdf, .svg).
 
@@ -67,6 +69,7 @@ def draw_map(
         landmarks: the texts.
         title: over the picture.
         cloud_colours: (n, 3) red, green, blue; grey without.
+        ground: what is free and what is in the way, drawn below all else.
 
     Raises:
         UserError: the picture cannot be written.
@@ -79,6 +82,8 @@ def draw_map(
     low, high = _extent(cloud, trajectory, np.array([mark.position for mark in shown]).reshape(-1, 3))
     figure, axes = _canvas(low, high)
 
+    if ground is not None:
+        _draw_ground(axes, ground)
     axes.scatter(cloud[:, 0], cloud[:, 1], s=0.6, c=colours, linewidths=0, rasterized=True)
     axes.plot(trajectory[:, 0], trajectory[:, 1], color=GREEN, linewidth=1.4, alpha=0.9)
     tracked = trajectory[np.isfinite(trajectory).all(axis=1)]
@@ -90,6 +95,19 @@ def draw_map(
         axes.set_title(label(title), **text_style(13))
     _draw_landmarks(figure, axes, shown, tracked)
     save_figure(figure, out)
+
+
+def _draw_ground(axes: Axes, ground: Grid) -> None:
+    """Free ground in a light tint, what is in the way in a dark one; what nobody has seen stays white."""
+    shades = np.zeros((*ground.shape, 4))
+    shades[ground.values == FREE] = (0.90, 0.94, 0.91, 1.0)
+    shades[ground.values == OCCUPIED] = (0.25, 0.28, 0.33, 1.0)
+    (left, bottom), (rows, columns) = ground.origin, ground.shape
+    extent = (left, left + columns * ground.resolution, bottom, bottom + rows * ground.resolution)
+    limits = axes.get_xlim(), axes.get_ylim()
+    axes.imshow(shades, origin="lower", extent=extent, interpolation="nearest", zorder=0)
+    axes.set_xlim(limits[0])
+    axes.set_ylim(limits[1])
 
 
 def _thinned(cloud: Array, colours: NDArray[np.uint8] | None) -> tuple[Array, Array | str]:

@@ -184,10 +184,9 @@ def test_a_turn_that_is_told_for_long_stays_a_rotation() -> None:
         pictures.append(Picture(frame, gray, nothing, nothing, False))
     first = pictures[0]
     last = LastFrame(0.0, first.gray, first.frame.depth, nothing, nothing, nothing, 0, np.eye(4))
-    for index, picture in enumerate(pictures[1:], 1):
+    for picture in pictures[1:]:
         pose = carrying_on.follow(last, picture)
         assert carrying_on.told is Told.TURN
         assert pose[:3, :3] @ pose[:3, :3].T == pytest.approx(np.eye(3), abs=1e-9)
         assert np.linalg.norm(pose[:3, 3]) < 1e-3
-    assert index == 89
     assert pose[0, 2] == pytest.approx(np.sin(0.3 * np.sin(89 / 20.0)), abs=0.02)

@@ -214,12 +214,43 @@ def test_a_vertical_line_before_a_nearer_wall_is_not_hidden_and_one_cut_off_belo
     assert place_text(box, depth, CAMERA, np.eye(4), CONFIG) is PlacementFault.HIDDEN
 
 
-@pytest.mark.parametrize("side", ["left", "above"])
-def test_a_sign_beyond_the_sensors_reach_does_not_hang_on_what_is_beside_it(side: str) -> None:
+@pytest.mark.parametrize(("side", "fault"), [("left", PlacementFault.HIDDEN), ("above", PlacementFault.NO_DEPTH)])
+def test_a_sign_beyond_the_sensors_reach_does_not_hang_on_what_is_beside_it(side: str, fault: PlacementFault) -> None:
+    """What begins where the text does may hide its first letters."""
     _, box, _ = sign(np.array([0.0, 0.0, 7.0]), 0.0, width=1.2, height=0.3)
     depth = np.zeros((480, 640), np.float32)
     if side == "left":
         depth[:, : int(box[:, 0].min())] = 3.0
     else:
         depth[: int(box[:, 1].min())] = 3.0
-    assert place_text(box, depth, CAMERA, np.eye(4), CONFIG) is PlacementFault.NO_DEPTH
+    assert place_text(box, depth, CAMERA, np.eye(4), CONFIG) is fault
+
+
+def test_a_black_sign_with_a_shadow_at_one_end_is_not_hidden() -> None:
+    """The wall at the other end is no nearer than that above and below."""
+    centre = np.array([0.0, 0.0, 3.0])
+    _, box, normal = sign(centre, 0.0, width=0.8, height=0.2)
+    depth = wall_depth(centre, normal, 0.0022)
+    left, top = np.floor(box.min(axis=0)).astype(int)
+    right, bottom = np.ceil(box.max(axis=0)).astype(int)
+    depth[top : bottom + 1, left - 12 : right + 1] = 0.0
+    assert placed(box, depth).position == pytest.approx(centre, abs=0.03)
+
+
+def test_a_sign_without_depth_does_not_hang_between_a_pillar_and_the_wall_behind_it() -> None:
+    _, box, _ = sign(np.array([0.0, 0.0, 7.0]), 0.0, width=1.6, height=0.4)
+    none, random = np.zeros((480, 640), np.float32), np.random.default_rng(2)
+
+    def points(depth: float, left: float, right: float) -> np.ndarray:
+        """In view left and right of the middle by so many pixels, above and below the text."""
+        rows = np.concatenate([random.uniform(-40, -25, 12), random.uniform(25, 40, 12)])
+        pixels = np.column_stack([random.uniform(left, right, 24) + CAMERA.cx, rows + CAMERA.cy])
+        return np.asarray(CAMERA.back_project(pixels, np.full(24, depth)))
+
+    half = float(np.ptp(box[:, 0])) / 2.0
+    ends = np.vstack([points(3.0, -half - 15, -half), points(7.0, half, half + 15)])
+    assert place_text(box, none, CAMERA, np.eye(4), CONFIG, lambda: ends) is PlacementFault.NO_DEPTH
+    wall = np.vstack([points(7.0, -half - 15, 0.0), points(7.0, 0.0, half + 15)])
+    there = place_text(box, none, CAMERA, np.eye(4), CONFIG, lambda: wall)
+    assert isinstance(there, Placement)
+    assert there.position[2] == pytest.approx(7.0, abs=0.05)

@@ -60,6 +60,8 @@ def place_text(
     rays = camera.back_project(camera.undistort(pixels), np.ones(len(depths)))
     corner_rays = camera.back_project(camera.undistort(box), np.ones(4))
     if not is_own:
+        if _ends_at_something_near(box, depth, config):
+            return PlacementFault.HIDDEN
         pixels, depths, _ = _depths_inside(_grown(box, config.surroundings), depth, config)
         rays = camera.back_project(camera.undistort(pixels), np.ones(len(depths)))
         if len(depths) < config.min_samples or not _surround(corner_rays.mean(axis=0), rays):
@@ -72,8 +74,10 @@ def place_text(
     # A plane that leaves the box's corners without a believable depth is no surface to write on.
     believable = (corner_inverse_depths > 0.5 / config.max_depth) & (corner_inverse_depths < 2.0 / config.min_depth)
     is_plane = inliers.mean() >= config.min_inlier_share and believable.all()
-    if not is_own and not (is_plane and _surround(corner_rays.mean(axis=0), rays[inliers])):
-        return PlacementFault.NO_DEPTH
+    if not is_own:
+        supported = is_plane and _surround(corner_rays.mean(axis=0), rays[inliers])
+        if not supported or not _lies_between(corner_inverse_depths, 1.0 / depths[inliers], config):
+            return PlacementFault.NO_DEPTH
     if not is_plane:
         middle = np.median(depths)
         corners = corner_rays * middle
@@ -129,6 +133,43 @@ def _surround(middle: Array, rays: Array) -> bool:
 
 _WIDEST_GAP = 0.75 * np.pi
 """Radians around a box without evidence: one side of it may be cut off, two may not."""
+
+
+def _lies_between(corners: Array, support: Array, config: PlacementConfig) -> bool:
+    """Whether a text's surface, taken from what is around it, is one surface and not two that a plane goes through.
+
+    Both ends of a slanted plane may lie on things of their own, one near and one far: a pillar and the wall behind it.
+    On one surface some of the support lies at depths between those of the text's ends.
+
+    Args:
+        corners: (4,) inverse depths of the text's corners on the plane, 1/m.
+        support: (n,) inverse depths of what the plane was fitted to.
+        config: thresholds.
+    """
+    nearest, farthest = float(corners.max()), float(corners.min())
+    quarter = 0.25 * (nearest - farthest)
+    if 4.0 * quarter <= 2.0 * config.inverse_depth_band:
+        return True
+    between = np.count_nonzero((support > farthest + quarter) & (support < nearest - quarter))
+    return bool(between >= max(3.0, config.between_share * len(support)))
+
+
+def _ends_at_something_near(box: Array, depth: NDArray[np.float32], config: PlacementConfig) -> bool:
+    """Whether a text without depth begins or ends where something nearer stands, which then hides the rest of it.
+
+    At one end there is depth, and around the other half of the text there is none.
+    """
+    line = along_the_lines(box[None])[0]
+    middle, along = line.mean(axis=0), _unit(line[1] + line[2] - line[0] - line[3])
+    pixels, _, _ = _depths_inside(_grown(line, config.surroundings), depth, config)
+    sides = (pixels - middle) @ along
+    for strip, is_other_half in zip(_beyond_ends(line), (sides > 0.0, sides < 0.0), strict=True):
+        _, beyond, area = _depths_inside(strip, depth, config)
+        if len(beyond) < max(config.hiding_share * area, 1.0):
+            continue
+        if np.count_nonzero(is_other_half) < config.min_samples:
+            return True
+    return False
 
 
 def _points_inside(

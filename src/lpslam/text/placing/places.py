@@ -19,6 +19,8 @@ from lpslam.text.types import TextObservation
 
 Array = NDArray[np.float64]
 
+# Share by which the widths of one text differ from view to view: boxes are drawn loosely, by half a letter.
+_SAME_WIDTH = 0.2
 # Most log odds by which one name is ahead of another that are believed.
 _SUREST = 7.0
 
@@ -99,12 +101,13 @@ def places_of_class(
     for number, rows in groups:
         if len(rows) < enough or not _is_large_enough([observations[row] for row in rows], config):
             continue
-        position, kept = trimmed_position(positions[rows], config.rounds, config.drop_share)
         seen = [observations[row] for row in rows]
-        trusted = _on_the_side_seen_most(rows[kept], normals)
+        name, sure = _name_here(text_class, seen, len(groups) > 1, memory)
+        whole = rows[_show_all_of(name, seen)]
+        position, kept = trimmed_position(positions[whole], config.rounds, config.drop_share)
+        trusted = _on_the_side_seen_most(whole[kept], normals)
         normal = _mean_direction(normals[trusted])
         baseline = _mean_direction(baselines[trusted])
-        name, sure = _name_here(text_class, seen, len(groups) > 1, memory)
         places.append(
             Place(
                 id=text_class.id * 1000 + number,
@@ -113,7 +116,7 @@ def places_of_class(
                 position=position,
                 normal=normal,
                 baseline=_mean_direction((baseline - normal * (baseline @ normal))[None]),
-                spread=float(np.sqrt(np.mean(np.sum((positions[rows[kept]] - position) ** 2, axis=1)))),
+                spread=float(np.sqrt(np.mean(np.sum((positions[whole[kept]] - position) ** 2, axis=1)))),
                 width=float(np.median([observations[row].place.width for row in trusted])),
                 height=float(np.median([observations[row].place.height for row in trusted])),
                 positions_by_frame={observations[row].frame: positions[row] for row in rows},
@@ -128,6 +131,19 @@ def places_of_class(
             )
         )
     return places
+
+
+def _show_all_of(name: str, observations: Sequence[TextObservation]) -> NDArray[np.bool_]:
+    """Which observations (n,) show the whole name: those that read it, and others as wide as they are.
+
+    The middle of a part is not the middle of the whole.
+    """
+    key = paint_key(name)
+    reads = np.array([paint_key(each.text) == key for each in observations], np.bool_)
+    if not reads.any():
+        return np.ones(len(observations), np.bool_)
+    widths = np.array([each.place.width for each in observations])
+    return np.asarray(reads | (np.abs(widths / np.median(widths[reads]) - 1.0) <= _SAME_WIDTH), np.bool_)
 
 
 def _clear(observations: Sequence[TextObservation]) -> Array | None:

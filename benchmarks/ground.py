@@ -1,0 +1,175 @@
+"""The ground against the true floor plan of rendered malls: free floor, walls, goal poses, ways.
+
+    python benchmarks/ground.py --seeds 401-406
+
+Floor and walls are those cells that the map knows. A wall is free if no cell within ten centimetres is occupied; the
+rim of the floor, as wide, is not asked. Goal poses are asked for every sign that was readable and hangs where a person
+could stand before it; ways between pairs of them are compared with the shortest on the true plan for the same robot.
+"""
+
+import argparse
+from dataclasses import dataclass
+from itertools import pairwise
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.camera import transform_points
+from lpslam.config import Config, WayConfig
+from lpslam.ground.grid import FREE, OCCUPIED, Grid
+from lpslam.navigation.walking.goals import goal_before
+from lpslam.navigation.walking.ways import NoWayError, Walkable
+from lpslam.session.session import Session
+from lpslam.simulation.source import MallSource
+from lpslam.sources.prefetch import Prefetched
+
+Array = NDArray[np.float64]
+
+HEIGHTS = (0.05, 1.5)  # metres between which a face is in the way
+RIM = 0.1  # metres
+PAIRS = 30
+
+
+@dataclass(frozen=True)
+class Score:
+    """Of one mall: shares of floor that is free and of walls that are; goals; ways."""
+
+    floor: float
+    walls: float
+    goals: int
+    good: int
+    ways: int
+    long: int
+    through: int
+    ratio: float
+
+
+def true_plan(source: MallSource, low: Array, high: Array, cell: float) -> NDArray[np.bool_]:
+    """Which cells (rows, columns) between two corners a face of the mall stands in."""
+    scene = source.scene
+    columns, rows = np.ceil((high - low) / cell).astype(int)
+    plan = np.zeros((rows, columns), np.uint8)
+    corners = np.stack([
+        scene.origin, scene.origin + scene.edge_u, scene.origin + scene.edge_u + scene.edge_v,
+        scene.origin + scene.edge_v,
+    ], axis=1)  # fmt: skip
+    for face in corners[(np.abs(scene.normal[:, 2]) < 0.7)]:
+        if face[:, 2].min() < HEIGHTS[1] and face[:, 2].max() > HEIGHTS[0]:
+            at = np.floor((face[:, :2] - low) / cell).astype(np.int32)
+            cv2.polylines(plan, [at.reshape(-1, 1, 2)], True, 1)
+    return plan > 0
+
+
+def measure(seed: int, frames: int | None) -> Score:
+    """Map a mall without reading, and compare."""
+    source, config = MallSource(seed, frames), Config()
+    with Session(source.camera, config, text=False, name=source.name) as session:
+        for frame in Prefetched(source):
+            session.take(frame)
+        world = session.close()
+    poses, truth = world.frame_poses(), source.ground_truth
+    rows = np.searchsorted(truth.timestamps, poses.timestamps).clip(max=len(truth.timestamps) - 1)
+    first = len(rows) // 2
+    truth_from_map = truth.world_from_camera[rows[first]] @ np.linalg.inv(poses.world_from_camera[first])
+    grid = world.grid(config.ground)
+    if grid is None:
+        raise SystemExit(f"mall {seed}: no floor was seen")
+    return _score(source, grid, truth_from_map, config.ways, seed)
+
+
+def _score(source: MallSource, grid: Grid, truth_from_map: Array, ways: WayConfig, seed: int) -> Score:
+    cells = np.argwhere(grid.values >= 0)
+    flat = np.column_stack([grid.middles(cells), np.zeros(len(cells))])
+    places = transform_points(truth_from_map, flat)[:, :2]
+    low, cell = places.min(axis=0) - 1.0, grid.resolution
+    plan = true_plan(source, low, places.max(axis=0) + 1.0, cell)
+    away = cv2.distanceTransform((~plan).astype(np.uint8), cv2.DIST_L2, 5) * cell
+    at = np.floor((places - low) / cell).astype(int)[:, ::-1]
+    walked = np.floor((source.ground_truth.world_from_camera[:, :2, 3] - low) / cell).astype(int)[:, ::-1]
+    _, regions = cv2.connectedComponents((~plan).astype(np.uint8), connectivity=4)
+    inside = np.isin(regions, np.unique(regions[walked[:, 0], walked[:, 1]])) & ~plan
+    values = grid.values[cells[:, 0], cells[:, 1]]
+    is_floor = inside[at[:, 0], at[:, 1]] & (away[at[:, 0], at[:, 1]] > RIM)
+    near = cv2.dilate((grid.values == OCCUPIED).astype(np.uint8), np.ones((5, 5), np.uint8)) > 0
+    is_wall = plan[at[:, 0], at[:, 1]]
+    wrong = (values == FREE) & ~near[cells[:, 0], cells[:, 1]]
+    walkable = Walkable(grid, ways)
+    true_grid = Grid(np.where(plan, OCCUPIED, np.where(inside, FREE, -1)).astype(np.int8), (low[0], low[1]), cell)
+    goals, good, stands = _goals(source, walkable, true_grid, truth_from_map, ways)
+    return Score(
+        float((values[is_floor] == FREE).mean()), float(wrong[is_wall].mean()), goals, good,
+        *_ways(stands, walkable, Walkable(true_grid, ways), truth_from_map, seed),
+    )  # fmt: skip
+
+
+def _goals(
+    source: MallSource, walkable: Walkable, true_grid: Grid, truth_from_map: Array, ways: WayConfig
+) -> tuple[int, int, list[Array]]:
+    """How many signs a person could walk up to, before how many the goal is good, and where these stand in the map."""
+    true_walkable, map_from_truth = Walkable(true_grid, ways), np.linalg.inv(truth_from_map)
+    count, good, stands = 0, 0, []
+    for sign in source.signs:
+        if not sign.readable_frames:
+            continue
+        centre, normal = np.asarray(sign.centre, float), np.asarray(sign.normal, float)
+        if not goal_before(centre, normal, true_walkable).is_before:
+            continue
+        here = transform_points(map_from_truth, centre[None])[0]
+        if walkable.nearest(here, ways.goal_far) is None:
+            continue  # nobody has seen the ground there
+        count += 1
+        goal = goal_before(here, map_from_truth[:3, :3] @ normal, walkable)
+        stood = transform_points(truth_from_map, np.array([[*goal.position, 0.0]]))[0]
+        cell = true_grid.cell(stood)
+        clear = true_grid.has(cell) and true_walkable.clearance[cell] > ways.robot_radius - 0.07
+        ahead = (stood - centre)[:2] @ normal[:2]
+        if goal.is_before and clear and ahead > 0:
+            good += 1
+            stands.append(goal.position)
+    return count, good, stands
+
+
+def _ways(
+    stands: list[Array], walkable: Walkable, true_walkable: Walkable, truth_from_map: Array, seed: int
+) -> tuple[int, int, int, float]:
+    """Ways between pairs of stands: how many, more than a tenth too long, through a wall; the median ratio."""
+    random, ratios, through = np.random.default_rng(seed), [], 0
+    plan = true_walkable.grid.values == OCCUPIED
+    for _ in range(PAIRS):
+        if len(stands) < 2:
+            break
+        first, last = random.choice(len(stands), 2, replace=False)
+        try:
+            way = walkable.way(stands[first], stands[last])
+            ends = transform_points(truth_from_map, np.column_stack([way.points, np.zeros(len(way.points))]))
+            best = true_walkable.way(ends[0], ends[-1])
+        except NoWayError:
+            continue
+        if best.length > 1.0:
+            ratios.append(way.length / best.length)
+        dense = np.concatenate([np.linspace(a, b, 100) for a, b in pairwise(ends)])
+        through += any(plan[true_walkable.grid.cell(place)] for place in dense)
+    return len(ratios), int(np.sum(np.array(ratios) > 1.1)), through, float(np.median(ratios)) if ratios else 0.0
+
+
+def main() -> None:
+    """Print a table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--seeds", default="401-406", help="malls, as 401-406")
+    parser.add_argument("--frames", type=int, help="of the walk; all without")
+    options = parser.parse_args()
+    first, _, last = options.seeds.partition("-")
+    print("| Mall | Floor free | Walls free | Goals good | Ways | Over 1.1 | Through a wall | Length, median |")
+    print("| --- | --- | --- | --- | --- | --- | --- | --- |")
+    for seed in range(int(first), int(last or first) + 1):
+        score = measure(seed, options.frames)
+        print(
+            f"| {seed} | {score.floor:.1%} | {score.walls:.2%} | {score.good} of {score.goals} | {score.ways} "
+            f"| {score.long} | {score.through} | {score.ratio:.2f} |",
+            flush=True,
+        )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,110 @@
+"""What the command line says of the ground: where to stand before an answer, how to go, and robots' own files."""
+
+from pathlib import Path
+from typing import Any
+
+from lpslam.config import Config
+from lpslam.mapfile.language_map import LanguageMap
+from lpslam.navigation.asking import Answer
+from lpslam.navigation.walking.ways import NoWayError, Walkable
+
+
+class Guide:
+    """Tells the way to answers of one map; its ground is made when it is asked for first.
+
+    Args:
+        world: the map.
+        config: the robot, and how the ground is seen.
+    """
+
+    def __init__(self, world: LanguageMap, config: Config) -> None:
+        self._world, self._config = world, config
+        self._walkable: Walkable | None = None
+
+    def record(self, answer: Answer) -> dict[str, Any]:
+        """The way as JSON can hold it, or why there is none."""
+        from lpslam.navigation.walking.routes import route
+
+        try:
+            legs = route(answer, self._ground())
+        except NoWayError as error:
+            return {"route": None, "no_route": str(error)}
+        return {
+            "route": [
+                {
+                    "landmark": leg.landmark.id,
+                    "goal": {
+                        "x": round(float(leg.goal.position[0]), 3),
+                        "y": round(float(leg.goal.position[1]), 3),
+                        "yaw": round(leg.goal.yaw, 4),
+                        "is_before_the_sign": leg.goal.is_before,
+                    },
+                    "length_m": round(leg.way.length, 2),
+                    "seconds": round(leg.way.seconds, 1),
+                    "points": [[round(float(x), 3), round(float(y), 3)] for x, y in leg.way.points],
+                    "steps": steps,
+                }
+                for leg, steps in zip(legs, self._steps(answer, legs), strict=True)
+            ]
+        }
+
+    def said(self, answer: Answer) -> str:
+        """The way in words, in the question's language, or why there is none."""
+        from lpslam.language.phrasing import answer_language
+        from lpslam.navigation.walking.routes import route
+        from lpslam.navigation.walking.telling import length_told
+        from lpslam.views.drawable import printable
+
+        if answer.landmark is None:
+            return ""
+        try:
+            legs = route(answer, self._ground())
+        except NoWayError as error:
+            return f"  no way: {error}"
+        language, lines = answer_language(answer.question), []
+        for leg, steps in zip(legs, self._steps(answer, legs), strict=True):
+            x, y = leg.goal.position
+            beside = "" if leg.goal.is_before else f", {leg.goal.missing:.1f} m"
+            lines.append(f"  → ({x:.2f}, {y:.2f}, {leg.goal.yaw:.2f} rad{beside}); {length_told(leg.way, language)}")
+            lines += [f"    {number}. {printable(step)}" for number, step in enumerate(steps, 1)]
+        return "\n".join(lines)
+
+    def export(self, folder: Path, question: str | None = None) -> list[Path]:
+        """Write the ground in robots' own formats, with the way to the answer of a question if there is one.
+
+        Raises:
+            UserError: the map has no ground, or the folder cannot be written.
+        """
+        from lpslam.language.offline import embedded_model
+        from lpslam.navigation.asking import ask
+        from lpslam.navigation.walking.exporting import export_ground
+        from lpslam.navigation.walking.routes import route
+
+        ground, landmarks = self._ground(), self._world.landmarks()
+        legs = () if question is None else route(ask(self._world, question), ground)
+        judged = embedded_model().judge([mark.name for mark in landmarks], _WARNING)
+        warnings = [mark for mark, judgement in zip(landmarks, judged, strict=True) if judgement.answer]
+        return export_ground(folder, ground, landmarks, warnings, legs)
+
+    def _steps(self, answer: Answer, legs: Any) -> list[list[str]]:
+        from lpslam.language.phrasing import answer_language
+        from lpslam.navigation.walking.telling import Sign, told
+
+        signs = [Sign(mark.name, mark.position) for mark in self._world.landmarks()]
+        language, heading, steps = answer_language(answer.question), answer.heading, []
+        for leg in legs:
+            goal = Sign(leg.landmark.name, leg.landmark.position)
+            steps.append(told(leg.way, signs, goal, language, heading))
+            heading = leg.goal.yaw
+        return steps
+
+    def _ground(self) -> Walkable:
+        from lpslam.navigation.walking.routes import walkable_of
+
+        if self._walkable is None:
+            self._walkable = walkable_of(self._world, self._config)
+        return self._walkable
+
+
+_WARNING = "Is this a warning?"
+"""What is asked of every sign for the mask of places to keep out of."""

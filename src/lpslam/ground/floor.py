@@ -1,0 +1,98 @@
+"""How high the ground lies below each keyframe's camera, and how noisy heights are."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.config import GroundConfig
+
+Array = NDArray[np.float64]
+
+_BIN = 0.02  # metres: heights are counted in steps that noise near the camera does not fill
+_DAMPED = 3  # bins over which counts are averaged
+_PEAK = 0.3  # of the strongest level, the share from which a lower one is a floor: tables stand on something
+_SAME_HEIGHT = 0.15  # metres by which a carried camera rises and falls
+_USUAL = np.array([0.003, 0.003])  # metres and 1/metre: the shape of noise by distance, whose size is found
+
+
+def floor_levels(points: Array, up: Array, camera: Array, config: GroundConfig) -> Array:
+    """Heights (n,) of level surfaces below a camera that may be the floor, lowest first.
+
+    Args:
+        points: (h, w, 3) world.
+        up: (h, w) how far up surfaces look.
+        camera: (3,) world.
+        config: thresholds.
+    """
+    chosen = (up >= config.least_up) & (points[..., 2] < camera[2] - config.least_camera_height)
+    heights, away = points[chosen][:, 2], np.linalg.norm(points[chosen] - camera, axis=1)
+    near = away <= config.farthest
+    if np.count_nonzero(near) < config.min_floor_readings:
+        return np.empty(0)
+    heights, away = heights[near], away[near]
+    low = heights.min() - 2 * _BIN
+    bins = ((heights - low) / _BIN).astype(np.int64)
+    # A reading stands for as much surface as its pixel covers there.
+    counts = np.convolve(np.bincount(bins, away**2, bins.max() + 3), np.ones(_DAMPED) / _DAMPED, "same")
+    inner = counts[1:-1]
+    peaks = 1 + np.flatnonzero((inner >= counts[:-2]) & (inner > counts[2:]) & (inner >= _PEAK * counts.max()))
+    return np.asarray([np.median(heights[np.abs(bins - peak) <= 1]) for peak in peaks], np.float64)
+
+
+def floors_below(cameras: Array, levels: Sequence[Array], config: GroundConfig) -> Array | None:
+    """(n,) the height of the floor below each camera; None where too few saw one.
+
+    A camera is carried at much the same height: of several levels the one counts that lies as far below as the floor
+    usually does. Where none was seen, it lies as it did before.
+
+    Args:
+        cameras: (n, 3) world, in order of time.
+        levels: of each, heights (m,) that may be the floor.
+        config: thresholds.
+    """
+    usual = _usual_height([at[2] - heights for at, heights in zip(cameras, levels, strict=True)], config)
+    if usual is None:
+        return None
+    floors = np.full(len(cameras), np.nan)
+    for row, heights in enumerate(levels):
+        if len(heights):
+            off = np.abs(cameras[row, 2] - heights - usual)
+            if off.min() <= config.height_change:
+                floors[row] = heights[off.argmin()]
+    known = np.flatnonzero(np.isfinite(floors))
+    if not len(known):
+        return None
+    nearest = known[np.abs(known[None] - np.arange(len(cameras))[:, None]).argmin(axis=1)]
+    return np.asarray(floors[nearest], np.float64)
+
+
+def _usual_height(below: Sequence[Array], config: GroundConfig) -> float | None:
+    """Metres by which the floor lies below the camera: the deepest level that enough scans show; None without any.
+
+    Counters and tables are seen more often than the floor that they stand on.
+
+    Args:
+        below: of each scan, how far below the camera its levels lie.
+        config: thresholds.
+    """
+    depths = np.concatenate([*below, np.empty(0)])
+    needed = max(config.min_floor_share * len(below), 1.0)
+    for depth in np.sort(depths[depths <= config.most_camera_height])[::-1]:
+        near = [each[np.abs(each - depth) <= _SAME_HEIGHT] for each in below]
+        if sum(len(each) > 0 for each in near) >= needed:
+            return float(np.median(np.concatenate(near)))
+    return None
+
+
+def height_noise(above: Array, distances: Array) -> Array:
+    """(2,) metres and 1/metre: standard deviation of heights as a + b · distance², from readings of the floor.
+
+    Args:
+        above: (n,) metres by which readings of the floor lie above it.
+        distances: (n,) metres from the camera.
+    """
+    if not len(above):
+        return _USUAL
+    size = 1.4826 * float(np.median(np.abs(above) / (_USUAL[0] + _USUAL[1] * distances**2)))
+    return _USUAL * float(np.clip(size, 0.3, 6.0))

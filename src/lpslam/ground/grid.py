@@ -1,0 +1,187 @@
+"""The occupancy grid: what is ground, what stands in the way, and what nobody has seen."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.camera import transform_points
+from lpslam.config import GroundConfig
+from lpslam.ground import kernels
+from lpslam.ground.floor import floor_levels, floors_below, height_noise
+from lpslam.ground.scans import Scans
+
+Array = NDArray[np.float64]
+Pose = Callable[[int], Array | None]
+
+UNKNOWN, FREE, OCCUPIED = -1, 0, 100
+"""Values of cells, as in ROS's nav_msgs/OccupancyGrid."""
+
+_SURFACE_REACH = 2  # pixels of a scan to each side from which a surface is told
+_SURFACE_BEND = np.array([0.005, 0.005])  # metres, and share of the distance, by which a surface may be uneven there
+_ROUND_THE_CAMERA = 0.2  # metres: where a camera was carried, nothing stands
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Grid:
+    """Ground seen from above.
+
+    Attributes:
+        values: (rows, columns) int8, rows along y: 0 free, 100 occupied, -1 unknown.
+        origin: x and y of the corner of cell (0, 0), metres, map frame.
+        resolution: metres a cell.
+        heights: (rows, columns) metres, of the ground; NaN where none was seen.
+    """
+
+    values: NDArray[np.int8]
+    origin: tuple[float, float]
+    resolution: float
+    heights: NDArray[np.float32] = field(default_factory=lambda: np.empty((0, 0), np.float32))
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns."""
+        return self.values.shape[0], self.values.shape[1]
+
+    def cell(self, point: Array) -> tuple[int, int]:
+        """Row and column of a point (2 or 3,), metres; it may lie outside."""
+        x, y = (np.asarray(point[:2], np.float64) - self.origin) / self.resolution
+        return int(np.floor(y)), int(np.floor(x))
+
+    def has(self, cell: tuple[int, int]) -> bool:
+        """Whether a cell lies inside."""
+        rows, columns = self.shape
+        return 0 <= cell[0] < rows and 0 <= cell[1] < columns
+
+    def at(self, point: Array) -> int:
+        """The value at a point (2 or 3,), metres; unknown outside."""
+        cell = self.cell(point)
+        return int(self.values[cell]) if self.has(cell) else UNKNOWN
+
+    def middles(self, cells: NDArray[np.int64]) -> Array:
+        """(n, 2) metres, of cells (n, 2) row and column."""
+        return (np.asarray(cells, np.float64)[:, ::-1] + 0.5) * self.resolution + self.origin
+
+
+def build_grid(
+    scans: Scans, world_from_keyframe: Pose, config: GroundConfig, walked: Array | None = None
+) -> Grid | None:
+    """The ground as all keyframes saw it, by their present poses.
+
+    Args:
+        scans: what was seen.
+        world_from_keyframe: 4×4, z up; None for keyframes without a place in the map.
+        config: thresholds.
+        walked: (n, 3) where the camera was carried; where its keyframes were, without.
+
+    Returns:
+        The grid, or None where no floor was seen.
+    """
+    placed = [(each, pose) for each in scans.keyframes if (pose := world_from_keyframe(each)) is not None]
+    if not placed:
+        return None
+    cameras = np.array([pose[:3, 3] for _, pose in placed])
+    if not np.isfinite(cameras).all():
+        return None
+    seen = [_surfaces(scans, keyframe, pose) for keyframe, pose in placed]
+    levels = [floor_levels(points, up, at, config) for (points, up), at in zip(seen, cameras, strict=True)]
+    floors = floors_below(cameras, levels, config)
+    if floors is None:
+        return None
+    noise = _noise(seen, cameras, floors, config)
+    shown = [
+        kernels.classify(points, up, at, float(floor), noise, _limits(config, noise))
+        for (points, up), at, floor in zip(seen, cameras, floors, strict=True)
+    ]
+    extent = _extent(seen, shown, cameras, config)
+    if extent is None:
+        return None
+    walked = cameras if walked is None else walked[np.isfinite(walked).all(axis=1)]
+    return _integrated(seen, shown, cameras, floors, walked, extent, config)
+
+
+def _surfaces(scans: Scans, keyframe: int, pose: Array) -> tuple[Array, Array]:
+    """World points (h, w, 3) of a scan, and how far up surfaces look there (h, w)."""
+    points = scans.points(keyframe)
+    world = np.ascontiguousarray(transform_points(pose, points.reshape(-1, 3)).reshape(points.shape))
+    return world, kernels.upness(world, pose[:3, 3], _SURFACE_REACH, _SURFACE_BEND)
+
+
+def _noise(seen: list[tuple[Array, Array]], cameras: Array, floors: Array, config: GroundConfig) -> Array:
+    above, away = [], []
+    for (points, up), at, floor in zip(seen, cameras, floors, strict=True):
+        level = (up >= config.least_up) & (np.abs(points[..., 2] - floor) < config.floor_band)
+        above.append(points[level][:, 2] - np.median(points[level][:, 2]) if level.any() else np.empty(0))
+        away.append(np.linalg.norm(points[level] - at, axis=1))
+    return height_noise(np.concatenate(above), np.concatenate(away))
+
+
+def _limits(config: GroundConfig, noise: Array) -> Array:
+    """What `classify` is told; no farther is looked than where noise alone looks like something in the way."""
+    told = np.sqrt(max(config.floor_band / 3.0 - noise[0], 0.0) / noise[1])
+    return np.array([
+        config.obstacle_height, config.robot_height, config.drop, np.tan(np.radians(config.steepest)), config.least_up,
+        min(config.farthest, max(float(told), config.nearest)),
+    ])  # fmt: skip
+
+
+def _extent(
+    seen: list[tuple[Array, Array]], shown: list[NDArray[np.int8]], cameras: Array, config: GroundConfig
+) -> tuple[float, float, int, int] | None:
+    """Left, bottom, rows and columns of a grid that holds all; None if it would be larger than is believed."""
+    corners = [cameras[:, :2]]
+    for (points, _), what in zip(seen, shown, strict=True):
+        told = points[what != kernels.NOTHING][:, :2]
+        if len(told):
+            corners.append(np.array([told.min(axis=0), told.max(axis=0)]))
+    every = np.concatenate(corners)
+    low = np.floor(every.min(axis=0) / config.resolution) * config.resolution - config.resolution
+    columns, rows = (np.ceil((every.max(axis=0) - low) / config.resolution) + 2).astype(int).tolist()
+    return (float(low[0]), float(low[1]), rows, columns) if max(rows, columns) <= config.most_cells else None
+
+
+def _integrated(
+    seen: list[tuple[Array, Array]],
+    shown: list[NDArray[np.int8]],
+    cameras: Array,
+    below: Array,
+    walked: Array,
+    extent: tuple[float, float, int, int],
+    config: GroundConfig,
+) -> Grid:
+    left, bottom, rows, columns = extent
+    corner = np.array([left, bottom, config.resolution])
+    rates = np.array([
+        config.occupied_odds, -config.free_odds_down, -config.passed_odds_down, config.most_odds, config.least_readings
+    ])  # fmt: skip
+    evidence = np.full((rows, columns), np.nan, np.float32)
+    heights, tops = (np.full((rows, columns), np.nan, np.float32) for _ in range(2))
+    touched = np.zeros((5, rows, columns), np.int32)
+    for stamp, ((points, _), what, at, floor) in enumerate(zip(seen, shown, cameras, below, strict=True), 1):
+        ray = np.array([floor, config.low_ray])
+        kernels.integrate(points, what, at, ray, corner, stamp, rates, evidence, heights, tops, touched)
+    values = np.full((rows, columns), UNKNOWN, np.int8)
+    values[evidence < 0.0] = FREE
+    values[evidence > 0.0] = OCCUPIED
+    _clear_the_way(values, walked, corner)
+    return Grid(_filled(values), (left, bottom), config.resolution, heights)
+
+
+def _clear_the_way(values: NDArray[np.int8], walked: Array, corner: Array) -> None:
+    """Where the camera was carried is free unless something was seen there."""
+    trodden = np.zeros(values.shape, np.uint8)
+    for column, row in np.unique(np.floor((walked[:, :2] - corner[:2]) / corner[2]).astype(np.int32), axis=0):
+        cv2.circle(trodden, (int(column), int(row)), round(_ROUND_THE_CAMERA / corner[2]), 1, -1)
+    values[(trodden > 0) & (values == UNKNOWN)] = FREE
+
+
+def _filled(values: NDArray[np.int8]) -> NDArray[np.int8]:
+    """Unknown cells among free ones are free: far from the camera readings lie farther apart than cells."""
+    kernel = np.ones((3, 3), np.float32)
+    for _ in range(2):
+        free = cv2.filter2D((values == FREE).astype(np.float32), -1, kernel, borderType=cv2.BORDER_CONSTANT)
+        other = cv2.filter2D((values == OCCUPIED).astype(np.float32), -1, kernel, borderType=cv2.BORDER_CONSTANT)
+        values = np.where((values == UNKNOWN) & (free >= 5.0) & (other == 0.0), np.int8(FREE), values)
+    return values

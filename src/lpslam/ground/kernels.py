@@ -1,0 +1,229 @@
+"""Hot loops of the ground: what each reading shows, and what that says of the cells."""
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+NOTHING, FLOOR, OBSTACLE, DROP = 0, 1, 2, 3
+"""What a reading shows: nothing for a robot, ground to walk on, something in the way, ground that is too low."""
+
+
+_UNSEEN_CLIMB = 0.1
+"""Metres that ground may have risen where it was not seen: more is a step."""
+
+
+@njit(cache=True, nogil=True)
+def upness(
+    points: NDArray[np.float64], camera: NDArray[np.float64], reach: int, bend: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """(h, w) how far up (0 to 1) the surface at each of (h, w, 3) world points looks; NaN where it is not one surface.
+
+    Args:
+        points: NaN where there is none.
+        camera: (3,) from which they were seen.
+        reach: pixels to the neighbours from which a surface is told.
+        bend: (2,) metres, and share of the distance, by which a point of one surface may lie beside the line between
+            its neighbours: at an edge of depth it lies far from it, however slantwise a floor is seen.
+    """
+    height, width, _ = points.shape
+    up = np.full((height, width), np.nan)
+    for v in range(reach, height - reach):
+        for u in range(reach, width - reach):
+            x, y, z = points[v, u, 0], points[v, u, 1], points[v, u, 2]
+            ax, ay, az = points[v, u - reach, 0], points[v, u - reach, 1], points[v, u - reach, 2]
+            bx, by, bz = points[v - reach, u, 0], points[v - reach, u, 1], points[v - reach, u, 2]
+            # Along the row and down the column, and from their starts to the point itself.
+            cx, cy, cz = points[v, u + reach, 0] - ax, points[v, u + reach, 1] - ay, points[v, u + reach, 2] - az
+            dx, dy, dz = points[v + reach, u, 0] - bx, points[v + reach, u, 1] - by, points[v + reach, u, 2] - bz
+            nx, ny, nz = cy * dz - cz * dy, cz * dx - cx * dz, cx * dy - cy * dx
+            size = math.sqrt(nx * nx + ny * ny + nz * nz)
+            away = math.sqrt((x - camera[0]) ** 2 + (y - camera[1]) ** 2 + (z - camera[2]) ** 2)
+            most = bend[0] + bend[1] * away
+            beside = max(_beside(x - ax, y - ay, z - az, cx, cy, cz), _beside(x - bx, y - by, z - bz, dx, dy, dz))
+            if size > 1e-12 and beside < most:
+                up[v, u] = abs(nz) / size
+    return up
+
+
+@njit(cache=True, nogil=True)
+def _beside(x: float, y: float, z: float, along_x: float, along_y: float, along_z: float) -> float:
+    """Metres from a point to a line through the origin; not a number where one of them is not."""
+    a, b, c = y * along_z - z * along_y, z * along_x - x * along_z, x * along_y - y * along_x
+    length = math.sqrt(along_x * along_x + along_y * along_y + along_z * along_z)
+    return math.sqrt(a * a + b * b + c * c) / max(length, 1e-9)
+
+
+@njit(cache=True, nogil=True)
+def classify(
+    points: NDArray[np.float64],
+    up: NDArray[np.float64],
+    camera: NDArray[np.float64],
+    floor: float,
+    noise: NDArray[np.float64],
+    limits: NDArray[np.float64],
+) -> NDArray[np.int8]:
+    """(h, w) what each reading shows.
+
+    Each column of the image is walked outwards from below the camera: ground goes on where it rises no faster than a
+    robot climbs, so a ramp is ground and a kerb is not.
+
+    Args:
+        points: (h, w, 3) world, NaN where there is none.
+        up: (h, w) of `upness`.
+        camera: (3,) world.
+        floor: metres, height of the ground below the camera.
+        noise: (2,) metres and metres per metre squared: standard deviation of heights by distance.
+        limits: obstacle height, robot height, drop, slope, least upness, farthest distance.
+    """
+    obstacle, robot, drop, slope, least_up, farthest = limits
+    height, width, _ = points.shape
+    shown = np.zeros((height, width), np.int8)
+    for u in range(width):
+        ground, ground_at = floor, 0.0
+        for v in range(height - 1, -1, -1):
+            x, y, z = points[v, u]
+            if math.isnan(x):
+                continue
+            away = math.hypot(x - camera[0], y - camera[1])
+            distance = math.sqrt(away * away + (z - camera[2]) ** 2)
+            if distance > farthest:
+                continue
+            tolerance = max(obstacle, 3.0 * (noise[0] + noise[1] * distance * distance))
+            above = z - ground
+            climb = min(slope * max(away - ground_at, 0.0), _UNSEEN_CLIMB)
+            if up[v, u] >= least_up and abs(above) <= tolerance + climb:
+                shown[v, u] = FLOOR
+                ground += 0.3 * above
+                ground_at = max(away, ground_at)
+            elif tolerance < above < robot:
+                shown[v, u] = OBSTACLE
+            elif above < -(drop + tolerance + climb) and up[v, u] >= least_up:
+                shown[v, u] = DROP
+    return shown
+
+
+@njit(cache=True, nogil=True)
+def integrate(
+    points: NDArray[np.float64],
+    shown: NDArray[np.int8],
+    camera: NDArray[np.float64],
+    ray: NDArray[np.float64],
+    grid: NDArray[np.float64],
+    stamp: int,
+    rates: NDArray[np.float64],
+    evidence: NDArray[np.float32],
+    heights: NDArray[np.float32],
+    tops: NDArray[np.float32],
+    touched: NDArray[np.int32],
+) -> None:
+    """Add what one scan shows to log odds of being occupied, in place; each cell counts once a scan.
+
+    Ground goes on between readings of it that are neighbours in the image. A ray that comes down on a reading shows
+    that nothing stood before it as high as it passes: that takes back what walked away, and makes a cell free that it
+    passes low enough.
+
+    Args:
+        points, shown, camera: as in `classify`.
+        ray: metres, the height of the ground below the camera, and how far above it a ray is low.
+        grid: x and y of the corner, and metres a cell.
+        stamp: number of the scan, from 1.
+        rates: log odds of an obstacle, of ground, of a ray that passes; the most that is believed; least readings.
+        evidence: (rows, columns) log odds; NaN where nothing is known.
+        heights: (rows, columns) metres of the ground; NaN where none was seen.
+        tops: (rows, columns) metres, how high what is in the way was seen to be; NaN where nothing is.
+        touched: (5, rows, columns) scan that last saw something, how many readings of it, and the scans that last saw
+            ground, passed, and passed low.
+    """
+    height, width = shown.shape
+    for v in range(height):
+        for u in range(width):
+            what = shown[v, u]
+            if what == NOTHING:
+                continue
+            x, y, z = points[v, u, 0], points[v, u, 1], points[v, u, 2]
+            _mark(x, y, z, what, stamp, grid, heights, tops, touched)
+            if what == FLOOR:
+                for dv, du in ((1, 0), (0, 1)):
+                    if v + dv < height and u + du < width and shown[v + dv, u + du] == FLOOR:
+                        a, b, c = points[v + dv, u + du, 0], points[v + dv, u + du, 1], points[v + dv, u + du, 2]
+                        steps = int(max(abs(a - x), abs(b - y)) / grid[2]) + 1
+                        for step in range(1, min(steps, 20)):
+                            at = step / steps
+                            p, q, r = x + at * (a - x), y + at * (b - y), z + at * (c - z)
+                            _mark(p, q, r, FLOOR, stamp, grid, heights, tops, touched)
+            _pass(x, y, z, camera, ray, stamp, grid, tops, touched)
+    _judge(stamp, rates, evidence, touched)
+
+
+@njit(cache=True, nogil=True)
+def _mark(
+    x: float,
+    y: float,
+    z: float,
+    what: int,
+    stamp: int,
+    grid: NDArray[np.float64],
+    heights: NDArray[np.float32],
+    tops: NDArray[np.float32],
+    touched: NDArray[np.int32],
+) -> None:
+    """Note what was seen in the cell at x and y."""
+    i, j = int((y - grid[1]) / grid[2]), int((x - grid[0]) / grid[2])
+    if i < 0 or j < 0 or i >= touched.shape[1] or j >= touched.shape[2]:
+        return
+    if what == FLOOR:
+        touched[2, i, j] = stamp
+        heights[i, j] = z if math.isnan(heights[i, j]) else heights[i, j] + 0.2 * (z - heights[i, j])
+        return
+    if touched[0, i, j] != stamp:
+        touched[0, i, j], touched[1, i, j] = stamp, 0
+    touched[1, i, j] += 1
+    if math.isnan(tops[i, j]) or tops[i, j] < z:
+        tops[i, j] = z
+
+
+@njit(cache=True, nogil=True)
+def _pass(
+    x: float,
+    y: float,
+    z: float,
+    camera: NDArray[np.float64],
+    ray: NDArray[np.float64],
+    stamp: int,
+    grid: NDArray[np.float64],
+    tops: NDArray[np.float32],
+    touched: NDArray[np.int32],
+) -> None:
+    """Note the cells that a ray passes on its way from the camera, all but the last."""
+    steps = int(max(abs(x - camera[0]), abs(y - camera[1])) / grid[2])
+    for step in range(1, steps - 1):
+        share = step / steps
+        i = int((camera[1] + share * (y - camera[1]) - grid[1]) / grid[2])
+        j = int((camera[0] + share * (x - camera[0]) - grid[0]) / grid[2])
+        if 0 <= i < touched.shape[1] and 0 <= j < touched.shape[2]:
+            height = camera[2] + share * (z - camera[2])
+            if math.isnan(tops[i, j]) or height < tops[i, j]:
+                touched[3, i, j] = stamp
+                if height - ray[0] < ray[1]:
+                    touched[4, i, j] = stamp
+
+
+@njit(cache=True, nogil=True)
+def _judge(stamp: int, rates: NDArray[np.float64], evidence: NDArray[np.float32], touched: NDArray[np.int32]) -> None:
+    """Add to the log odds of every cell that a scan has touched."""
+    occupied, free, passed, most, least = rates
+    for i in range(evidence.shape[0]):
+        for j in range(evidence.shape[1]):
+            known = not math.isnan(evidence[i, j])
+            change = 0.0
+            if touched[0, i, j] == stamp and touched[1, i, j] >= least:
+                change = occupied
+            elif touched[2, i, j] == stamp:
+                change = free
+            elif touched[4, i, j] == stamp or (touched[3, i, j] == stamp and known):
+                change = passed
+            if change != 0.0:
+                before = evidence[i, j] if known else 0.0
+                evidence[i, j] = min(max(before + change, -most), most)

@@ -1,0 +1,126 @@
+"""What keyframes saw, kept small: depth and colour in a few thousand directions each.
+
+A scan hangs on its keyframe, so the ground moves with every correction of the map. It is taken once and read when a
+grid or a coloured cloud is asked for.
+"""
+
+import copy
+from collections.abc import Mapping
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.camera import PinholeCamera
+
+Array = NDArray[np.float64]
+
+_MILLIMETRES = 1000.0
+_FARTHEST = 65.0  # metres: what sixteen bits of millimetres hold
+
+
+class Scans:
+    """Small depth and colour images of keyframes, without lens distortion.
+
+    Args:
+        camera: of the frames.
+        width: pixels across a scan.
+
+    Attributes:
+        intrinsics: (fx, fy, cx, cy) of the small images.
+        size: width and height of them.
+    """
+
+    def __init__(self, camera: PinholeCamera, width: int) -> None:
+        width = min(width, camera.width)
+        self.size = (width, max(round(width * camera.height / camera.width), 2))
+        shrink = np.array([camera.width / self.size[0], camera.height / self.size[1]])
+        focal, centre = np.array([camera.fx, camera.fy]), np.array([camera.cx, camera.cy])
+        self.intrinsics: Array = np.concatenate([focal / shrink, (centre + 0.5) / shrink - 0.5])
+        rows, columns = np.mgrid[: self.size[1], : self.size[0]]
+        places = (np.column_stack([columns.ravel(), rows.ravel()]) + 0.5) * shrink - 0.5
+        raw = camera.distort(places)
+        # Nine readings a pixel, of which the median has few holes and a third of the noise.
+        across, down = np.meshgrid(*(np.array([-1, 0, 1]) * step / 3 for step in shrink))
+        around = np.column_stack([across.ravel(), down.ravel()])[:, None]
+        pixels = np.rint(raw + around).astype(np.int64).reshape(9, *self.size[::-1], 2)
+        self._is_seen = ((pixels >= 0) & (pixels < [camera.width, camera.height])).all(axis=3)
+        self._at = np.clip(pixels[..., 1], 0, camera.height - 1), np.clip(pixels[..., 0], 0, camera.width - 1)
+        self._depths: dict[int, NDArray[np.uint16]] = {}
+        self._colours: dict[int, NDArray[np.uint8]] = {}
+
+    def __len__(self) -> int:
+        return len(self._depths)
+
+    @property
+    def keyframes(self) -> list[int]:
+        """Ids of the keyframes that have a scan, in the order in which they were taken."""
+        return list(self._depths)
+
+    def copy(self) -> "Scans":
+        """The same scans, to which later ones are not added."""
+        other = copy.copy(self)
+        other._depths, other._colours = dict(self._depths), dict(self._colours)
+        return other
+
+    def take(self, keyframe: int, rgb: NDArray[np.uint8], depth: NDArray[np.float32]) -> None:
+        """Keep what a keyframe sees: colour (h, w, 3) and depth (h, w) in metres."""
+        readings = depth[self._at]
+        readings = np.where(self._is_seen & (readings > 0) & (readings < _FARTHEST), readings, 0.0)
+        readings.sort(axis=0)
+        valid = np.count_nonzero(readings, axis=0)
+        middle = np.take_along_axis(readings, (9 - (valid + 1) // 2)[None].clip(max=8), axis=0)[0]
+        self._depths[keyframe] = np.where(valid > 4, middle * _MILLIMETRES, 0.0).astype(np.uint16)
+        small = cv2.resize(rgb, self.size, interpolation=cv2.INTER_AREA)
+        self._colours[keyframe] = np.asarray(small, np.uint8)
+
+    def depth(self, keyframe: int) -> NDArray[np.float32]:
+        """(h, w) metres, 0 where there is none."""
+        return (self._depths[keyframe] / _MILLIMETRES).astype(np.float32)
+
+    def colour(self, keyframe: int) -> NDArray[np.uint8]:
+        """(h, w, 3) red, green, blue."""
+        return self._colours[keyframe]
+
+    def points(self, keyframe: int) -> Array:
+        """(h, w, 3) metres in the camera's frame; NaN where there is no depth."""
+        depth = self.depth(keyframe).astype(np.float64)
+        depth[depth == 0] = np.nan
+        fx, fy, cx, cy = self.intrinsics
+        rows, columns = np.mgrid[: self.size[1], : self.size[0]]
+        return np.stack([(columns - cx) / fx * depth, (rows - cy) / fy * depth, depth], axis=2)
+
+    def to_arrays(self, kept: list[int] | None = None) -> dict[str, NDArray[Any]]:
+        """As arrays, for a file: of some keyframes, or of all."""
+        ids = [each for each in self.keyframes if kept is None or each in set(kept)]
+        shape = self.size[::-1]
+        return {
+            "keyframe": np.array(ids, np.int32),
+            "depth": np.array([self._depths[each] for each in ids], np.uint16).reshape(-1, *shape),
+            "colour": np.array([self._colours[each] for each in ids], np.uint8).reshape(-1, *shape, 3),
+        }
+
+    @classmethod
+    def from_arrays(cls, camera: PinholeCamera, arrays: Mapping[str, NDArray[Any]], width: int) -> "Scans":
+        """From arrays of a file; none where the map has no scans, as those of older programs.
+
+        Raises:
+            ValueError: the arrays do not belong together.
+        """
+        if not arrays:
+            return cls(camera, width)
+        ids, depth, colour = (arrays[name] for name in ("keyframe", "depth", "colour"))
+        if depth.ndim != 3 or not 2 <= depth.shape[2] <= camera.width:
+            raise ValueError(f"scans of shape {depth.shape}")
+        scans = cls(camera, depth.shape[2])
+        expected = (len(ids), *scans.size[::-1])
+        if ids.ndim != 1 or ids.dtype != np.int32 or depth.shape != expected or depth.dtype != np.uint16:
+            raise ValueError(f"scans of {ids.dtype} {ids.shape} and {depth.dtype} {depth.shape}")
+        if colour.shape != (*expected, 3) or colour.dtype != np.uint8:
+            raise ValueError(f"colours of scans of {colour.dtype} {colour.shape}")
+        for keyframe, metres, shades in zip(ids.tolist(), depth, colour, strict=True):
+            scans._depths[keyframe], scans._colours[keyframe] = metres, shades
+        if len(scans) != len(ids):
+            raise ValueError("two scans of one keyframe")
+        return scans

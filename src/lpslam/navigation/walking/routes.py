@@ -1,0 +1,122 @@
+"""From an answer to where to stand and how to go: a pose before each stop, and the way there."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.config import Config
+from lpslam.mapfile.language_map import LanguageMap
+from lpslam.navigation.asking import Answer
+from lpslam.navigation.walking.goals import Goal, goal_before
+from lpslam.navigation.walking.ways import NoWayError, Walkable, Way
+from lpslam.text.types import Landmark
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Leg:
+    """The way to one stop.
+
+    Attributes:
+        landmark: to which it leads.
+        goal: where the robot stands at its end.
+        way: over the ground.
+    """
+
+    landmark: Landmark
+    goal: Goal
+    way: Way
+
+
+def walkable_of(world: LanguageMap, config: Config | None = None) -> Walkable:
+    """The ground of a map on which a robot has room.
+
+    Raises:
+        NoWayError: the map has none.
+    """
+    config = config or Config()
+    if world.scans is None or not len(world.scans):
+        raise NoWayError(
+            "the map keeps nothing of the ground: it was made by an older version; map the recording again"
+        )
+    grid = world.grid(config.ground)
+    if grid is None:
+        raise NoWayError(
+            "the map has no floor: none was seen; point the camera so that the floor is in view, and map again"
+        )
+    return Walkable(grid, config.ways)
+
+
+def route(answer: Answer, walkable: Walkable) -> list[Leg]:
+    """The legs of the way to the answer's stops, one after the other, from where the question was asked.
+
+    Raises:
+        NoWayError: there is no answer, or no way.
+    """
+    stops = [stop for stop in (answer.stops or (answer.landmark,)) if stop is not None]
+    if not stops:
+        raise NoWayError("nothing on the map serves, so there is no way to it")
+    return route_through(answer.here, stops, walkable)
+
+
+def route_through(here: Array, stops: Sequence[Landmark], walkable: Walkable) -> list[Leg]:
+    """The legs of the way through landmarks in their order.
+
+    Raises:
+        NoWayError: there is none to one of them.
+    """
+    legs, at = [], np.asarray(here[:2], np.float64)
+    for stop in stops:
+        goal = goal_before(stop.position, stop.normal, walkable, at)
+        legs.append(Leg(stop, goal, walkable.way(at, goal.position)))
+        at = goal.position
+    return legs
+
+
+def best_order(here: Array, stops: Sequence[Landmark], walkable: Walkable) -> list[Leg]:
+    """The legs in the order that is shortest: of all orders up to seven stops, else always the nearest next.
+
+    Raises:
+        NoWayError: there is none to one of them.
+    """
+    goals = [goal_before(stop.position, stop.normal, walkable, here).position for stop in stops]
+    places = [np.asarray(here[:2], np.float64), *goals]
+    count = len(places)
+    lengths = np.zeros((count, count))
+    for i in range(count):
+        for j in range(i + 1, count):
+            lengths[i, j] = lengths[j, i] = walkable.way(places[i], places[j]).length
+    order = _all_orders(lengths) if len(stops) <= _MOST_ORDERED else _nearest_next(lengths)
+    return route_through(here, [stops[each - 1] for each in order], walkable)
+
+
+def _all_orders(lengths: Array) -> list[int]:
+    """The shortest order by dynamic programming over sets (Held and Karp 1962)."""
+    count = len(lengths)
+    best = {(1 << end, end): (lengths[0, end], [end]) for end in range(1, count)}
+    for _ in range(count - 2):
+        longer: dict[tuple[int, int], tuple[float, list[int]]] = {}
+        for (seen, end), (length, order) in best.items():
+            for other in range(1, count):
+                if not seen >> other & 1:
+                    key, total = (seen | 1 << other, other), length + lengths[end, other]
+                    if key not in longer or total < longer[key][0]:
+                        longer[key] = (total, [*order, other])
+        best = longer
+    return min(best.values(), key=lambda each: each[0])[1] if best else []
+
+
+def _nearest_next(lengths: Array) -> list[int]:
+    order, left, at = [], set(range(1, len(lengths))), 0
+    while left:
+        at = min(left, key=lambda each: (lengths[at, each], each))
+        left.remove(at)
+        order.append(at)
+    return order
+
+
+_MOST_ORDERED = 7
+"""Stops of which all orders are compared."""

@@ -1,0 +1,141 @@
+"""Ways over grids: short, with room to the sides, and said plainly where there is none."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from lpslam.config import WayConfig
+from lpslam.ground.grid import FREE, OCCUPIED, UNKNOWN, Grid
+from lpslam.navigation.walking.goals import goal_before
+from lpslam.navigation.walking.ways import NoWayError, Walkable, WayDistances
+
+CONFIG = WayConfig()
+
+
+def hall(door: float = 1.2, side: int = 160) -> Grid:
+    """Eight metres square, with a wall across the middle whose door is at the far side."""
+    values = np.full((side, side), FREE, np.int8)
+    values[:1], values[-1:], values[:, :1], values[:, -1:] = (OCCUPIED,) * 4
+    values[: side - 1 - round(door / 0.05), side // 2 : side // 2 + 2] = OCCUPIED
+    return Grid(values, (0.0, 0.0), 0.05)
+
+
+def clearances(walkable: Walkable, points: np.ndarray) -> np.ndarray:
+    dense = np.concatenate([np.linspace(a, b, 50) for a, b in pairwise(points)])
+    return np.array([walkable.clearance[walkable.grid.cell(point)] for point in dense])
+
+
+def test_a_way_leads_through_the_door_with_room_on_both_sides() -> None:
+    walkable = Walkable(hall(), CONFIG)
+    start, end = np.array([1.0, 1.0]), np.array([7.0, 1.0])
+    way = walkable.way(start, end)
+    assert np.linalg.norm(way.points[0] - start) < 0.06
+    assert np.linalg.norm(way.points[-1] - end) < 0.06
+    assert clearances(walkable, way.points).min() > CONFIG.robot_radius - 0.05
+    # Around the end of the wall, a robot's radius off it.
+    corner = 8.0 - 1.2 - 0.05 + CONFIG.robot_radius
+    shortest = 2.0 * np.hypot(3.0, corner - 1.0)
+    assert shortest - 0.1 < way.length < 1.1 * shortest
+    assert way.seconds == pytest.approx(way.length / CONFIG.speed)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_ways_among_scattered_things_keep_clear_and_are_near_the_shortest(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    values = np.full((120, 140), FREE, np.int8)
+    for row, column in random.integers(10, 110, (14, 2)):
+        values[row : row + random.integers(2, 14), column : column + random.integers(2, 14)] = OCCUPIED
+    walkable = Walkable(Grid(values, (-3.0, 2.0), 0.05), CONFIG)
+    cells = np.argwhere(walkable.regions == np.bincount(walkable.regions.ravel())[1:].argmax() + 1)
+    first, last = cells[random.integers(len(cells), size=2)]
+    start, end = walkable.grid.middles(np.array([first, last]))
+    way = walkable.way(start, end)
+    assert way.length >= np.linalg.norm(end - start) - 1e-9
+    if len(way.points) > 1:
+        assert clearances(walkable, way.points).min() > CONFIG.robot_radius - 0.05
+    bold = Walkable(walkable.grid, WayConfig(comfort_cost=0.0)).way(start, end)
+    assert bold.length <= way.length + 0.1
+
+
+def test_a_large_grid_gives_the_same_way_in_two_rounds(monkeypatch: pytest.MonkeyPatch) -> None:
+    grid, (start, end) = hall(side=600), (np.array([1.0, 1.0]), np.array([28.0, 2.0]))
+    fine = Walkable(grid, CONFIG).way(start, end)
+    monkeypatch.setattr("lpslam.navigation.walking.ways._MOST_COARSE", 64)
+    coarse = Walkable(grid, CONFIG).way(start, end)
+    assert coarse.length == pytest.approx(fine.length, rel=0.03)
+
+
+def test_a_door_that_is_too_narrow_says_for_whom_it_is_not() -> None:
+    with pytest.raises(NoWayError, match=r"radius does not get through.*one of 0\.2"):
+        Walkable(hall(door=0.4), CONFIG).way(np.array([1.0, 1.0]), np.array([7.0, 1.0]))
+
+
+def test_islands_and_starts_where_nobody_can_stand_are_said() -> None:
+    values = hall().values.copy()
+    values[:, 80:82] = UNKNOWN
+    values[:, 82:90] = UNKNOWN
+    walkable = Walkable(Grid(values, (0.0, 0.0), 0.05), CONFIG)
+    with pytest.raises(NoWayError, match="islands"):
+        walkable.way(np.array([1.0, 1.0]), np.array([7.0, 1.0]))
+    with pytest.raises(NoWayError, match=r"no way begins at \(30\.00, 30\.00\).*nearest place with room is"):
+        walkable.way(np.array([30.0, 30.0]), np.array([1.0, 1.0]))
+    blocked = hall().values.copy()
+    blocked[20:60, 20:60] = OCCUPIED
+    with pytest.raises(NoWayError, match="something is in the way there"):
+        Walkable(Grid(blocked, (0.0, 0.0), 0.05), CONFIG).way(np.array([2.0, 2.0]), np.array([1.0, 7.0]))
+    with pytest.raises(NoWayError, match="no room to stand"):
+        Walkable(hall(), CONFIG).way(np.array([1.0, 1.0]), np.array([4.0, 1.0]))
+    with pytest.raises(NoWayError, match="robot_radius"):
+        Walkable(hall(), WayConfig(robot_radius=9.0)).way(np.array([1.0, 1.0]), np.array([7.0, 1.0]))
+
+
+def test_distances_follow_the_ground_and_are_straight_where_there_is_none() -> None:
+    distances = WayDistances(Walkable(hall(), CONFIG))
+    start, wall = np.array([1.0, 1.0, 1.2]), np.array([4.15, 1.0, 2.0])
+    assert distances.distance(start, np.array([7.0, 1.0, 0.0])) > 12.0
+    assert distances.distance(start, wall) < 20.0
+    assert distances.distance(start, np.array([1.0, -40.0, 1.2])) == pytest.approx(41.0)
+
+
+# Goal poses ----------------------------------------------------------------------------------------------------------
+
+
+def test_a_goal_stands_before_its_sign_and_faces_it() -> None:
+    walkable = Walkable(hall(), CONFIG)
+    goal = goal_before(np.array([0.05, 3.0, 2.2]), np.array([1.0, 0.0, 0.0]), walkable)
+    assert goal.is_before
+    assert goal.position == pytest.approx([1.05, 3.0], abs=0.15)
+    assert abs(abs(goal.yaw) - np.pi) < 0.2
+    other = goal_before(np.array([4.1, 3.0, 2.2]), np.array([1.0, 0.0, 0.0]), walkable, np.array([1.0, 1.0]))
+    assert other.is_before
+    assert other.position[0] > 4.1
+
+
+def test_a_sign_that_cannot_be_walked_up_to_gets_the_nearest_ground() -> None:
+    values = hall().values.copy()
+    values[:, 60:80] = OCCUPIED
+    values[:, 80:] = UNKNOWN
+    walkable = Walkable(Grid(values, (0.0, 0.0), 0.05), CONFIG)
+    goal = goal_before(np.array([6.0, 3.0, 2.2]), np.array([-1.0, 0.0, 0.0]), walkable)
+    assert not goal.is_before
+    assert goal.position[0] < 3.0
+    assert goal.missing == pytest.approx(6.0 - goal.position[0], abs=0.1)
+    assert abs(goal.yaw) < 0.2
+
+
+def test_a_goal_is_on_the_readers_side_and_nothing_stands_between() -> None:
+    values = hall().values.copy()
+    values[40:80, 24:28] = OCCUPIED  # a shelf before the sign on the wall at x = 0
+    walkable = Walkable(Grid(values, (0.0, 0.0), 0.05), CONFIG)
+    goal = goal_before(np.array([0.05, 3.0, 2.2]), np.array([1.0, 0.0, 0.0]), walkable)
+    assert goal.is_before
+    assert goal.position[0] < 1.2
+    hung = goal_before(np.array([2.0, 6.0, 2.2]), np.array([0.0, 0.0, -1.0]), walkable)
+    assert hung.is_before
+
+
+def test_no_ground_is_said() -> None:
+    empty = Walkable(Grid(np.full((10, 10), UNKNOWN, np.int8), (0.0, 0.0), 0.05), CONFIG)
+    with pytest.raises(NoWayError, match="no ground with room"):
+        goal_before(np.zeros(3), np.array([1.0, 0.0, 0.0]), empty)
