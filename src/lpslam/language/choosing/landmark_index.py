@@ -26,27 +26,8 @@ class LandmarkIndex:
         self.groups: dict[Kinds, list[int]] = {}
         self.signs: dict[int, SignMeaning] = {}
         self._ids_by_gram: dict[str, set[int]] = {}
-        by_phrase: dict[str, dict[int, None]] = {}
+        called = _Called(signs, knowledge)
         of_brand: dict[str, list[int]] = {}
-        initials: dict[str, str] = {}
-        plurals: dict[str, str] = {}
-        singular: set[str] = set()
-
-        def add(text: str, ids: Sequence[int], is_brand: bool) -> str | None:
-            phrase = signs.phrase(text)
-            is_short = _is_short_name(text, phrase, knowledge)
-            if not (spoken_key(phrase) or is_short) or (phrase in knowledge.painted and not is_brand):
-                return None
-            by_phrase.setdefault(phrase, {}).update(dict.fromkeys(ids))
-            if is_short:
-                initials[phrase] = text
-            folded = knowledge.folder.fold(text)
-            if folded == f"{phrase}s":
-                plurals[phrase] = folded
-            elif folded.replace("'s", "") == phrase:
-                singular.add(phrase)
-            return phrase
-
         for landmark in landmarks:
             sign = _sign_of(landmark, signs)
             self.signs[landmark.id] = sign
@@ -55,35 +36,31 @@ class LandmarkIndex:
                 continue
             if sign.identity:
                 of_brand.setdefault(sign.identity, []).append(landmark.id)
-            add(landmark.name, (landmark.id,), bool(sign.identity))
+            called.add_landmark(landmark, bool(sign.identity))
             for run in UNSPACED_RUN.findall(knowledge.folder.fold(landmark.name)):
                 for gram in _grams(run):
                     self._ids_by_gram.setdefault(gram, set()).add(landmark.id)
-            for part in _in_each_script(landmark.name):
-                add(part, (landmark.id,), is_brand=False)
-            for line in landmark.lines:
-                add(line, (landmark.id,), is_brand=False)
-            if "'" in landmark.name:
-                # Who types quickly leaves the apostrophe out.
-                add(landmark.name.replace("'", ""), (landmark.id,), bool(sign.identity))
         # “Family Mart” is the brand of ファミリーマート, however it is written.
         self.phrase_of: dict[str, str] = {}
         for identity, ids in of_brand.items():
             for name in signs.names_of(identity):
-                phrase = add(name, ids, is_brand=True)
+                phrase = called.add(name, ids, is_brand=True)
                 if phrase is not None:
                     self.phrase_of[identity] = phrase
         place = {landmark.id: at for at, landmark in enumerate(landmarks)}
-        self.ids_of = {phrase: tuple(sorted(ids, key=place.__getitem__)) for phrase, ids in by_phrase.items()}
-        self.names = {phrase: Meaning("name", ((phrase, 1.0),)) for phrase in by_phrase}
-        self.ids_by_word = _ids_by_word(by_phrase)
+        self.ids_of = {phrase: tuple(sorted(ids, key=place.__getitem__)) for phrase, ids in called.ids.items()}
+        self.names = {phrase: Meaning("name", ((phrase, 1.0),)) for phrase in called.ids}
+        self.ids_by_word = _ids_by_word(called.ids)
+        self._add_owners(knowledge)
+        # McDonald's is called McDonalds too, and by some Starbucks Starbuck.
+        self._plurals = {phrase: said for phrase, said in called.plurals.items() if phrase not in called.singular}
+        self._initials = called.initials
+
+    def _add_owners(self, knowledge: Knowledge) -> None:
         for id_, sign in self.signs.items():
             if sign.owner and not any(sign.owner in common for common in knowledge.common.values()):
                 self.ids_by_word.setdefault(sign.owner, set()).add(id_)
         self.owners = tuple({sign.owner for sign in self.signs.values() if " " in sign.owner})
-        # McDonald's is called McDonalds too, and by some Starbucks Starbuck.
-        self._plurals = {phrase: folded for phrase, folded in plurals.items() if phrase not in singular}
-        self._initials = initials
 
     def unsaid(self, question: str, folder: Folder) -> frozenset[str]:
         """Names that only seem to be said.
@@ -123,6 +100,43 @@ class LandmarkIndex:
     def is_of(self, landmarks: Sequence[Candidate]) -> bool:
         """Whether the index was made of just these landmarks."""
         return len(landmarks) == len(self.landmarks) and self.landmarks == list(landmarks)
+
+
+class _Called:
+    """What landmarks are called, by phrase: names, their parts, other lines, and brands' other names."""
+
+    def __init__(self, signs: SignReader, knowledge: Knowledge) -> None:
+        self._signs, self._knowledge = signs, knowledge
+        self.ids: dict[str, dict[int, None]] = {}
+        self.initials: dict[str, str] = {}
+        self.plurals: dict[str, str] = {}
+        self.singular: set[str] = set()
+
+    def add_landmark(self, landmark: Candidate, is_brand: bool) -> None:
+        """Add a landmark's name, its parts and its lines."""
+        own = (landmark.id,)
+        self.add(landmark.name, own, is_brand)
+        for part in (*_in_each_script(landmark.name), *landmark.lines):
+            self.add(part, own, is_brand=False)
+        if "'" in landmark.name:
+            # Who types quickly leaves the apostrophe out.
+            self.add(landmark.name.replace("'", ""), own, is_brand)
+
+    def add(self, text: str, ids: Sequence[int], is_brand: bool) -> str | None:
+        """Add what some landmarks are called; return its phrase, None where it may be any word."""
+        phrase, knowledge = self._signs.phrase(text), self._knowledge
+        is_short = _is_short_name(text, phrase, knowledge)
+        if not (spoken_key(phrase) or is_short) or (phrase in knowledge.painted and not is_brand):
+            return None
+        self.ids.setdefault(phrase, {}).update(dict.fromkeys(ids))
+        if is_short:
+            self.initials[phrase] = text
+        folded = knowledge.folder.fold(text)
+        if folded == f"{phrase}s":
+            self.plurals[phrase] = folded
+        elif folded.replace("'s", "") == phrase:
+            self.singular.add(phrase)
+        return phrase
 
 
 def _in_each_script(name: str) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ from typing import Protocol
 
 from lpslam.language.choosing.choosing import ranked
 from lpslam.language.choosing.landmark_index import LandmarkIndex
-from lpslam.language.choosing.serving import likeness
+from lpslam.language.choosing.serving import Kinds, likeness
 from lpslam.language.model import Candidate, Choice, Chooser, Converses, LanguageModel
 from lpslam.language.questions.question import Wish as Meaning
 from lpslam.language.questions.question import asks_for_another, languages_of, read_question
@@ -163,14 +163,24 @@ class EmbeddedScorer:
         is_told_by_place = stop.relation is not None or stop.ask in (Ask.LIST, Ask.HERE) or stop.which is not Which.ANY
         if not wanted or not wanted <= _ANY_SORT or not is_told_by_place or meaning.refused:
             return {}
-        return {mark.id: 1.0 for mark in self._landmarks if wanted == {"place"} or self._is_shop(mark.id)}
+        if wanted == {"place"}:
+            return {mark.id: 1.0 for mark in self._landmarks}
+        return {
+            id_: 1.0
+            for kinds, ids in self._index.groups.items()
+            if self._are_shops(kinds)
+            for id_ in ids
+            if kinds or self._index.signs[id_].name_like
+        }
 
-    def _is_shop(self, id_: int) -> bool:
-        """Whether a place may be called a shop where its place tells which: anything that is no part of the house."""
-        sign = self._index.signs[id_]
-        if likeness("business", sign.kinds, self._knowledge) >= 0.5:
+    def _are_shops(self, kinds: Kinds) -> bool:
+        """Whether places may be called shops where their place tells which: anything that is no part of the house.
+
+        Of names that say nothing, those that read like names may be.
+        """
+        if likeness("business", kinds, self._knowledge) >= 0.5:
             return True
-        return (sign.is_place or sign.name_like) and not any(kind.startswith(_OF_THE_HOUSE) for kind, _ in sign.kinds)
+        return not any(kind.startswith((*_OF_THE_HOUSE, "sign/")) for kind, _ in kinds)
 
     def _of_the_family(self, meaning: Meaning, scores: Mapping[int, float]) -> dict[int, float]:
         """Who asks for one department of a hospital wants no other; an aisle goes before the rest of a supermarket."""
