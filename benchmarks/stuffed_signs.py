@@ -11,13 +11,13 @@ import itertools
 import json
 
 import numpy as np
-from wishes import DEVELOPMENT, is_right, places_of
 
 from lpslam.language.model import Candidate
 from lpslam.language.offline import OfflineModel
 from lpslam.language.wishes.form import Which
 from lpslam.navigation.places import Here, Place
 from lpslam.navigation.solver import Solution, solve
+from wishes import DEVELOPMENT, is_right, places_of
 
 STUFFED = (
     "coffee pizza wc shoes bank",

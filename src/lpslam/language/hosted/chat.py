@@ -85,9 +85,11 @@ class ChatModel:
         """Name many classes, some in one request; what was always read alike is not asked (III-E)."""
         named = [self._embedded.name(readings) for readings in groups]
         wanting = [at for at, readings in enumerate(groups) if self._is_unsure(readings)]
-        for at, readings in enumerate(groups):
-            if at not in wanting and any(commands(reading.text) for reading in readings):
+        for at in sorted(set(range(len(groups))) - set(wanting)):
+            if any(commands(reading.text) for reading in groups[at]):
                 named[at] = self._instead(named[at], _UNTRUSTED)
+            else:
+                named[at] = replace(named[at], evidence="it was always read alike", model=self.model)
         parts = _parts(wanting, self._config.signs_together)
         answers = self._exchange.ask([self._naming_of(part, groups) for part in parts])
         for part, answer in zip(parts, answers, strict=True):
