@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo test check lint types install clean
+.PHONY: demo test check lint types install versions clean
 
 demo: $(VENV)/.demo-ready
 	$(BIN)/lpslam demo --output demo
@@ -20,6 +20,15 @@ types: $(VENV)/.dev-ready
 
 check: lint types test
 
+# The quick tests under every Python that is installed.
+versions:
+	@for version in 3.11 3.12 3.13; do \
+	  command -v python$$version > /dev/null || { echo "python$$version is not installed: skipped"; continue; }; \
+	  python$$version -m venv .venvs/$$version && \
+	  .venvs/$$version/bin/python -m pip install --quiet --editable '.[dev,llm]' && \
+	  .venvs/$$version/bin/python -m pytest -q -m "not slow" --numprocesses auto --maxprocesses 4 || exit 1; \
+	done
+
 install: $(VENV)/.dev-ready
 
 $(BIN)/python:
@@ -34,4 +43,4 @@ $(VENV)/.dev-ready: $(BIN)/python pyproject.toml
 	@touch $@
 
 clean:
-	rm -rf $(VENV) demo build dist
+	rm -rf $(VENV) .venvs demo build dist

@@ -12,7 +12,8 @@ import lpslam
 
 PACKAGE = Path(lpslam.__file__).parent
 FOUNDATION = {
-    *("_version", "assets", "camera", "config", "errors", "frames", "isolated", "kernel_cache"),
+    *("_version", "assets", "camera", "config", "errors", "frames", "interruption", "isolated"),
+    "kernel_cache",
     *("poses", "priority", "timestamps"),
 }
 
@@ -50,21 +51,29 @@ ALLOWED: dict[str, set[str]] = {
         "pipeline",
         "evaluation",
     },
+    # What is served is read and asked; nothing of tracking or reading is known here.
+    "serving": {
+        *("language.model", "language.offline", "language.sanitise", "language.questions.follow_up", "language.questions.phrasing"),
+        *("text.types", "mapfile", "ground", "navigation", "session", "pipeline", "sources.open", "sources.in_order"),
+        *("views.answers", "views.drawable", "views.pictures"),
+    },
     "demo": {"simulation", "language", "mapfile", "pipeline", "evaluation", "views"},
     "cli_checks": {"mapfile"},
     "cli_calibrate": {"sources", "calibration", "views", "cli_checks"},
+    "cli_serving": {"language.registry", "serving", "views", "cli_checks"},
     "cli_sources": {"sources", "views"},
     "cli_ground": {"language", "mapfile", "navigation", "views"},
     "cli_runs": {"simulation", "language", "pipeline", "views"},
     "cli": {
         *("sources", "simulation", "language", "mapfile", "pipeline", "evaluation", "views", "demo"),
-        *("cli_calibrate", "cli_checks", "cli_ground", "cli_runs", "cli_sources"),
+        *("cli_calibrate", "cli_checks", "cli_ground", "cli_runs", "cli_serving", "cli_sources"),
     },
     "__main__": {"cli"},
 }
 HEAVY = (
     *("cv2", "numba", "scipy", "matplotlib", "rapidocr", "openvino", "onnxruntime"),
     *("pydantic_ai", "openai", "anthropic", "google.genai", "httpx", "httpx2", "lpslam.language.hosted.exchange"),
+    *("starlette", "fastapi", "uvicorn", "mcp"),
 )
 
 FILES = sorted(path for path in PACKAGE.rglob("*.py") if path != PACKAGE / "__init__.py")

@@ -3,16 +3,20 @@
 import errno
 import json
 import os
+import shutil
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from pydantic import BaseModel
 
 from command_line import Command
 from lpslam import cli_runs
+from lpslam.config import Config
 from lpslam.errors import UserError
 from lpslam.mapfile import export
 from lpslam.mapfile.language_map import LanguageMap
@@ -66,7 +70,7 @@ def test_an_export_is_whole_or_leaves_what_was_there(
     export.export_map(world, folder)
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
 
-    def full(path: Path, points: object) -> None:
+    def full(path: Path, *what: object) -> None:
         path.write_bytes(b"ply")
         raise OSError(errno.ENOSPC, "No space left on device")
 
@@ -87,6 +91,14 @@ def test_scoring_against_another_recording_is_refused(
     lpslam: Command, walked: Path, clip: Callable[[int], Path]
 ) -> None:
     assert "it was made of walk; give that one" in lpslam("eval", walked, clip(20)).complaint
+
+
+def test_scoring_against_another_name_is_said(lpslam: Command, walked: Path, walk: Path, tmp_path: Path) -> None:
+    shutil.copytree(walk, tmp_path / "other", copy_function=os.link)
+    done = lpslam("eval", walked, tmp_path / "other")
+    assert done.code == 0
+    assert "the map was made of walk and is scored against other" in done.err
+    assert not lpslam("eval", walked, walk).err
 
 
 def test_localising_that_finds_nothing_says_so(
@@ -149,6 +161,75 @@ def test_a_full_output_is_one_line(walked: Path) -> None:
     assert len(done.stderr.splitlines()) == 1
 
 
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no device that is always full")
+@pytest.mark.parametrize("where", ["2>/dev/full", "2>&-", ">&- 2>&-"])
+def test_a_mistake_is_exit_code_2_though_nobody_listens(tmp_path: Path, where: str) -> None:
+    words = f"{sys.executable} -m lpslam info {tmp_path / 'nowhere.lpmap'} {where}"
+    done = subprocess.run(words, shell=True, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (2, "", "")
+
+
+def test_closed_streams_do_not_stop_a_command(walked: Path, tmp_path: Path) -> None:
+    words = f"{sys.executable} -m lpslam export {walked} {tmp_path / 'out'} <&- >&- 2>&-"
+    assert subprocess.run(words, shell=True, check=False).returncode == 0
+    assert json.loads((tmp_path / "out" / "landmarks.json").read_text())["landmarks"]
+
+
+@pytest.fixture
+def full_disk(tmp_path: Path) -> Iterator[Path]:
+    """A file system of its own that has 64 kB."""
+    folder = tmp_path / "small"
+    folder.mkdir()
+    mounted = ["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", str(folder)]
+    if shutil.which("mount") is None or subprocess.run(mounted, capture_output=True, check=False).returncode:
+        pytest.skip("a small file system cannot be mounted here")
+    yield folder
+    subprocess.run(["umount", str(folder)], check=True)
+
+
+def test_a_disk_that_fills_loses_nothing_and_keeps_no_part(
+    lpslam: Command, clip: Callable[[int], Path], walked: Path, full_disk: Path
+) -> None:
+    recording = clip(4)
+    done = lpslam("run", recording, "-o", full_disk / "map.lpmap", "--no-text")
+    assert done.code == 2
+    assert "No space left" in done.err
+    rescued = Path(done.err.split("the map is in ")[1].strip())
+    assert LanguageMap.load(rescued).trajectory.tracked_count == 4
+    shutil.rmtree(rescued.parent)
+    for words in (
+        ("export", walked, full_disk / "out"),
+        ("convert", recording, full_disk / "bag.mcap"),
+        ("convert", recording, full_disk / "copy"),
+        ("draw", walked, full_disk / "map.png"),
+    ):
+        assert "No space left" in lpslam(*words).complaint
+    assert not [path for path in full_disk.rglob("*") if path.is_file()]
+
+
+PRESSED = """
+import os, signal, sys, threading, time
+from lpslam import __main__
+signal.signal(signal.SIGINT, signal.default_int_handler)
+def press():
+    for delay in DELAYS:
+        time.sleep(delay)
+        os.kill(os.getpid(), signal.SIGINT)
+threading.Thread(target=press, daemon=True).start()
+__main__.main()
+"""
+
+
+@pytest.mark.parametrize("delays", [[0.05], [0.2], [0.4], [0.6], [0.3, 0.05], [0.5, 0.01]])
+def test_ctrl_c_at_any_moment_is_one_line(delays: list[float], walked: Path) -> None:
+    """Compiled modules that are broken off while they are loaded fail with errors of their own."""
+    words = [sys.executable, "-c", PRESSED.replace("DELAYS", repr(delays)), "ask", str(walked)]
+    with subprocess.Popen(words, stdin=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stderr is not None
+        told = process.stderr.read()
+        assert (process.wait(30), told) == (130, "lpslam: interrupted\n")
+
+
 def test_ctrl_c_while_it_loads_is_no_traceback() -> None:
     script = """
 import sys
@@ -170,6 +251,31 @@ def test_a_pipe_gets_a_line_now_and_then(
     monkeypatch.setattr(run_progress, "_LINE_EVERY", 0.0)
     done = lpslam("run", clip(4), "-o", tmp_path / "map.lpmap", "--no-text", "--json")
     assert done.err.count(" of 4 frames") == 4
+
+
+def test_converting_in_a_pipe_says_how_far_it_is(
+    lpslam: Command, clip: Callable[[int], Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(run_progress, "_LINE_EVERY", 0.0)
+    assert "writing, 3 of 4 frames" in lpslam("convert", clip(4), tmp_path / "copy").err
+
+
+def test_every_section_of_the_configuration_says_units_and_reasons(lpslam: Command) -> None:
+    said = lpslam("config").out
+    assert "  # metres; structured-light and stereo sensors are blind below\n    min_depth: 0.3" in said
+    bare = [
+        name
+        for name, below in _walked_through(Config())
+        if all("#" not in line for line in said.split(f"{name}:\n")[1].splitlines()[: 3 * len(below)])
+    ]
+    assert not bare
+
+
+def _walked_through(section: BaseModel) -> Iterator[tuple[str, dict[str, Any]]]:
+    for name, value in section:
+        if isinstance(value, BaseModel):
+            yield name, value.model_dump()
+            yield from _walked_through(value)
 
 
 def test_a_simulation_is_not_mixed_with_another(lpslam: Command, tmp_path: Path) -> None:

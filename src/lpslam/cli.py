@@ -18,7 +18,6 @@ from lpslam.cli_checks import (
     refuse_with_localize,
 )
 from lpslam.cli_runs import (
-    INTERRUPTED,
     call_to_its_end,
     keep,
     localise_recording,
@@ -27,7 +26,9 @@ from lpslam.cli_runs import (
     render_simulation,
     say_usage,
 )
-from lpslam.cli_sources import Color, Depth, From, Info, To, convert, sources, topics_and_span
+from lpslam.cli_serving import COMMANDS as SERVING
+from lpslam.cli_sources import Color, Depth, From, Info, To, convert, record, sources, topics_and_span
+from lpslam.interruption import INTERRUPTED
 from lpslam.views.printed import (
     facts_of,
     landmark_records,
@@ -75,7 +76,10 @@ def main() -> None:
 
 app.command()(calibrate)
 app.command()(convert)
+app.command()(record)
 app.command()(sources)
+for _command in SERVING:
+    app.command()(_command)
 
 
 @app.callback(invoke_without_command=True)
@@ -89,7 +93,7 @@ def _options(version: Annotated[bool, typer.Option("--version", help="Print the 
 def run(
     source: Annotated[
         Path,
-        typer.Argument(metavar="SOURCE", help="A ROS bag or a folder; see 'lpslam sources'.", show_default=False),
+        typer.Argument(metavar="SOURCE", help="A bag, a folder or a camera; see 'lpslam sources'.", show_default=False),
     ],
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="MAP.lpmap", help="Where the map goes.")
@@ -132,6 +136,7 @@ def run(
     from lpslam.language.registry import language_model
     from lpslam.mapfile.container import refuse_foreign_file
     from lpslam.sources.in_order import InOrder
+    from lpslam.sources.live.source import camera_in
     from lpslam.sources.open import open_source
 
     # A mistake shows before anything slow is loaded.
@@ -151,8 +156,11 @@ def run(
         open_source(source, camera, max_frames, settings.calibration, topics_and_span(color, depth, info, start, end))
     )
     base = map_for(localize, continued, frames.camera, settings)
+    is_endless = camera_in(frames) is not None
     if localize is not None and trajectory is not None:
-        localise_recording(frames, base, settings, localize, trajectory, text=not no_text, as_json=as_json)
+        localise_recording(
+            frames, base, settings, localize, trajectory, text=not no_text, is_endless=is_endless, as_json=as_json
+        )
         return
     assert output is not None
     language = language_model(llm, settings.language)
@@ -177,7 +185,9 @@ def run(
         if not world.trajectory.tracked_count:
             say("interrupted before anything was mapped; nothing is written")
             raise typer.Exit(INTERRUPTED)
-        if interrupted.is_set():
+        # A camera has no other end.
+        is_broken_off = interrupted.is_set() and not is_endless
+        if is_broken_off:
             output = partial_name(output)
         keep(world, output)
     for note in run_notes(world, frames.faults, progress.first_untracked, language.model):
@@ -186,7 +196,7 @@ def run(
     if trajectory is not None:
         world.frame_poses().to_tum_file(trajectory, ["camera optical frame in the map frame"])
     print_facts(world, output, as_json)
-    if interrupted.is_set():
+    if is_broken_off:
         say(f"interrupted; the map so far is in {output}")
         raise typer.Exit(INTERRUPTED)
 
@@ -427,9 +437,8 @@ def demo(
 
 @app.command(name="config")
 def show_config() -> None:
-    """Print every threshold with its default, as YAML that --config takes."""
-    import yaml
-
+    """Print every threshold with its default, its unit and its reason, as YAML that --config takes."""
     from lpslam.config import Config
+    from lpslam.views.thresholds import commented_yaml
 
-    print(yaml.safe_dump(Config().model_dump(mode="json"), sort_keys=False, allow_unicode=True), end="")
+    print(commented_yaml(Config()))

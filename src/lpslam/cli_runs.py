@@ -1,20 +1,18 @@
 """What commands of the command line do after their options have been checked."""
 
-import os
 import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import typer
 
 from lpslam.config import SimulationConfig
 from lpslam.errors import LpSlamError, UserError
+from lpslam.interruption import INTERRUPTED
+from lpslam.interruption import end as end_at_once
 from lpslam.views.printed import forget_output, print_json, print_table, say
-
-INTERRUPTED = 130
-"""Exit code after Ctrl-C, as shells have it."""
 
 
 def call_to_its_end(command: Callable[[], object]) -> None:
@@ -30,7 +28,9 @@ def call_to_its_end(command: Callable[[], object]) -> None:
     except SystemExit as end:
         if end.code != INTERRUPTED:
             raise
-        _end_at_once()
+        # What the key broke off says nothing; what was told to stop has said how far it came.
+        is_broken_off = end.__context__ is not None and isinstance(end.__context__.__cause__, KeyboardInterrupt)
+        end_at_once(is_said=not is_broken_off)
     except BrokenPipeError:
         forget_output()
         raise SystemExit(1) from None
@@ -39,15 +39,6 @@ def call_to_its_end(command: Callable[[], object]) -> None:
         say(f"{error.filename or 'writing'}: {error.strerror or error}")
         forget_output()
         raise SystemExit(2) from None
-
-
-def _end_at_once() -> NoReturn:
-    """The reading engine may be at work in its thread: tearing it down meanwhile would crash."""
-    from lpslam.kernel_cache import remove_temporary
-
-    remove_temporary()
-    sys.stderr.flush()
-    os._exit(INTERRUPTED)
 
 
 def partial_name(output: Path) -> Path:
@@ -82,9 +73,17 @@ def say_usage(language: Any) -> None:
 
 
 def localise_recording(
-    frames: Any, world: Any, settings: Any, map_file: Path, trajectory: Path, *, text: bool, as_json: bool
+    frames: Any,
+    world: Any,
+    settings: Any,
+    map_file: Path,
+    trajectory: Path,
+    *,
+    text: bool,
+    is_endless: bool,
+    as_json: bool,
 ) -> None:
-    """Find a recording's camera in a saved map, write its poses and print how many were found."""
+    """Find a camera in a saved map, write its poses and print how many were found; an endless one ends by Ctrl-C."""
     from lpslam import pipeline
     from lpslam.views.notes import event_notes, fault_notes
     from lpslam.views.run_progress import InterruptFlag, RunProgress, prepare
@@ -118,7 +117,7 @@ def localise_recording(
         print_json(facts)
     else:
         print_table({what.replace("_", " "): str(value) for what, value in facts.items()})
-    if interrupted.is_set():
+    if interrupted.is_set() and not is_endless:
         raise typer.Exit(INTERRUPTED)
 
 

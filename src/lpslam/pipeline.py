@@ -21,6 +21,7 @@ from lpslam.slam.advice import NO_ADVICE
 from lpslam.slam.state import SlamEvent, TrackedFrame, TrackingState
 from lpslam.slam.system import RgbdSlam
 from lpslam.sources.in_order import InOrder
+from lpslam.sources.live.source import LiveSource, camera_in
 from lpslam.sources.open import open_source
 from lpslam.sources.pacing import Paced
 from lpslam.sources.prefetch import Prefetched
@@ -43,6 +44,7 @@ class Progress:
     frames_per_second: float
     keyframes: int
     landmarks: int
+    dropped: int = 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,8 +88,9 @@ def run(
         text: whether to read at all.
         sequential: read in step with tracking, the same map every time; else in a thread beside it, and a recording is
             played no faster than that can read it.
-        live: take the frames at the pace at which they were recorded, as from a camera: mapping has threads of its own,
-            and frames that come while tracking is busy are dropped. Implies that reading is not sequential.
+        live: take the frames at the pace at which they were recorded, as from a camera (one that is connected always
+            is): mapping has threads of its own, and frames that come while tracking is busy are dropped. Implies that
+            reading is not sequential.
         base: a map of an earlier recording that this one continues; it is changed and returned.
         on_progress: called after every frame.
         should_stop: asked before every frame; the map so far is returned when it says yes.
@@ -99,6 +102,8 @@ def run(
     if isinstance(source, str | Path):
         source = open_source(Path(source))
     config = config or Config()
+    camera = camera_in(source)
+    live = live or camera is not None
     step: Step | None = None
     with Session(
         source.camera,
@@ -111,29 +116,46 @@ def run(
         text=text,
         name=source.name,
     ) as session:
-        decoded = Prefetched(InOrder(source))
-        frames = Paced(decoded, config.live.backlog, should_stop) if live else decoded
+        frames = _frames_of(source, config, live, should_stop)
         is_stopped = False
         for frame in frames:
             if is_stopped := should_stop():
                 break
             step = session.take(frame)
-            on_progress(_progress(session, step))
+            on_progress(_progress(session, step, _dropped(frames)))
+        # A camera has no other end.
+        is_stopped = is_stopped and camera is None
         session.frames_skipped = len(frames.faults)
-        session.frames_dropped = frames.dropped if isinstance(frames, Paced) else 0
+        session.frames_dropped = _dropped(frames)
         world = session.close(hurry=is_stopped)
     if not is_stopped and world.trajectory.tracked_count == 0:
         reason = step.reason if step is not None else "it gave none"
         raise UserError(
-            f"{source.name}: none of {session.frames} frames can be tracked ({reason}); check its depth images and"
-            " depth scale"
+            f"{source.name}: none of {session.frames} frames can be tracked ({reason}); look at its colour and depth"
+            " images ('lpslam convert' writes them as files), and check the depth scale"
         )
     return world
 
 
-def _progress(session: Session, step: Step) -> Progress:
+def _frames_of(source: FrameSource, config: Config, live: bool, should_stop: Callable[[], bool]) -> FrameSource:
+    """Frames in order: a camera's as they come, a recording's ahead of time or, live, at its pace."""
+    camera = camera_in(source)
+    if camera is not None:
+        camera.stop_when(should_stop)
+        camera.backlog = config.live.backlog
+        return InOrder(source)
+    decoded = Prefetched(InOrder(source))
+    return Paced(decoded, config.live.backlog, should_stop) if live else decoded
+
+
+def _dropped(frames: FrameSource) -> int:
+    dropping = camera_in(frames) or frames
+    return dropping.dropped if isinstance(dropping, LiveSource | Paced) else 0
+
+
+def _progress(session: Session, step: Step, dropped: int) -> Progress:
     rate = session.frames / session.seconds
-    return Progress(step.tracked, session.frames, rate, session.keyframes, session.texts)
+    return Progress(step.tracked, session.frames, rate, session.keyframes, session.texts, dropped)
 
 
 def localise(
@@ -170,7 +192,7 @@ def localise(
     reading: TextMapper | None = None
     started, seconds_tracking, count = time.perf_counter(), 0.0, 0
     landmarks = len(world.text.memory.long_term)
-    for frame in Prefetched(InOrder(source)):
+    for frame in _frames_of(source, config, False, should_stop):
         if should_stop():
             break
         before = time.perf_counter()

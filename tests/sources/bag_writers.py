@@ -9,7 +9,7 @@ from recordings import HEIGHT, WIDTH, picture, raw_depth
 from rosbags.rosbag1 import Writer as Ros1Writer
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as Ros2Writer
-from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 COLOUR, DEPTH = "/camera/color/image_raw", "/camera/aligned_depth_to_color/image_raw"
 COLOUR_INFO, DEPTH_INFO = "/camera/color/camera_info", "/camera/aligned_depth_to_color/camera_info"
@@ -27,6 +27,9 @@ class Types:
     def __init__(self, ros: int) -> None:
         self.ros = ros
         self.store = get_typestore(Stores.ROS1_NOETIC if ros == 1 else Stores.ROS2_HUMBLE)
+        if ros == 1:
+            text = "geometry_msgs/TransformStamped[] transforms"
+            self.store.register(get_types_from_msg(text, "tf2_msgs/msg/TFMessage"))
 
     def make(self, kind: str, *fields: Any) -> Any:
         return self.store.types[kind](*fields)

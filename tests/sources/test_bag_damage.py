@@ -1,14 +1,24 @@
 """Bags that are cut off, empty or hold something else: one line, and what can be read is read."""
 
+import sqlite3
+from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
-from bag_writers import COLOUR, DEPTH, KINDS, Entry, Types, walk, write
+from bag_writers import COLOUR, DEPTH, FIRST, KINDS, Entry, Types, walk, write
 from recordings import picture, raw_depth
 
+from command_line import Command
 from lpslam.errors import LpSlamError, UserError
+from lpslam.frames import RgbdFrame
+from lpslam.sources.bags.containers import container, ros1
+from lpslam.sources.bags.containers.opening import open_container
 from lpslam.sources.open import open_source
+from lpslam.sources.writing.mcap_recording import McapSink
+from lpslam.sources.writing.messages import RosMessages
+from lpslam.sources.writing.recordings import written
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -31,6 +41,81 @@ def test_a_recording_that_was_cut_off_is_read_as_far_as_it_goes(tmp_path: Path, 
     # The last chunk of a megabyte, which holds 65 frames, is lost with its end.
     assert counts[19] >= 190 - 65, counts
     assert counts[10] >= 100 - 65, counts
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_part_of_what_was_cut_off_is_read_alone(
+    tmp_path: Path, kind: str, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    whole = write(tmp_path / f"whole.{kind}", lambda types: walk(types, 500)).read_bytes()
+    (tmp_path / f"part.{kind}").write_bytes(whole[: len(whole) * 9 // 10])
+    monkeypatch.setattr(container, "_LARGE", 0)
+    found = open_container(tmp_path / f"part.{kind}")
+    assert ("are read through first" in caplog.text) == (kind != "db3")
+    everything = list(found.messages([COLOUR, DEPTH]))
+    start, end = everything[500].logged, everything[520].logged
+    expected = [message for message in everything if start <= message.logged < end]
+    unpacked = 0
+    record = ros1._record
+
+    def counted(*given: Any) -> Any:
+        nonlocal unpacked
+        unpacked += 1
+        return record(*given)
+
+    monkeypatch.setattr(ros1, "_record", counted)
+    assert list(found.messages([COLOUR, DEPTH], start, end)) == expected
+    assert unpacked < 600, "one chunk of a megabyte, or two"
+    assert found.times(COLOUR) == [message.logged for message in everything if message.topic.name == COLOUR]
+
+
+@pytest.mark.parametrize("kind", ["bag", "mcap"])
+def test_a_recording_of_which_nothing_is_left_is_one_line(
+    lpslam: Command, tmp_path: Path, kind: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    whole = write(tmp_path / f"whole.{kind}", lambda types: walk(types, 20)).read_bytes()
+    (tmp_path / f"part.{kind}").write_bytes(whole[:9000])
+    complaint = lpslam("run", tmp_path / f"part.{kind}", "-o", tmp_path / "map.lpmap").complaint
+    assert "holds no messages that can be read" in complaint
+    assert "cut off" in complaint
+
+
+@pytest.mark.parametrize("page", [0.2, 0.5, 0.8])
+def test_a_database_with_a_damaged_page_says_so_and_gives_the_rest(
+    tmp_path: Path, page: float, caplog: pytest.LogCaptureFixture
+) -> None:
+    path = write(tmp_path / "walk.db3", lambda types: walk(types, 60))
+    data = bytearray(path.read_bytes())
+    size = int.from_bytes(data[16:18], "big")
+    leaves = [begin for begin in range(size, len(data), size) if data[begin] == 0x0D and begin > len(data) // 10]
+    begin = leaves[int(page * len(leaves))]
+    # Its cells lie elsewhere than it says.
+    data[begin + 3 : begin + 5] = b"\x00\x00"
+    data[begin + 8 : begin + 16] = b"\xff" * 8
+    path.write_bytes(data)
+    frames = list(open_source(path))
+    assert "cannot be reached" in caplog.text or "a part of it" in caplog.text
+    assert 40 <= len(frames) < 60
+    for frame in frames:
+        np.testing.assert_array_equal(frame.rgb, picture(round((frame.timestamp - FIRST / 1e9) * 30)))
+
+
+def test_a_tree_that_leads_around_ends(tmp_path: Path) -> None:
+    """Every child of the table's root is the same leaf: its rows come again and again."""
+    path = write(tmp_path / "walk.db3", lambda types: walk(types, 200))
+    data = bytearray(path.read_bytes())
+    size = int.from_bytes(data[16:18], "big")
+    for begin in range(size, len(data), size):
+        if data[begin] == 0x05:
+            cells = [int.from_bytes(data[begin + 12 + 2 * i : begin + 14 + 2 * i], "big")
+                     for i in range(int.from_bytes(data[begin + 3 : begin + 5], "big"))]  # fmt: skip
+            for cell in cells:
+                data[begin + cell : begin + cell + 4] = data[begin + cells[0] : begin + cells[0] + 4]
+    path.write_bytes(data)
+    try:
+        assert len(list(open_source(path))) < 200
+    except UserError as error:
+        assert "\n" not in str(error)  # noqa: PT017
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -106,9 +191,6 @@ def test_pictures_that_cannot_be_decoded_are_faults(tmp_path: Path, kind: str) -
 
 
 def test_messages_of_no_bytes_are_faults(tmp_path: Path) -> None:
-    import sqlite3
-    from contextlib import closing
-
     path = write(tmp_path / "walk.db3", walk)
     with closing(sqlite3.connect(path)) as connection:
         query = "UPDATE messages SET data = x'' WHERE id IN (SELECT id FROM messages WHERE topic_id = " \
@@ -118,3 +200,25 @@ def test_messages_of_no_bytes_are_faults(tmp_path: Path) -> None:
     source = open_source(path)
     assert len(list(source)) == 4
     assert len(source.faults) == 2
+
+
+def test_messages_of_no_bytes_in_mcap_are_faults(tmp_path: Path) -> None:
+    path = tmp_path / "walk.mcap"
+    written(open_source(write(tmp_path / "walk.db3", walk)), path)
+    whole = open_source(path)
+    messages = RosMessages.of
+
+    class Emptied(RosMessages):
+        def of(self, frame: RgbdFrame, nanoseconds: int) -> list[tuple[str, bytes]]:
+            found = messages(self, frame, nanoseconds)
+            return [(topic, b"" if frame.index == 2 else data) for topic, data in found]
+
+    sink = McapSink(tmp_path / "emptied.mcap", Emptied(whole.camera))
+    for frame in whole:
+        sink.add(frame)
+    sink.finish()
+    sink.close()
+    source = open_source(tmp_path / "emptied.mcap")
+    assert len(list(source)) == 5
+    assert [fault.index for fault in source.faults] == [2]
+    assert "is empty" in source.faults[0].reason

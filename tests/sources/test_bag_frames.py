@@ -9,13 +9,16 @@ import cv2
 import numpy as np
 import pytest
 from bag_writers import COLOUR, COLOUR_INFO, DEPTH, FIRST, KINDS, STEP, Entry, K, Types, walk, write
+from mcap.reader import make_reader
 from recordings import picture, raw_depth
 
 from lpslam.errors import UserError
 from lpslam.frames import FrameSource, RgbdFrame
 from lpslam.sources.bags.topics import TopicChoice
 from lpslam.sources.open import SourceOptions, open_source
-from lpslam.sources.writing import written
+from lpslam.sources.writing.mcap_recording import McapSink
+from lpslam.sources.writing.messages import FoxgloveMessages
+from lpslam.sources.writing.recordings import written
 
 
 def same(one: list[RgbdFrame], other: list[RgbdFrame]) -> None:
@@ -60,6 +63,59 @@ def test_every_container_and_a_folder_give_the_same_bits(tmp_path: Path) -> None
     for source in sources[1:]:
         same(first, list(source))
         assert source.camera == sources[0].camera
+
+
+def test_foxglove_messages_are_written_and_read(tmp_path: Path) -> None:
+    path = tmp_path / "foxglove.mcap"
+    whole = open_source(write(tmp_path / "walk.mcap", walk))
+    assert written(whole, path, foxglove=True) == 6
+    found = open_source(path)
+    same(list(found), list(whole))
+    assert found.camera == whole.camera
+    with path.open("rb") as file:
+        summary = make_reader(file).get_summary()
+        assert summary is not None
+        assert {each.name for each in summary.schemas.values()} == {
+            "foxglove.CameraCalibration",
+            "foxglove.CompressedImage",
+            "foxglove.RawImage",
+        }
+        assert {each.message_encoding for each in summary.channels.values()} == {"json"}
+    with pytest.raises(UserError, match=r"is no \.mcap"):
+        written(whole, tmp_path / "folder", foxglove=True)
+
+
+@pytest.mark.parametrize(
+    "spoilt",
+    [
+        b"{",
+        b"[]",
+        b'{"data": 5}',
+        b'{"timestamp": 1, "data": ""}',
+        b'{"timestamp": {"sec": 1e400}, "encoding": "16UC1", "width": -1, "height": 1, "step": 0, "data": "AAA="}',
+        b'{"encoding": "rgb8", "width": 4, "height": 4, "step": 12, "data": "*"}',
+        b'{"width": "wide", "height": [], "encoding": "rgb8", "step": null, "data": ""}',
+    ],
+)
+def test_hostile_foxglove_messages_are_faults(tmp_path: Path, spoilt: bytes) -> None:
+    path = tmp_path / "foxglove.mcap"
+    written(open_source(write(tmp_path / "walk.mcap", walk)), path, foxglove=True)
+    messages = FoxgloveMessages.of
+
+    class Spoiling(FoxgloveMessages):
+        def of(self, frame: RgbdFrame, nanoseconds: int) -> list[tuple[str, bytes]]:
+            found = messages(self, frame, nanoseconds)
+            return [(topic, spoilt if frame.index in (2, 3) else data) for topic, data in found]
+
+    source = open_source(path)
+    sink = McapSink(tmp_path / "spoilt.mcap", Spoiling(source.camera))
+    for frame in source:
+        sink.add(frame)
+    sink.finish()
+    sink.close()
+    again = open_source(tmp_path / "spoilt.mcap")
+    assert len(list(again)) == 4
+    assert 0 < len(again.faults) <= 2
 
 
 def test_a_folder_of_ros2_with_parts_is_one_recording(tmp_path: Path) -> None:

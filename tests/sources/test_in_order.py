@@ -79,11 +79,12 @@ def test_a_picture_that_is_repeated_once_in_a_while_is_of_a_camera_that_is_slow(
     assert source.faults == []
 
 
-def test_a_covered_lens_is_not_held_to_hang() -> None:
+@pytest.mark.parametrize("colour", [(0, 0, 0), (200, 0, 0)])
+def test_a_covered_lens_is_not_held_to_hang(colour: tuple[int, int, int]) -> None:
     class Black(Listed):
         def __iter__(self) -> Iterator[RgbdFrame]:
             for frame in super().__iter__():
-                yield replace(frame, rgb=np.zeros_like(frame.rgb))
+                yield replace(frame, rgb=np.zeros_like(frame.rgb) + np.array(colour, np.uint8))
 
     assert len(list(InOrder(Black([0.0, 0.1, 0.2])))) == 3
 

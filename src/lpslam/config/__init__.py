@@ -11,6 +11,7 @@ from pydantic import Field, PositiveFloat, ValidationError
 from lpslam.config.calibrating import CalibratingConfig
 from lpslam.config.ground import GroundConfig, WayConfig
 from lpslam.config.section import Section
+from lpslam.config.serving import JobsConfig, ServingConfig
 from lpslam.config.slam import (
     DepthDelayConfig,
     FeatureConfig,
@@ -51,6 +52,7 @@ __all__ = [
     "FocalCheckConfig",
     "GroundConfig",
     "InstanceConfig",
+    "JobsConfig",
     "KeyframeConfig",
     "LanguageConfig",
     "LevellingConfig",
@@ -64,6 +66,7 @@ __all__ = [
     "ReadingConfig",
     "SecondLookConfig",
     "SensorNoiseConfig",
+    "ServingConfig",
     "ShutterConfig",
     "SimulationConfig",
     "SlamConfig",
@@ -274,6 +277,8 @@ class Config(Section):
     evaluation: EvaluationConfig = EvaluationConfig()
 
     live: LiveConfig = LiveConfig()
+
+    serving: ServingConfig = ServingConfig()
 
     simulation: SimulationConfig = SimulationConfig()
 

@@ -46,8 +46,9 @@ class GroundConfig(Section):
     occupied_odds: float = Field(default=0.9, gt=0)
     free_odds_down: float = Field(default=0.5, gt=0)
     passed_odds_down: float = Field(default=0.15, ge=0)
-    # Metres over the ground below which a ray leaves no room for what it did not hit.
-    low_ray: float = Field(default=0.5, ge=0)
+    # Log odds below which a cell is free: ground that was seen is, and what three scans looked over below the robot's
+    # height, since what stands low there came into view from farther away.
+    free_from_down: float = Field(default=0.4, ge=0)
     # Most that is believed, so that what has changed is seen before long.
     most_odds: float = Field(default=3.5, gt=0)
     # Readings in a cell that make something of it.

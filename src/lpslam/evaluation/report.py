@@ -1,5 +1,6 @@
 """How a map compares with what is known of its recording: trajectory error, share tracked, landmarks, reading."""
 
+import logging
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,6 +16,8 @@ from lpslam.mapfile.language_map import LanguageMap
 from lpslam.poses import StampedPoses
 from lpslam.sources.ground_truth import read_ground_truth
 from lpslam.sources.open import open_source
+
+logger = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,6 +78,8 @@ def evaluate_recording(
         raise UserError(
             f"the map is of {mapped} frames, and {folder} has {frames}: it was made of {world.source}; give that one"
         )
+    if world.source and world.source != source.name and not world.trajectory.session:
+        logger.warning("the map was made of %s and is scored against %s: are they the same?", world.source, source.name)
     return evaluate(world, truth, read_signs(folder), frames, config)
 
 

@@ -160,10 +160,10 @@ def _integrated(
     heights, tops = (np.full((rows, columns), np.nan, np.float32) for _ in range(2))
     touched = np.zeros((5, rows, columns), np.int32)
     for stamp, ((points, _), what, at, floor) in enumerate(zip(seen, shown, cameras, below, strict=True), 1):
-        ray = np.array([floor, config.low_ray])
+        ray = np.array([floor, config.robot_height])
         kernels.integrate(points, what, at, ray, corner, stamp, rates, evidence, heights, tops, touched)
     values = np.full((rows, columns), UNKNOWN, np.int8)
-    values[evidence < 0.0] = FREE
+    values[evidence <= -config.free_from_down] = FREE
     values[evidence > 0.0] = OCCUPIED
     _clear_the_way(values, walked, corner)
     return Grid(_filled(values), (left, bottom), config.resolution, heights)

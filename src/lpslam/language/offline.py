@@ -24,6 +24,7 @@ CANNOT_JUDGE = (
     "I cannot judge this: the question names no kind of place that is known; "
     "ask for a kind of place (“Is this a restaurant?”), or with another model (--llm)"
 )
+_MAPS_KEPT = 4  # sets of landmarks whose tables are kept: those of the maps that are asked in turn
 _YES = 0.5  # a sign is a kind when its words say so at least this surely
 _NAME_GUESS = 0.55  # how sure we are that an unknown proper name in a mall is a shop
 
@@ -36,8 +37,8 @@ class OfflineModel:
             self._knowledge = load_knowledge()
             self._signs = load_sign_reader()
         self.namer = Namer(self._knowledge, self._signs)
-        self._index: LandmarkIndex | None = None
-        self._scorer: tuple[LandmarkIndex, EmbeddedScorer] | None = None
+        self._indices: tuple[LandmarkIndex, ...] = ()
+        self._scorers: dict[int, tuple[LandmarkIndex, EmbeddedScorer]] = {}
 
     @property
     def model(self) -> str:
@@ -80,17 +81,28 @@ class OfflineModel:
     def scorer(self, landmarks: Sequence[Candidate]) -> EmbeddedScorer:
         """Return what says which of the landmarks serve a stop of a wish; kept for the next question about them."""
         index = self.index(landmarks)
-        if self._scorer is None or self._scorer[0] is not index:
-            with building():
-                self._scorer = index, EmbeddedScorer(landmarks, index, self._signs, self._knowledge)
-        return self._scorer[1]
+        kept = self._scorers.get(id(index))
+        if kept is not None and kept[0] is index:
+            return kept[1]
+        with building():
+            scorer = EmbeddedScorer(landmarks, index, self._signs, self._knowledge)
+        self._keep({**self._scorers, id(index): (index, scorer)})
+        return scorer
 
     def index(self, landmarks: Sequence[Candidate]) -> LandmarkIndex:
         """Return the landmarks as they are looked up; kept for the next question about the same ones."""
-        if self._index is None or not self._index.is_of(landmarks):
-            with building():
-                self._index = LandmarkIndex(landmarks, self._signs, self._knowledge)
-        return self._index
+        for index in self._indices:
+            if index.is_of(landmarks):
+                return index
+        with building():
+            index = LandmarkIndex(landmarks, self._signs, self._knowledge)
+        # Replaced, never changed: other threads may be going through them.
+        self._indices = (index, *self._indices)[:_MAPS_KEPT]
+        return index
+
+    def _keep(self, scorers: dict[int, tuple[LandmarkIndex, EmbeddedScorer]]) -> None:
+        living = {id(index) for index in self._indices}
+        self._scorers = {key: value for key, value in scorers.items() if key in living}
 
 
 @lru_cache(maxsize=1)

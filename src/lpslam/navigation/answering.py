@@ -2,17 +2,18 @@
 
 from collections.abc import Sequence
 
-from lpslam.language.model import Candidate, LanguageModel
+from lpslam.language.model import LanguageModel
 from lpslam.language.offline import OfflineModel, embedded_model
 from lpslam.language.wishes.scoring import ModelScorer, Scorer
-from lpslam.navigation.places import Distances, Here, Place
+from lpslam.navigation.directory import Directory
+from lpslam.navigation.places import Distances, Here
 from lpslam.navigation.solver import Solution, solve
 from lpslam.text.types import Landmark
 
 
 def answer_wish(
     question: str,
-    landmarks: Sequence[Landmark],
+    landmarks: Sequence[Landmark] | Directory,
     language: LanguageModel,
     here: Here,
     ways: Distances | None = None,
@@ -24,22 +25,18 @@ def answer_wish(
 
     Args:
         question: in any language.
-        landmarks: of the map.
+        landmarks: of the map; a `Directory` of them, where many questions are asked.
         language: says which names serve; it sees ids and strings only.
         here: where the asker stands.
         ways: distances; straight without.
         history: (question, answer) of the dialogue so far, for a model that converses.
     """
-    candidates = [Candidate(mark.id, mark.name, tuple(mark.variants), mark.other_lines) for mark in landmarks]
+    known = landmarks if isinstance(landmarks, Directory) else Directory(landmarks)
     embedded = language if isinstance(language, OfflineModel) else embedded_model()
     wish = embedded.read_wish(question)
     scorer: Scorer
     if embedded is language:
-        scorer = embedded.scorer(candidates)
+        scorer = embedded.scorer(known.candidates)
     else:
-        scorer = ModelScorer(language, candidates, question, wish, history)
-    return solve(wish, [_place(mark) for mark in landmarks], scorer, here, ways)
-
-
-def _place(mark: Landmark) -> Place:
-    return Place(mark.id, mark.name, mark.position, mark.normal, mark.width, mark.spread)
+        scorer = ModelScorer(language, known.candidates, question, wish, history)
+    return solve(wish, known.places, scorer, here, ways)

@@ -13,6 +13,7 @@ from lpslam.language.sanitise import clean_text
 from lpslam.language.wishes.form import Wish
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.navigation.answering import answer_wish
+from lpslam.navigation.directory import Directory
 from lpslam.navigation.places import Here
 from lpslam.text.types import Landmark
 
@@ -87,7 +88,7 @@ def ask(
 
 def answer(
     question: str,
-    landmarks: Sequence[Landmark],
+    landmarks: Sequence[Landmark] | Directory,
     view: tuple[NDArray[np.float64], float],
     language: LanguageModel | None,
     position: NDArray[np.float64] | None,
@@ -99,7 +100,7 @@ def answer(
 
     Args:
         question: what is wanted.
-        landmarks: of the map.
+        landmarks: of the map; a `Directory` of them, where many questions are asked.
         view: where the camera was last, (3,) map frame, and its heading in radians.
         language, position, heading, excluded, history: as in `ask`.
 
@@ -108,14 +109,14 @@ def answer(
     """
     if not clean_text(question):
         raise UserError("the question is empty; ask for a place, as in: Where can I eat pizza?")
-    landmarks = [mark for mark in landmarks if mark.id not in excluded]
+    known = (landmarks if isinstance(landmarks, Directory) else Directory(landmarks)).without(excluded)
     here, looked = view
     if position is None:
         heading = looked if heading is None else heading
     else:
         here = np.concatenate([position, here[len(position) :]])
-    solution = answer_wish(question, landmarks, language or embedded_model(), Here(here, heading), history=history)
-    by_id = {mark.id: mark for mark in landmarks}
+    solution = answer_wish(question, known, language or embedded_model(), Here(here, heading), history=history)
+    by_id = known.by_id
     last = solution.stops[-1]
     chosen = by_id[last.place.id] if last.place is not None else None
     evidence = "; ".join(dict.fromkeys((last.evidence, *solution.notes)))
@@ -126,9 +127,10 @@ def answer(
     stops = tuple(by_id[stop.place.id] if stop.place is not None else None for stop in solution.stops)
     if chosen is None:
         return Answer(question, None, None, choice, others, here, heading, wish=solution.wish, stops=stops)
-    same = sum(mark.name == chosen.name for mark in landmarks)
     distance = float(np.linalg.norm(chosen.position - here))
-    return Answer(question, chosen, distance, choice, others, here, heading, same, solution.wish, stops)
+    return Answer(
+        question, chosen, distance, choice, others, here, heading, known.names[chosen.name], solution.wish, stops
+    )
 
 
 def last_view(poses: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:

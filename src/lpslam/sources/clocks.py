@@ -1,5 +1,8 @@
 """In which unit a recording counts time: seconds, or thousandths, millionths or billionths of them, or durations."""
 
+import math
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,6 +19,12 @@ _ALIKE, _NO_TREND = 0.3, 0.4
 """Durations spread by less than this share of their median, and correlate with their order by less."""
 _LEAST = 20
 """Stamps by which durations are known; fewer may be alike by chance."""
+_FASTEST = 1 / 400
+"""Seconds between frames at least."""
+_COMPARED = 5
+"""Stamps that are compared with another clock at least; between fewer, one delay is much of the time."""
+_NEAR = 0.3
+"""Powers of ten by which the two clocks may differ besides: pictures are recorded in bursts."""
 
 
 def in_seconds(times: Times) -> tuple[Times, str]:
@@ -31,6 +40,24 @@ def in_seconds(times: Times) -> tuple[Times, str]:
         return times, ""
     factor, unit = next((each for each in _UNITS if step < _SLOWEST * each[0]), _UNITS[-1])
     return (times, "") if factor == 1.0 else (times / factor, f"its stamps are {unit}, which are converted to seconds")
+
+
+def power_of_ten_between(stamps: Sequence[int], logged: Sequence[int]) -> int:
+    """By which power of ten stamps run faster than the clock of their recording; 0 where they are a camera's.
+
+    Args:
+        stamps: nanoseconds, as the headers of pictures have them.
+        logged: nanoseconds, when the same pictures were recorded.
+    """
+    if len(stamps) < _COMPARED:
+        return 0
+    step, by_log = ((each[-1] - each[0]) / (len(each) - 1) / 1e9 for each in (stamps, logged))
+    is_camera = _FASTEST < step < _SLOWEST
+    if is_camera or not step > 0 or not _FASTEST < by_log < _SLOWEST:
+        return 0
+    power = math.log10(step / by_log)
+    nearest = 3 * round(power / 3)
+    return nearest if abs(power - nearest) < _NEAR and abs(nearest) <= 9 else 0
 
 
 def _are_durations(times: Times) -> bool:

@@ -67,11 +67,9 @@ _SLOW = 1
 
 
 def _is_repeated(rgb: NDArray[np.uint8], before: NDArray[np.uint8]) -> bool:
-    """Whether a picture is the one before; black or white all over, it may be a new one of a covered lens."""
-    sample = rgb[::16, ::16]
-    if not np.array_equal(sample, before[::16, ::16]) or np.ptp(sample) == 0:
-        return False
-    return np.array_equal(rgb, before)
+    """Whether a picture is the one before; of one colour all over, it may be a new one of a covered lens."""
+    is_same = np.array_equal(rgb[::16, ::16], before[::16, ::16]) and np.array_equal(rgb, before)
+    return is_same and bool(np.ptp(rgb, axis=(0, 1)).any())
 
 
 def _time_defect(timestamp: float, latest: float) -> str:

@@ -12,6 +12,7 @@ from lpslam.sources.bags.topics import TopicChoice
 from lpslam.sources.captures.layouts import CAPTURES
 from lpslam.sources.focal_check import doubts_about_focal
 from lpslam.sources.followed_pairs import pairs_of
+from lpslam.sources.live.opening import is_camera, open_camera
 from lpslam.sources.plausibility import Doubt, doubts_about_depth, doubts_about_intrinsics, doubts_about_timing
 from lpslam.sources.recorded import RecordedSource
 from lpslam.sources.sevenscenes import looks_like_seven_scenes, open_seven_scenes
@@ -73,14 +74,24 @@ def _open_bag(path: Path, camera_file: Path | None, max_frames: int | None, opti
     from lpslam.sources.bags.containers.opening import open_container
     from lpslam.sources.bags.source import BagSource
 
-    return BagSource(
-        open_container(path),
-        options.topics,
-        camera_file,
-        start=options.start,
-        end=options.end,
-        max_frames=max_frames,
-    )
+    container = open_container(path)
+    try:
+        source = BagSource(
+            container,
+            options.topics,
+            camera_file,
+            start=options.start,
+            end=options.end,
+            max_frames=max_frames,
+        )
+    except UserError as error:
+        damages = [text for damage in container.damages for text in damage.texts]
+        if not damages:
+            raise
+        raise UserError(f"{error}; {'; '.join(damages)}") from error
+    for damage in container.damages:
+        damage.say()
+    return source
 
 
 FORMATS = (
@@ -101,7 +112,7 @@ def open_source(
     """Open the recording at `path`; what is doubtful about its calibration is logged as a warning, one line each.
 
     Args:
-        path: a file or folder in a known layout.
+        path: a file or folder in a known layout, or a connected camera (`realsense:`).
         camera_file: a calibration to use instead of the recording's own.
         max_frames: use only so many frames, from the first.
         checks: when a calibration is doubted; defaults without.
@@ -111,6 +122,8 @@ def open_source(
         UserError: nothing is there, the layout is not known, the recording is malformed, or its calibration
             cannot be that of its images.
     """
+    if is_camera(path):
+        return _opened_camera(path, camera_file, max_frames, options or SourceOptions())
     source = _opened(path, camera_file, max_frames, options or SourceOptions(), nominal=False)
     checks = checks or CalibrationCheckConfig()
     doubts = doubts_about_intrinsics(source.camera, checks)
@@ -119,6 +132,14 @@ def open_source(
         doubts += doubts_about_focal(pairs, source.camera, checks.focal)
     _say(source, doubts + _other_doubts(source, checks))
     return source
+
+
+def _opened_camera(
+    path: Path | str, camera_file: Path | str | None, max_frames: int | None, options: SourceOptions
+) -> RecordedSource:
+    if camera_file is not None or options != SourceOptions():
+        raise UserError(f"{path} is a camera, which is calibrated by its maker; --camera and a part are for recordings")
+    return open_camera(path, max_frames)
 
 
 def open_uncalibrated(

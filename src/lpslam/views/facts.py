@@ -17,6 +17,7 @@ def map_facts(world: LanguageMap) -> dict[str, Any]:
         "frames": world.trajectory.frame_count,
         "frames_tracked": world.trajectory.tracked_count,
         "frames_skipped": int(run.get("frames_skipped", 0)),
+        "frames_dropped": int(run.get("frames_dropped", 0)),
         "frames_read": int(world.statistics.get("reading", {}).get("frames_read", 0)),
         "frames_unread_for_lack_of_time": int(run.get("frames_unread_for_lack_of_time", 0)),
         "path_length_m": round(poses.path_length, 2),
@@ -34,12 +35,13 @@ def map_facts(world: LanguageMap) -> dict[str, Any]:
 def fact_lines(facts: dict[str, Any]) -> dict[str, str]:
     """The facts of `map_facts` in words, with their units."""
     words = [printable(word) for word in facts["words"]]
-    unread, skipped = facts["frames_unread_for_lack_of_time"], facts["frames_skipped"]
+    unread = facts["frames_unread_for_lack_of_time"]
+    left_out = {"skipped": facts["frames_skipped"], "dropped, since they came too fast": facts["frames_dropped"]}
     judged = f"{facts['judged_as_landmark']} by the question “{facts['question']}”" if facts["question"] else "not yet"
     return {
         "source": facts["source"],
         "frames": f"{facts['frames']}, of which {facts['frames_tracked']} tracked"
-        + (f"; {skipped} more skipped" if skipped else ""),
+        + "".join(f"; {count} more {why}" for why, count in left_out.items() if count),
         "read": f"{facts['frames_read']} frames" + (f"; {unread} more for lack of time not" if unread else ""),
         "path": f"{facts['path_length_m']:.2f} m",
         "keyframes": str(facts["keyframes"]),

@@ -1,5 +1,6 @@
 """What all pictures share: a figure without global state, the carried font, and saving with clear errors."""
 
+import os
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -62,9 +63,13 @@ def save_figure(figure: Figure, out: Path) -> None:
         raise UserError(
             f"picture {out}: {out.suffix or 'no suffix'} is no picture format; end its name in .png or .pdf"
         )
+    unfinished = out.with_name(f".{out.name}.part")
     try:
-        figure.savefig(out, metadata={"Software": None} if suffix == "png" else None)
+        # A disk that fills leaves the old picture and no part of the new one.
+        figure.savefig(unfinished, format=suffix, metadata={"Software": None} if suffix == "png" else None)
+        os.replace(unfinished, out)
     except OSError as error:
+        unfinished.unlink(missing_ok=True)
         raise UserError(f"picture {out} cannot be written ({error.strerror}); choose another place") from error
 
 

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 
 class Spoken(logging.Handler):
@@ -55,15 +55,27 @@ def _unheard() -> Iterator[None]:
 
 def forget_output() -> None:
     """Drop what was not written to standard output yet, which takes nothing more."""
-    with suppress(OSError):
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    _lead_nowhere(sys.stdout)
+
+
+def _lead_nowhere(stream: TextIO) -> None:
+    with suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def say(line: str) -> None:
     """One line on standard error; what it quotes of a recording cannot steer the terminal."""
     from lpslam.views.drawable import printable
 
-    print(f"lpslam: {printable(line, longest=1000)}", file=sys.stderr)
+    write_line(f"lpslam: {printable(line, longest=1000)}")
+
+
+def write_line(line: str) -> None:
+    """A line on standard error; where that takes none, what is to be said is lost and nothing else."""
+    try:
+        print(line, file=sys.stderr, flush=True)
+    except OSError:
+        _lead_nowhere(sys.stderr)
 
 
 def print_json(value: dict[str, Any]) -> None:

@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Self
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
+from lpslam.views.printed import write_line
+
 if TYPE_CHECKING:
     from lpslam.pipeline import Progress as RunState
     from lpslam.slam.state import TrackedFrame
@@ -28,6 +30,9 @@ _LINE_EVERY = 10.0
 class RunProgress:
     """A bar with frames a second, tracking state, keyframes and landmarks; on standard error, only in a terminal.
 
+    Args:
+        total: frames that will come; 0 where that is not known.
+
     Attributes:
         first_untracked: the first frame without a pose, which says why; None while there is none.
     """
@@ -42,7 +47,7 @@ class RunProgress:
             console=Console(stderr=True),
             disable=quiet or not sys.stderr.isatty(),
         )
-        self._task = self._bar.add_task("frames", total=total, state="starting", rate="")
+        self._task = self._bar.add_task("frames", total=total or None, state="starting", rate="")
         self.first_untracked: TrackedFrame | None = None
         self._total = total
         # A pipe gets a line now and then in place of the bar.
@@ -56,13 +61,14 @@ class RunProgress:
             self.first_untracked = frame
         if (now := time.monotonic()) >= self._next_line:
             self._next_line = now + _LINE_EVERY
-            line = f"{progress.frames} of {self._total} frames, {progress.keyframes} keyframes"
-            print(f"lpslam: {line}, {progress.landmarks} texts, {frame.state}", file=sys.stderr, flush=True)
+            of = f" of {self._total}" if self._total else ""
+            line = f"{progress.frames}{of} frames{_dropped(progress)}, {progress.keyframes} keyframes"
+            write_line(f"lpslam: {line}, {progress.landmarks} texts, {frame.state}")
         self._bar.update(
             self._task,
             completed=progress.frames,
             state=progress.frame.state,
-            rate=f"{progress.frames_per_second:.1f} frames/s, {progress.keyframes} keyframes, "
+            rate=f"{progress.frames_per_second:.1f} frames/s{_dropped(progress)}, {progress.keyframes} keyframes, "
             f"{progress.landmarks} landmarks",
         )
 
@@ -74,6 +80,10 @@ class RunProgress:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._bar.stop()
+
+
+def _dropped(progress: "RunState") -> str:
+    return f", {progress.dropped} dropped" if progress.dropped else ""
 
 
 class InterruptFlag:
@@ -113,7 +123,7 @@ def prepare() -> None:
     def announce(line: str) -> None:
         # Where kernels cannot be kept, that was said, and what it costs.
         if is_kept():
-            print(f"lpslam: {line}", file=sys.stderr)
+            write_line(f"lpslam: {line}")
 
     cv2.setNumThreads(1)
     seconds = warm_up(announce)
@@ -123,7 +133,7 @@ def prepare() -> None:
 
 @contextmanager
 def counting(first_state: str, quiet: bool = False) -> Iterator[Callable[[int, int], None]]:
-    """A bar for work that reports (done, total)."""
+    """A bar for work that reports (done, total); a line now and then where there is no terminal."""
     bar = Progress(
         TextColumn("{task.description}"),
         BarColumn(),
@@ -132,6 +142,15 @@ def counting(first_state: str, quiet: bool = False) -> Iterator[Callable[[int, i
         console=Console(stderr=True),
         disable=quiet or not sys.stderr.isatty(),
     )
+    next_line = time.monotonic() + _LINE_EVERY if bar.disable and not quiet else math.inf
+
+    def update(done: int, total: int) -> None:
+        nonlocal next_line
+        if (now := time.monotonic()) >= next_line:
+            next_line = now + _LINE_EVERY
+            write_line(f"lpslam: {first_state}, {done}{f' of {total}' if total else ''} frames")
+        bar.update(task, completed=done, total=total or None, description="frames")
+
     with bar:
         task = bar.add_task(first_state, total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total, description="frames")
+        yield update

@@ -21,6 +21,7 @@ class LandmarkIndex:
     """Landmarks by what their signs mean, judged once however many mean the same, and by their names."""
 
     def __init__(self, landmarks: Sequence[Candidate], signs: SignReader, knowledge: Knowledge) -> None:
+        self._given = landmarks
         self.landmarks = list(landmarks)
         self.name_of = {landmark.id: landmark.name for landmark in landmarks}
         self.groups: dict[Kinds, list[int]] = {}
@@ -99,6 +100,8 @@ class LandmarkIndex:
 
     def is_of(self, landmarks: Sequence[Candidate]) -> bool:
         """Whether the index was made of just these landmarks."""
+        if landmarks is self._given and isinstance(landmarks, tuple):
+            return True
         return len(landmarks) == len(self.landmarks) and self.landmarks == list(landmarks)
 
 

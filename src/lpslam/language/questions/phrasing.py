@@ -42,6 +42,7 @@ class Phrases:
         return str(self._templates["joint"]).join(parts)
 
 
+@lru_cache(maxsize=256)
 def answer_language(question: str) -> str:
     """Return the tag of the language to answer in: the question's, English where it cannot be told."""
     text = clean_text(question, 400)

@@ -254,9 +254,10 @@ class Tracker:
         depths, rows = picture.depths, picture.features.rows
         if depths < needed:
             self._backtracking.keep(picture)
-            return self._where.unknown(
-                picture.frame, f"waiting for a first view: {depths} of {rows} keypoints have depth, {needed} needed"
-            )
+            why = f"{depths} of {rows} keypoints have depth, {needed} needed"
+            if rows < needed:
+                why = f"{rows} keypoints, {needed} needed; the picture is plain, dark or blurred"
+            return self._where.unknown(picture.frame, f"waiting for a first view: {why}")
         self._where.tell(EventKind.INITIALISED, picture.frame, f"{depths} keypoints with depth")
         return self._found(picture, inverse_transform(_FIRST_WORLD_FROM_CAMERA))
 

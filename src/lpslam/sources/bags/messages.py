@@ -26,8 +26,20 @@ _FOXGLOVE = {
     "foxglove.CompressedImage": COMPRESSED,
     "foxglove.CameraCalibration": CAMERA_INFO,
 }
+_NEEDED = {
+    IMAGE: ("width", "height", "encoding", "step", "data"),
+    COMPRESSED: ("format", "data"),
+    CAMERA_INFO: ("width", "height", "distortion_model", "D", "K"),
+}
+_JSON_TYPES: dict[str, type] = {
+    **dict.fromkeys(("width", "height", "step"), int),
+    **dict.fromkeys(("encoding", "format", "distortion_model", "data"), str),
+    **dict.fromkeys("DK", list),
+}
 _DEFINITIONS = {
+    # rosbags has the second one for ROS 2 only.
     "tf/msg/tfMessage": "geometry_msgs/TransformStamped[] transforms",
+    "tf2_msgs/msg/TFMessage": "geometry_msgs/TransformStamped[] transforms",
     "realsense_msgs/msg/StreamInfo": "uint32 fps\nstring encoding\nbool is_recommended",
 }
 
@@ -56,7 +68,7 @@ def decoded(message: Message) -> Any:
         if encoding is Encoding.ROS1:
             return _ros1(message, kind)
         if encoding is Encoding.JSON:
-            return _from_json(json.loads(message.data))
+            return _from_json(kind, json.loads(message.data))
     except Exception as error:
         # Damaged bytes fail in as many ways as there are fields.
         raise BadMessageError(
@@ -98,14 +110,17 @@ def _store(which: Stores) -> Typestore:
     return store
 
 
-def _from_json(tree: Any) -> Any:
-    """Foxglove's fields under ROS's names."""
+def _from_json(kind: str, tree: Any) -> Any:
+    """Foxglove's fields under ROS's names; what others rely on is of the type that they rely on."""
     stamp = tree.get("timestamp") or {}
     header = SimpleNamespace(
         stamp=SimpleNamespace(sec=int(stamp.get("sec", 0)), nanosec=int(stamp.get("nsec", 0))),
         frame_id=str(tree.get("frame_id", "")),
     )
     fields = {key: value for key, value in tree.items() if isinstance(key, str)}
-    if isinstance(fields.get("data"), str):
+    for name in _NEEDED.get(known_type(kind), ()):
+        if not isinstance(fields[name], _JSON_TYPES[name]):
+            raise TypeError(name)
+    if "data" in fields:
         fields["data"] = np.frombuffer(base64.b64decode(fields["data"], validate=True), np.uint8)
     return SimpleNamespace(**{"is_bigendian": 0, **fields, "header": header})

@@ -3,7 +3,9 @@
 import logging
 from bisect import bisect_left
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import replace
+from fractions import Fraction
 from itertools import islice
 from pathlib import Path
 
@@ -19,6 +21,7 @@ from lpslam.sources.bags.messages import BadMessageError, decoded, stamp_of
 from lpslam.sources.bags.pictures import colour_of, depth_of, in_metres
 from lpslam.sources.bags.rig import BagRig, rig_of
 from lpslam.sources.bags.topics import TopicChoice, chosen_topics
+from lpslam.sources.clocks import power_of_ten_between
 from lpslam.sources.images import BadImageError
 from lpslam.sources.pairing import Paired, Stamped, paired
 from lpslam.sources.registering.registration import DepthRegistration
@@ -27,8 +30,8 @@ logger = logging.getLogger(__name__)
 
 TOLERANCE = 0.02
 """Seconds between a colour picture and its depth: more than half of what lies between frames at 30 a second."""
-_AROUND = 10**9
-"""Nanoseconds around a frame in which its pictures were recorded, where one frame is looked for."""
+_AROUND = (12 * 10**7, 10**9)
+"""Nanoseconds around a frame in which its pictures were recorded, usually and at most, where one frame is sought."""
 _SECOND = 10**9
 
 
@@ -76,6 +79,7 @@ class BagSource:
         if not self._logged:
             raise UserError(f"{container.path}: no colour picture lies between --from and --to ({len(times)} in all)")
         self._by_log = self._stamps_are_missing()
+        self._too_fast = Fraction(1) if self._by_log or self._metadata else self._speed_of_stamps()
         self.camera: PinholeCamera = replace(self._rig.colour, fps=self._rate())
         self.notes = tuple(self._rig.notes)
         self.listed_times: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
@@ -137,12 +141,13 @@ class BagSource:
         if not 0 <= index < len(self._logged):
             return None
         logged = self._logged[index]
-        for pair in paired(self._stamped(logged - _AROUND, logged + _AROUND), self._tolerance):
-            if pair.colour.logged == logged:
-                try:
-                    return self._decoded(index, pair)
-                except (BadImageError, BadMessageError):
-                    return None
+        for around in _AROUND:
+            for pair in paired(self._stamped(logged - around, logged + around), self._tolerance):
+                if pair.colour.logged == logged and (not pair.fault or around == _AROUND[-1]):
+                    try:
+                        return self._decoded(index, pair)
+                    except (BadImageError, BadMessageError):
+                        return None
         return None
 
     def sample_depths(self, count: int) -> list[NDArray[np.float32]]:
@@ -150,7 +155,7 @@ class BagSource:
         depths = []
         for row in np.unique(np.linspace(0, len(self._logged) - 1, count).astype(int)):
             logged = self._logged[row]
-            message = next(self._container.messages([self._depth], logged, logged + _AROUND), None)
+            message = next(self._container.messages([self._depth], logged, logged + _AROUND[-1]), None)
             try:
                 if message is not None:
                     depths.append(in_metres(depth_of(decoded(message)), self._rig.depth_scale))
@@ -178,9 +183,22 @@ class BagSource:
         if self._by_log:
             return message.logged
         try:
-            return stamp_of(decoded(message))
+            return round(stamp_of(decoded(message)) / self._too_fast)
         except (BadMessageError, AttributeError):
             return message.logged
+
+    def _speed_of_stamps(self) -> Fraction:
+        """How many times faster than the clock of the recording the headers count, in powers of a thousand."""
+        stamps: list[int] = []
+        logged: list[int] = []
+        for message in islice(self._container.messages([self._colour], self._start, self._end), _COMPARED):
+            with suppress(BadMessageError, AttributeError):
+                stamps.append(stamp_of(decoded(message)))
+                logged.append(message.logged)
+        power = power_of_ten_between(stamps, logged)
+        if power:
+            logger.warning("%s: its pictures' times are in another unit; they are taken times 1e%d", self.name, -power)
+        return Fraction(10) ** power
 
     def _stamps_are_missing(self) -> bool:
         """Whether the headers of the first pictures carry no time, or all the same: then recording times stand in."""
@@ -224,6 +242,8 @@ class BagSource:
         return RgbdFrame(index, pair.timestamp, rgb, depth)
 
 
+_COMPARED = 30
+"""Pictures whose stamps are compared with when they were recorded: a second."""
 _STAMPS = 3
 """Pictures whose stamps are compared."""
 _RATED = 9

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from lpslam.errors import UserError
+
 
 @dataclass(frozen=True, slots=True)
 class Capture:
@@ -16,15 +18,19 @@ class Capture:
         sign: what is in the path.
         is_at: whether it is there.
         module: the reader's module in this room, which has `open_capture`.
+        takes_camera: whether a calibration may be given; else the recording's own is bound to its pictures.
     """
 
     name: str
     sign: str
     is_at: Callable[[Path], bool]
     module: str
+    takes_camera: bool = False
 
     def open(self, folder: Path, camera_file: Path | None, max_frames: int | None, *, nominal: bool) -> Any:
         """Open the recording with the layout's reader."""
+        if camera_file is not None and not self.takes_camera:
+            raise UserError(f"{folder} has its own calibration ({self.name}); leave --camera out")
         reader = importlib.import_module(f"lpslam.sources.captures.{self.module}")
         return reader.open_capture(folder, camera_file, max_frames, nominal=nominal)
 
@@ -44,8 +50,9 @@ def _is_replica(path: Path) -> bool:
 CAPTURES = (
     Capture("Record3D", "NAME.r3d", _ends(".r3d"), "record3d"),
     Capture("Stray Scanner", "rgb.mp4 and depth/", _has("rgb.mp4", "depth", "camera_matrix.csv"), "stray"),
+    Capture("Azure Kinect", "NAME.mkv", _ends(".mkv"), "azure"),
     Capture("ScanNet", "NAME.sens", _ends(".sens"), "scannet"),
-    Capture("Replica", "results/frame*.jpg and depth*.png", _is_replica, "replica"),
-    Capture("Redwood, Open3D", "color/ and depth/", _has("color", "depth"), "folders"),
-    Capture("folders", "rgb/ and depth/ of equal names", _has("rgb", "depth"), "folders"),
+    Capture("Replica", "results/frame*.jpg and depth*.png", _is_replica, "replica", True),
+    Capture("Redwood, Open3D", "color/ and depth/", _has("color", "depth"), "folders", True),
+    Capture("folders", "rgb/ and depth/ of equal names", _has("rgb", "depth"), "folders", True),
 )

@@ -17,6 +17,8 @@ from lpslam.sources.images import BadImageError
 from lpslam.sources.listed import ListedSource, Picture
 
 _SIZES = ((192, 256), (256, 192), (480, 640), (640, 480), (360, 640), (640, 360))
+_ENCRYPTED = 0x1
+"""The flag of members that need a password."""
 _LARGEST = 1 << 26
 """Bytes of one member; a depth image has a megabyte."""
 _MALFORMED = (OSError, zipfile.BadZipFile, KeyError, ValueError, OverflowError, TypeError, IndexError, RecursionError)
@@ -35,6 +37,8 @@ def open_capture(folder: Path, camera_file: Path | None, max_frames: int | None,
         raise MissingExtraError("Record3D's depth", "phones") from None
     try:
         archive = zipfile.ZipFile(folder)
+        if any(member.flag_bits & _ENCRYPTED for member in archive.infolist()):
+            raise UserError(f"{folder} is protected by a password; unpack it and pack it again without (unzip, zip -r)")
         tree: Any = json.loads(_member(archive, "metadata"))
         matrix = [float(value) for value in tree["K"]]
         width, height = int(tree["w"]), int(tree["h"])

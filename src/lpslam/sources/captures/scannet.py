@@ -104,5 +104,7 @@ def _offsets(file: BinaryIO, path: Path) -> list[tuple[int, int, int, int]]:
         found.append((begin, colour_length, depth_length, taken))
         file.seek(begin + colour_length + depth_length)
     if len(found) < count:
-        Damage(path).note(f"it states {count} frames and holds {len(found)}")
+        damage = Damage(path)
+        damage.note(f"it states {count} frames and holds {len(found)}")
+        damage.say()
     return found

@@ -40,17 +40,19 @@ class DepthRegistration:
 
     def __init__(self, rig: DepthRig) -> None:
         self._rig = rig
-        self._corner_rays = _corner_rays(rig.depth_camera)
-        self._rotated = np.ascontiguousarray(self._corner_rays @ rig.colour_from_depth[:3, :3].T)
+        rotated = _corner_rays(rig.depth_camera) @ rig.colour_from_depth[:3, :3].T
+        self._rotated = np.ascontiguousarray(np.moveaxis(rotated, 2, 1), np.float32)
         colour = rig.colour_camera
-        self._lens = np.array([colour.fx, colour.fy, colour.cx, colour.cy, *colour.distortion])
-        self._shift = np.ascontiguousarray(rig.colour_from_depth[:3, 3])
+        lens = [colour.fx, colour.fy, colour.cx, colour.cy, *colour.distortion]
+        self._lens = np.array(lens, np.float32)
+        self._shift = np.array(rig.colour_from_depth[:3, 3], np.float32)
 
     def __call__(self, depth: Depth) -> Depth:
         """The depth image (h, w) of the depth camera as (height, width) of the colour camera; metres, 0 without."""
         colour = self._rig.colour_camera
         registered = np.zeros((colour.height, colour.width), np.float32)
-        _splat(depth, self._rotated, self._shift, self._lens, registered)
+        corners = np.empty((5, depth.shape[1]), np.float32)
+        _splat(depth, self._rotated, self._shift, self._lens, corners, registered)
         return registered
 
 
@@ -69,60 +71,78 @@ def _corner_rays(camera: PinholeCamera) -> NDArray[np.float64]:
     return np.ascontiguousarray(rays.reshape(camera.height + 1, camera.width + 1, 3))
 
 
-@njit(nogil=True, cache=True, fastmath=False)
+@njit(nogil=True, cache=True, fastmath={"contract"}, error_model="numpy")
 def _splat(
     depth: Depth,
-    rotated: NDArray[np.float64],
-    shift: NDArray[np.float64],
-    lens: NDArray[np.float64],
+    rotated: Depth,
+    shift: Depth,
+    lens: Depth,
+    corners: Depth,
     registered: Depth,
 ) -> None:
-    """Every depth pixel's two opposite corners give the rectangle of colour pixels that it covers."""
+    """Every depth pixel's two opposite corners give the rectangle of colour pixels that it covers.
+
+    Args:
+        depth: (h, w) metres; anything else than a positive number is none.
+        rotated: (h + 1, 3, w + 1) rays through the corners of its pixels, in the colour camera's axes.
+        shift: (3,) metres.
+        lens: fx, fy, cx, cy, k1, k2, p1, p2, k3.
+        corners: (5, w) for one row's results.
+        registered: (height, width), zeros; filled.
+    """
+    for row in range(depth.shape[0]):
+        # Without a branch, so that it runs on several pixels at once.
+        _project_row(depth[row], rotated[row], rotated[row + 1], shift, lens, corners)
+        _fill_row(depth[row], corners, registered)
+
+
+@njit(nogil=True, cache=True, fastmath={"contract"}, error_model="numpy")
+def _project_row(depth: Depth, above: Depth, below: Depth, shift: Depth, lens: Depth, corners: Depth) -> None:
+    """Of each pixel the two corners' places in the colour image, pixels, and its depth there, metres."""
     fx, fy, cx, cy, k1, k2, p1, p2, k3 = lens
-    is_bent = k1 != 0.0 or k2 != 0.0 or p1 != 0.0 or p2 != 0.0 or k3 != 0.0
-    rows, columns = depth.shape
+    x, y, z = shift
+    one, two, half = np.float32(1.0), np.float32(2.0), np.float32(0.5)
+    for column in range(len(depth)):
+        metres = depth[column]
+        z0 = metres * above[2, column] + z
+        z1 = metres * below[2, column + 1] + z
+        x0, y0 = (metres * above[0, column] + x) / z0, (metres * above[1, column] + y) / z0
+        x1, y1 = (metres * below[0, column + 1] + x) / z1, (metres * below[1, column + 1] + y) / z1
+        r2 = x0 * x0 + y0 * y0
+        radial = one + r2 * (k1 + r2 * (k2 + r2 * k3))
+        corners[0, column] = fx * (x0 * radial + two * p1 * x0 * y0 + p2 * (r2 + two * x0 * x0)) + cx
+        corners[1, column] = fy * (y0 * radial + p1 * (r2 + two * y0 * y0) + two * p2 * x0 * y0) + cy
+        r2 = x1 * x1 + y1 * y1
+        radial = one + r2 * (k1 + r2 * (k2 + r2 * k3))
+        corners[2, column] = fx * (x1 * radial + two * p1 * x1 * y1 + p2 * (r2 + two * x1 * x1)) + cx
+        corners[3, column] = fy * (y1 * radial + p1 * (r2 + two * y1 * y1) + two * p2 * x1 * y1) + cy
+        # The middle of the pixel tells its depth in the other camera, the corners what it covers.
+        corners[4, column] = half * (z0 + z1) if min(z0, z1) > 0 else np.float32(0.0)
+
+
+@njit(nogil=True, cache=True)
+def _fill_row(depth: Depth, corners: Depth, registered: Depth) -> None:
     height, width = registered.shape
-    for row in range(rows):
-        for column in range(columns):
-            z = depth[row, column]
-            if not (z > 0.0) or not np.isfinite(z):
-                continue
-            # The middle of the pixel tells its depth in the other camera, the corners what it covers.
-            first, last = rotated[row, column], rotated[row + 1, column + 1]
-            z_first, z_last = z * first[2] + shift[2], z * last[2] + shift[2]
-            if z_first <= 0.0 or z_last <= 0.0:
-                continue
-            x0, y0 = (z * first[0] + shift[0]) / z_first, (z * first[1] + shift[1]) / z_first
-            x1, y1 = (z * last[0] + shift[0]) / z_last, (z * last[1] + shift[1]) / z_last
-            if is_bent:
-                r2 = x0 * x0 + y0 * y0
-                radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
-                x0, y0 = (
-                    x0 * radial + 2.0 * p1 * x0 * y0 + p2 * (r2 + 2.0 * x0 * x0),
-                    y0 * radial + p1 * (r2 + 2.0 * y0 * y0) + 2.0 * p2 * x0 * y0,
-                )
-                r2 = x1 * x1 + y1 * y1
-                radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
-                x1, y1 = (
-                    x1 * radial + 2.0 * p1 * x1 * y1 + p2 * (r2 + 2.0 * x1 * x1),
-                    y1 * radial + p1 * (r2 + 2.0 * y1 * y1) + 2.0 * p2 * x1 * y1,
-                )
-            u0, v0 = fx * x0 + cx, fy * y0 + cy
-            u1, v1 = fx * x1 + cx, fy * y1 + cy
-            # Pixels whose centres lie within; at least the one that the middle falls on.
-            left, right = min(u0, u1), max(u0, u1)
-            top, bottom = min(v0, v1), max(v0, v1)
-            if right < -0.5 or bottom < -0.5 or left > width - 0.5 or top > height - 0.5:
-                continue
-            first_u, last_u = int(np.ceil(left)), int(np.ceil(right)) - 1
-            first_v, last_v = int(np.ceil(top)), int(np.ceil(bottom)) - 1
-            if last_u < first_u:
-                first_u = last_u = int(np.floor(0.5 * (left + right) + 0.5))
-            if last_v < first_v:
-                first_v = last_v = int(np.floor(0.5 * (top + bottom) + 0.5))
-            value = np.float32(0.5 * (z_first + z_last))
-            for v in range(max(first_v, 0), min(last_v, height - 1) + 1):
-                for u in range(max(first_u, 0), min(last_u, width - 1) + 1):
-                    known = registered[v, u]
-                    if known == 0.0 or value < known:
-                        registered[v, u] = value
+    for column in range(len(depth)):
+        value = corners[4, column]
+        if not (depth[column] > 0.0) or not (value > 0.0) or not np.isfinite(value):
+            continue
+        u0, v0, u1, v1 = corners[0, column], corners[1, column], corners[2, column], corners[3, column]
+        left, right = min(u0, u1), max(u0, u1)
+        top, bottom = min(v0, v1), max(v0, v1)
+        if not (right >= -0.5 and bottom >= -0.5 and left <= width - 0.5 and top <= height - 0.5):
+            continue
+        # Pixels whose centres lie within; at least the one that the middle falls on.
+        left, right = max(left, np.float32(-1.0)), min(right, np.float32(width))
+        top, bottom = max(top, np.float32(-1.0)), min(bottom, np.float32(height))
+        first_u, last_u = int(np.ceil(left)), int(np.ceil(right)) - 1
+        first_v, last_v = int(np.ceil(top)), int(np.ceil(bottom)) - 1
+        if last_u < first_u:
+            first_u = last_u = int(np.floor(0.5 * (left + right) + 0.5))
+        if last_v < first_v:
+            first_v = last_v = int(np.floor(0.5 * (top + bottom) + 0.5))
+        for v in range(max(first_v, 0), min(last_v, height - 1) + 1):
+            for u in range(max(first_u, 0), min(last_u, width - 1) + 1):
+                known = registered[v, u]
+                if known == 0.0 or value < known:
+                    registered[v, u] = value

@@ -9,6 +9,9 @@ from typing import Protocol
 
 logger = logging.getLogger(__name__)
 
+_LARGE = 10**9
+"""Bytes that are read in more than a moment."""
+
 
 class Encoding(Enum):
     """How a message's bytes are laid out."""
@@ -54,7 +57,11 @@ class Container(Protocol):
 
     path: Path
     topics: tuple[Topic, ...]
-    damage: "Damage"
+
+    @property
+    def damages(self) -> "list[Damage]":
+        """Of each of its files."""
+        ...
 
     def messages(self, names: Collection[str], start: int | None = None, end: int | None = None) -> Iterator[Message]:
         """The messages of some topics in the order of the recording, as far as the file can be read.
@@ -72,18 +79,39 @@ class Container(Protocol):
 
 @dataclass(slots=True)
 class Damage:
-    """Where a file ends too early or cannot be read on; said once."""
+    """Where a file ends too early or cannot be read on; said once, and not before it is known that it can be used.
+
+    Attributes:
+        path: of the file.
+        texts: what was found, in order.
+    """
 
     path: Path
-    text: str = ""
-    _said: set[str] = field(default_factory=set)
+    texts: list[str] = field(default_factory=list)
+    _is_heard: bool = False
 
     def note(self, text: str) -> None:
-        """Remember and say it; the file is used as far as it goes."""
-        self.text = text
-        if text not in self._said:
-            self._said.add(text)
-            logger.warning("%s: %s; what is before it is used", self.path.name, text)
+        """Remember it, and say it if the file is in use; it is used as far as it goes."""
+        if text not in self.texts:
+            self.texts.append(text)
+            if self._is_heard:
+                self._say(text)
+
+    def say(self) -> None:
+        """Say what was found, and from now on what is found."""
+        self._is_heard = True
+        for text in self.texts:
+            self._say(text)
+
+    def _say(self, text: str) -> None:
+        logger.warning("%s: %s; what is before it is used", self.path.name, text)
+
+
+def say_before_a_pass(path: Path) -> None:
+    """Say that a large file is read through once, which takes a while, to be known as one with an index is at once."""
+    size = path.stat().st_size
+    if size > _LARGE:
+        logger.warning("%s: it has no index; its %.1f GB are read through first", path.name, size / 1e9)
 
 
 def ros2_type(name: str) -> str:

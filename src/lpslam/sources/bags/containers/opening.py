@@ -7,7 +7,7 @@ from pathlib import Path
 
 from lpslam.errors import UserError
 from lpslam.sources.bags.containers import mcap_file, ros1, sqlite
-from lpslam.sources.bags.containers.container import Container, Damage, Message, Topic
+from lpslam.sources.bags.containers.container import Container, Message, Topic
 
 SUFFIXES = (".bag", ".db3", ".mcap")
 
@@ -41,7 +41,7 @@ class Split:
 
     def __init__(self, path: Path, parts: list[Container]) -> None:
         self.path = path
-        self.damage = Damage(path)
+        self.damages = [damage for part in parts for damage in part.damages]
         self._parts = parts
         self.topics: tuple[Topic, ...] = tuple({topic.name: topic for part in parts for topic in part.topics}.values())
 

@@ -4,7 +4,10 @@ The format: http://wiki.ros.org/Bags/Format/2.0
 """
 
 import struct
+from bisect import bisect_left
 from collections.abc import Collection, Iterator
+from contextlib import contextmanager, suppress
+from copy import copy
 from io import BytesIO
 from pathlib import Path
 from typing import BinaryIO
@@ -13,7 +16,7 @@ from rosbags.rosbag1 import Reader
 from rosbags.rosbag1.reader import Header, RecordType, decompressors
 
 from lpslam.errors import UserError
-from lpslam.sources.bags.containers.container import Damage, Encoding, Message, Topic, ros2_type
+from lpslam.sources.bags.containers.container import Damage, Encoding, Message, Topic, ros2_type, say_before_a_pass
 
 MAGIC = b"#ROSBAG V2.0\n"
 _LARGEST_RECORD = 1 << 30
@@ -32,7 +35,8 @@ class Ros1Bag:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.damage = Damage(path)
+        self._damage = Damage(path)
+        self.damages = [self._damage]
         with path.open("rb") as file:
             magic = file.read(len(MAGIC))
             if magic != MAGIC:
@@ -53,11 +57,11 @@ class Ros1Bag:
         """See `Container`."""
         topics = {topic.name: topic for topic in self.topics if topic.name in names}
         if not self._is_indexed:
-            for name, logged, data in self._scanned():
+            for name, logged, data in self._within(start, end):
                 if name in topics and _is_within(logged, start, end):
                     yield Message(topics[name], logged, data)
             return
-        with Reader(self.path) as reader:
+        with self._reader(start) as reader:
             connections = [each for each in reader.connections if each.topic in topics]
             if not connections:
                 return
@@ -67,7 +71,21 @@ class Ros1Bag:
             except GeneratorExit:
                 raise
             except Exception as error:
-                self.damage.note(f"a part of it cannot be read ({_said(error)})")
+                self._damage.note(f"a part of it cannot be read ({_said(error)})")
+
+    @contextmanager
+    def _reader(self, start: int | None) -> Iterator[Reader]:
+        """A reader of its own that begins at a time; the index was read once, which takes a second of a large bag."""
+        reader = copy(self._index)
+        if start is not None:
+            reader.indexes = {
+                number: entries[bisect_left(entries, start, key=lambda entry: entry.time) :]
+                for number, entries in reader.indexes.items()
+            }
+        with self.path.open("rb") as file:
+            reader.bio = file
+            reader.current_chunk = (-1, BytesIO())
+            yield reader
 
     def times(self, name: str) -> list[int]:
         """See `Container`."""
@@ -75,11 +93,16 @@ class Ros1Bag:
 
     def _read_index(self) -> bool:
         try:
-            with Reader(self.path) as reader:
-                by_name = {each.topic: _topic(each.topic, each.msgtype) for each in reader.connections}
-                self.topics = tuple(by_name.values())
-                for each in reader.connections:
-                    self._times.setdefault(each.topic, []).extend(entry.time for entry in reader.indexes[each.id])
+            self._index = reader = Reader(self.path)
+            reader.open()
+            # Closing it would drop its index.
+            file, reader.bio = reader.bio, None
+            if file is not None:
+                file.close()
+            by_name = {each.topic: _topic(each.topic, each.msgtype) for each in reader.connections}
+            self.topics = tuple(by_name.values())
+            for each in reader.connections:
+                self._times.setdefault(each.topic, []).extend(entry.time for entry in reader.indexes[each.id])
         except Exception:
             self._times.clear()
             return False
@@ -89,14 +112,30 @@ class Ros1Bag:
 
     def _read_all(self) -> None:
         """Topics and times of a bag without an index, which one pass over it tells."""
+        say_before_a_pass(self.path)
         self._types: dict[str, str] = {}
-        for name, logged, _ in self._scanned():
+        self._names: dict[int, str] = {}
+        self._spans: dict[int, tuple[int, int]] = {}
+        for begun, name, logged in self._scanned():
             self._times.setdefault(name, []).append(logged)
+            first, last = self._spans.get(begun, (logged, logged))
+            self._spans[begun] = min(first, logged), max(last, logged)
+        for times in self._times.values():
+            times.sort()
         self.topics = tuple(_topic(name, kind) for name, kind in self._types.items())
 
-    def _scanned(self) -> Iterator[tuple[str, int, bytes]]:
-        """Topic, time and bytes of every message from the beginning to where the file breaks off."""
-        names: dict[int, str] = {}
+    def _within(self, start: int | None, end: int | None) -> Iterator[tuple[str, int, bytes]]:
+        """Topic, time and bytes of the messages of all records that reach between two times."""
+        with self.path.open("rb") as file:
+            for begun, (first, last) in self._spans.items():
+                if (start is None or last >= start) and (end is None or first < end):
+                    file.seek(begun)
+                    # The last one may be damaged further on.
+                    with suppress(Exception):
+                        yield from self._unpacked(*_record(file), self._names)
+
+    def _scanned(self) -> Iterator[tuple[int, str, int]]:
+        """Place of the record, topic and time of every message from the beginning to where the file breaks off."""
         size = self.path.stat().st_size
         with self.path.open("rb") as file:
             file.seek(len(MAGIC))
@@ -104,15 +143,16 @@ class Ros1Bag:
                 begun = file.tell()
                 try:
                     header, data = _record(file)
-                    yield from self._unpacked(header, data, names)
+                    for name, logged, _ in self._unpacked(header, data, self._names):
+                        yield begun, name, logged
                 except GeneratorExit:
                     raise
                 except Exception as error:
-                    self.damage.note(
+                    self._damage.note(
                         f"it is cut off or damaged {_megabytes(begun)} from its beginning ({_said(error)})"
                     )
                     return
-        self.damage.note("it has no index, as after a power failure")
+        self._damage.note("it has no index, as after a power failure")
 
     def _unpacked(self, header: Header, data: bytes, names: dict[int, str]) -> Iterator[tuple[str, int, bytes]]:
         kind = header.get_uint8("op")

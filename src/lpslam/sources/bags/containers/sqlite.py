@@ -4,8 +4,11 @@ The tables: https://github.com/ros2/rosbag2/tree/rolling/rosbag2_storage_sqlite3
 """
 
 import sqlite3
+from array import array
+from bisect import bisect_left
 from collections.abc import Collection, Iterator
 from contextlib import closing
+from itertools import islice, pairwise
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -16,6 +19,8 @@ from lpslam.sources.bags.containers.container import Damage, Encoding, Message, 
 MAGIC = b"SQLite format 3\0"
 _LEAPS = 40
 """How often rows that cannot be read are leapt over, each time twice as many: pages of a database are missing."""
+_LEAST_ROW = 4
+"""Bytes that a row takes at least: its number, its lengths and its cell's place."""
 
 
 class Ros2Database:
@@ -30,8 +35,11 @@ class Ros2Database:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.damage = Damage(path)
+        self._damage = Damage(path)
+        self.damages = [self._damage]
         self._options = "mode=ro"
+        # No row takes less: damaged trees may lead around for ever.
+        self._most_rows = path.stat().st_size // _LEAST_ROW + 1
         try:
             rows = self._topic_rows()
         except sqlite3.OperationalError:
@@ -44,45 +52,51 @@ class Ros2Database:
         self.topics = tuple(
             Topic(str(name), ros2_type(str(kind)), _encoding(str(form))) for _, name, kind, form in rows
         )
+        self._rows, self._logged, self._of_topic = array("q"), array("q"), array("q")
+        self._is_whole = self._walk()
+        if not self._is_whole:
+            self._collect()
         # Rows are recorded in order; only where they are not does the index of times decide.
-        self._is_whole = self._can_be_walked()
+        self._is_in_order = all(one <= other for one, other in pairwise(self._logged))
 
     def messages(self, names: Collection[str], start: int | None = None, end: int | None = None) -> Iterator[Message]:
         """See `Container`."""
         wanted = {self._ids[topic.name]: topic for topic in self.topics if topic.name in names}
         if not wanted:
             return
-        marks = ",".join("?" * len(wanted))
         bounds = (start if start is not None else -(1 << 62), end if end is not None else (1 << 62))
         if not self._is_whole:
             yield from self._salvaged(wanted, *bounds)
             return
-        query = (
-            f"SELECT topic_id, timestamp, data FROM messages WHERE topic_id IN ({marks}) "
-            "AND timestamp >= ? AND timestamp < ? ORDER BY timestamp"
-        )
+        query, values = self._query(*bounds)
+        marks = ",".join("?" * len(wanted))
         try:
             with closing(self._connection()) as connection:
-                for topic_id, logged, data in connection.execute(query, (*wanted, *bounds)):
+                found = connection.execute(query.format(marks), (*wanted, *values))
+                for _, topic_id, logged, data in islice(found, self._most_rows):
                     yield Message(wanted[topic_id], int(logged), bytes(data or b""))
+                    # Where it breaks off, what is after it may be whole.
+                    bounds = (int(logged) + 1, bounds[1])
         except (sqlite3.Error, TypeError, ValueError) as error:
-            self.damage.note(f"a part of it cannot be read ({error})")
+            self._damage.note(f"a part of it cannot be read ({error})")
+            yield from self._salvaged(wanted, *bounds)
 
     def times(self, name: str) -> list[int]:
         """See `Container`."""
         if name not in self._ids:
             return []
-        if not self._is_whole:
-            topic = {self._ids[name]: Topic(name, "", Encoding.CDR)}
-            return [message.logged for message in self._salvaged(topic, -(1 << 62), 1 << 62)]
-        try:
-            with closing(self._connection()) as connection:
-                rows = connection.execute(
-                    "SELECT timestamp FROM messages WHERE topic_id = ? ORDER BY timestamp", (self._ids[name],)
-                )
-                return [int(row[0]) for row in rows]
-        except (sqlite3.Error, TypeError, ValueError):
-            return []
+        number = self._ids[name]
+        return sorted(logged for logged, topic in zip(self._logged, self._of_topic, strict=True) if topic == number)
+
+    def _query(self, start: int, end: int) -> tuple[str, tuple[int, int]]:
+        """Row number, topic, time and data between two times; the topics' marks are left open."""
+        columns = "SELECT id, topic_id, timestamp, data FROM messages"
+        if not self._is_in_order:
+            order = "AND timestamp >= ? AND timestamp < ? ORDER BY timestamp"
+            return f"{columns} WHERE topic_id IN ({{}}) {order}", (start, end)
+        first, last = bisect_left(self._logged, start), bisect_left(self._logged, end)
+        bounds = (self._rows[first] if first < len(self._rows) else 1 << 62, self._rows[last - 1] if last else -1)
+        return f"{columns} NOT INDEXED WHERE topic_id IN ({{}}) AND id >= ? AND id <= ? ORDER BY id", bounds
 
     def _connection(self) -> sqlite3.Connection:
         connection = sqlite3.connect(f"file:{quote(str(self.path.absolute()))}?{self._options}", uri=True)
@@ -101,41 +115,69 @@ class Ros2Database:
         except sqlite3.Error as error:
             raise UserError(f"{self.path} is no ROS 2 recording that can be read ({error})") from error
 
-    def _can_be_walked(self) -> bool:
-        """Whether the first and the last row, by number and by time, are there: they are at a file's two ends."""
+    def _walk(self) -> bool:
+        """Collect number, topic and time of every row, without what it holds; whether all rows were reached.
+
+        Recorders number rows one by one and delete none.
+        """
         try:
             with closing(self._connection()) as connection:
                 pages = connection.execute("PRAGMA page_count").fetchone()[0]
                 size = connection.execute("PRAGMA page_size").fetchone()[0]
-                stated = int.from_bytes(self._head()[28:32], "big")
-                if max(pages, stated) * size > self.path.stat().st_size:
+                if max(pages, int.from_bytes(self._head()[28:32], "big")) * size > self.path.stat().st_size:
                     raise sqlite3.DatabaseError("it is cut off")
-                connection.execute("SELECT id FROM messages ORDER BY id DESC LIMIT 1").fetchone()
-                connection.execute("SELECT id FROM messages ORDER BY timestamp DESC LIMIT 1").fetchone()
-        except sqlite3.Error as error:
-            self.damage.note(f"a part of it is missing ({error})")
+                query = "SELECT id, topic_id, timestamp FROM messages NOT INDEXED ORDER BY id"
+                for row, topic_id, logged in islice(connection.execute(query), self._most_rows):
+                    if self._rows and row <= self._rows[-1]:
+                        raise sqlite3.DatabaseError("its rows are not in order")
+                    self._rows.append(row)
+                    self._of_topic.append(topic_id)
+                    self._logged.append(logged)
+        except (sqlite3.Error, TypeError, OverflowError) as error:
+            self._damage.note(f"a part of it is missing ({error})")
             return False
-        return True
+        missing = self._rows[-1] - self._rows[0] + 1 - len(self._rows) if self._rows else 0
+        if missing:
+            self._damage.note(f"{missing} of its messages cannot be reached")
+        return not missing
 
     def _head(self) -> bytes:
         with self.path.open("rb") as file:
             return file.read(100)
 
+    def _collect(self) -> None:
+        """Number, topic and time of all rows that can be read with what they hold: one pass over a damaged file."""
+        self._rows, self._logged, self._of_topic = array("q"), array("q"), array("q")
+        for row, topic_id, logged, _ in self._readable(0):
+            self._rows.append(row)
+            self._of_topic.append(topic_id)
+            self._logged.append(logged)
+
     def _salvaged(self, wanted: dict[int, Topic], start: int, end: int) -> Iterator[Message]:
-        """Rows in the order in which they were written; rows that cannot be read are leapt over."""
-        row, step = 0, 1
+        """Messages between two times in the order in which they were written."""
+        first = bisect_left(self._logged, start) if self._is_in_order else 0
+        if first == len(self._rows):
+            return
+        for _, topic_id, logged, data in self._readable(self._rows[first] - 1):
+            if self._is_in_order and logged >= end:
+                return
+            if topic_id in wanted and start <= logged < end:
+                yield Message(wanted[topic_id], logged, data)
+
+    def _readable(self, row: int) -> Iterator[tuple[int, int, int, bytes]]:
+        """Number, topic, time and data of the rows after one; rows that cannot be read are leapt over."""
+        step = 1
         with closing(self._connection()) as connection:
             for _ in range(_LEAPS):
                 try:
-                    query = "SELECT id, topic_id, timestamp, data FROM messages WHERE id > ? ORDER BY id"
+                    query = "SELECT id, topic_id, timestamp, data FROM messages NOT INDEXED WHERE id > ? ORDER BY id"
                     for found, topic_id, logged, data in connection.execute(query, (row,)):
                         if int(found) <= row:
                             return  # a damaged tree that leads back into itself
                         row, step = int(found), 1
-                        if topic_id in wanted and start <= int(logged) < end:
-                            yield Message(wanted[topic_id], int(logged), bytes(data or b""))
+                        yield row, int(topic_id), int(logged), bytes(data or b"")
                     return
-                except (sqlite3.Error, TypeError, ValueError):
+                except (sqlite3.Error, TypeError, ValueError, OverflowError):
                     row, step = row + step, 2 * step
 
 

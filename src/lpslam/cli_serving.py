@@ -1,0 +1,128 @@
+"""Commands that serve maps to others: over HTTP, and to agents; and their tokens."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from lpslam.cli_checks import config_of
+from lpslam.errors import MissingExtraError, UserError
+from lpslam.views.printed import load_matplotlib, print_json, say
+
+Maps = Annotated[
+    list[Path] | None, typer.Argument(metavar="MAP...", help="Maps made by 'lpslam run'.", show_default=False)
+]
+Llm = Annotated[
+    str | None,
+    typer.Option(
+        "--llm", metavar="MODEL", help="offline (default), openai:, anthropic:, google: or ollama:MODEL, or URL#MODEL."
+    ),
+]
+ConfigFile = Annotated[
+    Path | None, typer.Option("--config", metavar="FILE", help="YAML overrides of limits; see 'lpslam config'.")
+]
+
+
+def serve(
+    maps: Maps = None,
+    host: Annotated[str, typer.Option(help="Where to listen; elsewhere than here only with --tokens.")] = "127.0.0.1",
+    port: Annotated[int, typer.Option(min=0, max=65535, help="0 for any that is free.")] = 8765,
+    tokens: Annotated[
+        Path | None, typer.Option("--tokens", metavar="FILE", help="Who may do what; see 'lpslam token'.")
+    ] = None,
+    uploads: Annotated[
+        Path | None, typer.Option("--uploads", metavar="FOLDER", help="Take recordings, and keep their maps there.")
+    ] = None,
+    allow_host: Annotated[
+        list[str] | None, typer.Option("--allow-host", metavar="NAME", help="Another name of this server.")
+    ] = None,
+    certificate: Annotated[Path | None, typer.Option("--certificate", metavar="FILE", help="For TLS, with --key.")] = (
+        None
+    ),
+    key: Annotated[Path | None, typer.Option("--key", metavar="FILE", help="Of the certificate.")] = None,
+    workers: Annotated[
+        int | None, typer.Option("--workers", min=0, max=64, help="Processes that answer; 2 without, 0 for threads.")
+    ] = None,
+    llm: Llm = None,
+    config: ConfigFile = None,
+) -> None:
+    """Serve maps over HTTP: landmarks, questions, events; its schema is at /openapi.json.
+
+    Listens on this machine alone unless --host and --tokens are given. A map that is replaced is served anew.
+    """
+    _need("starlette", "uvicorn", "fastapi", what="lpslam serve", extra="serve")
+    from lpslam.language.registry import language_model
+    from lpslam.serving.http.server import Address, bound, run, url_of
+    from lpslam.serving.tokens import Tokens
+
+    settings = config_of(config)
+    address = Address(host, port, certificate, key)
+    known = Tokens(tokens) if tokens is not None else None
+    if known is None and not address.is_loopback:
+        raise UserError(
+            f"--host {host} can be reached by others, who would need no token: give --tokens FILE, or listen here alone"
+        )
+    if (certificate is None) != (key is None):
+        raise UserError("--certificate and --key belong together: give both or neither")
+    if not maps and uploads is None:
+        raise UserError("what is to be served? give maps, or --uploads FOLDER for recordings")
+    language = language_model(llm, settings.language)
+    listening = bound(address)
+    load_matplotlib()
+
+    from lpslam.serving.assembling import assemble
+
+    with listening:
+        app = assemble(maps or [], settings, language, address.host, known, uploads, allow_host or [], workers)
+        if known is not None and not address.is_loopback and certificate is None:
+            say("tokens go over the network in the clear: give --certificate and --key, or stand behind a proxy")
+        url = url_of(listening, address)
+        run(app, listening, address, settings.serving, lambda: say(f"serving at {url}; Ctrl-C ends it"))
+
+
+def mcp(
+    maps: Annotated[list[Path], typer.Argument(metavar="MAP...", help="Maps made by 'lpslam run'.")],
+    llm: Llm = None,
+    config: ConfigFile = None,
+) -> None:
+    """Give maps to an agent as tools (Model Context Protocol), over standard input and output. Nothing is written."""
+    _need("mcp", what="lpslam mcp", extra="mcp")
+    load_matplotlib()
+    from lpslam.language.registry import language_model
+    from lpslam.serving.agents import agent_server
+    from lpslam.serving.atlas import Atlas
+
+    settings = config_of(config)
+    language = language_model(llm, settings.language)
+    agent_server(Atlas(maps), language, settings).run("stdio")
+
+
+def token(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Where tokens are kept, as digests.")],
+    name: Annotated[str, typer.Option("--name", metavar="NAME", help="Of whoever gets it.")],
+    scope: Annotated[
+        list[str] | None, typer.Option("--scope", metavar="SCOPE", help="read, ask or map; read and ask without.")
+    ] = None,
+    days: Annotated[float | None, typer.Option("--days", min=0, max=36500, help="Until it expires.")] = 90.0,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+) -> None:
+    """Make a token for 'lpslam serve --tokens FILE'. It is shown once; to withdraw it, remove its entry."""
+    from lpslam.serving.tokens import add_token
+
+    made = add_token(file, name, scope or ["read", "ask"], days)
+    if as_json:
+        print_json({"name": name, "token": made, "file": str(file)})
+    else:
+        print(made)
+        say(f"kept in {file} as a digest; the token itself is shown this once")
+
+
+def _need(*modules: str, what: str, extra: str) -> None:
+    """Raise where an optional part is not installed."""
+    from importlib.util import find_spec
+
+    if any(find_spec(module) is None for module in modules):
+        raise MissingExtraError(what, extra)
+
+
+COMMANDS: tuple[Any, ...] = (serve, mcp, token)

@@ -1,0 +1,69 @@
+"""The process's edges: Ctrl-C at any moment is one line and exit code 130, and standard streams may be closed."""
+
+import os
+import signal
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from types import FrameType
+from typing import NoReturn, TextIO
+
+INTERRUPTED = 130
+"""Exit code after Ctrl-C, as shells have it."""
+_LINE = "lpslam: interrupted\n"
+_was_pressed = False
+
+
+def watch() -> None:
+    """Note the key from now on, unless whoever started the process lets it be ignored."""
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, _press)
+    sys.unraisablehook = _unraisable
+
+
+def was_pressed() -> bool:
+    """Whether the key broke something off: what fails from then on fails because of it."""
+    return _was_pressed
+
+
+def end(is_said: bool = False) -> NoReturn:
+    """End at once: the reading engine may be at work in its thread, and tearing it down meanwhile would crash."""
+    remove: Callable[[], None] | None = getattr(sys.modules.get("lpslam.kernel_cache"), "remove_temporary", None)
+    if remove is not None:
+        remove()
+    try:
+        sys.stderr.write("" if is_said else _LINE)
+        sys.stderr.flush()
+    except (OSError, ValueError):
+        pass
+    os._exit(INTERRUPTED)
+
+
+def hold_streams() -> None:
+    """Keep closed standard streams from becoming the next file that is opened: they lead nowhere."""
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            # The lowest free number is taken, which is this one.
+            os.open(os.devnull, os.O_RDWR)
+    sys.stdout = sys.stdout or _nowhere()
+    sys.stderr = sys.stderr or _nowhere()
+
+
+def _nowhere() -> TextIO:
+    return Path(os.devnull).open("w", encoding="utf-8")
+
+
+def _press(number: int, frame: FrameType | None) -> None:
+    global _was_pressed
+    if _was_pressed:
+        end()
+    _was_pressed = True
+    raise KeyboardInterrupt
+
+
+def _unraisable(what: "sys.UnraisableHookArgs") -> None:
+    """A key that falls into the end of an object has nobody to tell."""
+    if not isinstance(what.exc_value, KeyboardInterrupt):
+        sys.__unraisablehook__(what)

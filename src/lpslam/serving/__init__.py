@@ -1,0 +1,1 @@
+"""Maps served to others: over HTTP, and as tools of language models' agents."""

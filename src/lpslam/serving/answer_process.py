@@ -1,0 +1,89 @@
+"""The process that answers questions with the embedded model: requests come in by a pipe, answers go out by another."""
+
+import gc
+import json
+import logging
+import os
+import signal
+import struct
+import sys
+from dataclasses import dataclass
+from typing import Any, BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.errors import UserError
+from lpslam.language.offline import embedded_model
+from lpslam.navigation.directory import Directory
+from lpslam.serving.answerers import as_json, unpacked
+from lpslam.serving.questions import Asked, answered, understood
+
+logger = logging.getLogger(__name__)
+
+_HEAD = struct.Struct("<Q")
+_FIRST = (
+    "where can I buy a book next to the exit?", "哪里可以买书？", "本はどこで買えますか？", "책은 어디서 살 수 있나요?",
+    "¿dónde puedo comprar un libro?", "où puis-je acheter un livre ?", "Wo kann ich hier ein Buch kaufen?",
+)  # fmt: skip
+"""One question in each language, whose tables are read at its first."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _KnownMap:
+    name: str
+    version: str
+    directory: Directory
+    view: tuple[NDArray[np.float64], float]
+
+
+def main() -> None:
+    """Answer until the pipe is closed."""
+    # Ctrl-C is the server's: it closes the pipe.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    requests = sys.stdin.buffer
+    # What else is printed must not come between answers.
+    answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
+    maps: dict[str, _KnownMap] = {}
+    while (request := _next(requests)) is not None:
+        try:
+            reply = b"J" + _reply(request, maps)
+        except UserError as error:
+            reply = b"U" + str(error).encode("utf-8", "replace")
+        except Exception:
+            logger.exception("a question met an error")
+            reply = b"E"
+        answers.write(_HEAD.pack(len(reply)) + reply)
+        answers.flush()
+
+
+def _next(requests: BinaryIO) -> bytes | None:
+    head = requests.read(_HEAD.size)
+    if len(head) < _HEAD.size:
+        return None
+    (size,) = _HEAD.unpack(head)
+    return requests.read(size)
+
+
+def _reply(request: bytes, maps: dict[str, _KnownMap]) -> bytes:
+    if request.startswith(b"map "):
+        name, version, landmarks, view = unpacked(request[4:])
+        maps[name] = known = _KnownMap(name, version, Directory(landmarks), view)
+        # The tables are made now, and not when the first question waits for them.
+        embedded_model().scorer(known.directory.candidates)
+        for first in _FIRST:
+            answered(Asked(first), known, embedded_model(), len(first))
+        # None of it is garbage: the collector need not go through it again and again.
+        gc.collect()
+        gc.freeze()
+        return b"{}"
+    asked = json.loads(request)
+    question = Asked(**{key: _frozen(value) for key, value in asked["asked"].items()})
+    if asked["do"] == "understand":
+        return as_json(understood(question, embedded_model()))
+    return as_json(answered(question, maps[asked["map"]], embedded_model(), asked["longest"]))
+
+
+def _frozen(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else value

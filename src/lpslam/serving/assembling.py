@@ -1,0 +1,58 @@
+"""A server put together from what the command line says."""
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from lpslam.config import Config
+from lpslam.language.model import LanguageModel
+from lpslam.language.offline import OfflineModel
+from lpslam.serving.answerers import Answerer, ProcessAnswerer, ThreadAnswerer
+from lpslam.serving.atlas import Atlas
+from lpslam.serving.http.app import build_app
+from lpslam.serving.http.services import Services
+from lpslam.serving.http.shield import Door, Shield, allowed_hosts
+from lpslam.serving.hub import Hub
+from lpslam.serving.jobs.queue import Jobs
+from lpslam.serving.tokens import Tokens
+
+_WORKERS = 2  # processes that answer, where there are as many cores
+
+
+def assemble(
+    maps: Sequence[Path],
+    config: Config,
+    language: LanguageModel,
+    host: str,
+    tokens: Tokens | None,
+    uploads: Path | None,
+    names: Sequence[str],
+    workers: int | None,
+) -> Shield:
+    """The application for some maps.
+
+    Args:
+        maps: files.
+        config: limits and thresholds.
+        language: answers questions.
+        host: where the server listens.
+        tokens: who may do what.
+        uploads: folder for uploads; None where none are taken.
+        names: other names of the server.
+        workers: processes that answer; of a model that is not the embedded one, threads do.
+
+    Raises:
+        UserError: a map cannot be read, two have one name, or uploads cannot be kept.
+    """
+    limits = config.serving
+    atlas = Atlas([*maps, *(Jobs.kept_maps(uploads) if uploads is not None else ())])
+    longest = config.language.question_length
+    count = min(_WORKERS, os.cpu_count() or 1) if workers is None else workers
+    answerer: Answerer
+    if isinstance(language, OfflineModel) and count:
+        answerer = ProcessAnswerer(count, longest, limits.waiting_questions, limits.answer_s, limits.answers_kept)
+    else:
+        answerer = ThreadAnswerer(language, longest, limits.waiting_questions)
+    services = Services(atlas, answerer, Hub(limits.listeners, limits.waiting_events), config, uploads)
+    door = Door(allowed_hosts(host, names), tokens, limits, streams=frozenset({"/jobs"}))
+    return build_app(services, door)

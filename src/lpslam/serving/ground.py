@@ -1,0 +1,139 @@
+"""What maps know of the ground: the occupancy grid, goal poses and ways. Older maps know nothing of it."""
+
+import threading
+from typing import Any
+
+import cv2
+import numpy as np
+
+from lpslam.config import Config
+from lpslam.errors import UserError
+from lpslam.ground.grid import FREE, OCCUPIED, Grid
+from lpslam.navigation.walking.goals import Goal, goal_before
+from lpslam.navigation.walking.routes import route_through
+from lpslam.navigation.walking.telling import LANGUAGES, Sign, told
+from lpslam.navigation.walking.ways import NoWayError, Walkable
+from lpslam.serving.atlas import ServedMap
+from lpslam.text.types import Landmark
+
+Start = tuple[tuple[float, ...], float | None]
+"""Metres, map frame, and degrees or None: where somebody stands."""
+
+# Shades as ROS's map_server has them.
+_FREE_SHADE, _OCCUPIED_SHADE, _UNKNOWN_SHADE = 254, 0, 205
+
+
+class NoGroundError(UserError):
+    """The map does not know where one can go."""
+
+
+class Grounds:
+    """The ground of maps, made when it is first asked for and kept for each version; safe in threads.
+
+    Args:
+        config: how the ground is seen, and the robot.
+    """
+
+    def __init__(self, config: Config) -> None:
+        self._config = config
+        self._making = threading.Lock()
+        self._made: dict[str, tuple[str, Walkable | None]] = {}
+
+    @staticmethod
+    def has(served: ServedMap) -> bool:
+        """Whether a map has kept what its ground follows from; the floor may still have been out of sight."""
+        scans = served.world.scans
+        return scans is not None and len(scans) > 0
+
+    def goal(self, served: ServedMap, mark: Landmark, start: Start | None) -> dict[str, Any]:
+        """Where to stand before a landmark, as `records.GoalRecord` has it.
+
+        Raises:
+            NoGroundError: the map has no ground.
+            NoWayError: nothing can be reached from there.
+        """
+        here, _ = _start(served, start)
+        return _goal_record(served, mark, goal_before(mark.position, mark.normal, self._walkable(served), here))
+
+    def path(self, served: ServedMap, mark: Landmark, start: Start | None, language: str = "en") -> dict[str, Any]:
+        """The way to a landmark, as `records.PathRecord` has it, told in a language; raises as `goal`."""
+        here, heading = _start(served, start)
+        (leg,) = route_through(here, [mark], self._walkable(served))
+        signs = [Sign(each.name, each.position) for each in served.directory.landmarks]
+        spoken = language if language in LANGUAGES else "en"
+        return _goal_record(served, mark, leg.goal) | {
+            "points": [_rounded(point) for point in leg.way.points],
+            "length": round(leg.way.length, 2),
+            "seconds": round(leg.way.seconds, 1),
+            "steps": told(leg.way, signs, Sign(mark.name, mark.position), spoken, heading),
+        }
+
+    def facts(self, served: ServedMap) -> dict[str, Any]:
+        """Where the occupancy grid lies, as `records.GridRecord` has it; raises as `goal`."""
+        grid = self._grid(served)
+        rows, columns = grid.shape
+        return {
+            "map": served.name,
+            "version": served.version,
+            "width": columns,
+            "height": rows,
+            "resolution": grid.resolution,
+            "origin": list(grid.origin),
+            "free": int((grid.values == FREE).sum()),
+            "occupied": int((grid.values == OCCUPIED).sum()),
+        }
+
+    def picture(self, served: ServedMap) -> bytes:
+        """The occupancy grid as PNG, a pixel a cell, x to the right and y up; raises as `goal`."""
+        values = self._grid(served).values
+        shades = np.full(values.shape, _UNKNOWN_SHADE, np.uint8)
+        shades[values == FREE], shades[values == OCCUPIED] = _FREE_SHADE, _OCCUPIED_SHADE
+        _, encoded = cv2.imencode(".png", np.ascontiguousarray(shades[::-1]))
+        return encoded.tobytes()
+
+    def _grid(self, served: ServedMap) -> Grid:
+        return self._walkable(served).grid
+
+    def _walkable(self, served: ServedMap) -> Walkable:
+        if not self.has(served):
+            raise NoGroundError(
+                f"map {served.name} has no ground: where one can go is not known; /ask gives the place and its distance"
+            )
+        # One at a time: a flood must not have it made more than once.
+        with self._making:
+            version, walkable = self._made.get(served.name, ("", None))
+            if version != served.version:
+                grid = served.world.grid(self._config.ground)
+                walkable = None if grid is None else Walkable(grid, self._config.ways)
+                self._made[served.name] = served.version, walkable
+        if walkable is None:
+            raise NoGroundError(f"map {served.name} has no ground: no floor was seen when it was made")
+        return walkable
+
+
+def _start(served: ServedMap, start: Start | None) -> tuple[np.ndarray[Any, np.dtype[np.float64]], float | None]:
+    """Where somebody stands, and the heading in radians; where the camera was last, if nobody says."""
+    if start is None:
+        return served.view[0], served.view[1]
+    place, heading = start
+    return np.array(place, dtype=np.float64), None if heading is None else float(np.radians(heading))
+
+
+def _goal_record(served: ServedMap, mark: Landmark, goal: Goal) -> dict[str, Any]:
+    return {
+        "map": served.name,
+        "version": served.version,
+        "landmark": mark.id,
+        "name": mark.name,
+        "position": _rounded(goal.position),
+        "heading": round(float(np.degrees(goal.yaw)) % 360.0, 2),
+        "is_before_the_sign": goal.is_before,
+        "missing": round(goal.missing, 2),
+    }
+
+
+def _rounded(point: np.ndarray[Any, np.dtype[np.float64]]) -> list[float]:
+    return [round(float(value), 3) for value in point]
+
+
+__all__ = ["Grounds", "NoGroundError", "NoWayError", "Start"]

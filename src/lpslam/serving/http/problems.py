@@ -1,0 +1,87 @@
+"""What goes wrong, as one line of JSON (RFC 9457) with a status; never a traceback, never a path of the server."""
+
+import json
+import logging
+from collections.abc import Mapping
+from typing import Any
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from starlette.exceptions import HTTPException
+from starlette.responses import Response
+
+from lpslam.errors import LpSlamError, UserError
+from lpslam.serving.answerers import AnswerLostError, BusyError
+from lpslam.serving.atlas import NoSuchMapError
+from lpslam.serving.ground import NoGroundError
+from lpslam.serving.hub import TooManyListenersError
+from lpslam.serving.jobs.queue import NameTakenError, TooLargeError, TooManyJobsError
+from lpslam.serving.summaries import NoSuchLandmarkError
+from lpslam.views.drawable import printable
+
+logger = logging.getLogger(__name__)
+
+TITLES = {
+    400: "Bad request", 401: "Unauthorized", 403: "Forbidden", 404: "Not found", 405: "Method not allowed",
+    408: "Request timeout", 409: "Conflict", 411: "Length required", 413: "Content too large",
+    415: "Unsupported media type", 421: "Misdirected request", 422: "Unprocessable content", 429: "Too many requests",
+    500: "Internal server error", 501: "Not implemented", 503: "Service unavailable", 504: "Gateway timeout",
+}  # fmt: skip
+
+# The first that an error is counts.
+_STATUS: tuple[tuple[type[LpSlamError], int], ...] = (
+    (NoSuchMapError, 404),
+    (NoSuchLandmarkError, 404),
+    (NoGroundError, 501),
+    (NameTakenError, 409),
+    (TooLargeError, 413),
+    (TooManyJobsError, 503),
+    (TooManyListenersError, 503),
+    (BusyError, 503),
+    (AnswerLostError, 504),
+    (UserError, 422),
+)
+
+
+def problem(status: int, detail: str, headers: Mapping[str, str] | None = None) -> Response:
+    """A response that says what is wrong."""
+    title = TITLES.get(status, "Error")
+    body = {"type": "about:blank", "title": title, "status": status, "detail": printable(detail, longest=500)}
+    more = dict(headers or {})
+    if status == 503:
+        more.setdefault("retry-after", "1")
+    encoded = json.dumps(body, ensure_ascii=False).encode("utf-8", "replace")
+    return Response(encoded, status, more, media_type="application/problem+json")
+
+
+def handle_problems(app: FastAPI) -> None:
+    """Have every error of an application answered so."""
+
+    async def of_http(request: Request, error: Exception) -> Response:
+        assert isinstance(error, HTTPException)
+        return problem(error.status_code, str(error.detail), error.headers)
+
+    async def of_input(request: Request, error: Exception) -> Response:
+        assert isinstance(error, RequestValidationError)
+        return problem(422, _first_fault(error.errors()))
+
+    async def of_lpslam(request: Request, error: Exception) -> Response:
+        return problem(next((code for kind, code in _STATUS if isinstance(error, kind)), 500), str(error))
+
+    async def of_the_server(request: Request, error: Exception) -> Response:
+        logger.error("%s met %s: %s", request.scope["path"], type(error).__name__, error, exc_info=error)
+        return problem(500, "the server met an error, which is logged; it goes on")
+
+    app.add_exception_handler(HTTPException, of_http)
+    app.add_exception_handler(RequestValidationError, of_input)
+    app.add_exception_handler(LpSlamError, of_lpslam)
+    app.add_exception_handler(Exception, of_the_server)
+
+
+def _first_fault(faults: Any) -> str:
+    """The first thing that is wrong with an input; what was sent is not sent back."""
+    if not faults:
+        return "the request is not as the schema says"
+    first = faults[0]
+    where = ".".join(str(part)[:60] for part in first.get("loc", ())[:4])
+    return f"{where}: {first.get('msg', 'is wrong')}"

@@ -1,0 +1,93 @@
+"""What the routes share: maps, who answers, events and jobs, and the time in which they live."""
+
+import asyncio
+import contextlib
+import gc
+import logging
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from lpslam.config import Config
+from lpslam.serving.answerers import Answerer
+from lpslam.serving.atlas import Atlas, ServedMap
+from lpslam.serving.ground import Grounds
+from lpslam.serving.hub import Hub
+from lpslam.serving.jobs.queue import Jobs
+from lpslam.serving.pictures import Pictures
+
+logger = logging.getLogger(__name__)
+
+
+@dataclass(slots=True)
+class Services:
+    """All that routes use.
+
+    Raises:
+        UserError: uploads cannot be kept.
+
+    Attributes:
+        atlas: the maps.
+        answerer: answers questions.
+        hub: tells of events.
+        config: limits, and thresholds of the maps that jobs make.
+        uploads: folder for uploads; None where none are taken.
+        jobs: of the uploads; None where none are taken.
+        pictures, grounds: of the maps.
+    """
+
+    atlas: Atlas
+    answerer: Answerer
+    hub: Hub
+    config: Config
+    uploads: Path | None = None
+    jobs: Jobs | None = None
+    pictures: Pictures = field(default_factory=Pictures)
+    grounds: Grounds = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Have a place for uploads, where they are taken."""
+        self.grounds = Grounds(self.config)
+        if self.uploads is not None:
+            self.jobs = Jobs(self.uploads, self.config, self.atlas, self.hub, self._on_map)
+
+    @asynccontextmanager
+    async def running(self) -> AsyncIterator[None]:
+        """From the first request to the last."""
+        try:
+            await self.answerer.start(self.atlas.maps.values())
+        except Exception as error:
+            logger.error("no questions can be answered: %s", error or type(error).__name__)
+            raise
+        if self.jobs is not None:
+            self.jobs.start()
+        # Maps and programs stay: the collector need not go through them while somebody waits.
+        gc.collect()
+        gc.freeze()
+        looking = asyncio.create_task(self._look())
+        try:
+            yield
+        finally:
+            looking.cancel()
+            with contextlib.suppress(asyncio.CancelledError):
+                await looking
+            if self.jobs is not None:
+                await self.jobs.close()
+            await self.answerer.close()
+
+    async def _look(self) -> None:
+        """Serve maps anew whose files were replaced."""
+        while True:
+            await asyncio.sleep(self.config.serving.look_s)
+            try:
+                for served in await asyncio.to_thread(self.atlas.refresh):
+                    await self._on_map(served)
+            except Exception as error:
+                # A map that cannot be served anew is served as it was; the next look tries again.
+                logger.warning("maps could not be looked at: %s", error)
+
+    async def _on_map(self, served: ServedMap) -> None:
+        await self.answerer.know(served)
+        facts = {"name": served.name, "version": served.version, "landmarks": len(served.records)}
+        self.hub.tell("map", facts)

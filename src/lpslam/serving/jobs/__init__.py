@@ -1,0 +1,1 @@
+"""Uploads of recordings, each mapped in a process of its own."""
