@@ -53,7 +53,8 @@ ALLOWED: dict[str, set[str]] = {
     },
     # What is served is read and asked; nothing of tracking or reading is known here.
     "serving": {
-        *("language.model", "language.offline", "language.sanitise", "language.questions.follow_up", "language.questions.phrasing"),
+        *("language.model", "language.offline", "language.sanitise"),
+        *("language.questions.follow_up", "language.questions.phrasing"),
         *("text.types", "mapfile", "ground", "navigation", "session", "pipeline", "sources.open", "sources.in_order"),
         *("views.answers", "views.drawable", "views.pictures"),
     },
