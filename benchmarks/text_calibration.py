@@ -2,7 +2,7 @@
 
     python benchmarks/text_calibration.py read --rows DIR --fonts FOLDER...   draw and read (ten minutes)
     python benchmarks/text_calibration.py fit --rows DIR   the coefficients of `text/reading/certainty.py`
-    python benchmarks/text_calibration.py names --rows DIR                    the coefficients of `language/namer.py`
+    python benchmarks/text_calibration.py names --rows DIR            the coefficients of `naming/namer.py`
     python benchmarks/text_calibration.py odds --rows DIR                     the reader's own odds between two letters
     python benchmarks/text_calibration.py report --rows DIR [--plot FILE]     how well all hold on other fonts
 
@@ -25,12 +25,12 @@ from rapidfuzz.distance import Hamming
 
 from lpslam.assets import font_names, font_path
 from lpslam.config import MemoryConfig, SpottingConfig
-from lpslam.language.channel import evidence_of, paint_key
-from lpslam.language.knowledge import load_knowledge
 from lpslam.language.model import Reading
-from lpslam.language.namer import Certain
+from lpslam.language.naming.channel import evidence_of, paint_key
+from lpslam.language.naming.namer import Certain
 from lpslam.language.offline import OfflineModel
 from lpslam.language.sanitise import clean_text
+from lpslam.language.tables.knowledge import load_knowledge
 from lpslam.simulation import lexicon
 from lpslam.text.reading.borders import cut_by_border
 from lpslam.text.reading.boxes import letter_heights
@@ -192,7 +192,7 @@ def _logistic(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.floa
 
 
 def fit_names(rows: Sequence[Row]) -> list[float]:
-    """Coefficients of `language/namer.py`: whether a name is right, from its posterior, best reading and looks."""
+    """Coefficients of `naming/namer.py`: whether a name is right, from its posterior, best reading and looks."""
     x, y = [], []
     for name, right in named(rows):
         x.append(name.terms)

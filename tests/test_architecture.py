@@ -25,10 +25,10 @@ ALLOWED: dict[str, set[str]] = {
     "language": set(),
     "calibration": {"sources", "slam"},
     "text": {
-        "language.channel",
+        "language.naming.channel",
         "language.model",
         "language.sanitise",
-        "language.spelling",
+        "language.tables.spelling",
         "slam.state",
         "slam.advice",
     },
@@ -41,8 +41,8 @@ ALLOWED: dict[str, set[str]] = {
     "views": {
         "slam",
         "language.model",
-        "language.phrasing",
-        "language.follow_up",
+        "language.questions.phrasing",
+        "language.questions.follow_up",
         "language.wishes.form",
         "text",
         "ground",
@@ -53,7 +53,8 @@ ALLOWED: dict[str, set[str]] = {
     },
     # What is served is read and asked; nothing of tracking or reading is known here.
     "serving": {
-        *("language.model", "language.offline", "language.sanitise", "language.follow_up", "language.phrasing"),
+        *("language.model", "language.offline", "language.sanitise"),
+        *("language.questions.follow_up", "language.questions.phrasing"),
         *("text.types", "mapfile", "ground", "navigation", "session", "pipeline", "sources.open", "sources.in_order"),
         *("views.answers", "views.drawable", "views.pictures"),
     },
@@ -72,7 +73,7 @@ ALLOWED: dict[str, set[str]] = {
 }
 HEAVY = (
     *("cv2", "numba", "scipy", "matplotlib", "rapidocr", "openvino", "onnxruntime"),
-    *("pydantic_ai", "openai", "anthropic", "google.genai", "httpx", "httpx2", "lpslam.language.exchange"),
+    *("pydantic_ai", "openai", "anthropic", "google.genai", "httpx", "httpx2", "lpslam.language.hosted.exchange"),
     *("starlette", "fastapi", "uvicorn", "mcp"),
 )
 

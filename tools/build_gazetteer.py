@@ -28,7 +28,7 @@ from typing import Any
 
 from wordfreq import get_frequency_dict
 
-from lpslam.language.words import Folder
+from lpslam.language.tables.words import Folder
 
 PACKAGES = (
     "name-suggestion-index@8.0.20260918",

@@ -16,7 +16,7 @@ from fontTools.ttLib import TTFont
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from lpslam.language.knowledge import load_knowledge
+from lpslam.language.tables.knowledge import load_knowledge
 
 ROOT = Path(__file__).parents[1] / "src" / "lpslam"
 FONTS = ROOT / "assets" / "fonts"

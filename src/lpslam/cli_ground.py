@@ -50,7 +50,7 @@ class Guide:
 
     def said(self, answer: Answer) -> str:
         """The way in words, in the question's language, or why there is none."""
-        from lpslam.language.phrasing import answer_language
+        from lpslam.language.questions.phrasing import answer_language
         from lpslam.navigation.walking.routes import route
         from lpslam.navigation.walking.telling import length_told
         from lpslam.views.drawable import printable
@@ -87,7 +87,7 @@ class Guide:
         return export_ground(folder, ground, landmarks, warnings, legs)
 
     def _steps(self, answer: Answer, legs: Any) -> list[list[str]]:
-        from lpslam.language.phrasing import answer_language
+        from lpslam.language.questions.phrasing import answer_language
         from lpslam.navigation.walking.telling import Sign, told
 
         signs = [Sign(mark.name, mark.position) for mark in self._world.landmarks()]

@@ -65,7 +65,7 @@ def keep(world: Any, output: Path) -> None:
 
 def say_usage(language: Any) -> None:
     """What a hosted model has cost; nothing of one that costs nothing."""
-    from lpslam.language.usage import usage_of
+    from lpslam.language.hosted.usage import usage_of
 
     usage = usage_of(language)
     if usage is not None and (usage.calls or usage.saved):

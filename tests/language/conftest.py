@@ -8,10 +8,10 @@ import pytest
 from chat_server import Behaviour, ChatServer
 
 from lpslam.config import LanguageConfig
-from lpslam.language.chat import ChatModel
-from lpslam.language.knowledge import Knowledge, load_knowledge
+from lpslam.language.hosted.chat import ChatModel
 from lpslam.language.offline import OfflineModel
 from lpslam.language.registry import language_model
+from lpslam.language.tables.knowledge import Knowledge, load_knowledge
 
 Serve = Callable[..., ChatServer]
 

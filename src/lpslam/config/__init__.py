@@ -142,6 +142,8 @@ class LanguageConfig(Section):
     longest_wait_s: float = Field(default=20.0, ge=0)
     # Seconds for which a server that failed in every attempt is left alone: a map of names must not wait for each.
     rest_s: float = Field(default=30.0, ge=0)
+    # Times in a row that what a busy server left open of a batch is put again, after its rest, without an answer.
+    rounds: int = Field(default=3, ge=0)
     # Questions put at the same time; more than this earns a 429 from most accounts.
     at_once: int = Field(default=4, ge=1)
     # Most calls of one process, retries included: thousands of signs must not cost more than was meant.
@@ -152,8 +154,13 @@ class LanguageConfig(Section):
     cache: bool = True
     # Seconds that a run waits at its end for names that were asked for beside mapping; 'lpslam distill' asks again.
     patience_s: float = Field(default=30.0, ge=0)
-    # Names of landmarks that a question is put with; of a larger map, those that fit best and one of every kind.
-    landmarks_sent: int = Field(default=60, ge=1, le=9000)
+    # Names of landmarks that a question is put with, always in the order of the map, so that a server keeps what it has
+    # read of them; of a larger map those that fit the question and what the model says would serve it.
+    landmarks_sent: int = Field(default=1000, ge=1, le=9000)
+    # Of a larger map, so many are sent once the model has said what would serve.
+    landmarks_found: int = Field(default=200, ge=1, le=9000)
+    # Signs of one request when many are named or judged: more of them make long answers, and sway one another.
+    signs_together: int = Field(default=25, ge=1)
     # Longest name sent with a question, code points; a place has a shorter one.
     name_length: int = Field(default=60, ge=1)
     # Other readings of a landmark that are sent along.

@@ -6,7 +6,7 @@ Text read from the world is untrusted data wherever it appears here.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 Slot = tuple[tuple[str, float], ...]
 """What may stand at one place of a line: (letter, probability), the letter taken first; "" is no letter."""
@@ -100,4 +100,30 @@ class LanguageModel(Protocol):
 
     def choose(self, question: str, landmarks: Sequence[Candidate]) -> Choice:
         """Choose the landmark that serves what the question wants, or none."""
+        ...
+
+
+class Chooser(Protocol):
+    """Whatever chooses among landmarks."""
+
+    def choose(self, question: str, landmarks: Sequence[Candidate]) -> Choice:
+        """Choose the landmark that serves what the question wants, or none."""
+        ...
+
+
+@runtime_checkable
+class NamesTogether(Protocol):
+    """A model that names many classes in few requests."""
+
+    def name_all(self, groups: Sequence[Sequence[Reading]]) -> list[Naming]:
+        """Choose a name for each class, as `LanguageModel.name` does for one."""
+        ...
+
+
+@runtime_checkable
+class Converses(Protocol):
+    """A model that takes what was asked and answered before, and so needs no question written anew."""
+
+    def choose_after(self, history: Sequence[tuple[str, str]], question: str, landmarks: Sequence[Candidate]) -> Choice:
+        """Choose as `LanguageModel.choose`; `history` holds (question, answer), the oldest first."""
         ...

@@ -8,14 +8,14 @@ from collections.abc import Sequence
 from functools import lru_cache
 
 from lpslam.language.building import building
-from lpslam.language.choosing import choose
-from lpslam.language.knowledge import load_knowledge
-from lpslam.language.landmark_index import LandmarkIndex
+from lpslam.language.choosing.choosing import choose
+from lpslam.language.choosing.landmark_index import LandmarkIndex
+from lpslam.language.choosing.serving import likeness, match
 from lpslam.language.model import Candidate, Choice, Judgement, Naming, Reading
-from lpslam.language.namer import Namer
-from lpslam.language.question import Wish, read_question
-from lpslam.language.serving import likeness, match
-from lpslam.language.signs import load_sign_reader
+from lpslam.language.naming.namer import Namer
+from lpslam.language.questions.question import Wish, read_question
+from lpslam.language.signs.reader import load_sign_reader
+from lpslam.language.tables.knowledge import load_knowledge
 from lpslam.language.wishes.form import Wish as WishForm
 from lpslam.language.wishes.reading import read_wish
 from lpslam.language.wishes.scoring import EmbeddedScorer

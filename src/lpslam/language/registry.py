@@ -25,7 +25,7 @@ def language_model(spec: str | None = None, config: "LanguageConfig | None" = No
     if wanted.lower() == "offline":
         return OfflineModel()
 
-    from lpslam.language.endpoint import Endpoint
+    from lpslam.language.hosted.endpoint import Endpoint
 
     endpoint = Endpoint.from_spec(wanted)
     if endpoint is None:
@@ -34,6 +34,6 @@ def language_model(spec: str | None = None, config: "LanguageConfig | None" = No
             "ollama:MODEL or URL#MODEL"
         )
 
-    from lpslam.language.chat import ChatModel
+    from lpslam.language.hosted.chat import ChatModel
 
     return ChatModel(endpoint, OfflineModel(), config)

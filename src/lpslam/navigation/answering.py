@@ -17,6 +17,7 @@ def answer_wish(
     language: LanguageModel,
     here: Here,
     ways: Distances | None = None,
+    history: Sequence[tuple[str, str]] = (),
 ) -> Solution:
     """Read a question into a wish and answer it by the landmarks of a map.
 
@@ -28,13 +29,14 @@ def answer_wish(
         language: says which names serve; it sees ids and strings only.
         here: where the asker stands.
         ways: distances; straight without.
+        history: (question, answer) of the dialogue so far, for a model that converses.
     """
     known = landmarks if isinstance(landmarks, Directory) else Directory(landmarks)
     embedded = language if isinstance(language, OfflineModel) else embedded_model()
     wish = embedded.read_wish(question)
-    scorer: Scorer = (
-        embedded.scorer(known.candidates)
-        if embedded is language
-        else ModelScorer(language, known.candidates, question, wish)
-    )
+    scorer: Scorer
+    if embedded is language:
+        scorer = embedded.scorer(known.candidates)
+    else:
+        scorer = ModelScorer(language, known.candidates, question, wish, history)
     return solve(wish, known.places, scorer, here, ways)

@@ -64,6 +64,7 @@ def ask(
     position: NDArray[np.float64] | None = None,
     heading: float | None = None,
     excluded: Collection[int] = (),
+    history: Sequence[tuple[str, str]] = (),
 ) -> Answer:
     """Navigation: a question in any language → the landmark that serves it, with its position.
 
@@ -76,12 +77,13 @@ def ask(
         heading: radians counter-clockwise from the map's x axis, which way the asker looks; without either, as the
             camera looked last.
         excluded: ids of landmarks that are no answer, having been named before.
+        history: (question, answer) of the dialogue so far, the oldest first; only a model that converses takes it.
 
     Raises:
         UserError: the question is empty.
     """
     view = last_view(world.frame_poses().world_from_camera)
-    return answer(question, world.landmarks(), view, language, position, heading, excluded)
+    return answer(question, world.landmarks(), view, language, position, heading, excluded, history)
 
 
 def answer(
@@ -92,6 +94,7 @@ def answer(
     position: NDArray[np.float64] | None,
     heading: float | None,
     excluded: Collection[int] = (),
+    history: Sequence[tuple[str, str]] = (),
 ) -> Answer:
     """As `ask`, of a map whose landmarks and last view are in hand.
 
@@ -99,7 +102,7 @@ def answer(
         question: what is wanted.
         landmarks: of the map; a `Directory` of them, where many questions are asked.
         view: where the camera was last, (3,) map frame, and its heading in radians.
-        language, position, heading, excluded: as in `ask`.
+        language, position, heading, excluded, history: as in `ask`.
 
     Raises:
         UserError: the question is empty.
@@ -112,7 +115,7 @@ def answer(
         heading = looked if heading is None else heading
     else:
         here = np.concatenate([position, here[len(position) :]])
-    solution = answer_wish(question, known, language or embedded_model(), Here(here, heading))
+    solution = answer_wish(question, known, language or embedded_model(), Here(here, heading), history=history)
     by_id = known.by_id
     last = solution.stops[-1]
     chosen = by_id[last.place.id] if last.place is not None else None

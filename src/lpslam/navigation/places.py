@@ -41,6 +41,10 @@ class Distances(Protocol):
 class Straight:
     """Distances as the crow flies, where no way is known."""
 
+    def distances(self, start: Point, ends: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(n,) metres to (n, 3) points."""
+        return np.asarray(np.linalg.norm(ends - start, axis=1))
+
     def distance(self, start: Point, end: Point) -> float:
         """Metres."""
         return float(np.linalg.norm(end - start))

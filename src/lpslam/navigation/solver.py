@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from lpslam.language.wishes.form import PREVIOUS, Relation, Stop, Which, Wish
 from lpslam.language.wishes.scoring import Scorer, Served
@@ -86,6 +87,22 @@ class _Ranked:
     doubt: str = ""
 
 
+class _Near:
+    """The few anchors that stand nearest to a place, as the crow flies: the others can hardly be meant."""
+
+    def __init__(self, anchors: Sequence[Place]) -> None:
+        self._anchors = anchors
+        self._tree = cKDTree(np.array([each.position for each in anchors])) if len(anchors) > _MOST_ANCHORS else None
+
+    def to(self, place: Place) -> Sequence[Place]:
+        """Anchors near a place, never the place itself."""
+        near: Sequence[Place] = self._anchors
+        if self._tree is not None:
+            found = np.asarray(self._tree.query(place.position, k=_MOST_ANCHORS)[1])
+            near = [self._anchors[int(at)] for at in found]
+        return [each for each in near if each is not place]
+
+
 class _Solver:
     def __init__(self, scene: Scene, scorer: Scorer) -> None:
         self._scene = scene
@@ -148,8 +165,14 @@ class _Solver:
         scores = {id_: served.scores[id_] for id_ in served.exact} or served.scores
         return [place for place, _ in self._serving(scores, _EQUAL)]
 
-    def _from(self, start: Point | None, place: Place) -> float:
-        return 0.0 if start is None else self._scene.ways.distance(start, place.position)
+    def _from(self, start: Point | None, places: Sequence[Place]) -> Sequence[float]:
+        """Metres from a point to each place; zeros where it is not known."""
+        ways = self._scene.ways
+        if start is None or not places:
+            return [0.0] * len(places)
+        if isinstance(ways, Straight):
+            return [float(each) for each in ways.distances(start, np.array([place.position for place in places]))]
+        return [ways.distance(start, place.position) for place in places]
 
     def _ordered(self, served: Served, start: Point | None, notes: list[str]) -> Solved:
         """Places that serve, in the order that is asked for."""
@@ -160,11 +183,9 @@ class _Solver:
             notes.append(f"where you stand is not known, so “{stop.which.value}” cannot be decided")
         sign = -1.0 if stop.which is Which.FARTHEST else 1.0
         ranked = [
-            _Ranked(-place.size if stop.which is Which.LARGEST else sign * self._from(start, place), place, score)
-            for place, score in serving
+            _Ranked(-place.size if stop.which is Which.LARGEST else sign * far, place, score)
+            for (place, score), far in zip(serving, self._from(start, [place for place, _ in serving]), strict=True)
         ]
-        if stop.which is Which.ALL:
-            ranked = [replace(each, cost=each.cost) for each in ranked]
         ranked.sort(key=lambda each: (each.cost, -each.score, each.place.id))
         if start is None and stop.which not in (Which.LARGEST,):
             ranked.sort(key=lambda each: (-each.score, each.place.id))
@@ -181,10 +202,11 @@ class _Solver:
         serving = self._serving(served.scores, _NEARLY)
         start, note = self._start(stop, previous)
         notes += [note] if note else []
+        near = [_Near(found) for found in anchors]
         ranked: list[_Ranked] = []
         doubts: dict[str, None] = {}
         for place, score in serving:
-            judged = self._judged(stop, place, anchors, start)
+            judged = self._judged(stop, place, near, start)
             if judged.doubt:
                 doubts.setdefault(judged.doubt)
             if math.isfinite(judged.cost):
@@ -210,9 +232,9 @@ class _Solver:
     def _to_anchors(self, place: Place, anchors: Sequence[Sequence[Place]]) -> float:
         return min(self._scene.ways.distance(place.position, each.position) for found in anchors for each in found)
 
-    def _judged(self, stop: Stop, place: Place, anchors: Sequence[Sequence[Place]], start: Point | None) -> Judged:
+    def _judged(self, stop: Stop, place: Place, anchors: Sequence[_Near], start: Point | None) -> Judged:
         """The cheapest of all anchors that may be meant; no place is its own anchor."""
-        others = [[each for each in _nearest_to(place, found) if each is not place] for found in anchors]
+        others = [near.to(place) for near in anchors]
         if not all(others):
             return Judged(math.inf)
         if stop.relation is Relation.BETWEEN:
@@ -253,11 +275,3 @@ class _Solver:
             tuple(dict.fromkeys(notes)),
             served.model,
         )
-
-
-def _nearest_to(place: Place, anchors: Sequence[Place]) -> Sequence[Place]:
-    """The few anchors that stand nearest, as the crow flies: the others can hardly be meant."""
-    if len(anchors) <= _MOST_ANCHORS:
-        return anchors
-    apart = np.linalg.norm(np.array([each.position for each in anchors]) - place.position, axis=1)
-    return [anchors[int(at)] for at in np.argpartition(apart, _MOST_ANCHORS)[:_MOST_ANCHORS]]

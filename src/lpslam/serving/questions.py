@@ -6,9 +6,9 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.language.follow_up import follow_up
 from lpslam.language.model import LanguageModel
 from lpslam.language.offline import OfflineModel, embedded_model
+from lpslam.language.questions.follow_up import follow_up
 from lpslam.navigation.asking import answer
 from lpslam.navigation.directory import Directory
 from lpslam.views.answers import answer_record, answer_text

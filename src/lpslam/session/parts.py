@@ -4,8 +4,8 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
 from lpslam.config import ReadingConfig, SpottingConfig
-from lpslam.language.beside import NamingBeside
 from lpslam.language.model import LanguageModel
+from lpslam.language.naming.beside import NamingBeside
 from lpslam.language.offline import OfflineModel
 from lpslam.priority import READING, yield_to_others
 from lpslam.text.mapper import TextMapper

@@ -6,9 +6,10 @@ pink, and the next question may be about them.
 
 from dataclasses import dataclass
 
+from lpslam.errors import UserError
 from lpslam.language.model import LanguageModel
 from lpslam.text.placing.instances import KeyframePoses
-from lpslam.text.remembering.naming import name_class
+from lpslam.text.remembering.naming import name_classes
 from lpslam.text.text_map import TextMap
 from lpslam.text.types import Landmark
 
@@ -34,12 +35,14 @@ def distil(
     The judgements are kept in the map with the model that gave them; other questions' judgements stay.
 
     Raises:
+        UserError: the model understands nothing of the question; no judgement of the map is changed.
         LpSlamError: what the language model raises when it cannot judge.
     """
-    errors = 0
-    for text_class in text_map.long_term:
-        errors += not name_class(text_class, language, text_map.config)
+    errors = name_classes(text_map.long_term, language, text_map.config)
     names = list(dict.fromkeys(landmark.wording for landmark in text_map.landmarks(world_from_keyframe)))
     judgements = language.judge(names, question) if names else []
+    if judgements and not any(each.confidence for each in judgements):
+        # What is not understood is not answered with no: the map keeps the judgements that it has.
+        raise UserError(judgements[0].evidence)
     text_map.judge(list(zip(names, judgements, strict=True)), question)
     return Distilled(text_map.landmarks(world_from_keyframe), errors)

@@ -3,7 +3,7 @@
 from dataclasses import asdict
 from typing import Any
 
-from lpslam.language.phrasing import Phrases, answer_language, phrases_in
+from lpslam.language.questions.phrasing import Phrases, answer_language, phrases_in
 from lpslam.language.wishes.form import Ask
 from lpslam.mapfile.export import landmark_record
 from lpslam.pipeline import Answer

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from lpslam import pipeline
 from lpslam.errors import UserError
-from lpslam.language.follow_up import follow_up
-from lpslam.language.model import LanguageModel
+from lpslam.language.model import Converses, LanguageModel
+from lpslam.language.questions.follow_up import follow_up
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.pipeline import Answer
 from lpslam.views.answers import answer_text
@@ -34,6 +34,7 @@ class Dialogue:
         self._world, self._language = world, language
         self._position, self._heading = position, heading
         self._before: str | None = None
+        self._history: tuple[tuple[str, str], ...] = ()
         self._named: frozenset[int] = frozenset()
         self._language_said, self._is_further = "en", False
 
@@ -43,7 +44,9 @@ class Dialogue:
         Raises:
             UserError: the question is empty.
         """
-        read = follow_up(text, self._before)
+        converses = isinstance(self._language, Converses)
+        # A model that converses is told what was said before; for the embedded one the question is written in full.
+        read = follow_up(text, None if converses else self._before)
         named = self._named if read.keeps else frozenset()
         answer = pipeline.ask(
             self._world,
@@ -52,7 +55,9 @@ class Dialogue:
             position=self._position,
             heading=self._heading,
             excluded=named,
+            history=self._history,
         )
+        self._history += ((text, "" if answer.landmark is None else answer.landmark.name),)
         self._before, self._language_said, self._is_further = read.question, read.language, bool(named)
         self._named = named if answer.landmark is None else named | {answer.landmark.id}
         return answer

@@ -11,8 +11,8 @@ from functools import lru_cache
 from importlib.resources import files
 
 from lpslam.language.sanitise import clean_text
+from lpslam.language.tables.words import is_unspaced
 from lpslam.language.wishes.form import Identity, Sort
-from lpslam.language.words import is_unspaced
 
 _SPELLED = {
     word: str(at)

@@ -6,13 +6,14 @@ Names are compared folded, in part, with a few wrong letters, and in Latin lette
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from anyascii import anyascii
 from rapidfuzz import fuzz, process
 
-from lpslam.language.knowledge import Knowledge
 from lpslam.language.model import Candidate
-from lpslam.language.words import UNSPACED_RUN, is_mark, is_unspaced
+from lpslam.language.tables.knowledge import Knowledge
+from lpslam.language.tables.words import UNSPACED_RUN, is_mark, is_unspaced
 
 _SAME = 88.0  # of 100: two words of a name are the same but for a reader's or a typist's slip
 _SAME_PERSON = 90.0  # of 100: Schmidt and Schmitt may be two people, Schneider and Schnieder one
@@ -49,9 +50,19 @@ class Names:
             for piece in {piece for line in lines for piece in (*line.units, *_pairs(line.runs))}:
                 self._ids_of.setdefault(piece, set()).add(id_)
         self._long = [unit for unit in self._ids_of if len(unit) >= _LONG]
-        self._latin = [
-            (line, id_) for id_, lines in self._words.items() for line in lines if len(line.latin) >= _SHORTEST
-        ]
+
+    @cached_property
+    def _sounds(self) -> tuple[tuple[list[str], list[int]], tuple[list[str], list[int]]]:
+        """Names in Latin letters with their landmarks: those painted in spaced scripts, and those in others."""
+        found: tuple[tuple[list[str], list[int]], tuple[list[str], list[int]]] = (([], []), ([], []))
+        for id_, lines in self._words.items():
+            for line in lines:
+                parts = [line.latin, *(map(_latin, line.runs) if line.units else ())]
+                for latin in parts:
+                    if len(latin) >= _SHORTEST:
+                        found[bool(line.runs)][0].append(latin)
+                        found[bool(line.runs)][1].append(id_)
+        return found
 
     def _words_of(self, text: str) -> Words:
         fold = self._knowledge.folder
@@ -89,15 +100,10 @@ class Names:
         latin = _latin(asked)
         if len(latin) < _SHORTEST:
             return {}
+        names, ids = self._sounds[not is_unspaced(asked)]
         found: dict[int, float] = {}
-        for line, id_ in self._latin:
-            if bool(line.runs) == is_unspaced(asked):
-                continue
-            alike = fuzz.ratio(latin, line.latin, score_cutoff=_ACROSS)
-            if line.runs and len(line.units):
-                alike = max(alike, *(fuzz.ratio(latin, _latin(run), score_cutoff=_ACROSS) for run in line.runs))
-            if alike >= _ACROSS:
-                found[id_] = max(found.get(id_, 0.0), alike / 100.0)
+        for _, alike, at in process.extract(latin, names, scorer=fuzz.ratio, score_cutoff=_ACROSS, limit=None):
+            found[ids[at]] = max(found.get(ids[at], 0.0), alike / 100.0)
         return found
 
     def persons(self, name: str) -> list[int]:

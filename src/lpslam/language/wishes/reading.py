@@ -3,9 +3,9 @@
 import re
 from dataclasses import replace
 
-from lpslam.language.knowledge import Knowledge
-from lpslam.language.question import languages_of, read_question
+from lpslam.language.questions.question import languages_of, read_question
 from lpslam.language.sanitise import clean_text
+from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.wishes.codes import asked_codes, identities
 from lpslam.language.wishes.form import PREVIOUS, Ask, Identity, Relation, Sort, Stop, Which, Wish
 from lpslam.language.wishes.rules import LANGUAGES, Row, Rules, rules_of

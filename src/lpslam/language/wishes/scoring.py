@@ -6,29 +6,42 @@ Ids and strings only: where landmarks stand is the map's own knowledge.
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Protocol
 
-from lpslam.language.choosing import ranked
-from lpslam.language.distrust import choose_trusted, commands
-from lpslam.language.knowledge import Knowledge, load_words
-from lpslam.language.landmark_index import LandmarkIndex
-from lpslam.language.model import Candidate, LanguageModel
-from lpslam.language.question import Wish as Meaning
-from lpslam.language.question import asks_for_another, languages_of, read_question
-from lpslam.language.serving import likeness
-from lpslam.language.sign_words import WARNING
-from lpslam.language.signs import SignReader
-from lpslam.language.wishes.codes import board_codes, code_of
+from lpslam.language.choosing.choosing import ranked
+from lpslam.language.choosing.landmark_index import LandmarkIndex
+from lpslam.language.choosing.serving import Kinds, likeness
+from lpslam.language.model import Candidate, Choice, Chooser, Converses, LanguageModel
+from lpslam.language.questions.question import Wish as Meaning
+from lpslam.language.questions.question import asks_for_another, languages_of, read_question
+from lpslam.language.signs.distrust import choose_trusted, commands
+from lpslam.language.signs.reader import SignReader
+from lpslam.language.signs.wording import WARNING
+from lpslam.language.tables.knowledge import Knowledge, load_words
+from lpslam.language.tables.words import is_mark, is_unspaced, longest_phrases
+from lpslam.language.wishes.codes import Code, board_codes, code_of
 from lpslam.language.wishes.form import Ask, Identity, Sort, Stop, Which, Wish, with_meaning
 from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.reading import content_of, wish_languages
 from lpslam.language.wishes.rules import rules_of
-from lpslam.language.words import is_mark, is_unspaced, longest_phrases
 
 _ANY_SORT = frozenset({"shop", "business", "place"})
 _FEW_OF_A_FAMILY = 3  # rooms of one sort of building that make the map one of it, at least
 _MUCH_OF_A_FAMILY = 0.25  # of all landmarks: fewer aisles of goods are shops of a mall
-_OF_THE_HOUSE = ("facility", "amenity/toilets", "highway/", "emergency/", "indoor/", "entrance", "aeroway/")
+_OF_THE_HOUSE = (
+    *(
+        f"amenity/{each}"
+        for each in ("toilets", "drinking_water", "shower", "telephone", "bench", "waste", "recycling")
+    ),
+    *(f"amenity/{each}" for each in ("vending_machine", "atm", "parking", "bicycle_parking", "luggage_locker")),
+    *(
+        f"amenity/{each}"
+        for each in ("charging_station", "smoking_area", "water_point", "clock", "lounge", "taxi", "recycling")
+    ),
+    *("facility", "highway/", "emergency/", "indoor/", "entrance", "aeroway/", "railway/", "department/"),
+    *("museum/", "aisle/", "warehouse/", "dock/", "office/", "faculty/", "ride/", "ferry/", "factory/"),
+)
 _FEWEST_TO_TELL_APART = 2
 _SHORT_QUESTION = 8  # words of a question whose capital is the name that it asks for
 _SHORT_NAME = 5  # words of an anchor that is a name
@@ -97,16 +110,20 @@ class EmbeddedScorer:
         self._signs = signs
         self._knowledge = knowledge
         self._names = Names(landmarks, knowledge)
-        self._codes = {
-            mark.id: [code for text in dict.fromkeys((mark.name, *mark.lines)) for code in board_codes(text)]
-            for mark in landmarks
-        }
         families = [
             {self._knowledge.family(kind) for kind, weight in sign.kinds if weight >= 0.5}
             for sign in index.signs.values()
         ]
         self._families = Counter(family for found in families for family in found if family)
-        self._hostile = {mark.id for mark in landmarks if commands(mark.name) is not None}
+        self._by_id = {mark.id: mark for mark in landmarks}
+
+    @cached_property
+    def _codes(self) -> dict[int, list[Code]]:
+        """The codes of every board, read when the first one is asked for."""
+        return {
+            mark.id: [code for text in dict.fromkeys((mark.name, *mark.lines)) for code in board_codes(text)]
+            for mark in self._landmarks
+        }
 
     def serve(self, stop: Stop) -> Served:
         """Return the landmarks that serve a stop: by identity, by name, else by what they are."""
@@ -127,7 +144,7 @@ class EmbeddedScorer:
         if general:
             return Served(stop, self._trusted(_within(general, within)), "any of this sort", 0.9, ignored=ignored)
         choice, scores = ranked(stop.what, self._index, self._signs, self._knowledge, self.model)
-        scores = _within({id_: score for id_, score in scores.items() if id_ not in self._hostile}, within)
+        scores = _within(self._trusted(scores), within)
         scores = self._bearing_the_words(stop, meaning, self._of_the_family(meaning, scores))
         if not scores or self._is_another(stop, meaning, scores):
             literal = self._literal(stop, meaning)
@@ -146,14 +163,24 @@ class EmbeddedScorer:
         is_told_by_place = stop.relation is not None or stop.ask in (Ask.LIST, Ask.HERE) or stop.which is not Which.ANY
         if not wanted or not wanted <= _ANY_SORT or not is_told_by_place or meaning.refused:
             return {}
-        return {mark.id: 1.0 for mark in self._landmarks if wanted == {"place"} or self._is_shop(mark.id)}
+        if wanted == {"place"}:
+            return {mark.id: 1.0 for mark in self._landmarks}
+        return {
+            id_: 1.0
+            for kinds, ids in self._index.groups.items()
+            if self._are_shops(kinds)
+            for id_ in ids
+            if kinds or self._index.signs[id_].name_like
+        }
 
-    def _is_shop(self, id_: int) -> bool:
-        """Whether a place may be called a shop where its place tells which: anything that is no part of the house."""
-        sign = self._index.signs[id_]
-        if likeness("business", sign.kinds, self._knowledge) >= 0.5:
+    def _are_shops(self, kinds: Kinds) -> bool:
+        """Whether places may be called shops where their place tells which: anything that is no part of the house.
+
+        Of names that say nothing, those that read like names may be.
+        """
+        if likeness("business", kinds, self._knowledge) >= 0.5:
             return True
-        return (sign.is_place or sign.name_like) and not any(kind.startswith(_OF_THE_HOUSE) for kind, _ in sign.kinds)
+        return not any(kind.startswith((*_OF_THE_HOUSE, "sign/")) for kind, _ in kinds)
 
     def _of_the_family(self, meaning: Meaning, scores: Mapping[int, float]) -> dict[int, float]:
         """Who asks for one department of a hospital wants no other; an aisle goes before the rest of a supermarket."""
@@ -225,11 +252,10 @@ class EmbeddedScorer:
         return is_name or any(weight > 0.5 for _, weight in meaning.wanted)
 
     def _bears_a_name(self, id_: int, languages: Sequence[str]) -> bool:
-        name = next(mark.name for mark in self._landmarks if mark.id == id_)
-        return bool(self._words(name, languages)[1]) or bool(self._codes[id_])
+        return bool(self._words(self._by_id[id_].name, languages)[1]) or bool(self._codes[id_])
 
     def _trusted(self, scores: Mapping[int, float]) -> dict[int, float]:
-        return {id_: score for id_, score in scores.items() if id_ not in self._hostile}
+        return {id_: score for id_, score in scores.items() if commands(self._by_id[id_].name) is None}
 
     def _any_place(self, stop: Stop) -> Served:
         warns = {id_ for id_, sign in self._index.signs.items() if any(kind == WARNING for kind, _ in sign.kinds)}
@@ -380,14 +406,33 @@ def _within(scores: Mapping[int, float], within: set[int] | None) -> dict[int, f
     return left or dict(scores)
 
 
+class _After:
+    """A model that converses, in the middle of a dialogue."""
+
+    def __init__(self, model: Converses, history: Sequence[tuple[str, str]]) -> None:
+        self._model, self._history = model, history
+
+    def choose(self, question: str, landmarks: Sequence[Candidate]) -> Choice:
+        """Choose after what was asked and answered before."""
+        return self._model.choose_after(self._history, question, landmarks)
+
+
 class ModelScorer:
     """Any other model: it names a landmark and the next best, for the words of a stop.
 
     A wish of one stop that says nothing of where it stands is put to the model as it was asked.
     """
 
-    def __init__(self, model: LanguageModel, landmarks: Sequence[Candidate], question: str, wish: Wish) -> None:
+    def __init__(
+        self,
+        model: LanguageModel,
+        landmarks: Sequence[Candidate],
+        question: str,
+        wish: Wish,
+        history: Sequence[tuple[str, str]] = (),
+    ) -> None:
         self._model = model
+        self._chooser: Chooser = _After(model, history) if history and isinstance(model, Converses) else model
         self._landmarks = landmarks
         is_plain = len(wish.stops) == 1 and wish.stops[0].relation is None and wish.stops[0].what
         self._whole = question if is_plain else None
@@ -405,7 +450,7 @@ class ModelScorer:
         """Ask the model for the landmark that serves a stop's words."""
         if not stop.what:
             return Served(stop, dict.fromkeys([mark.id for mark in self._landmarks], 1.0), "any place", 0.9)
-        choice = choose_trusted(self._model, self._whole or stop.what, self._landmarks)
+        choice = choose_trusted(self._chooser, self._whole or stop.what, self._landmarks)
         ids = {mark.id for mark in self._landmarks}
         if choice.landmark is None or choice.landmark not in ids:
             others = tuple(id_ for id_ in choice.alternatives if id_ in ids)

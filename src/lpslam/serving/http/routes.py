@@ -11,7 +11,7 @@ from starlette.responses import Response, StreamingResponse
 
 from lpslam._version import __version__
 from lpslam.errors import LpSlamError, UserError
-from lpslam.language.phrasing import answer_language
+from lpslam.language.questions.phrasing import answer_language
 from lpslam.serving import records
 from lpslam.serving.answerers import as_json
 from lpslam.serving.atlas import ServedMap

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from lpslam.config import InstanceConfig, MemoryConfig
-from lpslam.language.channel import evidence_of, log_likelihood, paint_key
+from lpslam.language.naming.channel import evidence_of, log_likelihood, paint_key
 from lpslam.text.placing.bearings import placed
 from lpslam.text.placing.instances import KeyframePoses, split_places, trimmed_position, world_placements
 from lpslam.text.remembering.evidence import looks_of, readings_of

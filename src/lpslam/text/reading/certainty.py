@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from math import exp, log
 
 from lpslam.language.model import Slots
-from lpslam.language.spelling import is_ideograph
+from lpslam.language.tables.spelling import is_ideograph
 
 # Box heights, pixels, between which height tells: below, all is guessed; above, the recogniser sees no more than 48.
 _LOW, _HIGH = 8.0, 72.0

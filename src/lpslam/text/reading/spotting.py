@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from lpslam.config import SpottingConfig
 from lpslam.language.sanitise import clean_text
-from lpslam.language.spelling import is_ideograph
+from lpslam.language.tables.spelling import is_ideograph
 from lpslam.text.reading.boxes import Boxes, letter_heights
 from lpslam.text.reading.detection import TextDetector
 from lpslam.text.reading.emblems import RINGS

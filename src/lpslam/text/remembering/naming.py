@@ -1,10 +1,11 @@
 """The name of a class of misread strings (text clustering, III-E), chosen by a language model and never invented."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Protocol
 
 from lpslam.config import TextConfig
-from lpslam.language.model import LanguageModel, Naming, Reading
+from lpslam.language.model import LanguageModel, NamesTogether, Naming, Reading
 from lpslam.language.sanitise import clean_text
 from lpslam.text.remembering.memory import TextClass
 from lpslam.text.remembering.similarity import comparison_key, similarity
@@ -33,7 +34,7 @@ def needs_name(text_class: TextClass) -> bool:
     return text_class.naming is None or text_class.count >= _GROWTH * text_class.named_at_count
 
 
-def name_class(text_class: TextClass, language: LanguageModel | None, config: TextConfig) -> bool:
+def name_class(text_class: TextClass, language: "LanguageModel | _Said | None", config: TextConfig) -> bool:
     """Name a class by the language model, or by its surest spelling where there is none or it fails.
 
     Returns:
@@ -51,6 +52,37 @@ def name_class(text_class: TextClass, language: LanguageModel | None, config: Te
     text_class.naming = naming or _surest(text_class, readings[0])
     text_class.named_at_count = text_class.count
     return not failed
+
+
+def name_classes(classes: Sequence[TextClass], language: LanguageModel, config: TextConfig) -> int:
+    """Name many classes, in few requests where the model can.
+
+    Returns:
+        For how many a model that was asked did not answer usably.
+    """
+    if not isinstance(language, NamesTogether):
+        return sum(not name_class(each, language, config) for each in classes)
+    try:
+        namings = language.name_all([each.readings(config.memory) for each in classes])
+    except Exception:
+        # Any model behind the protocol may fail in any way; the map gets its names all the same.
+        namings = []
+    if len(namings) != len(classes):
+        return sum(not name_class(each, None, config) for each in classes) + len(classes)
+    return sum(
+        not name_class(each, _Said(language.model, name), config) for each, name in zip(classes, namings, strict=True)
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Said:
+    """A model that has given its answer already."""
+
+    model: str
+    naming: Naming
+
+    def name(self, readings: Sequence[Reading]) -> Naming:
+        return self.naming
 
 
 def rename_class(text_class: TextClass, naming: Naming, max_length: int) -> bool:

@@ -1,0 +1,1 @@
+"""Which landmark serves a question."""

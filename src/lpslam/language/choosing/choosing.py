@@ -1,0 +1,266 @@
+"""Choosing the landmark that serves a question (navigation, III-I) among any number of landmarks."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
+
+from lpslam.language.choosing.landmark_index import LandmarkIndex
+from lpslam.language.choosing.serving import FITS, FITS_INSTEAD, Kinds, Served, likeness, merged, serve
+from lpslam.language.model import Choice
+from lpslam.language.questions.phrasing import Phrases, answer_language, phrases_in
+from lpslam.language.questions.question import Wish, asks_for_another, instead_of, languages_of, read_question
+from lpslam.language.sanitise import clean_text
+from lpslam.language.signs.reader import SignReader
+from lpslam.language.tables.knowledge import Knowledge
+from lpslam.language.tables.lexicon import Meaning
+
+_YES = 0.5  # a place is a kind when its words say so at least this surely
+_SPECIAL = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
+_ALTERNATIVES = 5
+_SAME_SORT = 0.25  # what the sort of a refused place weighs where nothing else is wanted
+_FEW = 3  # landmarks that one word may stand for
+_ANY = frozenset({"shop", "place", "business"})  # kinds that say nothing of what is wanted
+_UNSPACED = frozenset({"zh", "ja", "ko"})
+_PART = "part:"  # before the words that are parts of names, among names
+
+
+def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge, model: str) -> Choice:
+    """Choose the landmark whose kinds serve the wish best; none rather than one that does not.
+
+    The evidence is in the language of the question.
+    """
+    return ranked(question, index, signs, knowledge, model)[0]
+
+
+Scores = dict[int, float]
+"""How well landmarks serve, by id, 0 to 1; those that do not serve are not in it."""
+
+
+def ranked(
+    question: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge, model: str
+) -> tuple[Choice, Scores]:
+    """As `choose`, with the scores of all landmarks that serve."""
+    wish, refused, said = understand(question, index, signs, knowledge)
+    wish = _as_in_this_building(wish, index, knowledge)
+    phrases = phrases_in(answer_language(question) if wish.language is not None else "en")
+    if not index.landmarks or wish.language is None:
+        return Choice(None, float(not index.landmarks), phrases.say(_why_unread(index)), model), {}
+    wish, refused = _without_refused(wish, refused, question, index)
+    named = [id_ for name in wish.wanted_names for id_ in index.ids_of.get(name, ()) if id_ not in refused]
+    named += [id_ for id_ in said if id_ not in refused and id_ not in named]
+    if named:
+        choice = Choice(named[0], 0.95, phrases.say("named"), model, tuple(named[1 : 1 + _ALTERNATIVES]))
+        return choice, dict.fromkeys(named, 1.0)
+    if wish.contradicted and not asks_for_another(question):
+        return Choice(None, 0.8, phrases.say("contradiction", things=", ".join(wish.contradicted)), model), {}
+    if not wish.wanted:
+        wish = replace(wish, wanted=_instead_of_refused(wish, refused, question, index, knowledge))
+    wanted = dict(wish.wanted)
+    missing = [name for name in wish.wanted_names if name not in index.ids_of]
+    if missing and not any(weight >= _SPECIAL for weight in wanted.values()):
+        # A brand was asked for that is not here; another of its kind may do, but that is for the asker to say.
+        return _without_brand(missing[0], question, index, signs, knowledge, model, phrases), {}
+    if not wanted and not wish.contested:
+        return Choice(None, 0.0, phrases.say("no_kind"), model), {}
+    if (wanted.keys() <= _ANY and not wish.contested) or wish.unknown:
+        return Choice(None, 0.5, phrases.say("unknown"), model), {}
+    wishes = _in_turn(wish, knowledge)
+    choices: list[tuple[Choice, Scores]] = []
+    for each in wishes:
+        choices.append(_best(each, index, refused, knowledge, model, phrases))
+        if choices[-1][0].landmark is not None:
+            return choices[-1]
+    # Where nothing serves, it is the wish itself that is told of.
+    return choices[wishes.index(wish)]
+
+
+def _why_unread(index: LandmarkIndex) -> str:
+    return "unread" if index.landmarks else "empty_map"
+
+
+def _without_refused(wish: Wish, refused: set[int], question: str, index: LandmarkIndex) -> tuple[Wish, set[int]]:
+    """The landmarks that are refused by name or as one of many, and what is wanted then."""
+    refused = refused | {id_ for name in wish.refused_names for id_ in index.ids_of.get(name, ())}
+    if asks_for_another(question):
+        # “Starbucks is full, another café?” names what is not wanted.
+        named_besides = (*wish.wanted_names, *wish.near_names)
+        refused |= {id_ for name in named_besides for id_ in index.ids_of.get(name, ())}
+        if refused and wish.refused and not wish.wanted:
+            # “除了星巴克还有别的咖啡店吗”: the name is refused, and its kind is what is asked for.
+            wish = replace(wish, wanted=tuple((kind, 1.0) for kind in wish.refused), refused=())
+    if "chain" in wish.refused:
+        refused |= {id_ for id_, sign in index.signs.items() if sign.identity}
+    return wish, refused
+
+
+def _instead_of_refused(
+    wish: Wish, refused: set[int], question: str, index: LandmarkIndex, knowledge: Knowledge
+) -> tuple[tuple[str, float], ...]:
+    """Where only a refusal is said: another of the same sort, and else something of the same use."""
+    others = [*wish.refused, *(kind for id_ in refused for kind, _ in index.signs[id_].kinds)]
+    alike = kinds_of(sorted(refused), index) if asks_for_another(question) else ()
+    return tuple((dict(instead_of(others, knowledge)) | {kind: _SAME_SORT * sure for kind, sure in alike}).items())
+
+
+def _in_turn(wish: Wish, knowledge: Knowledge) -> list[Wish]:
+    """What is wanted, but not from where it is had first of all; then all; and who does not find it may ask."""
+    wanted = dict(wish.wanted)
+    wishes = [wish]
+    if wish.contested:
+        wishes.insert(0, replace(wish, wanted=tuple((concept, 1.0) for concept in wish.contested)))
+    if "ask" in wanted:
+        wishes.append(replace(wish, wanted=(("ask", 1.0),)))
+    if wish.anew:
+        wishes.append(replace(wish, wanted=tuple((ware, 1.0) for ware in wish.anew)))
+    if wanted.keys() - knowledge.general <= set(knowledge.instead_of.values()):
+        # Where there is no vegetarian kitchen, whatever serves no meat.
+        without = wish.refused or tuple(each for each, diet in knowledge.instead_of.items() if diet in wanted)
+        wishes.append(replace(wish, wanted=instead_of(without, knowledge), refused=without))
+    return wishes
+
+
+def _as_in_this_building(wish: Wish, index: LandmarkIndex, knowledge: Knowledge) -> Wish:
+    """Leave out kinds of rooms that no place of this map is, where words mean something else besides.
+
+    “Milk” is an aisle in a supermarket, and groceries in a mall.
+    """
+    absent = {
+        concept
+        for concept, _ in wish.wanted
+        if knowledge.family(concept) and not any(likeness(concept, kinds, knowledge) >= _YES for kinds in index.groups)
+    }
+    left = tuple(each for each in wish.wanted if each[0] not in absent)
+    return replace(wish, wanted=left) if absent and left else wish
+
+
+def understand(
+    question: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge
+) -> tuple[Wish, set[int], list[int]]:
+    """Read a question that may mention landmarks by name, and brands that are not here.
+
+    Returns:
+        The wish, and the landmarks that are refused and that are wanted by a part of their name.
+    """
+    text = clean_text(question)
+    brands = {
+        phrase: Meaning("name", ((index.phrase_of.get(identity, identity), 1.0),))
+        for phrase, identity in signs.brands_in(text).items()
+        if phrase not in index.names
+    }
+    unsaid = index.unsaid(text, knowledge.folder)
+    names = _Names(brands, index.names, unsaid) if brands or unsaid else index.names
+    parts = _parts_in(text, index, knowledge)
+    languages = languages_of(text, knowledge)[:1]
+    runs = index.runs_in(text, knowledge, languages[0]) if languages and languages[0] in _UNSPACED else {}
+    runs = {run: ids for run, ids in runs.items() if len(ids) <= _FEW and run not in index.names}
+    parts |= runs
+    if not parts:
+        return read_question(question, knowledge, names), set(), []
+    mentioned = {word: Meaning("name", ((_PART + word, 1.0),)) for word in parts}
+    wish = read_question(question, knowledge, _Names(brands | mentioned, index.names, unsaid))
+    refused = {name for name in wish.refused_names if name.startswith(_PART)}
+    if asks_for_another(question):
+        refused |= {name for name in wish.wanted_names if name.startswith(_PART)}
+    said = [
+        id_
+        for name in wish.wanted_names
+        if (run := name.removeprefix(_PART)) in runs and name not in refused
+        for id_ in sorted(runs[run])
+    ]
+    if not refused and not said:
+        # A part of a name may be any word: alone it asks for nothing.
+        return read_question(question, knowledge, names), set(), []
+    wanted, others, near = (
+        tuple(name for name in names if not name.startswith(_PART))
+        for names in (wish.wanted_names, wish.refused_names, wish.near_names)
+    )
+    wish = replace(wish, wanted_names=wanted, refused_names=others, near_names=near)
+    return wish, {id_ for name in refused for id_ in parts[name.removeprefix(_PART)]}, said
+
+
+def _parts_in(text: str, index: LandmarkIndex, knowledge: Knowledge) -> dict[str, set[int]]:
+    """Words of a question that mean nothing themselves and stand in the names of few landmarks."""
+    every = knowledge.folder.units(text)
+    asked = f" {' '.join(every)} "
+    units = {unit for unit in every if unit in index.ids_by_word} | {
+        owner for owner in index.owners if f" {owner} " in asked
+    }
+    few = {unit: ids for unit in units - index.names.keys() if len(ids := index.ids_by_word[unit]) <= _FEW}
+    if not few:
+        return {}
+    languages = languages_of(text, knowledge)[:2]
+    return {unit: ids for unit, ids in few.items() if not any(unit in knowledge.spoken(each) for each in languages)}
+
+
+class _Names(dict[str, Meaning]):
+    """A few names before many, without copying the many, and without some of them."""
+
+    def __init__(self, few: Mapping[str, Meaning], many: Mapping[str, Meaning], hidden: Collection[str]) -> None:
+        super().__init__(few)
+        self._many = many
+        self._hidden = hidden
+
+    def get(self, key: str, default: Meaning | None = None) -> Meaning | None:  # type: ignore[override]
+        return super().get(key) or (default if key in self._hidden else self._many.get(key, default))
+
+
+def _best(
+    wish: Wish, index: LandmarkIndex, refused: set[int], knowledge: Knowledge, model: str, phrases: Phrases
+) -> tuple[Choice, Scores]:
+    served = [(serve(wish, kinds, knowledge), group) for kinds, group in index.groups.items()]
+    ranked = sorted((each for each in served if each[0].score > 0.0), key=lambda each: (-each[0].score, each[1][0]))
+    asked = phrases.say("wanted", things=phrases.things([concept for concept, _ in wish.wanted]))
+    fitting = [(each, group) for each, group in ranked if each.best >= FITS]
+    ids = _first_ids(fitting, refused)
+    if not ids and (refused or wish.refused):
+        fitting = [(each, group) for each, group in ranked if each.best >= FITS_INSTEAD]
+        ids = _first_ids(fitting, refused)
+    if not ids:
+        nothing = phrases.say("nothing_offers", wanted=asked)
+        return Choice(None, 0.6, nothing, model, tuple(_first_ids(ranked, refused)[:3])), {}
+    chosen = next(each for each, group in fitting if ids[0] in group)
+    evidence = phrases.say(
+        "serves",
+        wanted=asked,
+        name=clean_text(index.name_of[ids[0]]),
+        sign=index.signs[ids[0]].evidence,
+        things=phrases.things(chosen.reasons),
+    )
+    scores = {id_: each.score for each, group in fitting for id_ in group if id_ not in refused}
+    return Choice(ids[0], round(min(chosen.best, 0.99), 3), evidence, model, tuple(ids[1:])), scores
+
+
+def _first_ids(ranked: Sequence[tuple[Served, list[int]]], refused: set[int]) -> list[int]:
+    """The first few ids of the best groups, by score and then by id."""
+    found: list[tuple[float, int]] = []
+    for served, group in ranked:
+        if len(found) > _ALTERNATIVES and served.score < found[-1][0]:
+            break
+        left = [id_ for id_ in group if id_ not in refused][: _ALTERNATIVES + 1]
+        found.extend((served.score, id_) for id_ in left)
+    return [id_ for _, id_ in sorted(found, key=lambda each: (-each[0], each[1]))[: _ALTERNATIVES + 1]]
+
+
+def _without_brand(
+    identity: str,
+    question: str,
+    index: LandmarkIndex,
+    signs: SignReader,
+    knowledge: Knowledge,
+    model: str,
+    phrases: Phrases,
+) -> Choice:
+    asked = knowledge.folder.fold(question)
+    # Of a brand's many names, the one that was used.
+    name = max((each for each in signs.names_of(identity) if knowledge.folder.fold(each) in asked), key=len, default="")
+    kinds = signs.read(identity).kinds
+    alike = {
+        group[0]: max((weight * likeness(kind, each, knowledge) for kind, weight in kinds), default=0.0)
+        for each, group in index.groups.items()
+    }
+    others = sorted((id_ for id_ in alike if alike[id_] >= _YES), key=lambda id_: (-alike[id_], id_))
+    return Choice(None, 0.8, phrases.say("no_brand", name=name or identity), model, tuple(others[:_ALTERNATIVES]))
+
+
+def kinds_of(ids: Sequence[int], index: LandmarkIndex) -> Kinds:
+    """All kinds of some landmarks."""
+    return merged([index.signs[id_].kinds for id_ in ids if id_ in index.signs])

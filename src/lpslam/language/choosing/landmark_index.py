@@ -1,0 +1,188 @@
+"""Landmarks as they are looked up: by what their signs mean, and by their names and parts of them."""
+
+import re
+from collections.abc import Collection, Mapping, Sequence
+
+from lpslam.language.choosing.serving import Kinds
+from lpslam.language.model import Candidate
+from lpslam.language.questions.question import spoken_key
+from lpslam.language.signs.meaning import SignMeaning
+from lpslam.language.signs.reader import SignReader
+from lpslam.language.tables.knowledge import Knowledge, load_words
+from lpslam.language.tables.lexicon import Meaning
+from lpslam.language.tables.words import UNSPACED_RUN, Folder, is_unspaced
+
+_NUMBERED = re.compile(r"[A-Z]?\d+(?:[.-]\d+)*(?:\s*[-–—~〜]\s*[A-Z]?\d+)?")
+_SHORTEST_WORD = 4  # letters of a word that may stand for the name that it is part of
+_SHORTEST_RUN = 3  # characters without spaces that may be a name or a part of one
+
+
+class LandmarkIndex:
+    """Landmarks by what their signs mean, judged once however many mean the same, and by their names."""
+
+    def __init__(self, landmarks: Sequence[Candidate], signs: SignReader, knowledge: Knowledge) -> None:
+        self._given = landmarks
+        self.landmarks = list(landmarks)
+        self.name_of = {landmark.id: landmark.name for landmark in landmarks}
+        self.groups: dict[Kinds, list[int]] = {}
+        self.signs: dict[int, SignMeaning] = {}
+        self._ids_by_gram: dict[str, set[int]] = {}
+        called = _Called(signs, knowledge)
+        of_brand: dict[str, list[int]] = {}
+        for landmark in landmarks:
+            sign = _sign_of(landmark, signs)
+            self.signs[landmark.id] = sign
+            self.groups.setdefault(sign.kinds, []).append(landmark.id)
+            if sign.kinds and not sign.is_place:
+                continue
+            if sign.identity:
+                of_brand.setdefault(sign.identity, []).append(landmark.id)
+            called.add_landmark(landmark, bool(sign.identity))
+            for run in UNSPACED_RUN.findall(knowledge.folder.fold(landmark.name)):
+                for gram in _grams(run):
+                    self._ids_by_gram.setdefault(gram, set()).add(landmark.id)
+        # “Family Mart” is the brand of ファミリーマート, however it is written.
+        self.phrase_of: dict[str, str] = {}
+        for identity, ids in of_brand.items():
+            for name in signs.names_of(identity):
+                phrase = called.add(name, ids, is_brand=True)
+                if phrase is not None:
+                    self.phrase_of[identity] = phrase
+        place = {landmark.id: at for at, landmark in enumerate(landmarks)}
+        self.ids_of = {phrase: tuple(sorted(ids, key=place.__getitem__)) for phrase, ids in called.ids.items()}
+        self.names = {phrase: Meaning("name", ((phrase, 1.0),)) for phrase in called.ids}
+        self.ids_by_word = _ids_by_word(called.ids)
+        self._add_owners(knowledge)
+        # McDonald's is called McDonalds too, and by some Starbucks Starbuck.
+        self._plurals = {phrase: said for phrase, said in called.plurals.items() if phrase not in called.singular}
+        self._initials = called.initials
+
+    def _add_owners(self, knowledge: Knowledge) -> None:
+        for id_, sign in self.signs.items():
+            if sign.owner and not any(sign.owner in common for common in knowledge.common.values()):
+                self.ids_by_word.setdefault(sign.owner, set()).add(id_)
+        self.owners = tuple({sign.owner for sign in self.signs.values() if " " in sign.owner})
+
+    def unsaid(self, question: str, folder: Folder) -> frozenset[str]:
+        """Names that only seem to be said.
+
+        Phrases drop the plural, but “the sole of my boot” does not say “Boots”; and two letters are a name only where
+        they stand in capitals of their own.
+        """
+        folded_question = folder.fold(question)
+        return frozenset(
+            [phrase for phrase, folded in self._plurals.items() if folded not in folded_question]
+            + [
+                phrase
+                for phrase, name in self._initials.items()
+                if not re.search(rf"(?<![A-Za-z]){name}(?![A-Za-z])", question)
+            ]
+        )
+
+    def runs_in(self, question: str, knowledge: Knowledge, language: str) -> dict[str, set[int]]:
+        """Landmarks by the longest parts of their names that a question in a script without spaces says: 羊肉泡馍.
+
+        Neither what is a word for something else, nor what everybody says.
+        """
+        found: dict[str, set[int]] = {}
+        for run in UNSPACED_RUN.findall(knowledge.folder.fold(question)):
+            at = 0
+            while at + _SHORTEST_RUN <= len(run):
+                ids, end = self._ids_by_gram.get(run[at : at + _SHORTEST_RUN], set()), at + _SHORTEST_RUN
+                while ids and end < len(run) and (more := ids & self._ids_by_gram.get(run[end - 2 : end + 1], set())):
+                    ids, end = more, end + 1
+                phrase = " ".join(run[at:end])
+                own = sum(letter not in knowledge.common[language] for letter in run[at:end])
+                if ids and own >= _SHORTEST_RUN and phrase not in knowledge.spoken(language):
+                    found.setdefault(phrase, set()).update(ids)
+                at = end if ids else at + 1
+        return found
+
+    def is_of(self, landmarks: Sequence[Candidate]) -> bool:
+        """Whether the index was made of just these landmarks."""
+        if landmarks is self._given and isinstance(landmarks, tuple):
+            return True
+        return len(landmarks) == len(self.landmarks) and self.landmarks == list(landmarks)
+
+
+class _Called:
+    """What landmarks are called, by phrase: names, their parts, other lines, and brands' other names."""
+
+    def __init__(self, signs: SignReader, knowledge: Knowledge) -> None:
+        self._signs, self._knowledge = signs, knowledge
+        self.ids: dict[str, dict[int, None]] = {}
+        self.initials: dict[str, str] = {}
+        self.plurals: dict[str, str] = {}
+        self.singular: set[str] = set()
+
+    def add_landmark(self, landmark: Candidate, is_brand: bool) -> None:
+        """Add a landmark's name, its parts and its lines."""
+        own = (landmark.id,)
+        self.add(landmark.name, own, is_brand)
+        for part in (*_in_each_script(landmark.name), *landmark.lines):
+            self.add(part, own, is_brand=False)
+        if "'" in landmark.name:
+            # Who types quickly leaves the apostrophe out.
+            self.add(landmark.name.replace("'", ""), own, is_brand)
+
+    def add(self, text: str, ids: Sequence[int], is_brand: bool) -> str | None:
+        """Add what some landmarks are called; return its phrase, None where it may be any word."""
+        phrase, knowledge = self._signs.phrase(text), self._knowledge
+        is_short = _is_short_name(text, phrase, knowledge)
+        if not (spoken_key(phrase) or is_short) or (phrase in knowledge.painted and not is_brand):
+            return None
+        self.ids.setdefault(phrase, {}).update(dict.fromkeys(ids))
+        if is_short:
+            self.initials[phrase] = text
+        folded = knowledge.folder.fold(text)
+        if folded == f"{phrase}s":
+            self.plurals[phrase] = folded
+        elif folded.replace("'s", "") == phrase:
+            self.singular.add(phrase)
+        return phrase
+
+
+def _in_each_script(name: str) -> tuple[str, ...]:
+    """The parts of a name that is painted in two scripts, each long enough to be a name: 鼎泰豐 and DIN TAI FUNG."""
+    parts = [part for part in (each.strip(" ·|/-–") for each in UNSPACED_RUN.split(name)) if part]
+    runs = UNSPACED_RUN.findall(name)
+    if len(parts) != 1 or len(runs) != 1:
+        return ()
+    words = parts[0].split()
+    is_own = any(word.casefold() not in load_words() for word in words) and len(parts[0]) >= _SHORTEST_WORD
+    return (*(parts if is_own else ()), *(runs if len(runs[0]) >= _SHORTEST_RUN else ()))
+
+
+def _grams(run: str) -> list[str]:
+    return [run[at : at + _SHORTEST_RUN] for at in range(len(run) - _SHORTEST_RUN + 1)]
+
+
+def _is_short_name(name: str, phrase: str, knowledge: Knowledge) -> bool:
+    """Whether two letters are a name that is one only where it stands as it is painted: GU, dm."""
+    if len(name) != 2 or not (name.isascii() and name.isalpha()):
+        return False
+    return name.isupper() or not any(phrase in common for common in knowledge.common.values())
+
+
+def _ids_by_word(ids_by_phrase: Mapping[str, Collection[int]]) -> dict[str, set[int]]:
+    """Landmarks by the words of names of several words: “not Kaya's” refuses “Key Service Kaya”."""
+    found: dict[str, set[int]] = {}
+    for phrase, ids in ids_by_phrase.items():
+        words = phrase.split()
+        for word in words if len(words) > 1 else ():
+            if len(word) >= _SHORTEST_WORD and not is_unspaced(word):
+                found.setdefault(word, set()).update(ids)
+    return found
+
+
+def _sign_of(landmark: Candidate, signs: SignReader) -> SignMeaning:
+    sign = signs.read(landmark.name)
+    if sign.kinds:
+        return sign
+    bare = _NUMBERED.sub(" ", landmark.name).strip(" -–—,.:·~〜")
+    if bare and bare != landmark.name and (numbered := signs.read(bare)).kinds:
+        return numbered
+    # The name says nothing: another line of the same board may, or another reading.
+    said = (signs.read(line) for line in landmark.lines)
+    line = next((other for other in said if other.kinds and other.is_place), None)
+    return line or next((other for alias in landmark.aliases if (other := signs.read(alias)).kinds), sign)

@@ -1,0 +1,132 @@
+"""How well the place behind a sign serves what is wanted."""
+
+from collections.abc import Mapping, Sequence, Set
+from dataclasses import dataclass
+
+from lpslam.language.questions.question import Wish
+from lpslam.language.questions.sorts import is_eaten
+from lpslam.language.tables.knowledge import Knowledge
+
+Kinds = tuple[tuple[str, float], ...]
+
+FITS = 0.45  # a landmark that serves the wish less than this is not offered
+FITS_INSTEAD = 0.34  # where what fits better is refused
+_REFUSED_KIND = 0.4  # a place is what is refused when its words say so at least this surely
+_SIDE_OFFER = 0.7  # a place that sells what is refused this surely, beside other things
+_CLEARLY = 0.03  # by which a place must be better at what is refused than at what is wanted
+_SIDE_REFUSED = 0.5  # what such a place loses
+_LIGHT_MEAL = 0.7  # of a place that sells cake or coffee first of all
+_APART = 0.5  # of a kind that is not meant by the one above it: bubble tea, for a café
+_FOR_SOME = 0.8  # of a place whose goods are for women, men or children alone, where nobody is named
+_SURE = 0.9  # a kind of this weight is what the place is
+_DRUNK_IN_CAFES = frozenset({"coffee", "tea"})
+_WELL = 0.6  # a café refused for its coffee serves tea at least this well
+
+
+@dataclass(frozen=True, slots=True)
+class Served:
+    """How well kinds of place serve a wish: the whole score, and the best match of what it must serve."""
+
+    score: float
+    best: float
+    reasons: tuple[str, ...]
+
+
+def likeness(concept: str, kinds: Kinds, knowledge: Knowledge) -> float:
+    """How surely a place of these kinds is the concept itself or a kind of it."""
+    return _any_of({concept}, kinds, knowledge)
+
+
+def _any_of(concepts: Set[str], kinds: Kinds, knowledge: Knowledge) -> float:
+    # A bubble tea shop, though a kind of café, is not meant by one.
+    return max(
+        (
+            weight
+            for kind, weight in kinds
+            if any(each in concepts and kind not in knowledge.apart.get(each, ()) for each in knowledge.above(kind))
+        ),
+        default=0.0,
+    )
+
+
+def match(concept: str, kinds: Kinds, knowledge: Knowledge) -> float:
+    """How well a place of these kinds serves the concept: it is one, or it offers it."""
+    apart = knowledge.apart.get(concept, frozenset())
+    best = max(
+        (weight * min(knowledge.share(concept, kind), _APART if kind in apart else 1.0) for kind, weight in kinds),
+        default=0.0,
+    )
+    if concept == "food" and best > _LIGHT_MEAL and _is_light(kinds, knowledge):
+        return _LIGHT_MEAL
+    return best
+
+
+def _is_light(kinds: Kinds, knowledge: Knowledge) -> bool:
+    sure = {kind for kind, weight in kinds if weight >= _SURE}
+    return not sure.isdisjoint(knowledge.light_food) and "amenity/restaurant" not in sure
+
+
+def _whom_for(kinds: Kinds, knowledge: Knowledge) -> set[str]:
+    """Whom alone the goods of a place are for: women, men or children."""
+    return {each for each in knowledge.people if any(kind in (each, f"trait/{each}") for kind, _ in kinds)}
+
+
+def serve(wish: Wish, kinds: Kinds, knowledge: Knowledge) -> Served:
+    """Score a place of these kinds for a wish; zero where it is what the wish refuses."""
+    matches = {concept: match(concept, kinds, knowledge) for concept, _ in wish.wanted}
+    score = sum(weight * matches[concept] for concept, weight in wish.wanted)
+    whom_for, asked_for = _whom_for(kinds, knowledge), knowledge.people.intersection(dict(wish.wanted))
+    if whom_for and asked_for and whom_for.isdisjoint(asked_for):
+        # Whoever wants clothes for men is not sent to a women's shop.
+        return Served(0.0, 0.0, ())
+    if whom_for and not asked_for:
+        score *= _FOR_SOME
+    best = max((matches[concept] for concept in wish.main), default=0.0)
+    vague = (knowledge.modifiers | knowledge.general).issuperset(wish.main)
+    for concept in wish.refused:
+        # Ramen has noodles in it, and Thai food is hot.
+        own = _any_of({concept, *knowledge.contained.get(concept, ())}, kinds, knowledge)
+        is_spared = concept in _DRUNK_IN_CAFES and _serves_else(wish, matches, knowledge)
+        is_spared = is_spared and not (concept == "tea" and own >= _REFUSED_KIND)
+        if own >= _REFUSED_KIND and not is_spared and not _is_also_another(concept, own, kinds, wish, knowledge):
+            return Served(0.0, 0.0, ())
+        ware = match(concept, kinds, knowledge) if "/" not in concept else 0.0
+        is_meant = ware > best + _CLEARLY and ware >= _SIDE_OFFER and not is_eaten(concept, knowledge)
+        if (ware >= _SURE and vague) or is_meant:
+            # “A present, but no toys”: a toy shop has presents, and is not meant; nor Decathlon for what is not sporty.
+            return Served(0.0, 0.0, ())
+        if own < _REFUSED_KIND and is_spared:
+            continue
+        if own >= _REFUSED_KIND or ware >= _SIDE_OFFER:
+            score *= _SIDE_REFUSED
+    reasons = tuple(concept for concept, found in matches.items() if found >= FITS)
+    return Served(score, best, reasons)
+
+
+def _serves_else(wish: Wish, matches: Mapping[str, float], knowledge: Knowledge) -> bool:
+    """Whether something of its own is wanted that the place serves well: tea, in a café refused for its coffee."""
+    return any(
+        matches[concept] >= _WELL
+        for concept in wish.main
+        if concept not in knowledge.general and concept not in wish.refused
+    )
+
+
+def _is_also_another(concept: str, weight: float, kinds: Kinds, wish: Wish, knowledge: Knowledge) -> bool:
+    """Whether the place is as surely another kind beside the refused one (pizza and burgers), not refused itself."""
+    top = concept.partition("/")[0]
+    return any(
+        other >= weight
+        and kind.partition("/")[0] == top
+        and not any(refused in knowledge.above(kind) for refused in wish.refused)
+        for kind, other in kinds
+    )
+
+
+def merged(kinds: Sequence[Kinds]) -> Kinds:
+    """All kinds of several signs, each at its surest."""
+    found: dict[str, float] = {}
+    for each in kinds:
+        for kind, weight in each:
+            found[kind] = max(weight, found.get(kind, 0.0))
+    return tuple(found.items())

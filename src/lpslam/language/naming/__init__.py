@@ -1,0 +1,1 @@
+"""Names of what was read many times."""

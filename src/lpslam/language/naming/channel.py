@@ -1,0 +1,248 @@
+"""A reader of signs as a noisy channel: how likely a painted text is read as it was (text clustering, III-E).
+
+A reading is right with a probability that how it was seen tells, and so, letter by letter, is each of its letters. A
+wrong letter is one that looks alike more often than another; a letter that the reader itself held for possible costs
+what it said. Ends that are missing were hidden, ends too many belong to a neighbour: neither says anything against the
+letters between.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import exp, log
+
+from rapidfuzz.distance import Levenshtein
+
+from lpslam.language.model import Reading, Slots
+from lpslam.language.tables.spelling import is_alike, is_ideograph
+
+# Natural logarithms of how much rarer each slip is than some slip: of letters that look alike, of any, of none at all,
+# of one too many; of ideographs there are thousands.
+_ALIKE, _OTHER, _LOST, _ADDED, _OTHER_IDEOGRAPH = 0.0, 1.2, 1.2, 1.5, 4.0
+# A slip costs so much more than the letter itself, however poor the reading.
+_LEAST_SLIP = 0.3
+# An end that is hidden, and each letter of it; an end that is another text's, and each of its letters.
+_CUT_END, _CUT_LETTER = 2.0, 0.3
+_JOINED_END, _JOINED_LETTER = 4.0, 0.8
+# A round or square logo beside Chinese is read as a letter of another script, again and again.
+_LOGO = 0.8
+# The reader's own odds between two letters hold nearly as they are: their logarithm counts for this share, measured
+# on drawn lettering (`benchmarks/text_calibration.py odds`).
+_OWN_ODDS = 0.7
+# The same slip again is this much rarer than another failure, or than the same letters where they are painted: a
+# reader that fails on a letter of a sign fails on it in the next view as well.
+_AGAIN = 0.7
+# A slip that another reading of the same sign shows as well.
+_KNOWN = 1.5
+# A thin letter for which a mark was read, 1 as : or ]; a mark says nothing of any other.
+_MARKED, _THIN = 0.7, frozenset("1lijtı")
+# A reading of something else altogether.
+_FOREIGN = 16.0
+# Where nothing says how many views a reading stands for: its number to this power.
+_REPETITION = 0.75
+_LEAST_RIGHT, _MOST_RIGHT = 0.02, 0.995
+# Most log odds by which readings that contradict each other are lowered, and how finely.
+_MOST_HUMBLED, _HUMBLED_STEP = 6.0, 0.05
+
+
+_Slip = tuple[str, int, str]
+"""What was done to a letter, its place in the painted key, and the letter that was read."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Seen:
+    """One spelling as evidence.
+
+    Attributes:
+        key: letters and digits as read, without case.
+        right: probability that it is exactly what is painted.
+        weight: views of its own that it stands for.
+        letters: for each letter of the key, what else it may be, with the reader's probability; empty if not known.
+        gaps: before which letter of the key another one was nearly read, and how surely.
+        marks: before which letters of the key a mark was read.
+    """
+
+    key: str
+    right: float
+    weight: float
+    letters: tuple[Mapping[str, float], ...] = ()
+    gaps: Mapping[int, Mapping[str, float]] | None = None
+    marks: frozenset[int] = frozenset()
+
+
+def paint_key(text: str) -> str:
+    """What of a text is compared: letters and digits in their own script and form, without case."""
+    return "".join(ch for ch in text.casefold() if ch.isalnum())
+
+
+def evidence_of(readings: Iterable[Reading]) -> list[Seen]:
+    """Take readings as evidence, the weightiest first; equal keys with equal marks are one; none without a letter."""
+    grouped: dict[tuple[str, frozenset[int]], list[Seen]] = {}
+    for each in readings:
+        key = paint_key(each.text)
+        if not key or each.count <= 0:
+            continue
+        # Where nothing else is known, every letter is as sure as their mean.
+        right = min(max(each.confidence, 0.0), 1.0) ** len(key) if each.right is None else each.right
+        weight = each.count**_REPETITION if each.looks is None else each.looks
+        letters, gaps = _aligned(key, each.slots)
+        right, marks = min(max(right, _LEAST_RIGHT), _MOST_RIGHT), _marks(each.text)
+        grouped.setdefault((key, marks), []).append(Seen(key, right, weight, letters, gaps, marks))
+    seen = _humbled(_one_look_at_least([_together(same) for same in grouped.values()]))
+    return sorted(seen, key=lambda each: (-each.weight * each.right, each.key))
+
+
+def _one_look_at_least(seen: list[Seen]) -> list[Seen]:
+    """However little readings of one place's far side are worth, together they are worth the one that they are."""
+    worth = sum(each.weight for each in seen)
+    return [replace(each, weight=each.weight / worth) for each in seen] if 0.0 < worth < 1.0 else seen
+
+
+def _humbled(seen: list[Seen]) -> list[Seen]:
+    """Lower how sure readings are, all by the same odds, until no more of them are right than agree: one can be."""
+    agreeing: dict[str, float] = {}
+    for each in seen:
+        agreeing[each.key] = agreeing.get(each.key, 0.0) + each.weight
+    most = max(agreeing.values(), default=0.0)
+
+    def right(each: Seen, shift: float) -> float:
+        return 1.0 / (1.0 + (1.0 - each.right) / each.right * exp(shift))
+
+    low, high = 0.0, _MOST_HUMBLED
+    if sum(each.weight * each.right for each in seen) <= most:
+        return seen
+    while high - low > _HUMBLED_STEP:
+        shift = (low + high) / 2.0
+        is_enough = sum(each.weight * right(each, shift) for each in seen) <= most
+        low, high = (low, shift) if is_enough else (shift, high)
+    return [replace(each, right=max(right(each, high), _LEAST_RIGHT)) for each in seen]
+
+
+def _together(same: Sequence[Seen]) -> Seen:
+    best = max(same, key=lambda each: each.right)
+    weight = sum(each.weight for each in same)
+    odds = sum(each.weight * log(each.right / (1.0 - each.right)) for each in same) / max(weight, 1e-9)
+    return replace(best, right=1.0 / (1.0 + exp(-odds)), weight=weight)
+
+
+def _marks(text: str) -> frozenset[int]:
+    """Before which letters of a text's key a mark stands, that is no space."""
+    return frozenset(len(paint_key(text[:at])) for at, ch in enumerate(text) if not ch.isalnum() and not ch.isspace())
+
+
+def _aligned(key: str, slots: Slots) -> tuple[tuple[Mapping[str, float], ...], Mapping[int, Mapping[str, float]]]:
+    """The slots of the key's letters and of the gaps between; none where the text was mended after it was read."""
+    letters: list[Mapping[str, float]] = []
+    gaps: dict[int, Mapping[str, float]] = {}
+    taken = ""
+    for slot in slots:
+        folded: dict[str, float] = {}
+        for letter, probability in slot:
+            folded[paint_key(letter)] = max(probability, folded.get(paint_key(letter), 0.0))
+        first = paint_key(slot[0][0])
+        taken += first
+        if first:
+            letters += [folded] * len(first)
+        elif not slot[0][0]:
+            gaps[len(letters)] = folded
+    return (tuple(letters), gaps) if taken == key else ((), {})
+
+
+def log_likelihood(painted: str, evidence: Iterable[Seen], looks: Callable[[str], str]) -> float:
+    """Logarithm of how likely a sign that says `painted` is read as all of the evidence, in all of its looks.
+
+    What kind of slip it is counts once: a reader that fails on a letter of a sign fails on it again in the same way.
+
+    Args:
+        painted: key, not empty.
+        evidence: what was read, the weightiest first.
+        looks: takes a letter to what it looks like.
+    """
+    known: set[_Slip] = set()
+    return sum(_of_one(painted, seen, looks, known) for seen in evidence)
+
+
+def _of_one(painted: str, seen: Seen, looks: Callable[[str], str], known: set[_Slip]) -> float:
+    all_right = log(seen.right)
+    if painted == seen.key:
+        return seen.weight * all_right
+    ends, slips = _costs(painted, seen, looks, known)
+    first = max(all_right - ends - slips, -_FOREIGN)
+    again = max(min(log(1.0 - seen.right), all_right) - _AGAIN - ends, first) if slips else first
+    return min(seen.weight, 1.0) * first + max(seen.weight - 1.0, 0.0) * again
+
+
+def _costs(painted: str, seen: Seen, looks: Callable[[str], str], known: set[_Slip]) -> tuple[float, float]:
+    """Costs of the likeliest way from a painted key to the one read: of its ends, and of its slips.
+
+    Slips that are `known` of this sign cost little; those of this reading are, from then on.
+    """
+    read = seen.key
+    letter_right = seen.right ** (1.0 / len(read))
+    slip = max(-log(1.0 - letter_right) + log(letter_right), _LEAST_SLIP)
+    if looks(painted) == looks(read):
+        return 0.0, slip + _ALIKE
+    steps = Levenshtein.editops(painted, read)
+    cut = _ends({step.src_pos for step in steps if step.tag == "delete"}, len(painted))
+    joined = _ends({step.dest_pos for step in steps if step.tag == "insert"}, len(read))
+    ends = sum(_cut_cost(painted, end, at in seen.marks) for end, at in zip(cut, (0, len(read)), strict=True) if end)
+    for end in joined:
+        slips = sum(_added_cost(painted, seen, at, slip) for at in end)
+        ends += min(_JOINED_END + _JOINED_LETTER * len(end), slips) if end else 0.0
+    ends_lost, ends_added = cut[0] | cut[1], joined[0] | joined[1]
+    cost = 0.0
+    for step in steps:
+        own = (step.tag, step.src_pos, read[step.dest_pos] if step.tag != "delete" else "")
+        if step.tag == "replace":
+            one = _replaced_cost(painted[step.src_pos], seen, step.dest_pos, slip, looks)
+        elif step.tag == "delete" and step.src_pos not in ends_lost:
+            one = _lost_cost(painted[step.src_pos], seen, step.dest_pos, slip)
+        elif step.tag == "insert" and step.dest_pos not in ends_added:
+            one = _added_cost(painted, seen, step.dest_pos, slip)
+        else:
+            continue
+        cost += min(one, _KNOWN) if own in known else one
+        known.add(own)
+    return ends, cost
+
+
+def _cut_cost(painted: str, end: set[int], is_marked: bool) -> float:
+    """Cost of letters missing at an end; where a mark was read for thin ones, they were seen and not hidden."""
+    is_seen = is_marked and all(painted[at] in _THIN for at in end)
+    return (_MARKED if is_seen else _CUT_END) + _CUT_LETTER * (len(end) - 1)
+
+
+def _ends(places: set[int], length: int) -> tuple[set[int], set[int]]:
+    """Which of the places reach from the first on, and which to the last."""
+    first = next(at for at in range(length + 1) if at not in places)
+    last = next(at for at in range(length - 1, -2, -1) if at not in places)
+    head = set(range(first))
+    return head, set(range(last + 1, length)) - head
+
+
+def _replaced_cost(letter: str, seen: Seen, at: int, slip: float, looks: Callable[[str], str]) -> float:
+    other = seen.key[at]
+    if is_alike(letter, other, looks):
+        kind = _ALIKE
+    else:
+        kind = _OTHER_IDEOGRAPH if is_ideograph(letter) and is_ideograph(other) else _OTHER
+    return min(slip + kind, _own_cost(seen.letters[at] if seen.letters else {}, other, letter))
+
+
+def _lost_cost(letter: str, seen: Seen, at: int, slip: float) -> float:
+    gap = seen.gaps.get(at, {}) if seen.gaps else {}
+    return min(slip + _LOST, _own_cost(gap, "", letter))
+
+
+def _added_cost(painted: str, seen: Seen, at: int, slip: float) -> float:
+    letter = seen.key[at]
+    is_end = at in (0, len(seen.key) - 1)
+    if is_end and letter.isascii() and letter.isalpha() and not any(map(str.isascii, painted)):
+        return _LOGO
+    return min(slip + _ADDED, _own_cost(seen.letters[at] if seen.letters else {}, letter, ""))
+
+
+def _own_cost(slot: Mapping[str, float], taken: str, wanted: str) -> float:
+    """Cost at which the reader itself would have had another letter; without end where it did not think of it."""
+    if not slot.get(wanted) or not slot.get(taken):
+        return float("inf")
+    return _OWN_ODDS * max(log(slot[taken] / slot[wanted]), 0.0)

@@ -1,0 +1,201 @@
+"""The embedded model's names: the posterior over whole strings, what is known being its prior (III-E)."""
+
+from collections.abc import Sequence, Set
+from dataclasses import dataclass
+from math import exp, log
+
+from rapidfuzz.distance import Levenshtein
+
+from lpslam.language.model import Naming, Reading
+from lpslam.language.naming.channel import Seen, evidence_of, paint_key
+from lpslam.language.naming.posterior import ELSE, doubted, posterior, put_together
+from lpslam.language.naming.voting import cased_like, painted_like, vote
+from lpslam.language.sanitise import clean_text
+from lpslam.language.signs.reader import SignReader
+from lpslam.language.tables.knowledge import Knowledge, Known, load_words
+from lpslam.language.tables.spelling import respelled
+from lpslam.language.tables.words import is_unspaced
+
+# What a known name is ahead of an unknown one, in logarithms of odds: a letter, and a letter of a word in any name;
+# chosen on drawn lettering, once with every name known and once with it hidden.
+_ADVANCE_LETTER, _ADVANCE_IDEOGRAPH, _ADVANCE_WORD = 1.5, 3.0, 1.5
+# What a word is behind for being one of many: short ones are near anything.
+_CHOICE_OF_WORDS = 3.0
+# Where nothing that was read is like it, the share of that; and at most: what is known decides between near-equals.
+_ADVANCE_UNREAD, _MOST_AHEAD = 0.5, 10.0
+# What a string is behind in which traditional and simplified characters stand beside each other: few signs mix them.
+_MIXED = 4.0
+# What another form of a known name is behind the form that is listed: traditional, simplified or Japanese characters.
+_OTHER_FORM = 2.0
+_READINGS_WEIGHED = 24  # spellings, the weightiest; what many readings explain, all do
+_READINGS_LOOKED_UP = 8  # spellings whose known neighbours are tried
+_READINGS_RESPELLED = 8  # spellings of which one word is tried as the known one a slip away
+
+# Log odds that a name is exactly right: bias, and what they grow by with the posterior's, with those of its best
+# reading, and with the logarithm of the looks that read it.
+# python benchmarks/text_calibration.py names --rows DIR
+_CERTAINTY = (1.336, 0.480, 0.191, -0.792)
+_SUREST = 7.0  # of log odds that are believed
+
+
+@dataclass(frozen=True, slots=True)
+class Certain:
+    """A name, why, and what its certainty rests on.
+
+    Attributes:
+        name, evidence: as of a `Naming`.
+        terms: one, log odds of the posterior and of the best reading, logarithm of the looks.
+    """
+
+    name: str
+    evidence: str
+    terms: tuple[float, float, float, float]
+
+    @property
+    def certainty(self) -> float:
+        """How surely the name is exactly right, 0 to 1."""
+        return 1.0 / (1.0 + exp(-sum(a * b for a, b in zip(_CERTAINTY, self.terms, strict=True))))
+
+
+class Namer:
+    """Names classes of misread strings."""
+
+    def __init__(self, knowledge: Knowledge, signs: SignReader) -> None:
+        self._fold = knowledge.folder
+        self._signs = signs
+
+    def name(self, readings: Sequence[Reading], model: str) -> Naming:
+        """Name a class; where nothing with a letter in it was read, without any certainty."""
+        if not evidence_of(readings):
+            text = vote(readings).text
+            return Naming(text, 0.0, "no reading has a letter in it" if text else "no reading has a character", model)
+        best = self.most_certain(readings)
+        return Naming(best.name, best.certainty, best.evidence, model)
+
+    def most_certain(self, readings: Sequence[Reading]) -> Certain:
+        """Take the string that is most probable, all readings being given; known names are likelier than others."""
+        seen = evidence_of(readings)
+        forms = self._candidates(seen, readings)
+        read_words = {word for each in readings for word in self._fold.fold(each.text).split()}
+        words = {key: self._words_ahead(text, read_words) for key, text in forms.items()}
+        for each in readings:
+            if (own := paint_key(each.text)) in words:
+                words[own] = max(words[own], self._words_ahead(each.text, read_words))
+        known = {key: self._known(key) for key in forms}
+        read = {each.key for each in seen}
+        alike = {self._looks(key) for key in read}
+        priors = {key: self._advance(key, known[key], words[key], self._looks(key) in alike) for key in forms}
+        probabilities = posterior(priors, seen, self._looks)
+        # On a tie the weightiest reading stays.
+        best = max((key for key in forms if key != ELSE), key=lambda key: (probabilities[key], -list(forms).index(key)))
+        name, evidence = self._painted(best, forms[best], known[best], readings, best in read)
+        return Certain(name, evidence, _certainty_terms(best, probabilities[best], seen))
+
+    def _looks(self, text: str) -> str:
+        return self._fold.skeleton(self._fold.fold(text))
+
+    def _candidates(self, seen: Sequence[Seen], readings: Sequence[Reading]) -> dict[str, str]:
+        """The keys that may be painted, each with a form of it; those that were read come first."""
+        texts: dict[str, str] = {}
+        for each in sorted(readings, key=lambda each: -each.count * (each.right or each.confidence)):
+            texts.setdefault(paint_key(each.text), clean_text(each.text))
+        forms = {each.key: texts[each.key] for each in seen[:_READINGS_WEIGHED]}
+        read = set(texts)
+        template = forms[seen[0].key]
+        voted = vote(readings).text
+        forms.setdefault(paint_key(voted), voted)
+        for first, second in put_together(seen):
+            forms.setdefault(first + second, f"{texts[first]} {texts[second]}")
+        for key in doubted(seen):
+            if key:
+                forms.setdefault(key, respaced(key, template))
+        for key in list(forms)[:_READINGS_LOOKED_UP]:
+            for _, known in self._signs.nearest(self._fold.key(key)) if key else []:
+                self._add_known(forms, known.painted, forms[key])
+        for near in [voted, *(forms[each.key] for each in seen[:_READINGS_RESPELLED])]:
+            for text in respelled(self._fold.fold(near), load_words()):
+                if paint_key(text) not in read:
+                    forms[paint_key(text)] = cased_like(text, near)
+        forms.pop(ELSE, None)
+        return forms
+
+    def _add_known(self, forms: dict[str, str], painted: str, like: str) -> None:
+        """Add a known name in the script of what was read; a consistent form that was read is the same name already."""
+        key = self._fold.key(painted)
+        if any(self._fold.key(other) == key and not self._fold.is_mixed(other) for other in forms):
+            return
+        text = self._fold.traditional(painted) if self._fold.is_traditional(like) else painted
+        forms.setdefault(paint_key(text), cased_like(text, like))
+
+    def _known(self, key: str) -> Known | None:
+        folded = self._fold.key(key)
+        return next(
+            (known for edits, known in self._signs.nearest(folded) if self._fold.key(known.painted) == folded), None
+        )
+
+    def _words_ahead(self, text: str, read: Set[str]) -> float:
+        known = [word for word in self._fold.fold(text).split() if word in load_words()]
+        return sum(
+            max(_ADVANCE_WORD * len(word) - _CHOICE_OF_WORDS, 0.0) * (1.0 if word in read else _ADVANCE_UNREAD)
+            for word in known
+        )
+
+    def _advance(self, key: str, known: Known | None, words: float, is_read: bool) -> float:
+        letter = _ADVANCE_IDEOGRAPH if is_unspaced(key) else _ADVANCE_LETTER
+        if known is not None:
+            # A known name is no worse than one of which only some words are known.
+            advance = max(letter * len(key) * (1.0 if is_read else _ADVANCE_UNREAD), words)
+            advance = min(advance, _MOST_AHEAD) - _OTHER_FORM * (paint_key(known.painted) != key)
+        else:
+            # “必胜客欢乐餐厅” is no listed name, but begins with one.
+            head = self._signs.brand_head(self._fold.key(key))
+            advance = words + _ADVANCE_UNREAD * letter * head
+        return min(advance, _MOST_AHEAD) - _MIXED * self._fold.is_mixed(key)
+
+    def _painted(
+        self, key: str, form: str, known: Known | None, readings: Sequence[Reading], is_read: bool
+    ) -> tuple[str, str]:
+        """The name with its case, spaces and marks as most readings have them, and why."""
+        if not is_read:
+            return form, f"the readings are nearest to {known.painted}" if known else "the readings are a slip away"
+        same = [each for each in readings if paint_key(each.text) == key]
+        text = vote(same).text
+        if known is None:
+            return text, "most of what was read well says so"
+        # Only spaces and punctuation may differ: a warning's words are set apart, a brand stays as it is painted; a
+        # mark that it has, and that was read even once, was there.
+        evidence = f"the readings agree on {known.painted}"
+        if known.source == "brand":
+            marked = [each.text for each in same if each.text.casefold() == known.painted.casefold()]
+            return (marked or [text])[0], evidence
+        is_same_form = paint_key(known.painted) == key
+        return painted_like(known.painted, text) if is_same_form else text, evidence
+
+
+def respaced(key: str, text: str) -> str:
+    """Write a key with the case, spaces and marks of a text that is like it."""
+    places = [at for at, ch in enumerate(text) if ch.isalnum()]
+    letters = list(text)
+    own = "".join(text[at] for at in places).casefold()
+    if len(own) != len(places):
+        return key
+    for step in Levenshtein.editops(own, key):
+        at = places[min(step.src_pos, len(places) - 1)]
+        new = "" if step.tag == "delete" else key[step.dest_pos]
+        new = new.upper() if text[at].isupper() else new
+        if step.tag == "insert":
+            letters[at] = new + letters[at] if step.src_pos < len(places) else letters[at] + new
+        else:
+            letters[at] = new
+    return clean_text("".join(letters))
+
+
+def _certainty_terms(best: str, probability: float, seen: Sequence[Seen]) -> tuple[float, float, float, float]:
+    own = [each for each in seen if each.key == best]
+    right = max((each.right for each in own), default=0.0)
+    return 1.0, _log_odds(probability), _log_odds(right), log(1.0 + sum(each.weight for each in own))
+
+
+def _log_odds(probability: float) -> float:
+    odds = max(probability, 1e-6) / max(1.0 - probability, 1e-6)
+    return min(max(log(odds), -_SUREST), _SUREST)

@@ -1,0 +1,398 @@
+"""What a question wants and what it refuses (judging, III-G; choosing, III-I).
+
+A question is cut into units, phrases that mean something are found in them, and the words between them tell what is
+refused, what is only said by the way ("on the train", 看电影前) and where one thought ends.
+"""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+from lpslam.language.questions.clauses import clauses_of
+from lpslam.language.questions.sorts import is_general
+from lpslam.language.questions.stance import NEXT_TO, Stand, hurting, spilled, told_in
+from lpslam.language.questions.unknown_things import asks_for_unknown
+from lpslam.language.questions.weighing import ASIDE, GENERAL, GIFTS, HINT, MAIN, MODIFIER, as_treated, without_symptoms
+from lpslam.language.sanitise import clean_text
+from lpslam.language.tables.inflection import known_form
+from lpslam.language.tables.knowledge import Knowledge
+from lpslam.language.tables.lexicon import Meaning
+from lpslam.language.tables.states import Trouble, says_at_home, troubles_in
+from lpslam.language.tables.words import Span, is_mark, is_unspaced, longest_phrases
+
+_KANA = re.compile(r"[\u3040-\u30ff]")
+_HANGUL = re.compile(r"[\uac00-\ud7af]")
+_HYPHEN = re.compile(r"(?<=[^\W\d_])[-\u2010\u2011](?=\w)|(?<=\w)[-\u2010\u2011](?=[^\W\d_])")
+# “Fischallergie” refuses fish.
+_ALLERGY = re.compile(r"(\w{3,}?)s?(allergien?|unverträglichkeit|intoleranz)\b", re.IGNORECASE)
+# Without its accent, as words are looked up, té is a Spanish pronoun.
+_SPANISH_TEA = re.compile(r"\bté\b", re.IGNORECASE)
+_HAN = re.compile(r"[\u4e00-\u9fff]")
+_LATIN = ("en", "es", "de", "fr")
+# Letters and turns that one language of Latin script has and the others do not.
+_OWN_LETTERS = {
+    "es": re.compile(r"[¿¡ñ]"),
+    "de": re.compile(r"[ßäöü]", re.IGNORECASE),
+    "fr": re.compile(r"[çœêèàùâîôë]|\b[jldnmtsc]['’]|\bqu['’]", re.IGNORECASE),
+}
+_ANOTHER = re.compile(
+    r"\b(another|other|else|instead|alternatives?|besides|otr[oa]s?|en vez|autres?|ailleurs|plutôt|ander(e[nrms]?)"
+    r"|d[oó]nde m[aá]s|qu[eé] m[aá]s|stattdessen|sonst|lieber|woanders|elsewhere|better|besser(e[nrms]?)?|mieux"
+    r"|mejor|aparte de|adem[aá]s de|hormis|à part|außer|apart from)\b"
+    r"|别的|別的|其他|其它|另外|另一|换一|換一|[别別][家处處间間]|[换換][个個家间間]|第二[家间間]|仲有|除了|除咗"
+    r"|別の|別んとこ|ほか|他の|他を|よそ|以外|다른|말고|대신|딴 ?[데거곳]",
+    re.IGNORECASE,
+)
+"""Words that ask for something beside what is named."""
+_QUESTION_LENGTH = 400
+_ANEW = {
+    "laundry": "clothes",
+    "shoe_repair": "shoes",
+    "sewing": "clothes",
+    "watch_repair": "watch",
+    "computer_repair": "computer",
+}
+_HABITS = frozenset({"tobacco", "amenity/smoking_area"})  # who refuses them says “smoke” by the way
+_MEALS = frozenset({"food", "drink"})
+_THING = 0.7  # a wanted concept of this weight is a thing of its own
+_RIVAL = 0.7  # a language with this share of the likeliest one's common words may be meant too
+_KNOWN_SHARE = 0.3  # of the words of a sentence that are common in its language
+_COVERED_SHARE = 0.6  # of the words of a text that a language's tables know, where hardly any are common
+_KANJI_ONLY = 8  # characters of Japanese that needs no kana: 薬局, 市役所; a sentence of Han letters alone is Chinese
+
+
+@dataclass(frozen=True, slots=True)
+class Wish:
+    """Concepts wanted and refused, by weight; `language` is None where the question could not be read.
+
+    `wanted_names`, `refused_names` and `near_names` hold the values of the names that were passed in and mentioned;
+    `unknown` says that something is asked for whose word is not known; `contested` are concepts that are wanted, but
+    not from where they are had first of all; `anew` are goods that will do where nobody mends the broken ones;
+    `contradicted` are phrases that are wanted and refused in one breath.
+    """
+
+    wanted: tuple[tuple[str, float], ...]
+    refused: tuple[str, ...]
+    wanted_names: tuple[str, ...]
+    refused_names: tuple[str, ...]
+    language: str | None
+    near_names: tuple[str, ...] = ()
+    unknown: bool = False
+    contested: tuple[str, ...] = ()
+    anew: tuple[str, ...] = ()
+    contradicted: tuple[str, ...] = ()
+
+    @property
+    def main(self) -> tuple[str, ...]:
+        """The concepts that a place must serve: the weightiest sort of those that are wanted."""
+        things = tuple(concept for concept, weight in self.wanted if weight >= _THING)
+        meals = tuple(concept for concept, _ in self.wanted if concept in ("food", "drink"))
+        if things or meals:
+            return things or meals
+        heaviest = max((weight for _, weight in self.wanted), default=0.0)
+        return tuple(concept for concept, weight in self.wanted if weight >= 0.9 * heaviest)
+
+
+def languages_of(text: str, knowledge: Knowledge) -> tuple[str, ...]:
+    """Return the languages that a question may be in, likeliest first; none where it cannot be read.
+
+    By script, and where that is Latin by the commonest words and letters; a question of a few words may be in any.
+    """
+    if _KANA.search(text):
+        return ("ja",)
+    if _HANGUL.search(text):
+        return ("ko",)
+    if _HAN.search(text):
+        return ("zh", "ja") if len(text) <= _KANJI_ONLY else ("zh",)
+    words = [unit for unit in knowledge.folder.units(text) if not is_mark(unit)]
+    hits = {language: float(sum(word in knowledge.common[language] for word in words)) for language in _LATIN}
+    for language, letters in _OWN_LETTERS.items():
+        if hits[language] and letters.search(text):
+            hits[language] += 1.5
+    ranked = sorted(_LATIN, key=lambda language: -hits[language])
+    if hits[ranked[0]] >= 2 or (hits[ranked[0]] and len(words) <= 3):
+        return tuple(language for language in ranked if hits[language] >= _RIVAL * hits[ranked[0]])
+    # A few words carry no grammar that could turn their meaning round; a whole sentence might.
+    if len(words) <= 3:
+        return tuple(ranked)
+    return tuple(language for language in ranked[:1] if hits[language] >= _KNOWN_SHARE * len(words))
+
+
+def _language_by_its_phrases(text: str, knowledge: Knowledge) -> tuple[str, ...]:
+    """The one language whose tables know most words of a text that has hardly any common words: “car rental desk”."""
+    units = knowledge.folder.units(text)
+    words = [at for at, unit in enumerate(units) if not is_mark(unit)]
+    known: dict[str, int] = {}
+    for language in _LATIN if words and not is_unspaced(units[words[0]]) else ():
+        covered = {
+            at for span in longest_phrases(units, (knowledge.spoken(language),)) for at in range(span.start, span.end)
+        }
+        known[language] = len(covered | {at for at in words if units[at] in knowledge.common[language]})
+    ranked = sorted(known, key=lambda language: -known[language])
+    if not ranked or known[ranked[0]] < _COVERED_SHARE * len(words) or known[ranked[0]] == known[ranked[1]]:
+        return ()
+    return tuple(ranked[:1])
+
+
+def language_of(text: str, knowledge: Knowledge) -> str | None:
+    """Return the likeliest language of a question; None where it cannot be told."""
+    wish = read_question(text, knowledge)
+    return wish.language
+
+
+def read_question(question: str, knowledge: Knowledge, names: Mapping[str, Meaning] | None = None) -> Wish:
+    """Read a question; `names` maps phrases (see `Folder.phrase`) to names that are reported when mentioned.
+
+    It is read in the likeliest language in which it says something.
+    """
+    # “A sit-down meal” is looked up as three words.
+    text = _ALLERGY.sub(r"\1 \2", _HYPHEN.sub(" ", clean_text(question, _QUESTION_LENGTH)))
+    first: Wish | None = None
+    for language in languages_of(text, knowledge) or _language_by_its_phrases(text, knowledge):
+        wish = _read_in(text, language, knowledge, {} if names is None else names)
+        if wish.wanted or wish.refused or wish.wanted_names or wish.refused_names:
+            return wish
+        first = first or wish
+    if first is None and names:
+        # “7-Eleven, which direction?” is in no language that is sure, but names a place.
+        named = _read_in(text, "en", knowledge, names)
+        if named.wanted_names and not named.refused_names:
+            return Wish((), (), named.wanted_names, (), "en")
+    return first or Wish((), (), (), (), None)
+
+
+def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str, Meaning]) -> Wish:
+    return _Reading(text, language, knowledge, names).wish()
+
+
+class _Said:
+    """What the phrases of a question say, gathered: concepts wanted and refused, by which phrases, and names."""
+
+    def __init__(self, wanted: dict[str, float]) -> None:
+        self.wanted = wanted
+        self.refused: list[str] = []
+        self.wanted_by: dict[str, set[str]] = {}
+        self.refused_by: dict[str, set[str]] = {}
+        self.refused_with: dict[str, list[set[str]]] = {}
+        self.alone: set[str] = set()
+        self.names: dict[str, list[str]] = {"wanted": [], "refused": [], "near": []}
+
+    def refuse(self, span: Span[Meaning], concept: str) -> None:
+        """Take a concept of a phrase as refused."""
+        self.refused.append(concept)
+        self.refused_by.setdefault(concept, set()).add(span.key)
+        self.refused_with.setdefault(concept, []).append({other for other, _ in span.value.concepts} - {concept})
+
+    def want(self, span: Span[Meaning], concept: str, weight: float) -> None:
+        """Take a concept of a phrase as wanted."""
+        self.wanted[concept] = max(weight, self.wanted.get(concept, 0.0))
+        self.wanted_by.setdefault(concept, set()).add(span.key)
+        if len(span.value.concepts) == 1:
+            self.alone.add(concept)
+
+    def both(self, concept: str) -> set[str]:
+        """The phrases by which a concept is wanted and refused."""
+        return self.wanted_by.get(concept, set()) & self.refused_by.get(concept, set())
+
+
+class _Reading:
+    """One question in one language: cut once into units, phrases, troubles and clauses, and then weighed."""
+
+    def __init__(self, text: str, language: str, knowledge: Knowledge, names: Mapping[str, Meaning]) -> None:
+        self._text = _SPANISH_TEA.sub("tea", text) if language == "es" else text
+        self._language, self._knowledge = language, knowledge
+        self._units, spans = self._phrases((names, *knowledge.tables_of(language)))
+        self._states = knowledge.states(language)
+        troubles = [
+            trouble
+            for trouble in troubles_in(self._units, self._states)
+            # “Left luggage” has lost nothing.
+            if not any(
+                span.value.role == "means" and trouble.units.issubset(range(span.start, span.end)) for span in spans
+            )
+        ]
+        self._spans = [span for span in spans if span.value.role in ("means", "name") or not _is_part(span, troubles)]
+        pains = [trouble for trouble in troubles if trouble.concept in knowledge.symptoms]
+        self._hurts = hurting(self._spans, [trouble.units for trouble in pains], self._units, knowledge)
+        self._troubles = [trouble for trouble in troubles if not (self._hurts and trouble in pains)]
+        self._stains = [trouble.units for trouble in self._troubles if trouble.concept == "laundry"]
+
+    def _phrases(self, tables: tuple[Mapping[str, Meaning], ...]) -> tuple[list[str], list[Span[Meaning]]]:
+        folder = self._knowledge.folder
+        units = folder.units(self._text)
+        starts = folder.word_starts(self._text) if self._language == "ko" else frozenset[int]()
+
+        def is_barred(at: int, end: int, said: Meaning) -> bool:
+            # The end of one Korean word and the beginning of the next make no third.
+            return end - at == 2 and at + 1 in starts and said.role in ("means", "name")
+
+        spans = longest_phrases(units, tables, is_barred)
+        spoken = _with_known_forms(units, spans, self._language, self._knowledge)
+        return (units, spans) if spoken == units else (spoken, longest_phrases(spoken, tables, is_barred))
+
+    def wish(self) -> Wish:
+        """What is wanted and what is refused."""
+        said = self._gathered()
+        self._settle(said)
+        contested = self._contested(said)
+        contradicted = {phrase for concept in said.refused for phrase in said.both(concept)}
+        contradicted |= set(said.names["wanted"]) & set(said.names["refused"])
+        for concept in (*said.refused, *self._contained(said), *self._knowledge.said_of_food):
+            said.wanted.pop(concept, None)
+        if any(weight >= _THING for weight in said.wanted.values()) or not GIFTS.isdisjoint(said.wanted):
+            # “Something warm to drink, but no coffee”: what is left of “something warm” is wanted.
+            contested = tuple(concept for concept in contested if concept in said.alone)
+        wanted = self._weighed(said)
+        main = [concept for concept, weight in wanted.items() if weight > GENERAL]
+        mended = [each.concept for each in self._troubles if each.concept not in said.wanted_by]
+        asks_for_something = not main and not said.refused
+        return Wish(
+            tuple(wanted.items()),
+            tuple(dict.fromkeys(said.refused)),
+            tuple(dict.fromkeys(said.names["wanted"])),
+            tuple(dict.fromkeys(said.names["refused"])),
+            self._language,
+            tuple(dict.fromkeys(said.names["near"])),
+            # After a refusal, what else may be eaten is left open.
+            asks_for_something and asks_for_unknown(self._units, self._spans, self._language, self._knowledge),
+            contested,
+            tuple(_ANEW[concept] for concept in mended if concept in _ANEW),
+            () if main or contested else tuple(sorted(contradicted)),
+        )
+
+    def _gathered(self) -> _Said:
+        """Go through the clauses: what is wanted, what is refused, what is only said by the way."""
+        knowledge = self._knowledge
+        said = _Said({trouble.concept: MAIN for trouble in self._troubles})
+        asides = _asides(self._spans, self._units, knowledge)
+        asides |= {span.start for span in self._spans if _is_part(span, self._troubles)}
+        has_main = bool(self._troubles) or any(
+            span.value.role == "means" and span.start not in asides and not is_general(span, knowledge)
+            for span in self._spans
+        )
+        asides |= spilled(self._spans, self._stains, self._units, knowledge)
+        clauses = clauses_of(self._units, self._spans, self._language, knowledge)
+        told = told_in(clauses, self._units, self._language, knowledge, asks_for_another(self._text))
+        for span, stand in (each for clause in told for each in clause):
+            is_aside = span.start in asides or stand is Stand.ASIDE
+            is_refused = stand is Stand.REFUSED or span.start in self._hurts
+            for concept, weight in span.value.concepts:
+                if span.value.role == "name":
+                    said.names["refused" if is_refused else "near" if is_aside else "wanted"].append(concept)
+                elif is_refused:
+                    said.refuse(span, concept)
+                else:
+                    said.want(
+                        span, concept, weight * (ASIDE if is_aside and has_main else _importance(concept, knowledge))
+                    )
+        return said
+
+    def _settle(self, said: _Said) -> None:
+        """Tell what is truly refused from what is only named beside it."""
+        knowledge, wanted = self._knowledge, said.wanted
+        for concept in {*wanted, *said.refused} & set(knowledge.refusing):
+            # “Gluten free” names what it refuses.
+            wanted.pop(concept, None)
+            said.refused.append(knowledge.refusing[concept])
+        if "lost_item" in wanted and says_at_home(self._units, self._states):
+            wanted["lost_item"] = HINT
+        # “No clothes for women, but for men” refuses no clothes.
+        refused = [
+            concept
+            for concept in said.refused
+            if concept not in wanted
+            or not all(others - wanted.keys() for others in said.refused_with.get(concept, [set()]))
+        ]
+        # Nobody refuses to eat (“I'm hungry, but not for that”), but who wants a present may want none to eat.
+        spared = knowledge.general - (_MEALS if {*GIFTS, "business", "shop"} & wanted.keys() else frozenset())
+        said.refused = [concept for concept in refused if concept not in spared]
+
+    def _contested(self, said: _Said) -> tuple[str, ...]:
+        """“An ice cream, but that parlour is a rip-off”: the thing is wanted, where it is sold first of all is not."""
+        return tuple(
+            concept
+            for concept in dict.fromkeys(said.refused)
+            if said.wanted.get(concept, 0.0) >= MAIN and not said.both(concept)
+        )
+
+    def _contained(self, said: _Said) -> list[str]:
+        return [inner for concept in said.refused if concept in _HABITS for inner in self._knowledge.contained[concept]]
+
+    def _weighed(self, said: _Said) -> dict[str, float]:
+        """Weigh what is wanted: what is done to things, whom they are for, what will do instead."""
+        knowledge, wanted = self._knowledge, said.wanted
+        if said.refused and all(concept in knowledge.instead_of for concept in said.refused):
+            # Who eats no meat wants a kitchen without.
+            wanted |= {knowledge.instead_of[concept]: MAIN for concept in said.refused}
+        is_child_ill = "child" in wanted and max(wanted.get("medicine", 0.0), wanted.get("doctor", 0.0)) >= MAIN
+        wanted = as_treated(without_symptoms(wanted, knowledge), knowledge)
+        if is_child_ill:
+            # A child that is ill is taken to its own doctor where there is one.
+            wanted["amenity/doctors/paediatrics"] = MAIN
+        if self._stains and "clothes" in wanted:
+            # Where nobody cleans the shirt, another one will do.
+            wanted["clothes"] = _THING
+        if not knowledge.worn.isdisjoint(wanted) and knowledge.people.isdisjoint({*wanted, *said.refused}):
+            # A jacket for “my husband” is one for men.
+            named = {span.value for span in longest_phrases(self._units, (knowledge.relatives[self._language],))}
+            wanted |= dict.fromkeys(named, MODIFIER) if len(named) == 1 else {}
+        return wanted
+
+
+def asks_for_another(question: str) -> bool:
+    """Whether a question asks for something beside what it names."""
+    return _ANOTHER.search(question) is not None
+
+
+def _is_part(span: Span[Meaning], troubles: Sequence[Trouble]) -> bool:
+    return any(not trouble.units.isdisjoint(range(span.start, span.end)) for trouble in troubles)
+
+
+def _with_known_forms(
+    units: Sequence[str], spans: Sequence[Span[Meaning]], language: str, knowledge: Knowledge
+) -> list[str]:
+    """Replace words that no table has by a known form of them: inflected, compounded or mistyped."""
+    covered = {at for span in spans for at in range(span.start, span.end)}
+    states = knowledge.states(language).words
+    return [
+        unit
+        if at in covered or unit in states or is_mark(unit) or is_unspaced(unit) or unit in knowledge.common[language]
+        else known_form(unit, language, knowledge) or unit
+        for at, unit in enumerate(units)
+    ]
+
+
+def _asides(spans: Sequence[Span[Meaning]], units: Sequence[str], knowledge: Knowledge) -> set[int]:
+    """Starts of the phrases that are only said by the way: after “before my”, before の前に."""
+    asides: set[int] = set()
+    for before, after in pairwise(spans):
+        between = units[before.end : after.start]
+        # “Sit in the dark and watch something” wants a film.
+        is_close = len(between) <= NEXT_TO and knowledge.both.isdisjoint(between)
+        if is_close and before.value.role == "context_before" and after.value.role in ("means", "name"):
+            asides.add(after.start)
+        if is_close and after.value.role == "context_after" and before.value.role in ("means", "name"):
+            asides.add(before.start)
+    return asides
+
+
+def _importance(concept: str, knowledge: Knowledge) -> float:
+    if concept in knowledge.general:
+        return GENERAL
+    return MODIFIER if concept in knowledge.modifiers else MAIN
+
+
+def instead_of(refused: Sequence[str], knowledge: Knowledge) -> tuple[tuple[str, float], ...]:
+    """What someone wants who only says what not: something else of the same use."""
+    wanted: dict[str, float] = {}
+    for concept in refused:
+        for above in knowledge.above(concept):
+            if above in knowledge.instead:
+                wanted[knowledge.instead[above]] = GENERAL
+    return tuple((concept, weight) for concept, weight in wanted.items() if concept not in refused)
+
+
+def spoken_key(text: str) -> bool:
+    """Whether a name may be looked for inside a question: short or unspaced one-letter names would match anywhere."""
+    return len(text) >= (2 if is_unspaced(text) else 3)

@@ -1,0 +1,394 @@
+"""What of a question is wanted, what is refused, and what is only said by the way (choosing, III-I).
+
+A refusal in front reaches forward to the end of its clause, one behind reaches back over what is linked; a clause that
+is nothing but a refusal (“no thanks”, 受不了) speaks of the one before it. Where one clause asks, another that only
+tells is no wish: who says what Zara is like and then asks for a dress wants another shop.
+"""
+
+from collections.abc import Sequence, Set
+from enum import Enum
+from itertools import pairwise
+
+from lpslam.language.questions.clauses import Clause, between_marks
+from lpslam.language.questions.sorts import (
+    is_drink_of_cafes,
+    is_general,
+    is_meal,
+    is_modifier,
+    is_pain,
+    is_place,
+    is_plain,
+    is_vague,
+    is_ware,
+)
+from lpslam.language.tables.knowledge import Knowledge
+from lpslam.language.tables.lexicon import Meaning
+from lpslam.language.tables.words import Span, is_mark
+
+NEXT_TO = 3  # units between two phrases that speak of one another
+_TELLING_MUCH = 4  # words beside a kind of place that make a statement of it, though it would serve
+_SERVES = 0.6  # a kind of place that serves what is asked for as well as this is not refused for being told of
+_VERB_LAST = frozenset({"ja", "ko"})  # languages whose refusals always stand behind
+_WHOLE_BACK = _VERB_LAST | {"zh"}  # whose short clauses are refused as a whole
+_PASTIMES = frozenset({"entertainment", "children_play", "rest"})
+
+
+class Stand(Enum):
+    """How the speaker stands to what is said."""
+
+    WANTED = "wanted"
+    REFUSED = "refused"
+    ASIDE = "aside"
+
+
+Told = list[tuple[Span[Meaning], Stand]]
+
+
+def told_in(
+    clauses: Sequence[Clause], units: Sequence[str], language: str, knowledge: Knowledge, wants_another: bool = False
+) -> list[Told]:
+    """Return for each clause the phrases that mean something, each with how the speaker stands to it.
+
+    Beside a refused dish, “eat” itself is not refused.
+
+    Args:
+        clauses: as `clauses_of` gives them.
+        units: of the question.
+        language: of the question.
+        knowledge: the tables.
+        wants_another: whether the question asks for something else than it names.
+    """
+    stands = [_stands_within(clause.spans, units, language, knowledge) for clause in clauses]
+    for at in range(1, len(clauses)):
+        before = clauses[at - 1].spans
+        is_settled = Stand.REFUSED in stands[at - 1] and language not in _WHOLE_BACK
+        if (_refuses_back(clauses[at], language) and not is_settled) or _denies_back(clauses, at):
+            start = 0 if language in _WHOLE_BACK else _linked_from(before, 0, len(before))
+            stands[at - 1][start:] = [Stand.REFUSED] * (len(before) - start)
+        elif stands[at - 1][-1:] == [Stand.REFUSED] and _goes_on_listing(clauses[at], knowledge):
+            # “No pizza, burgers or kebab.”
+            stands[at] = [Stand.REFUSED] * len(stands[at])
+    for at in range(len(clauses) - 1, 0, -1):
+        if stands[at][:1] == [Stand.REFUSED] and _is_listed_before(clauses[at - 1], clauses[at], knowledge):
+            # “Ramen, udon, no more.”
+            stands[at - 1] = [Stand.REFUSED] * len(stands[at - 1])
+    wanted = {
+        span.key
+        for clause, each in zip(clauses, stands, strict=True)
+        for span, stand in zip(clause.spans, each, strict=True)
+        if stand is Stand.WANTED
+    }
+    told = [
+        _told(clause.spans, _only_the_special(clause.spans, each, wanted), knowledge)
+        for clause, each in zip(clauses, stands, strict=True)
+    ]
+    for at in range(1, len(clauses)):
+        # “I need shoes, but Bata's are for aunties.”
+        wants = any(_is_wanted(one) and one[0].value.role == "means" for each in told[:at] for one in each)
+        turns = any(span.key in knowledge.turning for span in clauses[at].spans[:1])
+        if wants and turns and all(span.value.role == "name" for span, _ in told[at]):
+            told[at] = [(span, Stand.REFUSED) for span, _ in told[at]]
+    return [_without_pains(each, knowledge) for each in _without_telling(clauses, told, knowledge, wants_another)]
+
+
+def _without_pains(told: Told, knowledge: Knowledge) -> Told:
+    """What a refused dish does to one is no wish for a doctor."""
+    if not any(stand is Stand.REFUSED and is_meal(span, knowledge) for span, stand in told):
+        return told
+    return [
+        (span, Stand.ASIDE if stand is Stand.WANTED and is_pain(span.value.concepts, knowledge) else stand)
+        for span, stand in told
+    ]
+
+
+def hurting(
+    spans: Sequence[Span[Meaning]], pains: Sequence[frozenset[int]], units: Sequence[str], knowledge: Knowledge
+) -> set[int]:
+    """Starts of the dishes that are said to hurt: “ice cream hurts my teeth”, where another is wanted besides."""
+    meals = [span for span in spans if is_meal(span, knowledge)]
+    found: set[int] = set()
+    for pain in pains:
+        first = min(pain)
+        reach = between_marks(first, units)
+        own = [span for span in meals if reach.start <= span.start < first and not is_general(span, knowledge)]
+        if own and any(span.start not in reach for span in meals):
+            found.update(span.start for span in own)
+    return found
+
+
+def spilled(
+    spans: Sequence[Span[Meaning]], stains: Sequence[frozenset[int]], units: Sequence[str], knowledge: Knowledge
+) -> set[int]:
+    """Starts of the drinks and dishes that made a stain: “I poured coffee over my shirt”."""
+    reach = {at for stain in stains for at in between_marks(min(stain), units)}
+    return {
+        span.start for span in spans if span.start in reach and (is_meal(span, knowledge) or is_drink_of_cafes(span))
+    }
+
+
+def _goes_on_listing(clause: Clause, knowledge: Knowledge) -> bool:
+    return (
+        clause.lists
+        and not clause.asks
+        and all(
+            span.value.role == "name" or is_meal(span, knowledge) or (span.value.role == "means" and not clause.tells)
+            for span in clause.spans
+        )
+    )
+
+
+def _is_listed_before(before: Clause, clause: Clause, knowledge: Knowledge) -> bool:
+    """Whether a clause is one more dish of the list whose next, refused from behind, begins a clause of its own."""
+    return (
+        before.says <= 0
+        and not before.asks
+        and bool(before.spans)
+        and all(is_meal(span, knowledge) for span in (*before.spans, clause.spans[0]))
+        and not any(
+            concept in knowledge.instead_of.values() for span in before.spans for concept, _ in span.value.concepts
+        )
+    )
+
+
+def _without_telling(
+    clauses: Sequence[Clause], told: Sequence[Told], knowledge: Knowledge, wants_another: bool
+) -> list[Told]:
+    """Where one clause asks for something, the others only tell: of places not wanted, and of things by the way."""
+    asking = [clause.asks for clause in clauses]
+    if clauses and not any(asking):
+        # Without a word that asks, the last thing that is said is what is wanted.
+        asking[-1] = True
+    asked = _Asked(clauses, told, asking, knowledge, wants_another)
+    return [
+        each
+        if asking[at]
+        else [
+            (span, asked.stand(at, span, before[0] if before else None) if stand is Stand.WANTED else stand)
+            for before, (span, stand) in zip((None, *each), each, strict=False)
+        ]
+        for at, each in enumerate(told)
+    ]
+
+
+class _Asked:
+    """What the clauses that ask want, and how the speaker stands to what the others tell of."""
+
+    def __init__(
+        self,
+        clauses: Sequence[Clause],
+        told: Sequence[Told],
+        asking: Sequence[bool],
+        knowledge: Knowledge,
+        wants_another: bool,
+    ) -> None:
+        self._clauses = clauses
+        self._knowledge = knowledge
+        self._wants_another = wants_another
+        spans = [
+            span
+            for is_asking, each in zip(asking, told, strict=True)
+            for span, stand in each
+            if is_asking and stand is Stand.WANTED and span.value.role == "means"
+        ]
+        self._concepts = {concept for span in spans for concept, _ in span.value.concepts}
+        # Who asks for a playground by that word wants no cinema, though the child is bored.
+        self._names_a_place = any(is_place(span, knowledge) for span in spans)
+        self._is_special = any(not is_vague(span, knowledge) for span in spans)
+        # What is asked for may be in no table.
+        self._wants_anything = bool(spans) or any(
+            is_asking and clause.puzzles for is_asking, clause in zip(asking, clauses, strict=True)
+        )
+        self._diets = {*knowledge.instead_of.values(), *knowledge.refusing}
+        self._is_asked = any(clause.asks for clause in clauses)
+
+    def stand(self, at: int, span: Span[Meaning], before: Span[Meaning] | None) -> Stand:
+        """How the speaker stands to a phrase of a clause that does not ask; `before` is what is said before it."""
+        clause, concepts = self._clauses[at], {concept for concept, _ in span.value.concepts}
+        if span.value.role == "name":
+            return Stand.REFUSED if clause.tells and self._wants_anything else Stand.WANTED
+        is_past = any(other.value.role == "past" for other in clause.spans)
+        if (
+            not (self._wants_anything or self._wants_another)
+            # “I was X-rayed yesterday” asks for no X-ray, whatever is asked for.
+            or not (self._is_asked or (is_past and not clause.echoes))
+            or clause.is_near_asking
+            or is_plain(span, self._knowledge)
+            or not self._concepts.isdisjoint(concepts)
+        ):
+            return Stand.WANTED
+        is_doubted = clause.denies or (clause.echoes and (bool(self._concepts) or self._wants_another))
+        if is_place(span, self._knowledge):
+            is_refused = is_doubted or self._tells_of_a_place(clause, concepts)
+        elif before is not None and before.value.role == "name" and span.start - before.end <= 1:
+            # A brand's coffee says nothing against coffee.
+            is_refused = False
+        elif concepts <= self._diets:
+            # “No meat” is a wish.
+            is_refused = False
+        else:
+            is_refused = (is_doubted and is_meal(span, self._knowledge)) or self._tells_of_a_ware(at, span)
+        if is_refused:
+            return Stand.REFUSED
+        is_by_the_way = self._is_special and (
+            (self._names_a_place and concepts <= _PASTIMES)
+            or is_place(span, self._knowledge)
+            or is_ware(span, self._knowledge)
+        )
+        return Stand.ASIDE if is_by_the_way else Stand.WANTED
+
+    def _tells_of_a_place(self, clause: Clause, kinds: Set[str]) -> bool:
+        """Whether a kind of place is said to have been visited, or to be like this or that."""
+        if any(span.value.role == "past" for span in clause.spans):
+            return True
+        serves = any(self._knowledge.share(each, kind) >= _SERVES for each in self._concepts for kind in kinds)
+        return clause.says > (_TELLING_MUCH if serves else 1) and (self._is_special or self._wants_another)
+
+    def _tells_of_a_ware(self, at: int, span: Span[Meaning]) -> bool:
+        """Whether something else is asked for than a ware that is told of, and not where it has run out."""
+        near = [*(self._clauses[at - 1].spans if at else ()), *self._clauses[at].spans]
+        has_run_out = any(other.value.role == "neutral" for other in near)
+        return (
+            self._wants_another
+            and not (self._is_special or has_run_out)
+            and self._clauses[at].tells
+            and is_ware(span, self._knowledge)
+        )
+
+
+def _stands_within(
+    clause: Sequence[Span[Meaning]], units: Sequence[str], language: str, knowledge: Knowledge
+) -> list[Stand]:
+    stands = [Stand.WANTED] * len(clause)
+    ahead = is_lacking = False
+    since = int(bool(clause) and clause[0].value.role == "break")
+    for at, span in enumerate(clause):
+        role = span.value.role
+        if role == "refuse_either":
+            # 火锅不要 refuses what stands before, 不要火锅 what comes after.
+            follows = at + 1 < len(clause) and clause[at + 1].start - span.end <= 1
+            role = "refuse_before" if follows else "refuse_after"
+        elif (
+            role == "refuse_before"
+            and at > since
+            and at + 1 == len(clause)
+            and _stands_last(clause, units, knowledge.negating[language])
+        ):
+            # “McDonald's no, gracias”, “gafas de ver no”.
+            role = "refuse_after"
+        if role == "refuse_before" and is_lacking and span.key in knowledge.both:
+            # “There is no milk nor eggs”: both are missing.
+            continue
+        if role == "refuse_before" or (role == "refuse_after" and at == since and language not in _VERB_LAST):
+            ahead = True
+        elif role in ("refuse_after", "refuse_back"):
+            start = _linked_from(clause, since, at)
+            stands[start:at] = [Stand.REFUSED] * (at - start)
+            since, ahead = at, False
+        elif role == "neutral":
+            # “Not from Rewe, and they have run out of water.”
+            ahead, is_lacking = False, True
+        if ahead:
+            stands[at] = Stand.REFUSED
+    if any(span.value.role == "past" for span in clause):
+        # What was eaten yesterday is not what is wanted today.
+        stands = [
+            Stand.REFUSED
+            if (is_meal(span, knowledge) and not is_general(span, knowledge)) or is_drink_of_cafes(span)
+            else stand
+            for span, stand in zip(clause, stands, strict=True)
+        ]
+    return _only_the_brand(clause, stands, units, knowledge)
+
+
+def _stands_last(clause: Sequence[Span[Meaning]], units: Sequence[str], negating: Set[str]) -> bool:
+    """Whether the last phrase of a clause is right behind another, or is a “no” that is its last word at all."""
+    before, last = clause[-2:]
+    is_end = last.key in negating and (last.end == len(units) or is_mark(units[last.end]))
+    return before.end == last.start or (is_end and last.start - before.end <= NEXT_TO)
+
+
+def _only_the_brand(
+    clause: Sequence[Span[Meaning]], stands: Sequence[Stand], units: Sequence[str], knowledge: Knowledge
+) -> list[Stand]:
+    """Who refuses a brand's clothes (耐克的衣服) refuses the brand, and says “clothes” by the way."""
+    spared = list(stands)
+    for at in range(1, len(clause)):
+        before, span = clause[at - 1], clause[at]
+        between = units[before.end : span.start]
+        if (
+            stands[at] is stands[at - 1] is Stand.REFUSED
+            and (before.value.role, span.value.role) == ("name", "means")
+            and len(between) <= 1
+            and not any(unit in knowledge.both or is_mark(unit) for unit in between)
+        ):
+            spared[at] = Stand.ASIDE
+    return spared
+
+
+def _refuses_back(clause: Clause, language: str) -> bool:
+    """Whether a clause refuses what the one before it speaks of."""
+    spans = [span for span in clause.spans if span.value.role != "break"] or clause.spans
+    role = spans[0].value.role if spans else ""
+    if role == "refuse_back":
+        # “Anything but that.”
+        return True
+    if role not in ("refuse_after", "refuse_either") or (clause.trails and language not in _VERB_LAST):
+        return False
+    says_more = any(span.value.role in ("means", "name", "refuse_before", "neutral") for span in spans)
+    return not says_more or (language in _VERB_LAST and role == "refuse_after")
+
+
+def _denies_back(clauses: Sequence[Clause], at: int) -> bool:
+    """Whether a “not” with nothing after it speaks of the clause before: “fish, my friend does not eat; what else?”."""
+    clause = clauses[at]
+    return (
+        not clause.asks
+        and not clauses[at - 1].asks
+        and any(other.asks for other in clauses)
+        and all(span.value.role in ("refuse_before", "break") for span in clause.spans)
+        and any(span.value.role == "refuse_before" for span in clause.spans)
+    )
+
+
+def _linked_from(clause: Sequence[Span[Meaning]], since: int, at: int) -> int:
+    """Where a refusal that stands behind begins.
+
+    “Coffee, but the queue at Costa is too long” wants the coffee, and “shoes, and Bata is shut” the shoes.
+    """
+    start = at
+    while start > since and (start == at or clause[start].start - clause[start - 1].end <= NEXT_TO):
+        if start < at and (clause[start].value.role, clause[start - 1].value.role) == ("name", "means"):
+            break
+        start -= 1
+    return start
+
+
+def _only_the_special(clause: Sequence[Span[Meaning]], stands: Sequence[Stand], wanted: Set[str]) -> list[Stand]:
+    """“Shoes, but no sports shoes” refuses sports: beside another phrase, one that is wanted besides is spared."""
+    spared = list(stands)
+    for before, after in pairwise(range(len(clause))):
+        pair = (clause[before], clause[after])
+        if (
+            stands[before] is stands[after] is Stand.REFUSED
+            and pair[0].end == pair[1].start
+            and all(span.value.role == "means" for span in pair)
+            and (pair[0].key in wanted) != (pair[1].key in wanted)
+        ):
+            spared[before if pair[0].key in wanted else after] = Stand.WANTED
+    return spared
+
+
+def _told(clause: Sequence[Span[Meaning]], stands: Sequence[Stand], knowledge: Knowledge) -> Told:
+    told = [(span, stand) for span, stand in zip(clause, stands, strict=True) if span.value.role in ("means", "name")]
+    refused = [span for span, stand in told if stand is Stand.REFUSED]
+    for spared in (is_plain, is_modifier):
+        if any(not spared(span, knowledge) for span in refused):
+            told = [
+                (span, Stand.WANTED if stand is Stand.REFUSED and spared(span, knowledge) else stand)
+                for span, stand in told
+            ]
+    return told
+
+
+def _is_wanted(one: tuple[Span[Meaning], Stand]) -> bool:
+    return one[1] is Stand.WANTED

@@ -1,0 +1,1 @@
+"""What a sign says, and which signs are not trusted."""

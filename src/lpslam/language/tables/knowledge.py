@@ -1,0 +1,364 @@
+"""What the embedded model knows, read from the tables in `data/`: kinds of place, brands, words, wants, warnings.
+
+The gazetteer comes from openly licensed indexes (`tools/build_gazetteer.py`); the lexicon is written by hand: topics
+in all languages side by side, and one file a language for how it refuses, warns and turns a sentence. A further
+language or topic is a further file, not further code.
+"""
+
+import json
+import lzma
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
+from importlib.resources import files
+from typing import Any, NamedTuple
+
+from lpslam.language.tables.lexicon import (
+    BY_HAND,
+    BY_NAME,
+    Meaning,
+    SpokenTables,
+    add_beside,
+    load_lexicons,
+    phrases_of,
+    read_table,
+    split,
+    with_cuisine,
+)
+from lpslam.language.tables.states import StateTables
+from lpslam.language.tables.words import Folder
+
+_SIGN_ROLES = {"sign_warning": "sign/warning", "sign_slogan": "sign/slogan"}
+
+_SUBSTITUTE = 0.8
+_TRADE_FIRST = ("de", "es", "fr")
+_SURE_SLOGAN = 4  # words or characters of a slogan that no shop's name comes near to by chance
+
+
+class Known(NamedTuple):
+    """A name known as it is painted: a brand, a maker, a warning or a word for a kind of place."""
+
+    painted: str
+    source: str
+    kinds: tuple[tuple[str, float], ...]
+    identity: str
+
+
+@dataclass(frozen=True, eq=False)
+class Knowledge:
+    """All tables, ready to look up. Phrase tables are keyed by `Folder.phrase`, `known` by `Folder.key`."""
+
+    folder: Folder
+    painted: Mapping[str, Meaning]
+    common: Mapping[str, frozenset[str]]
+    articles: frozenset[str]
+    joining: frozenset[str]
+    leading: frozenset[str]
+    turning: frozenset[str]
+    asking: frozenset[str]
+    both: frozenset[str]
+    wishing: Mapping[str, frozenset[str]]
+    negating: Mapping[str, frozenset[str]]
+    warning_starts: frozenset[str]
+    forbidding: frozenset[str]
+    known: Mapping[str, Known]
+    general: frozenset[str]
+    modifiers: frozenset[str]
+    national: frozenset[str]
+    people: frozenset[str]
+    worn: frozenset[str]
+    relatives: Mapping[str, Mapping[str, str]]
+    auxiliary: frozenset[str]
+    treatments: frozenset[str]
+    instead: Mapping[str, str]
+    instead_of: Mapping[str, str]
+    offers: Mapping[str, Mapping[str, float]]
+    isa: Mapping[str, tuple[str, ...]]
+    contained: Mapping[str, frozenset[str]]
+    apart: Mapping[str, frozenset[str]]
+    light_food: frozenset[str]
+    refusing: Mapping[str, str]
+    said_of_food: frozenset[str]
+    symptoms: frozenset[str]
+    weather: frozenset[str]
+    venues: frozenset[str]
+    trade_goods: frozenset[str]
+    imperatives: frozenset[str]
+    company_forms: frozenset[str]
+    families: Mapping[str, tuple[str, ...]]
+    doors: frozenset[str]
+    _tables: "SpokenTables"
+    _above: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    _shares: dict[tuple[str, str], float] = field(default_factory=dict)
+
+    def spoken(self, language: str) -> Mapping[str, Meaning]:
+        """Return what the phrases of a language mean in a question; built when it is first asked for."""
+        return self._tables.of(language)
+
+    def tables_of(self, language: str) -> tuple[Mapping[str, Meaning], ...]:
+        """Return the tables in which a question is looked up: the language's, and English words that it borrows."""
+        return self._tables.with_english(language)
+
+    def states(self, language: str) -> StateTables:
+        """Return the things and states of a language."""
+        return self._tables.states_of(language)
+
+    def family(self, kind: str) -> str:
+        """Return the sort of building whose rooms are of this kind: a hospital for a department; "" for none."""
+        return next((name for name, starts in self.families.items() if kind.startswith(starts)), "")
+
+    def word_for(self, concept: str, language: str) -> str | None:
+        """Return how a language calls a concept; None where no table says so. "zh-Hant" is traditional Chinese."""
+        return self._tables.word_for(concept, language)
+
+    def above(self, kind: str) -> tuple[str, ...]:
+        """Return `kind` and every more general kind above it, the nearest first."""
+        if kind not in self._above:
+            found: dict[str, None] = {}
+            left = [kind]
+            while left:
+                here = left.pop(0)
+                if here not in found:
+                    found[here] = None
+                    left.extend([here.rsplit("/", 1)[0]] if "/" in here else [])
+                    left.extend(self.isa.get(here, ()))
+            self._above[kind] = tuple(found)
+        return self._above[kind]
+
+    def share(self, concept: str, kind: str) -> float:
+        """Return how well a place of `kind` serves `concept`, 0..1: it is one, or it offers it.
+
+        What is said of the kind itself goes before what is said of the kinds above it: a café serves coffee, a
+        bubble tea shop, though a kind of café, hardly.
+        """
+        if (concept, kind) not in self._shares:
+            self._shares[concept, kind] = 1.0 if concept in self.above(kind) else self._offered(concept, kind)
+        return self._shares[concept, kind]
+
+    def _offered(self, concept: str, kind: str) -> float:
+        tables = [(1.0, self.offers[concept])] if concept in self.offers else []
+        if concept.startswith("shop/"):
+            # A shop asked for by its kind may be replaced by one that sells the same.
+            tables += [(_SUBSTITUTE, table) for table in self._goods_of.get(concept, ())]
+        shares = [
+            trust * next((table[above] for above in self.above(kind) if above in table), 0.0) for trust, table in tables
+        ]
+        return max(shares, default=0.0)
+
+    @cached_property
+    def _goods_of(self) -> Mapping[str, list[Mapping[str, float]]]:
+        """The offers whose first and best seller is a kind of shop."""
+        found: dict[str, list[Mapping[str, float]]] = {}
+        for table in self.offers.values():
+            if table:
+                found.setdefault(next(iter(table)), []).append(table)
+        return found
+
+
+@lru_cache(maxsize=1)
+def load_knowledge() -> Knowledge:
+    """Read the tables of the package (about 0.25 s, once a process)."""
+    kinds = read_table("lexicon/kinds.json")
+    han = read_table("lexicon/han.json")
+    folder = Folder(han["traditional"], han["simplified"], han["lookalikes"], han["both"])
+    lexicons = load_lexicons()
+    gazetteer = json.loads(lzma.decompress((files("lpslam.language") / "data" / "gazetteer.json.xz").read_bytes()))
+    unpainted = frozenset(kinds["unpainted"])
+    painted: dict[str, Meaning] = {}
+    known: dict[str, Known] = {}
+    for lexicon in lexicons.values():
+        _add_painted(lexicon, folder, unpainted, painted, known)
+    for joined, kinds_of in read_table("lexicon/makers.json")["makers"].items():
+        names = joined.split("|")
+        for name in names:
+            known.setdefault(folder.key(name), Known(name, "brand", tuple(kinds_of.items()), names[0]))
+    _add_brands(gazetteer["brands"], kinds["cuisine_kinds"], known)
+    for painted_name, joined in read_table("lexicon/nicknames.json").items():
+        called = known.get(folder.key(painted_name))
+        if called is not None:
+            for name in split(joined):
+                known.setdefault(folder.key(name), Known(name, "brand", called.kinds, called.identity))
+    joining = _in_any(lexicons, "joining", folder)
+    _add_kinds(gazetteer["names"], kinds["cuisine_kinds"], joining, painted, known)
+    for lexicon in lexicons.values():
+        _add_venues(lexicon, folder, painted, known)
+    return Knowledge(
+        folder=folder,
+        painted=painted,
+        common={language: phrases_of(folder, lexicon.get("common", "")) for language, lexicon in lexicons.items()},
+        articles=_in_any(lexicons, "article", folder),
+        joining=joining,
+        leading=_leading(lexicons, folder),
+        turning=_in_any(lexicons, "turning", folder),
+        asking=_in_any(lexicons, "asking", folder),
+        both=_in_any(lexicons, "both", folder),
+        wishing={language: phrases_of(folder, lexicon["wishing"]) for language, lexicon in lexicons.items()},
+        negating={language: phrases_of(folder, lexicon["negating"]) for language, lexicon in lexicons.items()},
+        warning_starts=_in_any(lexicons, "sign_warning_start", folder),
+        forbidding=_in_any(lexicons, "sign_forbidding", folder),
+        known=known,
+        general=frozenset(kinds["general"]),
+        modifiers=frozenset(kinds["modifiers"]),
+        national=frozenset(kinds["national"]),
+        people=frozenset(kinds["people"]),
+        worn=frozenset(kinds["worn"]),
+        relatives={
+            language: {folder.phrase(text): who for who, joined in by_whom.items() for text in split(joined)}
+            for language, by_whom in kinds["relatives"].items()
+        },
+        auxiliary=frozenset(kinds["auxiliary"]),
+        treatments=frozenset(kinds["treatments"]),
+        instead=kinds["instead"],
+        instead_of=kinds["instead_of"],
+        offers=kinds["offers"],
+        isa={kind: tuple(parents) for kind, parents in kinds["isa"].items()},
+        contained={thing: frozenset(split(joined)) for thing, joined in kinds["contained"].items()},
+        apart={kind: frozenset(split(joined)) for kind, joined in kinds["apart"].items()},
+        light_food=frozenset(kinds["light_food"]),
+        refusing=kinds["refusing"],
+        said_of_food=frozenset(kinds["said_of_food"]),
+        symptoms=frozenset(kinds["symptoms"]),
+        weather=frozenset(kinds["weather"]),
+        venues=frozenset(kinds["venues"]),
+        trade_goods=frozenset(kinds["trade_goods"]),
+        imperatives=frozenset(kinds["imperatives"]),
+        company_forms=frozenset(kinds["company_forms"]),
+        families={name: tuple(starts) for name, starts in kinds["families"].items()},
+        doors=frozenset(map(folder.key, kinds["doors"])),
+        _tables=SpokenTables(folder, lexicons, gazetteer, kinds["cuisine_kinds"], frozenset(kinds["unspoken"])),
+    )
+
+
+def _in_any(lexicons: Mapping[str, Mapping[str, Any]], role: str, folder: Folder) -> frozenset[str]:
+    """The phrases that have a role in any language."""
+    return frozenset().union(*(phrases_of(folder, lexicon.get(role, "")) for lexicon in lexicons.values()))
+
+
+def _leading(lexicons: Mapping[str, Mapping[str, Any]], folder: Folder) -> frozenset[str]:
+    """The words of languages that name the trade first and the owner after it: Boulangerie Petit Jean."""
+    said = {
+        language: {folder.phrase(text) for joined in lexicons[language]["means"].values() for text in split(joined)}
+        for language in ("en", *_TRADE_FIRST)
+    }
+    return frozenset(set().union(*(said[language] for language in _TRADE_FIRST)) - said["en"])
+
+
+def _add_painted(
+    lexicon: Mapping[str, Any],
+    folder: Folder,
+    unpainted: frozenset[str],
+    painted: dict[str, Meaning],
+    known: dict[str, Known],
+) -> None:
+    """Add what one language's signs are painted with; a warning or slogan goes before a place."""
+    gathered: dict[str, dict[str, float]] = {}
+    for role, kind in _SIGN_ROLES.items():
+        for text in split(lexicon.get(role, "")):
+            painted.setdefault(folder.phrase(text), Meaning("sign", ((kind, 1.0),)))
+            if kind == "sign/warning" or len(folder.phrase(text).split()) >= _SURE_SLOGAN:
+                known.setdefault(folder.key(text), Known(text, "warning", ((kind, 1.0),), text))
+    for concept, joined in lexicon["means"].items():
+        if concept in unpainted:
+            continue
+        # Goods and wants are no names; kinds of place and of facility are what signs are painted with.
+        is_name = "/" in concept and not concept.startswith("sign")
+        word = ((concept, BY_HAND),)
+        for text in dict.fromkeys(split(joined)):
+            phrase, key = folder.phrase_and_key(text)
+            gathered.setdefault(phrase, {})[concept] = BY_HAND
+            if is_name and len(key) > 1:
+                known.setdefault(key, Known(text, "word", word, text))
+    for phrase, found in gathered.items():
+        painted.setdefault(phrase, Meaning("means", tuple(found.items())))
+
+
+_TOO_SHORT_INSIDE = 2  # letters of an abbreviation (HR, QA) that is a sign of its own, and chance inside another
+
+
+def _add_venues(
+    lexicon: Mapping[str, Any], folder: Folder, painted: dict[str, Meaning], known: dict[str, Known]
+) -> None:
+    """Add the kinds of places in hospitals, airports and so on, beside what their words mean in a mall."""
+    for concept, joined in lexicon["venues"].items():
+        for text in dict.fromkeys(split(joined)):
+            phrase, key = folder.phrase_and_key(text)
+            if not (len(key) <= _TOO_SHORT_INSIDE and key.isascii()):
+                add_beside(painted, concept, (phrase,), frozenset())
+            if len(key) > 1 and key not in known:
+                known[key] = Known(text, "word", ((concept, BY_HAND),), text)
+
+
+_FUEL = "amenity/fuel"
+_BARS_OF = {"bubble_tea": "amenity/cafe/bubble_tea", "juice": "amenity/fast_food/juice"}
+_OUT_OF_DOORS = ("amenity/fuel", "amenity/charging_station", "amenity/recycling", "office/", "emergency/", "tourism/")
+"""Kinds that seldom have a sign among shops: Indigo is a bookshop sooner than a place to charge a car."""
+
+
+def _sells(kinds: Mapping[str, float]) -> bool:
+    return any(kind.startswith("shop/") for kind in kinds)
+
+
+def _add_brands(rows: Iterable[Any], cuisine_kinds: Mapping[str, str], known: dict[str, Known]) -> None:
+    """Add brands, as the index lists them: those of many names before their namesakes.
+
+    What a brand of another trade is called first goes before what one is called besides: Tous is a jeweller. What is
+    written by hand stays; and rows of one trade that share a name are one brand: KFC and 肯德基.
+    """
+    by_hand = frozenset(known)
+    for joined, keys, kinds_of, cuisines in rows:
+        names = joined.split("|")
+        if "shop/supermarket" in kinds_of:
+            # A supermarket is no petrol station for having some elsewhere.
+            kinds_of = [kind for kind in kinds_of if kind != _FUEL]
+        found = dict.fromkeys([*kinds_of, *(cuisine_kinds.get(each, f"cuisine/{each}") for each in cuisines)], 1.0)
+        own = next(
+            (kind for drink, kind in _BARS_OF.items() if drink in found and "coffee" not in found), "amenity/cafe"
+        )
+        # The index lists them as cafés, which asks for coffee there.
+        found = {own if kind == "amenity/cafe" else kind: 1.0 for kind in found}
+        weighed = tuple(found.items())
+        of_hand = next((known[key] for key in keys.split("|") if key in by_hand and known[key].source == "brand"), None)
+        if of_hand is not None and _sells(found) and _sells(dict(of_hand.kinds)):
+            # What the index says of Li-Ning is less than what is known of it.
+            weighed, found = of_hand.kinds, dict(of_hand.kinds)
+        held_by = (known[key] for key in keys.split("|") if key in known and known[key].source == "brand")
+        identity = next((held.identity for held in held_by if not found.keys().isdisjoint(dict(held.kinds))), names[0])
+        for at, (name, key) in enumerate(zip(names, keys.split("|"), strict=True)):
+            held = known.get(key)
+            is_namesake = (
+                at == 0
+                and key not in by_hand
+                and held is not None
+                and held.source == "brand"
+                and held.painted != held.identity
+                and not all(kind.startswith(_OUT_OF_DOORS) for kind in found)
+            )
+            if len(key) > 1 and (held is None or (is_namesake and found.keys().isdisjoint(dict(held.kinds)))):
+                known[key] = Known(name, "brand", weighed, identity)
+
+
+def _add_kinds(
+    by_language: Mapping[str, Mapping[str, Any]],
+    cuisine_kinds: Mapping[str, str],
+    joining: frozenset[str],
+    painted: dict[str, Meaning],
+    known: dict[str, Known],
+) -> None:
+    """Add the names of kinds of place in every language; the shorter kind id is the more general and comes first."""
+    for names in by_language.values():
+        for kind, rows in names.items():
+            concepts = tuple((concept, BY_NAME) for concept in with_cuisine(kind, cuisine_kinds))
+            meaning = Meaning("means", concepts)
+            for text, phrase, key in rows:
+                # Without its accent, thé is an English article; one letter or sign says nothing sure.
+                if len(phrase) > 1 and phrase not in joining:
+                    painted.setdefault(phrase, meaning)
+                if len(key) > 1 and key not in known:
+                    known[key] = Known(text, "word", concepts, text)
+
+
+@lru_cache(maxsize=1)
+def load_words() -> frozenset[str]:
+    """Common words of European languages, as `Folder.key` gives them (about 20 ms, once a process)."""
+    packed = (files("lpslam.language") / "data" / "words.txt.xz").read_bytes()
+    return frozenset(lzma.decompress(packed).decode().split("\n"))

@@ -1,0 +1,203 @@
+"""The lexicon: what phrases mean in a question, by language, as written by hand and as the gazetteer has it."""
+
+import json
+from collections.abc import Iterable, Mapping, Set
+from importlib.resources import files
+from typing import Any, NamedTuple
+
+from lpslam.language.building import building
+from lpslam.language.tables.states import StateTables
+from lpslam.language.tables.words import Folder
+
+HAND_WRITTEN = ("en", "zh", "ja", "ko", "es", "de", "fr")
+TOPICS = ("food", "goods", "services", "facilities", "trades")
+VENUES = ("venues",)  # kinds of places in other buildings than malls: they stand beside what a word means else
+SAID_IN_VENUES = ("venue_needs",)  # how one asks for those kinds without naming them
+SAID_ONLY = ("needs",)  # topics of which nothing is painted on a sign
+_ROLES = (
+    *("context_before", "context_after", "past", "refuse_before", "refuse_after", "refuse_back", "neutral"),
+    "break",
+)
+_PARTITIVES = "du|de la|des|de l|le|la|les|el|los|las|der|die|das|some|any"
+# How sure a word makes us of a kind: written for this by hand, a kind's own name in the index, or a search term.
+BY_HAND, BY_NAME, BY_TERM = 1.0, 0.95, 0.8
+
+
+class Meaning(NamedTuple):
+    """What a phrase says: a role in the sentence ("means" or a refusal) and, for "means", concepts by weight."""
+
+    role: str
+    concepts: tuple[tuple[str, float], ...] = ()
+
+
+def read_table(path: str) -> Any:
+    """Read a JSON file of `data/`."""
+    return json.loads((files("lpslam.language") / "data" / path).read_text(encoding="utf-8"))
+
+
+def load_lexicons() -> dict[str, dict[str, Any]]:
+    """The lexicon of each language, with what the topics say in it."""
+    lexicons: dict[str, dict[str, Any]] = {
+        language: read_table(f"lexicon/{language}.json") for language in HAND_WRITTEN
+    }
+    sections = {"needs": "said", "venues": "venues", "venue_needs": "said_in_venues"}
+    for topic in (*TOPICS, *VENUES, *SAID_IN_VENUES, *SAID_ONLY):
+        for concept, by_language in read_table(f"lexicon/topics/{topic}.json").items():
+            for language, joined in by_language.items():
+                means = lexicons[language].setdefault(sections.get(topic, "means"), {})
+                means[concept] = f"{means[concept]}|{joined}" if concept in means else joined
+    return lexicons
+
+
+def split(joined: str) -> list[str]:
+    """Return the phrases that a table joins with bars."""
+    return [text for text in joined.split("|") if text]
+
+
+def phrases_of(folder: Folder, joined: str) -> frozenset[str]:
+    """Return the keys of joined phrases."""
+    return frozenset(folder.phrase(text) for text in split(joined))
+
+
+def with_cuisine(kind: str, cuisine_kinds: Mapping[str, str]) -> list[str]:
+    """A kind such as amenity/restaurant/pizza, followed by its cuisine where it has one."""
+    top, _, last = kind.rpartition("/")
+    if top not in ("amenity/restaurant", "amenity/fast_food", "amenity/cafe"):
+        return [kind]
+    return [kind, cuisine_kinds.get(last, f"cuisine/{last}")]
+
+
+class SpokenTables:
+    """What phrases mean in a question, by language: what is written by hand goes before names, things and terms."""
+
+    def __init__(
+        self,
+        folder: Folder,
+        lexicons: Mapping[str, Mapping[str, Any]],
+        gazetteer: Mapping[str, Any],
+        cuisine_kinds: Mapping[str, str],
+        unspoken: frozenset[str],
+    ) -> None:
+        self._unspoken = unspoken
+        self._folder = folder
+        self._lexicons = lexicons
+        self._gazetteer = gazetteer
+        self._cuisine_kinds = cuisine_kinds
+        self._built: dict[str, dict[str, Meaning]] = {}
+        self._borrowed: dict[str, dict[str, Meaning]] = {}
+        self._states: dict[str, StateTables] = {}
+
+    def of(self, language: str) -> dict[str, Meaning]:
+        """Return what a language's phrases mean, by `Folder.phrase`; built when it is first asked for."""
+        if language not in self._built:
+            with building():
+                self._built[language] = self._build(language)
+        return self._built[language]
+
+    def with_english(self, language: str) -> tuple[dict[str, Meaning], ...]:
+        """Return a language's table, and the English words that it borrows."""
+        if language == "en":
+            return (self.of("en"),)
+        if language not in self._borrowed:
+            # German “hat” is no hat, Spanish “suspender” no braces: a language's own words are not borrowed.
+            own = self._common(language) | phrases_of(self._folder, self._lexicons[language].get("own_words", ""))
+            self._borrowed[language] = {key: said for key, said in self.of("en").items() if key not in own}
+        return self.of(language), self._borrowed[language]
+
+    def states_of(self, language: str) -> StateTables:
+        """Return the things and states of a language."""
+        if language not in self._states:
+            tree = read_table("lexicon/states.json")
+            self._states[language] = StateTables(
+                self._names(tree["things"], language),
+                self._names(tree["states"], language),
+                phrases_of(self._folder, tree["at_home"][language]),
+                {(pair.split("+")[0], pair.split("+")[1]): want for pair, want in tree["together"].items()},
+            )
+        return self._states[language]
+
+    def word_for(self, concept: str, language: str) -> str | None:
+        """Return how a language calls a concept; "zh-Hant" is traditional Chinese."""
+        spoken, _, script = language.partition("-")
+        for region, names in self._gazetteer["names"].items():
+            if region == language or (not script and region.partition("-")[0] == spoken):
+                for row in names.get(concept, ()):
+                    return str(row[0])
+        words = split(self._lexicons[spoken]["means"].get(concept, "")) if spoken in self._lexicons else []
+        if not words:
+            return None
+        return self._folder.traditional(words[0]) if script == "Hant" else words[0]
+
+    def _names(self, by_name: Mapping[str, Mapping[str, str]], language: str) -> dict[str, tuple[str, ...]]:
+        found: dict[str, list[str]] = {}
+        for name, by_language in by_name.items():
+            for text in split(by_language[language]):
+                found.setdefault(self._folder.phrase(text), []).append(name)
+        return {phrase: tuple(names) for phrase, names in found.items()}
+
+    def _build(self, language: str) -> dict[str, Meaning]:
+        lexicon = self._lexicons[language]
+        phrase = self._folder.phrase
+        common = self._common(language)
+        articles = phrases_of(self._folder, lexicon.get("article", "")) | phrases_of(self._folder, _PARTITIVES)
+        table: dict[str, Meaning] = {}
+        for role in _ROLES:
+            for text in split(lexicon.get(role, "")):
+                key = phrase(text)
+                both = role == "refuse_after" and table.get(key) == Meaning("refuse_before")
+                table[key] = Meaning("refuse_either" if both else role)
+        by_hand: dict[str, dict[str, float]] = {}
+        for concept, joined in (*lexicon["means"].items(), *lexicon["said"].items()):
+            for text in dict.fromkeys(split(joined)) if concept not in self._unspoken else ():
+                key = phrase(text)
+                # Without its accent, uña is a Spanish article.
+                if key not in common or key == text.casefold():
+                    by_hand.setdefault(key, {})[concept] = BY_HAND
+        for key, found in by_hand.items():
+            table.setdefault(key, Meaning("means", tuple(_named_itself(found).items())))
+        # Chinese of every region is one language.
+        regions = [region for region in self._gazetteer["names"] if region.partition("-")[0] == language]
+        for region in regions:
+            for kind, rows in self._gazetteer["names"][region].items():
+                self._add(table, kind, BY_NAME, (row[1] for row in rows if row[1] not in common))
+        for source, sure in (("things", BY_NAME), ("terms", BY_TERM)):
+            for region, by_concept in self._gazetteer[source].items():
+                if region.partition("-")[0] == language:
+                    for concept, joined in by_concept.items():
+                        self._add(table, concept, sure, (each for each in joined.split("|") if each not in common))
+        for concept, joined in (*lexicon["venues"].items(), *lexicon["said_in_venues"].items()):
+            said = [phrase(text) for text in split(joined)]
+            # “Du beurre” stands in the tables as it is.
+            said += [key for each in said for article in articles if (key := f"{article} {each}") in table]
+            add_beside(table, concept, said, common)
+        return table
+
+    def _common(self, language: str) -> frozenset[str]:
+        return phrases_of(self._folder, self._lexicons[language].get("common", ""))
+
+    def _add(self, table: dict[str, Meaning], kind: str, sure: float, phrases: Iterable[str]) -> None:
+        meaning = Meaning("means", tuple((each, sure) for each in with_cuisine(kind, self._cuisine_kinds)))
+        for phrase in phrases:
+            if len(phrase) > 1:
+                table.setdefault(phrase, meaning)
+
+
+def add_beside(table: dict[str, Meaning], concept: str, phrases: Iterable[str], hidden: Set[str]) -> None:
+    """Add a concept to what phrases mean already; what refuses, warns or is said everywhere stays what it is."""
+    for key in phrases:
+        said = table.get(key)
+        if not key or key in hidden or (said is not None and said.role != "means"):
+            continue
+        concepts = said.concepts if said is not None else ()
+        if all(concept != other for other, _ in concepts):
+            table[key] = Meaning("means", (*concepts, (concept, BY_HAND if not concepts else BY_NAME)))
+
+
+def _named_itself(found: Mapping[str, float]) -> Mapping[str, float]:
+    """Who asks for a dentist by that word wants no pharmacy: the kind of place goes before the want."""
+    kinds = {
+        concept: sure
+        for concept, sure in found.items()
+        if "/" in concept and not concept.startswith(("shop/", "cuisine/"))
+    }
+    return kinds or found

@@ -1,0 +1,95 @@
+"""What is wrong with what: “the heel of my shoe came off” names no service, but a thing and its state do together.
+
+The tables (`lexicon/states.json`) name things and states in every language, and what someone wants whose thing is in
+that state; so a few words of each make hundreds of sentences understood.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
+
+from lpslam.language.tables.words import Span, is_unspaced, longest_phrases
+
+_SENTENCE_ENDS = frozenset(".?!。？！;；")
+_FARTHEST_WORDS, _FARTHEST_LETTERS = 9, 16  # between a thing and its state
+
+Names = tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Trouble:
+    """A want that a thing and its state make together, and the units that say so."""
+
+    concept: str
+    units: frozenset[int]
+
+
+@dataclass(frozen=True)
+class StateTables:
+    """Phrases of one language: for things, for states, and for being at home with what was left there."""
+
+    things: Mapping[str, Names]
+    states: Mapping[str, Names]
+    at_home: frozenset[str]
+    together: Mapping[tuple[str, str], str]
+
+    @cached_property
+    def words(self) -> frozenset[str]:
+        """The words of all phrases for things and states."""
+        return frozenset(word for phrase in (*self.things, *self.states) for word in phrase.split())
+
+
+def troubles_in(units: Sequence[str], tables: StateTables) -> list[Trouble]:
+    """Return the wants of a question's things and states, the closest pairs first; a pair uses its words up."""
+    things = longest_phrases(units, (tables.things,))
+    states = list(_everywhere(units, tables.states))
+    is_at_home = says_at_home(units, tables)
+    pairs = sorted(
+        (_gap(thing, state), thing.start, state.start, concept, thing, state)
+        for thing, state in product(things, states)
+        for concept in _wants(thing, state, tables)
+        if _is_close(thing, state, units) and not (concept == "lost_item" and is_at_home)
+    )
+    found: dict[str, Trouble] = {}
+    used: set[int] = set()
+    for _, _, _, concept, thing, state in pairs:
+        own = frozenset((*range(thing.start, thing.end), *range(state.start, state.end)))
+        if concept not in found and not (used & own):
+            found[concept] = Trouble(concept, own)
+            used |= own
+    return list(found.values())
+
+
+def says_at_home(units: Sequence[str], tables: StateTables) -> bool:
+    """Whether what is missing lies at home: then it is bought anew, not asked for where lost things are kept."""
+    return any(True for _ in _everywhere(units, dict.fromkeys(tables.at_home, ())))
+
+
+def _wants(thing: Span[Names], state: Span[Names], tables: StateTables) -> list[str]:
+    """What the pair stands for; the first of a thing's meanings that the state goes with."""
+    wants = (tables.together.get(pair) for pair in product(thing.value, state.value))
+    return [want for want in wants if want is not None][:1]
+
+
+def _everywhere(units: Sequence[str], table: Mapping[str, Names]) -> Iterator[Span[Names]]:
+    """Every phrase of the table at every place, also where they overlap: “won't turn on” has no work of “on” in it."""
+    for at in range(len(units)):
+        for end in range(min(len(units), at + 8), at, -1):
+            key = " ".join(units[at:end])
+            if key in table:
+                yield Span(at, end, key, table[key])
+                break
+
+
+def _gap(one: Span[Names], other: Span[Names]) -> int:
+    return max(other.start - one.end, one.start - other.end, 0)
+
+
+def _is_close(thing: Span[Names], state: Span[Names], units: Sequence[str]) -> bool:
+    if max(thing.start, state.start) < min(thing.end, state.end):
+        return False
+    first, last = sorted((thing, state), key=lambda span: span.start)
+    between = units[first.end : last.start]
+    farthest = _FARTHEST_LETTERS if is_unspaced(thing.key) else _FARTHEST_WORDS
+    return len(between) <= farthest and not _SENTENCE_ENDS.intersection(between)

@@ -1,0 +1,70 @@
+"""What a sign's words say together."""
+
+import pytest
+
+from lpslam.language.signs.reader import SignReader, load_sign_reader
+
+
+@pytest.fixture(scope="module")
+def signs() -> SignReader:
+    return load_sign_reader()
+
+
+def sure_kinds(signs: SignReader, name: str) -> set[str]:
+    return {kind for kind, weight in signs.read(name).kinds if weight >= 0.6}
+
+
+def test_the_trade_goes_before_what_the_owner_is_called(signs: SignReader) -> None:
+    kinds = sure_kinds(signs, "Boulangerie Petit Jean")
+    assert "shop/bakery" in kinds
+    assert "shop/clothes" not in kinds
+
+
+def test_the_letters_of_a_brand_say_nothing_else(signs: SignReader) -> None:
+    # 大福, a rice cake, stands within 周大福.
+    assert sure_kinds(signs, "周大福珠宝") == {"shop/jewelry", "jewelry"}
+
+
+def test_a_brand_that_is_only_alike_does_not_go_before_another_trade(signs: SignReader) -> None:
+    # 鲍师傅 is a bakery.
+    kinds = sure_kinds(signs, "王师傅手机快修")
+    assert "phone_repair" in kinds
+    assert "shop/bakery" not in kinds
+
+
+def test_of_two_scripts_either_may_be_the_known_name(signs: SignReader) -> None:
+    assert "cuisine/pizza" in sure_kinds(signs, "達美樂 Domino's")
+
+
+@pytest.mark.parametrize(("name", "kind"), [("Spielzeugkiste Kunterbunt", "shop/toys"), ("Brezelhaus Huber", "bread")])
+def test_a_compound_in_a_name_says_its_trade(name: str, kind: str, signs: SignReader) -> None:
+    assert kind in sure_kinds(signs, name)
+
+
+def test_a_chinese_restaurant_is_not_thereby_a_sichuan_one(signs: SignReader) -> None:
+    assert "cuisine/sichuan" not in sure_kinds(signs, "Golden Dragon Chinese Restaurant")
+
+
+@pytest.mark.parametrize("name", ["Ladies Fashion", "Women's Shoes", "Mode Femme", "Damen Schuhe", "Gents Hairdresser"])
+def test_whom_the_goods_are_for_is_no_toilet(name: str, signs: SignReader) -> None:
+    assert not any("toilets" in kind for kind in sure_kinds(signs, name))
+
+
+@pytest.mark.parametrize("name", ["Ladies", "Damen WC", "Women's Toilet", "Baby Room & Ladies"])
+def test_a_toilet_stays_one(name: str, signs: SignReader) -> None:
+    assert any("toilets" in kind for kind in sure_kinds(signs, name))
+
+
+@pytest.mark.parametrize("name", ["Sakura Sushi Bar", "Juice Bar", "Nail Bar"])
+def test_a_bar_of_something_pours_no_beer(name: str, signs: SignReader) -> None:
+    assert "amenity/bar" not in sure_kinds(signs, name)
+
+
+def test_a_station_of_goods_has_no_trains(signs: SignReader) -> None:
+    assert "train" not in sure_kinds(signs, "Toy Station 玩具站")
+    assert "train" in sure_kinds(signs, "Central Station")
+
+
+def test_wine_in_a_kitchen_is_no_wine_shop(signs: SignReader) -> None:
+    assert "shop/wine" not in sure_kinds(signs, "La Tasca – Tapas y Vino")
+    assert "shop/wine" in sure_kinds(signs, "Vinos García")
