@@ -48,7 +48,7 @@ class GroundConfig(Section):
     passed_odds_down: float = Field(default=0.15, ge=0)
     # Metres over the ground below which rays leave no room for what they do not hit, ...
     low_ray: float = Field(default=0.7, ge=0)
-    # ... and log odds from which a cell is free: at once where ground is seen, after two scans that look over it so low.
+    # ... and log odds from which a cell is free: at once where ground is seen, after two scans that look low over it.
     free_from_down: float = Field(default=0.3, ge=0)
     # Most that is believed, so that what has changed is seen before long.
     most_odds: float = Field(default=3.5, gt=0)
