@@ -101,8 +101,11 @@ class Guide:
     def _ground(self) -> Walkable:
         from lpslam.navigation.walking.routes import walkable_of
 
+        from lpslam.views.run_progress import saying_what_is_compiled
+
         if self._walkable is None:
-            self._walkable = walkable_of(self._world, self._config)
+            with saying_what_is_compiled():
+                self._walkable = walkable_of(self._world, self._config)
         return self._walkable
 
 

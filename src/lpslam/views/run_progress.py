@@ -154,3 +154,14 @@ def counting(first_state: str, quiet: bool = False) -> Iterator[Callable[[int, i
     with bar:
         task = bar.add_task(first_state, total=None)
         yield update
+
+
+@contextmanager
+def saying_what_is_compiled() -> Iterator[None]:
+    """Say so, once, if kernels are compiled meanwhile: the first time takes seconds."""
+    from numba.core import event
+
+    from lpslam.slam.warm_up import FirstCompiled
+
+    with event.install_listener("numba:compile", FirstCompiled(lambda line: write_line(f"lpslam: {line}"))):
+        yield
