@@ -100,7 +100,6 @@ class Guide:
 
     def _ground(self) -> Walkable:
         from lpslam.navigation.walking.routes import walkable_of
-
         from lpslam.views.run_progress import saying_what_is_compiled
 
         if self._walkable is None:
