@@ -190,7 +190,9 @@ def test_commands_work_without_a_home(started: Started, walked: Path) -> None:
         done = started(command, *words)
         assert done.returncode == 0, done.stderr
         assert done.stdout
-        assert done.stderr == ""
+        # The ground under the picture is made by kernels, which cannot be kept here.
+        assert [line for line in done.stderr.splitlines() if "compiled anew at each start" not in line] == []
+        assert words[0] == "draw" or done.stderr == ""
     assert not list(started.temporary.iterdir())
 
 

@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from starlette.testclient import TestClient
 
-from conftest import Serve
+from conftest import SERVICES, Serve
 from lpslam.serving import records
 from small_maps import small_map
 
@@ -246,7 +246,6 @@ def test_pages_beside_the_api_stand_behind_the_same_shield(serve: Serve, mall: A
     from starlette.routing import Route, WebSocketRoute
     from starlette.websockets import WebSocket, WebSocketDisconnect
 
-    from conftest import SERVICES
     from lpslam.serving.http.app import build_app
     from lpslam.serving.http.shield import Door, allowed_hosts
 

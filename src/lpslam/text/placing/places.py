@@ -19,8 +19,8 @@ from lpslam.text.types import TextObservation
 
 Array = NDArray[np.float64]
 
-# Share by which the widths of one text differ from view to view: boxes are drawn loosely, by half a letter.
-_SAME_WIDTH = 0.2
+# Letter heights by which the middle of a part may lie beside that of the whole: boxes are drawn as loosely.
+_SAME_MIDDLE = 0.5
 # Most log odds by which one name is ahead of another that are believed.
 _SUREST = 7.0
 
@@ -134,16 +134,18 @@ def places_of_class(
 
 
 def _show_all_of(name: str, observations: Sequence[TextObservation]) -> NDArray[np.bool_]:
-    """Which observations (n,) show the whole name: those that read it, and others as wide as they are.
+    """Which observations (n,) show the whole name: those that read it, and others whose middle is its middle too.
 
-    The middle of a part is not the middle of the whole.
+    The middle of a part lies off that of the whole by half of what is missing.
     """
     key = paint_key(name)
     reads = np.array([paint_key(each.text) == key for each in observations], np.bool_)
     if not reads.any():
         return np.ones(len(observations), np.bool_)
-    widths = np.array([each.place.width for each in observations])
-    return np.asarray(reads | (np.abs(widths / np.median(widths[reads]) - 1.0) <= _SAME_WIDTH), np.bool_)
+    sizes = np.array([(each.place.width, each.place.height) for each in observations])
+    width, height = np.median(sizes[reads], axis=0)
+    missing = np.abs(sizes[:, 0] - width)
+    return np.asarray(reads | (0.5 * missing <= _SAME_MIDDLE * min(width, height)), np.bool_)
 
 
 def _clear(observations: Sequence[TextObservation]) -> Array | None:
