@@ -132,7 +132,7 @@ def test_mapping_does_not_wait_for_names_and_takes_them_when_they_come(
     texts = [each for each in LanguageMap.load(tmp_path / "a.lpmap").text.long_term if each.naming is not None]
     by_it = [each for each in texts if each.naming is not None and each.naming.model == url]
     assert by_it
-    # A class of which nothing was read with any certainty gives the model nothing to choose from.
+    # A name that is far from what was read is refused: so is any, where nothing was read with certainty.
     surest = [max(variant.confidence for variant in each.variants.values()) for each in texts if each not in by_it]
     assert max(surest, default=0.0) < 0.5
     assert "not by" not in done.err
