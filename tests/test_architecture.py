@@ -34,6 +34,7 @@ ALLOWED: dict[str, set[str]] = {
     },
     "ground": set(),
     "mapfile": {"slam", "text", "ground"},
+    "page": {"language.sanitise", "text", "mapfile", "ground"},
     "navigation": {"language", "text", "mapfile", "ground"},
     "session": {"slam", "language", "text", "mapfile", "navigation", "ground"},
     "pipeline": {"sources", "slam", "language", "text", "mapfile", "navigation", "session"},
@@ -55,7 +56,17 @@ ALLOWED: dict[str, set[str]] = {
     "serving": {
         *("language.model", "language.offline", "language.sanitise"),
         *("language.questions.follow_up", "language.questions.phrasing"),
-        *("text.types", "mapfile", "ground", "navigation", "session", "pipeline", "sources.open", "sources.in_order"),
+        *(
+            "text.types",
+            "mapfile",
+            "ground",
+            "page",
+            "navigation",
+            "session",
+            "pipeline",
+            "sources.open",
+            "sources.in_order",
+        ),
         *("views.answers", "views.drawable", "views.pictures"),
     },
     "demo": {"simulation", "language", "mapfile", "pipeline", "evaluation", "views"},
@@ -67,7 +78,7 @@ ALLOWED: dict[str, set[str]] = {
     "cli_runs": {"simulation", "language", "pipeline", "views"},
     "cli": {
         *("sources", "simulation", "language", "mapfile", "pipeline", "evaluation", "views", "demo"),
-        *("cli_calibrate", "cli_checks", "cli_ground", "cli_runs", "cli_serving", "cli_sources"),
+        *("cli_calibrate", "cli_checks", "cli_ground", "cli_runs", "cli_serving", "cli_sources", "page"),
     },
     "__main__": {"cli"},
 }

@@ -311,6 +311,7 @@ def info(map_file: MapFile, as_json: Json = False) -> None:
 def export(
     map_file: MapFile,
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Where the files go.", show_default=False)],
+    html: Annotated[bool, typer.Option("--html", help="Also page.html, which shows the map without a server.")] = False,
     nav2: Annotated[
         bool, typer.Option("--nav2", help="Also the ground: map.pgm, keepout, waypoints, GeoJSON, a floor plan.")
     ] = False,
@@ -327,6 +328,10 @@ def export(
 
     world = LanguageMap.load(map_file)
     written = export_map(world, folder)
+    if html:
+        from lpslam.page.building import write_page
+
+        written.append(write_page(world, folder / "page.html"))
     if nav2 or route is not None:
         written += Guide(world, config_of(config)).export(folder, route)
     print_written(written, as_json)

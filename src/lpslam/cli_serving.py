@@ -80,6 +80,23 @@ def serve(
         run(app, listening, address, settings.serving, lambda: say(f"serving at {url}; Ctrl-C ends it"))
 
 
+def view(
+    map_file: Annotated[Path, typer.Argument(metavar="MAP", help="A map made by 'lpslam run'.", show_default=False)],
+    port: Annotated[int, typer.Option(min=0, max=65535, help="0 for any that is free.")] = 8765,
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page.")] = True,
+    llm: Llm = None,
+    config: ConfigFile = None,
+) -> None:
+    """Show a map on a page, on this machine alone: look, search, ask and be led. Ctrl-C ends it."""
+    if browser:
+        import threading
+        import webbrowser
+
+        # Once the server listens; a machine without a browser loses nothing by it.
+        threading.Timer(2.0, webbrowser.open, (f"http://127.0.0.1:{port}/",)).start()
+    serve([map_file], port=port, host="127.0.0.1", workers=None, llm=llm, config=config)
+
+
 def mcp(
     maps: Annotated[list[Path], typer.Argument(metavar="MAP...", help="Maps made by 'lpslam run'.")],
     llm: Llm = None,
@@ -125,4 +142,4 @@ def _need(*modules: str, what: str, extra: str) -> None:
         raise MissingExtraError(what, extra)
 
 
-COMMANDS: tuple[Any, ...] = (serve, mcp, token)
+COMMANDS: tuple[Any, ...] = (serve, view, mcp, token)

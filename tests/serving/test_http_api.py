@@ -300,3 +300,15 @@ def test_more_questions_than_may_wait_are_told_to_come_back(serve: Serve, model:
     refused = client.post("/ask", json={"question": "pizza"})
     assert (refused.status_code, refused.headers["retry-after"]) == (503, "1")
     assert client.get("/maps").status_code == 200
+
+
+def test_the_page_of_a_map_stands_beside_the_api(client: TestClient) -> None:
+    page = client.get("/")
+    assert page.headers["content-type"].startswith("text/html")
+    rules = page.headers["content-security-policy"]
+    assert "default-src 'none'" in rules
+    assert "connect-src 'self'" in rules
+    assert "frame-ancestors 'none'" in rules
+    name = client.get("/maps").json()["maps"][0]["name"]
+    assert client.get(f"/page/{name}").text == page.text
+    assert client.get("/page/nothing").status_code == 404

@@ -7,8 +7,10 @@ from pathlib import Path
 from lpslam.config import Config
 from lpslam.language.model import LanguageModel
 from lpslam.language.offline import OfflineModel
+from lpslam.mapfile.language_map import LanguageMap
+from lpslam.page.routes import Found, page_routes
 from lpslam.serving.answerers import Answerer, ProcessAnswerer, ThreadAnswerer
-from lpslam.serving.atlas import Atlas
+from lpslam.serving.atlas import Atlas, NoSuchMapError
 from lpslam.serving.http.app import build_app
 from lpslam.serving.http.services import Services
 from lpslam.serving.http.shield import Door, Shield, allowed_hosts
@@ -55,4 +57,18 @@ def assemble(
         answerer = ThreadAnswerer(language, longest, limits.waiting_questions)
     services = Services(atlas, answerer, Hub(limits.listeners, limits.waiting_events), config, uploads)
     door = Door(allowed_hosts(host, names), tokens, limits, streams=frozenset({"/jobs"}))
-    return build_app(services, door)
+    # A browser cannot give a token with a page's first request.
+    return build_app(services, door, page_routes(_finder(atlas)) if tokens is None else ())
+
+
+def _finder(atlas: Atlas) -> Found:
+    """The map of a page: the first that is served, where no name is given."""
+
+    def find(name: str | None) -> tuple[str, str, LanguageMap]:
+        try:
+            served = next(iter(atlas.maps.values())) if name is None else atlas.get(name)
+        except (NoSuchMapError, StopIteration) as error:
+            raise LookupError(str(error) or "no map is served yet") from error
+        return served.name, served.version, served.world
+
+    return find

@@ -1,0 +1,92 @@
+"""The page of a map: one file, whatever signs say is text in it, and nothing is asked of anybody else."""
+
+import base64
+import hashlib
+import json
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+from lpslam.errors import UserError
+from lpslam.page.building import LANGUAGES, page_of, policy, write_page
+from small_maps import small_map, with_floor
+
+HOSTILE = "</script><img src=x onerror=alert(1)>"
+
+
+class Seen(HTMLParser):
+    """The tags of a page, and what its scripts and styles hold."""
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.tags: list[str] = []
+        self.held: list[tuple[str, str]] = []
+        self.policy = ""
+        self.feed(page)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        if dict(attrs).get("http-equiv") == "Content-Security-Policy":
+            self.policy = dict(attrs)["content"] or ""
+
+    def handle_data(self, data: str) -> None:
+        if self.tags and self.tags[-1] in ("script", "style") and data.strip():
+            self.held.append((self.tags[-1], data))
+
+
+def data_of(page: str) -> dict[str, object]:
+    (text,) = [held for tag, held in Seen(page).held if tag == "script" and held.startswith("{")]
+    tree = json.loads(text)
+    assert isinstance(tree, dict)
+    return tree
+
+
+def test_a_sign_that_is_markup_is_text() -> None:
+    page = page_of(small_map(signs=("KFC", HOSTILE)), live=False)
+    seen = Seen(page)
+    assert "img" not in seen.tags
+    assert seen.tags.count("script") == 2
+    assert HOSTILE not in page
+    names = [sign["name"] for sign in data_of(page)["signs"]]  # type: ignore[attr-defined]
+    assert "KFC" in names
+    assert any("onerror" in name for name in names)
+
+
+def test_the_policy_allows_the_pages_own_style_and_script_and_nothing_else() -> None:
+    for live in (False, True):
+        seen = Seen(page_of(small_map(), live=live))
+        assert seen.policy == policy(live)
+        rules = dict(rule.strip().split(" ", 1) for rule in seen.policy.split(";"))
+        assert rules["default-src"] == "'none'"
+        assert rules["img-src"] == "data:"
+        assert rules.get("connect-src") == ("'self'" if live else None)
+        for tag, held in seen.held:
+            digest = base64.b64encode(hashlib.sha256(held.encode()).digest()).decode()
+            if not held.startswith("{"):
+                assert rules[f"{tag}-src"] == f"'sha256-{digest}'"
+
+
+def test_no_address_stands_in_the_page() -> None:
+    page = page_of(with_floor(small_map()), live=True)
+    assert not re.findall(r"https?://", page)
+    assert "@import" not in page
+
+
+def test_the_ground_is_a_picture_and_all_languages_have_all_words() -> None:
+    data = data_of(page_of(with_floor(small_map()), live=False))
+    picture = str(data["picture"])
+    assert base64.b64decode(picture.removeprefix("data:image/png;base64,")).startswith(b"\x89PNG")
+    words = data["words"]
+    assert isinstance(words, dict)
+    assert tuple(words) == LANGUAGES
+    assert len({frozenset(each) for each in words.values()}) == 1
+    assert data_of(page_of(small_map(), live=False))["picture"] == ""
+
+
+def test_a_file_that_cannot_be_written_is_said(tmp_path: Path) -> None:
+    written = write_page(small_map(), tmp_path / "page.html")
+    assert written.stat().st_size < 10_000_000
+    with pytest.raises(UserError, match="cannot be written"):
+        write_page(small_map(), tmp_path / "none" / "page.html")

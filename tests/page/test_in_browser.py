@@ -1,0 +1,75 @@
+"""The page in a real browser: asked, chosen, seen; skipped where there is none."""
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from lpslam.page.building import write_page
+from small_maps import small_map, with_floor
+
+sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed"),
+]
+SIGNS = ("KFC", "Pizza Hut 必胜客", "<b>BOLD</b>")
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with sync_api.sync_playwright() as started:
+        opened = started.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        yield opened
+        opened.close()
+
+
+@pytest.fixture
+def page(browser: Any, tmp_path: Path) -> Iterator[Any]:
+    file = write_page(with_floor(small_map(signs=SIGNS)), tmp_path / "page.html")
+    context = browser.new_context(viewport={"width": 1100, "height": 700}, locale="de-DE")
+    shown = context.new_page()
+    asked: list[str] = []
+    troubles: list[str] = []
+    shown.on("request", lambda request: asked.append(request.url))
+    shown.on("pageerror", lambda error: troubles.append(str(error)))
+    shown.on("console", lambda line: troubles.append(line.text))
+    shown.goto(file.as_uri())
+    yield shown
+    assert troubles == []
+    assert [url for url in asked if not url.startswith(("file:", "data:"))] == []
+    context.close()
+
+
+def test_it_opens_from_the_file_system_and_lists_the_signs(page: Any) -> None:
+    assert page.locator("#signs button").all_inner_texts() == list(SIGNS)
+    assert page.locator("#count").inner_text() == "3 Schilder"
+    assert page.locator("b").count() == 0
+
+
+def test_a_name_that_is_asked_for_is_chosen_and_flown_to(page: Any) -> None:
+    before = page.evaluate("lpslamPage.view()")
+    page.fill("#question", "必胜客")
+    page.press("#question", "Enter")
+    page.wait_for_function("lpslamPage.chosen() === 1000")
+    page.wait_for_timeout(900)
+    after = page.evaluate("lpslamPage.view()")
+    assert (after["x"], after["y"]) != (before["x"], before["y"])
+    assert page.locator("#card h2").inner_text() == "Pizza Hut 必胜客"
+    page.fill("#question", "nothing like it")
+    page.press("#question", "Enter")
+    page.wait_for_function("lpslamPage.chosen() === null")
+    assert page.locator("#answer").inner_text() == "Kein Schild sagt das."
+
+
+def test_keys_move_the_map_and_show_all_of_it_again(page: Any) -> None:
+    page.locator("#map").focus()
+    whole = page.evaluate("lpslamPage.view()")
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("+")
+    assert page.evaluate("lpslamPage.view()") != whole
+    page.keyboard.press("0")
+    assert page.evaluate("lpslamPage.view()") == whole
