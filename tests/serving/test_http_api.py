@@ -12,8 +12,11 @@ from starlette.testclient import TestClient
 
 from command_line import Command
 from conftest import Serve
+from lpslam.config import Config
+from lpslam.language.offline import OfflineModel
 from lpslam.serving import records
-from lpslam.serving.tokens import add_token
+from lpslam.serving.assembling import assemble
+from lpslam.serving.tokens import Tokens, add_token, add_token
 from small_maps import small_map, with_floor
 
 
@@ -302,13 +305,22 @@ def test_more_questions_than_may_wait_are_told_to_come_back(serve: Serve, model:
     assert client.get("/maps").status_code == 200
 
 
-def test_the_page_of_a_map_stands_beside_the_api(client: TestClient) -> None:
-    page = client.get("/")
-    assert page.headers["content-type"].startswith("text/html")
-    rules = page.headers["content-security-policy"]
-    assert "default-src 'none'" in rules
-    assert "connect-src 'self'" in rules
-    assert "frame-ancestors 'none'" in rules
-    name = client.get("/maps").json()["maps"][0]["name"]
-    assert client.get(f"/page/{name}").text == page.text
-    assert client.get("/page/nothing").status_code == 404
+HOME = "http://127.0.0.1:8765"
+
+
+def test_the_page_of_a_map_stands_beside_the_api(mall: Path, model: OfflineModel, tmp_path: Path) -> None:
+    with TestClient(assemble([mall], Config(), model, "127.0.0.1", None, None, (), 0), base_url=HOME) as client:
+        page = client.get("/")
+        assert page.headers["content-type"].startswith("text/html")
+        rules = page.headers["content-security-policy"]
+        assert "default-src 'none'" in rules
+        assert "connect-src 'self'" in rules
+        assert "frame-ancestors 'none'" in rules
+        name = client.get("/maps").json()["maps"][0]["name"]
+        assert client.get(f"/page/{name}").text == page.text
+        assert client.get("/page/nothing").status_code == 404
+    # A browser cannot give a token with its first request.
+    add_token(tmp_path / "tokens.json", "robot", ["read"], 1.0)
+    tokens = Tokens(tmp_path / "tokens.json")
+    with TestClient(assemble([mall], Config(), model, "127.0.0.1", tokens, None, (), 0), base_url=HOME) as client:
+        assert client.get("/").status_code == 401
