@@ -16,7 +16,7 @@ from lpslam.config import Config
 from lpslam.language.offline import OfflineModel
 from lpslam.serving import records
 from lpslam.serving.assembling import assemble
-from lpslam.serving.tokens import Tokens, add_token, add_token
+from lpslam.serving.tokens import Tokens, add_token
 from small_maps import small_map, with_floor
 
 
