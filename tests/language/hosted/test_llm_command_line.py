@@ -132,6 +132,7 @@ def test_mapping_does_not_wait_for_names_and_takes_them_when_they_come(
     texts = [each for each in LanguageMap.load(tmp_path / "a.lpmap").text.long_term if each.naming is not None]
     by_it = [each for each in texts if each.naming is not None and each.naming.model == url]
     assert by_it
-    assert "not by" not in done.err
     if len(by_it) < len(texts):
+        assert "by offline" in done.err, "it is said at least"
         pytest.xfail("a class keeps the embedded model's name though the model answers; why is not known yet")
+    assert "not by" not in done.err
