@@ -1,10 +1,11 @@
 """A small map served in this process."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+from served_here import SERVICES, Serve
 from starlette.testclient import TestClient
 
 from lpslam.config import Config
@@ -17,10 +18,6 @@ from lpslam.serving.http.shield import Door, allowed_hosts
 from lpslam.serving.hub import Hub
 from lpslam.serving.tokens import Tokens
 from small_maps import small_map
-
-Serve = Callable[..., TestClient]
-SERVICES: dict[int, Services] = {}
-"""What a client's server uses, by the client's `id`."""
 
 
 @pytest.fixture

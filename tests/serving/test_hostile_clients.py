@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from served_here import SERVICES, Serve
 from starlette.testclient import TestClient
 
-from conftest import SERVICES, Serve
 from lpslam.serving import records
 from small_maps import small_map
 

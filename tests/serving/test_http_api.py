@@ -8,10 +8,10 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
+from served_here import Serve
 from starlette.testclient import TestClient
 
 from command_line import Command
-from conftest import Serve
 from lpslam.config import Config
 from lpslam.language.offline import OfflineModel
 from lpslam.serving import records

@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from served_here import SERVICES, Serve
 from starlette.testclient import TestClient
 from test_archives import zipped
 
-from conftest import SERVICES, Serve
 from lpslam.isolated import python_command
 from lpslam.serving import records
 from lpslam.serving.hub import Event, Hub, TooManyListenersError
