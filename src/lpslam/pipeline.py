@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from lpslam.config import Config
@@ -30,6 +31,7 @@ from lpslam.text.again.looking import look_again
 from lpslam.text.distilling import DEFAULT_QUESTION, distil
 from lpslam.text.mapper import TextMapper
 from lpslam.text.reading.spotting import TextSpotter
+from lpslam.text.remembering.naming import name_class
 from lpslam.text.types import Landmark
 
 __all__ = ["Answer", "Localised", "Progress", "ask", "distill", "localise", "run"]
@@ -241,6 +243,8 @@ def distill(
     if not question.strip():
         raise UserError("the question is empty; ask what makes a text a landmark, as in: Is this a shop?")
     if any(map(world.text.is_unsure, world.text.crops.by_class)):
-        reader = spotter or load_spotter(world.text.config.spotting, 0)
-        look_again(world.text, world.world_from_keyframe, world.camera, reader, OfflineModel())
+        config = world.text.config
+        reader, offline = spotter or load_spotter(config.spotting, 0), OfflineModel()
+        name = partial(name_class, language=offline, config=config)
+        look_again(world.text, world.world_from_keyframe, world.camera, reader, name)
     return distil(world.text, world.world_from_keyframe, language or OfflineModel(), question).landmarks

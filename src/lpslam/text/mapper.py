@@ -299,7 +299,7 @@ class TextMapper:
         started = perf_counter()
         try:
             looked = look_again(
-                self.text_map, world_from_keyframe, self._camera, self._spotter, self._language, pixels, should_stop
+                self.text_map, world_from_keyframe, self._camera, self._spotter, self._name, pixels, should_stop
             )
         except Exception as error:
             self.statistics.first_reader_error = self.statistics.first_reader_error or f"second look: {error!r}"

@@ -15,6 +15,8 @@ from lpslam.text.again.crops import Crop, CropStore, cut_out
 from lpslam.text.again.looking import look_again
 from lpslam.text.placing.places import places_of_class
 from lpslam.text.reading.legibility import SeenSize
+from lpslam.text.remembering.memory import TextClass
+from lpslam.text.remembering.naming import name_class
 from lpslam.text.text_map import TextMap
 from lpslam.text.types import Placement, Recognition, TextObservation
 
@@ -72,6 +74,11 @@ class Reader:
         return [Recognition(self.text, 0.99, (), 0.3)] * len(boxes)
 
 
+def by_readings(text_class: TextClass) -> None:
+    """Named without a model."""
+    name_class(text_class, None, TextConfig())
+
+
 def test_the_mean_of_many_views_has_less_noise_than_the_best_of_them() -> None:
     made = text_map(["HELLO"] * 9)
     (place,) = places_of_class(made.long_term[0], poses, made.config.instances, made.config.memory)
@@ -93,7 +100,7 @@ def test_the_mean_of_many_views_has_less_noise_than_the_best_of_them() -> None:
 
 def test_what_a_second_look_reads_becomes_the_name() -> None:
     made = text_map(["HELLD", "HFLLO", "NELLO", "HELLU", "HELIO"])
-    looked = look_again(made, poses, CAMERA, Reader("HELLO"), None)
+    looked = look_again(made, poses, CAMERA, Reader("HELLO"), by_readings)
     assert (looked.texts, looked.readings) == (1, 1)
     assert made.long_term[0].name == "HELLO"
     assert len(made.crops) == 0
@@ -102,13 +109,13 @@ def test_what_a_second_look_reads_becomes_the_name() -> None:
 def test_a_reading_unlike_all_others_joins_nothing() -> None:
     made = text_map(["HELLD", "HFLLO", "NELLO", "HELLU", "HELIO"])
     before = dict(made.long_term[0].variants)
-    assert look_again(made, poses, CAMERA, Reader("QUARTZ"), None).readings == 0
+    assert look_again(made, poses, CAMERA, Reader("QUARTZ"), by_readings).readings == 0
     assert made.long_term[0].variants == before
 
 
 def test_a_piece_of_what_was_read_says_nothing_of_the_ends() -> None:
     made = text_map(["HELLO", "HFLLO", "HELLO", "HELLO", "HELLD"])
-    looked = look_again(made, poses, CAMERA, Reader("HELL"), None)
+    looked = look_again(made, poses, CAMERA, Reader("HELL"), by_readings)
     assert (looked.texts, looked.readings) == (1, 0)
     assert made.long_term[0].name == "HELLO"
 
@@ -116,14 +123,14 @@ def test_a_piece_of_what_was_read_says_nothing_of_the_ends() -> None:
 def test_no_more_is_searched_than_allowed_and_the_rest_keeps_its_crops() -> None:
     made = text_map(["HELLD", "HFLLO", "NELLO", "HELLU", "HELIO"])
     reader = Reader("HELLO")
-    assert look_again(made, poses, CAMERA, reader, None, pixels=10.0).pixels == 0
+    assert look_again(made, poses, CAMERA, reader, by_readings, pixels=10.0).pixels == 0
     assert not reader.pictures
     assert len(made.crops) == 5
 
 
 def test_a_text_of_a_sub_map_without_a_place_is_left_alone() -> None:
     made = text_map(["HELLD", "HFLLO", "NELLO", "HELLU", "HELIO"])
-    assert look_again(made, lambda keyframe: None, CAMERA, Reader("HELLO"), None).texts == 0
+    assert look_again(made, lambda keyframe: None, CAMERA, Reader("HELLO"), by_readings).texts == 0
 
 
 def test_crops_come_back_as_they_were_kept() -> None:

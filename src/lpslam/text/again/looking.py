@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera
-from lpslam.language.model import LanguageModel
 from lpslam.text.again.averaging import Canvas, canvas_of
 from lpslam.text.placing.instances import KeyframePoses
 from lpslam.text.placing.places import Place, places_of_class
@@ -19,7 +18,6 @@ from lpslam.text.reading.certainty import probability_right
 from lpslam.text.reading.spotting import TextSpotter, accepted_texts
 from lpslam.text.remembering.evidence import Glance, note
 from lpslam.text.remembering.memory import TextClass, Variant
-from lpslam.text.remembering.naming import name_class
 from lpslam.text.remembering.similarity import comparison_key, similarity
 from lpslam.text.text_map import TextMap
 from lpslam.text.types import SpottedText
@@ -51,7 +49,7 @@ def look_again(
     world_from_keyframe: KeyframePoses,
     camera: PinholeCamera,
     spotter: TextSpotter,
-    language: LanguageModel | None,
+    name: Callable[[TextClass], object],
     pixels: float = np.inf,
     should_stop: Callable[[], bool] = lambda: False,
 ) -> Looked:
@@ -64,7 +62,7 @@ def look_again(
         world_from_keyframe: takes a keyframe's id to its 4×4 pose.
         camera: whose raw pixels the crops are.
         spotter: finds and reads text.
-        language: names classes.
+        name: names a class anew, by whichever model names the classes of this map.
         pixels: that may be searched at most.
         should_stop: asked before every text.
     """
@@ -86,7 +84,7 @@ def look_again(
         looked = Looked(looked.texts + len(canvases), looked.readings + readings, looked.pixels + cost)
         store.drop([key])
         if readings:
-            name_class(text_class, language, config)
+            name(text_class)
     return looked
 
 
