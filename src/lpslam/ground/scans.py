@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera
+from lpslam.small_depth import SmallDepth
 
 Array = NDArray[np.float64]
 
@@ -33,20 +34,8 @@ class Scans:
     """
 
     def __init__(self, camera: PinholeCamera, width: int) -> None:
-        width = min(width, camera.width)
-        self.size = (width, max(round(width * camera.height / camera.width), 2))
-        shrink = np.array([camera.width / self.size[0], camera.height / self.size[1]])
-        focal, centre = np.array([camera.fx, camera.fy]), np.array([camera.cx, camera.cy])
-        self.intrinsics: Array = np.concatenate([focal / shrink, (centre + 0.5) / shrink - 0.5])
-        rows, columns = np.mgrid[: self.size[1], : self.size[0]]
-        places = (np.column_stack([columns.ravel(), rows.ravel()]) + 0.5) * shrink - 0.5
-        raw = camera.distort(places)
-        # Nine readings a pixel, of which the median has few holes and a third of the noise.
-        across, down = np.meshgrid(*(np.array([-1, 0, 1]) * step / 3 for step in shrink))
-        around = np.column_stack([across.ravel(), down.ravel()])[:, None]
-        pixels = np.rint(raw + around).astype(np.int64).reshape(9, *self.size[::-1], 2)
-        self._is_seen = ((pixels >= 0) & (pixels < [camera.width, camera.height])).all(axis=3)
-        self._at = np.clip(pixels[..., 1], 0, camera.height - 1), np.clip(pixels[..., 0], 0, camera.width - 1)
+        self._small = SmallDepth(camera, min(width, camera.width))
+        self.size, self.intrinsics = self._small.size, self._small.intrinsics
         self._depths: dict[int, NDArray[np.uint16]] = {}
         self._colours: dict[int, NDArray[np.uint8]] = {}
 
@@ -66,12 +55,7 @@ class Scans:
 
     def take(self, keyframe: int, rgb: NDArray[np.uint8], depth: NDArray[np.float32]) -> None:
         """Keep what a keyframe sees: colour (h, w, 3) and depth (h, w) in metres."""
-        readings = depth[self._at]
-        readings = np.where(self._is_seen & (readings > 0) & (readings < _FARTHEST), readings, 0.0)
-        readings.sort(axis=0)
-        valid = np.count_nonzero(readings, axis=0)
-        middle = np.take_along_axis(readings, (9 - (valid + 1) // 2)[None].clip(max=8), axis=0)[0]
-        self._depths[keyframe] = np.where(valid > 4, middle * _MILLIMETRES, 0.0).astype(np.uint16)
+        self._depths[keyframe] = (self._small.read(depth, _FARTHEST) * _MILLIMETRES).astype(np.uint16)
         small = cv2.resize(rgb, self.size, interpolation=cv2.INTER_AREA)
         self._colours[keyframe] = np.asarray(small, np.uint8)
 
@@ -93,7 +77,8 @@ class Scans:
 
     def to_arrays(self, kept: list[int] | None = None) -> dict[str, NDArray[Any]]:
         """As arrays, for a file: of some keyframes, or of all."""
-        ids = [each for each in self.keyframes if kept is None or each in set(kept)]
+        wanted = None if kept is None else set(kept)
+        ids = [each for each in self.keyframes if wanted is None or each in wanted]
         shape = self.size[::-1]
         return {
             "keyframe": np.array(ids, np.int32),

@@ -11,6 +11,7 @@ from lpslam.config import SurfaceConfig
 from lpslam.slam.kernels.dense import align_terms
 from lpslam.slam.kernels.geometry import exponential, logarithm
 from lpslam.slam.sensor import SensorModel
+from lpslam.small_depth import SmallDepth
 
 _Matrix = NDArray[np.float64]
 _Image = NDArray[np.float32]
@@ -42,38 +43,17 @@ class SmallImages:
     """
 
     def __init__(self, camera: PinholeCamera, width: int) -> None:
-        self._size = (width, max(round(width * camera.height / camera.width), 2))
-        shrink = np.array([camera.width / self._size[0], camera.height / self._size[1]])
-        focal, centre = np.array([camera.fx, camera.fy]), np.array([camera.cx, camera.cy])
-        self.intrinsics = np.concatenate([focal / shrink, (centre + 0.5) / shrink - 0.5])
-        rows, columns = np.mgrid[: self._size[1], : self._size[0]]
-        places = (np.column_stack([columns.ravel(), rows.ravel()]) + 0.5) * shrink - 0.5
-        raw = camera.distort(places)
-        small = ((raw + 0.5) / shrink - 0.5).astype(np.float32).reshape(*self._size[::-1], 2)
+        self._depth = SmallDepth(camera, width)
+        self._size, self.intrinsics = self._depth.size, self._depth.intrinsics
+        small = ((self._depth.raw + 0.5) / self._depth.shrink - 0.5).astype(np.float32)
+        small = small.reshape(*self._size[::-1], 2)
         self._shades_at = np.ascontiguousarray(small[..., 0]), np.ascontiguousarray(small[..., 1])
-        # Nine readings a pixel, of which the median has few holes and a third of the noise.
-        across, down = np.meshgrid(*(np.array([-1, 0, 1]) * step / 3 for step in shrink))
-        around = np.column_stack([across.ravel(), down.ravel()])[:, None]
-        pixels = np.rint(raw + around).astype(np.int64).reshape(len(around), *self._size[::-1], 2)
-        self._is_seen = ((pixels >= 0) & (pixels < [camera.width, camera.height])).all(axis=3)
-        self._depth_at = (
-            np.clip(pixels[..., 1], 0, camera.height - 1),
-            np.clip(pixels[..., 0], 0, camera.width - 1),
-        )
 
     def reference(self, gray: NDArray[np.uint8], depth: _Image) -> _Image:
         """(2, h, w) grey value and depth, as `align_terms` takes them."""
         shades = cv2.resize(gray, self._size, interpolation=cv2.INTER_AREA)
         shades = cv2.remap(shades, *self._shades_at, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-        return np.stack([shades.astype(np.float32), self._distance(depth)])
-
-    def _distance(self, depth: _Image) -> _Image:
-        """(h, w) the median of the readings about each pixel, 0 where most are missing."""
-        readings = depth[self._depth_at]
-        readings = np.sort(np.where(self._is_seen & (readings > 0) & np.isfinite(readings), readings, 0.0), axis=0)
-        valid = np.count_nonzero(readings, axis=0)
-        middle = np.take_along_axis(readings, (len(readings) - (valid + 1) // 2)[None].clip(max=8), axis=0)[0]
-        return np.where(valid > len(readings) // 2, middle, 0.0).astype(np.float32)
+        return np.stack([shades.astype(np.float32), self._depth.read(depth)])
 
 
 def sloped(reference: _Image, edge: float) -> _Image:
