@@ -32,7 +32,7 @@ def open_capture(folder: Path, camera_file: Path | None, max_frames: int | None,
         MissingExtraError: LZFSE cannot be unpacked here.
     """
     try:
-        import liblzfse  # type: ignore[import-not-found,import-untyped,unused-ignore]
+        import liblzfse
     except ImportError:
         raise MissingExtraError("Record3D's depth", "phones") from None
     try:

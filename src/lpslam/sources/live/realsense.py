@@ -30,7 +30,7 @@ def library() -> Any:
         UserError: it cannot be loaded.
     """
     try:
-        import pyrealsense2  # type: ignore[import-not-found,import-untyped,unused-ignore]
+        import pyrealsense2
     except ModuleNotFoundError:
         raise MissingExtraError("a RealSense camera", "realsense") from None
     except ImportError as error:
