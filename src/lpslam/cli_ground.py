@@ -88,15 +88,9 @@ class Guide:
 
     def _steps(self, answer: Answer, legs: Any) -> list[list[str]]:
         from lpslam.language.questions.phrasing import answer_language
-        from lpslam.navigation.walking.telling import Sign, told
+        from lpslam.navigation.walking.routes import told_legs
 
-        signs = [Sign(mark.name, mark.position) for mark in self._world.landmarks()]
-        language, heading, steps = answer_language(answer.question), answer.heading, []
-        for leg in legs:
-            goal = Sign(leg.landmark.name, leg.landmark.position)
-            steps.append(told(leg.way, signs, goal, language, heading))
-            heading = leg.goal.yaw
-        return steps
+        return told_legs(legs, self._world.landmarks(), answer_language(answer.question), answer.heading)
 
     def _ground(self) -> Walkable:
         from lpslam.navigation.walking.routes import walkable_of

@@ -65,6 +65,13 @@ class Grid:
         return (np.asarray(cells, np.float64)[:, ::-1] + 0.5) * self.resolution + self.origin
 
 
+def trinary(values: NDArray[np.int8]) -> NDArray[np.uint8]:
+    """(rows, columns) shades as ROS's map_server has them, top row first: 254 free, 0 occupied, 205 unknown."""
+    shades = np.full(values.shape, 205, np.uint8)
+    shades[values == FREE], shades[values == OCCUPIED] = 254, 0
+    return np.ascontiguousarray(shades[::-1])
+
+
 def build_grid(
     scans: Scans, world_from_keyframe: Pose, config: GroundConfig, walked: Array | None = None
 ) -> Grid | None:

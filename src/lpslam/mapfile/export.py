@@ -3,8 +3,9 @@
 import json
 import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -26,17 +27,33 @@ def export_map(world: LanguageMap, folder: Path) -> list[Path]:
     Raises:
         UserError: the folder cannot be written.
     """
+    return write_whole(folder, {name: partial(write, world) for name, write in _FILES.items()})
+
+
+def write_whole(folder: Path, writers: Mapping[str, Callable[[Path], object]]) -> list[Path]:
+    """Write files of a folder, which is made: all of them, or none.
+
+    Args:
+        folder: where to.
+        writers: by file name; each writes to the path that it is given.
+
+    Returns:
+        The files.
+
+    Raises:
+        UserError: the folder cannot be written.
+    """
     try:
         folder.mkdir(parents=True, exist_ok=True)
         # Beside their places, so that a disk that fills leaves the old files and no part of new ones.
         with tempfile.TemporaryDirectory(prefix=".lpslam-", dir=folder) as unfinished:
-            for name, write in _FILES.items():
-                write(world, Path(unfinished) / name)
-            for name in _FILES:
+            for name, write in writers.items():
+                write(Path(unfinished) / name)
+            for name in writers:
                 os.replace(Path(unfinished) / name, folder / name)
     except OSError as error:
         raise UserError(f"{folder} cannot be written ({error.strerror}); choose another folder") from error
-    return [folder / name for name in _FILES]
+    return [folder / name for name in writers]
 
 
 def _write_landmarks(world: LanguageMap, path: Path) -> None:
@@ -61,7 +78,7 @@ _FILES: dict[str, Callable[[LanguageMap, Path], None]] = {
     "trajectory.txt": lambda world, path: world.frame_poses().to_tum_file(path, [f"every tracked frame: {_FRAME}"]),
     "keyframes.txt": lambda world, path: world.keyframe_poses().to_tum_file(path, [f"keyframes: {_FRAME}"]),
     "landmarks.json": _write_landmarks,
-    "cloud.ply": lambda world, path: _write_cloud(world, path),
+    "cloud.ply": _write_cloud,
 }
 
 

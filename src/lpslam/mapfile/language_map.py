@@ -22,6 +22,9 @@ from lpslam.text.again.crops import CropStore
 from lpslam.text.text_map import TextMap
 from lpslam.text.types import Landmark
 
+_OVER_THE_CAMERA = 0.3
+"""Metres over the camera above which a room seen from above is cut."""
+
 
 @dataclass(slots=True, eq=False)
 class LanguageMap:
@@ -91,6 +94,16 @@ class LanguageMap:
             points.append(transform_points(pose, seen[known]))
             colours.append(self.scans.colour(keyframe).reshape(-1, 3)[known])
         return np.concatenate(points), np.concatenate(colours)
+
+    def room_from_above(self) -> tuple[NDArray[np.float64], NDArray[np.uint8]]:
+        """As `coloured_cloud`, lowest first and without what a ceiling would hide the room with."""
+        points, colours = self.coloured_cloud()
+        heights = self.frame_poses().positions[:, 2]
+        heights = heights[np.isfinite(heights)]
+        highest = (float(np.median(heights)) if len(heights) else 0.0) + _OVER_THE_CAMERA
+        lower = np.flatnonzero(points[:, 2] < highest)
+        shown = lower[np.argsort(points[lower, 2], kind="stable")]
+        return points[shown], colours[shown]
 
     def _pose_of_scan(self, keyframe: int) -> NDArray[np.float64] | None:
         """4×4 of a keyframe that the map still has."""

@@ -26,7 +26,6 @@ Array = NDArray[np.float64]
 
 LANGUAGES = ("en", "zh", "ja", "ko", "es", "de", "fr")
 _FINEST, _MOST_PIXELS = 0.02, 2400  # metres a pixel of the picture, and pixels to a side at most
-_OVER_THE_CAMERA = 0.3  # metres: a ceiling would hide the room
 _ROUND = 1.0  # metres shown around all there is
 _MOST_POSES, _MOST_VARIANTS = 2000, 8
 _FREE_COLOUR, _OCCUPIED_COLOUR = (90, 150, 110, 45), (100, 108, 120, 255)
@@ -97,7 +96,7 @@ def _record(world: LanguageMap, live: bool, name: str) -> dict[str, Any]:
     positions = world.frame_poses().positions
     positions = positions[np.isfinite(positions).all(axis=1)]
     landmarks = [mark for mark in world.landmarks() if np.isfinite(mark.position).all()]
-    picture, picture_extent = _picture(world, positions)
+    picture, picture_extent = _picture(world)
     everything = [positions[:, :2], np.array([mark.position[:2] for mark in landmarks]).reshape(-1, 2)]
     corners = np.concatenate([*everything, np.array(picture_extent).reshape(2, 2) if picture else np.empty((0, 2))])
     if not len(corners):
@@ -137,14 +136,9 @@ def _rounded(values: Array) -> list[float]:
     return [round(float(value), 3) for value in values]
 
 
-def _picture(world: LanguageMap, positions: Array) -> tuple[str, tuple[float, float, float, float]]:
+def _picture(world: LanguageMap) -> tuple[str, tuple[float, float, float, float]]:
     """A data URL of the room from above (PNG), and its left, bottom, right and top in metres; empty without scans."""
-    cloud, colours = world.coloured_cloud()
-    if len(cloud):
-        highest = (float(np.median(positions[:, 2])) if len(positions) else 0.0) + _OVER_THE_CAMERA
-        kept = np.flatnonzero(cloud[:, 2] < highest)
-        kept = kept[np.argsort(cloud[kept, 2], kind="stable")]
-        cloud, colours = cloud[kept], colours[kept]
+    cloud, colours = world.room_from_above()
     if not len(cloud):
         return "", (0.0, 0.0, 0.0, 0.0)
     low, high = np.percentile(cloud[:, :2], 0.5, axis=0) - 0.5, np.percentile(cloud[:, :2], 99.5, axis=0) + 0.5

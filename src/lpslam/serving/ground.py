@@ -8,19 +8,15 @@ import numpy as np
 
 from lpslam.config import Config
 from lpslam.errors import UserError
-from lpslam.ground.grid import FREE, OCCUPIED, Grid
+from lpslam.ground.grid import FREE, OCCUPIED, Grid, trinary
 from lpslam.navigation.walking.goals import Goal, goal_before
-from lpslam.navigation.walking.routes import route_through
-from lpslam.navigation.walking.telling import LANGUAGES, Sign, told
+from lpslam.navigation.walking.routes import route_through, told_legs
 from lpslam.navigation.walking.ways import NoWayError, Walkable
 from lpslam.serving.atlas import ServedMap
 from lpslam.text.types import Landmark
 
 Start = tuple[tuple[float, ...], float | None]
 """Metres, map frame, and degrees or None: where somebody stands."""
-
-# Shades as ROS's map_server has them.
-_FREE_SHADE, _OCCUPIED_SHADE, _UNKNOWN_SHADE = 254, 0, 205
 
 
 class NoGroundError(UserError):
@@ -59,13 +55,12 @@ class Grounds:
         """The way to a landmark, as `records.PathRecord` has it, told in a language; raises as `goal`."""
         here, heading = _start(served, start)
         (leg,) = route_through(here, [mark], self._walkable(served))
-        signs = [Sign(each.name, each.position) for each in served.directory.landmarks]
-        spoken = language if language in LANGUAGES else "en"
+        (steps,) = told_legs([leg], served.directory.landmarks, language, heading)
         return _goal_record(served, mark, leg.goal) | {
             "points": [_rounded(point) for point in leg.way.points],
             "length": round(leg.way.length, 2),
             "seconds": round(leg.way.seconds, 1),
-            "steps": told(leg.way, signs, Sign(mark.name, mark.position), spoken, heading),
+            "steps": steps,
         }
 
     def facts(self, served: ServedMap) -> dict[str, Any]:
@@ -85,10 +80,7 @@ class Grounds:
 
     def picture(self, served: ServedMap) -> bytes:
         """The occupancy grid as PNG, a pixel a cell, x to the right and y up; raises as `goal`."""
-        values = self._grid(served).values
-        shades = np.full(values.shape, _UNKNOWN_SHADE, np.uint8)
-        shades[values == FREE], shades[values == OCCUPIED] = _FREE_SHADE, _OCCUPIED_SHADE
-        _, encoded = cv2.imencode(".png", np.ascontiguousarray(shades[::-1]))
+        _, encoded = cv2.imencode(".png", trinary(self._grid(served).values))
         return encoded.tobytes()
 
     def _grid(self, served: ServedMap) -> Grid:

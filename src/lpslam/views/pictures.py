@@ -2,30 +2,21 @@
 
 from pathlib import Path
 
-import numpy as np
-
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.text.remembering.memory import LongShortTermMemory
 from lpslam.views.map_picture import draw_map
 from lpslam.views.memory_plot import ScoreHistory, draw_memory
 
-_OVER_THE_CAMERA = 0.3
-"""Metres over the camera above which nothing is drawn: a ceiling would hide the room."""
-
 
 def draw_language_map(world: LanguageMap, out: Path) -> None:
     """The map from above with its texts (Fig. 16), on the ground where it was seen, in the colours of the room."""
     positions = world.frame_poses().positions
-    cloud, colours = world.coloured_cloud()
+    cloud, colours = world.room_from_above()
     if not len(cloud):
         draw_map(out, world.cloud(), positions, world.landmarks(), title=world.source)
         return
-    heights = positions[np.isfinite(positions).all(axis=1), 2]
-    lower = np.flatnonzero(cloud[:, 2] < (np.median(heights) if len(heights) else 0.0) + _OVER_THE_CAMERA)
-    shown = lower[np.argsort(cloud[lower, 2], kind="stable")]
     draw_map(
-        out, cloud[shown], positions, world.landmarks(), title=world.source, cloud_colours=colours[shown],
-        ground=world.grid(),
+        out, cloud, positions, world.landmarks(), title=world.source, cloud_colours=colours, ground=world.grid()
     )  # fmt: skip
 
 

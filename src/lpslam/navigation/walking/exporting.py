@@ -5,9 +5,8 @@ free, 0 occupied, 205 unknown; `origin` is the lower left corner. A path has the
 """
 
 import json
-import os
-import tempfile
 from collections.abc import Sequence
+from functools import partial
 from html import escape
 from math import cos, sin
 from pathlib import Path
@@ -18,16 +17,15 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
-from lpslam.errors import UserError
-from lpslam.ground.grid import FREE, OCCUPIED, Grid
+from lpslam.ground.grid import FREE, OCCUPIED, Grid, trinary
 from lpslam.language.sanitise import clean_text
+from lpslam.mapfile.export import write_whole
 from lpslam.navigation.walking.goals import goal_before
 from lpslam.navigation.walking.routes import Leg
 from lpslam.navigation.walking.ways import NoWayError, Walkable
 from lpslam.text.types import Landmark
 
 FRAME = "map"
-_FREE_GREY, _OCCUPIED_GREY, _UNKNOWN_GREY = 254, 0, 205
 _KEEPOUT = 0.6  # metres around a warning that a robot keeps out of
 
 
@@ -64,19 +62,14 @@ def export_ground(
     }
     if legs:
         texts["route.yaml"] = _yaml(path_message(np.concatenate([leg.way.points for leg in legs])))
-    pictures = {"map.pgm": _trinary(grid.values), "keepout.pgm": _trinary(_keepout(grid, warnings))}
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix=".lpslam-", dir=folder) as unfinished:
-            for name, text in texts.items():
-                (Path(unfinished) / name).write_text(text, encoding="utf-8")
-            for name, picture in pictures.items():
-                (Path(unfinished) / name).write_bytes(_pgm(picture))
-            for name in (*pictures, *texts):
-                os.replace(Path(unfinished) / name, folder / name)
-    except OSError as error:
-        raise UserError(f"{folder} cannot be written ({error.strerror}); choose another folder") from error
-    return [folder / name for name in (*pictures, *texts)]
+    pictures = {"map.pgm": grid.values, "keepout.pgm": _keepout(grid, warnings)}
+    contents = {name: _pgm(trinary(values)) for name, values in pictures.items()}
+    contents |= {name: text.encode("utf-8") for name, text in texts.items()}
+    return write_whole(folder, {name: partial(_write, content) for name, content in contents.items()})
+
+
+def _write(content: bytes, path: Path) -> None:
+    path.write_bytes(content)
 
 
 def path_message(points: NDArray[np.float64]) -> dict[str, Any]:
@@ -123,13 +116,6 @@ def _map_yaml(grid: Grid, image: str) -> str:
 
 def _yaml(tree: Any) -> str:
     return str(yaml.safe_dump(tree, allow_unicode=True, sort_keys=False))
-
-
-def _trinary(values: NDArray[np.int8]) -> NDArray[np.uint8]:
-    """(rows, columns) grey values, the first row at the top."""
-    grey = np.full(values.shape, _UNKNOWN_GREY, np.uint8)
-    grey[values == FREE], grey[values == OCCUPIED] = _FREE_GREY, _OCCUPIED_GREY
-    return grey[::-1]
 
 
 def _pgm(picture: NDArray[np.uint8]) -> bytes:

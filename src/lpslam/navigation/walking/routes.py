@@ -10,6 +10,7 @@ from lpslam.config import Config
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.navigation.asking import Answer
 from lpslam.navigation.walking.goals import Goal, goal_before
+from lpslam.navigation.walking.telling import Sign, told
 from lpslam.navigation.walking.ways import NoWayError, Walkable, Way
 from lpslam.text.types import Landmark
 
@@ -74,6 +75,25 @@ def route_through(here: Array, stops: Sequence[Landmark], walkable: Walkable) ->
         legs.append(Leg(stop, goal, walkable.way(at, goal.position)))
         at = goal.position
     return legs
+
+
+def told_legs(
+    legs: Sequence[Leg], landmarks: Sequence[Landmark], language: str, heading: float | None
+) -> list[list[str]]:
+    """The steps of each leg in words.
+
+    Args:
+        legs: one after the other.
+        landmarks: that may be named at turns.
+        language: in which they are told.
+        heading: radians counter-clockwise from the map's x axis, which way one looks at first; None where unknown.
+    """
+    signs, steps = [Sign(mark.name, mark.position) for mark in landmarks], []
+    for leg in legs:
+        goal = Sign(leg.landmark.name, leg.landmark.position)
+        steps.append(told(leg.way, signs, goal, language, heading))
+        heading = leg.goal.yaw
+    return steps
 
 
 def best_order(here: Array, stops: Sequence[Landmark], walkable: Walkable) -> list[Leg]:

@@ -57,7 +57,7 @@ class Walkable:
     def __init__(self, grid: Grid, config: WayConfig) -> None:
         self.grid, self.config = grid, config
         free = (grid.values != OCCUPIED).astype(np.uint8)
-        # A border of things in the way would make a grid without any look as if it were full.
+        # Where nothing at all is in the way, the transform has nothing to measure from.
         away = (
             cv2.distanceTransform(free, cv2.DIST_L2, 5) * grid.resolution
             if not free.all()
