@@ -52,6 +52,16 @@ def test_what_is_written_is_read_and_a_copy_does_not_grow() -> None:
     assert len(Scans.from_arrays(CAMERA, {}, 96)) == 0
 
 
+def test_scans_of_keyframes_that_are_gone_are_forgotten_on_the_way() -> None:
+    taken, depth = Scans(CAMERA, 80), np.ones((CAMERA.height, CAMERA.width), np.float32)
+    for keyframe in range(600):
+        taken.take(keyframe, RGB, depth)
+        taken.drop(lambda each, latest=keyframe: each % 10 != 0 and each < latest - 3)
+        assert len(taken) <= 200
+    assert set(range(0, 600, 10)) <= set(taken.keyframes)
+    assert set(taken.to_arrays()["keyframe"].tolist()) == set(taken.keyframes)
+
+
 @pytest.mark.parametrize(
     "spoil",
     [

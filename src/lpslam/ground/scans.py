@@ -5,7 +5,7 @@ grid or a coloured cloud is asked for.
 """
 
 import copy
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import cv2
@@ -19,6 +19,7 @@ Array = NDArray[np.float64]
 
 _MILLIMETRES = 1000.0
 _FARTHEST = 65.0  # metres: what sixteen bits of millimetres hold
+_FEW = 64  # scans, two megabytes: fewer are not worth a look
 
 
 class Scans:
@@ -38,6 +39,7 @@ class Scans:
         self.size, self.intrinsics = self._small.size, self._small.intrinsics
         self._depths: dict[int, NDArray[np.uint16]] = {}
         self._colours: dict[int, NDArray[np.uint8]] = {}
+        self._next_look = _FEW
 
     def __len__(self) -> int:
         return len(self._depths)
@@ -58,6 +60,14 @@ class Scans:
         self._depths[keyframe] = (self._small.read(depth, _FARTHEST) * _MILLIMETRES).astype(np.uint16)
         small = cv2.resize(rgb, self.size, interpolation=cv2.INTER_AREA)
         self._colours[keyframe] = np.asarray(small, np.uint8)
+
+    def drop(self, is_gone: Callable[[int], bool]) -> None:
+        """Forget the scans of keyframes that are gone; asked for only once the scans have grown by half."""
+        if len(self) < self._next_look:
+            return
+        for keyframe in [each for each in self.keyframes if is_gone(each)]:
+            del self._depths[keyframe], self._colours[keyframe]
+        self._next_look = len(self) + max(len(self) // 2, _FEW)
 
     def depth(self, keyframe: int) -> NDArray[np.float32]:
         """(h, w) metres, 0 where there is none."""

@@ -194,6 +194,7 @@ class Session:
             self._latest, self._pose = frame.timestamp, tracked.world_from_camera
             if tracked.is_keyframe and self._scans is not None:
                 self._scans.take(tracked.keyframe, frame.rgb, frame.depth)
+                self._scans.drop(lambda keyframe: not self._slam.map.is_alive(keyframe))
         if self._reader is not None:
             self._reader.observe(frame, tracked)
             if not self._live:
