@@ -13,33 +13,12 @@ from importlib.resources import files
 from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.words import is_unspaced
 from lpslam.language.wishes.form import Identity, Sort
+from lpslam.language.wishes.numerals import digit_ordinal, number_of, with_digits
 
-_SPELLED = {
-    word: str(at)
-    for at, words in enumerate(
-        (
-            "",
-            "one|uno|una|eins|un|une|하나|first|primero|primera|erste|ersten|erster|premier|première",
-            "two|dos|zwei|deux|둘|second|segundo|segunda|zweite|zweiten|zweiter|deuxième",
-            "three|tres|drei|trois|third|tercero|tercera|dritte|dritten|dritter|troisième",
-            "four|cuatro|vier|quatre|fourth|cuarto|cuarta|vierte|vierten|vierter|quatrième",
-            "five|cinco|fünf|cinq|fifth|quinto|quinta|fünfte|fünften|fünfter|cinquième",
-            "six|seis|sechs|sixth|sexto|sexta|sechste|sechsten|sechster|sixième",
-            "seven|siete|sieben|sept|seventh|septième|siebte|siebten",
-            "eight|ocho|acht|huit|eighth|huitième|achte|achten",
-            "nine|nueve|neun|neuf|ninth|neuvième|neunte|neunten",
-            "ten|diez|zehn|dix|tenth|dixième|zehnte|zehnten",
-            "eleven|once|elf|onze",
-            "twelve|doce|zwölf|douze",
-        )
-    )
-    if words
-    for word in words.split("|")
-}
-_HAN = {ch: at for at, ch in enumerate("〇一二三四五六七八九")} | {"零": 0, "两": 2, "兩": 2}
-# 一番近い is the nearest, 一番線 is platform 1.
-_HAN_NUMBER = re.compile(
+# 一番近い is the nearest, 一番線 is platform 1; 이번 is this time, 이층 the second floor.
+_UNSPACED_NUMBER = re.compile(
     r"(?!一番(?![線线口のホゲ通窓乗出カ]|$))第?([〇零一二三四五六七八九两兩十百]+)(?=[号號番楼樓层層階栋幢站股])|(?<=[第])([一二三四五六七八九十]+)(?!近)"
+    r"|(?<![가-힣])([일이삼사오육칠팔구]?[십백][일이삼사오육칠팔구십]*(?=번|호|층)|[일이삼사오육칠팔구](?=층|호))"
 )
 _ONE = r"(?:[a-z]{1,2}[-.]?|[b-z] )?\d{1,4}(?:[-.]\d{1,4}){0,2}[a-z]?|[a-z]"
 _CODE = re.compile(rf"(?<![a-zà-ÿ0-9'’])({_ONE})(?![^\W_\u2e80-\uffff])(?!['’-][a-z])", re.IGNORECASE)
@@ -58,6 +37,7 @@ _MEASURES = (
 _QUANTITY = re.compile(
     rf"\d+(?:[.,:h]\d+)? ?(?:{_TIMES}|{_MEASURES})(?![a-z])|\d{{1,2}}:\d{{2}}|[$€£¥]\d+", re.IGNORECASE
 )
+_PLURAL = "es|s"
 _BEFORE, _AFTER = 26, 8  # letters around a code in which the word for what is numbered is looked for
 _FEW_WORDS, _SHORT = 2, 16  # words and letters of a question that may be no more than a number
 
@@ -109,8 +89,14 @@ def _classes() -> tuple[re.Pattern[str], Mapping[str, frozenset[str]]]:
     words = sorted(of, key=lambda word: (-len(word), word))
     spaced = "|".join(re.escape(word) for word in words if not is_unspaced(word))
     unspaced = "|".join(re.escape(word) for word in words if is_unspaced(word))
-    pattern = re.compile(rf"(?<!\w)(?:{spaced})(?![a-zà-ÿ])|{unspaced}")
+    pattern = re.compile(rf"(?<!\w)(?:{spaced})(?:{_PLURAL})?(?![a-zà-ÿ])|{unspaced}")
     return pattern, {word: frozenset(names) for word, names in of.items()}
+
+
+def _named(word: str) -> frozenset[str]:
+    """What a word stands for, in the singular or the plural."""
+    of = _classes()[1]
+    return next((of[each] for each in (word, *(word.removesuffix(end) for end in _PLURAL.split("|"))) if each in of))
 
 
 def _of_code(text: str, start: int, end: int) -> frozenset[str]:
@@ -133,29 +119,29 @@ _BETWEEN = re.compile(
 """What may stand between “gates” and a number: other numbers, “no.”, “and”."""
 
 
+def _of_board_code(text: str, start: int, end: int) -> frozenset[str]:
+    """What is numbered by a code of a board; other words may stand between: “Caisses automatiques 13-20”."""
+    of = _of_code(text, start, end)
+    if of:
+        return of
+    before = re.split(r"[;。，|]", text[:start])[-1]
+    return next((names for _, names in _last_words(before)), of)
+
+
 def _starting(text: str) -> frozenset[str]:
     """What is numbered by the longest word with which a text begins."""
-    pattern, of = _classes()
-    found = pattern.match(text.strip())
-    return of[found.group()] if found is not None else frozenset()
+    found = _classes()[0].match(text.strip())
+    return _named(found.group()) if found is not None else frozenset()
 
 
 def _last_words(text: str) -> list[tuple[re.Match[str], frozenset[str]]]:
     """The words for what is numbered, the last first; one word may stand for several."""
-    pattern, of = _classes()
-    return [(hit, of[hit.group()]) for hit in reversed(list(pattern.finditer(text)))]
+    return [(hit, _named(hit.group())) for hit in reversed(list(_classes()[0].finditer(text)))]
 
 
 def _folded(text: str) -> str:
     clean = clean_text(text).casefold()
-    return _HAN_NUMBER.sub(lambda found: str(_number_of(found.group(1) or found.group(2))), clean)
-
-
-def _number_of(han: str) -> int:
-    if "十" in han:
-        tens, _, ones = han.partition("十")
-        return 10 * (_HAN.get(tens, 1) if tens else 1) + (_HAN.get(ones, 0) if ones else 0)
-    return int("".join(str(_HAN.get(ch, 0)) for ch in han if ch in _HAN) or "0")
+    return _UNSPACED_NUMBER.sub(lambda found: str(number_of(next(filter(None, found.groups())))), clean)
 
 
 def _code(text: str, of: frozenset[str]) -> Code:
@@ -173,13 +159,13 @@ def board_codes(text: str) -> tuple[Code, ...]:
     found: list[Code] = []
     for hit in _RANGE.finditer(folded):
         letters, first, last_letters, last = hit.groups()
-        of = _of_code(folded, hit.start(), hit.end())
+        of = _of_board_code(folded, hit.start(), hit.end())
         if first and last and (letters == last_letters or not last_letters) and int(first) <= int(last):
             found.append(Code(letters, int(first), "", of, int(last)))
         elif letters and last_letters and not first and not last and len(letters) == len(last_letters) == 1 and of:
             found.append(Code(letters, None, "", of, None, last_letters))
     for hit in _CODE.finditer(folded):
-        of = _of_code(folded, hit.start(), hit.end())
+        of = _of_board_code(folded, hit.start(), hit.end())
         code = _code(hit.group(1), of)
         if code.number is not None or of:
             found.append(code)
@@ -192,7 +178,10 @@ def asked_codes(text: str) -> list[Code]:
     Hours, prices and numbers of people are none.
     """
     folded = _QUANTITY.sub(" ", _folded(text))
-    folded = re.sub(r"[a-zà-ÿ]+", lambda hit: _numeral(folded, hit), folded)
+    folded = digit_ordinal().sub(lambda hit: hit.group(1) if _leads(folded, hit.end()) else hit.group(), folded)
+    folded = with_digits(folded, lambda at: _follows(folded, at), lambda at: _leads(folded, at))
+    # “The A-gates.”
+    folded = re.sub(r"(?<!\w)[a-z]-(?=[a-z])", lambda hit: f"{hit.group()[0]} " if _leads(folded, hit.end()) else hit.group(), folded)
     found: list[Code] = []
     alone = len(re.findall(r"\w+", folded)) <= _FEW_WORDS and len(folded) <= _SHORT
     for hit in _CODE.finditer(folded):
@@ -210,18 +199,29 @@ def asked_codes(text: str) -> list[Code]:
     return found
 
 
+def without_codes(text: str) -> str:
+    """Return a question, without case, but for its codes and the words for what they number."""
+    folded = _folded(text)
+    for hit in reversed(list(_CODE.finditer(folded))):
+        if _of_code(folded, hit.start(), hit.end()):
+            folded = folded[: hit.start()] + folded[hit.end() :]
+    return " ".join(_classes()[0].sub(" ", folded).split())
+
+
 def _is_capital(text: str, letter: str, of: frozenset[str]) -> bool:
     # “I” is seldom a hall.
-    return letter != "i" and bool(of) and bool(re.search(rf"(?<!\w){letter.upper()}(?!\w)", text))
+    return letter != "i" and bool(of) and bool(re.search(rf"(?<![^\W_\u2e80-\uffff]){letter.upper()}(?![^\W_\u2e80-\uffff])", text))
 
 
-def _numeral(folded: str, hit: re.Match[str]) -> str:
-    """“Terminal two” is terminal 2; “one” alone is none."""
-    number = _SPELLED.get(hit.group())
-    if number is None:
-        return hit.group()
-    before = folded[max(0, hit.start() - 12) : hit.start()].rstrip()
-    return number if any(word.end() == len(before) for word, _ in _last_words(before)) else hit.group()
+def _follows(folded: str, at: int) -> bool:
+    """Whether what is numbered stands right before a place: “terminal | two”."""
+    before = folded[max(0, at - _BEFORE) : at].rstrip()
+    return any(word.end() == len(before) for word, _ in _last_words(before))
+
+
+def _leads(folded: str, at: int) -> bool:
+    """Whether what is numbered stands right after a place: “second | floor”."""
+    return bool(_starting(folded[at:]))
 
 
 def identities(codes: Iterable[Code]) -> tuple[Identity, ...]:

@@ -15,10 +15,6 @@ _LATIN = ("en", "es", "de", "fr")
 _ENDS = " .。!！?？,，、;；¿¡"
 _MOST_STOPS = 6
 _POSSESSIVE = re.compile(r"['’]s?$")
-_RANKS = {
-    **dict.fromkeys(("second", "2nd", "二", "2", "２", "두", "zweit", "segundo", "segunda", "deuxième", "seconde"), 2),
-    **dict.fromkeys(("third", "3rd", "三", "3", "３", "세", "dritt", "tercero", "tercera", "tercer", "troisième"), 3),
-}
 
 
 def wish_languages(text: str, knowledge: Knowledge) -> tuple[str, ...]:
@@ -76,7 +72,7 @@ def _stop(text: str, languages: tuple[str, ...], is_later: bool = False, depth: 
             _anchor(groups[name], languages, rules, depth) for name in ("anchor", "second") if groups.get(name)
         )
         is_here = len(anchors) == 1 and rules.here.match(groups.get("anchor", ""))
-        rank = _RANKS.get(groups.get("rank", "").casefold(), 1)
+        rank = rules.ranks.get(groups.get("rank", "").casefold(), 1)
         which = Which(row.then.get("which", "nearest" if is_here else "any"))
         stop = replace(
             stop,
@@ -130,7 +126,7 @@ def _ordered(text: str, languages: tuple[str, ...]) -> tuple[Which | None, int]:
             said = next(
                 (value for name, value in found[1].groupdict().items() if name.startswith("rank") and value), ""
             )
-            return Which(found[0].then["which"]), _RANKS.get(said.casefold(), 1)
+            return Which(found[0].then["which"]), rules_of(language).ranks.get(said.casefold(), 1)
     return None, 1
 
 

@@ -1,15 +1,22 @@
-"""Rules of a language as rows of a table, read from `data/wishes/LANGUAGE.json`; one evaluator for all of them."""
+"""Rules of a language as rows of a table, read from `data/wishes/LANGUAGE.json`; one evaluator for all of them.
+
+A row has a pattern of its own (`when`), or words (`said`) that stand in each of the language's `shapes`. `<next>` in a
+pattern is the part of that name; `<ordinal>` is every ordinal number of the language.
+"""
 
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.resources import files
 from typing import Any
 
+from lpslam.language.wishes.numerals import ordinals
+
 LANGUAGES = ("en", "zh", "ja", "ko", "es", "de", "fr")
-_NAMED = re.compile(r"<(\w+)>")
+_NAMED = re.compile(r"(?<!\(\?P)<(\w+)>")
+_DEEPEST = 3  # parts within parts
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,13 +36,15 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class Rules:
-    """The rows of one language: what is asked, orders, sequences, relations; and words that say nothing of a place."""
+    """The rows of one language: what is asked, orders, sequences, relations, exclusions; and words that say no place."""
 
     asks: tuple[Row, ...]
     orders: tuple[Row, ...]
     sequences: tuple[Row, ...]
     relations: tuple[Row, ...]
+    exclusions: tuple[Row, ...]
     persons: tuple[Row, ...]
+    ranks: Mapping[str, int]
     here: re.Pattern[str]
     previous: re.Pattern[str]
     filler: re.Pattern[str]
@@ -51,17 +60,23 @@ def rules_of(language: str) -> Rules:
     """Read the rules of a language, once a process."""
     path = files("lpslam.language") / "data" / "wishes" / f"{language}.json"
     tree: Mapping[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-    parts: Mapping[str, str] = tree.get("parts", {})
+    ranks = ordinals(language)
+    parts: Mapping[str, str] = {**tree.get("parts", {}), "ordinal": _any_of(ranks)}
+
+    def filled(pattern: str) -> str:
+        # A part may hold another.
+        for _ in range(_DEEPEST):
+            pattern = _NAMED.sub(lambda found: parts.get(found.group(1), found.group(0)), pattern)
+        return pattern
 
     def compiled(pattern: str) -> re.Pattern[str]:
-        # <next> in a pattern is the part of that name; (?P<what>…) is a group.
-        filled = _NAMED.sub(lambda found: parts.get(found.group(1), found.group(0)), pattern)
-        return re.compile(filled, re.IGNORECASE)
+        return re.compile(filled(pattern), re.IGNORECASE)
 
     def rows(name: str) -> tuple[Row, ...]:
         return tuple(
-            Row(compiled(row["when"]), compiled(row["unless"]) if "unless" in row else None, row.get("then", {}))
+            Row(compiled(when), compiled(row["unless"]) if "unless" in row else None, row.get("then", {}))
             for row in tree.get(name, ())
+            for when in ([row["when"]] if "when" in row else [_said(shape, row["said"]) for shape in tree["shapes"]])
         )
 
     return Rules(
@@ -69,9 +84,20 @@ def rules_of(language: str) -> Rules:
         rows("orders"),
         rows("sequences"),
         rows("relations"),
+        rows("exclusions"),
         rows("persons"),
+        ranks,
         compiled(tree["here"]),
         compiled(tree["previous"]),
         compiled(tree["filler"]),
         compiled(tree["any"]),
     )
+
+
+def _said(shape: str, words: str) -> str:
+    return shape.replace("<said>", words)
+
+
+def _any_of(words: Iterable[str]) -> str:
+    """A pattern of any of some words, the longest first."""
+    return "(?:" + "|".join(map(re.escape, sorted(words, key=lambda word: (-len(word), word)))) + ")"

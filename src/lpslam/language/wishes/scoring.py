@@ -20,7 +20,7 @@ from lpslam.language.signs.reader import SignReader
 from lpslam.language.signs.wording import WARNING
 from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.words import is_mark, is_unspaced, longest_phrases
-from lpslam.language.wishes.codes import Code, board_codes, code_of
+from lpslam.language.wishes.codes import Code, board_codes, code_of, without_codes
 from lpslam.language.wishes.form import Ask, Identity, Sort, Stop, Which, Wish, with_meaning
 from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.reading import content_of, wish_languages
@@ -282,8 +282,8 @@ class EmbeddedScorer:
         return found, tuple(ignored), ""
 
     def _says_more(self, stop: Stop, identity: Identity) -> bool:
-        """Whether a stop names something else than what is numbered: “a toilet on level 2”."""
-        meaning = read_question(stop.what, self._knowledge)
+        """Whether a stop names something else than what is numbered: “a toilet on level 2”, not “parking P7”."""
+        meaning = read_question(without_codes(stop.what), self._knowledge)
         return any(weight > 0.5 for _, weight in meaning.wanted)
 
     def _bearing(self, identity: Identity) -> dict[int, float]:
@@ -299,6 +299,9 @@ class EmbeddedScorer:
                     code.last is None and not code.last_letters and code.number == asked.number for code in fits
                 )
                 found[id_] = _SURE - 0.1 * (not is_same) - 0.05 * (not is_exact)
+        if asked.of and not asked.letters and any(code.of & asked.of for codes in self._codes.values() for code in codes):
+            # Where aisles are numbered as aisles, a number that is of nothing is no aisle.
+            found = {id_: score for id_, score in found.items() if score > _SURE - 0.1}
         best = max(found.values(), default=0.0)
         return {id_: score for id_, score in found.items() if score >= best - 0.01}
 

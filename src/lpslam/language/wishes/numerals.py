@@ -1,0 +1,169 @@
+"""Numbers in words: every cardinal below a thousand and every ordinal that is listed, in the languages that space words.
+
+The words and how they are put together follow Unicode CLDR's rule-based number formats (spellout-cardinal and
+spellout-ordinal); Chinese, Japanese and Korean numerals are read digit by digit.
+"""
+
+import json
+import re
+import unicodedata
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import lru_cache
+from importlib.resources import files
+from itertools import product
+from typing import Any
+
+_SPACED = ("en", "es", "de", "fr")
+_ARTICLES = frozenset({"un", "una", "une", "ein", "eine", "einen", "einer"})
+"""Numbers that are articles wherever more follows."""
+_LONGEST = 6  # words of a number below a thousand: "quatre cent quatre vingt dix neuf"
+_WORD = re.compile(r"[a-zß-ÿœ]+")
+_BROKEN = re.compile(r"[^\w\s-]|_|\d")  # what does not stand within a number
+_HAN = {ch: at for at, ch in enumerate("〇一二三四五六七八九")} | {"零": 0, "两": 2, "兩": 2}
+_HANGUL = {ch: at for at, ch in enumerate("영일이삼사오육칠팔구")}
+_STEPS = {"十": 10, "百": 100, "십": 10, "백": 100}
+
+
+@lru_cache(maxsize=1)
+def _tables() -> Mapping[str, Mapping[str, Any]]:
+    path = files("lpslam.language") / "data" / "wishes" / "numerals.json"
+    tables: Mapping[str, Mapping[str, Any]] = json.loads(path.read_text(encoding="utf-8"))
+    return tables
+
+
+def _words(joined: str) -> list[list[str]]:
+    """“un|une deux” → [[un, une], [deux]]: the forms of each number in turn."""
+    return [forms.split("|") for forms in joined.replace("| ", "|").split(" ")]
+
+
+def _key(text: str) -> str:
+    """A number as it is compared: its letters without accents."""
+    bare = unicodedata.normalize("NFKD", text.casefold().replace("ß", "ss"))
+    return "".join(ch for ch in bare if ch.isalpha())
+
+
+@lru_cache(maxsize=1)
+def _cardinals() -> Mapping[str, int]:
+    """Every cardinal from 1 to 999 of the languages that space words, by its letters."""
+    found: dict[str, int] = {}
+    for language in _SPACED:
+        for number, spelled in _of_language(_tables()[language]):
+            found.setdefault(_key(spelled), number)
+    return found
+
+
+def _of_language(table: Mapping[str, Any]) -> Iterator[tuple[int, str]]:
+    below = dict(_below_hundred(table))
+    yield from ((number, form) for number, forms in below.items() if number for form in forms)
+    if "hundreds" in table:
+        heads = {100 * (at + 1): forms for at, forms in enumerate(_words(table["hundreds"]))}
+    else:
+        hundred = table["hundred"].split("|")
+        heads = {
+            100 * count: [f"{one}{word}" for one in ([*below[1], ""] if count == 1 else below[count]) for word in hundred]
+            for count in range(1, 10)
+        }
+    for head, forms in heads.items():
+        yield from ((head, form) for form in forms)
+        for rest, rests in below.items():
+            for form, link, other in product(forms, ("", table.get("and", "")), rests if rest else ()):
+                yield head + rest, f"{form}{link}{other}"
+
+
+def _below_hundred(table: Mapping[str, Any]) -> Iterator[tuple[int, list[str]]]:
+    ones = _words(table["ones"])
+    yield from enumerate(ones)
+    link, is_reversed = table.get("link", ""), table.get("reversed", False)
+    scores = table.get("scores", ())
+    for at, forms in enumerate(_words(table["tens"])):
+        ten = 20 + 10 * at
+        # Seventy is sixty and ten in French, and ninety eighty and ten.
+        extra = 10 if ten in scores else 0
+        for one in range(10):
+            if ten + one < len(ones):
+                continue
+            if not one and not extra:
+                yield ten, forms
+                continue
+            parts = product(forms, ("", link), ones[one + extra])
+            yield ten + one, [f"{o}{j}{t}" if is_reversed else f"{t}{j}{o}" for t, j, o in parts]
+
+
+@lru_cache(maxsize=8)
+def ordinals(language: str) -> Mapping[str, int]:
+    """Return the ordinal numbers of a language by how they are written: zweiten, 2nd, 二."""
+    table = _tables()[language]
+    # A form of several words is written with its spaces: “두 번째”.
+    spoken = [forms.split("|") for forms in re.split(r" (?!번째)", table["ordinals"])]
+    found: dict[str, int] = {}
+    for at, forms in enumerate(spoken):
+        for form in forms:
+            found |= dict.fromkeys([form + end for end in table.get("endings", "").split()] or [form], at + 1)
+            found.setdefault(form, at + 1)
+        if "suffixes" in table:
+            found |= {f"{at + 1}{end}": at + 1 for end in table["suffixes"].replace("\\", "").split("|")}
+        found.setdefault(str(at + 1), at + 1)
+    return found
+
+
+@lru_cache(maxsize=1)
+def _ordinals() -> Mapping[str, int]:
+    return {_key(word): at for language in _SPACED for word, at in ordinals(language).items() if _key(word) == word}
+
+
+@lru_cache(maxsize=1)
+def digit_ordinal() -> re.Pattern[str]:
+    """A pattern of ordinals in digits, of all languages: 3rd, 3., 3e, 3º; group 1 is the number."""
+    ends = "|".join(_tables()[language]["suffixes"] for language in _SPACED)
+    return re.compile(rf"(?<![\w.-])(\d{{1,3}})(?:{ends})(?= )")
+
+
+def with_digits(folded: str, follows: Callable[[int], bool], leads: Callable[[int], bool]) -> str:
+    """Return a text, without case, in which the numbers of things that are numbered are digits.
+
+    Args:
+        folded: without case.
+        follows: whether what stands before a place in the text is something that is numbered (“terminal | two”).
+        leads: whether what stands after it is (“second | floor”); only ordinals stand before it.
+    """
+    words = list(_WORD.finditer(folded))
+    pieces: list[str] = []
+    done = at = 0
+    while at < len(words):
+        number, end = _number_at(folded, words, at, follows(words[at].start()), leads)
+        if number is not None:
+            pieces += [folded[done : words[at].start()], str(number)]
+            done = words[end - 1].end()
+        at = end
+    return "".join(pieces) + folded[done:]
+
+
+def _number_at(
+    folded: str, words: Sequence[re.Match[str]], at: int, follows: bool, leads: Callable[[int], bool]
+) -> tuple[int | None, int]:
+    """The number that begins at a word, and where the words after it begin."""
+    for end in range(min(len(words), at + _LONGEST), at, -1):
+        stretch = folded[words[at].start() : words[end - 1].end()]
+        if _BROKEN.search(stretch):
+            continue
+        key = _key(stretch)
+        if follows and key in _cardinals() and not (key in _ARTICLES and folded[words[end - 1].end() :].strip(" .?!")):
+            return _cardinals()[key], end
+        if key in _ordinals() and (follows or leads(words[end - 1].end())):
+            return _ordinals()[key], end
+    return None, at + 1
+
+
+def number_of(numeral: str) -> int:
+    """Return the number that Chinese or Korean numerals say: 二十三, 一〇二, 이십삼."""
+    digits = {**_HAN, **_HANGUL}
+    if not any(ch in _STEPS for ch in numeral):
+        return int("".join(str(digits[ch]) for ch in numeral if ch in digits) or "0")
+    total, last = 0, None
+    for ch in numeral:
+        if ch in _STEPS:
+            total += _STEPS[ch] * (1 if last is None else last)
+            last = None
+        elif ch in digits:
+            last = digits[ch]
+    return total + (last or 0)
