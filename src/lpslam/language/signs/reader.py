@@ -10,6 +10,7 @@ from lpslam.language.questions.question import languages_of
 from lpslam.language.questions.sorts import is_eaten
 from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.meaning import SignMeaning, as_unknown, joined, of_known, owner_in
+from lpslam.language.signs.repair import Repair
 from lpslam.language.signs.wording import (
     SELDOM,
     SLOGAN,
@@ -53,6 +54,7 @@ class SignReader:
         self._starts = tuple(
             start.replace(" ", "") for start in knowledge.warning_starts if len(start) >= 6 or is_unspaced(start)
         )
+        self._repair = Repair(knowledge)
         self._glued = {phrase.replace(" ", ""): phrase for phrase in knowledge.painted if " " in phrase}
         self.read = lru_cache(maxsize=65536)(self._read)
         self.phrase = lru_cache(maxsize=65536)(lambda name: self._fold.phrase(clean_text(name)))
@@ -150,11 +152,19 @@ class SignReader:
             return SignMeaning((), f"“{text}” has too few letters to say anything")
         units = self._fold.sign_units(text)
         spans = self._phrases(key, units)
-        return (
+        certain = (
             self._as_brand(text, key, units)
             or self._as_warning(text, key, units, spans)
             or self._as_brand_with_words(text, units, spans)
-            or self._as_words(text, key, units, spans)
+        )
+        if certain:
+            return certain
+        read = self._repair.repaired(units)
+        if read != units:
+            units, key = read, "".join(unit for unit in read if not is_mark(unit))
+            spans = self._phrases(key, units)
+        return (
+            self._as_words(text, key, units, spans)
             or self._as_misread(text, key)
             or self._as_few_words(text, units, spans)
             or as_unknown(text, units)

@@ -1,0 +1,71 @@
+"""Words of a sign that a reader got wrong by a letter: CANTEFN, B0ulangerie, 动物医阮."""
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+
+from lpslam.language.tables.knowledge import Knowledge, load_words
+from lpslam.language.tables.nearest import NearestNames
+from lpslam.language.tables.words import is_unspaced, longest_phrases
+
+_SHORTEST = 6  # letters of a word that may be a misread other one
+_SHORTEST_MIXED = 5  # of one that has digits among its letters
+_SHORTEST_TAIL, _LONGEST_TAIL = 4, 6  # characters of a trade at the end of a sign in no other script
+_DIGITS = str.maketrans("01358", "olesb")  # as letters, where the word is not known either way
+
+
+class Repair:
+    """Finds the words that misread ones stand for: those of the tables, one letter away."""
+
+    def __init__(self, knowledge: Knowledge) -> None:
+        self._knowledge = knowledge
+
+    @cached_property
+    def _vocabulary(self) -> frozenset[str]:
+        """The words that signs of places are painted with."""
+        words = (word for phrase in self._knowledge.painted for word in phrase.split())
+        return frozenset(word for word in words if len(word) >= _SHORTEST_MIXED and word.isascii() and word.isalpha())
+
+    @cached_property
+    def _nearest(self) -> NearestNames:
+        return NearestNames(self._vocabulary)
+
+    @cached_property
+    def _skeletons(self) -> Mapping[str, str]:
+        return {self._knowledge.folder.skeleton(word): word for word in sorted(self._vocabulary, reverse=True)}
+
+    @cached_property
+    def _tails(self) -> NearestNames:
+        """Trades of scripts without spaces, which stand at the ends of names."""
+        keys = (phrase.replace(" ", "") for phrase in self._knowledge.painted if is_unspaced(phrase))
+        return NearestNames(key for key in keys if _SHORTEST_TAIL <= len(key) <= _LONGEST_TAIL)
+
+    def repaired(self, units: Sequence[str]) -> list[str]:
+        """Return the units of a sign with the words that they stand for; the same where nothing is misread."""
+        words = [self._word(unit) for unit in units]
+        return self._with_tail(words) if words and all(map(is_unspaced, words)) else words
+
+    def _word(self, unit: str) -> str:
+        is_mixed = not unit.isalpha() and sum(ch.isalpha() for ch in unit) >= _SHORTEST_MIXED - 1
+        if len(unit) < (_SHORTEST_MIXED if is_mixed else _SHORTEST) or not unit.isascii() or not unit.isalnum():
+            return unit
+        if unit in self._vocabulary or unit in load_words() or not (is_mixed or unit.isalpha()):
+            return unit
+        alike = self._skeletons.get(self._knowledge.folder.skeleton(unit))
+        if alike is not None:
+            return alike
+        near = self._nearest.near(unit, 1)
+        if near:
+            return near[0][1]
+        return unit.translate(_DIGITS) if is_mixed and unit[0].isalpha() and unit[-1].isalpha() else unit
+
+    def _with_tail(self, units: list[str]) -> list[str]:
+        """A trade at the end of a name, one character off, where no known word has that character."""
+        spans = longest_phrases(units, (self._knowledge.painted,))
+        covered = {at for span in spans if span.end - span.start > 1 for at in range(span.start, span.end)}
+        for size in range(min(len(units), _LONGEST_TAIL), _SHORTEST_TAIL - 1, -1):
+            start = len(units) - size
+            for _, other in self._tails.near("".join(units[start:]), 1):
+                slips = [start + at for at in range(size) if len(other) == size and units[start + at] != other[at]]
+                if slips and covered.isdisjoint(slips):
+                    return [*units[:start], *other]
+        return units
