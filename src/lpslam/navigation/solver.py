@@ -115,6 +115,9 @@ class _Solver:
         if ignored:
             stop = replace(stop, what=stop.whole or stop.what, relation=None, anchor=())
         served = self._scorer.serve(stop)
+        left_out = {id_ for each in stop.without for id_ in self._left_out(each, served, previous)}
+        if left_out:
+            served = replace(served, scores={id_: each for id_, each in served.scores.items() if id_ not in left_out})
         notes = [f"not heeded: {each}" for each in (*ignored, *served.ignored)]
         stop = served.stop
         if not served.scores:
@@ -128,6 +131,16 @@ class _Solver:
             notes.append(f"{' and '.join(missing)}: not on this map, so “{stop.relation.value}” cannot be decided")
             return self._none(served, notes, self._listed(served))
         return self._related(served, anchors, previous, notes)
+
+    def _left_out(self, stop: Stop, served: Served, previous: Place | None) -> set[int]:
+        """The places that are left out; where they would be all that serve, those whose boards say just that."""
+        if stop.which is not Which.ANY or stop.relation is not None:
+            solved = self.stop(stop, previous, False)
+            return {solved.place.id} if solved.place is not None else set()
+        out = self._scorer.serve(stop)
+        best = max(out.scores.values(), default=0.0)
+        ids = {id_ for id_, score in out.scores.items() if score >= _EQUAL * best}
+        return ids if served.scores.keys() - ids else set(out.exact)
 
     def _idle_relation(self, stop: Stop) -> tuple[str, ...]:
         """A relation to what is no place: “near at hand”, “before the flight”; it says when or how, not where."""

@@ -81,6 +81,7 @@ class Stop:
         what: the words that say what is wanted; empty is any place.
         kinds: what the words mean, as the tables call it.
         refused: kinds and names that are refused.
+        without: places that are left out, as stops: “not the nearest one”, “not the north exit”.
         identity: names, codes and persons that must stand on the board.
         which: of several places; `rank` 2 is the second of that order.
         relation: to the anchor or, for BETWEEN, to both; None without one.
@@ -93,6 +94,7 @@ class Stop:
     what: str
     kinds: tuple[str, ...] = ()
     refused: tuple[str, ...] = ()
+    without: tuple["Stop", ...] = ()
     identity: tuple[Identity, ...] = ()
     which: Which = Which.ANY
     rank: int = 1
@@ -149,6 +151,8 @@ def told(stop: Stop) -> str:
         parts.append("must be " + " and ".join(map(str, stop.identity)))
     if stop.refused:
         parts.append("not " + ", ".join(stop.refused))
+    if stop.without:
+        parts.append("without " + " and ".join(f"({told(each)})" for each in stop.without))
     if stop.which is not Which.ANY:
         parts.append(stop.which.value if stop.rank == 1 else f"{stop.which.value} no. {stop.rank}")
     if stop.relation is not None:
@@ -169,6 +173,7 @@ def _stop_of(tree: Mapping[str, Any], depth: int = 0) -> Stop:
         str(tree["what"]),
         _texts(tree.get("kinds", ())),
         _texts(tree.get("refused", ())),
+        tuple(_stop_of(each, depth + 1) for each in tree.get("without", ())),
         tuple(
             Identity(Sort(each["sort"]), str(each["value"]), _texts(each["of"])) for each in tree.get("identity", ())
         ),

@@ -6,6 +6,7 @@ from dataclasses import replace
 from lpslam.language.questions.question import languages_of, read_question
 from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.knowledge import Knowledge
+from lpslam.language.tables.words import is_mark
 from lpslam.language.wishes.codes import asked_codes, identities
 from lpslam.language.wishes.form import PREVIOUS, Ask, Identity, Relation, Sort, Stop, Which, Wish
 from lpslam.language.wishes.rules import LANGUAGES, Row, Rules, rules_of
@@ -14,6 +15,7 @@ _LONGEST = 400  # letters of a question
 _LATIN = ("en", "es", "de", "fr")
 _ENDS = " .。!！?？,，、;；¿¡"
 _MOST_STOPS = 6
+_DEEPEST = 2  # anchors of anchors
 _POSSESSIVE = re.compile(r"['’]s?$")
 
 
@@ -33,9 +35,9 @@ def read_wish(question: str, knowledge: Knowledge) -> Wish:
     for language in languages:
         parts = _in_sequence(text, rules_of(language))
         if len(parts) > 1 and all(_says_a_place(part, knowledge) for part in parts):
-            stops = tuple(_stop(part, languages, is_later=at > 0) for at, part in enumerate(parts))
+            stops = tuple(_stop(part, languages, knowledge, is_later=at > 0) for at, part in enumerate(parts))
             return Wish(stops[:_MOST_STOPS], language)
-    return Wish((_stop(text, languages),), likely[0] if likely else None)
+    return Wish((_stop(text, languages, knowledge),), likely[0] if likely else None)
 
 
 def _says_a_place(text: str, knowledge: Knowledge) -> bool:
@@ -57,58 +59,97 @@ def _in_sequence(text: str, rules: Rules) -> list[str]:
     return [*_in_sequence(first, rules), *_in_sequence(then, rules)]
 
 
-def _stop(text: str, languages: tuple[str, ...], is_later: bool = False, depth: int = 0) -> Stop:
-    """Read one stop: what is asked of it, its relation and anchor, its order, and what must stand on its board."""
+def _stop(
+    text: str, languages: tuple[str, ...], knowledge: Knowledge, is_later: bool = False, depth: int = 0
+) -> Stop:
+    """Read one stop: what is asked of it, what is left out, its relation and anchor, order, and what its board bears."""
     ask, ask_language = _asked(text, languages)
-    relation = _related(text, languages) if depth < 2 else None
-    what, stop = text, Stop(text)
-    if relation is not None:
-        row, match, rules = relation
-        groups = {name: (value or "").strip(_ENDS) for name, value in match.groupdict().items()}
-        what = " ".join(
-            each for each in (groups.get("what", ""), groups.get("thing", ""), groups.get("rest", "")) if each
-        )
-        anchors = tuple(
-            _anchor(groups[name], languages, rules, depth) for name in ("anchor", "second") if groups.get(name)
-        )
-        is_here = len(anchors) == 1 and rules.here.match(groups.get("anchor", ""))
-        rank = rules.ranks.get(groups.get("rank", "").casefold(), 1)
-        which = Which(row.then.get("which", "nearest" if is_here else "any"))
-        stop = replace(
-            stop,
-            relation=None if is_here else Relation(row.then["relation"]),
-            anchor=() if is_here else anchors,
-            which=which,
-            rank=rank,
-            start=_anchor(groups["start"], languages, rules, depth) if groups.get("start") else None,
-        )
+    rules = rules_of(ask_language)
+    what, without = _without(text, languages, knowledge, depth)
+    placed = _placed(what, languages, knowledge, depth)
+    stop, what = placed if placed is not None else (Stop(text), what)
     order, place = _ordered(what, languages)
     if order is not None and (stop.which is Which.ANY or place > 1):
         stop = replace(stop, which=order, rank=place)
-    rules = rules_of(ask_language)
     left = content_left(what, rules)
-    is_told_by_place = stop.relation is not None or ask in (Ask.LIST, Ask.WHICH)
-    if is_told_by_place:
+    if stop.relation is not None or ask in (Ask.LIST, Ask.WHICH):
+        # Its place tells which: “the room next to …”; “what is that next to …” has common words only.
         left = content_left(rules.any.sub(" ", left), rules)
+    if stop.relation is not None:
+        left = _uncommon(left, languages, knowledge)
     is_any = ask in (Ask.HERE, Ask.FORBIDDEN) or (not left and (stop.relation is not None or ask is Ask.LIST))
+    which = stop.which
+    if which is Which.ANY and ask in (Ask.LIST, Ask.HERE, Ask.FORBIDDEN):
+        which = Which.ALL
     return replace(
         stop,
         what="" if is_any else what,
+        without=without,
         identity=() if is_any else _identity(what, languages),
         ask=ask,
         whole=text,
-        which=Which.NEAREST
-        if is_later and stop.which is Which.ANY
-        else Which.ALL
-        if stop.which is Which.ANY and ask in (Ask.LIST, Ask.HERE, Ask.FORBIDDEN)
-        else stop.which,
+        which=Which.NEAREST if is_later and stop.which is Which.ANY else which,
     )
 
 
-def _anchor(text: str, languages: tuple[str, ...], rules: Rules, depth: int) -> Stop:
+def _placed(
+    text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: int
+) -> tuple[Stop, str] | None:
+    """Read where a stop is said to stand; return it with its relation, and what is wanted there."""
+    for language in languages:
+        text = rules_of(language).unsaid.sub("", text)
+    relation = _related(text, languages) if depth < _DEEPEST else None
+    if relation is None:
+        return None
+    row, match, rules = relation
+    groups = {name: (value or "").strip(_ENDS) for name, value in match.groupdict().items()}
+    what = " ".join(each for each in (groups.get(name, "") for name in ("what", "thing", "rest")) if each)
+    anchors = tuple(
+        _anchor(groups[name], languages, knowledge, rules, depth) for name in ("anchor", "second") if groups.get(name)
+    )
+    is_here = len(anchors) == 1 and rules.here.match(groups.get("anchor", ""))
+    start = _anchor(groups["start"], languages, knowledge, rules, depth) if groups.get("start") else None
+    stop = Stop(
+        what,
+        relation=None if is_here else Relation(row.then["relation"]),
+        anchor=() if is_here else anchors,
+        which=Which(row.then.get("which", "nearest" if is_here else "any")),
+        rank=rules.ranks.get(groups.get("rank", "").casefold(), 1),
+        start=start,
+    )
+    return stop, what
+
+
+def _without(
+    text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: int
+) -> tuple[str, tuple[Stop, ...]]:
+    """Part a text from what it leaves out: one place of the same kind, the nearest one, one by its code or place.
+
+    Kinds and names that are refused are left to `read_question`.
+    """
+    for language in languages[:1] if depth == 0 else ():
+        found = rules_of(language).first(rules_of(language).exclusions, text)
+        if found is None:
+            continue
+        what, out = (found[1].group(name).strip(_ENDS) for name in ("what", "not"))
+        stop = _stop(out, languages, knowledge, depth=_DEEPEST - 1)
+        asked, left = (dict(read_question(each, knowledge).wanted) for each in (what, out))
+        is_one = stop.which is not Which.ANY or stop.relation is not None or bool(stop.identity)
+        if asked and (is_one or asked.keys() & left.keys()):
+            return what, (replace(stop, what=what) if is_one and not left and not stop.identity else stop,)
+    return text, ()
+
+
+def _uncommon(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> str:
+    """Return what of a text is more than the common words of its language: “comes”, “lo que hay”."""
+    common = knowledge.common.get(languages[0], frozenset()) if languages else frozenset()
+    return " ".join(unit for unit in knowledge.folder.units(text) if unit not in common and not is_mark(unit))
+
+
+def _anchor(text: str, languages: tuple[str, ...], knowledge: Knowledge, rules: Rules, depth: int) -> Stop:
     if rules.previous.match(text):
         return PREVIOUS
-    return replace(_stop(text, languages, depth=depth + 1), ask=Ask.WHERE)
+    return replace(_stop(text, languages, knowledge, depth=depth + 1), ask=Ask.WHERE)
 
 
 def _asked(text: str, languages: tuple[str, ...]) -> tuple[Ask, str]:

@@ -49,6 +49,7 @@ class Rules:
     previous: re.Pattern[str]
     filler: re.Pattern[str]
     any: re.Pattern[str]
+    unsaid: re.Pattern[str]
 
     def first(self, rows: Sequence[Row], text: str) -> tuple[Row, re.Match[str]] | None:
         """The first row that holds; rows stand in order, the most particular first."""
@@ -91,6 +92,7 @@ def rules_of(language: str) -> Rules:
         compiled(tree["previous"]),
         compiled(tree["filler"]),
         compiled(tree["any"]),
+        compiled(tree["unsaid"]),
     )
 
 
