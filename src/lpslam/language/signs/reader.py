@@ -54,7 +54,7 @@ class SignReader:
         self._starts = tuple(
             start.replace(" ", "") for start in knowledge.warning_starts if len(start) >= 6 or is_unspaced(start)
         )
-        self._repair = Repair(knowledge)
+        self.repair = Repair(knowledge)
         self._glued = {phrase.replace(" ", ""): phrase for phrase in knowledge.painted if " " in phrase}
         self.read = lru_cache(maxsize=65536)(self._read)
         self.phrase = lru_cache(maxsize=65536)(lambda name: self._fold.phrase(clean_text(name)))
@@ -159,7 +159,7 @@ class SignReader:
         )
         if certain:
             return certain
-        read = self._repair.repaired(units)
+        read = self.repair.repaired(units)
         if read != units:
             units, key = read, "".join(unit for unit in read if not is_mark(unit))
             spans = self._phrases(key, units)

@@ -41,8 +41,12 @@ class Repair:
 
     def repaired(self, units: Sequence[str]) -> list[str]:
         """Return the units of a sign with the words that they stand for; the same where nothing is misread."""
-        words = [self._word(unit) for unit in units]
+        words = self.words(units)
         return self._with_tail(words) if words and all(map(is_unspaced, words)) else words
+
+    def words(self, units: Sequence[str]) -> list[str]:
+        """Return the units with the words of spaced scripts that they stand for."""
+        return [self._word(unit) for unit in units]
 
     def _word(self, unit: str) -> str:
         is_mixed = not unit.isalpha() and sum(ch.isalpha() for ch in unit) >= _SHORTEST_MIXED - 1

@@ -10,16 +10,22 @@ from functools import cached_property
 
 from anyascii import anyascii
 from rapidfuzz import fuzz, process
+from rapidfuzz.distance import Levenshtein
 
 from lpslam.language.model import Candidate
-from lpslam.language.tables.knowledge import Knowledge
+from lpslam.language.signs.repair import Repair
+from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.words import UNSPACED_RUN, is_mark, is_unspaced
 
-_SAME = 88.0  # of 100: two words of a name are the same but for a reader's or a typist's slip
+_SAME = 88.0  # of 100: two known words of a name are the same but for a reader's or a typist's slip
+_FAR = 9  # letters of a word in which two slips are forgiven
 _SAME_PERSON = 90.0  # of 100: Schmidt and Schmitt may be two people, Schneider and Schnieder one
 _LONG = 5  # letters of a word in which a slip is forgiven
+_CONSONANTS = 3  # of a name that is compared by them alone: フェルメール is Vermeer
+_HOMOPHONES = 3  # characters of a name that is compared by how they are read: 同仁唐 is 同仁堂
 _ACROSS = 80.0  # of 100: a name in other letters sounds the same
 _SHORTEST = 4  # letters of a name that may be compared across scripts
+_SOUNDS = str.maketrans("vbplgckqzjxd", "fffrkkkksss" + "t", "aeiouhwy")
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,8 +41,9 @@ class Words:
 class Names:
     """The words of all boards, by landmark, looked up by word."""
 
-    def __init__(self, landmarks: Sequence[Candidate], knowledge: Knowledge) -> None:
+    def __init__(self, landmarks: Sequence[Candidate], knowledge: Knowledge, repair: Repair) -> None:
         self._knowledge = knowledge
+        self._repair = repair
         self._words = {
             landmark.id: [
                 self._words_of(text)
@@ -67,7 +74,10 @@ class Names:
     def _words_of(self, text: str) -> Words:
         fold = self._knowledge.folder
         folded = fold.fold(text)
-        units = frozenset(unit for unit in fold.sign_units(text) if not is_mark(unit) and not is_unspaced(unit))
+        painted = fold.sign_units(text)
+        units = frozenset(
+            unit for unit in (*painted, *self._repair.words(painted)) if not is_mark(unit) and not is_unspaced(unit)
+        )
         return Words(units, tuple(UNSPACED_RUN.findall(folded)), _latin(text), fold.key(text))
 
     def _bearing(self, word: str) -> set[int]:
@@ -77,7 +87,8 @@ class Names:
             return set.intersection(*pairs) if pairs else set()
         ids = set(self._ids_of.get(word, ()))
         if len(word) >= _LONG:
-            for unit, _, _ in process.extract(word, self._long, scorer=fuzz.ratio, score_cutoff=_SAME, limit=None):
+            limits = {"scorer": Levenshtein.distance, "score_cutoff": _slips(word), "limit": None}
+            for unit, _, _ in process.extract(word, self._long, **limits):
                 ids |= self._ids_of[unit]
         return ids
 
@@ -92,7 +103,22 @@ class Names:
     def _share(self, content: Sequence[str], line: Words) -> float:
         if not all(_bears(line, word) for word in content):
             return 0.0
-        return min(1.0, sum(map(len, content)) / max(len(line.key), 1))
+        # Of a board in two scripts, the letters of the one that is asked in.
+        in_runs, in_units = sum(map(len, line.runs)), sum(map(len, line.units))
+        asked_in = {is_unspaced(word) for word in content}
+        whole = len(line.key) if len(asked_in) > 1 else in_runs if True in asked_in else min(in_units, len(line.key))
+        return min(1.0, sum(map(len, content)) / max(whole, 1))
+
+    def alike(self, content: Sequence[str]) -> dict[int, float]:
+        """Return landmarks whose whole name is a slip away from what is asked, or is read alike: 同仁唐, tool crip."""
+        key = "".join(content)
+        if is_unspaced(key):
+            return {id_: 1.0 for id_, lines in self._words.items() if any(_reads_alike(line, key) for line in lines)}
+        near = {
+            id_: min((Levenshtein.distance(key, line.key, score_cutoff=_slips(key)) for line in lines), default=99)
+            for id_, lines in self._words.items()
+        }
+        return {id_: 1.0 - at / len(key) for id_, at in near.items() if at <= _slips(key)}
 
     def across(self, content: Sequence[str]) -> dict[int, float]:
         """Return by landmark how alike a name sounds that is painted in another script than it is asked for in."""
@@ -104,7 +130,18 @@ class Names:
         found: dict[int, float] = {}
         for _, alike, at in process.extract(latin, names, scorer=fuzz.ratio, score_cutoff=_ACROSS, limit=None):
             found[ids[at]] = max(found.get(ids[at], 0.0), alike / 100.0)
-        return found
+        return found or self._by_consonants(latin, is_unspaced(asked))
+
+    def _by_consonants(self, latin: str, is_asked_unspaced: bool) -> dict[int, float]:
+        """Names of spaced scripts that have the consonants of one in kana or Hangul, which write vowels between."""
+        sought = _consonants(latin)
+        if not is_asked_unspaced or len(sought) < _CONSONANTS:
+            return {}
+        return {
+            id_: _ACROSS / 100.0
+            for id_, lines in self._words.items()
+            if any(_consonants(unit) == sought for line in lines for unit in line.units)
+        }
 
     def persons(self, name: str) -> list[int]:
         """Landmarks whose board bears every word of a person's name on one line."""
@@ -131,7 +168,35 @@ def _bears(line: Words, word: str) -> bool:
         return True
     if len(word) < _LONG:
         return False
-    return any(len(unit) >= _LONG and fuzz.ratio(word, unit) >= _SAME and word[0] == unit[0] for unit in line.units)
+    return any(
+        len(unit) >= _LONG
+        and (word[0] == unit[0] or len(word) >= _FAR - 1)
+        and (Levenshtein.distance(word, unit) <= _slips(word) if word not in load_words() else _is_same(word, unit))
+        for unit in line.units
+    )
+
+
+def _is_same(word: str, unit: str) -> bool:
+    """Whether two words are one, of which the first is a word by itself: it is hardly a slip of another."""
+    return word[0] == unit[0] and fuzz.ratio(word, unit) >= _SAME
+
+
+def _slips(word: str) -> int:
+    """How many wrong letters are forgiven in a word."""
+    return 0 if len(word) < _LONG else 1 if len(word) < _FAR else 2
+
+
+def _reads_alike(line: Words, key: str) -> bool:
+    sound, size = _latin(key), len(key)
+    return size >= _HOMOPHONES and any(
+        _latin(run[at : at + size]) == sound for run in line.runs for at in range(len(run) - size + 1)
+    )
+
+
+def _consonants(latin: str) -> str:
+    """The consonants of a name, those that scripts do not tell apart as one, doubled ones once."""
+    kept = latin.translate(_SOUNDS)
+    return "".join(ch for at, ch in enumerate(kept) if not at or kept[at - 1] != ch)
 
 
 def _bears_person(line: Words, word: str) -> bool:

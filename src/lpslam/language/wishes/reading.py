@@ -35,7 +35,7 @@ def read_wish(question: str, knowledge: Knowledge) -> Wish:
     for language in languages:
         parts = _in_sequence(text, rules_of(language))
         if len(parts) > 1 and all(_says_a_place(part, knowledge) for part in parts):
-            stops = tuple(_stop(part, languages, knowledge, is_later=at > 0) for at, part in enumerate(parts))
+            stops = tuple(_stop(part, languages, knowledge) for part in parts)
             return Wish(stops[:_MOST_STOPS], language)
     return Wish((_stop(text, languages, knowledge),), likely[0] if likely else None)
 
@@ -59,9 +59,7 @@ def _in_sequence(text: str, rules: Rules) -> list[str]:
     return [*_in_sequence(first, rules), *_in_sequence(then, rules)]
 
 
-def _stop(
-    text: str, languages: tuple[str, ...], knowledge: Knowledge, is_later: bool = False, depth: int = 0
-) -> Stop:
+def _stop(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: int = 0) -> Stop:
     """Read one stop: what is asked of it, what is left out, its relation and anchor, order, and what its board bears."""
     ask, ask_language = _asked(text, languages)
     rules = rules_of(ask_language)
@@ -88,7 +86,7 @@ def _stop(
         identity=() if is_any else _identity(what, languages),
         ask=ask,
         whole=text,
-        which=Which.NEAREST if is_later and stop.which is Which.ANY else which,
+        which=which,
     )
 
 

@@ -109,7 +109,7 @@ class EmbeddedScorer:
         self._index = index
         self._signs = signs
         self._knowledge = knowledge
-        self._names = Names(landmarks, knowledge)
+        self._names = Names(landmarks, knowledge, signs.repair)
         families = [
             {self._knowledge.family(kind) for kind, weight in sign.kinds if weight >= 0.5}
             for sign in index.signs.values()
@@ -383,7 +383,11 @@ class EmbeddedScorer:
         if self._refuses(stop.what, meaning):
             return {}
         words, _ = self._asked_words(stop.what)
-        return {id_: share for id_, share in self._names.covered(words).items() if share >= _LEAST_LITERAL}
+        words = words or [unit for unit in self._knowledge.folder.units(content_of(stop.what, wish_languages(stop.what, self._knowledge))) if not is_mark(unit)]
+        if not words:
+            return {}
+        found = {id_: share for id_, share in self._names.covered(words).items() if share >= _LEAST_LITERAL}
+        return found or self._names.alike(words)
 
 
 def _joined(units: Sequence[str]) -> list[str]:
