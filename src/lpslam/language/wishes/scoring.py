@@ -43,6 +43,9 @@ _OF_THE_HOUSE = (
     *("museum/", "aisle/", "warehouse/", "dock/", "office/", "faculty/", "ride/", "ferry/", "factory/"),
 )
 _FEWEST_TO_TELL_APART = 2
+_NEARLY = 0.8  # of the best score: among such places the words on the boards decide
+_TELLING = 0.5  # of such places: a word that more of them bear tells nothing
+_BEHIND = 0.9  # of the best score, for those that do not say it
 _SHORT_QUESTION = 8  # words of a question whose capital is the name that it asks for
 _SHORT_NAME = 5  # words of an anchor that is a name
 _ROOMS = ("facility/", "indoor/", "department/", "office/", "aeroway/", "amenity/doctors", "museum/")
@@ -206,12 +209,35 @@ class EmbeddedScorer:
         return dict(scores)
 
     def _bearing_the_words(self, stop: Stop, meaning: Meaning, scores: Mapping[int, float]) -> dict[int, float]:
-        """Of several that serve, those whose boards bear the words that say no kind: “meeting room Alpha”."""
+        """Of several that serve, those whose boards bear the words themselves: “meeting room Alpha”, 烤鸭."""
         if len(scores) < _FEWEST_TO_TELL_APART or self._refuses(stop.what, meaning):
             return dict(scores)
         _, proper = self._asked_words(stop.what)
         bearing = self._names.covered(proper)
-        return {id_: score for id_, score in scores.items() if id_ in bearing} or dict(scores)
+        kept = {id_: score for id_, score in scores.items() if id_ in bearing}
+        if kept:
+            return kept
+        top = max(scores.values())
+        near = [id_ for id_, score in scores.items() if score >= _NEARLY * top]
+        letters: dict[int, int] = {}
+        for words in self._telling_phrases(stop.what, meaning):
+            said = self._names.covered(words).keys() & set(near)
+            if said and len(said) <= _TELLING * len(near):
+                letters |= {id_: letters.get(id_, 0) + sum(map(len, words)) for id_ in said}
+        most = max(letters.values(), default=0)
+        best = {id_ for id_, each in letters.items() if each == most}
+        return {id_: top if id_ in best else min(score, _BEHIND * top) if best else score for id_, score in scores.items()}
+
+    def _telling_phrases(self, text: str, meaning: Meaning) -> list[list[str]]:
+        """The phrases of a question that mean what is wanted first of all, as words of boards."""
+        main = {kind for kind, _ in meaning.wanted if kind in meaning.main} - self._knowledge.general
+        units = self._knowledge.folder.units(text)
+        found: list[list[str]] = []
+        for language in self._likely(text)[:1]:
+            for span in longest_phrases(units, self._knowledge.tables_of(language)):
+                if main.intersection(concept for concept, _ in span.value.concepts):
+                    found.append(_joined(units[span.start : span.end]))
+        return found
 
     def _is_another(self, stop: Stop, meaning: Meaning, scores: Mapping[int, float]) -> bool:
         """Whether a name is asked for that stands on no board, where boards of the sort bear names: room Gamma."""
