@@ -8,6 +8,7 @@ from lpslam.language.choosing.serving import FITS, FITS_INSTEAD, Kinds, Served, 
 from lpslam.language.model import Choice
 from lpslam.language.questions.phrasing import Phrases, answer_language, phrases_in
 from lpslam.language.questions.question import Wish, asks_for_another, instead_of, languages_of, read_question
+from lpslam.language.questions.weighing import ASIDE, HINT
 from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.reader import SignReader
 from lpslam.language.tables.knowledge import Knowledge
@@ -19,6 +20,8 @@ _ALTERNATIVES = 5
 _SAME_SORT = 0.25  # what the sort of a refused place weighs where nothing else is wanted
 _FEW = 3  # landmarks that one word may stand for
 _ANY = frozenset({"shop", "place", "business"})  # kinds that say nothing of what is wanted
+_SERVICES = ("facility/", "amenity/doctors", "department/", "healthcare/", "office/", "leisure/", "museum/", "dock/")
+"""Kinds of place that are seldom named but by who looks for them."""
 _UNSPACED = frozenset({"zh", "ja", "ko"})
 _PART = "part:"  # before the words that are parts of names, among names
 
@@ -63,7 +66,7 @@ def ranked(
         return Choice(None, 0.0, phrases.say("no_kind"), model), {}
     if (wanted.keys() <= _ANY and not wish.contested) or wish.unknown:
         return Choice(None, 0.5, phrases.say("unknown"), model), {}
-    wishes = _in_turn(wish, knowledge)
+    wishes = _in_turn(wish, index, knowledge)
     choices: list[tuple[Choice, Scores]] = []
     for each in wishes:
         choices.append(_best(each, index, refused, knowledge, model, phrases))
@@ -101,7 +104,7 @@ def _instead_of_refused(
     return tuple((dict(instead_of(others, knowledge)) | {kind: _SAME_SORT * sure for kind, sure in alike}).items())
 
 
-def _in_turn(wish: Wish, knowledge: Knowledge) -> list[Wish]:
+def _in_turn(wish: Wish, index: LandmarkIndex, knowledge: Knowledge) -> list[Wish]:
     """What is wanted, but not from where it is had first of all; then all; and who does not find it may ask."""
     wanted = dict(wish.wanted)
     wishes = [wish]
@@ -115,6 +118,16 @@ def _in_turn(wish: Wish, knowledge: Knowledge) -> list[Wish]:
         # Where there is no vegetarian kitchen, whatever serves no meat.
         without = wish.refused or tuple(each for each, diet in knowledge.instead_of.items() if diet in wanted)
         wishes.append(replace(wish, wanted=instead_of(without, knowledge), refused=without))
+    # Where what seemed meant is not to be had, a place that was named beside it may be: “me tienen que … una radiografía”.
+    named = tuple(
+        (concept, 1.0)
+        for concept, weight in wish.wanted
+        if HINT < weight <= ASIDE
+        and concept.startswith(_SERVICES)
+        and any(likeness(concept, kinds, knowledge) >= _YES for kinds in index.groups)
+    )
+    if named and not wish.refused:
+        wishes.append(replace(wish, wanted=named))
     return wishes
 
 

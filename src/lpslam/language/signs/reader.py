@@ -159,7 +159,7 @@ class SignReader:
         )
         if certain:
             return certain
-        read = self.repair.repaired(units)
+        read = self.repair.repaired(units, bool(spans))
         if read != units:
             units, key = read, "".join(unit for unit in read if not is_mark(unit))
             spans = self._phrases(key, units)

@@ -5,9 +5,11 @@ from functools import cached_property
 
 from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.nearest import NearestNames
+from lpslam.language.tables.spelling import is_alike
 from lpslam.language.tables.words import is_unspaced, longest_phrases
 
 _SHORTEST = 6  # letters of a word that may be a misread other one
+_SURE = 8  # letters of a word in which any slip is believed
 _SHORTEST_MIXED = 5  # of one that has digits among its letters
 _SHORTEST_TAIL, _LONGEST_TAIL = 4, 6  # characters of a trade at the end of a sign in no other script
 _DIGITS = str.maketrans("01358", "olesb")  # as letters, where the word is not known either way
@@ -39,16 +41,19 @@ class Repair:
         keys = (phrase.replace(" ", "") for phrase in self._knowledge.painted if is_unspaced(phrase))
         return NearestNames(key for key in keys if _SHORTEST_TAIL <= len(key) <= _LONGEST_TAIL)
 
-    def repaired(self, units: Sequence[str]) -> list[str]:
-        """Return the units of a sign with the words that they stand for; the same where nothing is misread."""
-        words = self.words(units)
+    def repaired(self, units: Sequence[str], says_something: bool) -> list[str]:
+        """Return the units of a sign with the words that they stand for; the same where nothing is misread.
+
+        Beside words that say something, a short unknown one is a name: “Taquería El Charro” sells no churros.
+        """
+        words = self.words(units, says_something)
         return self._with_tail(words) if words and all(map(is_unspaced, words)) else words
 
-    def words(self, units: Sequence[str]) -> list[str]:
+    def words(self, units: Sequence[str], says_something: bool = False) -> list[str]:
         """Return the units with the words of spaced scripts that they stand for."""
-        return [self._word(unit) for unit in units]
+        return [self._word(unit, says_something) for unit in units]
 
-    def _word(self, unit: str) -> str:
+    def _word(self, unit: str, says_something: bool) -> str:
         is_mixed = not unit.isalpha() and sum(ch.isalpha() for ch in unit) >= _SHORTEST_MIXED - 1
         if len(unit) < (_SHORTEST_MIXED if is_mixed else _SHORTEST) or not unit.isascii() or not unit.isalnum():
             return unit
@@ -57,10 +62,18 @@ class Repair:
         alike = self._skeletons.get(self._knowledge.folder.skeleton(unit))
         if alike is not None:
             return alike
-        near = self._nearest.near(unit, 1)
-        if near:
-            return near[0][1]
+        for _, other in self._nearest.near(unit, 1):
+            if len(unit) >= _SURE or (self._looks_alike(unit, other) and not says_something):
+                return other
         return unit.translate(_DIGITS) if is_mixed and unit[0].isalpha() and unit[-1].isalpha() else unit
+
+    def _looks_alike(self, word: str, other: str) -> bool:
+        """Whether two words differ in letters that are taken for one another, small or capital."""
+        looks = self._knowledge.folder.skeleton
+        return len(word) == len(other) and all(
+            one == two or is_alike(one, two, looks) or is_alike(one.upper(), two.upper(), looks)
+            for one, two in zip(word, other, strict=True)
+        )
 
     def _with_tail(self, units: list[str]) -> list[str]:
         """A trade at the end of a name, one character off, where no known word has that character."""
@@ -70,6 +83,6 @@ class Repair:
             start = len(units) - size
             for _, other in self._tails.near("".join(units[start:]), 1):
                 slips = [start + at for at in range(size) if len(other) == size and units[start + at] != other[at]]
-                if slips and covered.isdisjoint(slips):
+                if slips and covered.isdisjoint(slips) and size - len(covered & set(range(start, len(units)))) > 1:
                     return [*units[:start], *other]
         return units
