@@ -6,6 +6,7 @@ from dataclasses import replace
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import FITS, FITS_INSTEAD, Kinds, Served, likeness, merged, serve
 from lpslam.language.model import Choice
+from lpslam.language.questions.clauses import places_of
 from lpslam.language.questions.phrasing import Phrases, answer_language, phrases_in
 from lpslam.language.questions.question import Wish, asks_for_another, instead_of, languages_of, read_question
 from lpslam.language.questions.weighing import ASIDE, HINT
@@ -13,11 +14,13 @@ from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.reader import SignReader
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.lexicon import Meaning
+from lpslam.language.tables.words import longest_phrases
 
 _YES = 0.5  # a place is a kind when its words say so at least this surely
 _SPECIAL = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
 _ALTERNATIVES = 5
 _SAME_SORT = 0.25  # what the sort of a refused place weighs where nothing else is wanted
+_BARE_NO = 5  # letters of a plain “not” in any language; longer phrases refuse
 _FEW = 3  # landmarks that one word may stand for
 _ANY = frozenset({"shop", "place", "business"})  # kinds that say nothing of what is wanted
 _SERVICES = ("facility/", "amenity/doctors", "department/", "healthcare/", "office/", "leisure/", "museum/", "dock/")
@@ -57,6 +60,9 @@ def ranked(
         return Choice(None, 0.8, phrases.say("contradiction", things=", ".join(wish.contradicted)), model), {}
     if not wish.wanted:
         wish = replace(wish, wanted=_instead_of_refused(wish, refused, question, index, knowledge))
+    if not wish.wanted and wish.refused and not refused and not _asks(question, wish.language, knowledge):
+        # Who asks for nothing and refuses what nothing stands in for tells of it: “my laptop is not starting”.
+        wish = replace(wish, wanted=tuple((kind, 1.0) for kind in wish.refused), refused=())
     wanted = dict(wish.wanted)
     missing = [name for name in wish.wanted_names if name not in index.ids_of]
     if missing and not any(weight >= _SPECIAL for weight in wanted.values()):
@@ -74,6 +80,14 @@ def ranked(
             return choices[-1]
     # Where nothing serves, it is the wish itself that is told of.
     return choices[wishes.index(wish)]
+
+
+def _asks(question: str, language: str, knowledge: Knowledge) -> bool:
+    """Whether a question has a word of wishing or refusing for somebody who asks: “where”, “I want”, “instead of”."""
+    units = knowledge.folder.units(question)
+    spans = longest_phrases(units, (knowledge.spoken(language),))
+    is_refusal = any(span.value.role.startswith("refuse") and len(span.key) > _BARE_NO for span in spans)
+    return is_refusal or bool(places_of(knowledge.wishing[language], units))
 
 
 def _why_unread(index: LandmarkIndex) -> str:

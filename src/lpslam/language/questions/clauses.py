@@ -75,10 +75,10 @@ class _Words:
         self, units: Sequence[str], spans: Sequence[Span[Meaning]], language: str, knowledge: Knowledge
     ) -> None:
         self._units = units
-        self._asking = _places_of(knowledge.wishing[language], units, knowledge.negating[language])
+        self._asking = places_of(knowledge.wishing[language], units, knowledge.negating[language])
         covered = {at for span in spans for at in range(span.start, span.end)}
         said = [span for span in spans if span.value.role in ("means", "name")]
-        self._denying = _places_of(knowledge.negating[language], units) - {
+        self._denying = places_of(knowledge.negating[language], units) - {
             at for span in said for at in range(span.start, span.end)
         }
         self._listing = {at for at, unit in enumerate(units) if unit in knowledge.both} - covered
@@ -122,7 +122,7 @@ def _goes_on(before: Span[Meaning], asking: Span[Meaning], knowledge: Knowledge)
     return role == "refuse_before" or (role == "refuse_either" and asking.key in knowledge.asking)
 
 
-def _places_of(phrases: frozenset[str], units: Sequence[str], without: frozenset[str] = frozenset()) -> set[int]:
+def places_of(phrases: frozenset[str], units: Sequence[str], without: frozenset[str] = frozenset()) -> set[int]:
     """Where any of some phrases begins, not right beside one of `without`: 想, but not 不想, nor “kann ich nicht”."""
     longest = max((phrase.count(" ") + 1 for phrase in phrases), default=0)
     return {

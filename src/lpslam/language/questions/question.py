@@ -24,6 +24,8 @@ from lpslam.language.tables.words import Span, is_mark, is_unspaced, longest_phr
 _KANA = re.compile(r"[\u3040-\u30ff]")
 _HANGUL = re.compile(r"[\uac00-\ud7af]")
 _HYPHEN = re.compile(r"(?<=[^\W\d_])[-\u2010\u2011](?=\w)|(?<=\w)[-\u2010\u2011](?=[^\W\d_])")
+# The mark in “T. rex” ends no clause.
+_ABBREVIATED = re.compile(r"\b([^\W\d_])\. (?=\w)")
 # “Fischallergie” refuses fish.
 _ALLERGY = re.compile(r"(\w{3,}?)s?(allergien?|unverträglichkeit|intoleranz)\b", re.IGNORECASE)
 # Without its accent, as words are looked up, té is a Spanish pronoun.
@@ -147,7 +149,8 @@ def read_question(question: str, knowledge: Knowledge, names: Mapping[str, Meani
     It is read in the likeliest language in which it says something.
     """
     # “A sit-down meal” is looked up as three words.
-    text = _ALLERGY.sub(r"\1 \2", _HYPHEN.sub(" ", clean_text(question, _QUESTION_LENGTH)))
+    text = _ABBREVIATED.sub(r"\1 ", clean_text(question, _QUESTION_LENGTH))
+    text = _ALLERGY.sub(r"\1 \2", _HYPHEN.sub(" ", text))
     first: Wish | None = None
     for language in languages_of(text, knowledge) or _language_by_its_phrases(text, knowledge):
         wish = _read_in(text, language, knowledge, {} if names is None else names)

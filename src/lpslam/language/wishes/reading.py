@@ -34,7 +34,7 @@ def read_wish(question: str, knowledge: Knowledge) -> Wish:
     likely = languages_of(text, knowledge)
     for language in languages:
         parts = _in_sequence(text, rules_of(language))
-        if len(parts) > 1 and all(_says_a_place(part, knowledge) for part in parts):
+        if len(parts) > 1 and sum(_says_a_place(part, knowledge) for part in parts) >= max(2, len(parts) - 1):
             stops = tuple(_stop(part, languages, knowledge) for part in parts)
             return Wish(stops[:_MOST_STOPS], language)
     return Wish((_stop(text, languages, knowledge),), likely[0] if likely else None)

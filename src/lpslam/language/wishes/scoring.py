@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import Protocol
 
 from lpslam.language.choosing.choosing import ranked
@@ -55,6 +56,7 @@ _WHOLE = 0.95  # of a name's letters: the name itself
 _BY_THE_WAY = frozenset({"floor", "building", "zone"})
 """What may be numbered beside what is asked for: “a toilet on level 2”."""
 _SHORTEST = 3  # letters of a word that is a name by itself
+_FEWEST_BORNE, _MOST_BORNE = 2, 0.5  # words of a question that a board bears, and their share of its letters
 _LEAST_LITERAL = 0.3  # of a board's letters that are asked for word by word
 
 
@@ -245,7 +247,13 @@ class EmbeddedScorer:
         if not languages or languages[0] not in _CAPITALS_ARE_NAMES or self._refuses(stop.what, meaning):
             return False
         _, proper = self._asked_words(stop.what)
-        capital = {self._knowledge.folder.fold(word) for word in stop.what.split()[1:] if word[:1].isupper()}
+        said = stop.what.split()
+        capital = {
+            self._knowledge.folder.fold(word)
+            for before, word in pairwise(said)
+            # “A ticket for Rome” is no ticket that is called Rome.
+            if word[:1].isupper() and not rules_of(languages[0]).filler.fullmatch(before)
+        }
         named = [word for word in proper if word in capital or any(word.startswith(each) for each in capital)]
         if not named or scores.keys() & self._names.covered(named).keys():
             return False
@@ -413,7 +421,14 @@ class EmbeddedScorer:
         if not words:
             return {}
         found = {id_: share for id_, share in self._names.covered(words).items() if share >= _LEAST_LITERAL}
-        return found or self._names.alike(words)
+        return found or self._names.alike(words) or self._mostly(words)
+
+    def _mostly(self, words: Sequence[str]) -> dict[int, float]:
+        """Boards that bear most of the words, two at least, where the others stand on no board: “report to the …”."""
+        borne = [word for word in words if self._names.covered([word])]
+        if len(borne) < _FEWEST_BORNE or sum(map(len, borne)) < _MOST_BORNE * sum(map(len, words)):
+            return {}
+        return {id_: share for id_, share in self._names.covered(borne).items() if share >= _LEAST_LITERAL}
 
 
 def _joined(units: Sequence[str]) -> list[str]:
