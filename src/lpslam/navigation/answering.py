@@ -4,7 +4,8 @@ from collections.abc import Sequence
 
 from lpslam.language.model import LanguageModel
 from lpslam.language.offline import OfflineModel, embedded_model
-from lpslam.language.wishes.scoring import ModelScorer, Scorer
+from lpslam.language.wishes.model_scoring import ModelScorer
+from lpslam.language.wishes.served import Scorer
 from lpslam.navigation.directory import Directory
 from lpslam.navigation.places import Distances, Here
 from lpslam.navigation.solver import Solution, solve

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from lpslam.language.wishes.form import PREVIOUS, Relation, Stop, Which, Wish
-from lpslam.language.wishes.scoring import Scorer, Served
+from lpslam.language.wishes.served import Scorer, Served
 from lpslam.navigation.places import Distances, Here, Place, Point, Straight
 from lpslam.navigation.relations import PAIRED, Judged, Scene, between, on_the_way
 

@@ -54,7 +54,7 @@ def test_another_wording_of_the_task_is_another_answer(
     server = serve(picks("KFC"))
     model = chat(server, cache=True)
     model.choose("chicken?", MARKS)
-    monkeypatch.setattr(chat_module, "_task", lambda use: f"Do it better: {use}")
+    monkeypatch.setattr(chat_module, "task", lambda use: f"Do it better: {use}")
     model.choose("chicken?", MARKS)
     assert len(server.requests) == 2
 

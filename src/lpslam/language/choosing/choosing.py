@@ -82,8 +82,10 @@ def ranked(
     return choices[wishes.index(wish)]
 
 
-def _asks(question: str, language: str, knowledge: Knowledge) -> bool:
+def _asks(question: str, language: str | None, knowledge: Knowledge) -> bool:
     """Whether a question has a word of wishing or refusing for somebody who asks: “where”, “I want”, “instead of”."""
+    if language is None:
+        return False
     units = knowledge.folder.units(question)
     spans = longest_phrases(units, (knowledge.spoken(language),))
     is_refusal = any(span.value.role.startswith("refuse") and len(span.key) > _BARE_NO for span in spans)
@@ -132,7 +134,7 @@ def _in_turn(wish: Wish, index: LandmarkIndex, knowledge: Knowledge) -> list[Wis
         # Where there is no vegetarian kitchen, whatever serves no meat.
         without = wish.refused or tuple(each for each, diet in knowledge.instead_of.items() if diet in wanted)
         wishes.append(replace(wish, wanted=instead_of(without, knowledge), refused=without))
-    # Where what seemed meant is not to be had, a place that was named beside it may be: “me tienen que … una radiografía”.
+    # Where what seemed meant is not to be had, a place that was named beside it may be meant.
     named = tuple(
         (concept, 1.0)
         for concept, weight in wish.wanted

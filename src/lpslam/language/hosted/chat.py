@@ -8,20 +8,29 @@ many names is taken where the embedded model agrees, or where the model says the
 that is not allowed is asked for once more; after that, and where the model fails, the embedded one answers and says so.
 """
 
-import math
 import random
-import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from functools import lru_cache
-from importlib.resources import files
 from typing import Any, TypeVar
 
 from rapidfuzz.distance import Levenshtein
 
 from lpslam.config import LanguageConfig
 from lpslam.language.hosted.answer_cache import AnswerCache, user_cache_folder
+from lpslam.language.hosted.answers import (
+    EVIDENCE_LENGTH,
+    NONE,
+    SURE,
+    TEXT,
+    Labels,
+    a_bool,
+    numbered,
+    object_of,
+    parts_of,
+    sureness,
+    task,
+)
 from lpslam.language.hosted.endpoint import Endpoint
 from lpslam.language.hosted.exchange import Exchange, NoAnswerError, Question
 from lpslam.language.hosted.shortlist import shortlist
@@ -34,11 +43,6 @@ from lpslam.language.tables.knowledge import load_knowledge
 
 Given = TypeVar("Given", Naming, Judgement, Choice)
 
-_NONE = "none"
-_LABEL = re.compile(r"\bL\d{4}\b")
-_TEXT = {"type": "string"}
-_SURE = {"confidence": {"type": "number"}, "evidence": _TEXT}
-_EVIDENCE_LENGTH = 300
 _UNTRUSTED = "it was not asked: the sign reads like a command"
 _MOST_LISTED = 200  # ids that a schema lists; servers take few hundred, and the answer is checked in any case
 _REMEMBERED = 6  # questions and answers of a dialogue that are sent along
@@ -74,9 +78,9 @@ class ChatModel:
             return own
         if any(commands(reading.text) for reading in readings):
             return self._instead(own, _UNTRUSTED)
-        schema = _object({"name": _TEXT, **_SURE})
+        schema = object_of({"name": TEXT, **SURE})
         question = Question(
-            _task("naming"), {"readings": sent}, schema, lambda tree: self._name_of(tree, str(tree["name"]), readings)
+            task("naming"), {"readings": sent}, schema, lambda tree: self._name_of(tree, str(tree["name"]), readings)
         )
         (answer,) = self._exchange.ask([question])
         return self._instead(own, str(answer)) if isinstance(answer, NoAnswerError) else answer
@@ -90,7 +94,7 @@ class ChatModel:
                 named[at] = self._instead(named[at], _UNTRUSTED)
             else:
                 named[at] = replace(named[at], evidence="it was always read alike", model=self.model)
-        parts = _parts(wanting, self._config.signs_together)
+        parts = parts_of(wanting, self._config.signs_together)
         answers = self._exchange.ask([self._naming_of(part, groups) for part in parts])
         for part, answer in zip(parts, answers, strict=True):
             for at in part:
@@ -110,15 +114,15 @@ class ChatModel:
         def read(tree: Mapping[str, Any]) -> dict[int, Naming]:
             found: dict[int, Naming] = {}
             for each in tree["names"]:
-                at = _numbered(each, part)
+                at = numbered(each, part)
                 with suppress(ValueError):
                     found[at] = self._name_of(each, str(each["name"]), groups[at])
             return found
 
         signs = [{"sign": number, "readings": self._sent(groups[at])} for number, at in enumerate(part, 1)]
-        one = _object({"sign": {"type": "integer"}, "name": _TEXT, "confidence": {"type": "number"}})
-        schema = _object({"names": {"type": "array", "items": one}})
-        return Question(_task("naming_many"), {"signs": signs}, schema, read)
+        one = object_of({"sign": {"type": "integer"}, "name": TEXT, "confidence": {"type": "number"}})
+        schema = object_of({"names": {"type": "array", "items": one}})
+        return Question(task("naming_many"), {"signs": signs}, schema, read)
 
     def _sent(self, readings: Sequence[Reading]) -> list[dict[str, Any]]:
         return [
@@ -137,7 +141,7 @@ class ChatModel:
         nearness = max(Levenshtein.normalized_similarity(name.casefold(), text) for text in texts)
         if not name or nearness < self._config.name_similarity:
             raise ValueError("the name is close to none of the readings")
-        return Naming(name, *_sureness(tree), self.model)
+        return Naming(name, *sureness(tree), self.model)
 
     def judge(self, names: Sequence[str], question: str) -> list[Judgement]:
         """Ask the question for each name: few in a request each, many in requests of several (III-G)."""
@@ -156,13 +160,13 @@ class ChatModel:
 
     def _judged_alone(self, names: Sequence[str], asked: str) -> dict[str, Judgement | NoAnswerError]:
         """Each name in a request of its own, so that none can sway another."""
-        schema = _object({"answer": {"type": "boolean"}, **_SURE})
+        schema = object_of({"answer": {"type": "boolean"}, **SURE})
 
         def read(tree: Mapping[str, Any]) -> Judgement:
-            return Judgement(asked, _a_bool(tree["answer"]), *_sureness(tree), self.model)
+            return Judgement(asked, a_bool(tree["answer"]), *sureness(tree), self.model)
 
         questions = [
-            Question(_task("judging"), {"question": asked, "sign": clean_text(name)}, schema, read) for name in names
+            Question(task("judging"), {"question": asked, "sign": clean_text(name)}, schema, read) for name in names
         ]
         answers = self._exchange.ask(questions)
         return dict(zip(names, answers, strict=True))
@@ -185,19 +189,19 @@ class ChatModel:
         return first | self._judged_alone(torn, asked)
 
     def _judged_in_parts(self, names: Sequence[str], asked: str) -> dict[str, Judgement | NoAnswerError]:
-        one = _object({"sign": {"type": "integer"}, "answer": {"type": "boolean"}, "confidence": {"type": "number"}})
-        schema = _object({"judgements": {"type": "array", "items": one}})
-        parts = _parts(range(len(names)), self._config.signs_together)
+        one = object_of({"sign": {"type": "integer"}, "answer": {"type": "boolean"}, "confidence": {"type": "number"}})
+        schema = object_of({"judgements": {"type": "array", "items": one}})
+        parts = parts_of(range(len(names)), self._config.signs_together)
 
         def question(part: Sequence[int]) -> Question[dict[int, Judgement]]:
             def read(tree: Mapping[str, Any]) -> dict[int, Judgement]:
                 return {
-                    _numbered(each, part): Judgement(asked, _a_bool(each["answer"]), *_sureness(each), self.model)
+                    numbered(each, part): Judgement(asked, a_bool(each["answer"]), *sureness(each), self.model)
                     for each in tree["judgements"]
                 }
 
             signs = [{"sign": number, "text": clean_text(names[at])} for number, at in enumerate(part, 1)]
-            return Question(_task("judging_many"), {"question": asked, "signs": signs}, schema, read)
+            return Question(task("judging_many"), {"question": asked, "signs": signs}, schema, read)
 
         judged: dict[str, Judgement | NoAnswerError] = {}
         answers = self._exchange.ask([question(part) for part in parts])
@@ -231,7 +235,7 @@ class ChatModel:
         first = self._choose(asked, shown, before)
         if isinstance(first, NoAnswerError):
             return self._instead(own, str(first))
-        return first if before else self._look_again(asked, first, own, {mark.id: mark for mark in landmarks})
+        return self._look_again(asked, first, own, {mark.id: mark for mark in landmarks}, before)
 
     def _found(self, asked: str, landmarks: Sequence[Candidate], own: Choice) -> list[Candidate]:
         """Of more landmarks than may be sent, those that fit the question and what the model says would serve it."""
@@ -239,8 +243,8 @@ class ChatModel:
         def read(tree: Mapping[str, Any]) -> list[str]:
             return [clean_text(str(text), self._config.name_length) for text in tree["serves"]][:_SEARCHED]
 
-        schema = _object({"serves": {"type": "array", "items": _TEXT}})
-        (said,) = self._exchange.ask([Question(_task("searching"), {"question": asked}, schema, read)])
+        schema = object_of({"serves": {"type": "array", "items": TEXT}})
+        (said,) = self._exchange.ask([Question(task("searching"), {"question": asked}, schema, read)])
         each = self._config.landmarks_found
         found = shortlist(asked, landmarks, each, own)
         for text in () if isinstance(said, NoAnswerError) else filter(None, said):
@@ -253,38 +257,46 @@ class ChatModel:
     def _choose(
         self, asked: str, shown: Sequence[Candidate], before: Sequence[Mapping[str, str]] = ()
     ) -> Choice | NoAnswerError:
-        labels = _Labels(shown)
+        labels = Labels(shown)
 
         def read(tree: Mapping[str, Any]) -> Choice:
             chosen = labels.landmark(tree["landmark"])
             others = [labels.landmark(other) for other in tree.get("alternatives") or []]
             alternatives = tuple(dict.fromkeys(other for other in others if other not in (chosen, None)))
-            confidence, evidence = _sureness(tree)
+            confidence, evidence = sureness(tree)
             return Choice(chosen, confidence, labels.told(evidence), self.model, alternatives)
 
         few = len(labels.all) <= _MOST_LISTED
-        ids = {"type": "string", "enum": [*labels.all, _NONE]} if few else _TEXT
+        ids = {"type": "string", "enum": [*labels.all, NONE]} if few else TEXT
         # Evidence first: a model that has to say why before it says which thinks before it answers.
-        schema = _object({"evidence": _TEXT, "landmark": ids, "alternatives": {"type": "array", "items": ids}} | _SURE)
+        schema = object_of({"evidence": TEXT, "landmark": ids, "alternatives": {"type": "array", "items": ids}} | SURE)
         # What stays the same from question to question stands first, so that a server keeps what it has read of it.
         given: dict[str, Any] = {"landmarks": [{"id": label, **self._place(mark)} for label, mark in labels.shown]}
         given |= {"before": list(before)} if before else {}
         given["question"] = asked
-        return self._exchange.ask([Question(_task("choosing"), given, schema, read)])[0]
+        return self._exchange.ask([Question(task("choosing"), given, schema, read)])[0]
 
-    def _look_again(self, asked: str, first: Choice, own: Choice, by_id: Mapping[int, Candidate]) -> Choice:
+    def _look_again(
+        self,
+        asked: str,
+        first: Choice,
+        own: Choice,
+        by_id: Mapping[int, Candidate],
+        before: Sequence[Mapping[str, str]],
+    ) -> Choice:
         """Take what two models chose; else ask about each of the two alone, where no other sign is read.
 
         What swayed the choice among many (a sign that the rules of `distrust.py` missed) cannot sway this; and a sign
-        that speaks for itself comes second to a place that is known for what it is.
+        that speaks for itself comes second to a place that is known for what it is. In a dialogue the embedded model
+        has not heard what was said before: it proposes nothing then.
         """
-        proposed = [by_id[id_] for id_ in (first.landmark, own.landmark) if id_ is not None]
+        proposed = [by_id[id_] for id_ in (first.landmark, None if before else own.landmark) if id_ is not None]
         if first.landmark == own.landmark or (len(proposed) == 2 and _is_same(*proposed)):
             return first
         proposed.sort(key=lambda landmark: not _is_plainly_a_place(landmark.name))
         refused = first.evidence
         for landmark in proposed:
-            serves = self._serves(asked, landmark)
+            serves = self._serves(asked, landmark, before)
             if isinstance(serves, NoAnswerError):
                 return self._instead(own, str(serves))
             if serves.answer and landmark.id == first.landmark:
@@ -296,13 +308,18 @@ class ChatModel:
             refused = serves.evidence
         return Choice(None, first.confidence, refused, self.model, first.alternatives)
 
-    def _serves(self, asked: str, landmark: Candidate) -> Judgement | NoAnswerError:
+    def _serves(
+        self, asked: str, landmark: Candidate, before: Sequence[Mapping[str, str]]
+    ) -> Judgement | NoAnswerError:
         def read(tree: Mapping[str, Any]) -> Judgement:
-            return Judgement(asked, _a_bool(tree["serves"]), *_sureness(tree), self.model)
+            return Judgement(asked, a_bool(tree["serves"]), *sureness(tree), self.model)
 
-        schema = _object({"serves": {"type": "boolean"}, **_SURE})
-        given = {"question": asked, "place": self._place(landmark)}
-        return self._exchange.ask([Question(_task("confirming"), given, schema, read)])[0]
+        schema = object_of({"serves": {"type": "boolean"}, **SURE})
+        given: dict[str, Any] = {"question": asked, "place": self._place(landmark)}
+        # Answers are names of signs: none that speaks to a machine is read with the place.
+        heard = [each for each in before if commands(each["answer"]) is None]
+        given |= {"before": heard} if heard else {}
+        return self._exchange.ask([Question(task("confirming"), given, schema, read)])[0]
 
     def _place(self, landmark: Candidate) -> dict[str, Any]:
         name, longest = landmark.name, self._config.name_length
@@ -316,39 +333,8 @@ class ChatModel:
 
     def _instead(self, own: Given, failure: str) -> Given:
         """The embedded model's answer, with the reason why it is that one's."""
-        evidence = f"{own.evidence} [{self.model} did not answer: {clean_text(failure, _EVIDENCE_LENGTH)}]"
+        evidence = f"{own.evidence} [{self.model} did not answer: {clean_text(failure, EVIDENCE_LENGTH)}]"
         return replace(own, evidence=evidence, model=f"{own.model} (instead of {self.model})")
-
-
-class _Labels:
-    """Names for landmarks that no sign can know, in the order of the map.
-
-    The labels and the order are the same for every question about a map: a server need neither learn a new schema nor
-    read the names again.
-    """
-
-    def __init__(self, shown: Sequence[Candidate]) -> None:
-        self.all = [f"L{1000 + number * 7919 % 9000}" for number in range(len(shown))]
-        self.shown = list(zip(self.all, shown, strict=True))
-        self._by_label = dict(self.shown)
-
-    def landmark(self, label: Any) -> int | None:
-        """Take a label back to a landmark's id.
-
-        Raises:
-            ValueError: no landmark has it.
-        """
-        if label is None or label == _NONE:
-            return None
-        if not isinstance(label, str) or label not in self._by_label:
-            raise ValueError(f"id {clean_text(str(label), 20)} was not given")
-        return self._by_label[label].id
-
-    def told(self, evidence: str) -> str:
-        """Put names for the labels that an explanation mentions."""
-        return _LABEL.sub(
-            lambda found: self._by_label[found[0]].name if found[0] in self._by_label else found[0], evidence
-        )
 
 
 def _may_be_shown(name: str) -> bool:
@@ -375,54 +361,5 @@ def _is_same(first: Candidate, second: Candidate) -> bool:
     return clean_text(first.name).casefold() == clean_text(second.name).casefold()
 
 
-@lru_cache(maxsize=8)
-def _task(use: str) -> str:
-    """The task and its examples; the version line is for people, what counts for the cache is the wording."""
-    text = (files("lpslam.language") / "prompts" / f"{use}.md").read_text(encoding="utf-8")
-    return text.partition("\n\n")[2]
-
-
-def _object(properties: Mapping[str, Any]) -> dict[str, Any]:
-    """A JSON schema of an object with exactly these properties."""
-    return {
-        "type": "object",
-        "properties": dict(properties),
-        "required": list(properties),
-        "additionalProperties": False,
-    }
-
-
-def _a_bool(value: Any) -> bool:
-    if not isinstance(value, bool):
-        raise ValueError("an answer is neither true nor false")
-    return value
-
-
-def _parts(numbers: Sequence[int], most: int) -> list[Sequence[int]]:
-    """The numbers in as few parts of like size as hold at most so many."""
-    count = -(-len(numbers) // most)
-    return [numbers[len(numbers) * at // count : len(numbers) * (at + 1) // count] for at in range(count)]
-
-
-def _numbered(tree: Mapping[str, Any], part: Sequence[int]) -> int:
-    """Which of the signs of a request an answer is about.
-
-    Raises:
-        ValueError: none of them.
-    """
-    number = tree["sign"]
-    if not isinstance(number, int) or not 1 <= number <= len(part):
-        raise ValueError(f"sign {clean_text(str(number), 20)} was not given")
-    return part[number - 1]
-
-
 def _says(answer: Judgement | NoAnswerError) -> bool | None:
     return answer.answer if isinstance(answer, Judgement) else None
-
-
-def _sureness(tree: Mapping[str, Any]) -> tuple[float, str]:
-    """Confidence in 0..1 and evidence in one short line, whatever the model made of them."""
-    confidence = float(tree.get("confidence", 0.5))
-    if math.isnan(confidence):
-        confidence = 0.5
-    return min(max(confidence, 0.0), 1.0), clean_text(str(tree.get("evidence", "")), _EVIDENCE_LENGTH)

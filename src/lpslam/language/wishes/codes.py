@@ -96,7 +96,7 @@ def _classes() -> tuple[re.Pattern[str], Mapping[str, frozenset[str]]]:
 def _named(word: str) -> frozenset[str]:
     """What a word stands for, in the singular or the plural."""
     of = _classes()[1]
-    return next((of[each] for each in (word, *(word.removesuffix(end) for end in _PLURAL.split("|"))) if each in of))
+    return next(of[each] for each in (word, *(word.removesuffix(end) for end in _PLURAL.split("|"))) if each in of)
 
 
 def _of_code(text: str, start: int, end: int) -> frozenset[str]:
@@ -181,7 +181,11 @@ def asked_codes(text: str) -> list[Code]:
     folded = digit_ordinal().sub(lambda hit: hit.group(1) if _leads(folded, hit.end()) else hit.group(), folded)
     folded = with_digits(folded, lambda at: _follows(folded, at), lambda at: _leads(folded, at))
     # “The A-gates.”
-    folded = re.sub(r"(?<!\w)[a-z]-(?=[a-z])", lambda hit: f"{hit.group()[0]} " if _leads(folded, hit.end()) else hit.group(), folded)
+    folded = re.sub(
+        r"(?<!\w)[a-z]-(?=[a-z])",
+        lambda hit: f"{hit.group()[0]} " if _leads(folded, hit.end()) else hit.group(),
+        folded,
+    )
     found: list[Code] = []
     alone = len(re.findall(r"\w+", folded)) <= _FEW_WORDS and len(folded) <= _SHORT
     for hit in _CODE.finditer(folded):
@@ -210,7 +214,11 @@ def without_codes(text: str) -> str:
 
 def _is_capital(text: str, letter: str, of: frozenset[str]) -> bool:
     # “I” is seldom a hall.
-    return letter != "i" and bool(of) and bool(re.search(rf"(?<![^\W_\u2e80-\uffff]){letter.upper()}(?![^\W_\u2e80-\uffff])", text))
+    return (
+        letter != "i"
+        and bool(of)
+        and bool(re.search(rf"(?<![^\W_\u2e80-\uffff]){letter.upper()}(?![^\W_\u2e80-\uffff])", text))
+    )
 
 
 def _follows(folded: str, at: int) -> bool:

@@ -87,8 +87,10 @@ class Names:
             return set.intersection(*pairs) if pairs else set()
         ids = set(self._ids_of.get(word, ()))
         if len(word) >= _LONG:
-            limits = {"scorer": Levenshtein.distance, "score_cutoff": _slips(word), "limit": None}
-            for unit, _, _ in process.extract(word, self._long, **limits):
+            slips = _slips(word)
+            for unit, _, _ in process.extract(
+                word, self._long, scorer=Levenshtein.distance, score_cutoff=slips, limit=None
+            ):
                 ids |= self._ids_of[unit]
         return ids
 

@@ -1,4 +1,4 @@
-"""Numbers in words: every cardinal below a thousand and every ordinal that is listed, in the languages that space words.
+"""Numbers in words: cardinals below a thousand and the lower ordinals, in the languages that space words.
 
 The words and how they are put together follow Unicode CLDR's rule-based number formats (spellout-cardinal and
 spellout-ordinal); Chinese, Japanese and Korean numerals are read digit by digit.
@@ -60,7 +60,9 @@ def _of_language(table: Mapping[str, Any]) -> Iterator[tuple[int, str]]:
     else:
         hundred = table["hundred"].split("|")
         heads = {
-            100 * count: [f"{one}{word}" for one in ([*below[1], ""] if count == 1 else below[count]) for word in hundred]
+            100 * count: [
+                f"{one}{word}" for one in ([*below[1], ""] if count == 1 else below[count]) for word in hundred
+            ]
             for count in range(1, 10)
         }
     for head, forms in heads.items():

@@ -60,7 +60,7 @@ def _in_sequence(text: str, rules: Rules) -> list[str]:
 
 
 def _stop(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: int = 0) -> Stop:
-    """Read one stop: what is asked of it, what is left out, its relation and anchor, order, and what its board bears."""
+    """Read one stop: what is asked, what is left out, its relation and anchor, order, and what its board bears."""
     ask, ask_language = _asked(text, languages)
     rules = rules_of(ask_language)
     what, without = _without(text, languages, knowledge, depth)
@@ -90,9 +90,7 @@ def _stop(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: in
     )
 
 
-def _placed(
-    text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: int
-) -> tuple[Stop, str] | None:
+def _placed(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: int) -> tuple[Stop, str] | None:
     """Read where a stop is said to stand; return it with its relation, and what is wanted there."""
     for language in languages:
         text = rules_of(language).unsaid.sub("", text)
@@ -118,9 +116,7 @@ def _placed(
     return stop, what
 
 
-def _without(
-    text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: int
-) -> tuple[str, tuple[Stop, ...]]:
+def _without(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: int) -> tuple[str, tuple[Stop, ...]]:
     """Part a text from what it leaves out: one place of the same kind, the nearest one, one by its code or place.
 
     Kinds and names that are refused are left to `read_question`.

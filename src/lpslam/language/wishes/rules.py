@@ -36,7 +36,7 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class Rules:
-    """The rows of one language: what is asked, orders, sequences, relations, exclusions; and words that say no place."""
+    """The rows of one language: asks, orders, sequences, relations, exclusions; and words that say no place."""
 
     asks: tuple[Row, ...]
     orders: tuple[Row, ...]

@@ -5,27 +5,28 @@ Ids and strings only: where landmarks stand is the map's own knowledge.
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
-from typing import Protocol
 
 from lpslam.language.choosing.choosing import ranked
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import Kinds, likeness
-from lpslam.language.model import Candidate, Choice, Chooser, Converses, LanguageModel
+from lpslam.language.model import Candidate
 from lpslam.language.questions.question import Wish as Meaning
-from lpslam.language.questions.question import asks_for_another, languages_of, read_question
-from lpslam.language.signs.distrust import choose_trusted, commands
+from lpslam.language.questions.question import asks_for_another, read_question
+from lpslam.language.signs.distrust import commands
 from lpslam.language.signs.reader import SignReader
 from lpslam.language.signs.wording import WARNING
 from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.words import is_mark, is_unspaced, longest_phrases
+from lpslam.language.wishes.asked_words import SHORTEST, AskedWords
 from lpslam.language.wishes.codes import Code, board_codes, code_of, without_codes
-from lpslam.language.wishes.form import Ask, Identity, Sort, Stop, Which, Wish, with_meaning
+from lpslam.language.wishes.form import Ask, Identity, Sort, Stop, Which, with_meaning
 from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.reading import content_of, wish_languages
 from lpslam.language.wishes.rules import rules_of
+from lpslam.language.wishes.served import Served
 
 _ANY_SORT = frozenset({"shop", "business", "place"})
 _FEW_OF_A_FAMILY = 3  # rooms of one sort of building that make the map one of it, at least
@@ -55,52 +56,8 @@ _SURE, _NAMED, _ACROSS = 1.0, 0.9, 0.85  # of a code or person, of a part of a n
 _WHOLE = 0.95  # of a name's letters: the name itself
 _BY_THE_WAY = frozenset({"floor", "building", "zone"})
 """What may be numbered beside what is asked for: “a toilet on level 2”."""
-_SHORTEST = 3  # letters of a word that is a name by itself
 _FEWEST_BORNE, _MOST_BORNE = 2, 0.5  # words of a question that a board bears, and their share of its letters
 _LEAST_LITERAL = 0.3  # of a board's letters that are asked for word by word
-
-
-@dataclass(frozen=True, slots=True)
-class Served:
-    """The landmarks that serve a stop.
-
-    Attributes:
-        stop: with what its words mean.
-        scores: by id, 0 < score <= 1.
-        evidence: why, in words.
-        confidence: of the best, 0 to 1.
-        others: next best where none serves.
-        ignored: what of the wish could not be heeded.
-        exact: of those, the landmarks whose board says these very words, and no more.
-        sees_all: whether every landmark that serves has its score; a model names a few only.
-    """
-
-    stop: Stop
-    scores: Mapping[int, float]
-    evidence: str
-    confidence: float = 0.0
-    others: tuple[int, ...] = ()
-    ignored: tuple[str, ...] = ()
-    sees_all: bool = True
-    model: str = "offline"
-    exact: frozenset[int] = field(default=frozenset())
-
-
-class Scorer(Protocol):
-    """Whatever says which landmarks serve a stop's words."""
-
-    @property
-    def model(self) -> str:
-        """Which model answers."""
-        ...
-
-    def serve(self, stop: Stop) -> Served:
-        """Return the landmarks that serve."""
-        ...
-
-    def is_understood(self, stop: Stop) -> bool:
-        """Whether a stop's words are words for a place at all."""
-        ...
 
 
 class EmbeddedScorer:
@@ -114,6 +71,7 @@ class EmbeddedScorer:
         self._index = index
         self._signs = signs
         self._knowledge = knowledge
+        self._asked = AskedWords(knowledge)
         self._names = Names(landmarks, knowledge, signs.repair)
         families = [
             {self._knowledge.family(kind) for kind, weight in sign.kinds if weight >= 0.5}
@@ -158,7 +116,7 @@ class EmbeddedScorer:
             return Served(stop, {}, choice.evidence, choice.confidence, choice.alternatives, ignored)
         top = max(scores.values())
         scores = {id_: score / top for id_, score in scores.items()}
-        words, _ = self._asked_words(stop.what)
+        words, _ = self._asked.asked(stop.what)
         exact = frozenset(id_ for id_, share in self._names.covered(words).items() if share >= _WHOLE and id_ in scores)
         return Served(stop, scores, choice.evidence, choice.confidence, ignored=ignored, exact=exact)
 
@@ -214,7 +172,7 @@ class EmbeddedScorer:
         """Of several that serve, those whose boards bear the words themselves: “meeting room Alpha”, 烤鸭."""
         if len(scores) < _FEWEST_TO_TELL_APART or self._refuses(stop.what, meaning):
             return dict(scores)
-        _, proper = self._asked_words(stop.what)
+        _, proper = self._asked.asked(stop.what)
         bearing = self._names.covered(proper)
         kept = {id_: score for id_, score in scores.items() if id_ in bearing}
         if kept:
@@ -222,31 +180,22 @@ class EmbeddedScorer:
         top = max(scores.values())
         near = [id_ for id_, score in scores.items() if score >= _NEARLY * top]
         letters: dict[int, int] = {}
-        for words in self._telling_phrases(stop.what, meaning):
+        for words in self._asked.telling(stop.what, meaning):
             said = self._names.covered(words).keys() & set(near)
             if said and len(said) <= _TELLING * len(near):
                 letters |= {id_: letters.get(id_, 0) + sum(map(len, words)) for id_ in said}
         most = max(letters.values(), default=0)
         best = {id_ for id_, each in letters.items() if each == most}
-        return {id_: top if id_ in best else min(score, _BEHIND * top) if best else score for id_, score in scores.items()}
-
-    def _telling_phrases(self, text: str, meaning: Meaning) -> list[list[str]]:
-        """The phrases of a question that mean what is wanted first of all, as words of boards."""
-        main = {kind for kind, _ in meaning.wanted if kind in meaning.main} - self._knowledge.general
-        units = self._knowledge.folder.units(text)
-        found: list[list[str]] = []
-        for language in self._likely(text)[:1]:
-            for span in longest_phrases(units, self._knowledge.tables_of(language)):
-                if main.intersection(concept for concept, _ in span.value.concepts):
-                    found.append(_joined(units[span.start : span.end]))
-        return found
+        return {
+            id_: top if id_ in best else min(score, _BEHIND * top) if best else score for id_, score in scores.items()
+        }
 
     def _is_another(self, stop: Stop, meaning: Meaning, scores: Mapping[int, float]) -> bool:
         """Whether a name is asked for that stands on no board, where boards of the sort bear names: room Gamma."""
         languages = wish_languages(stop.what, self._knowledge)
         if not languages or languages[0] not in _CAPITALS_ARE_NAMES or self._refuses(stop.what, meaning):
             return False
-        _, proper = self._asked_words(stop.what)
+        _, proper = self._asked.asked(stop.what)
         said = stop.what.split()
         capital = {
             self._knowledge.folder.fold(word)
@@ -260,7 +209,7 @@ class EmbeddedScorer:
         top = max(scores.values())
         best = [id_ for id_, score in scores.items() if score >= 0.97 * top]
         return len(stop.what.split()) <= _SHORT_QUESTION and all(
-            self._is_a_room(id_) and self._bears_a_name(id_, self._likely(stop.what)) for id_ in best
+            self._is_a_room(id_) and self._bears_a_name(id_, self._asked.likely(stop.what)) for id_ in best
         )
 
     def _is_a_room(self, id_: int) -> bool:
@@ -273,7 +222,7 @@ class EmbeddedScorer:
         units = self._knowledge.folder.units(text)
         return any(
             span.value.role.startswith("refuse")
-            for language in self._likely(text)[:1]
+            for language in self._asked.likely(text)[:1]
             for span in longest_phrases(units, (self._knowledge.spoken(language),))
         )
 
@@ -286,7 +235,7 @@ class EmbeddedScorer:
         return is_name or any(weight > 0.5 for _, weight in meaning.wanted)
 
     def _bears_a_name(self, id_: int, languages: Sequence[str]) -> bool:
-        return bool(self._words(self._by_id[id_].name, languages)[1]) or bool(self._codes[id_])
+        return bool(self._asked.of(self._by_id[id_].name, languages)[1]) or bool(self._codes[id_])
 
     def _trusted(self, scores: Mapping[int, float]) -> dict[int, float]:
         return {id_: score for id_, score in scores.items() if commands(self._by_id[id_].name) is None}
@@ -333,7 +282,11 @@ class EmbeddedScorer:
                     code.last is None and not code.last_letters and code.number == asked.number for code in fits
                 )
                 found[id_] = _SURE - 0.1 * (not is_same) - 0.05 * (not is_exact)
-        if asked.of and not asked.letters and any(code.of & asked.of for codes in self._codes.values() for code in codes):
+        if (
+            asked.of
+            and not asked.letters
+            and any(code.of & asked.of for codes in self._codes.values() for code in codes)
+        ):
             # Where aisles are numbered as aisles, a number that is of nothing is no aisle.
             found = {id_: score for id_, score in found.items() if score > _SURE - 0.1}
         best = max(found.values(), default=0.0)
@@ -359,7 +312,7 @@ class EmbeddedScorer:
         if self._refuses(stop.what, meaning):
             return {}
         languages = wish_languages(stop.what, self._knowledge)
-        words, proper = self._asked_words(stop.what)
+        words, proper = self._asked.asked(stop.what)
         if not words:
             return {}
         whole = self._names.covered(words)
@@ -377,7 +330,7 @@ class EmbeddedScorer:
             # Beside a word for a kind of place, an everyday word is no name: “the psychiatry department”.
             proper = [word for word in proper if is_unspaced(word) or word not in load_words()]
         named = self._names.covered(proper)
-        if named and (len(named) == 1 or sum(map(len, proper)) >= _SHORTEST):
+        if named and (len(named) == 1 or sum(map(len, proper)) >= SHORTEST):
             return {id_: _NAMED + (1.0 - _NAMED) * share for id_, share in named.items()}
         sounding = self._names.across(proper)
         return {id_: _ACROSS * share for id_, share in sounding.items()}
@@ -386,38 +339,16 @@ class EmbeddedScorer:
         """Whether no table knows what the boards say: then their letters are all there is."""
         return not any(self._index.signs[id_].is_place for id_ in ids)
 
-    def _likely(self, text: str) -> tuple[str, ...]:
-        """The languages that a text may be in; a few words may be in any that knows them."""
-        return languages_of(text, self._knowledge) or wish_languages(text, self._knowledge)
-
-    def _asked_words(self, text: str) -> tuple[list[str], list[str]]:
-        """The words of a question without its filler, and those of them that no table knows."""
-        languages = wish_languages(text, self._knowledge)
-        words, bare = self._words(content_of(text, languages), self._likely(text))
-        # “Sala de reuniones” is one phrase with its filler only.
-        proper = set(self._words(text, self._likely(text))[1])
-        return words, [word for word in bare if is_unspaced(word) or word in proper]
-
-    def _words(self, content: str, languages: Sequence[str]) -> tuple[list[str], list[str]]:
-        """The words of a text, runs of scripts without spaces whole; and those of them that no table knows."""
-        units = self._knowledge.folder.units(content)
-        common = frozenset().union(*(self._knowledge.common.get(each, frozenset()) for each in languages))
-        known: set[int] = set()
-        for language in languages:
-            for span in longest_phrases(units, self._knowledge.tables_of(language)):
-                known.update(range(span.start, span.end))
-        words = _joined([unit for unit in units if is_unspaced(unit) or not (is_mark(unit) or unit in common)])
-        proper = _joined(
-            ["" if at in known or unit in common or is_mark(unit) else unit for at, unit in enumerate(units)]
-        )
-        return words, [word for word in proper if len(word) >= (2 if is_unspaced(word) else _SHORTEST)]
-
     def _literal(self, stop: Stop, meaning: Meaning) -> dict[int, float]:
         """Boards that bear every word, where nothing else is known to serve."""
         if self._refuses(stop.what, meaning):
             return {}
-        words, _ = self._asked_words(stop.what)
-        words = words or [unit for unit in self._knowledge.folder.units(content_of(stop.what, wish_languages(stop.what, self._knowledge))) if not is_mark(unit)]
+        words, _ = self._asked.asked(stop.what)
+        words = words or [
+            unit
+            for unit in self._knowledge.folder.units(content_of(stop.what, wish_languages(stop.what, self._knowledge)))
+            if not is_mark(unit)
+        ]
         if not words:
             return {}
         found = {id_: share for id_, share in self._names.covered(words).items() if share >= _LEAST_LITERAL}
@@ -431,80 +362,6 @@ class EmbeddedScorer:
         return {id_: share for id_, share in self._names.covered(borne).items() if share >= _LEAST_LITERAL}
 
 
-def _joined(units: Sequence[str]) -> list[str]:
-    """Characters of scripts without spaces that follow one another as one word; "" parts them."""
-    words: list[str] = []
-    is_open = False
-    for unit in units:
-        if unit and is_unspaced(unit):
-            if is_open:
-                words[-1] += unit
-            else:
-                words.append(unit)
-            is_open = True
-        else:
-            is_open = False
-            if unit and not is_mark(unit):
-                words.append(unit)
-    return words
-
-
 def _within(scores: Mapping[int, float], within: set[int] | None) -> dict[int, float]:
     left = {id_: score for id_, score in scores.items() if within is None or id_ in within}
     return left or dict(scores)
-
-
-class _After:
-    """A model that converses, in the middle of a dialogue."""
-
-    def __init__(self, model: Converses, history: Sequence[tuple[str, str]]) -> None:
-        self._model, self._history = model, history
-
-    def choose(self, question: str, landmarks: Sequence[Candidate]) -> Choice:
-        """Choose after what was asked and answered before."""
-        return self._model.choose_after(self._history, question, landmarks)
-
-
-class ModelScorer:
-    """Any other model: it names a landmark and the next best, for the words of a stop.
-
-    A wish of one stop that says nothing of where it stands is put to the model as it was asked.
-    """
-
-    def __init__(
-        self,
-        model: LanguageModel,
-        landmarks: Sequence[Candidate],
-        question: str,
-        wish: Wish,
-        history: Sequence[tuple[str, str]] = (),
-    ) -> None:
-        self._model = model
-        self._chooser: Chooser = _After(model, history) if history and isinstance(model, Converses) else model
-        self._landmarks = landmarks
-        is_plain = len(wish.stops) == 1 and wish.stops[0].relation is None and wish.stops[0].what
-        self._whole = question if is_plain else None
-
-    @property
-    def model(self) -> str:
-        """Which model answers."""
-        return self._model.model
-
-    def is_understood(self, stop: Stop) -> bool:
-        """A model that finds none has understood."""
-        return True
-
-    def serve(self, stop: Stop) -> Served:
-        """Ask the model for the landmark that serves a stop's words."""
-        if not stop.what:
-            return Served(stop, dict.fromkeys([mark.id for mark in self._landmarks], 1.0), "any place", 0.9)
-        choice = choose_trusted(self._chooser, self._whole or stop.what, self._landmarks)
-        ids = {mark.id for mark in self._landmarks}
-        if choice.landmark is None or choice.landmark not in ids:
-            others = tuple(id_ for id_ in choice.alternatives if id_ in ids)
-            missing = "" if choice.landmark is None else f" (no such landmark: {choice.landmark})"
-            return Served(stop, {}, choice.evidence + missing, choice.confidence, others, model=choice.model)
-        name = next(mark.name for mark in self._landmarks if mark.id == choice.landmark)
-        scores = {mark.id: 1.0 for mark in self._landmarks if mark.name == name}
-        others = tuple(id_ for id_ in choice.alternatives if id_ in ids and id_ not in scores)
-        return Served(stop, scores, choice.evidence, choice.confidence, others, (), False, choice.model)
