@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from lpslam.language.wishes.form import Relation
@@ -43,8 +44,28 @@ class Scene:
         self._facings: dict[int, tuple[Point | None, str]] = {}
 
     @cached_property
+    def positions(self) -> NDArray[np.float64]:
+        """(n, 3) metres, of all places."""
+        return np.array([place.position for place in self.places], dtype=np.float64).reshape(-1, 3)
+
+    @cached_property
+    def _rows_by_id(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """The ids of all places in order, and which place each is."""
+        ids = np.array([place.id for place in self.places], dtype=np.int64)
+        order = np.argsort(ids, kind="stable")
+        return ids[order], order
+
+    def rows(self, ids: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Which places have these ids; -1 where none has."""
+        known, order = self._rows_by_id
+        if not len(known):
+            return np.full(len(ids), -1, dtype=np.int64)
+        at = np.minimum(np.searchsorted(known, ids), len(known) - 1)
+        return np.where(known[at] == ids, order[at], -1)
+
+    @cached_property
     def _tree(self) -> cKDTree:
-        return cKDTree(np.array([place.position for place in self.places]))
+        return cKDTree(self.positions)
 
     @cached_property
     def usual_gap(self) -> float:

@@ -1,14 +1,17 @@
 """One solver: which places serve, then what must hold, then relations and order by geometry."""
 
+import heapq
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from lpslam.language.wishes.form import PREVIOUS, Relation, Stop, Which, Wish
 from lpslam.language.wishes.served import Scorer, Served
+from lpslam.navigation.columns import Serving, apart_from
 from lpslam.navigation.places import Distances, Here, Place, Point, Straight
 from lpslam.navigation.relations import PAIRED, Judged, Scene, between, on_the_way
 
@@ -17,6 +20,8 @@ _NEARLY = 0.8  # of the best score: served well enough, where the nearest is ask
 _SERVES = 0.6  # of the best score: what may stand in a relation, or in a list
 _MOST = 50  # places of a list
 _MOST_ANCHORS = 8  # places of an anchor that a place is held against
+_OUTWARDS = frozenset({Relation.NEXT_TO, Relation.NEAR, Relation.OPPOSITE, Relation.LEFT_OF, Relation.RIGHT_OF})
+"""Relations that cost at least the straight way to the anchor."""
 _WEAK = frozenset({Relation.NEAR, Relation.BEFORE, Relation.BEHIND})  # said of times and manners as well
 _ALTERNATIVES = 5  # further places that are told where one is asked for
 _DECIDED = 2.0  # standard deviations by which two distances must differ to be told apart
@@ -158,14 +163,8 @@ class _Solver:
         )
 
     def _listed(self, served: Served) -> list[Place]:
-        best = sorted(served.scores, key=lambda id_: (-served.scores[id_], id_))
-        return [self._by_id[id_] for id_ in best if id_ in self._by_id][:_MOST]
-
-    def _serving(self, scores: Mapping[int, float], least: float) -> list[tuple[Place, float]]:
-        top = max(scores.values(), default=0.0)
-        return [
-            (self._by_id[id_], score) for id_, score in scores.items() if score >= least * top and id_ in self._by_id
-        ]
+        serving = Serving(self._scene, served.scores)
+        return [serving.place(at) for at in serving.first(_MOST, -serving.scores)]
 
     def _anchors(self, anchor: Stop, previous: Place | None) -> list[Place]:
         if anchor == PREVIOUS:
@@ -176,32 +175,34 @@ class _Solver:
             return [solved.place] if solved.place is not None else []
         # “Next to Customs” means the board that says so, not all that deals with customs.
         scores = {id_: served.scores[id_] for id_ in served.exact} or served.scores
-        return [place for place, _ in self._serving(scores, _EQUAL)]
+        serving = Serving(self._scene, scores, _EQUAL)
+        return [serving.place(at) for at in range(len(serving))]
 
-    def _from(self, start: Point | None, places: Sequence[Place]) -> Sequence[float]:
+    def _from(self, start: Point | None, serving: Serving) -> NDArray[np.float64]:
         """Metres from a point to each place; zeros where it is not known."""
         ways = self._scene.ways
-        if start is None or not places:
-            return [0.0] * len(places)
+        if start is None or not len(serving):
+            return np.zeros(len(serving))
         if isinstance(ways, Straight):
-            return [float(each) for each in ways.distances(start, np.array([place.position for place in places]))]
-        return [ways.distance(start, place.position) for place in places]
+            return ways.distances(start, serving.positions)
+        return np.array([ways.distance(start, position) for position in serving.positions])
 
     def _ordered(self, served: Served, start: Point | None, notes: list[str]) -> Solved:
         """Places that serve, in the order that is asked for."""
         stop = served.stop
         least = {Which.ANY: _EQUAL, Which.ALL: _SERVES, Which.LARGEST: _NEARLY}.get(stop.which, _NEARLY)
-        serving = self._serving(served.scores, least)
+        serving = Serving(self._scene, served.scores, least)
         if start is None and stop.which in (Which.NEAREST, Which.FARTHEST):
             notes.append(f"where you stand is not known, so “{stop.which.value}” cannot be decided")
-        sign = -1.0 if stop.which is Which.FARTHEST else 1.0
+        cost = self._from(start, serving) * (-1.0 if stop.which is Which.FARTHEST else 1.0)
+        if stop.which is Which.LARGEST:
+            cost = np.array([-serving.place(at).size for at in range(len(serving))])
+        by_score = start is None and stop.which is not Which.LARGEST
+        keys = (-serving.scores,) if by_score else (cost, -serving.scores)
         ranked = [
-            _Ranked(-place.size if stop.which is Which.LARGEST else sign * far, place, score)
-            for (place, score), far in zip(serving, self._from(start, [place for place, _ in serving]), strict=True)
+            _Ranked(float(cost[at]), serving.place(at), float(serving.scores[at]))
+            for at in serving.first(stop.rank + _MOST, *keys)
         ]
-        ranked.sort(key=lambda each: (each.cost, -each.score, each.place.id))
-        if start is None and stop.which not in (Which.LARGEST,):
-            ranked.sort(key=lambda each: (-each.score, each.place.id))
         if stop.which is Which.LARGEST and not any(each.place.size for each in ranked):
             notes.append("how large the places are is not known")
         return self._picked(served, ranked, notes)
@@ -212,24 +213,15 @@ class _Solver:
         """Places that serve, by how they stand to the anchors."""
         stop = served.stop
         assert stop.relation is not None
-        serving = self._serving(served.scores, _NEARLY)
+        serving = Serving(self._scene, served.scores, _NEARLY)
         start, note = self._start(stop, previous)
         notes += [note] if note else []
-        near = [_Near(found) for found in anchors]
-        ranked: list[_Ranked] = []
-        doubts: dict[str, None] = {}
-        for place, score in serving:
-            judged = self._judged(stop, place, near, start)
-            if judged.doubt:
-                doubts.setdefault(judged.doubt)
-            if math.isfinite(judged.cost):
-                cost = -judged.cost if stop.which is Which.FARTHEST else judged.cost
-                ranked.append(_Ranked(cost, place, score, judged.doubt))
+        ranked, doubts = self._in_relation(stop, serving, anchors, start)
         if not ranked:
             said = " and ".join(place.name for found in anchors for place in found[:1])
             notes += list(doubts) or [f"nothing that serves stands {stop.relation.value} {said}"]
-            nearest = sorted(serving, key=lambda pair: self._to_anchors(pair[0], anchors))
-            return self._none(served, notes, [place for place, _ in nearest])
+            nearest = serving.first(_ALTERNATIVES, apart_from(serving, anchors))
+            return self._none(served, notes, [serving.place(at) for at in nearest])
         ranked.sort(key=lambda each: (each.cost, -each.score, each.place.id))
         notes += [ranked[0].doubt] if ranked[0].doubt else []
         return self._picked(served, ranked, notes)
@@ -242,8 +234,37 @@ class _Solver:
             return self._scene.here.position, f"{stop.start.what}: not on this map; the way is taken from here"
         return found[0].position, ""
 
-    def _to_anchors(self, place: Place, anchors: Sequence[Sequence[Place]]) -> float:
-        return min(self._scene.ways.distance(place.position, each.position) for found in anchors for each in found)
+    def _in_relation(
+        self, stop: Stop, serving: Serving, anchors: Sequence[Sequence[Place]], start: Point | None
+    ) -> tuple[list[_Ranked], dict[str, None]]:
+        """The places that stand in the relation, and what is not sure of any.
+
+        Places are judged from the anchors outwards, and no further than a better one may stand.
+        """
+        near = [_Near(found) for found in anchors]
+        apart = apart_from(serving, anchors)
+        is_farthest = stop.which is Which.FARTHEST
+        wanted = stop.rank + _ALTERNATIVES
+        ranked: list[_Ranked] = []
+        doubts: dict[str, None] = {}
+        for at in serving.first(len(serving), -apart if is_farthest else apart):
+            if len(ranked) >= wanted and self._is_decided(stop, ranked, wanted, float(apart[at])):
+                break
+            judged = self._judged(stop, serving.place(at), near, start)
+            if judged.doubt:
+                doubts.setdefault(judged.doubt)
+            if math.isfinite(judged.cost):
+                cost = -judged.cost if is_farthest else judged.cost
+                ranked.append(_Ranked(cost, serving.place(at), float(serving.scores[at]), judged.doubt))
+        return ranked, doubts
+
+    def _is_decided(self, stop: Stop, ranked: Sequence[_Ranked], wanted: int, apart: float) -> bool:
+        """Whether no place that stands so far from the anchors, or farther, comes among the first any more."""
+        if stop.which is Which.FARTHEST:
+            return stop.relation is Relation.NEAR and isinstance(self._scene.ways, Straight)
+        if stop.relation not in _OUTWARDS:
+            return False
+        return apart > heapq.nsmallest(wanted, (each.cost for each in ranked))[-1]
 
     def _judged(self, stop: Stop, place: Place, anchors: Sequence[_Near], start: Point | None) -> Judged:
         """The cheapest of all anchors that may be meant; no place is its own anchor."""

@@ -1,0 +1,49 @@
+"""Many places that serve, by columns: what is looked up, ordered and measured at once."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from lpslam.navigation.places import Place
+from lpslam.navigation.relations import Scene
+
+
+class Serving:
+    """The places that serve at least so well, by columns; `scores` of all that serve."""
+
+    def __init__(self, scene: Scene, scores: Mapping[int, float], least: float = 0.0) -> None:
+        ids = np.fromiter(scores.keys(), np.int64, len(scores))
+        values = np.fromiter(scores.values(), np.float64, len(scores))
+        rows = scene.rows(ids)
+        kept = (rows >= 0) & (values >= least * values.max(initial=0.0))
+        self._scene = scene
+        self.ids, self.scores, self._rows = ids[kept], values[kept], rows[kept]
+
+    def __len__(self) -> int:
+        return len(self.ids)
+
+    @property
+    def positions(self) -> NDArray[np.float64]:
+        """(n, 3) metres."""
+        return np.asarray(self._scene.positions[self._rows])
+
+    def place(self, at: int) -> Place:
+        """One of them."""
+        return self._scene.places[int(self._rows[at])]
+
+    def first(self, most: int, *keys: NDArray[np.float64]) -> list[int]:
+        """The first so many, by some keys, the most important first, and then by id."""
+        order = np.lexsort((self.ids, *reversed(keys)))
+        return [int(at) for at in order[:most]]
+
+
+def apart_from(serving: Serving, anchors: Sequence[Sequence[Place]]) -> NDArray[np.float64]:
+    """(n,) metres as the crow flies from each place to the nearest anchor, never to itself."""
+    points = [each for found in anchors for each in found]
+    tree = cKDTree(np.array([each.position for each in points]))
+    both = np.asarray(tree.query(serving.positions, k=min(2, len(points)))[0]).reshape(len(serving), -1)
+    ids = np.array([each.id for each in points])
+    is_anchor = np.isin(serving.ids, ids)
+    return np.asarray(np.where(is_anchor, both[:, -1], both[:, 0]))
