@@ -6,8 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from lpslam.navigation.places import Place
+from lpslam.navigation.places import Place, Point
 from lpslam.navigation.relations import Scene
+
+NEAR_ANCHORS = 8
+"""Places of an anchor that a place is held against: those nearest to it."""
 
 
 class Serving:
@@ -47,3 +50,16 @@ def apart_from(serving: Serving, anchors: Sequence[Sequence[Place]]) -> NDArray[
     ids = np.array([each.id for each in points])
     is_anchor = np.isin(serving.ids, ids)
     return np.asarray(np.where(is_anchor, both[:, -1], both[:, 0]))
+
+
+def detours(serving: Serving, anchors: Sequence[Place], start: Point) -> NDArray[np.float64]:
+    """(n,) metres of detour, as the crow flies, by each place on the way from a point to the anchor near that place."""
+    points = np.array([each.position for each in anchors])
+    count = min(NEAR_ANCHORS, len(points))
+    onwards, which = (
+        np.asarray(each).reshape(len(serving), -1) for each in cKDTree(points).query(serving.positions, k=count)
+    )
+    itself = np.array([each.id for each in anchors])[which] == serving.ids[:, None]
+    there = np.linalg.norm(serving.positions - start, axis=1)[:, None]
+    straight = np.linalg.norm(points - start, axis=1)[which]
+    return np.asarray(np.where(itself, np.inf, there + onwards - straight).min(axis=1))

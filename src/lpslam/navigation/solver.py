@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 
 from lpslam.language.wishes.form import PREVIOUS, Relation, Stop, Which, Wish
 from lpslam.language.wishes.served import Scorer, Served
-from lpslam.navigation.columns import Serving, apart_from
+from lpslam.navigation.columns import NEAR_ANCHORS, Serving, apart_from, detours
 from lpslam.navigation.places import Distances, Here, Place, Point, Straight
 from lpslam.navigation.relations import PAIRED, Judged, Scene, between, on_the_way
 
@@ -19,7 +19,6 @@ _EQUAL = 0.97  # of the best score: served equally, where the nearer is chosen
 _NEARLY = 0.8  # of the best score: served well enough, where the nearest is asked for
 _SERVES = 0.6  # of the best score: what may stand in a relation, or in a list
 _MOST = 50  # places of a list
-_MOST_ANCHORS = 8  # places of an anchor that a place is held against
 _OUTWARDS = frozenset({Relation.NEXT_TO, Relation.NEAR, Relation.OPPOSITE, Relation.LEFT_OF, Relation.RIGHT_OF})
 """Relations that cost at least the straight way to the anchor."""
 _WEAK = frozenset({Relation.NEAR, Relation.BEFORE, Relation.BEHIND})  # said of times and manners as well
@@ -97,13 +96,13 @@ class _Near:
 
     def __init__(self, anchors: Sequence[Place]) -> None:
         self._anchors = anchors
-        self._tree = cKDTree(np.array([each.position for each in anchors])) if len(anchors) > _MOST_ANCHORS else None
+        self._tree = cKDTree(np.array([each.position for each in anchors])) if len(anchors) > NEAR_ANCHORS else None
 
     def to(self, place: Place) -> Sequence[Place]:
         """Anchors near a place, never the place itself."""
         near: Sequence[Place] = self._anchors
         if self._tree is not None:
-            found = np.asarray(self._tree.query(place.position, k=_MOST_ANCHORS)[1])
+            found = np.asarray(self._tree.query(place.position, k=NEAR_ANCHORS)[1])
             near = [self._anchors[int(at)] for at in found]
         return [each for each in near if each is not place]
 
@@ -242,7 +241,10 @@ class _Solver:
         Places are judged from the anchors outwards, and no further than a better one may stand.
         """
         near = [_Near(found) for found in anchors]
-        apart = apart_from(serving, anchors)
+        is_by_detour = stop.relation is Relation.ON_THE_WAY and start is not None
+        apart = (
+            detours(serving, anchors[0], start) if is_by_detour and start is not None else apart_from(serving, anchors)
+        )
         is_farthest = stop.which is Which.FARTHEST
         wanted = stop.rank + _ALTERNATIVES
         ranked: list[_Ranked] = []
@@ -260,8 +262,9 @@ class _Solver:
 
     def _is_decided(self, stop: Stop, ranked: Sequence[_Ranked], wanted: int, apart: float) -> bool:
         """Whether no place that stands so far from the anchors, or farther, comes among the first any more."""
-        if stop.which is Which.FARTHEST:
-            return stop.relation is Relation.NEAR and isinstance(self._scene.ways, Straight)
+        if stop.which is Which.FARTHEST or stop.relation is Relation.ON_THE_WAY:
+            is_exact = stop.relation in (Relation.NEAR, Relation.ON_THE_WAY)
+            return is_exact and isinstance(self._scene.ways, Straight)
         if stop.relation not in _OUTWARDS:
             return False
         return apart > heapq.nsmallest(wanted, (each.cost for each in ranked))[-1]

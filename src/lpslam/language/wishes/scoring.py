@@ -79,6 +79,8 @@ class EmbeddedScorer:
         ]
         self._families = Counter(family for found in families for family in found if family)
         self._by_id = {mark.id: mark for mark in landmarks}
+        self._heard: set[int] = set()
+        self._commanding: set[int] = set()
 
     @cached_property
     def _codes(self) -> dict[int, list[Code]]:
@@ -87,6 +89,12 @@ class EmbeddedScorer:
             mark.id: [code for text in dict.fromkeys((mark.name, *mark.lines)) for code in board_codes(text)]
             for mark in self._landmarks
         }
+
+    @cached_property
+    def _warning(self) -> frozenset[int]:
+        return frozenset(
+            id_ for id_, sign in self._index.signs.items() if any(kind == WARNING for kind, _ in sign.kinds)
+        )
 
     def serve(self, stop: Stop) -> Served:
         """Return the landmarks that serve a stop: by identity, by name, else by what they are."""
@@ -238,13 +246,19 @@ class EmbeddedScorer:
         return bool(self._asked.of(self._by_id[id_].name, languages)[1]) or bool(self._codes[id_])
 
     def _trusted(self, scores: Mapping[int, float]) -> dict[int, float]:
-        return {id_: score for id_, score in scores.items() if commands(self._by_id[id_].name) is None}
+        # Sets that only grow: threads that ask at the same time add the same.
+        for id_ in scores.keys() - self._heard:
+            if commands(self._by_id[id_].name) is not None:
+                self._commanding.add(id_)
+            self._heard.add(id_)
+        if self._commanding.isdisjoint(scores):
+            return dict(scores)
+        return {id_: score for id_, score in scores.items() if id_ not in self._commanding}
 
     def _any_place(self, stop: Stop) -> Served:
-        warns = {id_ for id_, sign in self._index.signs.items() if any(kind == WARNING for kind, _ in sign.kinds)}
         if stop.ask is Ask.FORBIDDEN:
-            return Served(stop, dict.fromkeys(sorted(warns), 1.0), "what warns or forbids", 0.9)
-        places = [mark.id for mark in self._landmarks if mark.id not in warns]
+            return Served(stop, dict.fromkeys(sorted(self._warning), 1.0), "what warns or forbids", 0.9)
+        places = [mark.id for mark in self._landmarks if mark.id not in self._warning]
         return Served(stop, self._trusted(dict.fromkeys(places, 1.0)), "any place", 0.9)
 
     def _identified(self, stop: Stop) -> tuple[dict[int, float] | None, tuple[str, ...], str]:
