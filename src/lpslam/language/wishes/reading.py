@@ -129,7 +129,9 @@ def _without(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth:
         stop = _stop(out, languages, knowledge, depth=_DEEPEST - 1)
         asked, left = (dict(read_question(each, knowledge).wanted) for each in (what, out))
         is_one = stop.which is not Which.ANY or stop.relation is not None or bool(stop.identity)
-        if asked and (is_one or asked.keys() & left.keys()):
+        whole = read_question(text, knowledge)
+        is_read = bool(whole.wanted and whole.refused) and not is_one
+        if asked and not is_read and (is_one or asked.keys() & left.keys()):
             return what, (replace(stop, what=what) if is_one and not left and not stop.identity else stop,)
     return text, ()
 
