@@ -2,6 +2,7 @@
 
 python benchmarks/wishes.py                      # the development set
 python benchmarks/wishes.py FILE.json --misses   # another set, with every miss
+python benchmarks/wishes.py --speed              # processor time of the first answer and of the next ones
 
 A world is `{"places": [{"name", "lines"?, "position": [x, y], "facing"?: degrees}], "here"?: [x, y], "wishes": [...]}`,
 or has two rows of names, "north" and "south", along a corridor. A wish has "question", "expected" (a name or a list of
@@ -11,6 +12,10 @@ place of the world, from 0, where several bear a name.
 
 import argparse
 import json
+import statistics
+import subprocess
+import sys
+import time
 from collections import defaultdict
 from pathlib import Path
 from typing import Any
@@ -23,6 +28,17 @@ from lpslam.navigation.places import Here, Place
 from lpslam.navigation.solver import Solution, solve
 
 DEVELOPMENT = Path(__file__).parent / "language" / "wishes_development.json"
+SPEED = {
+    "a few serve": ("Where is the toilet?", "gate B31", "Starbucks", "スターバックス", "哪里可以吃饭", "room twelve"),
+    "a relation": (
+        "the toilet nearest to the exit",
+        "on the way to the exit, is there a café?",
+        "a café, not the nearest",
+    ),
+    "any place": ("what is next to the bank", "facing the bank, what is on the left?"),
+    "a list": ("list all shops", "list all restaurants"),
+    "none serves": ("frobnicator", "customer servise", "Dr. Schneider"),
+}
 
 
 def places_of(world: dict[str, Any]) -> tuple[list[Place], list[Candidate]]:
@@ -64,7 +80,16 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("file", type=Path, nargs="?", default=DEVELOPMENT)
     parser.add_argument("--misses", action="store_true", help="show every miss")
+    parser.add_argument("--speed", action="store_true", help="time answers in fresh processes instead")
+    parser.add_argument("--time-answers", type=int, metavar="LANDMARKS", help=argparse.SUPPRESS)
     given = parser.parse_args()
+    if given.time_answers:
+        time_answers(given.time_answers)
+        return
+    if given.speed:
+        for landmarks in (400, 10_000, 100_000):
+            subprocess.run([sys.executable, __file__, "--time-answers", str(landmarks)], check=True)
+        return
     model = OfflineModel()
     counts: dict[str, list[int]] = defaultdict(lambda: [0, 0, 0])
     for name, world in json.loads(given.file.read_text(encoding="utf-8"))["worlds"].items():
@@ -83,6 +108,29 @@ def main() -> None:
                 print(f"      {solution.wish} {solution.notes}")
     for key, (right, wrong, total) in sorted(counts.items(), key=lambda each: (each[0] == "all", each[0])):
         print(f"{key}: {right}/{total} = {right / total:.1%}, wrong {wrong}")
+
+
+def time_answers(landmarks: int) -> None:
+    """Print the processor time from the start of this process to its first answer, and that of later ones."""
+    tree = json.loads((DEVELOPMENT.parent / "development.json").read_text(encoding="utf-8"))
+    names = [name for case in tree["judging"] for name in case["expected"]]
+    points = np.random.default_rng(0).uniform(0.0, 1000.0, (landmarks, 2))
+    marks = [Candidate(at, f"{names[at % len(names)]} {at // len(names) or ''}".strip()) for at in range(landmarks)]
+    south = np.array([0.0, -1.0, 0.0])
+    places = [Place(mark.id, mark.name, np.array([*points[mark.id], 0.0]), south) for mark in marks]
+    model = OfflineModel()
+
+    def milliseconds(question: str) -> float:
+        start = time.process_time()
+        solve(model.read_wish(question), places, model.scorer(marks), Here(np.zeros(3)))
+        return 1000.0 * (time.process_time() - start)
+
+    milliseconds("Where is the toilet?")
+    print(f"{landmarks} landmarks: first answer after {time.process_time():.2f} s of processor time")
+    for kind, questions in SPEED.items():
+        first = max(map(milliseconds, questions))
+        later = [milliseconds(question) for question in questions * 3]
+        print(f"  {kind}: {statistics.median(later):.0f} ms, {max(later):.0f} at most; asked first {first:.0f} at most")
 
 
 if __name__ == "__main__":

@@ -17,6 +17,11 @@ BOARDS = (
     "Aisle 7 Pasta Rice Sauces",
     "coffee pizza wc shoes bank",
     "Starbucks",
+    "Teehaus Jasmin",
+    "レストラン つばめ Restaurant Swallow",
+    "百草堂大药房",
+    "Modigliani",
+    "Shift Office",
 )
 
 
@@ -38,6 +43,11 @@ def found(model: OfflineModel, question: str) -> set[str]:
     [
         ("Where is Grand Street?", BOARDS[0]),
         ("New Arrivals", BOARDS[1]),
+        ("Tehaus Jasmin", BOARDS[11]),
+        ("つばめ", BOARDS[12]),
+        ("百草唐", BOARDS[13]),
+        ("モディリアーニ", BOARDS[14]),
+        ("report to the shift office", BOARDS[15]),
         ("Everest", BOARDS[2]),
         ("Sala Everest", BOARDS[2]),
         ("meeting room Alpha", BOARDS[3]),

@@ -31,7 +31,9 @@ def answer(question: str) -> list[str | None]:
             marks.append(Candidate(id_, name))
     solution = solve(model().read_wish(question), places, model().scorer(marks), Here(HERE))
     found = [stop.place for stop in solution.stops]
-    return [None if place is None else f"Toilets {place.id}" if place.name == "Toilets" else place.name for place in found]
+    return [
+        None if place is None else f"Toilets {place.id}" if place.name == "Toilets" else place.name for place in found
+    ]
 
 
 # A reader of the pharmacy's board looks north: the bakery is to the left of it, toilets 2 to the right.
