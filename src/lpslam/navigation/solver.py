@@ -124,6 +124,9 @@ class _Solver:
             served = replace(served, scores={id_: each for id_, each in served.scores.items() if id_ not in left_out})
         notes = [f"not heeded: {each}" for each in (*ignored, *served.ignored)]
         stop = served.stop
+        if stop.contradiction:
+            said = f"{stop.contradiction} at once: one place cannot be both; ask for one of them"
+            return self._none(served, (said, *notes), self._listed(served))
         if not served.scores:
             return self._none(served, (served.evidence, *notes))
         if stop.relation is None:

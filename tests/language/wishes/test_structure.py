@@ -139,6 +139,24 @@ def test_one_place_is_told_from_others(question: str, expected: str | None) -> N
     assert answer(question) == [expected]
 
 
+@pytest.mark.parametrize(
+    "question",
+    [
+        "the nearest and farthest toilet",
+        "die nächste und zugleich am weitesten entfernte Toilette",
+        "les toilettes les plus proches et les plus éloignées",
+        "el baño más cercano y más lejano",
+        "最近又最远的厕所",
+        "一番近くて一番遠いトイレ",
+        "가장 가깝고 가장 먼 화장실, 제일 가까운",
+    ],
+)
+def test_a_wish_that_contradicts_itself_is_answered_by_none_in_one_line(question: str) -> None:
+    wish = model().read_wish(question)
+    assert answer(question) == [None]
+    assert wish.stops[0].contradiction == "farthest and nearest"
+
+
 @pytest.mark.parametrize(("question", "expected"), PLANS)
 def test_stops_come_in_the_order_in_which_they_are_said(question: str, expected: list[str]) -> None:
     assert answer(question) == expected

@@ -88,6 +88,7 @@ class Stop:
         anchor: stops themselves. PREVIOUS is the stop before.
         start: where a way begins that does not begin here.
         ask: what is asked of it.
+        contradiction: what cannot hold together, in words; empty where nothing is against anything.
         whole: all words of the stop, its relation among them: what it says where the anchor turns out to be none.
     """
 
@@ -103,6 +104,7 @@ class Stop:
     start: "Stop | None" = None
     ask: Ask = Ask.WHERE
     whole: str = ""
+    contradiction: str = ""
 
 
 PREVIOUS = Stop("the stop before")
@@ -159,6 +161,8 @@ def told(stop: Stop) -> str:
         parts.append(f"{stop.relation.value} ({' and '.join(told(each) for each in stop.anchor)})")
     if stop.start is not None:
         parts.append(f"from ({told(stop.start)})")
+    if stop.contradiction:
+        parts.append(f"contradicts itself: {stop.contradiction}")
     if stop.ask is not Ask.WHERE:
         parts.append(f"asks: {stop.ask.value}")
     return ", ".join(parts)
@@ -184,6 +188,7 @@ def _stop_of(tree: Mapping[str, Any], depth: int = 0) -> Stop:
         None if start is None else _stop_of(start, depth + 1),
         Ask(tree.get("ask", "where")),
         str(tree.get("whole", "")),
+        str(tree.get("contradiction", "")),
     )
 
 

@@ -15,6 +15,7 @@ _LONGEST = 400  # letters of a question
 _LATIN = ("en", "es", "de", "fr")
 _ENDS = " .。!！?？,，、;；¿¡"
 _MOST_STOPS = 6
+_OPPOSED = {Which.NEAREST.value, Which.FARTHEST.value}  # one place is hardly both
 _DEEPEST = 2  # anchors of anchors
 _POSSESSIVE = re.compile(r"['’]s?$")
 
@@ -77,6 +78,7 @@ def _stop(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: in
         left = _uncommon(left, languages, knowledge)
     is_any = ask in (Ask.HERE, Ask.FORBIDDEN) or (not left and (stop.relation is not None or ask is Ask.LIST))
     which = stop.which
+    opposed = sorted({each.value for each in _orders(what, languages)} & _OPPOSED)
     if which is Which.ANY and ask in (Ask.LIST, Ask.HERE, Ask.FORBIDDEN):
         which = Which.ALL
     return replace(
@@ -87,6 +89,7 @@ def _stop(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: in
         ask=ask,
         whole=text,
         which=which,
+        contradiction=" and ".join(opposed) if len(opposed) > 1 else "",
     )
 
 
@@ -165,6 +168,12 @@ def _ordered(text: str, languages: tuple[str, ...]) -> tuple[Which | None, int]:
             )
             return Which(found[0].then["which"]), rules_of(language).ranks.get(said.casefold(), 1)
     return None, 1
+
+
+def _orders(text: str, languages: tuple[str, ...]) -> set[Which]:
+    """All orders that are asked for, in the first language that has any."""
+    found = ({Which(row.then["which"]) for row in rules_of(each).orders if row.match(text)} for each in languages)
+    return next((each for each in found if each), set())
 
 
 def _related(text: str, languages: tuple[str, ...]) -> tuple[Row, re.Match[str], Rules] | None:
