@@ -59,6 +59,14 @@ def test_letters_spaced_out_evenly_and_blurred_are_none() -> None:
         assert are_ornaments(np.asarray(blurred, np.uint8), box[None]).tolist() == [False], font
 
 
+def test_blurred_stems_at_even_distances_are_none() -> None:
+    for font in font_names("latin"):
+        image, box = written("GRAND STREET", font, 24)
+        for blur in (1.5, 3.0):
+            blurred = np.asarray(cv2.GaussianBlur(image, (0, 0), blur), np.uint8)
+            assert are_ornaments(blurred, box[None]).tolist() == [False], font
+
+
 @pytest.mark.parametrize("text", ["一二三", "三三", "王王", "出口", "出\n口", "洗\n手\n间"])
 def test_chinese_is_none_across_or_downwards(text: str) -> None:
     for font in font_names("chinese"):

@@ -248,20 +248,20 @@ def _name_here(
     if not stands_elsewhere or not here or not key:
         return name, sure
     by_class = log_likelihood(key, here, _looks)
-    # That another name is just this one is as improbable as a slip of an unsure reader would be.
-    by_own = {
-        each: log_likelihood(each.key, here, _looks)
-        + log_likelihood(key, [replace(each, right=0.5, weight=1.0)], _looks)
-        for each in here
+    # That another name is just this one is as improbable as a slip of an unsure reader would be. Which of them it is,
+    # what was read here says alone: pieces of it are likelier to be like any name than the whole is.
+    own = {each: log_likelihood(each.key, here, _looks) for each in here}
+    ahead = {
+        each: score + log_likelihood(key, [replace(each, right=0.5, weight=1.0)], _looks) - by_class
+        for each, score in own.items()
         # Where a mark was read for a letter, there was one.
         if _looks(each.key) != _looks(key) and not (each.marks and each.key in key)
     }
-    best = max(by_own, key=lambda each: by_own[each], default=None)
-    if best is None or by_own[best] <= by_class:
+    best = max(ahead, key=lambda each: own[each], default=None)
+    if best is None or max(ahead.values()) <= 0.0:
         return name, sure
     counts = Counter(each.text for each in readings if paint_key(each.text) == best.key)
-    ahead = min(by_own[best] - by_class, _SUREST)
-    return counts.most_common(1)[0][0], best.right / (1.0 + exp(-ahead))
+    return counts.most_common(1)[0][0], best.right / (1.0 + exp(-min(max(ahead.values()), _SUREST)))
 
 
 def _looks(text: str) -> str:

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-_ALIKE = 0.84
-"""Correlation from which two neighbouring motifs are the same: different letters of one word correlate less."""
+_ALIKE = 0.9
+"""Correlation from which two neighbouring motifs are the same: letters of one word correlate less, blurred too."""
 
 _MOTIFS, _MOTIFS_OF_SEVERAL = 4.6, 3.6
 """Motifs in a row from which they are a pattern: four equal letters are written (0000); and where a motif holds several
@@ -25,8 +25,8 @@ _PIECES = 1.6
 _COVERED = 0.75
 """Share of the box that the runs must fill: a name may stand beside a frieze."""
 
-_LEAST_PERIOD, _LARGEST_PERIOD = 0.2, 2.2
-"""Heights of a box that a motif may be wide: a word that is repeated is wider."""
+_LEAST_PERIOD, _LARGEST_PERIOD = 0.3, 2.2
+"""Heights of a box that a motif may be wide: stems of letters stand closer, a word that is repeated is wider."""
 
 _SLACK_ALONG, _SLACK_ACROSS = 0.2, 1
 """Share of a period by which the next motif may stand elsewhere, and pixels above or below."""
