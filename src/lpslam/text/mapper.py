@@ -1,17 +1,15 @@
 """Runtime text mapping (paper, Fig. 1): read, classify, remember, name, place."""
 
-from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from time import perf_counter, thread_time
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera, inverse_transform, transform_points
-from lpslam.config import ReadingConfig, TextConfig
+from lpslam.config import TextConfig
 from lpslam.frames import RgbdFrame
 from lpslam.language.model import LanguageModel
 from lpslam.slam.state import TrackedFrame, TrackingState
@@ -20,11 +18,12 @@ from lpslam.text.again.looking import look_again
 from lpslam.text.boards.surroundings import surroundings
 from lpslam.text.placing.bearings import bearing_of
 from lpslam.text.placing.instances import KeyframePoses
-from lpslam.text.placing.placement import PlacementFault, place_text
+from lpslam.text.placing.placement import PlacementFault, is_squeezed, place_text
 from lpslam.text.placing.spots import Spots
 from lpslam.text.reading.borders import cut_by_border
 from lpslam.text.reading.boxes import letter_heights
 from lpslam.text.reading.certainty import probability_right
+from lpslam.text.reading.gate import ReadingGate
 from lpslam.text.reading.legibility import UNPLACED, SeenSize, frontal_cosine
 from lpslam.text.reading.ornaments import are_ornaments
 from lpslam.text.reading.spotting import ReadsElsewhere, TextSpotter, accepted_texts
@@ -226,7 +225,7 @@ class TextMapper:
             self.statistics.recognition_ms += 1000.0 * (perf_counter() - started)
             accepted = accepted_texts(boxes[kept], readings, config)
             accepted = [
-                None if text is not None and _is_squeezed(text.text, placements[row]) else text
+                None if text is not None and is_squeezed(text.text, placements[row]) else text
                 for row, text in zip(kept.tolist(), accepted, strict=True)
             ]
         except Exception as error:
@@ -392,52 +391,3 @@ class TextMapper:
         self.statistics.texts_rejected += int((fates == BoxFate.UNREAD).sum())
         self.statistics.texts_read += len(texts)
         self.statistics.observations_without_depth += sum(isinstance(each, PlacementFault) for _, each in texts)
-
-
-def _is_squeezed(text: str, placement: Placement | PlacementFault) -> bool:
-    """Whether one character was read of what has room for more: two ideographs seen aslant look like another one."""
-    if sum(ch.isalnum() for ch in text) != 1:
-        return False
-    if isinstance(placement, PlacementFault):
-        return True
-    return max(placement.width, placement.height) > _SQUARE * min(placement.width, placement.height)
-
-
-_SQUARE = 1.5
-"""Largest ratio of the sides of a character's box, in metres."""
-
-
-class ReadingGate:
-    """Decides which frames are read: at a set interval, sooner for new text, and rather a little later than blurred."""
-
-    def __init__(self, config: ReadingConfig) -> None:
-        self._config = config
-        self._hurries_until = -np.inf
-        self._last_read: float | None = None
-        self._sharpness: deque[float] = deque(maxlen=config.blur_window)
-
-    def is_due(self, timestamp: float) -> bool:
-        """Whether the interval since the last reading has passed."""
-        hurries = timestamp <= self._hurries_until
-        interval = self._config.new_text_interval if hurries else self._config.interval
-        # Half a millisecond of grace: timestamps are rounded.
-        return self._last_read is None or timestamp - self._last_read >= interval - 5e-4
-
-    def is_sharp(self, frame: RgbdFrame) -> bool:
-        """Whether a frame is not blurred against those before it, or no sharper one has come for too long."""
-        grey = cv2.cvtColor(frame.rgb[::2, ::2], cv2.COLOR_RGB2GRAY)
-        sharpness = float(cv2.Laplacian(grey, cv2.CV_32F).var())
-        usual = float(np.median(self._sharpness)) if self._sharpness else sharpness
-        self._sharpness.append(sharpness)
-        if sharpness >= self._config.blur_share * usual:
-            return True
-        waited = frame.timestamp - (frame.timestamp if self._last_read is None else self._last_read)
-        return waited >= (1.0 + self._config.blur_patience) * self._config.interval
-
-    def hurry(self, timestamp: float) -> None:
-        """Note that a text was seen that is not settled yet: it may be gone soon."""
-        self._hurries_until = timestamp + self._config.new_text_patience
-
-    def taken(self, timestamp: float) -> None:
-        """Note that a frame is read now."""
-        self._last_read = timestamp
