@@ -25,7 +25,8 @@ from lpslam.text.reading.boxes import letter_heights
 from lpslam.text.reading.certainty import probability_right
 from lpslam.text.reading.gate import ReadingGate
 from lpslam.text.reading.legibility import UNPLACED, SeenSize, frontal_cosine
-from lpslam.text.reading.ornaments import are_ornaments
+from lpslam.text.reading.ornaments import PatternVotes, pattern_likenesses
+from lpslam.text.reading.patterns import Likeness
 from lpslam.text.reading.spotting import ReadsElsewhere, TextSpotter, accepted_texts
 from lpslam.text.remembering.evidence import Glance
 from lpslam.text.remembering.memory import Pool, TextClass
@@ -76,6 +77,7 @@ class TextMapper:
         self._named_beside: set[int] = set()
         self._gate = ReadingGate(config.reading)
         self._spots = Spots()
+        self._pattern_votes = PatternVotes()
 
     def resume(self, world_from_keyframe: KeyframePoses) -> None:
         """Go on with a text map of an earlier recording: its clock stands still, and its texts are where they were."""
@@ -219,7 +221,10 @@ class TextMapper:
 
             started = perf_counter()
             kept = np.flatnonzero(fates == BoxFate.KEPT)
-            fates[kept[are_ornaments(frame.rgb, boxes[kept])]] = BoxFate.ORNAMENT
+            likenesses = dict(zip(kept.tolist(), pattern_likenesses(frame.rgb, boxes[kept]), strict=True))
+            for row, like in likenesses.items():
+                if self._is_ornament(like, placements[row], world_from_keyframe):
+                    fates[row] = BoxFate.ORNAMENT
             kept = np.flatnonzero(fates == BoxFate.KEPT)
             readings = self._spotter.recognise(frame.rgb, boxes[kept]) if len(kept) else []
             self.statistics.recognition_ms += 1000.0 * (perf_counter() - started)
@@ -321,6 +326,17 @@ class TextMapper:
         """Whether a place is certain enough to be evidence of what stands where."""
         return placement.uncertainty <= self._config.instances.doubtful_uncertainty
 
+    def _is_ornament(
+        self, like: Likeness, placement: Placement | PlacementFault, world_from_keyframe: Array | None
+    ) -> bool:
+        """Whether a box holds a pattern: by itself, or because what stands there mostly looks like one."""
+        if like is not Likeness.LIKE:
+            return like is Likeness.IS
+        here: set[int] = set()
+        if isinstance(placement, Placement) and self._is_sure(placement) and world_from_keyframe is not None:
+            here = self._spots.classes_at(placement, world_from_keyframe)
+        return self._pattern_votes.is_ornament(here)
+
     def _is_known(self, placement: Placement, seen: SeenSize, timestamp: float, world_from_keyframe: Array) -> bool:
         """Whether what stands here is known so well that reading it again would tell nothing; it is confirmed then."""
         settled = self._spots.settled_at(
@@ -358,6 +374,7 @@ class TextMapper:
         text_class = memory.sight(text.text, text.confidence, timestamp, here, glance)
         seen = SeenSize(glance.height, glance.frontal)
         self._spots.add(text_class.id, text.text, placement, world_from_keyframe, seen)
+        self._pattern_votes.read(text_class.id)
         return text_class
 
     def _name(self, text_class: TextClass) -> None:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from lpslam.assets import font_names, font_path
-from lpslam.text.reading.ornaments import are_ornaments, is_pattern, repetition
+from lpslam.text.reading.ornaments import PatternVotes, are_ornaments, is_pattern, repetition
 
 INK, GROUND = (30, 40, 60), (210, 200, 190)
 
@@ -128,3 +128,18 @@ def test_equal_letters_seen_aslant_are_none(text: str, yaw: float) -> None:
         picture, box = written(text, font)
         image, seen = walked_past(picture, box, yaw)
         assert are_ornaments(image, seen[None]).tolist() == [False], font
+
+
+def test_a_word_that_looks_like_a_pattern_now_and_then_is_read_and_a_pattern_that_does_mostly_is_not() -> None:
+    word, ornament = PatternVotes(), PatternVotes()
+    for _ in range(6):
+        word.read(7)
+    assert [word.is_ornament({7}) for _ in range(3)] == [False, False, False]
+    assert word.is_ornament({7})
+    assert ornament.is_ornament(())
+    ornament.read(3)
+    assert [ornament.is_ornament({3}) for _ in range(3)] == [True, True, True]
+    # One of two classes that were read there is enough.
+    for _ in range(4):
+        word.read(7)
+    assert not word.is_ornament({7, 3})

@@ -5,12 +5,14 @@ equal letters as it has in a row, and no word has five; nor does one say the sam
 seldom found as a whole: where a box holds but a piece of it, it goes on beyond the box, and text does not.
 """
 
+from collections.abc import Collection
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.text.reading.boxes import Boxes, along_the_lines
-from lpslam.text.reading.patterns import goes_on, likely_lags
+from lpslam.text.reading.patterns import Likeness, likely_lags, likeness
 from lpslam.text.reading.recognition import rectify
 
 Array = NDArray[np.float64]
@@ -49,13 +51,39 @@ _LONGEST = 1024
 _BEYOND = 3.0
 """Box heights beyond each end of a box in which its pattern is sought."""
 
+_OUTVOTED = 2
+"""Readings by which one view that looks like a pattern is outvoted."""
+
 _FLAT = 0.3
 """Share of the strongest contrast below which a column at an end is ground."""
 
 
 def are_ornaments(rgb: NDArray[np.uint8], boxes: Boxes) -> NDArray[np.bool_]:
-    """Tell which (n, 4, 2) boxes of an (h, w, 3) image hold a pattern and no text: (n,)."""
-    return np.array([is_pattern(_strip(rgb, box)) or _goes_on_beyond(rgb, box) for box in boxes], np.bool_)
+    """Tell which (n, 4, 2) boxes of an (h, w, 3) image hold a pattern and no text, whatever other views show: (n,)."""
+    return np.array([each is Likeness.IS for each in pattern_likenesses(rgb, boxes)], np.bool_)
+
+
+def pattern_likenesses(rgb: NDArray[np.uint8], boxes: Boxes) -> list[Likeness]:
+    """How like a pattern each of (n, 4, 2) boxes of an (h, w, 3) image is."""
+    return [Likeness.IS if is_pattern(_strip(rgb, box)) else _along_its_line(rgb, box) for box in boxes]
+
+
+class PatternVotes:
+    """What single views cannot tell, all views of a place do: a word looks like a pattern in few of them."""
+
+    def __init__(self) -> None:
+        self._read: dict[int, int] = {}
+        self._like: dict[int, int] = {}
+
+    def read(self, text_class: int) -> None:
+        """Note a reading of a class that was not refused."""
+        self._read[text_class] = self._read.get(text_class, 0) + 1
+
+    def is_ornament(self, here: Collection[int]) -> bool:
+        """Note one that does, at a place where these classes were read, and whether it is no text."""
+        for each in here:
+            self._like[each] = self._like.get(each, 0) + 1
+        return all(self._read.get(each, 0) < _OUTVOTED * self._like[each] for each in here)
 
 
 def is_pattern(strip: Array) -> bool:
@@ -88,7 +116,7 @@ def repetition(strip: Array) -> tuple[float, float]:
     return width / (period + shift), float(here)
 
 
-def _goes_on_beyond(rgb: NDArray[np.uint8], box: Boxes) -> bool:
+def _along_its_line(rgb: NDArray[np.uint8], box: Boxes) -> Likeness:
     """Whether a box holds a piece of a pattern that goes on along its line."""
     line = along_the_lines(box[None])[0]
     height = max(float(np.linalg.norm(line[3] - line[0] + line[2] - line[1])) / 2.0, 1.0)
@@ -103,7 +131,7 @@ def _goes_on_beyond(rgb: NDArray[np.uint8], box: Boxes) -> bool:
     third = max(strip.shape[1] // 3, 1)
     parts = [strip[:, own], strip, *(strip[:, start : start + third] for start in range(0, 3 * third, third))]
     lags = {lag for part in parts for lag in likely_lags(_autocorrelation(part), _HEIGHT)}
-    return goes_on(strip, own, sorted(lags), _pieces)
+    return likeness(strip, own, sorted(lags), _pieces)
 
 
 def _room(rgb: NDArray[np.uint8], sides: Boxes, height: float) -> float:

@@ -5,6 +5,7 @@ room for where that stands; a pattern is a run of such pairs that leads through 
 """
 
 from collections.abc import Callable, Iterable
+from enum import IntEnum
 
 import cv2
 import numpy as np
@@ -14,6 +15,9 @@ Array = NDArray[np.float64]
 
 _ALIKE = 0.9
 """Correlation from which two neighbouring motifs are the same: letters of one word correlate less, blurred too."""
+
+_NEARLY_ALIKE = 0.86
+"""The same, of which blurred words fall short in most views only: a single view says nothing then."""
 
 _MOTIFS, _MOTIFS_OF_SEVERAL = 4.6, 3.6
 """Motifs in a row from which they are a pattern: four equal letters are written (0000); and where a motif holds several
@@ -38,8 +42,16 @@ _FAINT = 0.12
 """Share of the box's contrast below which a motif is ground."""
 
 
-def goes_on(strip: Array, box: slice, lags: Iterable[int], pieces: Callable[[Array], int]) -> bool:
-    """Whether runs of equal motifs lead through the columns of a box in a strip (height, width) and on.
+class Likeness(IntEnum):
+    """How like a pattern what is in a box is."""
+
+    NONE = 0
+    LIKE = 1
+    IS = 2
+
+
+def likeness(strip: Array, box: slice, lags: Iterable[int], pieces: Callable[[Array], int]) -> Likeness:
+    """Whether runs of equal motifs lead through the columns of a box in a strip (height, width), perhaps beyond it.
 
     Args:
         strip: levels of grey.
@@ -49,16 +61,26 @@ def goes_on(strip: Array, box: slice, lags: Iterable[int], pieces: Callable[[Arr
     """
     spread = float(strip[:, box].std())
     if spread < 1.0:
+        return Likeness.NONE
+    alike = [(lag, neighbours_alike(strip, lag, _FAINT * spread)) for lag in lags]
+    for least, found in ((_ALIKE, Likeness.IS), (_NEARLY_ALIKE, Likeness.LIKE)):
+        explained = np.zeros(strip.shape[1], np.bool_)
+        for lag, correlations in alike:
+            for first, last in runs(correlations >= least):
+                if _are_motifs(strip, first, last, lag, pieces):
+                    explained[first : last + lag] = True
+        if float(explained[box].mean()) >= _COVERED:
+            return found
+    return Likeness.NONE
+
+
+def _are_motifs(strip: Array, first: int, last: int, lag: int, pieces: Callable[[Array], int]) -> bool:
+    """Whether a run of pairs (from the first column to before the last) is of enough motifs."""
+    # The last motif of a run is that which its last pair leads to.
+    motifs = (last - first) / lag + 1.0
+    if motifs < _MOTIFS_OF_SEVERAL:
         return False
-    explained = np.zeros(strip.shape[1], np.bool_)
-    for lag in lags:
-        alike = neighbours_alike(strip, lag, _FAINT * spread) >= _ALIKE
-        for first, last in runs(alike):
-            # The last motif of a run is that which its last pair leads to.
-            end, motifs = last + lag, (last - first) / lag + 1.0
-            if motifs >= _MOTIFS or (motifs >= _MOTIFS_OF_SEVERAL and pieces(strip[:, first:end]) >= _PIECES * motifs):
-                explained[first:end] = True
-    return float(explained[box].mean()) >= _COVERED
+    return motifs >= _MOTIFS or pieces(strip[:, first : last + lag]) >= _PIECES * motifs
 
 
 def neighbours_alike(strip: Array, lag: int, faint: float) -> Array:
