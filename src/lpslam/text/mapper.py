@@ -242,7 +242,7 @@ class TextMapper:
             self.statistics.reader_processor_ms += 1000.0 * (self._processor_seconds() - processor)
         fates[kept[[each is None for each in accepted]]] = BoxFate.UNREAD
         texts = [(text, placements[row]) for row, text in zip(kept.tolist(), accepted, strict=True) if text]
-        self._count(fates, texts)
+        self.statistics.count(fates.tolist(), sum(isinstance(each, PlacementFault) for _, each in texts))
         return FrameReading(
             frame=frame.index,
             boxes=boxes,
@@ -395,16 +395,3 @@ class TextMapper:
                 self._named_beside.add(key)
             else:
                 self.statistics.language_errors += 1
-
-    def _count(
-        self, fates: NDArray[np.object_], texts: Sequence[tuple[SpottedText, Placement | PlacementFault]]
-    ) -> None:
-        self.statistics.boxes_detected += len(fates)
-        self.statistics.boxes_at_border += int((fates == BoxFate.BORDER).sum())
-        self.statistics.boxes_too_small += int((fates == BoxFate.SMALL).sum())
-        self.statistics.boxes_hidden += int((fates == BoxFate.HIDDEN).sum())
-        self.statistics.boxes_known += int((fates == BoxFate.KNOWN).sum())
-        self.statistics.boxes_ornamental += int((fates == BoxFate.ORNAMENT).sum())
-        self.statistics.texts_rejected += int((fates == BoxFate.UNREAD).sum())
-        self.statistics.texts_read += len(texts)
-        self.statistics.observations_without_depth += sum(isinstance(each, PlacementFault) for _, each in texts)
