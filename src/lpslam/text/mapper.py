@@ -332,10 +332,10 @@ class TextMapper:
         """Whether a box holds a pattern: by itself, or because what stands there mostly looks like one."""
         if like is not Likeness.LIKE:
             return like is Likeness.IS
-        here: set[int] = set()
-        if isinstance(placement, Placement) and self._is_sure(placement) and world_from_keyframe is not None:
-            here = self._spots.classes_at(placement, world_from_keyframe)
-        return self._pattern_votes.is_ornament(here)
+        # Without a place there are no other views to ask, and one says nothing.
+        if not isinstance(placement, Placement) or not self._is_sure(placement) or world_from_keyframe is None:
+            return False
+        return self._pattern_votes.is_ornament(self._spots.classes_at(placement, world_from_keyframe))
 
     def _is_known(self, placement: Placement, seen: SeenSize, timestamp: float, world_from_keyframe: Array) -> bool:
         """Whether what stands here is known so well that reading it again would tell nothing; it is confirmed then."""
