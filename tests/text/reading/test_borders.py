@@ -91,31 +91,3 @@ def test_a_blank_wall_at_one_side_is_no_frame() -> None:
     image, _ = seen("COFFEE", 100, 100, ground=(200, 190, 180))
     image[:12] = 255
     assert [each.tolist() for each in view_of(image)] == [[0, 0], [WIDTH - 1, HEIGHT - 1]]
-
-
-def two_words(left: int, gap: int = 22, edge: bool = False, ground: tuple[int, ...] = WHITE) -> bool:
-    """Whether the second of two words is cut, of which the first begins so far left; an edge may part them."""
-    (first, height), _ = cv2.getTextSize("FRESH", cv2.FONT_HERSHEY_SIMPLEX, 1.2, 3)
-    start = left + first + gap
-    image, box = seen("BREAD", start, 100)
-    cv2.putText(image, "FRESH", (left, 100 + height), cv2.FONT_HERSHEY_SIMPLEX, 1.2, BLACK, 3, cv2.LINE_AA)
-    if edge:
-        cv2.rectangle(image, (0, 60), (start - 14, 160), ground, -1)
-        cv2.putText(image, "FRESH", (left, 100 + height), cv2.FONT_HERSHEY_SIMPLEX, 1.2, BLACK, 3, cv2.LINE_AA)
-        cv2.line(image, (start - 14, 60), (start - 14, 160), BLACK, 3)
-    return bool(cut_by_border(image, box[None])[0])
-
-
-@pytest.mark.parametrize("left", [-70, -55, -85])
-def test_a_word_waits_for_the_one_before_it_that_the_border_cuts(left: int) -> None:
-    assert two_words(left)
-
-
-def test_a_word_beside_a_whole_one_is_kept() -> None:
-    assert not two_words(30)
-    assert not two_words(-70, gap=70)
-
-
-def test_what_the_border_cuts_of_another_board_does_not_matter() -> None:
-    assert not two_words(-70, edge=True)
-    assert not two_words(-70, edge=True, ground=BLUE)

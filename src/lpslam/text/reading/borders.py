@@ -24,28 +24,6 @@ _LEAST_SPACE = 0.2
 _MARGIN = 0.15
 """Box heights by which a detected box is grown beyond its letters; so much above and below must be in the image."""
 
-_WORD = 2.5
-"""Box heights beyond an end in which the rest of a word that the border cuts off is looked for: the detector finds none
-of it, while what is left of it are pieces of letters."""
-
-_WORD_GAP = 1.0
-"""Largest gap, box heights, before that word: more parts two texts."""
-
-_TO_THE_BORDER = 0.35
-"""Box heights before the border at which its ink must end at last: a word that ends before is whole."""
-
-_AS_HIGH = 0.65
-"""Of the letters' height, that of the next word's: small letters beside tall ones are lower."""
-
-_STROKES = 0.1, 0.7
-"""Share of its pixels that are ink, where it is letters."""
-
-_SAME_LEVEL = 0.25
-"""Share of the contrast between letters and ground by which those of the next word may differ."""
-
-_BAR = 0.9
-"""Share of a column from which it is no letter's stroke but the end of the ground: a frame, or what is behind it."""
-
 _PIXELS = 24
 """Height of the box, pixels, at which strokes are looked for."""
 
@@ -59,18 +37,11 @@ def cut_by_border(rgb: Image, boxes: Boxes) -> Mask:
     if not len(boxes):
         return cut
     lines = along_the_lines(boxes)
-    heights = letter_heights(boxes)[:, None]
+    spacious = _grown(lines, letter_heights(boxes)[:, None], _SPACE, _MARGIN)
     first, last = view_of(rgb)
-    for row in _reaching_out(_grown(lines, heights, _SPACE, _MARGIN), first, last):
+    for row in np.flatnonzero(~((spacious >= first) & (spacious <= last)).all(axis=(1, 2))).tolist():
         cut[row] = _goes_on(rgb, lines[row], first, last)
-    for row in _reaching_out(_grown(lines, heights, _WORD, 0.0), first, last):
-        cut[row] = cut[row] or _goes_on_after_a_gap(rgb, lines[row], first, last)
     return cut
-
-
-def _reaching_out(boxes: Boxes, first: Pixel, last: Pixel) -> list[int]:
-    """Which (n, 4, 2) boxes are not wholly in the image."""
-    return np.flatnonzero(~((boxes >= first) & (boxes <= last)).all(axis=(1, 2))).tolist()
 
 
 def view_of(rgb: Image) -> tuple[Pixel, Pixel]:
@@ -131,69 +102,11 @@ def _goes_on(rgb: Image, line: Boxes, first: Pixel, last: Pixel) -> bool:
     return not ((sides > first) & (sides < last)).all() and _runs_out(ink, visible, margin, space)
 
 
-def _goes_on_after_a_gap(rgb: Image, line: Boxes, first: Pixel, last: Pixel) -> bool:
-    """Whether the next word of a line (4, 2), on the same ground, is cut off by the border."""
-    strip, visible = _surroundings(rgb, line, first, last, _WORD)
-    space, margin = round(_WORD * _PIXELS), round(_MARGIN * _PIXELS)
-    rows = slice(margin, -margin)
-    ink = _ink(strip, visible, rows, slice(space, -space)) & visible
-    line_ink, line_strip = ink[rows, space:-space], strip[rows, space:-space].astype(np.float64)
-    if not line_ink.any() or line_ink.all():
-        return False
-    like = float(line_strip[line_ink].mean()), float(line_strip[~line_ink].mean())
-    for side in (slice(space - 1, None, -1), slice(-space, None)):
-        beyond = ink[rows, side], visible[rows, side]
-        end = _end_of_cut_word(*beyond, _reach(line_ink))
-        if end and _is_same_paint(strip[rows, side][:, :end], beyond[0][:, :end], beyond[1][:, :end], *like):
-            return True
-    return False
-
-
-def _is_same_paint(strip: Image, ink: Mask, visible: Mask, letters: float, ground: float) -> bool:
-    """Whether a part of a strip has letters and ground of these levels: else it is a wall, or another board."""
-    levels, off = strip.astype(np.float64), _SAME_LEVEL * abs(letters - ground)
-    plain = levels[visible & ~ink]
-    painted = levels[visible & ink]
-    return bool(
-        len(plain)
-        and len(painted)
-        and abs(plain.mean() - ground) <= off
-        and abs(painted.mean() - letters) <= off
-        and plain.std() <= off
-    )
-
-
-def _reach(ink: Mask) -> int:
-    """From the first to the last row with ink, without the odd speck."""
-    inked = np.flatnonzero(ink.mean(axis=1) > _PLAIN)
-    return int(inked[-1] - inked[0]) + 1 if len(inked) else 0
-
-
-def _end_of_cut_word(ink: Mask, visible: Mask, letters: int) -> int:
-    """The last column, plus one, of a cut word in (rows, columns from the end of a text outwards); 0 without one.
-
-    Its letters are about as high as so many rows; a line beside it that is smaller is another one.
-    """
-    seen = int(np.cumprod(visible.mean(axis=0) > 0.5).sum())
-    if seen == visible.shape[1] or seen == 0:
-        return 0
-    share = ink[:, :seen].sum(axis=0) / visible[:, :seen].sum(axis=0)
-    inked = np.flatnonzero(share > _PLAIN)
-    if not len(inked) or (share > _BAR).any():
-        return 0
-    begins, ends = int(inked[0]), int(inked[-1])
-    few, many = _STROKES
-    is_near = begins <= _WORD_GAP * _PIXELS and seen - 1 - ends <= _TO_THE_BORDER * _PIXELS
-    is_as_high = _reach(ink[:, begins : ends + 1]) >= _AS_HIGH * letters
-    is_written = few <= float(share[begins : ends + 1].mean()) <= many
-    return ends + 1 if is_near and is_as_high and is_written else 0
-
-
-def _surroundings(rgb: Image, line: Boxes, first: Pixel, last: Pixel, beyond: float = _SPACE) -> tuple[Image, Mask]:
-    """The line and so many heights beyond its ends as a level grey strip, and which of its pixels are in the image."""
+def _surroundings(rgb: Image, line: Boxes, first: Pixel, last: Pixel) -> tuple[Image, Mask]:
+    """The line and the space around it as a level grey strip, and which of its pixels are in the image."""
     width = float(np.linalg.norm(line[1] - line[0] + line[2] - line[3])) / 2.0
     height = max(float(np.linalg.norm(line[3] - line[0] + line[2] - line[1])) / 2.0, 1.0)
-    space, margin = round(beyond * _PIXELS), round(_MARGIN * _PIXELS)
+    space, margin = round(_SPACE * _PIXELS), round(_MARGIN * _PIXELS)
     columns = max(round(width / height * _PIXELS), 1)
     target = np.array([[0, 0], [columns, 0], [columns, _PIXELS], [0, _PIXELS]], np.float32)
     target += np.array([space, margin], np.float32)
