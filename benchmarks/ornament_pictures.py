@@ -175,6 +175,34 @@ def _arches(image: Picture, random: np.random.Generator, size: int, ink: tuple[i
             cv2.ellipse(image, (left, top + size), (round_half, size), 0, 180, 360, ink, thick, cv2.LINE_AA)
 
 
+def _dentils(image: Picture, random: np.random.Generator, size: int, ink: tuple[int, int, int]) -> None:
+    wide, thick = max(4, int(size * random.uniform(0.3, 0.6))), max(2, size // 6)
+    pitch = wide + max(3, int(size * random.uniform(0.25, 0.6)))
+    for top in range(int(random.integers(0, 60)), SIZE[1], int(size * random.uniform(1.6, 3.0))):
+        cv2.rectangle(image, (0, top), (SIZE[0], top + thick), ink, -1)
+        for left in range(0, SIZE[0], pitch):
+            cv2.rectangle(image, (left, top), (left + wide, top + size), ink, -1)
+
+
+def _woven(image: Picture, random: np.random.Generator, size: int, ink: tuple[int, int, int]) -> None:
+    half, gap = max(5, size // 2), max(1, size // 9)
+    for row, top in enumerate(range(0, SIZE[1], half)):
+        for column, left in enumerate(range(0, SIZE[0], half)):
+            over = (half, half // 2) if (row + column) % 2 else (half // 2, half)
+            corner = left + (half - over[0]) // 2, top + (half - over[1]) // 2
+            cv2.rectangle(image, corner, (corner[0] + over[0] - gap, corner[1] + over[1] - gap), ink, -1)
+
+
+def _loops(image: Picture, random: np.random.Generator, size: int, ink: tuple[int, int, int]) -> None:
+    """Curls that lean on each other, as ironwork has them."""
+    thick, pitch = max(2, size // 8), int(size * random.uniform(0.7, 1.1))
+    turn, open_end = int(random.integers(0, 360)), int(random.integers(250, 330))
+    for top in range(int(random.integers(0, 60)), SIZE[1], int(size * random.uniform(1.6, 3.0))):
+        for number, left in enumerate(range(0, SIZE[0], pitch)):
+            middle, reach = (left + size // 2, top + size // 2), (int(size * 0.36), int(size * 0.45))
+            cv2.ellipse(image, middle, reach, turn + 180 * (number % 2), 0, open_end, ink, thick, cv2.LINE_AA)
+
+
 ORNAMENTS: dict[str, Draw] = {
     "motifs": _motifs,
     "meander": _meander,
@@ -187,11 +215,42 @@ ORNAMENTS: dict[str, Draw] = {
     "barcode": _barcode,
     "shelf of bottles": _bottles,
     "arches": _arches,
+    "dentils": _dentils,
+    "woven": _woven,
+    "loops": _loops,
 }
 
 
 def ornament(kind: str, random: np.random.Generator) -> Picture:
     """A wall with an ornament, seen a little aslant: (480, 640, 3)."""
+    image, ground = _wall(kind, random)
+    return _seen(image, random, ground)
+
+
+def ornament_walked_past(kind: str, random: np.random.Generator, views: int) -> list[Picture]:
+    """A wall with an ornament as it is seen in passing: so many pictures, from one side to the other."""
+    image, ground = _wall(kind, random)
+    away = float(random.uniform(1.0, 1.6))
+    return [_noisy(_aslant(image, yaw, away, ground), random) for yaw in np.linspace(-50.0, 50.0, views)]
+
+
+def _aslant(image: Picture, yaw: float, away: float, ground: tuple[int, int, int]) -> Picture:
+    """A wall seen at so many degrees, from so many times the distance at which it fills the picture."""
+    cosine, sine = np.cos(np.radians(yaw)), np.sin(np.radians(yaw))
+    corners = np.array([[-320.0, -240.0], [320.0, -240.0], [320.0, 240.0], [-320.0, 240.0]])
+    depth = away * FOCAL + corners[:, 0] * sine
+    seen = np.stack([corners[:, 0] * cosine, corners[:, 1]], axis=1) * FOCAL / depth[:, None]
+    warp = cv2.getPerspectiveTransform(np.float32(corners + MIDDLE), np.float32(seen + MIDDLE))
+    return np.asarray(cv2.warpPerspective(image, warp, SIZE, borderValue=ground, flags=cv2.INTER_AREA), np.uint8)
+
+
+MIDDLE = np.array([320.0, 240.0])
+FOCAL = 525.0
+"""Pixels, of the camera that walks past."""
+
+
+def _wall(kind: str, random: np.random.Generator) -> tuple[Picture, tuple[int, int, int]]:
+    """The wall as it is, and the colour of its ground."""
     ground, ink = _colours(random)
     image = np.full((SIZE[1], SIZE[0], 3), ground, np.uint8)
     size = int(random.integers(16, 56))
@@ -200,7 +259,7 @@ def ornament(kind: str, random: np.random.Generator) -> Picture:
         # Most ornaments end somewhere: a band of a few motifs.
         left, wide = int(random.integers(20, 200)), int(size * random.uniform(2.5, 9.0))
         image[:, :left], image[:, left + wide :] = ground, ground
-    return _seen(image, random, ground)
+    return image, ground
 
 
 def text(random: np.random.Generator) -> tuple[str, Picture, NDArray[np.float64]]:

@@ -14,22 +14,27 @@ import cv2
 import numpy as np
 
 import ornament_pictures
-from lpslam.config import SpottingConfig
+from lpslam.config import MemoryConfig, SpottingConfig
+from lpslam.text.reading.borders import cut_by_border
 from lpslam.text.reading.boxes import letter_heights
 from lpslam.text.reading.ornaments import are_ornaments
 from lpslam.text.reading.spotting import PaddleSpotter, accepted_texts
+from lpslam.text.remembering.memory import LongShortTermMemory
 
 SEEDS = {"dev": 0, "eval": 20000}
+READ_EVERY = 0.2  # seconds, between views of a wall
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--set", choices=sorted(SEEDS), default="eval", help="which pictures (default eval)")
     parser.add_argument("--ornaments", type=int, default=20, help="pictures of each kind (default 20)")
+    parser.add_argument("--walks", type=int, default=6, help="walls of each kind that are walked past (default 6)")
     parser.add_argument("--texts", type=int, default=4000, help="(default 4000)")
     given = parser.parse_args()
     cv2.setNumThreads(1)
     measure_ornaments(SEEDS[given.set], given.ornaments)
+    measure_walks(SEEDS[given.set], given.walks)
     measure_texts(SEEDS[given.set], given.texts)
 
 
@@ -53,6 +58,36 @@ def measure_ornaments(first: int, count: int) -> None:
         print(f"| {kind} | {counts[0]} | {counts[1]} | {counts[2]} | {', '.join(n for n, _ in names.most_common(5))} |")
         sums += counts
     print(f"| **all** | {sums[0]} | {sums[1]} | {sums[2]} | |")
+
+
+def measure_walks(first: int, count: int, views: int = 8) -> None:
+    """Print what is read of walls in passing, and how many classes are remembered, with the refusal and without."""
+    config = SpottingConfig()
+    spotter = PaddleSpotter(config)
+    print("| Walked past | Read as text | Of these not refused | Remembered without, with refusal |\n|---|---|---|---|")
+    sums = np.zeros(4, int)
+    for number, kind in enumerate(ornament_pictures.ORNAMENTS):
+        counts = np.zeros(4, int)
+        for seed in range(first, first + count):
+            memories = [LongShortTermMemory(MemoryConfig()) for _ in range(2)]
+            walk = ornament_pictures.ornament_walked_past(kind, np.random.default_rng([seed, number, 5]), views)
+            for view, image in enumerate(walk):
+                boxes, _ = spotter.detect(image)
+                boxes = boxes[letter_heights(boxes) >= config.min_letter_height]
+                boxes = boxes[~cut_by_border(image, boxes)]
+                texts = accepted_texts(boxes, spotter.recognise(image, boxes), config)
+                for memory, refused in zip(
+                    memories, (np.zeros(len(boxes), bool), are_ornaments(image, boxes)), strict=True
+                ):
+                    memory.forget(READ_EVERY * view)
+                    kept = [text for text, each in zip(texts, refused, strict=True) if text is not None and not each]
+                    for text in kept:
+                        memory.sight(text.text, text.confidence, READ_EVERY * view)
+                    counts[int(memory is memories[1])] += len(kept)
+            counts[2:] += [len(memory.long_term) for memory in memories]
+        print(f"| {kind} | {counts[0]} | {counts[1]} | {counts[2]}, {counts[3]} |")
+        sums += counts
+    print(f"| **all** | {sums[0]} | {sums[1]} | {sums[2]}, {sums[3]} |")
 
 
 def measure_texts(first: int, count: int) -> None:

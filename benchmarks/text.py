@@ -40,6 +40,7 @@ def main() -> None:
     parser.add_argument("--true-poses", action="store_true", help="reading and remembering alone, without SLAM")
     parser.add_argument("--minutes", type=float, default=30.0, help="of a long walk (default 30)")
     parser.add_argument("--engine", choices=["auto", "openvino", "onnxruntime"], default="auto")
+    parser.add_argument("--plot", type=Path, help="picture of stated against measured, of photographed fronts")
     parser.add_argument("--out", type=Path, help="folder for results.jsonl, maps and pictures")
     given = parser.parse_intermixed_args()
     # Before numpy loads: its threads would hide processor time from what is measured.

@@ -282,6 +282,24 @@ def draw(path: Path, parts: Sequence[Part]) -> None:
     figure.savefig(path, dpi=90)
 
 
+def draw_stated(path: Path, name: str, stated: Sequence[tuple[float, bool]]) -> None:
+    """A picture of stated against measured for (how sure, whether exact): by tenths, and how many are in each."""
+    from matplotlib.figure import Figure
+
+    said, exact = np.array([each for each, _ in stated]), np.array([each for _, each in stated])
+    tenth = np.minimum((said * 10).astype(int), 9)
+    figure = Figure(figsize=(5, 4.2), layout="constrained")
+    axes = figure.subplots()
+    axes.plot([0, 1], [0, 1], color="0.7", linewidth=1)
+    for k in sorted(set(tenth.tolist())):
+        of = tenth == k
+        axes.plot(said[of].mean(), exact[of].mean(), "o", color="C0", markersize=4 + 2 * np.log10(of.sum()) ** 2)
+        axes.annotate(str(of.sum()), (said[of].mean(), exact[of].mean()), xytext=(6, -10), textcoords="offset points")
+    title = f"{name}, error {calibration_error(said, exact):.3f}"
+    axes.set(title=title, xlabel="stated", ylabel="exactly right", xlim=(0, 1.05), ylim=(0, 1.05))
+    figure.savefig(path, dpi=90)
+
+
 def _kinds(rows: Sequence[Row]) -> list[tuple[str, NDArray[np.bool_]]]:
     height = np.array([row.height for row in rows])
     han = np.array([any("\u4e00" <= ch <= "\u9fff" for ch in row.painted) for row in rows])

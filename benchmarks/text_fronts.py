@@ -26,13 +26,15 @@ from lpslam.text.reading.spotting import PaddleSpotter, accepted_texts
 from lpslam.text.remembering.similarity import comparison_key
 from slam_recordings import Recording
 from slam_report import Report
-from text_fronts_scores import Judged, SignScore, judge, lines_said, texts_of
+from text_calibration import calibration_error, draw_stated
+from text_fronts_scores import Judged, SignScore, judge, lines_said, stated_and_exact, texts_of
 
 SETS = {"development": range(1, 7), "test": range(101, 107)}
 """Seeds of streets: those to develop on, and those that nothing is tuned on."""
 PLAIN_SCALE = 0.5  # of a board's own pixels for plain reading: as large as it is in a walk
 EDGE = 40  # pixels of grey around a flat board, so that no text lies on the image's edge
 ORNAMENT_SEED = 7
+SURE = 0.9  # from which a line counts as sure
 FACTORS = ("lettering", "ageing", "script", "depth")
 
 
@@ -57,6 +59,7 @@ class Total:
     scores: list[SignScore] = field(default_factory=list)
     ate: list[float] = field(default_factory=list)
     boards: list[LabelledBoard] = field(default_factory=list)
+    stated: list[tuple[float, bool]] = field(default_factory=list)
 
 
 def measure(given: Namespace, config: Config, report: Report, photographs: Path) -> None:
@@ -79,6 +82,8 @@ def measure(given: Namespace, config: Config, report: Report, photographs: Path)
     spotter = PaddleSpotter(config.text.spotting)
     for street in streets:
         total.boards += _measure_street(street, given.cache, spotter, config, report, total)
+    if given.plot is not None and total.stated:
+        draw_stated(given.plot, f"lines of {which} streets", total.stated)
     _tables(total, read_flat(total.boards, spotter, config.text.spotting), report)
     read_ornaments(spotter, config.text.spotting)
 
@@ -126,6 +131,7 @@ def _measure_street(
     scores = evaluate(world, recording.truth, signs, frames, config.evaluation)
     truth_from_map = scores.ate.truth_from_estimate
     judged, of_signs = judge(world.landmarks(), signs, read_distractors(folder), truth_from_map, config.evaluation)
+    total.stated += stated_and_exact(world.landmarks(), signs, truth_from_map)
     total.judged += judged
     total.scores += of_signs
     total.ate.append(scores.ate.rmse)
@@ -248,6 +254,7 @@ def _tables(total: Total, plain: Plain, report: Report) -> None:
             ["Split boards", str(sum(each.split for each in total.scores)), ""],
             ["Duplicates", str(sum(each.doubles for each in total.scores)), ""],
             ["Lines right in role", _share([own == true for each in total.judged for own, true in each.roles]), ""],
+            *_calibration(total.stated),
             ["Position, median", f"{np.median(off):.3f} m" if off else "none", ""],
             ["ATE, median", f"{np.median(total.ate):.4f} m" if total.ate else "none", ""],
         ],
@@ -264,6 +271,18 @@ def _tables(total: Total, plain: Plain, report: Report) -> None:
             found, exact = _share([each.found for each in some]), _share([each.exact for each in some])
             rows.append([factor, name, found, exact, _share(flat)])
     report.table(["Factor", "Kind", "Found", "Exact", "Plain reading finds"], rows)
+
+
+def _calibration(stated: Sequence[tuple[float, bool]]) -> list[list[str]]:
+    """How well lines are what they are said to be."""
+    if not stated:
+        return []
+    said, exact = np.array([each for each, _ in stated]), np.array([each for _, each in stated])
+    sure = exact[said >= SURE].tolist()
+    return [
+        [f"Lines said to be {SURE} sure or more; exact", _share(sure), ""],
+        ["Expected calibration error of lines", f"{calibration_error(said, exact):.3f}", ""],
+    ]
 
 
 def _kinds(features: Mapping[str, str], factor: str) -> list[str]:

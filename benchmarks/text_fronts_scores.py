@@ -126,6 +126,18 @@ def judge(
     return judged, scores
 
 
+def stated_and_exact(
+    marks: Sequence[Landmark], signs: Sequence[TrueSign], truth_from_map: Array
+) -> list[tuple[float, bool]]:
+    """How surely every line is said to be exact, and whether a line of its board is just so."""
+    stated = []
+    for line in (line for mark in marks for line in mark.lines):
+        place = transform_points(truth_from_map, line.position[None])[0]
+        painted = {comparison_key(true.text) for sign in signs if _is_on(sign, place) for true in sign.lines}
+        stated.append((line.confidence, comparison_key(line.text) in painted))
+    return stated
+
+
 def _judge_one(
     mark: Landmark, place: Array, scores: Sequence[SignScore], distractors: Sequence[Distractor], like: float
 ) -> Judged:

@@ -28,6 +28,7 @@ ALLOWED: dict[str, set[str]] = {
         "language.naming.channel",
         "language.model",
         "language.sanitise",
+        "language.tables.forms",
         "language.tables.spelling",
         "slam.state",
         "slam.advice",

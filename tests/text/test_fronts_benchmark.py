@@ -75,3 +75,18 @@ def test_duplicates_are_counted_and_short_lines_are_not_found_in_long_ones() -> 
     lines = listed_signs([sign("茶行", "花", 0.0)], "here")[0].lines
     assert [each.text for each in lines_said("花店 茶行", lines, 0.8)] == ["花", "茶行"]
     assert lines_said("茶花女", lines[:1], 0.8) == ()
+
+
+def test_a_line_is_exact_where_its_board_says_just_that() -> None:
+    from dataclasses import replace
+
+    from lpslam.text.types import LandmarkLine
+    from text_fronts_scores import stated_and_exact
+
+    def own(text: str, x: float, sure: float) -> LandmarkLine:
+        return LandmarkLine(text, "primary", sure, np.array([x, 0.0, 2.6]), 0.9, 0.2, 5)
+
+    lines = own("Copper Fox", 1.4, 0.97), own("Coppar Fox", 1.4, 0.4), own("Copper Fox", 8.0, 0.9)
+    board = replace(mark("Copper Fox", 1.4, 2.6), lines=lines)
+    stated = stated_and_exact([board], listed_signs(SIGNS, "here"), np.eye(4))
+    assert stated == [(0.97, True), (0.4, False), (0.9, False)]

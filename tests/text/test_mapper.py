@@ -14,6 +14,7 @@ from lpslam.language.model import Candidate, Choice, Judgement, Naming, Reading
 from lpslam.slam.state import TrackedFrame, TrackingState
 from lpslam.text.distilling import distil
 from lpslam.text.mapper import TextMapper
+from lpslam.text.reading.patterns import Likeness
 from lpslam.text.text_map import TextMap
 from lpslam.text.types import BoxFate, Recognition, TextObservation
 
@@ -125,6 +126,29 @@ def test_what_is_settled_is_confirmed_unread_until_it_is_seen_better() -> None:
     for index in range(60, 70):
         mapper.observe(frame(index, depth=1.0), tracked(index))
     assert spotter.recognised > settled
+
+
+def test_what_only_looks_like_a_pattern_is_left_unread_where_its_other_views_can_be_asked(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    like = Likeness.LIKE
+
+    def likenesses(_: object, boxes: NDArray[np.float64]) -> list[Likeness]:
+        return [like] * len(boxes)
+
+    monkeypatch.setattr("lpslam.text.mapper.pattern_likenesses", likenesses)
+    placed, unplaced = (ScriptedSpotter((box(100, 200), "GUCCI", 0.98)) for _ in range(2))
+    mapper = run(TextMapper(CAMERA, placed, CONFIG), 10)
+    assert (placed.recognised, mapper.statistics.boxes_ornamental > 0) == (0, True)
+    mapper = run(TextMapper(CAMERA, unplaced, CONFIG), 10, depth=0.0)
+    assert (unplaced.recognised > 0, mapper.statistics.boxes_ornamental) == (True, 0)
+    # Read four times otherwise, it is a word that looks so now and then.
+    like = Likeness.NONE
+    mapper = run(TextMapper(CAMERA, placed, CONFIG), 10)
+    read = placed.recognised
+    like = Likeness.LIKE
+    mapper.observe(frame(20), tracked(20))
+    assert placed.recognised == read + 1
 
 
 def test_new_text_is_read_at_a_quicker_pace_than_none() -> None:

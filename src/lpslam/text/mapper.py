@@ -1,17 +1,15 @@
 """Runtime text mapping (paper, Fig. 1): read, classify, remember, name, place."""
 
-from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from time import perf_counter, thread_time
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera, inverse_transform, transform_points
-from lpslam.config import ReadingConfig, TextConfig
+from lpslam.config import TextConfig
 from lpslam.frames import RgbdFrame
 from lpslam.language.model import LanguageModel
 from lpslam.slam.state import TrackedFrame, TrackingState
@@ -20,13 +18,15 @@ from lpslam.text.again.looking import look_again
 from lpslam.text.boards.surroundings import surroundings
 from lpslam.text.placing.bearings import bearing_of
 from lpslam.text.placing.instances import KeyframePoses
-from lpslam.text.placing.placement import PlacementFault, place_text
+from lpslam.text.placing.placement import PlacementFault, is_squeezed, place_text
 from lpslam.text.placing.spots import Spots
 from lpslam.text.reading.borders import cut_by_border
 from lpslam.text.reading.boxes import letter_heights
 from lpslam.text.reading.certainty import probability_right
+from lpslam.text.reading.gate import ReadingGate
 from lpslam.text.reading.legibility import UNPLACED, SeenSize, frontal_cosine
-from lpslam.text.reading.ornaments import are_ornaments
+from lpslam.text.reading.ornaments import PatternVotes, pattern_likenesses
+from lpslam.text.reading.patterns import Likeness
 from lpslam.text.reading.spotting import ReadsElsewhere, TextSpotter, accepted_texts
 from lpslam.text.remembering.evidence import Glance
 from lpslam.text.remembering.memory import Pool, TextClass
@@ -77,6 +77,7 @@ class TextMapper:
         self._named_beside: set[int] = set()
         self._gate = ReadingGate(config.reading)
         self._spots = Spots()
+        self._pattern_votes = PatternVotes()
 
     def resume(self, world_from_keyframe: KeyframePoses) -> None:
         """Go on with a text map of an earlier recording: its clock stands still, and its texts are where they were."""
@@ -220,13 +221,16 @@ class TextMapper:
 
             started = perf_counter()
             kept = np.flatnonzero(fates == BoxFate.KEPT)
-            fates[kept[are_ornaments(frame.rgb, boxes[kept])]] = BoxFate.ORNAMENT
+            likenesses = dict(zip(kept.tolist(), pattern_likenesses(frame.rgb, boxes[kept]), strict=True))
+            for row, like in likenesses.items():
+                if self._is_ornament(like, placements[row], world_from_keyframe):
+                    fates[row] = BoxFate.ORNAMENT
             kept = np.flatnonzero(fates == BoxFate.KEPT)
             readings = self._spotter.recognise(frame.rgb, boxes[kept]) if len(kept) else []
             self.statistics.recognition_ms += 1000.0 * (perf_counter() - started)
             accepted = accepted_texts(boxes[kept], readings, config)
             accepted = [
-                None if text is not None and _is_squeezed(text.text, placements[row]) else text
+                None if text is not None and is_squeezed(text.text, placements[row]) else text
                 for row, text in zip(kept.tolist(), accepted, strict=True)
             ]
         except Exception as error:
@@ -238,7 +242,7 @@ class TextMapper:
             self.statistics.reader_processor_ms += 1000.0 * (self._processor_seconds() - processor)
         fates[kept[[each is None for each in accepted]]] = BoxFate.UNREAD
         texts = [(text, placements[row]) for row, text in zip(kept.tolist(), accepted, strict=True) if text]
-        self._count(fates, texts)
+        self.statistics.count(fates.tolist(), sum(isinstance(each, PlacementFault) for _, each in texts))
         return FrameReading(
             frame=frame.index,
             boxes=boxes,
@@ -322,6 +326,17 @@ class TextMapper:
         """Whether a place is certain enough to be evidence of what stands where."""
         return placement.uncertainty <= self._config.instances.doubtful_uncertainty
 
+    def _is_ornament(
+        self, like: Likeness, placement: Placement | PlacementFault, world_from_keyframe: Array | None
+    ) -> bool:
+        """Whether a box holds a pattern: by itself, or because what stands there mostly looks like one."""
+        if like is not Likeness.LIKE:
+            return like is Likeness.IS
+        # Without a place there are no other views to ask, and one says nothing.
+        if not isinstance(placement, Placement) or not self._is_sure(placement) or world_from_keyframe is None:
+            return False
+        return self._pattern_votes.is_ornament(self._spots.classes_at(placement, world_from_keyframe))
+
     def _is_known(self, placement: Placement, seen: SeenSize, timestamp: float, world_from_keyframe: Array) -> bool:
         """Whether what stands here is known so well that reading it again would tell nothing; it is confirmed then."""
         settled = self._spots.settled_at(
@@ -359,6 +374,7 @@ class TextMapper:
         text_class = memory.sight(text.text, text.confidence, timestamp, here, glance)
         seen = SeenSize(glance.height, glance.frontal)
         self._spots.add(text_class.id, text.text, placement, world_from_keyframe, seen)
+        self._pattern_votes.read(text_class.id)
         return text_class
 
     def _name(self, text_class: TextClass) -> None:
@@ -379,65 +395,3 @@ class TextMapper:
                 self._named_beside.add(key)
             else:
                 self.statistics.language_errors += 1
-
-    def _count(
-        self, fates: NDArray[np.object_], texts: Sequence[tuple[SpottedText, Placement | PlacementFault]]
-    ) -> None:
-        self.statistics.boxes_detected += len(fates)
-        self.statistics.boxes_at_border += int((fates == BoxFate.BORDER).sum())
-        self.statistics.boxes_too_small += int((fates == BoxFate.SMALL).sum())
-        self.statistics.boxes_hidden += int((fates == BoxFate.HIDDEN).sum())
-        self.statistics.boxes_known += int((fates == BoxFate.KNOWN).sum())
-        self.statistics.boxes_ornamental += int((fates == BoxFate.ORNAMENT).sum())
-        self.statistics.texts_rejected += int((fates == BoxFate.UNREAD).sum())
-        self.statistics.texts_read += len(texts)
-        self.statistics.observations_without_depth += sum(isinstance(each, PlacementFault) for _, each in texts)
-
-
-def _is_squeezed(text: str, placement: Placement | PlacementFault) -> bool:
-    """Whether one character was read of what has room for more: two ideographs seen aslant look like another one."""
-    if sum(ch.isalnum() for ch in text) != 1:
-        return False
-    if isinstance(placement, PlacementFault):
-        return True
-    return max(placement.width, placement.height) > _SQUARE * min(placement.width, placement.height)
-
-
-_SQUARE = 1.5
-"""Largest ratio of the sides of a character's box, in metres."""
-
-
-class ReadingGate:
-    """Decides which frames are read: at a set interval, sooner for new text, and rather a little later than blurred."""
-
-    def __init__(self, config: ReadingConfig) -> None:
-        self._config = config
-        self._hurries_until = -np.inf
-        self._last_read: float | None = None
-        self._sharpness: deque[float] = deque(maxlen=config.blur_window)
-
-    def is_due(self, timestamp: float) -> bool:
-        """Whether the interval since the last reading has passed."""
-        hurries = timestamp <= self._hurries_until
-        interval = self._config.new_text_interval if hurries else self._config.interval
-        # Half a millisecond of grace: timestamps are rounded.
-        return self._last_read is None or timestamp - self._last_read >= interval - 5e-4
-
-    def is_sharp(self, frame: RgbdFrame) -> bool:
-        """Whether a frame is not blurred against those before it, or no sharper one has come for too long."""
-        grey = cv2.cvtColor(frame.rgb[::2, ::2], cv2.COLOR_RGB2GRAY)
-        sharpness = float(cv2.Laplacian(grey, cv2.CV_32F).var())
-        usual = float(np.median(self._sharpness)) if self._sharpness else sharpness
-        self._sharpness.append(sharpness)
-        if sharpness >= self._config.blur_share * usual:
-            return True
-        waited = frame.timestamp - (frame.timestamp if self._last_read is None else self._last_read)
-        return waited >= (1.0 + self._config.blur_patience) * self._config.interval
-
-    def hurry(self, timestamp: float) -> None:
-        """Note that a text was seen that is not settled yet: it may be gone soon."""
-        self._hurries_until = timestamp + self._config.new_text_patience
-
-    def taken(self, timestamp: float) -> None:
-        """Note that a frame is read now."""
-        self._last_read = timestamp

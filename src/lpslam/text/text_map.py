@@ -1,6 +1,6 @@
 """The map of words: classes, their observations, and the landmarks that follow from the keyframes' present poses."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -8,14 +8,15 @@ import numpy as np
 
 from lpslam.config import TextConfig
 from lpslam.errors import UserError
-from lpslam.language.model import Judgement
+from lpslam.language.model import Judgement, Slots
 from lpslam.text import documents
 from lpslam.text.again.crops import CropStore
 from lpslam.text.boards.boards import boards
 from lpslam.text.boards.lines import lines_of
 from lpslam.text.boards.overlaps import without_overlaps
+from lpslam.text.boards.scripts import in_one_script
 from lpslam.text.placing.instances import KeyframePoses
-from lpslam.text.placing.places import Place, places_of_class
+from lpslam.text.placing.places import PLACES_OF_A_CLASS, Place, places_of_class
 from lpslam.text.remembering.memory import LongShortTermMemory, TextClass
 from lpslam.text.types import Landmark
 
@@ -64,7 +65,10 @@ class TextMap:
             place for each in self.long_term for place in places_of_class(each, world_from_keyframe, instances, memory)
         ]
         groups = boards(without_overlaps(places, instances), instances)
-        return [self._landmark(group) for group in groups]
+        return [self._landmark(in_one_script(group, self._slots_of)) for group in groups]
+
+    def _slots_of(self, place: Place) -> Iterator[Slots]:
+        return (look.slots for look in self.memory.long_term[place.id // PLACES_OF_A_CLASS].looks)
 
     def judge(self, judgements: Sequence[tuple[str, Judgement]], question: str) -> None:
         """Keep judgements of what boards say (`Landmark.wording`), and make the question the map's current one."""

@@ -1,6 +1,7 @@
 """The value types of reading: what was seen in a frame, where it stands, and what the map makes of it."""
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import NamedTuple
@@ -256,3 +257,16 @@ class TextStatistics:
     second_looks: int = 0
     second_readings: int = 0
     second_look_ms: float = 0.0
+
+    def count(self, fates: Sequence[BoxFate], without_depth: int) -> None:
+        """Add what became of an image's boxes; so many of the texts that were read gave no place by depth."""
+        became = Counter(fates)
+        self.boxes_detected += len(fates)
+        self.boxes_at_border += became[BoxFate.BORDER]
+        self.boxes_too_small += became[BoxFate.SMALL]
+        self.boxes_hidden += became[BoxFate.HIDDEN]
+        self.boxes_known += became[BoxFate.KNOWN]
+        self.boxes_ornamental += became[BoxFate.ORNAMENT]
+        self.texts_rejected += became[BoxFate.UNREAD]
+        self.texts_read += became[BoxFate.KEPT]
+        self.observations_without_depth += without_depth

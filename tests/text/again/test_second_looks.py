@@ -106,6 +106,20 @@ def test_what_a_second_look_reads_becomes_the_name() -> None:
     assert len(made.crops) == 0
 
 
+@pytest.mark.parametrize("read", ["3HELLO", "HELLO M", "3 HELLO M"])
+def test_what_no_reading_had_before_or_behind_a_text_is_its_neighbours(read: str) -> None:
+    made = text_map(["HELLO", "HELLO", "HELLO", "HELLO", "HELL0"])
+    look_again(made, poses, CAMERA, Reader(read), by_readings)
+    assert made.long_term[0].name == "HELLO"
+    assert read not in made.long_term[0].variants
+
+
+def test_an_end_that_readings_had_in_part_is_the_text_s_own() -> None:
+    made = text_map(["HELLO", "HELLO", "HELLO", "HELLO 2", "HELLO Z"])
+    look_again(made, poses, CAMERA, Reader("HELLO 21"), by_readings)
+    assert "HELLO 21" in made.long_term[0].variants
+
+
 def test_a_reading_unlike_all_others_joins_nothing() -> None:
     made = text_map(["HELLD", "HFLLO", "NELLO", "HELLU", "HELIO"])
     before = dict(made.long_term[0].variants)

@@ -167,6 +167,13 @@ def test_rooms_that_differ_in_a_digit_keep_their_numbers() -> None:
     assert [each.name for each in found] == ["MEETING ROOM 2", "MEETING ROOM 1"]
 
 
+def test_of_another_text_the_whole_is_the_name_and_not_the_piece_that_is_like_the_class() -> None:
+    seen = observations("Orchid Salon", 0.0, 6) + observations("SALE", 8.0, 1, right=0.99)
+    seen += observations("BIG SALE", 8.0, 1, first=20, right=0.99) + observations("BOG SALE", 8.0, 1, 30, right=0.45)
+    found = places_of_class(text_class(seen, "Orchid Salon"), world, CONFIG, MEMORY)
+    assert [each.name for each in found] == ["Orchid Salon", "BIG SALE"]
+
+
 def carried(speed: float, seconds: float = 2.0, count: int = 12) -> TextClass:
     """A class read again and again while it moves along at `speed` metres a second."""
     text_class = TextClass(0, 0.0, seconds)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from lpslam.assets import font_names, font_path
-from lpslam.text.reading.ornaments import are_ornaments, is_pattern, repetition
+from lpslam.text.reading.ornaments import PatternVotes, are_ornaments, is_pattern, repetition
 
 INK, GROUND = (30, 40, 60), (210, 200, 190)
 
@@ -59,6 +59,14 @@ def test_letters_spaced_out_evenly_and_blurred_are_none() -> None:
         assert are_ornaments(np.asarray(blurred, np.uint8), box[None]).tolist() == [False], font
 
 
+def test_blurred_stems_at_even_distances_are_none() -> None:
+    for font in font_names("latin"):
+        image, box = written("GRAND STREET", font, 24)
+        for blur in (1.5, 3.0):
+            blurred = np.asarray(cv2.GaussianBlur(image, (0, 0), blur), np.uint8)
+            assert are_ornaments(blurred, box[None]).tolist() == [False], font
+
+
 @pytest.mark.parametrize("text", ["一二三", "三三", "王王", "出口", "出\n口", "洗\n手\n间"])
 def test_chinese_is_none_across_or_downwards(text: str) -> None:
     for font in font_names("chinese"):
@@ -83,3 +91,55 @@ def test_any_motif_repeated_is_a_pattern_and_noise_is_none(seed: int, count: int
     assert periods == pytest.approx(count, abs=1.0)
     assert correlation > 0.95
     assert not is_pattern(cv2.GaussianBlur(random.uniform(0, 255, (16, period * count)), (0, 0), 1.0))
+
+
+def walked_past(picture: NDArray[np.uint8], box: NDArray[np.float64], yaw: float) -> tuple[NDArray[np.uint8], ...]:
+    """A flat (480, 640, 3) wall and a box on it, seen at so many degrees."""
+    cosine, sine = np.cos(np.radians(yaw)), np.sin(np.radians(yaw))
+    flat = np.array([[0, 0], [640, 0], [640, 480], [0, 480]], np.float32)
+    depth = 700.0 + (flat[:, 0] - 320) * sine
+    seen = (flat - (320, 240)) * (cosine, 1.0) * 525.0 / depth[:, None] + (320, 240)
+    warp = cv2.getPerspectiveTransform(flat, seen.astype(np.float32))
+    corners = cv2.perspectiveTransform(box[None].astype(np.float64), warp)[0]
+    image = cv2.warpPerspective(picture, warp, (640, 480), borderValue=GROUND)
+    return np.asarray(image, np.uint8), corners
+
+
+def meander(size: int = 28) -> NDArray[np.uint8]:
+    image = np.full((480, 640, 3), GROUND, np.uint8)
+    key = np.array([[0, 1], [0, 0], [0.8, 0], [0.8, 0.7], [0.4, 0.7], [0.4, 0.35], [0.4, 1], [1, 1]])
+    for left in range(0, 640, size):
+        cv2.polylines(image, [np.int32(key * size * (1.0, 0.9) + (left, 200))], False, INK, 3, cv2.LINE_AA)
+    return image
+
+
+@pytest.mark.parametrize("yaw", [-50.0, -25.0, 0.0, 25.0, 50.0])
+def test_a_meander_is_an_ornament_in_passing_whole_and_in_pieces(yaw: float) -> None:
+    for left, right in ((60, 580), (200, 300), (300, 370)):
+        box = np.array([[left, 196], [right, 196], [right, 230], [left, 230]], float)
+        image, seen = walked_past(meander(), box, yaw)
+        assert are_ornaments(image, seen[None]).tolist() == [True], (left, right)
+
+
+@pytest.mark.parametrize("text", ["AAA", "1111", "OOO", "八八八", "MOM'S", "MISSISSIPPI", "0000"])
+@pytest.mark.parametrize("yaw", [-45.0, 0.0, 45.0])
+def test_equal_letters_seen_aslant_are_none(text: str, yaw: float) -> None:
+    for font in font_names("chinese" if "八" in text else "latin"):
+        picture, box = written(text, font)
+        image, seen = walked_past(picture, box, yaw)
+        assert are_ornaments(image, seen[None]).tolist() == [False], font
+
+
+def test_a_word_that_looks_like_a_pattern_now_and_then_is_read_and_a_pattern_that_does_mostly_is_not() -> None:
+    word, ornament = PatternVotes(), PatternVotes()
+    for _ in range(6):
+        word.read(7)
+    assert [word.is_ornament({7}) for _ in range(3)] == [False, False, False]
+    assert word.is_ornament({7})
+    assert ornament.is_ornament(())
+    ornament.read(3)
+    assert [ornament.is_ornament({3}) for _ in range(3)] == [True, True, True]
+    # One of two classes that were read there is enough.
+    for _ in range(4):
+        word.read(7)
+    assert not word.is_ornament({7, 3})

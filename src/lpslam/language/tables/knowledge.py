@@ -13,6 +13,7 @@ from functools import cached_property, lru_cache
 from importlib.resources import files
 from typing import Any, NamedTuple
 
+from lpslam.language.tables.forms import load_folder
 from lpslam.language.tables.lexicon import (
     BY_HAND,
     BY_NAME,
@@ -159,8 +160,7 @@ class Knowledge:
 def load_knowledge() -> Knowledge:
     """Read the tables of the package (about 0.25 s, once a process)."""
     kinds = read_table("lexicon/kinds.json")
-    han = read_table("lexicon/han.json")
-    folder = Folder(han["traditional"], han["simplified"], han["lookalikes"], han["both"])
+    folder = load_folder()
     lexicons = load_lexicons()
     gazetteer = json.loads(lzma.decompress((files("lpslam.language") / "data" / "gazetteer.json.xz").read_bytes()))
     unpainted = frozenset(kinds["unpainted"])

@@ -4,7 +4,7 @@ What is read is one more reading of its class, with a probability of its own; no
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +33,10 @@ length, and their sides within this factor."""
 
 _LEADING = 4
 """Commonest spellings that a reading must be like, as in memory."""
+
+
+_OFTEN = 3
+"""Readings from which a spelling is held to have shown all that stands there."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,6 +107,7 @@ def _read(canvas: Canvas, text_class: TextClass, text_map: TextMap, spotter: Tex
     found, _ = spotter.detect(canvas.rgb)
     boxes = np.concatenate([canvas.box[None], found[_are_its(found, canvas.box)]])
     accepted = accepted_texts(boxes, spotter.recognise(canvas.rgb, boxes), config.spotting)
+    accepted = [None if each is None else without_neighbours(each, text_class) for each in accepted]
     texts = [
         each
         for row, each in enumerate(accepted)
@@ -120,6 +125,26 @@ def _read(canvas: Canvas, text_class: TextClass, text_map: TextMap, spotter: Tex
 def _is_like(text: str, text_class: TextClass, least: float) -> bool:
     key = comparison_key(text)
     return any(similarity(key, comparison_key(each)) >= least for each in text_class.spellings[:_LEADING])
+
+
+def without_neighbours(text: SpottedText, text_class: TextClass) -> SpottedText:
+    """Cut off what stands before or behind a spelling that was read often, where no reading had anything there.
+
+    What is drawn reaches beyond the text, so a box that is found in it may take in a neighbour. It shows the same
+    pixels as the readings: had more been painted, one of them would have had some of it.
+    """
+    read = text.text.casefold()
+    for spelling in text_class.spellings[:_LEADING]:
+        key = spelling.casefold()
+        at = read.find(key)
+        if at < 0 or 2 * len(key) < len(read) or text_class.variants[spelling].count < _OFTEN:
+            continue
+        others = [each.casefold().partition(key) for each in text_class.variants]
+        first = 0 if any(middle and before for before, middle, _ in others) else at
+        last = len(read) if any(middle and after for _, middle, after in others) else at + len(key)
+        if len(read) == len(text.text) and (first, last) != (0, len(read)):
+            return replace(text, text=text.text[first:last].strip(), slots=())
+    return text
 
 
 def _is_piece(text: str, text_class: TextClass) -> bool:

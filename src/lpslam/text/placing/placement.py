@@ -301,3 +301,16 @@ def _unit(vector: Array) -> Array:
 
 def _vector(array: Array) -> Vector3:
     return float(array[0]), float(array[1]), float(array[2])
+
+
+def is_squeezed(text: str, placement: Placement | PlacementFault) -> bool:
+    """Whether one character was read of what has room for more: two ideographs seen aslant look like another one."""
+    if sum(ch.isalnum() for ch in text) != 1:
+        return False
+    if isinstance(placement, PlacementFault):
+        return True
+    return max(placement.width, placement.height) > _SQUARE * min(placement.width, placement.height)
+
+
+_SQUARE = 1.5
+"""Largest ratio of the sides of a character's box, in metres."""

@@ -19,6 +19,11 @@ from lpslam.text.types import TextObservation
 
 Array = NDArray[np.float64]
 
+# Ids of places are their class's times this, plus their number.
+PLACES_OF_A_CLASS = 1000
+# Letters of a text that is only believed if some reading of it is likelier right than wrong: ornaments and lamps are
+# read as few, and badly each time. An ideograph counts for two.
+_FEW_LETTERS, _LIKELY = 3, 0.5
 # Letter heights by which the middle of a part may lie beside that of the whole: boxes are drawn as loosely.
 _SAME_MIDDLE = 0.5
 # Most log odds by which one name is ahead of another that are believed.
@@ -99,9 +104,9 @@ def places_of_class(
 
     places = []
     for number, rows in groups:
-        if len(rows) < enough or not _is_large_enough([observations[row] for row in rows], config):
-            continue
         seen = [observations[row] for row in rows]
+        if len(rows) < enough or not _is_large_enough(seen, config) or _is_hardly_text(seen):
+            continue
         name, sure = _name_here(text_class, seen, len(groups) > 1, memory)
         whole = rows[_show_all_of(name, seen)]
         position, kept = trimmed_position(positions[whole], config.rounds, config.drop_share)
@@ -110,7 +115,7 @@ def places_of_class(
         baseline = _mean_direction(baselines[trusted])
         places.append(
             Place(
-                id=text_class.id * 1000 + number,
+                id=text_class.id * PLACES_OF_A_CLASS + number,
                 name=name,
                 variants=dict(Counter(each.text for each in seen).most_common()),
                 position=position,
@@ -159,6 +164,14 @@ def _is_large_enough(observations: Sequence[TextObservation], config: InstanceCo
     is_latin = 2 * latin >= len(observations)
     needed = config.min_landmark_height if is_latin else config.min_landmark_height_ideographs
     return max(each.letter_height for each in observations) >= needed
+
+
+def _is_hardly_text(observations: Sequence[TextObservation]) -> bool:
+    """Whether a text is so short and was read so badly, every time, that it is likelier no text at all."""
+    right = [each.right for each in observations if each.right is not None]
+    commonest = Counter(each.text for each in observations).most_common(1)[0][0]
+    letters = sum(1 + (ch >= IDEOGRAPHS) for ch in paint_key(commonest))
+    return letters <= _FEW_LETTERS and bool(right) and max(right) < _LIKELY
 
 
 IDEOGRAPHS = "\u2e80"
@@ -235,20 +248,20 @@ def _name_here(
     if not stands_elsewhere or not here or not key:
         return name, sure
     by_class = log_likelihood(key, here, _looks)
-    # That another name is just this one is as improbable as a slip of an unsure reader would be.
-    by_own = {
-        each: log_likelihood(each.key, here, _looks)
-        + log_likelihood(key, [replace(each, right=0.5, weight=1.0)], _looks)
-        for each in here
+    # That another name is just this one is as improbable as a slip of an unsure reader would be. Which of them it is,
+    # what was read here says alone: pieces of it are likelier to be like any name than the whole is.
+    own = {each: log_likelihood(each.key, here, _looks) for each in here}
+    ahead = {
+        each: score + log_likelihood(key, [replace(each, right=0.5, weight=1.0)], _looks) - by_class
+        for each, score in own.items()
         # Where a mark was read for a letter, there was one.
         if _looks(each.key) != _looks(key) and not (each.marks and each.key in key)
     }
-    best = max(by_own, key=lambda each: by_own[each], default=None)
-    if best is None or by_own[best] <= by_class:
+    best = max(ahead, key=lambda each: own[each], default=None)
+    if best is None or max(ahead.values()) <= 0.0:
         return name, sure
     counts = Counter(each.text for each in readings if paint_key(each.text) == best.key)
-    ahead = min(by_own[best] - by_class, _SUREST)
-    return counts.most_common(1)[0][0], best.right / (1.0 + exp(-ahead))
+    return counts.most_common(1)[0][0], best.right / (1.0 + exp(-min(max(ahead.values()), _SUREST)))
 
 
 def _looks(text: str) -> str:

@@ -1,14 +1,18 @@
 """Ornaments that a reader takes for text: friezes, meanders, arcades, railings.
 
 A pattern explains itself: moved by one period it falls on itself, again and again. A line of text does so by as many
-equal letters as it has in a row, and no word has five; nor does one say the same syllable four times.
+equal letters as it has in a row, and no word has five; nor does one say the same syllable four times. A pattern is
+seldom found as a whole: where a box holds but a piece of it, it goes on beyond the box, and text does not.
 """
+
+from collections.abc import Collection
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.text.reading.boxes import Boxes
+from lpslam.text.reading.boxes import Boxes, along_the_lines
+from lpslam.text.reading.patterns import Likeness, likely_lags, likeness
 from lpslam.text.reading.recognition import rectify
 
 Array = NDArray[np.float64]
@@ -44,19 +48,49 @@ _GAP = 0.08
 _LONGEST = 1024
 """Width, pixels, beyond which a strip is squeezed."""
 
+_BEYOND = 3.0
+"""Box heights beyond each end of a box in which its pattern is sought."""
+
+_OUTVOTED = 2
+"""Readings by which one view that looks like a pattern is outvoted."""
+
 _FLAT = 0.3
 """Share of the strongest contrast below which a column at an end is ground."""
 
 
 def are_ornaments(rgb: NDArray[np.uint8], boxes: Boxes) -> NDArray[np.bool_]:
-    """Tell which (n, 4, 2) boxes of an (h, w, 3) image hold a pattern and no text: (n,)."""
-    return np.array([is_pattern(_strip(rgb, box)) for box in boxes], np.bool_)
+    """Tell which (n, 4, 2) boxes of an (h, w, 3) image hold a pattern and no text, whatever other views show: (n,)."""
+    return np.array([each is Likeness.IS for each in pattern_likenesses(rgb, boxes)], np.bool_)
+
+
+def pattern_likenesses(rgb: NDArray[np.uint8], boxes: Boxes) -> list[Likeness]:
+    """How like a pattern each of (n, 4, 2) boxes of an (h, w, 3) image is."""
+    return [Likeness.IS if is_pattern(_strip(rgb, box)) else _along_its_line(rgb, box) for box in boxes]
+
+
+class PatternVotes:
+    """What single views cannot tell, all views of a place do: a word looks like a pattern in few of them."""
+
+    def __init__(self) -> None:
+        self._read: dict[int, int] = {}
+        self._like: dict[int, int] = {}
+
+    def read(self, text_class: int) -> None:
+        """Note a reading of a class that was not refused."""
+        self._read[text_class] = self._read.get(text_class, 0) + 1
+
+    def is_ornament(self, here: Collection[int]) -> bool:
+        """Note one that does, at a place where these classes were read, and whether it is no text."""
+        for each in here:
+            self._like[each] = self._like.get(each, 0) + 1
+        return all(self._read.get(each, 0) < _OUTVOTED * self._like[each] for each in here)
 
 
 def is_pattern(strip: Array) -> bool:
     """Whether a strip (height, width), as levels of grey, repeats itself more often than letters do."""
     # Strokes fall on each other a period on, though seen aslant they are half a pixel beside.
-    periods, correlation = repetition(np.asarray(cv2.GaussianBlur(strip, (0, 0), _TOLERANCE), np.float64))
+    strip = _blurred(strip)
+    periods, correlation = repetition(strip)
     if correlation < _EXPLAINED or periods < _PERIODS_OF_SEVERAL:
         return False
     return periods >= _PERIODS or _pieces(strip) >= _PIECES * periods
@@ -76,7 +110,45 @@ def repetition(strip: Array) -> tuple[float, float]:
     if not len(lags) or correlations[lags].max() <= 0.0:
         return 1.0, 0.0
     period = int(lags[correlations[lags] >= _SAME * correlations[lags].max()][0])
-    return width / period, float(correlations[period])
+    before, here, after = correlations[period - 1 : period + 2]
+    # Small periods are no whole number of pixels: the peak of the parabola through three.
+    shift = 0.5 * (before - after) / min(before - 2.0 * here + after, -1e-9)
+    return width / (period + shift), float(here)
+
+
+def _along_its_line(rgb: NDArray[np.uint8], box: Boxes) -> Likeness:
+    """Whether a box holds a piece of a pattern that goes on along its line."""
+    line = along_the_lines(box[None])[0]
+    height = max(float(np.linalg.norm(line[3] - line[0] + line[2] - line[1])) / 2.0, 1.0)
+    before, after = (_room(rgb, ends, height) for ends in (line[[1, 0, 2, 3]], line[[0, 1, 3, 2]]))
+    along = np.stack([line[1] - line[0], line[1] - line[0], line[2] - line[3], line[2] - line[3]])
+    along = along / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-9)
+    wide = line + along * np.array([-before, after, after, -before])[:, None]
+    strip = _blurred(_strip(rgb, wide))
+    share = strip.shape[1] / max(float(np.linalg.norm(wide[1] - wide[0] + wide[2] - wide[3])) / 2.0, 1.0)
+    own = slice(round(before * share), strip.shape[1] - round(after * share))
+    # Of a wall seen aslant each part has a period of its own.
+    third = max(strip.shape[1] // 3, 1)
+    parts = [strip[:, own], strip, *(strip[:, start : start + third] for start in range(0, 3 * third, third))]
+    lags = {lag for part in parts for lag in likely_lags(_autocorrelation(part), _HEIGHT)}
+    return likeness(strip, own, sorted(lags), _pieces)
+
+
+def _room(rgb: NDArray[np.uint8], sides: Boxes, height: float) -> float:
+    """Pixels, up to `_BEYOND` heights, by which a box's two long sides (from, to; from, to) may go on in the image."""
+    room = _BEYOND * height
+    last = np.array(rgb.shape[1::-1]) - 1.0
+    for start, end in ((sides[0], sides[1]), (sides[3], sides[2])):
+        step = (end - start) / max(float(np.linalg.norm(end - start)), 1e-9)
+        for axis in (0, 1):
+            if abs(step[axis]) > 1e-6:
+                limit = last[axis] if step[axis] > 0 else 0.0
+                room = min(room, float((limit - end[axis]) / step[axis]))
+    return max(room, 0.0)
+
+
+def _blurred(strip: Array) -> Array:
+    return np.asarray(cv2.GaussianBlur(strip, (0, 0), _TOLERANCE), np.float64)
 
 
 def _strip(rgb: NDArray[np.uint8], box: Boxes) -> Array:

@@ -1,0 +1,48 @@
+from dataclasses import replace
+
+import pytest
+
+from lpslam.language.model import Slots
+from lpslam.text.boards.scripts import in_one_script
+from lpslam.text.placing.places import Place, places_of_class
+from small_maps import small_map
+
+
+def board(*names: str) -> list[Place]:
+    world = small_map([f"Sign {number}" for number in range(len(names))], spacing=0.4)
+    config = world.text.config
+    found = [
+        place
+        for each in world.text.long_term
+        for place in places_of_class(each, world.world_from_keyframe, config.instances, config.memory)
+    ]
+    return [replace(place, name=name) for place, name in zip(found, names, strict=True)]
+
+
+def read_as(taken: str, other: str, probability: float) -> Slots:
+    return (((taken, 1.0 - probability), (other, probability)),)
+
+
+def names(lines: list[Place], slots: Slots) -> list[str]:
+    return [place.name for place in in_one_script(lines, lambda place: [slots])]
+
+
+def test_a_line_of_a_traditional_board_is_traditional_where_the_reader_held_it_for_possible() -> None:
+    lines = board("石橋麵館", "正宗粤菜", "訂餐熱線")
+    assert names(lines, read_as("粤", "粵", 0.01)) == ["石橋麵館", "正宗粵菜", "訂餐熱線"]
+
+
+@pytest.mark.parametrize("painted", [["石桥面馆", "正宗粤菜"], ["正宗粤菜"], ["Dim sum", "正宗粤菜"]])
+def test_other_boards_stay_as_they_were_read(painted: list[str]) -> None:
+    assert names(board(*painted), read_as("粤", "粵", 0.2)) == painted
+
+
+def test_a_form_that_is_clearly_painted_stays() -> None:
+    painted = ["石橋麵館", "點心", "正宗粤菜"]
+    assert names(board(*painted), ()) == painted
+    assert names(board(*painted), read_as("粤", "奥", 0.3)) == painted
+
+
+def test_a_traditional_name_stays_on_a_simplified_board() -> None:
+    painted = ["飛鶴", "正宗粤菜", "订餐热线"]
+    assert names(board(*painted), read_as("飛", "飞", 0.3)) == painted

@@ -1,0 +1,34 @@
+import numpy as np
+import pytest
+
+from lpslam.config import InstanceConfig, MemoryConfig
+from lpslam.text.placing.places import places_of_class
+from lpslam.text.remembering.memory import TextClass, Variant
+from lpslam.text.types import Placement, TextObservation
+
+
+def read(text: str, rights: list[float | None]) -> TextClass:
+    """A text 2 m before the camera, read so surely, once a frame."""
+    placement = Placement((0.0, 0.0, 2.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0), 0.4, 0.1, 0.01)
+    seen = [TextObservation(at, 0.2 * at, 0, text, 0.8, placement, 30.0, right=one) for at, one in enumerate(rights)]
+    return TextClass(1, 0.0, 1.0, {text: Variant(len(seen), 0.8 * len(seen))}, observations=seen)
+
+
+def count(text_class: TextClass) -> int:
+    return len(places_of_class(text_class, lambda keyframe: np.eye(4), InstanceConfig(), MemoryConfig()))
+
+
+@pytest.mark.parametrize("text", ["XX1", "00", "习"])
+def test_few_letters_read_badly_every_time_are_no_text(text: str) -> None:
+    assert count(read(text, [0.2, 0.3, 0.1, 0.4])) == 0
+
+
+@pytest.mark.parametrize("text", ["WC", "ATM", "男", "P2"])
+def test_one_good_reading_makes_a_short_text_believed(text: str) -> None:
+    assert count(read(text, [0.2, 0.9, 0.1, 0.4])) == 1
+    assert count(read(text, [None, None, None])) == 1
+
+
+@pytest.mark.parametrize("text", ["Willow & Pine", "危险"])
+def test_longer_texts_are_believed_as_ever(text: str) -> None:
+    assert count(read(text, [0.2, 0.3, 0.1, 0.4])) == 1
