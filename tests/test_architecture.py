@@ -69,6 +69,11 @@ ALLOWED: dict[str, set[str]] = {
         ),
         *("views.answers", "views.drawable", "views.pictures"),
     },
+    # What robots are told is what a session and a map say; nothing of tracking or reading is known here.
+    "robots": {
+        *("language.model", "language.offline", "language.sanitise", "text.types", "ground", "mapfile", "navigation"),
+        *("session", "sources", "slam.state", "views.answers"),
+    },
     "demo": {"simulation", "language", "mapfile", "pipeline", "evaluation", "views"},
     "cli_checks": {"mapfile"},
     "cli_calibrate": {"sources", "calibration", "views", "cli_checks"},
