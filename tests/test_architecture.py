@@ -81,16 +81,17 @@ ALLOWED: dict[str, set[str]] = {
     "cli_sources": {"sources", "views"},
     "cli_ground": {"language", "mapfile", "navigation", "views"},
     "cli_runs": {"simulation", "language", "pipeline", "views"},
+    "cli_robots": {"language.registry", "robots", "session", "views", "cli_checks", "cli_runs"},
     "cli": {
         *("sources", "simulation", "language", "mapfile", "pipeline", "evaluation", "views", "demo"),
-        *("cli_calibrate", "cli_checks", "cli_ground", "cli_runs", "cli_serving", "cli_sources", "page"),
+        *("cli_calibrate", "cli_checks", "cli_ground", "cli_robots", "cli_runs", "cli_serving", "cli_sources", "page"),
     },
     "__main__": {"cli"},
 }
 HEAVY = (
     *("cv2", "numba", "scipy", "matplotlib", "rapidocr", "openvino", "onnxruntime"),
     *("pydantic_ai", "openai", "anthropic", "google.genai", "httpx", "httpx2", "lpslam.language.hosted.exchange"),
-    *("starlette", "fastapi", "uvicorn", "mcp"),
+    *("starlette", "fastapi", "uvicorn", "mcp", "rosbags", "cyclonedds", "rerun"),
 )
 
 FILES = sorted(path for path in PACKAGE.rglob("*.py") if path != PACKAGE / "__init__.py")

@@ -17,6 +17,7 @@ from lpslam.cli_checks import (
     refuse_with_fronts,
     refuse_with_localize,
 )
+from lpslam.cli_robots import COMMANDS as ROBOTS
 from lpslam.cli_runs import (
     call_to_its_end,
     keep,
@@ -78,7 +79,7 @@ app.command()(calibrate)
 app.command()(convert)
 app.command()(record)
 app.command()(sources)
-for _command in SERVING:
+for _command in (*SERVING, *ROBOTS):
     app.command()(_command)
 
 

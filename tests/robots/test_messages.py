@@ -56,7 +56,7 @@ def test_types_are_the_same_in_later_distributions(kind: str, distribution: Stor
 
 def test_names_in_dds_are_those_of_ros() -> None:
     assert types.dds_type(types.IMAGE) == "sensor_msgs::msg::dds_::Image_"
-    assert types.dds_type(f"{types.ASK}_Request") == "lpslam_interfaces::srv::dds_::Ask_Request_"
+    assert types.dds_type(types.request_of(types.ASK)) == "lpslam_interfaces::srv::dds_::Ask_Request_"
     assert types.dds_topic("/lpslam/pose") == "rt/lpslam/pose"
     assert types.dds_topic("lpslam/askRequest", "rq") == "rq/lpslam/askRequest"
 

@@ -50,9 +50,20 @@ def store() -> Typestore:
     for name, text in _VISION.items():
         made.register(get_types_from_msg(text, name))
     for service in (ASK, GOAL):
-        for part, text in zip(("Request", "Response"), service_definition(service).split("\n---\n"), strict=True):
-            made.register(get_types_from_msg(text, f"{service}_{part}"))
+        texts = service_definition(service).split("\n---\n")
+        for part, text in zip((request_of(service), response_of(service)), texts, strict=True):
+            made.register(get_types_from_msg(text, part))
     return made
+
+
+def request_of(service: str) -> str:
+    """The type of a service's requests, by the name that rosbags gives it."""
+    return f"{service.replace('/srv/', '/srv/msg/')}_Request"
+
+
+def response_of(service: str) -> str:
+    """The type of a service's responses."""
+    return f"{service.replace('/srv/', '/srv/msg/')}_Response"
 
 
 def service_definition(service: str) -> str:
@@ -91,7 +102,7 @@ def type_hash(kind: str) -> str:
 
 def dds_type(kind: str) -> str:
     """What a type is called in DDS."""
-    package, room, name = kind.split("/")
+    package, room, name = kind.replace("/srv/msg/", "/srv/").split("/")
     return f"{package}::{room}::dds_::{name}_"
 
 
