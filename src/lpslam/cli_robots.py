@@ -43,7 +43,7 @@ def robot(
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
 ) -> None:
-    """Map what a robot's camera publishes on ROS 2's topics, and tell it where it is, what signs say and where one can go.
+    """Map what a robot's camera publishes on ROS 2's topics, and tell it where it is and what signs say.
 
     Over DDS, without ROS being installed, on this machine alone; services ask and goal. Ctrl-C ends it.
     """

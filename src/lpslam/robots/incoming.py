@@ -22,6 +22,8 @@ from lpslam.sources.pairing import BUFFER, Paired, Stamped, paired
 
 _WAIT = 0.1
 """Seconds between two questions whether to stop."""
+_OUT_OF_ORDER = 10**9
+"""Nanoseconds by which a picture may come too late: the network changes their order."""
 _REASONS = 50
 """Reasons that are told apart; a hostile sender could give endlessly many."""
 
@@ -90,6 +92,7 @@ class Incoming:
     def __init__(self, tolerance: float, backlog: int) -> None:
         self.skipped, self.dropped = Skipped(), 0
         self.heard: dict[bool, float] = {}
+        self._newest: dict[bool, tuple[int, int]] = {}
         self._tolerance = tolerance
         self._arriving: Queue[Stamped[Picture]] = Queue(2 * BUFFER)
         self._waiting: deque[Paired[Picture]] = deque()
@@ -108,10 +111,22 @@ class Incoming:
         except BadBytesError as error:
             self.skipped.note(str(error))
             return
+        if self._is_gone_by(stamp, is_depth):
+            self.skipped.note("its time lies far before that of a picture before it: the clock went backwards")
+            return
         try:
             self._arriving.put_nowait(Stamped(stamp / 1e9, is_depth, Picture(message, stamp)))
         except Full:
             self.dropped += 1
+
+    def _is_gone_by(self, stamp: int, is_depth: bool) -> bool:
+        """Whether a picture's time is long over; a clock that stays there is believed."""
+        newest, old = self._newest.get(is_depth, (stamp, 0))
+        if stamp >= newest - _OUT_OF_ORDER or old >= BUFFER:
+            self._newest[is_depth] = (max(stamp, newest) if old < BUFFER else stamp, 0)
+            return False
+        self._newest[is_depth] = (newest, old + 1)
+        return True
 
     def shots(self, camera: PinholeCamera, should_stop: Callable[[], bool]) -> Iterator[Shot | None]:
         """The frames, as they come; None now and then while none does."""

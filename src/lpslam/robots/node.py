@@ -58,6 +58,7 @@ class RobotNode:
         self._camera: PinholeCamera | None = None
         self._camera_frame = ""
         self._complained: set[str] = set()
+        self._silent: set[str] = set()
         self._transforms = Transforms(config.robots.transform_s)
         self._incoming = Incoming(config.robots.pair_s, config.live.backlog)
         self._map_from_odom: Transform | None = None
@@ -270,8 +271,10 @@ class RobotNode:
         if not self.frames:
             self._say(f"waiting: {self._missing()}")
         for topic, is_depth in ((self._robots.colour_topic, False), (self._robots.depth_topic, True)):
-            if self.frames and now - self._incoming.heard.get(is_depth, began) > self._robots.silence_s:
-                self._say(f"nothing comes on {topic} any more")
+            is_silent = bool(self.frames) and now - self._incoming.heard.get(is_depth, began) > self._robots.silence_s
+            if is_silent != (topic in self._silent):
+                self._silent ^= {topic}
+                self._say(f"nothing comes on {topic} any more" if is_silent else f"{topic} is back")
         skipped = self._incoming.skipped.total
         if skipped > self._skipped_before:
             self._skipped_before = skipped
