@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from lpslam.camera import PinholeCamera
 from lpslam.ground.grid import FREE, OCCUPIED, UNKNOWN, Grid
+from lpslam.mapfile.board_poses import board_pose
 from lpslam.robots import building, types
 from lpslam.sources.bags.lenses import camera_of
 from lpslam.sources.bags.pictures import colour_of, depth_of, in_metres
@@ -120,10 +121,10 @@ def test_signs_are_markers_with_their_text() -> None:
 
 
 def test_a_board_faces_its_readers() -> None:
-    pose = building.board_pose(sign(normal=np.array([0.0, -1.0, 0.0])))
+    pose = board_pose(sign(normal=np.array([0.0, -1.0, 0.0])))
     assert np.allclose(pose[:3, :3] @ [1, 0, 0], [0, -1, 0])
     assert np.allclose(pose[:3, :3] @ [0, 0, 1], [0, 0, 1])
-    flat = building.board_pose(sign(normal=np.array([0.0, 0.0, 1.0])))
+    flat = board_pose(sign(normal=np.array([0.0, 0.0, 1.0])))
     assert np.isclose(np.linalg.det(flat[:3, :3]), 1.0)
 
 

@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 from lpslam.camera import PinholeCamera
 from lpslam.ground.grid import Grid
 from lpslam.language.sanitise import clean_text
+from lpslam.mapfile.board_poses import board_colour, board_pose, board_size, placed
 from lpslam.robots import types
 from lpslam.robots.types import made
 from lpslam.text.types import Landmark
@@ -22,8 +23,6 @@ Array = NDArray[np.float64]
 
 _LONGEST = 200
 """Letters of a sign that are told; RViz draws them all on one line."""
-_PLATE = 0.02
-"""Metres: how thick the plate is that is drawn for a board."""
 _SMALLEST = 0.05
 """Metres: smaller text cannot be seen in a room from above."""
 _SECOND = 10**9
@@ -108,13 +107,13 @@ def markers(landmarks: Sequence[Landmark], nanoseconds: int, frame: str) -> Any:
     for mark in placed(landmarks):
         pose = board_pose(mark)
         identifier = mark.id & 0x7FFFFFFF  # of 32 bits with a sign
-        size = np.maximum([_PLATE, mark.width, mark.height], _PLATE)
-        shown.append(_marker(head, "boards", identifier, _ADD, pose, size, _colour(mark, 0.5), _CUBE))
+        size = board_size(mark)
+        shown.append(_marker(head, "boards", identifier, _ADD, pose, size, (*board_colour(mark), 0.5), _CUBE))
         pose = pose.copy()
         pose[2, 3] += size[2]
         tall = np.full(3, max(min(mark.height, 0.3), _SMALLEST))
         text = clean_text(mark.name, _LONGEST)
-        shown.append(_marker(head, "signs", identifier, _ADD, pose, tall, _colour(mark, 1.0), _TEXT, text))
+        shown.append(_marker(head, "signs", identifier, _ADD, pose, tall, (*board_colour(mark), 1.0), _TEXT, text))
     return made(types.MARKERS, shown)
 
 
@@ -129,36 +128,10 @@ def detections(landmarks: Sequence[Landmark], nanoseconds: int, frame: str) -> A
         hypothesis = made("vision_msgs/msg/ObjectHypothesis", clean_text(mark.name, _LONGEST), float(mark.confidence))
         uncertain = made("geometry_msgs/msg/PoseWithCovariance", pose, covariance.ravel())
         result = made("vision_msgs/msg/ObjectHypothesisWithPose", hypothesis, uncertain)
-        size = _vector(np.array([_PLATE, mark.width, mark.height]))
+        size = _vector(board_size(mark))
         box = made("vision_msgs/msg/BoundingBox3D", pose, size)
         found.append(made("vision_msgs/msg/Detection3D", head, [result], box, str(mark.id)))
     return made(types.DETECTIONS, head, found)
-
-
-def placed(landmarks: Iterable[Landmark]) -> list[Landmark]:
-    """Those whose place is known in numbers."""
-    return [mark for mark in landmarks if np.isfinite([*mark.position, *mark.normal, mark.spread]).all()]
-
-
-def board_pose(mark: Landmark) -> Array:
-    """4×4: x out of the board towards its readers, y to their right as they read, z up."""
-    ahead = np.asarray(mark.normal, np.float64)
-    length = float(np.linalg.norm(ahead))
-    ahead = ahead / length if length > 1e-6 else np.array([1.0, 0.0, 0.0])
-    # A board that lies on the floor has no side that is up.
-    up = np.array([0.0, 0.0, 1.0]) if abs(ahead[2]) < 0.99 else np.array([1.0, 0.0, 0.0])
-    aside = np.cross(up, ahead)
-    aside /= np.linalg.norm(aside)
-    pose = np.eye(4)
-    pose[:3, 0], pose[:3, 1], pose[:3, 2], pose[:3, 3] = ahead, aside, np.cross(ahead, aside), mark.position
-    return pose
-
-
-def _colour(mark: Landmark, opacity: float) -> tuple[float, float, float, float]:
-    """Blue for landmarks and pink for other texts once they are judged, as in pictures of the map; else white."""
-    if mark.is_landmark is None:
-        return (1.0, 1.0, 1.0, opacity)
-    return (0.15, 0.35, 0.9, opacity) if mark.is_landmark else (0.9, 0.4, 0.6, opacity)
 
 
 def _marker(
