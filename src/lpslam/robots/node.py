@@ -12,7 +12,7 @@ from lpslam.ground.grid import Grid
 from lpslam.language.model import LanguageModel
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.robots import building, types
-from lpslam.robots.bus import Bus
+from lpslam.robots.bus import Bus, Send
 from lpslam.robots.incoming import Incoming, Shot
 from lpslam.robots.services import Moment, Services
 from lpslam.robots.transforms import Transform, Transforms
@@ -72,12 +72,12 @@ class RobotNode:
 
     def _connect(self, robots: RobotConfig, language: LanguageModel | None) -> None:
         bus, name = self._bus, robots.namespace.rstrip("/")
-        self._tell_pose = bus.publisher(f"{name}/pose", types.POSE)
-        self._tell_markers = bus.publisher(f"{name}/markers", types.MARKERS, latched=True)
-        self._tell_detections = bus.publisher(f"{name}/landmarks", types.DETECTIONS, latched=True)
-        self._tell_grid = bus.publisher(f"{name}/grid", types.GRID, latched=True)
-        self._tell_path = bus.publisher(f"{name}/path", types.PATH, latched=True)
-        self._tell_transform = bus.publisher("/tf", types.TRANSFORMS)
+        self._tell_pose = self._publisher(f"{name}/pose", types.POSE)
+        self._tell_markers = self._publisher(f"{name}/markers", types.MARKERS, latched=True)
+        self._tell_detections = self._publisher(f"{name}/landmarks", types.DETECTIONS, latched=True)
+        self._tell_grid = self._publisher(f"{name}/grid", types.GRID, latched=True)
+        self._tell_path = self._publisher(f"{name}/path", types.PATH, latched=True)
+        self._tell_transform = self._publisher("/tf", types.TRANSFORMS)
         services = Services(
             lambda: self.session,
             lambda: self._grid,
@@ -93,6 +93,18 @@ class RobotNode:
         bus.subscribe(robots.info_topic, types.CAMERA_INFO, self._take_info, reliable=robots.reliable)
         for topic, is_depth in ((robots.colour_topic, False), (robots.depth_topic, True)):
             self._subscribe_pictures(topic, is_depth)
+
+    def _publisher(self, topic: str, kind: str, *, latched: bool = False) -> Send:
+        """As the bus's, but what cannot be sent, as when the bus is taken down first, does not end the mapping."""
+        send = self._bus.publisher(topic, kind, latched=latched)
+
+        def tried(message: Any) -> None:
+            try:
+                send(message)
+            except Exception as error:
+                self._complain(f"{topic} cannot be told ({type(error).__name__})")
+
+        return tried
 
     def _subscribe_pictures(self, topic: str, is_depth: bool) -> None:
         is_packed = topic.rpartition("/")[2] in ("compressed", "compressedDepth")
