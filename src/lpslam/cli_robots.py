@@ -25,7 +25,10 @@ def robot(
     ] = None,
     info: Annotated[str | None, typer.Option("--info", metavar="TOPIC", help="The colour camera's CameraInfo.")] = None,
     odom_frame: Annotated[
-        str | None, typer.Option("--odom-frame", metavar="FRAME", help="Tell map→FRAME on tf; map→camera without.")
+        str | None,
+        typer.Option(
+            "--odom-frame", metavar="FRAME", help="Tell map→FRAME on tf; without, to the top of the camera's tree."
+        ),
     ] = None,
     base_frame: Annotated[
         str | None, typer.Option("--base-frame", metavar="FRAME", help="Tell where this stands; the camera without.")

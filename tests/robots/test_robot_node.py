@@ -1,5 +1,6 @@
 """The node without a network: pictures in as bytes, poses, signs, ground and answers out."""
 
+import importlib.util
 import threading
 import time
 from collections.abc import Iterator
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 
 import lpslam
+from command_line import Command, command_line
 from lpslam.config import Config, RobotConfig
 from lpslam.errors import UserError
 from lpslam.frames import RgbdFrame
@@ -27,6 +29,11 @@ from robots.robot_parts import COLOUR, DEPTH, FRAME, INFO, WireBus, calibration,
 from small_maps import WORLD_FROM_CAMERA, small_map, with_floor
 
 FRAMES = 20
+
+
+@pytest.fixture
+def lpslam_command(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Command:
+    return command_line(monkeypatch, capsys)
 
 
 @pytest.fixture
@@ -237,6 +244,22 @@ def test_a_transform_of_another_time_does_not_count() -> None:
     transforms.add(building.transforms([("odom", "base", np.eye(4))], 10**9), is_static=False)
     assert transforms.between("odom", "base", 10**9 + 10**8) is not None
     assert transforms.between("odom", "base", 2 * 10**9) is None
+
+
+def test_the_map_hangs_above_whatever_the_camera_hangs_on() -> None:
+    transforms = Transforms(0.2)
+    assert transforms.top("camera", "map") == "camera"
+    transforms.add(building.transforms([("base", "camera", np.eye(4))], 0), is_static=True)
+    transforms.add(building.transforms([("odom", "base", np.eye(4)), ("map", "odom", np.eye(4))], 0), is_static=False)
+    assert transforms.top("camera", "map") == "odom"
+    transforms.add(building.transforms([("camera", "odom", np.eye(4))], 0), is_static=True)
+    assert transforms.top("camera", "map") in ("base", "odom", "camera"), "a ring has no top, and ends all the same"
+
+
+def test_without_dds_the_extra_is_named(lpslam_command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+    find: Any = importlib.util.find_spec
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name, *a: None if name == "cyclonedds" else find(name, *a))
+    assert lpslam_command("robot").complaint == "lpslam robot needs an optional part: pip install 'lp-slam[dds]'"
 
 
 class Mapped:

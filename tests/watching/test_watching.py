@@ -21,13 +21,14 @@ from command_line import Command
 from lpslam import pipeline
 from lpslam.ground.grid import FREE, OCCUPIED, UNKNOWN, Grid
 from lpslam.mapfile.language_map import LanguageMap
+from lpslam.session.pace import Pace
 from lpslam.slam.state import EventKind, SlamEvent
 from lpslam.sources.open import open_source
 from lpslam.sources.writing.messages import json_schema
 from lpslam.text.types import BoxFate, Landmark
 from lpslam.watching import foxglove
 from lpslam.watching.mcap_file import TOPICS, McapWatcher
-from lpslam.watching.watchers import Pace, Watchers
+from lpslam.watching.watchers import Watchers
 from small_maps import CAMERA, small_map, with_floor
 
 FRAMES = 40

@@ -14,7 +14,7 @@ class RobotConfig(Section):
     info_topic: str = Field(default="/camera/color/camera_info", min_length=1)
     # Before all topics and services that are told.
     namespace: str = "/lpslam"
-    # Frames as REP-105 names them. Without an odometry frame the camera itself hangs below the map.
+    # Frames as REP-105 names them. Without one of odometry, what the camera hangs on in the end hangs below the map.
     map_frame: str = Field(default="map", min_length=1)
     odom_frame: str = ""
     # Whose pose is told; the camera's without.

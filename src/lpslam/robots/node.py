@@ -16,6 +16,7 @@ from lpslam.robots.bus import Bus, Send
 from lpslam.robots.incoming import Incoming, Shot
 from lpslam.robots.services import Moment, Services
 from lpslam.robots.transforms import Transform, Transforms
+from lpslam.session.pace import Pace
 from lpslam.session.session import Session
 from lpslam.session.step import Step
 from lpslam.sources.bags.lenses import camera_of
@@ -61,12 +62,13 @@ class RobotNode:
         self._silent: set[str] = set()
         self._transforms = Transforms(config.robots.transform_s)
         self._incoming = Incoming(config.robots.pair_s, config.live.backlog)
-        self._map_from_odom: Transform | None = None
+        self._hung: tuple[str, Transform] | None = None
         self._now = 0
         self._grid: Grid | None = None
         self._ended = threading.Event()
-        self._drawing: threading.Thread | None = None
-        self._told_landmarks = self._told_skipped = 0.0
+        self._news = threading.Event()
+        self._telling: threading.Thread | None = None
+        self._told_skipped = 0.0
         self._skipped_before = 0
         self._connect(self._robots, language)
 
@@ -149,13 +151,14 @@ class RobotNode:
             time.sleep(_MOMENT)
         with self._open_session(self._camera) as session:
             self.session = session
-            self._drawing = threading.Thread(target=self._draw, name="grid", daemon=True)
-            self._drawing.start()
+            self._telling = threading.Thread(target=self._tell_beside, args=(session,), name="telling", daemon=True)
+            self._telling.start()
+            # What came while the networks were loaded was not too fast.
+            self._incoming.dropped = 0
             for shot in self._incoming.shots(self._camera, is_over):
                 if shot is not None and (step := self._step(session, shot)) is not None:
                     on_step(step)
-            self._ended.set()
-            self._drawing.join()
+            self._end_telling()
             session.frames_dropped, session.frames_skipped = self._incoming.dropped, self._incoming.skipped.total
             if not self.frames:
                 return None
@@ -165,9 +168,7 @@ class RobotNode:
 
     def close(self) -> None:
         """End all threads and let go of the bus."""
-        self._ended.set()
-        if self._drawing is not None:
-            self._drawing.join()
+        self._end_telling()
         self._incoming.close()
         self._bus.close()
 
@@ -209,11 +210,8 @@ class RobotNode:
         self._now = shot.nanoseconds
         if step.pose is not None:
             self._tell_where(step.pose, shot)
-        now = time.monotonic()
-        has_news = step.new_landmarks or step.renamed_landmarks
-        if has_news or now - self._told_landmarks > self._robots.landmarks_s:
-            self._told_landmarks = now
-            self._tell_landmarks(session)
+        if step.new_landmarks or step.renamed_landmarks:
+            self._news.set()
         return step
 
     def _tell_where(self, map_from_camera: Transform, shot: Shot) -> None:
@@ -227,16 +225,15 @@ class RobotNode:
             else:
                 place = map_from_camera @ camera_from_base
         self._tell_pose(building.pose_stamped(place, stamp, robots.map_frame))
-        child, map_from_child = camera, map_from_camera
-        if robots.odom_frame:
-            camera_from_odom = self._transforms.between(camera, robots.odom_frame, stamp)
-            if camera_from_odom is not None:
-                self._map_from_odom = map_from_camera @ camera_from_odom
-            elif self._map_from_odom is None:
-                self._complain(f"no transform leads from {camera} to {robots.odom_frame}; tf is not told")
-                return
-            child, map_from_child = robots.odom_frame, self._map_from_odom
-        self._tell_transform(building.transforms([(robots.map_frame, child, map_from_child)], stamp))
+        # A frame has one parent: whatever the camera hangs on in the end is hung below the map.
+        child = robots.odom_frame or self._transforms.top(camera, robots.map_frame)
+        camera_from_child = self._transforms.between(camera, child, stamp)
+        if camera_from_child is not None:
+            self._hung = child, map_from_camera @ camera_from_child
+        elif self._hung is None or self._hung[0] != child:
+            self._complain(f"no transform leads from {camera} to {child}; tf is not told")
+            return
+        self._tell_transform(building.transforms([(robots.map_frame, *self._hung)], stamp))
 
     def _tell_landmarks(self, session: Session | LanguageMap) -> None:
         marks, frame = session.landmarks(), self._robots.map_frame
@@ -247,14 +244,24 @@ class RobotNode:
         self._tell_landmarks(world)
         self._show(world)
 
-    def _draw(self) -> None:
-        """Make a grid now and then: a copy of the map, beside tracking."""
-        seen = 0
-        while not self._ended.wait(self._robots.grid_s):
-            session = self.session
-            if session is not None and self.frames > seen:
-                seen = self.frames
+    def _tell_beside(self, session: Session) -> None:
+        """Landmarks and ground, in a thread of their own: they wait for a frame that is read, and copy the map."""
+        landmarks, ground = Pace(self._robots.landmarks_s), Pace(self._robots.grid_s)
+        ground.is_due(time.monotonic())
+        while not self._ended.is_set():
+            has_news = self._news.wait(_MOMENT)
+            self._news.clear()
+            now = time.monotonic()
+            if self.frames and (landmarks.is_due(now) or has_news):
+                self._tell_landmarks(session)
+            if self.frames and ground.is_due(now):
                 self._show(session.snapshot())
+
+    def _end_telling(self) -> None:
+        self._ended.set()
+        self._news.set()
+        if self._telling is not None:
+            self._telling.join()
 
     def _show(self, world: LanguageMap) -> None:
         grid = world.grid(self._config.ground)

@@ -37,12 +37,23 @@ class Transforms:
             for each in message.transforms:
                 matrix = rigid(each.transform)
                 key = (each.header.frame_id.lstrip("/"), each.child_frame_id.lstrip("/"))
-                if matrix is None or len(self._fixed) + len(self._moving) >= _MOST:
+                is_known = key in self._fixed or key in self._moving
+                if matrix is None or not (is_known or len(self._fixed) + len(self._moving) < _MOST):
                     continue
                 if is_static:
                     self._fixed[key] = matrix
                 else:
                     self._moving.setdefault(key, deque(maxlen=_KEPT)).append((stamp_of(each), matrix))
+
+    def top(self, frame: str, below: str) -> str:
+        """What a frame hangs on in the end: odometry, or the robot; not `below`, on which that is hung."""
+        with self._lock:
+            parents = {child: parent for parent, child in (*self._fixed, *self._moving) if parent != below}
+        passed = {frame}
+        while (parent := parents.get(frame)) is not None and parent not in passed:
+            passed.add(parent)
+            frame = parent
+        return frame
 
     def between(self, to: str, origin: str, nanoseconds: int) -> Transform | None:
         """The 4×4 `to_from_origin` at a moment; None where nothing links the two, or nothing of that time."""

@@ -14,13 +14,14 @@ from lpslam.camera import PinholeCamera
 from lpslam.errors import UserError
 from lpslam.frames import RgbdFrame
 from lpslam.mapfile.language_map import LanguageMap
+from lpslam.session.pace import Pace
 from lpslam.session.session import Session
 from lpslam.session.step import Step
 from lpslam.sources.writing.messages import json_schema
 from lpslam.sources.writing.pixels import nanoseconds_of
 from lpslam.text.types import Landmark
 from lpslam.watching import foxglove
-from lpslam.watching.watchers import Pace, Taken
+from lpslam.watching.watchers import Taken
 
 TOPICS = {
     "/camera/color/image/compressed": "foxglove.CompressedImage",
@@ -72,6 +73,7 @@ class McapWatcher:
             self._channels[topic] = self._writer.register_channel(topic, "json", schemas[name])
         self._calibration_pace, self._points_pace = Pace(_CALIBRATION), Pace(_POINTS)
         self._last = 0
+        self._marks: dict[int, Landmark] = {}
         self._taken = Taken()
 
     def take(self, frame: RgbdFrame, step: Step, session: Session) -> None:
@@ -90,7 +92,9 @@ class McapWatcher:
         for event in step.events:
             self._put("/events", now, foxglove.event(event, now))
         if step.new_landmarks or step.renamed_landmarks:
-            self._put_landmarks(session.landmarks())
+            # The session itself would have to wait for a frame that is being read.
+            self._marks |= {mark.id: mark for mark in (*step.new_landmarks, *step.renamed_landmarks)}
+            self._put_landmarks(list(self._marks.values()))
         if step.tracked.is_keyframe and self._points_pace.is_due(frame.timestamp):
             self._put("/points", now, foxglove.points(session.cloud(), now))
         self._file.flush()

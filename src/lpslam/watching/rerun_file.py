@@ -16,12 +16,13 @@ from lpslam.frames import RgbdFrame
 from lpslam.language.sanitise import clean_text
 from lpslam.mapfile.board_poses import board_colour, board_pose, board_size, placed
 from lpslam.mapfile.language_map import LanguageMap
+from lpslam.session.pace import Pace
 from lpslam.session.session import Session
 from lpslam.session.step import Step
 from lpslam.sources.writing.pixels import packed
 from lpslam.text.types import FrameReading, Landmark
 from lpslam.watching.foxglove import FATE_COLOURS
-from lpslam.watching.watchers import Pace, Taken
+from lpslam.watching.watchers import Taken
 
 CLOCK = "seconds"
 _POINTS = 2.0
@@ -51,6 +52,7 @@ class RerunWatcher:
         self._stream.save(path)
         self._stream.send_recording_name(clean_text(name) or "lpslam")
         self._points_pace, self._taken = Pace(_POINTS), Taken()
+        self._marks: dict[int, Landmark] = {}
         self._stream.log("map", rr.ViewCoordinates.FLU, static=True)
         pinhole = rr.Pinhole(
             image_from_camera=camera.matrix,
@@ -77,7 +79,9 @@ class RerunWatcher:
         for event in step.events:
             stream.log("tracking/events", rr.TextLog(clean_text(f"{event.kind}: {event.reason}"), level="INFO"))
         if step.new_landmarks or step.renamed_landmarks:
-            self._log_landmarks(session.landmarks())
+            # The session itself would have to wait for a frame that is being read.
+            self._marks |= {mark.id: mark for mark in (*step.new_landmarks, *step.renamed_landmarks)}
+            self._log_landmarks(list(self._marks.values()))
         if step.tracked.is_keyframe and self._points_pace.is_due(frame.timestamp):
             stream.log("map/points", rr.Points3D(session.cloud().astype(np.float32), radii=0.01))
 

@@ -74,21 +74,6 @@ class Watchers:
         self._watchers.clear()
 
 
-class Pace:
-    """Says when something is due again, by the run's own clock."""
-
-    def __init__(self, seconds: float) -> None:
-        self._seconds = seconds
-        self._next = float("-inf")
-
-    def is_due(self, timestamp: float) -> bool:
-        """Whether so many seconds have gone since this was true last."""
-        if timestamp < self._next:
-            return False
-        self._next = timestamp + self._seconds
-        return True
-
-
 class Taken:
     """When the latest frames were taken: what is read beside tracking is of frames before the one at hand."""
 
