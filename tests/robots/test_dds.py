@@ -17,7 +17,7 @@ import lpslam
 from command_line import Command
 from lpslam.ground.grid import Grid
 from lpslam.mapfile.language_map import LanguageMap
-from lpslam.robots import building, types
+from lpslam.robots import building, dds, types
 from lpslam.robots.dds import DdsBus
 from lpslam.sources.open import open_source
 from robots.robot_parts import COLOUR, DEPTH, INFO, calibration, pictures
@@ -65,6 +65,25 @@ def test_messages_and_services_go_through() -> None:
         assert broken(types.made(types.request_of(types.ASK), "?"), 0.5) is None
         nobody = bus.client("/nobody", types.ASK)
         assert nobody(types.made(types.request_of(types.ASK), "?"), 0.2) is None
+    finally:
+        bus.close()
+
+
+def test_bytes_that_are_no_message_end_nothing() -> None:
+    bus = DdsBus(DOMAIN)
+    try:
+        came: list[bytes] = []
+        bus.subscribe("/hostile", types.POSE, came.append, reliable=True)
+        send = bus.publisher("/hostile", types.POSE)
+        write = bus._writer(types.dds_topic("/hostile"), dds._raw(types.POSE), False)
+        good = building.pose_stamped(np.eye(4), 9, "map")
+        until = time.monotonic() + 10
+        while not came and time.monotonic() < until:
+            for bad in (b"", b"\x00", b"\x00\x01\x00\x00" + b"\xff" * 40, os.urandom(64)):
+                write(bad)
+            send(good)
+            time.sleep(0.1)
+        assert types.encoded(good) in [each[: len(types.encoded(good))] for each in came]
     finally:
         bus.close()
 

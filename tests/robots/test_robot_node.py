@@ -317,8 +317,10 @@ def test_a_goal_is_a_pose_before_the_sign_and_a_path() -> None:
     found = bus.services["goal"](request(types.GOAL, "", mark.id))
     assert found.found, found.text
     assert found.text == "Exit"
+    assert found.is_before
     at = found.pose.pose.position
     assert np.hypot(at.x - mark.position[0], at.y - mark.position[1]) < 3.0
+    assert found.missing == pytest.approx(np.hypot(at.x - mark.position[0], at.y - mark.position[1]))
     last = found.path.poses[-1].pose
     assert (last.position.x, last.position.y) == pytest.approx((at.x, at.y), abs=0.1)
     assert len(goals) == 1

@@ -86,11 +86,12 @@ class Incoming:
     Attributes:
         skipped: what could not be used.
         dropped: pairs that were left out because they came too fast.
+        pairs: how many there were.
         heard: when a picture of a kind came last, by `time.monotonic`; by whether it is depth.
     """
 
     def __init__(self, tolerance: float, backlog: int) -> None:
-        self.skipped, self.dropped = Skipped(), 0
+        self.skipped, self.dropped, self.pairs = Skipped(), 0, 0
         self.heard: dict[bool, float] = {}
         self._newest: dict[bool, tuple[int, int]] = {}
         self._tolerance = tolerance
@@ -148,6 +149,7 @@ class Incoming:
                 self.skipped.note(_kind_of(pair.fault))
                 continue
             with self._is_there:
+                self.pairs += 1
                 self._waiting.append(pair)
                 if len(self._waiting) > self._backlog:
                     self._waiting.popleft()

@@ -280,6 +280,8 @@ class RobotNode:
         topics += [topic for topic, is_depth in pictures if is_depth not in heard]
         if topics:
             return f"nothing came on {', '.join(topics)}; is the camera's driver running, and is the topic right?"
+        if self._incoming.pairs:
+            return self.skipped or "pictures come, and the map is still being opened"
         return self.skipped or f"colour and depth are never within {1000 * robots.pair_s:g} ms of each other"
 
     def _say_what_is_wrong(self, began: float) -> None:
@@ -287,7 +289,7 @@ class RobotNode:
         if now - max(began, self._told_skipped) < self._robots.silence_s:
             return
         self._told_skipped = now
-        if not self.frames:
+        if not self.frames and not self._incoming.pairs:
             self._say(f"waiting: {self._missing()}")
         for topic, is_depth in ((self._robots.colour_topic, False), (self._robots.depth_topic, True)):
             is_silent = bool(self.frames) and now - self._incoming.heard.get(is_depth, began) > self._robots.silence_s

@@ -79,12 +79,13 @@ class Services:
             mark = self._wanted(request)
             (leg,) = route_through(self._here(), [mark], self._ground_to_walk_on())
         except LpSlamError as error:
-            return made(kind, False, str(error), NOBODY, pose, path)
-        at, yaw = leg.goal.position, leg.goal.yaw
+            return made(kind, False, str(error), NOBODY, False, 0.0, pose, path)
+        goal = leg.goal
+        at, yaw = goal.position, goal.yaw
         pose = building.standing(float(at[0]), float(at[1]), yaw, *where)
         path = building.path(leg.way.points, *where, yaw)
         self._on_goal(pose, path)
-        return made(kind, True, clean_text(mark.name), mark.id, pose, path)
+        return made(kind, True, clean_text(mark.name), mark.id, goal.is_before, goal.missing, pose, path)
 
     def _open(self) -> Session:
         session = self._session()
