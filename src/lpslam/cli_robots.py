@@ -17,7 +17,7 @@ def robot(
     ] = None,
     domain: Annotated[int, typer.Option("--domain", min=0, max=232, help="ROS_DOMAIN_ID.")] = 0,
     network: Annotated[
-        bool, typer.Option("--network", help="Also other machines, as CYCLONEDDS_URI says; else this one alone.")
+        bool, typer.Option("--network", help="Send to other machines too, as CYCLONEDDS_URI says.")
     ] = False,
     color: Annotated[str | None, typer.Option("--color", metavar="TOPIC", help="Colour pictures.")] = None,
     depth: Annotated[
@@ -48,7 +48,7 @@ def robot(
 ) -> None:
     """Map what a robot's camera publishes on ROS 2's topics, and tell it where it is and what signs say.
 
-    Over DDS, without ROS being installed, on this machine alone; services ask and goal. Ctrl-C ends it.
+    Over DDS, without ROS being installed, to this machine alone; services ask and goal. Ctrl-C ends it.
     """
     from importlib.util import find_spec
 

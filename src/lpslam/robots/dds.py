@@ -43,7 +43,7 @@ _ON_THIS_MACHINE = f"""<CycloneDDS><Domain>
     <Peers><Peer address="{HERE}"/></Peers>
   </Discovery>
 </Domain></CycloneDDS>"""
-"""As ROS_LOCALHOST_ONLY=1 makes it: no packet leaves the machine."""
+"""As ROS_LOCALHOST_ONLY=1 makes it: no packet leaves the machine. Cyclone's sockets hear any address all the same."""
 _DEPTH = 10
 """Messages that wait to be taken."""
 _WAIT = 0.1
