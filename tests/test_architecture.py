@@ -70,23 +70,44 @@ ALLOWED: dict[str, set[str]] = {
         ),
         *("views.answers", "views.drawable", "views.pictures"),
     },
+    # A run is watched by its steps and events alone.
+    "watching": {
+        *("language.sanitise", "text.types", "ground", "mapfile", "session", "slam.state", "sources.writing"),
+    },
+    # What robots are told is what a session and a map say; nothing of tracking or reading is known here.
+    "robots": {
+        *("language.model", "language.offline", "language.sanitise", "text.types", "ground", "mapfile", "navigation"),
+        *("session", "sources", "slam.state", "views.answers"),
+    },
     "demo": {"simulation", "language", "mapfile", "pipeline", "evaluation", "views"},
     "cli_checks": {"mapfile"},
     "cli_calibrate": {"sources", "calibration", "views", "cli_checks"},
     "cli_serving": {"language.registry", "serving", "views", "cli_checks"},
     "cli_sources": {"sources", "views"},
+    "cli_watching": {"watching", "views", "cli_checks"},
     "cli_ground": {"language", "mapfile", "navigation", "views"},
     "cli_runs": {"simulation", "language", "pipeline", "views"},
+    "cli_robots": {"language.registry", "robots", "session", "views", "cli_checks", "cli_runs"},
     "cli": {
         *("sources", "simulation", "language", "mapfile", "pipeline", "evaluation", "views", "demo"),
-        *("cli_calibrate", "cli_checks", "cli_ground", "cli_runs", "cli_serving", "cli_sources", "page"),
+        *(
+            "cli_calibrate",
+            "cli_checks",
+            "cli_ground",
+            "cli_robots",
+            "cli_runs",
+            "cli_serving",
+            "cli_sources",
+            "cli_watching",
+            "page",
+        ),
     },
     "__main__": {"cli"},
 }
 HEAVY = (
     *("cv2", "numba", "scipy", "matplotlib", "rapidocr", "openvino", "onnxruntime"),
     *("pydantic_ai", "openai", "anthropic", "google.genai", "httpx", "httpx2", "lpslam.language.hosted.exchange"),
-    *("starlette", "fastapi", "uvicorn", "mcp"),
+    *("starlette", "fastapi", "uvicorn", "mcp", "rosbags", "cyclonedds", "rerun"),
 )
 
 FILES = sorted(path for path in PACKAGE.rglob("*.py") if path != PACKAGE / "__init__.py")

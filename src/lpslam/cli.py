@@ -17,6 +17,7 @@ from lpslam.cli_checks import (
     refuse_with_fronts,
     refuse_with_localize,
 )
+from lpslam.cli_robots import COMMANDS as ROBOTS
 from lpslam.cli_runs import (
     call_to_its_end,
     keep,
@@ -28,6 +29,7 @@ from lpslam.cli_runs import (
 )
 from lpslam.cli_serving import COMMANDS as SERVING
 from lpslam.cli_sources import Color, Depth, From, Info, To, convert, record, sources, topics_and_span
+from lpslam.cli_watching import Mcap, Rerun, refuse_watching, watchers_of
 from lpslam.interruption import INTERRUPTED
 from lpslam.views.printed import (
     facts_of,
@@ -78,7 +80,7 @@ app.command()(calibrate)
 app.command()(convert)
 app.command()(record)
 app.command()(sources)
-for _command in SERVING:
+for _command in (*SERVING, *ROBOTS):
     app.command()(_command)
 
 
@@ -116,6 +118,8 @@ def run(
     sequential: Annotated[
         bool, typer.Option("--sequential", help="Read in step with tracking: slower, the same map every time.")
     ] = False,
+    mcap: Mcap = None,
+    rerun: Rerun = None,
     force: Annotated[bool, typer.Option("--force", help="Replace a map that is there already.")] = False,
     no_text: Annotated[bool, typer.Option("--no-text", help="Track and map only; read nothing.")] = False,
     max_frames: Annotated[int | None, typer.Option("--max-frames", min=1, help="Use only the first N frames.")] = None,
@@ -151,6 +155,7 @@ def run(
     refuse_overwriting(output, trajectory, continued or localize)
     if output is not None:
         refuse_old_map(output, force)
+    refuse_watching(mcap, rerun, force, localize, [source, output, continued, trajectory])
     settings = config_of(config)
     frames = InOrder(
         open_source(source, camera, max_frames, settings.calibration, topics_and_span(color, depth, info, start, end))
@@ -170,7 +175,11 @@ def run(
     from lpslam.views.run_progress import InterruptFlag, RunProgress, prepare
 
     prepare()
-    with InterruptFlag() as interrupted, RunProgress(len(frames)) as progress:
+    with (
+        InterruptFlag() as interrupted,
+        RunProgress(len(frames)) as progress,
+        watchers_of(mcap, rerun, frames) as watchers,
+    ):
         world = pipeline.run(
             frames,
             settings,
@@ -180,8 +189,10 @@ def run(
             live=live,
             base=base,
             on_progress=progress.update,
+            on_step=watchers.take,
             should_stop=interrupted.is_set,
         )
+        watchers.finish(world)
         if not world.trajectory.tracked_count:
             say("interrupted before anything was mapped; nothing is written")
             raise typer.Exit(INTERRUPTED)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from lpslam.config import Config
 from lpslam.errors import UserError
-from lpslam.frames import FrameSource
+from lpslam.frames import FrameSource, RgbdFrame
 from lpslam.language.model import LanguageModel
 from lpslam.language.offline import OfflineModel
 from lpslam.mapfile.compatibility import refuse_other_camera
@@ -77,6 +77,7 @@ def run(
     live: bool = False,
     base: LanguageMap | None = None,
     on_progress: Callable[[Progress], None] = lambda progress: None,
+    on_step: Callable[[RgbdFrame, Step, Session], None] = lambda frame, step, session: None,
     should_stop: Callable[[], bool] = lambda: False,
 ) -> LanguageMap:
     """Runtime text mapping: frame → track → read → class → memory → name → position.
@@ -95,6 +96,7 @@ def run(
             reading is not sequential.
         base: a map of an earlier recording that this one continues; it is changed and returned.
         on_progress: called after every frame.
+        on_step: the same, with the frame, what it brought, and the session that it was given to.
         should_stop: asked before every frame; the map so far is returned when it says yes.
 
     Raises:
@@ -124,6 +126,7 @@ def run(
             if is_stopped := should_stop():
                 break
             step = session.take(frame)
+            on_step(frame, step, session)
             on_progress(_progress(session, step, _dropped(frames)))
         # A camera has no other end.
         is_stopped = is_stopped and camera is None

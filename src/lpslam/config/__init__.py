@@ -10,6 +10,7 @@ from pydantic import Field, PositiveFloat, ValidationError
 
 from lpslam.config.calibrating import CalibratingConfig
 from lpslam.config.ground import GroundConfig, WayConfig
+from lpslam.config.robots import RobotConfig
 from lpslam.config.section import Section
 from lpslam.config.serving import JobsConfig, ServingConfig
 from lpslam.config.slam import (
@@ -64,6 +65,7 @@ __all__ = [
     "PlacementConfig",
     "PlacesConfig",
     "ReadingConfig",
+    "RobotConfig",
     "SecondLookConfig",
     "SensorNoiseConfig",
     "ServingConfig",
@@ -279,6 +281,8 @@ class Config(Section):
     live: LiveConfig = LiveConfig()
 
     serving: ServingConfig = ServingConfig()
+
+    robots: RobotConfig = RobotConfig()
 
     simulation: SimulationConfig = SimulationConfig()
 

@@ -15,16 +15,19 @@ class AnnouncingMapper(TextMapper):
 
     Args:
         on_news: called, with the lock held, after a reading after which landmarks may be new or renamed.
+        on_reading: called, with the lock held, with every reading.
         options: of `TextMapper`.
 
     Attributes:
         lock: held by whoever reads or changes the text map.
     """
 
-    def __init__(self, *args: Any, on_news: Callable[[], None], **options: Any) -> None:
+    def __init__(
+        self, *args: Any, on_news: Callable[[], None], on_reading: Callable[[FrameReading], None], **options: Any
+    ) -> None:
         super().__init__(*args, **options)
         self.lock = threading.RLock()
-        self._on_news = on_news
+        self._on_news, self._on_reading = on_news, on_reading
         self._before = self._known()
 
     def observe(self, frame: RgbdFrame, tracked: TrackedFrame) -> FrameReading | None:
@@ -36,6 +39,8 @@ class AnnouncingMapper(TextMapper):
         """As `TextMapper.read`."""
         with self.lock:
             reading = super().read(frame, tracked)
+            if reading is not None:
+                self._on_reading(reading)
             self._announce()
             return reading
 

@@ -2,6 +2,7 @@
 
 import threading
 import time
+from collections import deque
 from collections.abc import AsyncIterator, Callable, Collection
 from contextlib import ExitStack
 from dataclasses import asdict, replace
@@ -38,7 +39,7 @@ from lpslam.text.reading.reading_thread import ReadingThread
 from lpslam.text.reading.spotting import TextSpotter
 from lpslam.text.reading.spotting_process import SpottingProcess
 from lpslam.text.text_map import TextMap
-from lpslam.text.types import Landmark
+from lpslam.text.types import FrameReading, Landmark
 
 
 class Session:
@@ -105,6 +106,7 @@ class Session:
         self._changed: dict[int, tuple[Landmark, bool]] = {}
         self._told: dict[int, str] = {}
         self._events_told = 0
+        self._readings: deque[FrameReading] = deque(maxlen=_MOST_READINGS)
         self._latest = -np.inf
         self._pose: NDArray[np.float64] | None = None
         self._listeners = Listeners()
@@ -145,6 +147,7 @@ class Session:
             on_lost=self._words.note_lost,
             points_seen_by=self._slam.map.points_seen_by,
             on_news=self._note_landmarks,
+            on_reading=self._readings.append,
         )
         if base is not None:
             self._mapper.resume(base.world_from_keyframe)
@@ -201,7 +204,7 @@ class Session:
                 self._reader.wait_for_place()
         elif self._mapper is not None:
             self._mapper.observe(frame, tracked)
-        step = Step(tracked, *self._take_landmarks(), self._take_events())
+        step = Step(tracked, *self._take_landmarks(), self._take_events(), self._take_readings())
         self._tell(step)
         self._listeners.tell(step)
         return step
@@ -230,6 +233,11 @@ class Session:
         """All landmarks as known now, by id. May wait until the frame at hand is read."""
         with self._text_lock():
             return self._text.landmarks(self._keyframe_poses())
+
+    def cloud(self) -> NDArray[np.float64]:
+        """(n, 3) positions of the map points as known now, metres, map frame."""
+        with self._stepping, self._slam.map.lock:
+            return self._slam.map.point_positions()
 
     def ask(
         self,
@@ -347,6 +355,12 @@ class Session:
         self._events_told += len(fresh)
         return fresh
 
+    def _take_readings(self) -> tuple[FrameReading, ...]:
+        fresh = []
+        while self._readings:
+            fresh.append(self._readings.popleft())
+        return tuple(fresh)
+
     def _tell(self, step: Step) -> None:
         for mark in (*step.new_landmarks, *step.renamed_landmarks):
             self._on_landmark(mark)
@@ -393,3 +407,7 @@ class Session:
             events=list(world.events),
             scans=None if world.scans is None else world.scans.copy(),
         )
+
+
+_MOST_READINGS = 16
+"""Readings that wait for a step; more come only where nobody steps any more."""

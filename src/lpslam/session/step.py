@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.slam.state import SlamEvent, TrackedFrame, TrackingState
-from lpslam.text.types import Landmark
+from lpslam.text.types import FrameReading, Landmark
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -18,12 +18,14 @@ class Step:
         new_landmarks: those that were not told of before. Live, reading is some frames behind.
         renamed_landmarks: those whose name has changed since they were told of.
         events: what happened to tracking and to the map since the step before.
+        readings: what was read since the step before, boxes and all; beside tracking, of frames before this one.
     """
 
     tracked: TrackedFrame
     new_landmarks: tuple[Landmark, ...] = ()
     renamed_landmarks: tuple[Landmark, ...] = ()
     events: tuple[SlamEvent, ...] = ()
+    readings: tuple[FrameReading, ...] = ()
 
     @property
     def index(self) -> int:

@@ -75,18 +75,18 @@ class RosMessages:
         )
 
 
-_TIME = {"type": "object", "properties": {"sec": {"type": "integer"}, "nsec": {"type": "integer"}}}
-_TEXT, _NUMBER = {"type": "string"}, {"type": "integer"}
-_BYTES = {"type": "string", "contentEncoding": "base64"}
-_NUMBERS = {"type": "array", "items": {"type": "number"}}
-_SIZE = {"width": _NUMBER, "height": _NUMBER}
+TIME = {"type": "object", "properties": {"sec": {"type": "integer"}, "nsec": {"type": "integer"}}}
+TEXT, NUMBER = {"type": "string"}, {"type": "integer"}
+BYTES = {"type": "string", "contentEncoding": "base64"}
+NUMBERS = {"type": "array", "items": {"type": "number"}}
+SIZE = {"width": NUMBER, "height": NUMBER}
 _FOXGLOVE: dict[str, tuple[str, dict[str, Any]]] = {
     COLOUR_INFO: (
         "foxglove.CameraCalibration",
-        {**_SIZE, "distortion_model": _TEXT, "D": _NUMBERS, "K": _NUMBERS, "R": _NUMBERS, "P": _NUMBERS},
+        {**SIZE, "distortion_model": TEXT, "D": NUMBERS, "K": NUMBERS, "R": NUMBERS, "P": NUMBERS},
     ),
-    COLOUR: ("foxglove.CompressedImage", {"data": _BYTES, "format": _TEXT}),
-    DEPTH: ("foxglove.RawImage", {**_SIZE, "encoding": _TEXT, "step": _NUMBER, "data": _BYTES}),
+    COLOUR: ("foxglove.CompressedImage", {"data": BYTES, "format": TEXT}),
+    DEPTH: ("foxglove.RawImage", {**SIZE, "encoding": TEXT, "step": NUMBER, "data": BYTES}),
 }
 
 
@@ -100,17 +100,9 @@ class FoxgloveMessages:
     profile, encoding, schema_encoding = "", "json", "jsonschema"
 
     def __init__(self, camera: PinholeCamera) -> None:
-        self._calibration = {
-            "width": camera.width,
-            "height": camera.height,
-            "distortion_model": "plumb_bob",
-            "D": list(camera.distortion),
-            "K": camera.matrix.ravel().tolist(),
-            "R": np.eye(3).ravel().tolist(),
-            "P": _projection(camera).tolist(),
-        }
+        self._calibration = calibration_fields(camera)
         self.schemas = {
-            topic: (name, json.dumps(_schema(name, fields)).encode()) for topic, (name, fields) in _FOXGLOVE.items()
+            topic: (name, json.dumps(json_schema(name, fields)).encode()) for topic, (name, fields) in _FOXGLOVE.items()
         }
 
     def of(self, frame: RgbdFrame, nanoseconds: int) -> list[tuple[str, bytes]]:
@@ -119,14 +111,28 @@ class FoxgloveMessages:
         depth = _depth_fields(frame)
         messages: dict[str, dict[str, Any]] = {
             COLOUR_INFO: self._calibration,
-            COLOUR: {"data": _in_letters(packed(".png", frame.rgb[:, :, ::-1])), "format": "png"},
-            DEPTH: {**depth, "data": _in_letters(depth["data"])},
+            COLOUR: {"data": in_letters(packed(".png", frame.rgb[:, :, ::-1])), "format": "png"},
+            DEPTH: {**depth, "data": in_letters(depth["data"])},
         }
         return [(topic, json.dumps({**head, **fields}).encode()) for topic, fields in messages.items()]
 
 
-def _schema(name: str, fields: dict[str, Any]) -> dict[str, Any]:
-    return {"title": name, "type": "object", "properties": {"timestamp": _TIME, "frame_id": _TEXT, **fields}}
+def calibration_fields(camera: PinholeCamera) -> dict[str, Any]:
+    """The fields of Foxglove's `CameraCalibration`."""
+    return {
+        "width": camera.width,
+        "height": camera.height,
+        "distortion_model": "plumb_bob",
+        "D": list(camera.distortion),
+        "K": camera.matrix.ravel().tolist(),
+        "R": np.eye(3).ravel().tolist(),
+        "P": _projection(camera).tolist(),
+    }
+
+
+def json_schema(name: str, fields: dict[str, Any]) -> dict[str, Any]:
+    """The JSON Schema of one of Foxglove's types, as far as its fields are given."""
+    return {"title": name, "type": "object", "properties": {"timestamp": TIME, "frame_id": TEXT, **fields}}
 
 
 def _depth_fields(frame: RgbdFrame) -> dict[str, Any]:
@@ -146,5 +152,6 @@ def _projection(camera: PinholeCamera) -> Any:
     return np.column_stack([camera.matrix, np.zeros(3)]).ravel()
 
 
-def _in_letters(data: bytes) -> str:
+def in_letters(data: bytes) -> str:
+    """Bytes as JSON holds them: base64."""
     return base64.b64encode(data).decode("ascii")

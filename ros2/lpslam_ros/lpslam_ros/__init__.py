@@ -1,0 +1,1 @@
+"""lpslam as a node of ROS 2."""

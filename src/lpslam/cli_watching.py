@@ -1,0 +1,60 @@
+"""The options that write down a run while it goes."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from lpslam.cli_checks import refuse_unwritable
+from lpslam.errors import MissingExtraError, UserError
+from lpslam.views.printed import say
+
+if TYPE_CHECKING:
+    from lpslam.frames import FrameSource
+    from lpslam.watching.watchers import Watchers
+
+Mcap = Annotated[
+    Path | None, typer.Option("--mcap", metavar="FILE.mcap", help="Write the run for Foxglove while it goes.")
+]
+Rerun = Annotated[
+    Path | None, typer.Option("--rerun", metavar="FILE.rrd", help="The same for Rerun's viewer; extra 'rerun'.")
+]
+
+
+def refuse_watching(
+    mcap: Path | None, rerun: Path | None, force: bool, localize: Path | None, others: Sequence[Path | None]
+) -> None:
+    """What is written while a run goes replaces nothing unasked, and no other file of the run."""
+    from importlib.util import find_spec
+
+    taken = [path.resolve() for path in others if path is not None]
+    for option, path in (("--mcap", mcap), ("--rerun", rerun)):
+        if path is None:
+            continue
+        if localize is not None:
+            raise UserError(f"--localize and {option} exclude each other: nothing is mapped")
+        refuse_unwritable(path)
+        if path.resolve() in taken:
+            raise UserError(f"{option} {path} is another file of this run; choose another name")
+        if path.exists() and not force:
+            raise UserError(f"{path} is there already; choose another name, or give --force to replace it")
+        taken.append(path.resolve())
+    if rerun is not None and find_spec("rerun") is None:
+        raise MissingExtraError("--rerun", "rerun")
+
+
+def watchers_of(mcap: Path | None, rerun: Path | None, frames: "FrameSource") -> "Watchers":
+    """Who watches the run, as was asked for."""
+    from lpslam.watching.watchers import Watcher, Watchers
+
+    watchers: list[Watcher] = []
+    if mcap is not None:
+        from lpslam.watching.mcap_file import McapWatcher
+
+        watchers.append(McapWatcher(mcap, frames.camera))
+    if rerun is not None:
+        from lpslam.watching.rerun_file import RerunWatcher
+
+        watchers.append(RerunWatcher(rerun, frames.camera, frames.name))
+    return Watchers(watchers, say)

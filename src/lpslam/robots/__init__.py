@@ -1,0 +1,1 @@
+"""What robots are told and what they tell: messages of ROS 2, and the node that speaks them."""
