@@ -69,7 +69,7 @@ ALLOWED: dict[str, set[str]] = {
         ),
         *("views.answers", "views.drawable", "views.pictures"),
     },
-    "demo": {"simulation", "language", "mapfile", "pipeline", "evaluation", "views"},
+    "demo": {"simulation", "language", "mapfile", "page", "pipeline", "evaluation", "views"},
     "cli_checks": {"mapfile"},
     "cli_calibrate": {"sources", "calibration", "views", "cli_checks"},
     "cli_serving": {"language.registry", "serving", "views", "cli_checks"},

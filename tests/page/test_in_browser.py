@@ -1,47 +1,30 @@
 """The page in a real browser: asked, chosen, seen; skipped where there is none."""
 
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from in_chromium import chromium, shown
 from lpslam.page.building import write_page
 from small_maps import small_map, with_floor
 
-sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed"),
-]
+pytestmark = pytest.mark.slow
 SIGNS = ("KFC", "Pizza Hut 必胜客", "<b>BOLD</b>")
 
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    with sync_api.sync_playwright() as started:
-        opened = started.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+    with chromium() as opened:
         yield opened
-        opened.close()
 
 
 @pytest.fixture
 def page(browser: Any, tmp_path: Path) -> Iterator[Any]:
     file = write_page(with_floor(small_map(signs=SIGNS)), tmp_path / "page.html")
-    context = browser.new_context(viewport={"width": 1100, "height": 700}, locale="de-DE")
-    shown = context.new_page()
-    asked: list[str] = []
-    troubles: list[str] = []
-    shown.on("request", lambda request: asked.append(request.url))
-    shown.on("pageerror", lambda error: troubles.append(str(error)))
-    shown.on("console", lambda line: troubles.append(line.text))
-    shown.goto(file.as_uri())
-    yield shown
-    assert troubles == []
-    assert [url for url in asked if not url.startswith(("file:", "data:"))] == []
-    context.close()
+    with shown(browser, file.as_uri()) as opened:
+        yield opened
 
 
 def test_it_opens_from_the_file_system_and_lists_the_signs(page: Any) -> None:
