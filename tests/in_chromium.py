@@ -1,6 +1,7 @@
 """Pages in a real browser: who asks whom for what, and what goes wrong on the way; skipped where there is none."""
 
 import shutil
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -45,3 +46,11 @@ def shown(browser: Any, url: str, own: str = "", troubles_are_meant: bool = Fals
     assert [each for each in asked if not each.startswith(allowed)] == []
     assert troubles_are_meant or troubles == []
     inside.close()
+
+
+def until(page: Any, expression: str, seconds: float = 20.0) -> None:
+    """Wait until an expression holds in a page, whose policy forbids Playwright's own way of waiting."""
+    end = time.monotonic() + seconds
+    while not page.evaluate(expression):
+        assert time.monotonic() < end, f"{expression} does not come true"
+        page.wait_for_timeout(50)

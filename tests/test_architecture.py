@@ -54,7 +54,7 @@ ALLOWED: dict[str, set[str]] = {
     },
     # What is served is read and asked; nothing of tracking or reading is known here.
     "serving": {
-        *("language.model", "language.offline", "language.sanitise"),
+        *("language.model", "language.offline", "language.registry", "language.sanitise"),
         *("language.questions.follow_up", "language.questions.phrasing"),
         *(
             "text.types",

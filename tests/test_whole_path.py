@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from command_line import Command
-from in_chromium import chromium, shown
+from in_chromium import chromium, shown, until
 from lpslam import pipeline
 from lpslam.evaluation.report import evaluate_recording
 from lpslam.mapfile.export import export_map
@@ -123,5 +123,5 @@ def test_the_page_of_a_map_opens_from_the_file_system_and_finds_a_name(world: La
         for mark in marks[:2]:
             page.fill("#question", mark.name)
             page.press("#question", "Enter")
-            page.wait_for_function(f"lpslamPage.chosen() === {mark.id}")
+            until(page, f"lpslamPage.chosen() === {mark.id}")
             assert page.locator("#card h2").inner_text() == mark.name

@@ -27,6 +27,7 @@ from lpslam.cli_runs import (
     say_usage,
 )
 from lpslam.cli_serving import COMMANDS as SERVING
+from lpslam.cli_serving import unwatched, watched
 from lpslam.cli_sources import Color, Depth, From, Info, To, convert, record, sources, topics_and_span
 from lpslam.interruption import INTERRUPTED
 from lpslam.views.printed import (
@@ -119,6 +120,8 @@ def run(
     force: Annotated[bool, typer.Option("--force", help="Replace a map that is there already.")] = False,
     no_text: Annotated[bool, typer.Option("--no-text", help="Track and map only; read nothing.")] = False,
     max_frames: Annotated[int | None, typer.Option("--max-frames", min=1, help="Use only the first N frames.")] = None,
+    view: Annotated[bool, typer.Option("--view", help="Show the map while it grows, on a page that answers.")] = False,
+    port: Annotated[int, typer.Option(min=0, max=65535, help="Of the page of --view; 0 for any.")] = 8765,
     start: From = None,
     end: To = None,
     color: Color = None,
@@ -141,7 +144,7 @@ def run(
 
     # A mistake shows before anything slow is loaded.
     if localize is not None:
-        refuse_with_localize(output, continued, live, trajectory)
+        refuse_with_localize(output, continued, live, view, trajectory)
     elif output is None:
         raise UserError("where should the map go? give --output MAP.lpmap (or --localize MAP to use one as it is)")
     else:
@@ -169,8 +172,9 @@ def run(
     from lpslam.views.notes import run_notes
     from lpslam.views.run_progress import InterruptFlag, RunProgress, prepare
 
-    prepare()
-    with InterruptFlag() as interrupted, RunProgress(len(frames)) as progress:
+    watch = watched(frames.name, len(frames), port, settings, llm) if view else unwatched()
+    with watch as feed, InterruptFlag() as interrupted, RunProgress(len(frames)) as progress:
+        prepare()
         world = pipeline.run(
             frames,
             settings,
@@ -180,6 +184,7 @@ def run(
             live=live,
             base=base,
             on_progress=progress.update,
+            on_step=feed.on_step,
             should_stop=interrupted.is_set,
         )
         if not world.trajectory.tracked_count:
@@ -190,6 +195,7 @@ def run(
         if is_broken_off:
             output = partial_name(output)
         keep(world, output)
+        feed.end(world, output.name)
     for note in run_notes(world, frames.faults, progress.first_untracked, language.model):
         say(note)
     say_usage(language)

@@ -1,6 +1,7 @@
 """Commands that serve maps to others: over HTTP, and to agents; and their tokens."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -127,6 +128,38 @@ def view(
     _serve(
         Served([map_file], port=port, llm=llm, config=config), open_browser if browser else lambda url: None
     )  # fmt: skip
+
+
+@contextmanager
+def watched(title: str, total: int, port: int, settings: Any, llm: str | None) -> Iterator[Any]:
+    """A page of a map that is being made: hand its `on_step` to the run, and its `end` the map.
+
+    Raises:
+        UserError: the port is taken, or the page cannot be served.
+    """
+    _need("starlette", "uvicorn", "fastapi", what="lpslam run --view", extra="serve")
+    from lpslam.serving.watching.feed import Feed
+    from lpslam.serving.watching.wire import Begin
+
+    lost = "the page is lost; the run goes on without it"
+    with Feed(Begin(title, port, settings, llm, total), lambda: say(lost)) as feed:
+        say(f"the map can be watched at {feed.url}")
+        open_browser(feed.url)
+        yield feed
+
+
+@contextmanager
+def unwatched() -> Iterator[Any]:
+    """The same where nobody wants a page."""
+
+    class Nobody:
+        def on_step(self, session: Any, step: Any) -> None:
+            pass
+
+        def end(self, world: Any, map_file: str) -> None:
+            pass
+
+    yield Nobody()
 
 
 def mcp(

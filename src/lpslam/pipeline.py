@@ -77,6 +77,7 @@ def run(
     live: bool = False,
     base: LanguageMap | None = None,
     on_progress: Callable[[Progress], None] = lambda progress: None,
+    on_step: Callable[[Session, Step], None] = lambda session, step: None,
     should_stop: Callable[[], bool] = lambda: False,
 ) -> LanguageMap:
     """Runtime text mapping: frame → track → read → class → memory → name → position.
@@ -95,6 +96,7 @@ def run(
             reading is not sequential.
         base: a map of an earlier recording that this one continues; it is changed and returned.
         on_progress: called after every frame.
+        on_step: the same, with the session, which may be looked at from any thread until the run ends.
         should_stop: asked before every frame; the map so far is returned when it says yes.
 
     Raises:
@@ -125,6 +127,7 @@ def run(
                 break
             step = session.take(frame)
             on_progress(_progress(session, step, _dropped(frames)))
+            on_step(session, step)
         # A camera has no other end.
         is_stopped = is_stopped and camera is None
         session.frames_skipped = len(frames.faults)

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from in_chromium import chromium, shown
+from in_chromium import chromium, shown, until
 from lpslam.page.building import write_page
 from small_maps import small_map, with_floor
 
@@ -37,15 +37,15 @@ def test_a_name_that_is_asked_for_is_chosen_and_flown_to(page: Any) -> None:
     before = page.evaluate("lpslamPage.view()")
     page.fill("#question", "必胜客")
     page.press("#question", "Enter")
-    page.wait_for_function("lpslamPage.chosen() === 1000")
+    until(page, "lpslamPage.chosen() === 1000")
     page.wait_for_timeout(900)
     after = page.evaluate("lpslamPage.view()")
     assert (after["x"], after["y"]) != (before["x"], before["y"])
     assert page.locator("#card h2").inner_text() == "Pizza Hut 必胜客"
     page.fill("#question", "nothing like it")
     page.press("#question", "Enter")
-    page.wait_for_function("lpslamPage.chosen() === null")
-    assert page.locator("#answer").inner_text() == "Kein Schild sagt das."
+    until(page, "lpslamPage.chosen() === null")
+    assert page.locator("#log .answer").last.inner_text() == "Kein Schild sagt das."
 
 
 def test_keys_move_the_map_and_show_all_of_it_again(page: Any) -> None:

@@ -11,7 +11,7 @@ from pydantic import Field, PositiveFloat, ValidationError
 from lpslam.config.calibrating import CalibratingConfig
 from lpslam.config.ground import GroundConfig, WayConfig
 from lpslam.config.section import Section
-from lpslam.config.serving import JobsConfig, ServingConfig
+from lpslam.config.serving import JobsConfig, ServingConfig, WatchingConfig
 from lpslam.config.slam import (
     DepthDelayConfig,
     FeatureConfig,
@@ -75,6 +75,7 @@ __all__ = [
     "TextConfig",
     "TrackingConfig",
     "TurningConfig",
+    "WatchingConfig",
     "WayConfig",
 ]
 

@@ -1,0 +1,23 @@
+/* Everything put in its place. */
+document.documentElement.lang = words.language;
+document.title = data.title;
+part("title").textContent = data.title;
+part("go").textContent = words.go;
+canvas.setAttribute("aria-label", words.canvas);
+log.setAttribute("aria-label", words.dialogue);
+nameField();
+listSigns();
+picture.addEventListener("load", draw);
+if (data.picture) picture.src = data.picture;
+fit();
+if (data.grows) {
+  show(words.waiting, "growing");
+  watch();
+}
+window.lpslamPage = {
+  chosen: () => state.chosen && state.chosen.id,
+  view: () => ({ ...view }),
+  way: () => state.way.length,
+  travelled: () => data.trajectory.length,
+  drawn: () => Boolean(data.picture_extent && picture.complete && picture.naturalWidth),
+};

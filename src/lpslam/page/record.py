@@ -1,0 +1,71 @@
+"""A map as the page has it: numbers and strings, whatever signs say cleaned."""
+
+import base64
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.language.sanitise import clean_text
+from lpslam.mapfile.language_map import LanguageMap
+from lpslam.page.pictures import picture_of
+from lpslam.text.types import Landmark
+
+Array = NDArray[np.float64]
+
+_MOST_POSES, _MOST_VARIANTS = 2000, 8
+
+
+def map_record(world: LanguageMap) -> dict[str, Any]:
+    """What is shown of a map."""
+    drawn = picture_of(*world.room_from_above(), world.grid())
+    return {
+        "title": clean_text(world.source) or "lpslam",
+        "picture": "" if drawn is None else "data:image/png;base64," + base64.b64encode(drawn.png).decode("ascii"),
+        "picture_extent": None if drawn is None else [round(each, 3) for each in drawn.extent],
+        "trajectory": way_record(world.frame_poses().positions),
+        "signs": sign_records(world.landmarks()),
+    }
+
+
+def empty_record(title: str) -> dict[str, Any]:
+    """The same of a map of which nothing is known yet."""
+    return {
+        "title": clean_text(title) or "lpslam",
+        "picture": "",
+        "picture_extent": None,
+        "trajectory": [],
+        "signs": [],
+    }
+
+
+def way_record(positions: Array) -> list[list[float]]:
+    """The camera's way as (x, y) in metres, thinned."""
+    known = positions[np.isfinite(positions).all(axis=1)]
+    return [_rounded(at[:2]) for at in known[:: max(1, -(-len(known) // _MOST_POSES))]]
+
+
+def sign_records(marks: Iterable[Landmark]) -> list[dict[str, Any]]:
+    """The landmarks that have a place."""
+    return [_sign(mark) for mark in marks if np.isfinite(mark.position).all()]
+
+
+def _sign(mark: Landmark) -> dict[str, Any]:
+    counted = sorted(mark.variants.items(), key=lambda each: (-each[1], each[0]))
+    return {
+        "id": mark.id,
+        "name": clean_text(mark.name),
+        "lines": [clean_text(line.text) for line in mark.lines],
+        "variants": {clean_text(text): int(count) for text, count in counted[:_MOST_VARIANTS]},
+        "position": _rounded(mark.position),
+        "normal": _rounded(np.nan_to_num(mark.normal)),
+        "spread": round(float(np.nan_to_num(mark.spread)), 3),
+        "observations": int(mark.observations),
+        "confidence": round(float(np.nan_to_num(mark.confidence)), 3),
+        "is_landmark": mark.is_landmark,
+    }
+
+
+def _rounded(values: Array) -> list[float]:
+    return [round(float(value), 3) for value in values]
