@@ -1,6 +1,5 @@
 """`lpslam run --view`: a run in progress, in a real browser and by plain connections."""
 
-import http.client
 import os
 import re
 import signal
@@ -35,6 +34,13 @@ class Run:
         found = re.search(r"http://127\.0\.0\.1:(\d+)", said)
         assert found is not None, said + self.process.stderr.read()
         self.url, self.port = found[0], int(found[1])
+
+    def watch(self) -> socket.socket:
+        """A watcher that reads nothing but the first words."""
+        watcher = socket.create_connection(("127.0.0.1", self.port), timeout=20)
+        watcher.sendall(f"GET /watch HTTP/1.1\r\nhost: 127.0.0.1:{self.port}\r\n\r\n".encode())
+        assert watcher.recv(15).startswith(b"HTTP/1.1 200")
+        return watcher
 
     def end(self, seconds: float = 120) -> LanguageMap:
         assert self.process.wait(seconds) == 0
@@ -77,8 +83,7 @@ def test_labels_appear_as_they_are_found_and_questions_are_answered(run: Run) ->
 
 def test_a_page_that_was_away_goes_on_and_one_that_does_not_read_holds_up_nobody(run: Run) -> None:
     need_chromium()
-    silent = socket.create_connection(("127.0.0.1", run.port))
-    silent.sendall(f"GET /watch HTTP/1.1\r\nhost: 127.0.0.1:{run.port}\r\n\r\n".encode())
+    silent = run.watch()
     with chromium() as browser, shown(browser, run.url, own=run.url, troubles_are_meant=True) as page:
         until(page, "lpslamPage.travelled() > 2", 60)
         page.context.set_offline(True)
@@ -96,16 +101,14 @@ def test_the_run_goes_on_when_its_page_is_killed(run: Run) -> None:
     children = Path(f"/proc/{run.process.pid}/task/{run.process.pid}/children")
     if not children.exists():
         pytest.skip("this system does not say which processes are whose")
-    connection = http.client.HTTPConnection("127.0.0.1", run.port, timeout=20)
-    connection.request("GET", "/watch")
-    connection.getresponse().readline()
+    watcher = run.watch()
     for child in map(int, children.read_text().split()):
         if "watching" in Path(f"/proc/{child}/cmdline").read_bytes().decode("utf-8", "replace"):
             os.kill(child, signal.SIGKILL)
     assert run.end().landmarks()
     assert run.process.stderr is not None
     assert "the page is lost; the run goes on" in run.process.stderr.read()
-    connection.close()
+    watcher.close()
 
 
 def test_a_port_that_is_taken_is_one_line(lpslam: Command, walk: Path, tmp_path: Path) -> None:

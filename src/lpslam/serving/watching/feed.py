@@ -124,13 +124,11 @@ class Feed:
             self._tell_end()
         except OSError:
             # Nobody reads any more: the run has one thing less to do.
-            if not self._has_ended.is_set():
-                self._on_lost()
+            return
         except Exception:
-            # A session that has ended by an error has no landmarks; the run says what was wrong.
+            # What cannot be told is no reason to end a run.
             self._kill()
-            if not self._has_ended.is_set():
-                self._on_lost()
+            raise
 
     def _tell_ground(self, session: Session) -> None:
         grown = session.growth(self._known, self._limits.scans)
@@ -155,6 +153,8 @@ class Feed:
                 self._watchers = int(value)
                 self._woken.set()
         self._watchers = 0
+        if not self._has_ended.is_set():
+            self._on_lost()
 
     def _tell(self, message: Message) -> None:
         assert self._process is not None
