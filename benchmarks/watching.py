@@ -41,15 +41,14 @@ def once(recording: Path, watchers: int | None, options: list[str]) -> dict[str,
         words = [sys.executable, "-c", CODE, "run", str(recording), "-o", str(output), *options]
         if watchers is not None:
             words += ["--view", "--port", "0"]
-        with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        with subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
             assert process.stderr is not None
-            assert process.stdout is not None
             if watchers:
                 found = re.search(r"http://[\d.:]+", process.stderr.readline())
                 assert found is not None
                 for _ in range(watchers):
                     threading.Thread(target=watch, args=(found[0], received)).start()
-            out, _ = process.communicate()
+            process.communicate()
         facts = subprocess.run(
             [sys.executable, "-c", CODE, "info", str(output), "--json"], capture_output=True, text=True, check=True
         ).stdout

@@ -58,6 +58,8 @@ ALLOWED: dict[str, set[str]] = {
         *("language.questions.follow_up", "language.questions.phrasing"),
         *(
             "text.types",
+            "text.text_map",
+            "text.correcting",
             "mapfile",
             "ground",
             "page",
@@ -73,12 +75,13 @@ ALLOWED: dict[str, set[str]] = {
     "cli_checks": {"mapfile"},
     "cli_calibrate": {"sources", "calibration", "views", "cli_checks"},
     "cli_serving": {"language.registry", "serving", "views", "cli_checks"},
+    "cli_correct": {"language.registry", "mapfile", "text.correcting", "views", "cli_checks"},
     "cli_sources": {"sources", "views"},
     "cli_ground": {"language", "mapfile", "navigation", "views"},
     "cli_runs": {"simulation", "language", "pipeline", "views"},
     "cli": {
         *("sources", "simulation", "language", "mapfile", "pipeline", "evaluation", "views", "demo"),
-        *("cli_calibrate", "cli_checks", "cli_ground", "cli_runs", "cli_serving", "cli_sources", "page"),
+        *("cli_calibrate", "cli_checks", "cli_correct", "cli_ground", "cli_runs", "cli_serving", "cli_sources", "page"),
     },
     "__main__": {"cli"},
 }

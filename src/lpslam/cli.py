@@ -17,6 +17,7 @@ from lpslam.cli_checks import (
     refuse_with_fronts,
     refuse_with_localize,
 )
+from lpslam.cli_correct import correct
 from lpslam.cli_runs import (
     call_to_its_end,
     keep,
@@ -76,6 +77,7 @@ def main() -> None:
 
 
 app.command()(calibrate)
+app.command()(correct)
 app.command()(convert)
 app.command()(record)
 app.command()(sources)

@@ -183,7 +183,8 @@ def token(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Where tokens are kept, as digests.")],
     name: Annotated[str, typer.Option("--name", metavar="NAME", help="Of whoever gets it.")],
     scope: Annotated[
-        list[str] | None, typer.Option("--scope", metavar="SCOPE", help="read, ask or map; read and ask without.")
+        list[str] | None,
+        typer.Option("--scope", metavar="SCOPE", help="read, ask, map, write; without: read, ask."),
     ] = None,
     days: Annotated[float | None, typer.Option("--days", min=0, max=36500, help="Until it expires.")] = 90.0,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,

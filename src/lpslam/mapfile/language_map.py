@@ -19,6 +19,7 @@ from lpslam.slam.map import SlamMap
 from lpslam.slam.state import EventKind, SlamEvent
 from lpslam.slam.trajectory import Trajectory
 from lpslam.text.again.crops import CropStore
+from lpslam.text.correcting.corrections import Corrections
 from lpslam.text.text_map import TextMap
 from lpslam.text.types import Landmark
 
@@ -111,6 +112,8 @@ class LanguageMap:
             "text": self.text.to_document(),
             "run": {"source": self.source, "statistics": self.statistics, "events": [asdict(e) for e in self.events]},
         }
+        if self.text.corrections.revision:
+            documents["corrections"] = self.text.corrections.to_document()
         write_map_file(path, documents, arrays, created=datetime.now(UTC).isoformat(timespec="seconds"))
 
     @classmethod
@@ -127,6 +130,8 @@ class LanguageMap:
             run = contents.documents["run"]
             text = TextMap.from_document(contents.documents["text"])
             text.crops = CropStore.from_arrays(_part(contents.arrays, "crops."), text.config.again)
+            if "corrections" in contents.documents:
+                text.corrections = Corrections.from_document(contents.documents["corrections"])
             lens = PinholeCamera(**camera)
             scans = _part(contents.arrays, "scans.")
             return cls(
@@ -139,7 +144,7 @@ class LanguageMap:
                 events=[SlamEvent(**{**event, "kind": EventKind(event["kind"])}) for event in run["events"]],
                 scans=Scans.from_arrays(lens, scans, GroundConfig().width) if scans else None,
             )
-        except (KeyError, TypeError, ValueError, IndexError) as error:
+        except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
             raise UserError(f"{path} is damaged: {' '.join(str(error).split())}; map the recording again") from error
 
 

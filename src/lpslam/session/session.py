@@ -401,11 +401,13 @@ class Session:
     def _copied(world: LanguageMap) -> LanguageMap:
         slam = SlamMap.from_arrays(world.slam.to_arrays())
         slam.settle()
+        text = TextMap.from_document(world.text.to_document())
+        text.corrections = world.text.corrections
         return replace(
             world,
             slam=slam,
             trajectory=Trajectory.from_arrays(world.trajectory.to_arrays()),
-            text=TextMap.from_document(world.text.to_document()),
+            text=text,
             events=list(world.events),
             scans=None if world.scans is None else world.scans.copy(),
         )
