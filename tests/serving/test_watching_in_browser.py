@@ -64,6 +64,11 @@ def test_labels_appear_as_they_are_found_and_questions_are_answered(run: Run) ->
         until(page, f"document.querySelectorAll('#signs button').length > {first}", 60)
         assert run.process.poll() is None, "the run ended before anything was seen to grow"
         until(page, "lpslamPage.drawn()", 60)
+        page.locator("#signs button").first.click()
+        page.locator("#card button", has_text="Umbenennen").click()
+        page.fill("#card input", "Zum <b>goldenen</b> Hirsch")
+        page.keyboard.press("Enter")
+        until(page, "[...document.querySelectorAll('#signs button')].some(each => each.textContent.includes('Hirsch'))")
         for number, (question, words) in enumerate((("Where can I buy a book?", "at ("), ("哪里可以买书？", "位于"))):
             page.fill("#question", question)
             page.press("#question", "Enter")
@@ -74,6 +79,8 @@ def test_labels_appear_as_they_are_found_and_questions_are_answered(run: Run) ->
         until(page, "document.getElementById('status').className === 'ended'", 120)
         world = run.end()
         until(page, f"document.querySelectorAll('#signs button').length === {len(world.landmarks())}")
+        assert any(mark.name == "Zum <b>goldenen</b> Hirsch" for mark in world.landmarks())
+        assert page.locator("b").count() == 0
         # Nobody answers any more, and names are still found.
         mark = world.landmarks()[0]
         page.fill("#question", mark.name)

@@ -8,8 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.language.sanitise import clean_text
+from lpslam.mapfile.export import correction_record
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.page.pictures import picture_of
+from lpslam.text.correcting.corrections import Corrections
 from lpslam.text.types import Landmark
 
 Array = NDArray[np.float64]
@@ -25,8 +27,22 @@ def map_record(world: LanguageMap) -> dict[str, Any]:
         "picture": "" if drawn is None else "data:image/png;base64," + base64.b64encode(drawn.png).decode("ascii"),
         "picture_extent": None if drawn is None else [round(each, 3) for each in drawn.extent],
         "trajectory": way_record(world.frame_poses().positions),
-        "signs": sign_records(world.landmarks()),
+        **said_record(world),
     }
+
+
+def said_record(world: LanguageMap) -> dict[str, Any]:
+    """The signs of a map, by which question they are judged, and what a person has said of them."""
+    return {
+        "signs": sign_records(world.landmarks()),
+        "question": world.text.question,
+        "edits": edits_record(world.text.corrections),
+    }
+
+
+def edits_record(said: Corrections) -> dict[str, Any]:
+    """A person's corrections."""
+    return {"revision": said.revision, "corrections": [correction_record(each) for each in said.entries]}
 
 
 def empty_record(title: str) -> dict[str, Any]:
@@ -37,6 +53,8 @@ def empty_record(title: str) -> dict[str, Any]:
         "picture_extent": None,
         "trajectory": [],
         "signs": [],
+        "question": None,
+        "edits": edits_record(Corrections()),
     }
 
 
@@ -64,6 +82,7 @@ def _sign(mark: Landmark) -> dict[str, Any]:
         "observations": int(mark.observations),
         "confidence": round(float(np.nan_to_num(mark.confidence)), 3),
         "is_landmark": mark.is_landmark,
+        "corrections": [each.number for each in mark.corrections],
     }
 
 

@@ -34,6 +34,8 @@ from lpslam.slam.state import SlamEvent
 from lpslam.slam.system import RgbdSlam
 from lpslam.slam.trajectory import Trajectory
 from lpslam.text.advice.advising import TextAdvisor
+from lpslam.text.correcting.changing import Change, correct, take_back
+from lpslam.text.correcting.corrections import Corrections
 from lpslam.text.placing.instances import KeyframePoses
 from lpslam.text.reading.reading_thread import ReadingThread
 from lpslam.text.reading.spotting import TextSpotter
@@ -231,6 +233,30 @@ class Session:
         """All landmarks as known now, by id. May wait until the frame at hand is read."""
         with self._text_lock():
             return self._text.landmarks(self._keyframe_poses())
+
+    @property
+    def corrections(self) -> Corrections:
+        """What a person has said of landmarks."""
+        return self._text.corrections
+
+    @property
+    def question(self) -> str | None:
+        """By which landmarks are judged; None before anything was."""
+        return self._text.question
+
+    def correct(self, change: Change, revision: int | None = None) -> None:
+        """Say something of a landmark; it wins over what is read, and is kept in the map.
+
+        Raises:
+            ConflictError, NoSuchCorrectionError, UserError: as `text.correcting.changing.correct`.
+        """
+        with self._text_lock():
+            correct(self._text, self._keyframe_poses(), change, OfflineModel(), revision)
+
+    def take_back(self, number: int, revision: int | None = None) -> None:
+        """Take a correction back, by its number; raises as `correct`."""
+        with self._text_lock():
+            take_back(self._text, number, revision)
 
     def growth(self, known: Collection[int], most: int) -> Growth:
         """How far the map has grown; costs tracking a millisecond or two.

@@ -15,7 +15,10 @@ const news = {
     }
     show(filled(words.growing, told) + (told.at ? "" : ` – ${words.lost}`), told.at ? "growing" : "trouble");
   },
-  signs(told) { takeSigns(told.signs); },
+  signs(told) {
+    takeEdits(told.edits);
+    takeSigns(told.signs);
+  },
   way(told) { data.trajectory = told.way; },
   picture(told) {
     data.picture_extent = told.extent;
@@ -28,6 +31,8 @@ const news = {
     state.camera = null;
     show(told.map ? filled(words.ended, told) : words.stopped, "ended");
     nameField();
+    listEdits();
+    showCard();
   },
 };
 

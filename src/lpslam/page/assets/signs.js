@@ -29,7 +29,7 @@ function showCard() {
     [words.judged, sign.is_landmark === null ? "–" : sign.is_landmark ? words.yes : words.no],
   ];
   for (const [key, value] of rows) if (value) facts.append(make("dt", { textContent: key }), make("dd", { textContent: value }));
-  card.append(make("h2", { textContent: sign.name }), facts);
+  card.append(make("h2", { textContent: sign.name }), facts, ...correctingTools(sign));
 }
 
 function row(sign) {
@@ -50,13 +50,13 @@ function listSigns() {
 }
 
 /* Other signs than before: what was chosen stays chosen, and the list keeps its place. */
-function takeSigns(signs) {
+function takeSigns(signs, isForced = false) {
   const chosen = state.chosen && state.chosen.id, place = part("list").scrollTop;
   data.signs = signs;
   state.chosen = signs.find(sign => sign.id === chosen) || null;
   listSigns();
   part("list").scrollTop = place;
-  if (!card.contains(document.activeElement)) showCard();
+  if (isForced || !card.contains(document.activeElement)) showCard();
 }
 
 field.addEventListener("input", listSigns);

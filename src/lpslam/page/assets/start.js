@@ -7,13 +7,14 @@ canvas.setAttribute("aria-label", words.canvas);
 log.setAttribute("aria-label", words.dialogue);
 nameField();
 listSigns();
+listEdits();
 picture.addEventListener("load", draw);
 if (data.picture) picture.src = data.picture;
 fit();
 if (data.grows) {
   show(words.waiting, "growing");
   watch();
-}
+} else if (data.live) hearOfChanges();
 window.lpslamPage = {
   chosen: () => state.chosen && state.chosen.id,
   view: () => ({ ...view }),

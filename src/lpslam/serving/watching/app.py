@@ -2,16 +2,17 @@
 
 import asyncio
 import base64
+import json
 import logging
 import os
 import signal
 import threading
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
-from typing import Any, BinaryIO
+from typing import Annotated, Any, BinaryIO
 
 import numpy as np
-from fastapi import FastAPI, Request
+from fastapi import FastAPI, Path, Request
 from starlette.exceptions import HTTPException
 from starlette.responses import HTMLResponse, Response, StreamingResponse
 
@@ -19,22 +20,23 @@ from lpslam.errors import UserError
 from lpslam.language.registry import language_model
 from lpslam.page.building import growing_page, policy
 from lpslam.page.pictures import RoomPicture
-from lpslam.page.record import sign_records, way_record
+from lpslam.page.record import edits_record, sign_records, way_record
 from lpslam.serving import records
 from lpslam.serving.answerers import ThreadAnswerer, as_json
-from lpslam.serving.http.problems import handle_problems
+from lpslam.serving.http.problems import handle_problems, problem, problem_record
 from lpslam.serving.http.shield import Door, Shield, allowed_hosts
 from lpslam.serving.questions import Asked
 from lpslam.serving.watching.board import Board
 from lpslam.serving.watching.grown import Grown
 from lpslam.serving.watching.pace import Pace
-from lpslam.serving.watching.wire import Begin, End, Ground, Signs, State, receive
+from lpslam.serving.watching.wire import Begin, Corrected, End, Ground, Signs, State, receive
 
 logger = logging.getLogger(__name__)
 
 _LOOK_S = 0.2  # seconds between looks at whether a new picture may be made
 _LAST_PICTURE_S = 5.0  # seconds in which the last picture is made
 _FAREWELL_S = 1.0  # seconds in which watchers are told the end
+_PATIENCE_S = 20.0  # seconds in which the run takes a correction: it may be reading a frame
 _LAST = "end"
 
 
@@ -44,9 +46,10 @@ class Watched:
     Args:
         begin: what the page is of.
         on_count: called with how many watch, when that changes.
+        on_request: called with what the run is to correct, as JSON.
     """
 
-    def __init__(self, begin: Begin, on_count: Callable[[int], None]) -> None:
+    def __init__(self, begin: Begin, on_count: Callable[[int], None], on_request: Callable[[str], None]) -> None:
         self.begin, limits = begin, begin.config.serving
         self.board = Board(limits.listeners, on_count)
         self.grown = Grown(begin.config)
@@ -54,6 +57,8 @@ class Watched:
         self.answerer = ThreadAnswerer(
             language_model(begin.llm, language), language.question_length, limits.waiting_questions
         )
+        self._ask_run = on_request
+        self._requests, self._pending = 0, {}  # type: int, dict[int, asyncio.Future[Corrected]]
         self._is_new = threading.Event()
         self._gone, self._has_painted = threading.Event(), threading.Event()
 
@@ -70,7 +75,11 @@ class Watched:
                 show("state", _state_record(message))
             elif isinstance(message, Signs):
                 self.grown.take_signs(message)
-                show("signs", {"signs": sign_records(message.landmarks)})
+                edits = edits_record(message.corrections)
+                signs = sign_records(message.landmarks)
+                show("signs", {"signs": signs, "question": message.question, "edits": edits})
+            elif isinstance(message, Corrected):
+                loop.call_soon_threadsafe(self._settle, message)
             elif isinstance(message, Ground):
                 self.grown.take_ground(message)
                 show("way", {"way": way_record(message.poses[:, :3, 3])})
@@ -82,6 +91,29 @@ class Watched:
         self._has_painted.wait(_LAST_PICTURE_S)
         show(_LAST, {"map": ended.map_file})
         loop.call_soon_threadsafe(lambda: asyncio.create_task(self._leave()))
+
+    async def change(self, request: dict[str, Any]) -> Corrected:
+        """Have the run take what a person said.
+
+        Raises:
+            HTTPException: it does not, in time.
+        """
+        self._requests += 1
+        number = self._requests
+        self._pending[number] = asyncio.get_running_loop().create_future()
+        self._ask_run(json.dumps({**request, "request": number}))
+        try:
+            async with asyncio.timeout(_PATIENCE_S):
+                return await self._pending[number]
+        except TimeoutError:
+            raise HTTPException(504, "the run has not taken it in time") from None
+        finally:
+            del self._pending[number]
+
+    def _settle(self, message: Corrected) -> None:
+        promise = self._pending.get(message.request)
+        if promise is not None and not promise.done():
+            promise.set_result(message)
 
     async def _leave(self) -> None:
         """End once the watchers know, or have had time to."""
@@ -155,7 +187,26 @@ def build(watched: Watched) -> Shield:
         answer = await watched.answerer.ask(asked, watched.grown.known)  # type: ignore[arg-type]
         return Response(answer, media_type="application/json")
 
+    @app.post("/corrections")
+    async def correct(body: records.NewCorrection) -> Response:
+        return _became(await watched.change(body.model_dump(exclude={"map"})))
+
+    @app.delete("/corrections/{number}")
+    async def take_back(number: Annotated[int, Path(ge=0, le=2**53)], revision: int) -> Response:
+        return _became(await watched.change({"number": number, "revision": revision}))
+
     return Shield(app, Door(allowed_hosts("127.0.0.1", ()), None, limits))
+
+
+def _became(corrected: Corrected) -> Response:
+    """What became of a correction; who was late is told what there is now."""
+    if corrected.status not in (200, 409):
+        return problem(corrected.status, corrected.detail)
+    record = edits_record(corrected.corrections)
+    if corrected.status == 200:
+        return Response(as_json(record), media_type="application/json")
+    record |= problem_record(409, corrected.detail)
+    return Response(as_json(record), 409, media_type="application/problem+json")
 
 
 def _state_record(state: State) -> dict[str, Any]:

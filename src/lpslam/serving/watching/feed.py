@@ -4,13 +4,14 @@ The thread that tracks only says that there was a step. All else happens beside 
 allows, and only while somebody watches. Whatever becomes of the other process, the run goes on.
 """
 
+import json
 import subprocess
 import threading
 import time
 from collections.abc import Callable, Collection
 from contextlib import suppress
 from types import TracebackType
-from typing import Self
+from typing import Any, Self
 
 from lpslam.config import WatchingConfig
 from lpslam.errors import UserError
@@ -18,11 +19,14 @@ from lpslam.isolated import python_command
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.priority import READING, yield_to_others
 from lpslam.serving.watching.pace import Pace
-from lpslam.serving.watching.wire import Begin, End, Ground, Message, Signs, State, send
+from lpslam.serving.watching.wire import Begin, Corrected, End, Ground, Message, Signs, State, send
 from lpslam.session.session import Session
 from lpslam.session.step import Step
+from lpslam.text.correcting.changing import Change, ConflictError, NoSuchCorrectionError
+from lpslam.text.correcting.corrections import Corrections, Kind
 
 _CODE = "from lpslam.serving.watching.process import main; main()"
+_SAID = ("landmark", "name", "into", "answer")  # of a change, besides its kind
 _FAREWELL_S = 8.0  # seconds in which the other process tells its watchers the end
 
 
@@ -48,6 +52,7 @@ class Feed:
         self._latest: tuple[Session, Step] | None = None
         self._map_file, self._world = "", None  # type: tuple[str, LanguageMap | None]
         self._watchers = 0
+        self._telling = threading.Lock()
         self._woken, self._has_ended = threading.Event(), threading.Event()
         self._has_news = True
         self._threads: list[threading.Thread] = []
@@ -117,7 +122,7 @@ class Feed:
                 if signs.is_due(hurried=self._has_news):
                     self._has_news = False
                     with signs:
-                        self._tell(Signs(tuple(session.landmarks())))
+                        self._tell_signs(session)
                 if ground.is_due():
                     with ground:
                         self._tell_ground(session)
@@ -130,6 +135,27 @@ class Feed:
             self._kill()
             raise
 
+    def _tell_signs(self, session: Session) -> None:
+        marks = tuple(session.landmarks())
+        self._tell(Signs(marks, session.corrections, session.question))
+
+    def _correct(self, request: dict[str, Any]) -> None:
+        """Have the session take what a person said, and say what became of it."""
+        if self._latest is None:
+            return self._tell(Corrected(request["request"], 404, "nothing is mapped yet", Corrections()))
+        session, status, detail = self._latest[0], 200, ""
+        try:
+            if "number" in request:
+                session.take_back(request["number"], request["revision"])
+            else:
+                change = Change(Kind(request["kind"]), **{key: request[key] for key in _SAID})
+                session.correct(change, request["revision"])
+        except UserError as error:
+            status = {ConflictError: 409, NoSuchCorrectionError: 404}.get(type(error), 422)
+            detail = str(error)
+        self._tell(Corrected(request["request"], status, detail, session.corrections))
+        return self._tell_signs(session)
+
     def _tell_ground(self, session: Session) -> None:
         grown = session.growth(self._known, self._limits.scans)
         self._known |= {int(each) for each in grown.scans.get("keyframe", ())}
@@ -137,7 +163,8 @@ class Feed:
 
     def _tell_end(self) -> None:
         if self._world is not None and self._watchers:
-            self._tell(Signs(tuple(self._world.landmarks())))
+            text = self._world.text
+            self._tell(Signs(tuple(self._world.landmarks()), text.corrections, text.question))
             self._tell(_whole_ground(self._world, self._known))
         self._tell(End(self._map_file))
         if self._process is not None and self._process.stdin is not None:
@@ -148,10 +175,13 @@ class Feed:
         assert self._process is not None
         assert self._process.stdout is not None
         for line in self._process.stdout:
-            kind, _, value = line.decode("ascii", "replace").strip().partition(" ")
+            kind, _, value = line.decode("utf-8", "replace").strip().partition(" ")
             if kind == "watchers" and value.isdecimal():
                 self._watchers = int(value)
                 self._woken.set()
+            elif kind == "correct" and not self._has_ended.is_set():
+                with suppress(OSError):
+                    self._correct(json.loads(value))
         self._watchers = 0
         if not self._has_ended.is_set():
             self._on_lost()
@@ -159,7 +189,8 @@ class Feed:
     def _tell(self, message: Message) -> None:
         assert self._process is not None
         assert self._process.stdin is not None
-        send(self._process.stdin, message)
+        with self._telling:
+            send(self._process.stdin, message)
 
     def _kill(self) -> None:
         process, self._watchers = self._process, 0

@@ -39,7 +39,11 @@ def _serve(begin: Begin, messages: BinaryIO, replies: BinaryIO) -> None:
     with listening:
         from lpslam.serving.watching.app import Watched, build
 
-        watched = Watched(begin, lambda count: _reply(replies, f"watchers {count}"))
+        watched = Watched(
+            begin,
+            on_count=lambda count: _reply(replies, f"watchers {count}"),
+            on_request=lambda said: _reply(replies, f"correct {said}"),
+        )
 
         def ready() -> None:
             loop = asyncio.get_running_loop()

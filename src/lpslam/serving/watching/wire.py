@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera
 from lpslam.config import Config
+from lpslam.text.correcting.corrections import Corrections
 from lpslam.text.types import Landmark
 
 _HEAD = struct.Struct("<Q")
@@ -59,9 +60,28 @@ class State:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Signs:
-    """All landmarks as known now."""
+    """All landmarks as known now, and what a person has said of them."""
 
     landmarks: tuple[Landmark, ...]
+    corrections: Corrections
+    question: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class Corrected:
+    """What became of something that a person said.
+
+    Attributes:
+        request: its number.
+        status: as of HTTP.
+        detail: what is wrong; empty when nothing is.
+        corrections: as they are now.
+    """
+
+    request: int
+    status: int
+    detail: str
+    corrections: Corrections
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -90,7 +110,7 @@ class End:
     map_file: str
 
 
-Message = Begin | State | Signs | Ground | End
+Message = Begin | State | Signs | Corrected | Ground | End
 
 
 def send(pipe: IO[bytes], message: Message) -> None:
