@@ -56,3 +56,33 @@ def test_keys_move_the_map_and_show_all_of_it_again(page: Any) -> None:
     assert page.evaluate("lpslamPage.view()") != whole
     page.keyboard.press("0")
     assert page.evaluate("lpslamPage.view()") == whole
+
+
+def test_the_memory_plot_tells_one_class_from_the_others(browser: Any, tmp_path: Path) -> None:
+    world = small_map(signs=SIGNS)
+    for number, each in world.text.memory.long_term.items():
+        each.history = [(0.0, 0.0), (1.0 + 3 * number, 2.0 + 3 * number), (9.0, 1.0 + number)]
+    with shown(browser, write_page(world, tmp_path / "page.html").as_uri(), locale="en-US") as page:
+        page.locator("#memory-open").click()
+        assert page.locator("#memory-name").inner_text() == "<b>BOLD</b> – at most 8.0, after 7.0 s, remembered"
+        page.locator("#memory-plot").focus()
+        page.keyboard.press("ArrowRight")
+        assert page.locator("#memory-name").inner_text().startswith("Pizza Hut 必胜客 – at most 5.0")
+        page.keyboard.press("Enter")
+        assert page.evaluate("lpslamPage.chosen()") == 1000
+        # The lowest line of all, near its end.
+        box = page.locator("#memory-plot").bounding_box()
+        page.mouse.move(box["x"] + box["width"] - 60, box["y"] + box["height"] - 45)
+        assert page.evaluate("lpslamPage.remembered()") == 0
+        page.mouse.click(box["x"] + box["width"] - 60, box["y"] + box["height"] - 45)
+        assert page.evaluate("lpslamPage.chosen()") == 0
+        page.locator("#memory-close").click()
+        assert not page.locator("#memory").is_visible()
+
+
+def test_a_dialogue_is_kept_as_it_goes_on(page: Any) -> None:
+    for question in ("KFC", "no such thing", "必胜客"):
+        page.fill("#question", question)
+        page.press("#question", "Enter")
+    assert page.locator("#log .question").all_inner_texts() == ["KFC", "no such thing", "必胜客"]
+    assert page.locator("#log .answer").all_inner_texts() == ["KFC", "Kein Schild sagt das.", "Pizza Hut 必胜客"]

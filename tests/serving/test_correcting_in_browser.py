@@ -107,3 +107,16 @@ def test_of_two_editors_the_second_is_shown_what_there_is(browser: Any, viewed: 
         press(second, "Kentucky", "Ausblenden")
         until(second, "document.querySelectorAll('#signs button').length === 3")
     assert 0 not in names(path)
+
+
+def test_and_another_one_means_what_was_asked_before(browser: Any, viewed: tuple[Path, str]) -> None:
+    _, url = viewed
+    with shown(browser, url, own=url, locale="en-US") as page:
+        answers = []
+        for number, question in enumerate(("Where can I eat?", "and another one?")):
+            page.fill("#question", question)
+            page.press("#question", "Enter")
+            until(page, f"(document.querySelectorAll('#log .answer')[{number}]?.textContent ?? '…') !== '…'", 60)
+            answers.append(page.evaluate("lpslamPage.chosen()"))
+        assert None not in answers
+        assert answers[0] != answers[1]

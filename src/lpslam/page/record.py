@@ -1,7 +1,7 @@
 """A map as the page has it: numbers and strings, whatever signs say cleaned."""
 
 import base64
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,11 +12,14 @@ from lpslam.mapfile.export import correction_record
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.page.pictures import picture_of
 from lpslam.text.correcting.corrections import Corrections
+from lpslam.text.remembering.histories import score_histories
+from lpslam.text.remembering.memory import LongShortTermMemory
 from lpslam.text.types import Landmark
 
 Array = NDArray[np.float64]
 
 _MOST_POSES, _MOST_VARIANTS = 2000, 8
+_MOST_CLASSES, _MOST_SAMPLES = 150, 120  # histories of classes, and samples of each
 
 
 def map_record(world: LanguageMap) -> dict[str, Any]:
@@ -27,8 +30,36 @@ def map_record(world: LanguageMap) -> dict[str, Any]:
         "picture": "" if drawn is None else "data:image/png;base64," + base64.b64encode(drawn.png).decode("ascii"),
         "picture_extent": None if drawn is None else [round(each, 3) for each in drawn.extent],
         "trajectory": way_record(world.frame_poses().positions),
+        "memory": memory_record(world.text.memory),
         **said_record(world),
     }
+
+
+def memory_record(memory: LongShortTermMemory) -> dict[str, Any]:
+    """How the scores of classes rose and faded: those that were strongest, thinned."""
+    known = [each for each in score_histories(memory) if each.samples]
+    known.sort(key=lambda each: (not each.is_long_term, -max(score for _, score in each.samples)))
+    histories = [
+        {
+            "id": each.id,
+            "name": clean_text(each.name),
+            "kept": each.is_long_term,
+            "samples": [_rounded(np.array(at)) for at in _thinned(each.samples)],
+        }
+        for each in known[:_MOST_CLASSES]
+    ]
+    return {"promotion": memory.config.promotion, "histories": histories}
+
+
+def _thinned(samples: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
+    """A few samples of a history: its ends, and of each stretch between them the highest and the lowest."""
+    if len(samples) <= _MOST_SAMPLES:
+        return list(samples)
+    kept = {0, len(samples) - 1}
+    for rows in np.array_split(np.arange(len(samples)), _MOST_SAMPLES // 2):
+        scores = [samples[row][1] for row in rows]
+        kept |= {int(rows[int(np.argmax(scores))]), int(rows[int(np.argmin(scores))])}
+    return [samples[row] for row in sorted(kept)]
 
 
 def said_record(world: LanguageMap) -> dict[str, Any]:
@@ -52,6 +83,7 @@ def empty_record(title: str) -> dict[str, Any]:
         "picture": "",
         "picture_extent": None,
         "trajectory": [],
+        "memory": None,
         "signs": [],
         "question": None,
         "edits": edits_record(Corrections()),

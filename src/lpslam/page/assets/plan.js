@@ -7,7 +7,10 @@ const tint = sign => style(sign.is_landmark === true ? "--shop" : sign.is_landma
 const toScreen = (x, y) => [canvas.clientWidth / 2 + (x - view.x) * view.scale, canvas.clientHeight / 2 - (y - view.y) * view.scale];
 
 /* What the panel hides: at the left of a wide window, at the bottom of a narrow one. */
-const covered = () => canvas.clientWidth > 640 ? [360, 0] : [0, canvas.clientHeight * 0.4];
+function covered() {
+  if (canvas.clientWidth <= 640) return [0, canvas.clientHeight * 0.52];
+  return [360, part("memory").hidden ? 0 : part("memory").offsetHeight + 16];
+}
 
 function extent() {
   const xs = [], ys = [];

@@ -11,6 +11,7 @@ function choose(sign, fly = true) {
   state.chosen = sign;
   for (const button of list.querySelectorAll("button")) button.setAttribute("aria-current", String(Number(button.dataset.id) === (sign && sign.id)));
   showCard();
+  if (sign && data.memory && data.memory.histories.some(history => history.id === classOf(sign))) showClass(classOf(sign));
   if (!sign) return draw();
   if (fly) flyTo(sign.position[0], sign.position[1], Math.max(view.scale, 90)); else draw();
 }

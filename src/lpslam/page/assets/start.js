@@ -5,6 +5,10 @@ part("title").textContent = data.title;
 part("go").textContent = words.go;
 canvas.setAttribute("aria-label", words.canvas);
 log.setAttribute("aria-label", words.dialogue);
+part("memory-open").textContent = words.memory;
+part("memory-open").hidden = !data.memory || !data.memory.histories.length;
+part("memory-close").textContent = words.close;
+memory.canvas.setAttribute("aria-label", words.memoryPlot);
 nameField();
 listSigns();
 listEdits();
@@ -20,5 +24,6 @@ window.lpslamPage = {
   view: () => ({ ...view }),
   way: () => state.way.length,
   travelled: () => data.trajectory.length,
+  remembered: () => memory.shown,
   drawn: () => Boolean(data.picture_extent && picture.complete && picture.naturalWidth),
 };
