@@ -86,4 +86,5 @@ class Grown:
             scans, keyframes, poses = self._scans.copy(), dict(self._keyframes), self._poses
         cloud, colours = scans.cloud(keyframes.get)
         grid = build_grid(scans, keyframes.get, self._config.ground, poses[:, :3, 3])
-        return picture_of(*room_from_above(cloud, colours, poses[:, :3, 3]), grid)
+        # While it grows, a picture is made soon rather than small.
+        return picture_of(*room_from_above(cloud, colours, poses[:, :3, 3]), grid, compression=3)
