@@ -39,7 +39,7 @@ from lpslam.views.run_progress import prepare
 
 SECONDS, A_SECOND, LAST_SECONDS = 16.5, 8, 3.5  # of the walk, pictures a second, of the answer
 WIDTH, HEIGHT = 960, 480
-SHADES = 128  # of a picture with a palette, which is a third as large
+SHADES = 256  # of a picture with a palette, which is a third as large
 QUALITY = 45
 BLUE, PINK, GREY, GREEN, INK = (31, 79, 216), (190, 24, 93), (107, 114, 128), (21, 128, 61), (31, 41, 55)
 QUESTION = "Where can I eat pizza?"
@@ -50,7 +50,7 @@ def draw_small(map_file: Path, out: Path) -> None:
     draw_language_map(LanguageMap.load(map_file), out)
     picture = Image.open(out).convert("RGB")
     picture.thumbnail((1000, 1000), Image.Resampling.LANCZOS)
-    picture.quantize(SHADES, dither=Image.Dither.NONE).save(out, optimize=True)
+    picture.quantize(SHADES, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).save(out, optimize=True)
 
 
 @dataclass(frozen=True)

@@ -50,7 +50,7 @@ class WatchingConfig(Section):
     # Scans of keyframes that are told at once, of 100 KB each.
     scans: int = Field(default=20, ge=1)
     # Share of one core, in the page's process and behind tracking, that pictures of the room may cost.
-    painting_share: float = Field(default=0.03, gt=0.0, le=1.0)
+    painting_share: float = Field(default=0.02, gt=0.0, le=1.0)
     # Seconds between two pictures of the room.
     picture_s: float = Field(default=3.0, gt=0.0)
 

@@ -23,6 +23,7 @@ _TITLE, _LEGEND = 0.45, 0.5  # inches above and below the map
 _MARGIN = 0.06  # of the longer side around all that is drawn: room for the labels of its rim
 _LEAST_MARGIN = 0.3  # metres
 _TICK = 0.025  # of the longer side, length of the facing tick
+_SIZE, _FEW_SIZE, _FEW = 9, 13, 12  # points of names; of few names, so many at most
 _MOST_POINTS = 150_000  # more dots than these only cost time
 _STRAY_SHARE = 0.5  # percent of the cloud at each side that may lie outside the picture
 _KINDS = {True: (BLUE, "landmark"), False: (PINK, "other text"), None: (GREY, "text, not judged yet")}
@@ -157,9 +158,12 @@ def _draw_landmarks(figure: Figure, axes: Axes, shown: Sequence[DrawnLandmark], 
     axes.add_collection(LineCollection(list(ticks), colors=colours, linewidths=1.6), autolim=False)
     axes.scatter(places[:, 0], places[:, 1], s=22, c=colours, edgecolors="white", linewidths=0.6, zorder=4)
 
+    size = _FEW_SIZE if len(shown) <= _FEW else _SIZE
     halo = {"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 1.0}
     texts = [
-        axes.text(x, y, label(mark.name), **text_style(9, color=colour, ha="center", va="center", bbox=halo, zorder=5))
+        axes.text(
+            x, y, label(mark.name), **text_style(size, color=colour, ha="center", va="center", bbox=halo, zorder=5)
+        )
         for mark, colour, (x, y) in zip(shown, colours, places, strict=True)
     ]
     figure.draw_without_rendering()

@@ -36,6 +36,8 @@ def _serve(begin: Begin, messages: BinaryIO, replies: BinaryIO) -> None:
 
     address = Address(port=begin.port)
     listening = bound(address)
+    # Who asks from now on waits for what is loaded below; the run does not.
+    _reply(replies, f"at {url_of(listening, address)}")
     with listening:
         from lpslam.serving.watching.app import Watched, build
 
@@ -48,7 +50,6 @@ def _serve(begin: Begin, messages: BinaryIO, replies: BinaryIO) -> None:
         def ready() -> None:
             loop = asyncio.get_running_loop()
             threading.Thread(target=watched.take, args=(messages, loop), name="lpslam-told", daemon=True).start()
-            _reply(replies, f"at {url_of(listening, address)}")
 
         run(build(watched), listening, address, begin.config.serving, ready)
 
