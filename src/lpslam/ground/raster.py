@@ -12,7 +12,7 @@ Array = NDArray[np.float64]
 
 _FINEST, _MOST_CELLS = 0.02, 2400  # metres a cell, and cells to a side at most
 _TOP = 0.1  # metres below the highest point of a cell in which its colour is seen from above
-_GAP = 4  # cells on each side over which a surface goes on between its readings
+_GAP = 6  # cells on each side over which a surface goes on between its readings
 _STRAY_SHARE, _ROUND = 0.5, 0.3  # percent of points at each side that may lie outside; metres around the rest
 _ALONE = 12  # cells: a smaller patch that touches nothing is noise
 _FREE_COLOUR, _OCCUPIED_COLOUR = (90, 150, 110, 45), (100, 108, 120, 255)

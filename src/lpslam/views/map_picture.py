@@ -158,11 +158,11 @@ def _draw_landmarks(figure: Figure, axes: Axes, shown: Sequence[DrawnLandmark], 
     axes.add_collection(LineCollection(list(ticks), colors=colours, linewidths=1.6), autolim=False)
     axes.scatter(places[:, 0], places[:, 1], s=22, c=colours, edgecolors="white", linewidths=0.6, zorder=4)
 
-    size = _FEW_SIZE if len(shown) <= _FEW else _SIZE
+    points = _FEW_SIZE if len(shown) <= _FEW else _SIZE
     halo = {"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 1.0}
     texts = [
         axes.text(
-            x, y, label(mark.name), **text_style(size, color=colour, ha="center", va="center", bbox=halo, zorder=5)
+            x, y, label(mark.name), **text_style(points, color=colour, ha="center", va="center", bbox=halo, zorder=5)
         )
         for mark, colour, (x, y) in zip(shown, colours, places, strict=True)
     ]
