@@ -23,7 +23,7 @@ check: lint types test
 # The quick tests under every Python that is installed.
 versions:
 	@for version in 3.11 3.12 3.13; do \
-	  command -v python$$version > /dev/null || { echo "python$$version is not installed: skipped"; continue; }; \
+	  python$$version -c "" 2> /dev/null || { echo "python$$version is not installed: skipped"; continue; }; \
 	  python$$version -m venv .venvs/$$version && \
 	  .venvs/$$version/bin/python -m pip install --quiet --editable '.[dev,llm]' && \
 	  .venvs/$$version/bin/python -m pytest -q -m "not slow" --numprocesses auto --maxprocesses 4 || exit 1; \
