@@ -49,12 +49,14 @@ class Board:
         try:
             # A browser that has lost the page asks again after a second.
             yield b"retry: 1000\n\n"
-            while sent.get(last) is None:
+            while True:
                 woken.clear()
                 for name, (version, event) in list(self._parts.items()):
                     if sent.get(name) != version:
                         sent[name] = version
                         yield event
+                if last in sent:
+                    return
                 try:
                     async with asyncio.timeout(heartbeat):
                         await woken.wait()
