@@ -55,10 +55,12 @@ ALLOWED: dict[str, set[str]] = {
     },
     # What is served is read and asked; nothing of tracking or reading is known here.
     "serving": {
-        *("language.model", "language.offline", "language.sanitise"),
+        *("language.model", "language.offline", "language.registry", "language.sanitise"),
         *("language.questions.follow_up", "language.questions.phrasing"),
         *(
             "text.types",
+            "text.text_map",
+            "text.correcting",
             "mapfile",
             "ground",
             "page",
@@ -79,10 +81,11 @@ ALLOWED: dict[str, set[str]] = {
         *("language.model", "language.offline", "language.sanitise", "text.types", "ground", "mapfile", "navigation"),
         *("session", "sources", "slam.state", "views.answers"),
     },
-    "demo": {"simulation", "language", "mapfile", "pipeline", "evaluation", "views"},
+    "demo": {"simulation", "language", "mapfile", "page", "pipeline", "evaluation", "views"},
     "cli_checks": {"mapfile"},
     "cli_calibrate": {"sources", "calibration", "views", "cli_checks"},
     "cli_serving": {"language.registry", "serving", "views", "cli_checks"},
+    "cli_correct": {"language.registry", "mapfile", "text.correcting", "views", "cli_checks"},
     "cli_sources": {"sources", "views"},
     "cli_watching": {"watching", "views", "cli_checks"},
     "cli_ground": {"language", "mapfile", "navigation", "views"},
@@ -93,6 +96,7 @@ ALLOWED: dict[str, set[str]] = {
         *(
             "cli_calibrate",
             "cli_checks",
+            "cli_correct",
             "cli_ground",
             "cli_robots",
             "cli_runs",

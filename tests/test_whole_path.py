@@ -11,10 +11,12 @@ import numpy as np
 import pytest
 
 from command_line import Command
+from in_chromium import chromium, shown, until
 from lpslam import pipeline
 from lpslam.evaluation.report import evaluate_recording
 from lpslam.mapfile.export import export_map
 from lpslam.mapfile.language_map import LanguageMap
+from lpslam.page.building import write_page
 from lpslam.poses import StampedPoses
 from lpslam.sources.ground_truth import read_ground_truth
 
@@ -105,10 +107,21 @@ def test_the_demo_writes_everything_it_promises(lpslam: Command, tmp_path: Path)
     assert report["scores"]["ate_rmse_m"] < 0.02
     assert len({answer["question"] for answer in report["answers"]}) == 3
     assert json.loads((tmp_path / "demo" / "report.json").read_text(encoding="utf-8")) == report
-    for name in ("map.png", "memory.png", "trajectory.png", "map.lpmap"):
+    for name in ("map.png", "memory.png", "trajectory.png", "map.lpmap", "page.html"):
         assert (tmp_path / "demo" / name).stat().st_size > 10_000
     text = (tmp_path / "demo" / "report.md").read_text(encoding="utf-8")
     for answer in report["answers"]:
         assert answer["question"] in text
     assert all(f"({name}.png)" in text for name in ("map", "memory", "trajectory"))
     assert LanguageMap.load(tmp_path / "demo" / "map.lpmap").text.question == "Is this a shop?"
+
+
+def test_the_page_of_a_map_opens_from_the_file_system_and_finds_a_name(world: LanguageMap, tmp_path: Path) -> None:
+    marks = [mark for mark in world.landmarks() if len(mark.name) > 2]
+    with chromium() as browser, shown(browser, write_page(world, tmp_path / "page.html").as_uri()) as page:
+        assert page.locator("#signs button").count() == len(world.landmarks())
+        for mark in marks[:2]:
+            page.fill("#question", mark.name)
+            page.press("#question", "Enter")
+            until(page, f"lpslamPage.chosen() === {mark.id}")
+            assert page.locator("#card h2").inner_text() == mark.name

@@ -17,6 +17,7 @@ from lpslam.cli_checks import (
     refuse_with_fronts,
     refuse_with_localize,
 )
+from lpslam.cli_correct import correct
 from lpslam.cli_robots import COMMANDS as ROBOTS
 from lpslam.cli_runs import (
     call_to_its_end,
@@ -28,8 +29,9 @@ from lpslam.cli_runs import (
     say_usage,
 )
 from lpslam.cli_serving import COMMANDS as SERVING
+from lpslam.cli_serving import unwatched, watched
 from lpslam.cli_sources import Color, Depth, From, Info, To, convert, record, sources, topics_and_span
-from lpslam.cli_watching import Mcap, Rerun, refuse_watching, watchers_of
+from lpslam.cli_watching import Mcap, Rerun, each_of, refuse_watching, watchers_of
 from lpslam.interruption import INTERRUPTED
 from lpslam.views.printed import (
     facts_of,
@@ -77,6 +79,7 @@ def main() -> None:
 
 
 app.command()(calibrate)
+app.command()(correct)
 app.command()(convert)
 app.command()(record)
 app.command()(sources)
@@ -123,6 +126,8 @@ def run(
     force: Annotated[bool, typer.Option("--force", help="Replace a map that is there already.")] = False,
     no_text: Annotated[bool, typer.Option("--no-text", help="Track and map only; read nothing.")] = False,
     max_frames: Annotated[int | None, typer.Option("--max-frames", min=1, help="Use only the first N frames.")] = None,
+    view: Annotated[bool, typer.Option("--view", help="Show the map while it grows, on a page that answers.")] = False,
+    port: Annotated[int, typer.Option(min=0, max=65535, help="Of the page of --view; 0 for any.")] = 8765,
     start: From = None,
     end: To = None,
     color: Color = None,
@@ -145,7 +150,7 @@ def run(
 
     # A mistake shows before anything slow is loaded.
     if localize is not None:
-        refuse_with_localize(output, continued, live, trajectory)
+        refuse_with_localize(output, continued, live, view, trajectory)
     elif output is None:
         raise UserError("where should the map go? give --output MAP.lpmap (or --localize MAP to use one as it is)")
     else:
@@ -174,12 +179,14 @@ def run(
     from lpslam.views.notes import run_notes
     from lpslam.views.run_progress import InterruptFlag, RunProgress, prepare
 
-    prepare()
+    watch = watched(frames.name, len(frames), port, settings, llm) if view else unwatched()
     with (
+        watch as feed,
         InterruptFlag() as interrupted,
         RunProgress(len(frames)) as progress,
         watchers_of(mcap, rerun, frames) as watchers,
     ):
+        prepare()
         world = pipeline.run(
             frames,
             settings,
@@ -189,7 +196,7 @@ def run(
             live=live,
             base=base,
             on_progress=progress.update,
-            on_step=watchers.take,
+            on_step=each_of(watchers.take, feed.on_step),
             should_stop=interrupted.is_set,
         )
         watchers.finish(world)
@@ -201,6 +208,7 @@ def run(
         if is_broken_off:
             output = partial_name(output)
         keep(world, output)
+        feed.end(world, output.name)
     for note in run_notes(world, frames.faults, progress.first_untracked, language.model):
         say(note)
     say_usage(language)

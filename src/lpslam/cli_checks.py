@@ -7,9 +7,11 @@ from typing import Any
 from lpslam.errors import UserError
 
 
-def refuse_with_localize(output: Path | None, continued: Path | None, live: bool, trajectory: Path | None) -> None:
+def refuse_with_localize(
+    output: Path | None, continued: Path | None, live: bool, view: bool, trajectory: Path | None
+) -> None:
     """Localisation only reads a map, and its poses must go somewhere."""
-    for given, option in ((output, "--output"), (continued, "--continue"), (live, "--live")):
+    for given, option in ((output, "--output"), (continued, "--continue"), (live, "--live"), (view, "--view")):
         if given:
             raise UserError(f"--localize and {option} exclude each other: the map is only read")
     if trajectory is None:

@@ -1,5 +1,8 @@
 """Commands that serve maps to others: over HTTP, and to agents; and their tokens."""
 
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -7,6 +10,7 @@ import typer
 
 from lpslam.cli_checks import config_of
 from lpslam.errors import MissingExtraError, UserError
+from lpslam.views.browser import open_browser
 from lpslam.views.printed import load_matplotlib, print_json, say
 
 Maps = Annotated[
@@ -50,34 +54,67 @@ def serve(
 
     Listens on this machine alone unless --host and --tokens are given. A map that is replaced is served anew.
     """
+    _serve(
+        Served(maps or [], host, port, tokens, uploads, allow_host or [], certificate, key, workers, llm, config),
+        lambda url: None,
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Served:
+    """What `serve` is given; its options say what each is."""
+
+    maps: list[Path]
+    host: str = "127.0.0.1"
+    port: int = 8765
+    tokens: Path | None = None
+    uploads: Path | None = None
+    names: Sequence[str] = ()
+    certificate: Path | None = None
+    key: Path | None = None
+    workers: int | None = None
+    llm: str | None = None
+    config: Path | None = None
+
+
+def _serve(given: Served, on_ready: Callable[[str], None]) -> None:
+    """Serve until interrupted; `on_ready` gets the address once requests are answered there."""
     _need("starlette", "uvicorn", "fastapi", what="lpslam serve", extra="serve")
     from lpslam.language.registry import language_model
     from lpslam.serving.http.server import Address, bound, run, url_of
     from lpslam.serving.tokens import Tokens
 
-    settings = config_of(config)
-    address = Address(host, port, certificate, key)
-    known = Tokens(tokens) if tokens is not None else None
+    settings = config_of(given.config)
+    address = Address(given.host, given.port, given.certificate, given.key)
+    known = Tokens(given.tokens) if given.tokens is not None else None
     if known is None and not address.is_loopback:
         raise UserError(
-            f"--host {host} can be reached by others, who would need no token: give --tokens FILE, or listen here alone"
+            f"--host {given.host} can be reached by others, who would need no token: give --tokens FILE, or listen "
+            "here alone"
         )
-    if (certificate is None) != (key is None):
+    if (given.certificate is None) != (given.key is None):
         raise UserError("--certificate and --key belong together: give both or neither")
-    if not maps and uploads is None:
+    if not given.maps and given.uploads is None:
         raise UserError("what is to be served? give maps, or --uploads FOLDER for recordings")
-    language = language_model(llm, settings.language)
+    language = language_model(given.llm, settings.language)
     listening = bound(address)
     load_matplotlib()
 
     from lpslam.serving.assembling import assemble
 
     with listening:
-        app = assemble(maps or [], settings, language, address.host, known, uploads, allow_host or [], workers)
-        if known is not None and not address.is_loopback and certificate is None:
+        app = assemble(
+            given.maps, settings, language, address.host, known, given.uploads, given.names, given.workers
+        )  # fmt: skip
+        if known is not None and not address.is_loopback and given.certificate is None:
             say("tokens go over the network in the clear: give --certificate and --key, or stand behind a proxy")
         url = url_of(listening, address)
-        run(app, listening, address, settings.serving, lambda: say(f"serving at {url}; Ctrl-C ends it"))
+
+        def ready() -> None:
+            say(f"serving at {url}; Ctrl-C ends it")
+            on_ready(url)
+
+        run(app, listening, address, settings.serving, ready)
 
 
 def view(
@@ -88,13 +125,41 @@ def view(
     config: ConfigFile = None,
 ) -> None:
     """Show a map on a page, on this machine alone: look, search, ask and be led. Ctrl-C ends it."""
-    if browser:
-        import threading
-        import webbrowser
+    _serve(
+        Served([map_file], port=port, llm=llm, config=config), open_browser if browser else lambda url: None
+    )  # fmt: skip
 
-        # Once the server listens; a machine without a browser loses nothing by it.
-        threading.Timer(2.0, webbrowser.open, (f"http://127.0.0.1:{port}/",)).start()
-    serve([map_file], port=port, host="127.0.0.1", workers=None, llm=llm, config=config)
+
+@contextmanager
+def watched(title: str, total: int, port: int, settings: Any, llm: str | None) -> Iterator[Any]:
+    """A page of a map that is being made: hand its `on_step` to the run, and its `end` the map.
+
+    Raises:
+        UserError: the port is taken, or the page cannot be served.
+    """
+    _need("starlette", "uvicorn", "fastapi", what="lpslam run --view", extra="serve")
+    from lpslam.serving.watching.feed import Feed
+    from lpslam.serving.watching.wire import Begin
+
+    lost = "the page is lost; the run goes on without it"
+    with Feed(Begin(title, port, settings, llm, total), lambda: say(lost)) as feed:
+        say(f"the map can be watched at {feed.url}")
+        open_browser(feed.url)
+        yield feed
+
+
+@contextmanager
+def unwatched() -> Iterator[Any]:
+    """The same where nobody wants a page."""
+
+    class Nobody:
+        def on_step(self, frame: Any, step: Any, session: Any) -> None:
+            pass
+
+        def end(self, world: Any, map_file: str) -> None:
+            pass
+
+    yield Nobody()
 
 
 def mcp(
@@ -118,7 +183,8 @@ def token(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Where tokens are kept, as digests.")],
     name: Annotated[str, typer.Option("--name", metavar="NAME", help="Of whoever gets it.")],
     scope: Annotated[
-        list[str] | None, typer.Option("--scope", metavar="SCOPE", help="read, ask or map; read and ask without.")
+        list[str] | None,
+        typer.Option("--scope", metavar="SCOPE", help="read, ask, map, write; without: read, ask."),
     ] = None,
     days: Annotated[float | None, typer.Option("--days", min=0, max=36500, help="Until it expires.")] = 90.0,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,

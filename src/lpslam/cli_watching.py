@@ -1,8 +1,8 @@
 """The options that write down a run while it goes."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -42,6 +42,16 @@ def refuse_watching(
         taken.append(path.resolve())
     if rerun is not None and find_spec("rerun") is None:
         raise MissingExtraError("--rerun", "rerun")
+
+
+def each_of(*takers: Callable[..., Any]) -> Callable[..., None]:
+    """One call for several, in their order."""
+
+    def take(*told: Any) -> None:
+        for taker in takers:
+            taker(*told)
+
+    return take
 
 
 def watchers_of(mcap: Path | None, rerun: Path | None, frames: "FrameSource") -> "Watchers":

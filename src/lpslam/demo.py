@@ -15,6 +15,7 @@ from lpslam.evaluation.signs import TrueSign, listed_signs
 from lpslam.evaluation.trajectory import StampedPoses
 from lpslam.language.registry import language_model
 from lpslam.mapfile.container import refuse_foreign_file
+from lpslam.page.building import write_page
 from lpslam.simulation.source import MallSource
 from lpslam.views.answers import answer_record, answer_text
 from lpslam.views.drawable import printable
@@ -34,7 +35,8 @@ PAPER_SIGNS = (
 def run_demo(
     folder: Path, *, seed: int = 0, frames: int | None = None, llm: str | None = None, quiet: bool = False
 ) -> dict[str, Any]:
-    """Run the whole path and write map.lpmap, map.png, memory.png, trajectory.png, report.md and report.json.
+    """Run the whole path and write map.lpmap, page.html, map.png, memory.png, trajectory.png, report.md and
+    report.json.
 
     Args:
         folder: where the results go; made if need be.
@@ -75,6 +77,7 @@ def run_demo(
 
     truth = StampedPoses(source.ground_truth.timestamps, source.ground_truth.world_from_camera)
     scores = evaluate(world, truth, true_signs(source), len(source), config.evaluation)
+    page = write_page(world, folder / "page.html")
     draw_language_map(world, folder / "map.png")
     draw_score_histories(world, folder / "memory.png")
     draw_trajectories(folder / "trajectory.png", truth, world.frame_poses(), scores.ate, title=source.name)
@@ -103,6 +106,7 @@ def run_demo(
 
     say("\n".join(["", *lines, "", *asked, "", f"language, on the paper's own examples: {language_score}"]))
     say(f"\nWritten to {folder}/ in {seconds:.0f} s: map.lpmap, map.png, memory.png, trajectory.png, report.md")
+    say(f"The map in a browser: {page.resolve()}")
     return report
 
 
@@ -122,6 +126,8 @@ def _write_report(
         f"Rendered, mapped, distilled and asked in {seconds:.0f} s.",
         "",
         "![the map from above](map.png)",
+        "",
+        "[The map in a browser](page.html)",
         "",
         *[f"    {line}" for line in scores],
         "",

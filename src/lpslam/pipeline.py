@@ -96,7 +96,7 @@ def run(
             reading is not sequential.
         base: a map of an earlier recording that this one continues; it is changed and returned.
         on_progress: called after every frame.
-        on_step: the same, with the frame, what it brought, and the session that it was given to.
+        on_step: the same, with the frame, what it brought, and the session, which may be looked at from any thread.
         should_stop: asked before every frame; the map so far is returned when it says yes.
 
     Raises:

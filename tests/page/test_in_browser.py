@@ -1,47 +1,30 @@
 """The page in a real browser: asked, chosen, seen; skipped where there is none."""
 
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from in_chromium import chromium, shown, until
 from lpslam.page.building import write_page
 from small_maps import small_map, with_floor
 
-sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed"),
-]
+pytestmark = pytest.mark.slow
 SIGNS = ("KFC", "Pizza Hut 必胜客", "<b>BOLD</b>")
 
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    with sync_api.sync_playwright() as started:
-        opened = started.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+    with chromium() as opened:
         yield opened
-        opened.close()
 
 
 @pytest.fixture
 def page(browser: Any, tmp_path: Path) -> Iterator[Any]:
     file = write_page(with_floor(small_map(signs=SIGNS)), tmp_path / "page.html")
-    context = browser.new_context(viewport={"width": 1100, "height": 700}, locale="de-DE")
-    shown = context.new_page()
-    asked: list[str] = []
-    troubles: list[str] = []
-    shown.on("request", lambda request: asked.append(request.url))
-    shown.on("pageerror", lambda error: troubles.append(str(error)))
-    shown.on("console", lambda line: troubles.append(line.text))
-    shown.goto(file.as_uri())
-    yield shown
-    assert troubles == []
-    assert [url for url in asked if not url.startswith(("file:", "data:"))] == []
-    context.close()
+    with shown(browser, file.as_uri()) as opened:
+        yield opened
 
 
 def test_it_opens_from_the_file_system_and_lists_the_signs(page: Any) -> None:
@@ -54,15 +37,15 @@ def test_a_name_that_is_asked_for_is_chosen_and_flown_to(page: Any) -> None:
     before = page.evaluate("lpslamPage.view()")
     page.fill("#question", "必胜客")
     page.press("#question", "Enter")
-    page.wait_for_function("lpslamPage.chosen() === 1000")
+    until(page, "lpslamPage.chosen() === 1000")
     page.wait_for_timeout(900)
     after = page.evaluate("lpslamPage.view()")
     assert (after["x"], after["y"]) != (before["x"], before["y"])
     assert page.locator("#card h2").inner_text() == "Pizza Hut 必胜客"
     page.fill("#question", "nothing like it")
     page.press("#question", "Enter")
-    page.wait_for_function("lpslamPage.chosen() === null")
-    assert page.locator("#answer").inner_text() == "Kein Schild sagt das."
+    until(page, "lpslamPage.chosen() === null")
+    assert page.locator("#log .answer").last.inner_text() == "Kein Schild sagt das."
 
 
 def test_keys_move_the_map_and_show_all_of_it_again(page: Any) -> None:
@@ -73,3 +56,33 @@ def test_keys_move_the_map_and_show_all_of_it_again(page: Any) -> None:
     assert page.evaluate("lpslamPage.view()") != whole
     page.keyboard.press("0")
     assert page.evaluate("lpslamPage.view()") == whole
+
+
+def test_the_memory_plot_tells_one_class_from_the_others(browser: Any, tmp_path: Path) -> None:
+    world = small_map(signs=SIGNS)
+    for number, each in world.text.memory.long_term.items():
+        each.history = [(0.0, 0.0), (1.0 + 3 * number, 2.0 + 3 * number), (9.0, 1.0 + number)]
+    with shown(browser, write_page(world, tmp_path / "page.html").as_uri(), locale="en-US") as page:
+        page.locator("#memory-open").click()
+        assert page.locator("#memory-name").inner_text() == "<b>BOLD</b> – at most 8.0, after 7.0 s, remembered"
+        page.locator("#memory-plot").focus()
+        page.keyboard.press("ArrowRight")
+        assert page.locator("#memory-name").inner_text().startswith("Pizza Hut 必胜客 – at most 5.0")
+        page.keyboard.press("Enter")
+        assert page.evaluate("lpslamPage.chosen()") == 1000
+        # The lowest line of all, near its end.
+        box = page.locator("#memory-plot").bounding_box()
+        page.mouse.move(box["x"] + box["width"] - 60, box["y"] + box["height"] - 45)
+        assert page.evaluate("lpslamPage.remembered()") == 0
+        page.mouse.click(box["x"] + box["width"] - 60, box["y"] + box["height"] - 45)
+        assert page.evaluate("lpslamPage.chosen()") == 0
+        page.locator("#memory-close").click()
+        assert not page.locator("#memory").is_visible()
+
+
+def test_a_dialogue_is_kept_as_it_goes_on(page: Any) -> None:
+    for question in ("KFC", "no such thing", "必胜客"):
+        page.fill("#question", question)
+        page.press("#question", "Enter")
+    assert page.locator("#log .question").all_inner_texts() == ["KFC", "no such thing", "必胜客"]
+    assert page.locator("#log .answer").all_inner_texts() == ["KFC", "Kein Schild sagt das.", "Pizza Hut 必胜客"]

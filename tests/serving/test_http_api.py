@@ -164,7 +164,7 @@ def test_the_schema_covers_every_route_and_says_nothing_of_pages_elsewhere(clien
     assert set(schema["paths"]) == {
         "/health", "/maps", "/maps/{name}", "/landmarks", "/landmarks/{id_}", "/map.png", "/grid.png", "/grid",
         "/events", "/ask",
-        "/goal", "/path", "/jobs", "/jobs/{id_}",
+        "/goal", "/path", "/corrections", "/corrections/{number}", "/jobs", "/jobs/{id_}",
     }  # fmt: skip
     assert {"AnswerEnvelope", "LandmarkPage", "Problem", "JobRecord"} <= set(schema["components"]["schemas"])
     assert client.get("/docs").status_code == client.get("/redoc").status_code == 404

@@ -11,13 +11,13 @@ from lpslam.config import MemoryConfig
 from lpslam.errors import UserError
 from lpslam.evaluation.trajectory import absolute_trajectory_error
 from lpslam.poses import StampedPoses
+from lpslam.text.remembering.histories import ScoreHistory, score_histories
 from lpslam.text.remembering.memory import LongShortTermMemory
 from lpslam.text.types import BoxFate, FrameReading, SpottedText
 from lpslam.views.labels import place_labels
 from lpslam.views.map_picture import draw_map
-from lpslam.views.memory_plot import ScoreHistory, draw_memory
+from lpslam.views.memory_plot import draw_memory
 from lpslam.views.overlay import draw_boxes, draw_reading
-from lpslam.views.pictures import score_histories
 from lpslam.views.trajectory_plot import draw_trajectories
 
 

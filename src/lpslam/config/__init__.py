@@ -12,7 +12,7 @@ from lpslam.config.calibrating import CalibratingConfig
 from lpslam.config.ground import GroundConfig, WayConfig
 from lpslam.config.robots import RobotConfig
 from lpslam.config.section import Section
-from lpslam.config.serving import JobsConfig, ServingConfig
+from lpslam.config.serving import JobsConfig, ServingConfig, WatchingConfig
 from lpslam.config.slam import (
     DepthDelayConfig,
     FeatureConfig,
@@ -77,6 +77,7 @@ __all__ = [
     "TextConfig",
     "TrackingConfig",
     "TurningConfig",
+    "WatchingConfig",
     "WayConfig",
 ]
 

@@ -36,6 +36,25 @@ class JobsConfig(Section):
     file_bytes: int = Field(default=8 << 30, ge=1 << 20)
 
 
+class WatchingConfig(Section):
+    """A map that is watched while it grows: how often its page is told what."""
+
+    # Share of one core that each kind of news may cost on average: of watching as a whole, a few percent.
+    share: float = Field(default=0.01, gt=0.0, le=1.0)
+    # Seconds between two positions of the camera: five a second look like motion.
+    state_s: float = Field(default=0.2, gt=0.0)
+    # Seconds between two looks at the landmarks after news of them; without news five times as many.
+    signs_s: float = Field(default=1.0, gt=0.0)
+    # Seconds between two tellings of the camera's way and of what keyframes saw.
+    ground_s: float = Field(default=2.0, gt=0.0)
+    # Scans of keyframes that are told at once, of 100 KB each.
+    scans: int = Field(default=20, ge=1)
+    # Share of one core, in the page's process and behind tracking, that pictures of the room may cost.
+    painting_share: float = Field(default=0.02, gt=0.0, le=1.0)
+    # Seconds between two pictures of the room.
+    picture_s: float = Field(default=3.0, gt=0.0)
+
+
 class ServingConfig(Section):
     """What one client may ask for."""
 
@@ -73,3 +92,4 @@ class ServingConfig(Section):
     # Seconds between looks at whether a map's file was replaced.
     look_s: float = Field(default=1.0, gt=0)
     jobs: JobsConfig = JobsConfig()
+    watching: WatchingConfig = WatchingConfig()

@@ -12,13 +12,14 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.camera import PinholeCamera
+from lpslam.camera import PinholeCamera, transform_points
 from lpslam.small_depth import SmallDepth
 
 Array = NDArray[np.float64]
 
 _MILLIMETRES = 1000.0
 _FARTHEST = 65.0  # metres: what sixteen bits of millimetres hold
+_OVER_THE_CAMERA = 0.3  # metres above which a room seen from above is cut
 _FEW = 64  # scans, two megabytes: fewer are not worth a look
 
 
@@ -61,6 +62,11 @@ class Scans:
         small = cv2.resize(rgb, self.size, interpolation=cv2.INTER_AREA)
         self._colours[keyframe] = np.asarray(small, np.uint8)
 
+    def add(self, other: "Scans") -> None:
+        """Take the scans of another, of the same camera and width, too."""
+        self._depths |= other._depths
+        self._colours |= other._colours
+
     def drop(self, is_gone: Callable[[int], bool]) -> None:
         """Forget the scans of keyframes that are gone; asked for only once the scans have grown by half."""
         if len(self) < self._next_look:
@@ -84,6 +90,19 @@ class Scans:
         fx, fy, cx, cy = self.intrinsics
         rows, columns = np.mgrid[: self.size[1], : self.size[0]]
         return np.stack([(columns - cx) / fx * depth, (rows - cy) / fy * depth, depth], axis=2)
+
+    def cloud(self, world_from_keyframe: Callable[[int], Array | None]) -> tuple[Array, NDArray[np.uint8]]:
+        """(n, 3) points of all scans that have a place, metres, map frame, and their (n, 3) red, green, blue."""
+        points, colours = [np.empty((0, 3))], [np.empty((0, 3), np.uint8)]
+        for keyframe in self.keyframes:
+            pose = world_from_keyframe(keyframe)
+            if pose is None:
+                continue
+            seen = self.points(keyframe).reshape(-1, 3)
+            known = np.isfinite(seen).all(axis=1)
+            points.append(transform_points(pose, seen[known]))
+            colours.append(self.colour(keyframe).reshape(-1, 3)[known])
+        return np.concatenate(points), np.concatenate(colours)
 
     def to_arrays(self, kept: list[int] | None = None) -> dict[str, NDArray[Any]]:
         """As arrays, for a file: of some keyframes, or of all."""
@@ -119,3 +138,18 @@ class Scans:
         if len(scans) != len(ids):
             raise ValueError("two scans of one keyframe")
         return scans
+
+
+def room_from_above(points: Array, colours: NDArray[np.uint8], walked: Array) -> tuple[Array, NDArray[np.uint8]]:
+    """Points of a room, lowest first and without what a ceiling would hide the room with, and their colours.
+
+    Args:
+        points: (n, 3) metres, map frame.
+        colours: (n, 3) red, green, blue.
+        walked: (m, 3) where the camera was.
+    """
+    heights = walked[:, 2][np.isfinite(walked[:, 2])]
+    highest = (float(np.median(heights)) if len(heights) else 0.0) + _OVER_THE_CAMERA
+    lower = np.flatnonzero(points[:, 2] < highest)
+    shown = lower[np.argsort(points[lower, 2], kind="stable")]
+    return points[shown], colours[shown]

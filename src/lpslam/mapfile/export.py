@@ -13,6 +13,7 @@ from lpslam._version import __version__
 from lpslam.errors import UserError
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.mapfile.point_cloud import write_ply
+from lpslam.text.correcting.corrections import Correction, Kind
 from lpslam.text.types import Landmark, LandmarkLine
 
 _FRAME = "camera optical frame (x right, y down, z forward) in the map frame (z up), metres"
@@ -99,7 +100,26 @@ def landmark_record(mark: Landmark) -> dict[str, Any]:
         "confidence": round(mark.confidence, 4),
         "is_landmark": mark.is_landmark,
         "judgements": [asdict(judgement) for judgement in mark.judgements.values()],
+        "corrections": [correction_record(each) for each in mark.corrections],
     }
+
+
+def correction_record(said: Correction) -> dict[str, Any]:
+    """What a person has said of a landmark, as JSON can hold it."""
+    record: dict[str, Any] = {
+        "number": said.number,
+        "kind": said.kind.value,
+        "landmark": said.landmark.id,
+        "read": said.landmark.name,
+        "made": said.made,
+    }
+    if said.kind is Kind.RENAME:
+        record["name"] = said.name
+    elif said.kind is Kind.JUDGE:
+        record |= {"answer": said.answer, "question": said.question}
+    elif said.into is not None:
+        record |= {"into": said.into.id, "into_name": said.into.name}
+    return record
 
 
 def _line_record(line: LandmarkLine) -> dict[str, Any]:

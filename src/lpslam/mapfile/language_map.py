@@ -8,22 +8,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.camera import PinholeCamera, transform_points
+from lpslam.camera import PinholeCamera
 from lpslam.config import GroundConfig
 from lpslam.errors import UserError
 from lpslam.ground.grid import Grid, build_grid
-from lpslam.ground.scans import Scans
+from lpslam.ground.scans import Scans, room_from_above
 from lpslam.mapfile.container import read_map_file, write_map_file
 from lpslam.poses import StampedPoses
 from lpslam.slam.map import SlamMap
 from lpslam.slam.state import EventKind, SlamEvent
 from lpslam.slam.trajectory import Trajectory
 from lpslam.text.again.crops import CropStore
+from lpslam.text.correcting.corrections import Corrections
 from lpslam.text.text_map import TextMap
 from lpslam.text.types import Landmark
-
-_OVER_THE_CAMERA = 0.3
-"""Metres over the camera above which a room seen from above is cut."""
 
 
 @dataclass(slots=True, eq=False)
@@ -84,26 +82,13 @@ class LanguageMap:
 
     def coloured_cloud(self) -> tuple[NDArray[np.float64], NDArray[np.uint8]]:
         """(n, 3) points of all scans, metres, map frame, and their (n, 3) red, green, blue."""
-        points, colours = [np.empty((0, 3))], [np.empty((0, 3), np.uint8)]
-        for keyframe in [] if self.scans is None else self.scans.keyframes:
-            pose = self._pose_of_scan(keyframe)
-            if self.scans is None or pose is None:
-                continue
-            seen = self.scans.points(keyframe).reshape(-1, 3)
-            known = np.isfinite(seen).all(axis=1)
-            points.append(transform_points(pose, seen[known]))
-            colours.append(self.scans.colour(keyframe).reshape(-1, 3)[known])
-        return np.concatenate(points), np.concatenate(colours)
+        if self.scans is None:
+            return np.empty((0, 3)), np.empty((0, 3), np.uint8)
+        return self.scans.cloud(self._pose_of_scan)
 
     def room_from_above(self) -> tuple[NDArray[np.float64], NDArray[np.uint8]]:
         """As `coloured_cloud`, lowest first and without what a ceiling would hide the room with."""
-        points, colours = self.coloured_cloud()
-        heights = self.frame_poses().positions[:, 2]
-        heights = heights[np.isfinite(heights)]
-        highest = (float(np.median(heights)) if len(heights) else 0.0) + _OVER_THE_CAMERA
-        lower = np.flatnonzero(points[:, 2] < highest)
-        shown = lower[np.argsort(points[lower, 2], kind="stable")]
-        return points[shown], colours[shown]
+        return room_from_above(*self.coloured_cloud(), self.frame_poses().positions)
 
     def _pose_of_scan(self, keyframe: int) -> NDArray[np.float64] | None:
         """4×4 of a keyframe that the map still has."""
@@ -127,6 +112,8 @@ class LanguageMap:
             "text": self.text.to_document(),
             "run": {"source": self.source, "statistics": self.statistics, "events": [asdict(e) for e in self.events]},
         }
+        if self.text.corrections.revision:
+            documents["corrections"] = self.text.corrections.to_document()
         write_map_file(path, documents, arrays, created=datetime.now(UTC).isoformat(timespec="seconds"))
 
     @classmethod
@@ -143,6 +130,8 @@ class LanguageMap:
             run = contents.documents["run"]
             text = TextMap.from_document(contents.documents["text"])
             text.crops = CropStore.from_arrays(_part(contents.arrays, "crops."), text.config.again)
+            if "corrections" in contents.documents:
+                text.corrections = Corrections.from_document(contents.documents["corrections"])
             lens = PinholeCamera(**camera)
             scans = _part(contents.arrays, "scans.")
             return cls(
@@ -155,7 +144,7 @@ class LanguageMap:
                 events=[SlamEvent(**{**event, "kind": EventKind(event["kind"])}) for event in run["events"]],
                 scans=Scans.from_arrays(lens, scans, GroundConfig().width) if scans else None,
             )
-        except (KeyError, TypeError, ValueError, IndexError) as error:
+        except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
             raise UserError(f"{path} is damaged: {' '.join(str(error).split())}; map the recording again") from error
 
 

@@ -55,7 +55,9 @@ def assemble(
         answerer = ProcessAnswerer(count, longest, limits.waiting_questions, limits.answer_s, limits.answers_kept)
     else:
         answerer = ThreadAnswerer(language, longest, limits.waiting_questions)
-    services = Services(atlas, answerer, Hub(limits.listeners, limits.waiting_events), config, uploads)
+    services = Services(
+        atlas, answerer, Hub(limits.listeners, limits.waiting_events), config, uploads, language=language
+    )
     door = Door(allowed_hosts(host, names), tokens, limits, streams=frozenset({"/jobs"}))
     # A browser cannot give a token with a page's first request.
     return build_app(services, door, page_routes(_finder(atlas)) if tokens is None else ())

@@ -138,6 +138,33 @@ class Atlas:
             raise NoSuchMapError("no map of that name is served; /maps lists them")
         return maps[name]
 
+    def path(self, name: str) -> Path:
+        """The file of a map that is served."""
+        return self._paths[name]
+
+    def current(self, name: str) -> ServedMap:
+        """A map as its file is now, which is read if it was replaced.
+
+        Raises:
+            UserError: it cannot be read.
+        """
+        known = self._maps[name]
+        try:
+            version = file_version(self._paths[name])
+        except OSError as error:
+            raise UserError(f"the file of map {name} is gone ({error.strerror})") from error
+        return known if version == known.version else self._put(_read(name, self._paths[name]))
+
+    def replace(self, name: str, world: LanguageMap) -> ServedMap:
+        """Serve a map that has just been written to its file."""
+        return self._put(served(name, file_version(self._paths[name]), world))
+
+    def _put(self, found: ServedMap) -> ServedMap:
+        with self._changing:
+            self._maps = {**self._maps, found.name: found}
+        self._troubles.pop(found.name, None)
+        return found
+
     def refresh(self) -> list[ServedMap]:
         """Read the maps whose files were replaced; one that is gone or damaged is served on as it was.
 
@@ -155,10 +182,7 @@ class Atlas:
             except (LpSlamError, OSError) as error:
                 self._troubles[name] = f"its file cannot be read: the map is served as it was ({_line(error)})"
                 continue
-            with self._changing:
-                self._maps = {**self._maps, name: found}
-            self._troubles.pop(name, None)
-            changed.append(found)
+            changed.append(self._put(found))
         return changed
 
 

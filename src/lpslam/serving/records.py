@@ -62,6 +62,22 @@ class Destination(Inward):
     heading: Degrees | None = None
 
 
+class NewCorrection(Inward):
+    """What a person says of a landmark."""
+
+    map: MapName | None = None
+    revision: Annotated[int, Field(ge=0, le=_LARGEST_ID, strict=True)] = Field(
+        description="Of the corrections that whoever says it has seen; 409 if there are others since."
+    )
+    kind: Literal["rename", "merge", "hide", "judge"]
+    landmark: LandmarkId
+    name: Annotated[Text, Field(max_length=400)] = Field("", description="For `rename`.")
+    into: LandmarkId | None = Field(None, description="For `merge`: the landmark that it is the same as.")
+    answer: Annotated[bool, Field(strict=True)] | None = Field(
+        None, description="For `judge`, by the map's current question."
+    )
+
+
 class LineRecord(Outward):
     """One line of a board."""
 
@@ -84,6 +100,21 @@ class JudgementRecord(Outward):
     model: str
 
 
+class CorrectionRecord(Outward):
+    """What a person has said of a landmark; it wins over what was read."""
+
+    number: int = Field(description="By which it is taken back.")
+    kind: Literal["rename", "merge", "hide", "judge"]
+    landmark: int
+    read: str = Field(description="What the landmark was read as.")
+    made: str = Field(description="When, ISO 8601.")
+    name: str | None = None
+    answer: bool | None = None
+    question: str | None = None
+    into: int | None = None
+    into_name: str | None = None
+
+
 class LandmarkRecord(Outward):
     """One board, as in landmarks.json."""
 
@@ -101,7 +132,17 @@ class LandmarkRecord(Outward):
     confidence: float
     is_landmark: bool | None
     judgements: list[JudgementRecord]
+    corrections: list[CorrectionRecord]
     distance: float | None = Field(None, description="Metres from `near`, only where that was asked for.")
+
+
+class CorrectionState(Outward):
+    """What a person has said of a map."""
+
+    map: str
+    version: str
+    revision: int = Field(description="Counts changes; give it with the next one.")
+    corrections: list[CorrectionRecord] = Field(description="The oldest first; those of hidden landmarks too.")
 
 
 class LandmarkPage(Outward):
@@ -228,6 +269,17 @@ class JobList(Outward):
     """The jobs that are remembered, the newest first."""
 
     jobs: list[JobRecord]
+
+
+class Conflict(Outward):
+    """Somebody else was first; what there is now."""
+
+    type: str = "about:blank"
+    title: str
+    status: int
+    detail: str
+    revision: int
+    corrections: list[CorrectionRecord]
 
 
 class Problem(Outward):

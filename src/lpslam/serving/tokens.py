@@ -17,8 +17,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from lpslam.errors import LpSlamError, UserError
 
-SCOPES = ("read", "ask", "map")
-"""`read` lists maps and landmarks, `ask` asks and plans, `map` uploads recordings and cancels jobs."""
+SCOPES = ("read", "ask", "map", "write")
+"""`read` lists maps and landmarks, `ask` asks and plans, `map` uploads recordings, `write` corrects landmarks."""
 
 _PREFIX = "lps_"
 _SECRET_BYTES = 32

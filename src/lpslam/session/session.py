@@ -25,6 +25,7 @@ from lpslam.navigation.asking import Answer, answer, last_view
 from lpslam.priority import READING
 from lpslam.session.announcing import AnnouncingMapper
 from lpslam.session.checks import checked_colour, checked_depth, refuse_no_metres, refuse_time
+from lpslam.session.growth import Growth
 from lpslam.session.listeners import Listeners
 from lpslam.session.parts import load_spotter, naming_beside, reading_thread
 from lpslam.session.step import Step
@@ -34,6 +35,8 @@ from lpslam.slam.state import SlamEvent
 from lpslam.slam.system import RgbdSlam
 from lpslam.slam.trajectory import Trajectory
 from lpslam.text.advice.advising import TextAdvisor
+from lpslam.text.correcting.changing import Change, correct, take_back
+from lpslam.text.correcting.corrections import Corrections
 from lpslam.text.placing.instances import KeyframePoses
 from lpslam.text.reading.reading_thread import ReadingThread
 from lpslam.text.reading.spotting import TextSpotter
@@ -239,6 +242,45 @@ class Session:
         with self._stepping, self._slam.map.lock:
             return self._slam.map.point_positions()
 
+    @property
+    def corrections(self) -> Corrections:
+        """What a person has said of landmarks."""
+        return self._text.corrections
+
+    @property
+    def question(self) -> str | None:
+        """By which landmarks are judged; None before anything was."""
+        return self._text.question
+
+    def correct(self, change: Change, revision: int | None = None) -> None:
+        """Say something of a landmark; it wins over what is read, and is kept in the map.
+
+        Raises:
+            ConflictError, NoSuchCorrectionError, UserError: as `text.correcting.changing.correct`.
+        """
+        with self._text_lock():
+            correct(self._text, self._keyframe_poses(), change, OfflineModel(), revision)
+
+    def take_back(self, number: int, revision: int | None = None) -> None:
+        """Take a correction back, by its number; raises as `correct`."""
+        with self._text_lock():
+            take_back(self._text, number, revision)
+
+    def growth(self, known: Collection[int], most: int) -> Growth:
+        """How far the map has grown; costs tracking a millisecond or two.
+
+        Args:
+            known: keyframes whose scans whoever asks has already.
+            most: new scans that are given at once.
+        """
+        with self._stepping, self._slam.map.lock:
+            slam, scans = self._slam.map, self._scans
+            _, poses = self._slam.trajectory.world_from_camera(slam)
+            kept = [] if scans is None else [each for each in scans.keyframes if slam.is_alive(each)]
+            new = [each for each in kept if each not in known][:most]
+            at_home = {each: slam.world_from_keyframe(each) for each in kept if slam.is_home(each)}
+            return Growth(poses, at_home, {} if scans is None else scans.to_arrays(new))
+
     def ask(
         self,
         question: str,
@@ -399,11 +441,13 @@ class Session:
     def _copied(world: LanguageMap) -> LanguageMap:
         slam = SlamMap.from_arrays(world.slam.to_arrays())
         slam.settle()
+        text = TextMap.from_document(world.text.to_document())
+        text.corrections = world.text.corrections
         return replace(
             world,
             slam=slam,
             trajectory=Trajectory.from_arrays(world.trajectory.to_arrays()),
-            text=TextMap.from_document(world.text.to_document()),
+            text=text,
             events=list(world.events),
             scans=None if world.scans is None else world.scans.copy(),
         )

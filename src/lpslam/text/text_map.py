@@ -1,5 +1,6 @@
 """The map of words: classes, their observations, and the landmarks that follow from the keyframes' present poses."""
 
+import copy
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
@@ -15,6 +16,8 @@ from lpslam.text.boards.boards import boards
 from lpslam.text.boards.lines import lines_of
 from lpslam.text.boards.overlaps import without_overlaps
 from lpslam.text.boards.scripts import in_one_script
+from lpslam.text.correcting.applying import corrected, judged_by_hand
+from lpslam.text.correcting.corrections import Corrections
 from lpslam.text.placing.instances import KeyframePoses
 from lpslam.text.placing.places import PLACES_OF_A_CLASS, Place, places_of_class
 from lpslam.text.remembering.memory import LongShortTermMemory, TextClass
@@ -31,6 +34,7 @@ class TextMap:
         judgements: by what a board says of itself, then by question.
         question: what `Landmark.is_landmark` answers; None before anything was judged.
         crops: cut-outs around texts whose names are unsure, until they are looked at again.
+        corrections: what a person has said of landmarks; it wins over readings.
     """
 
     def __init__(self, config: TextConfig) -> None:
@@ -39,6 +43,13 @@ class TextMap:
         self.judgements: dict[str, dict[str, Judgement]] = {}
         self.question: str | None = None
         self.crops = CropStore(config.again)
+        self.corrections = Corrections()
+
+    def copy(self) -> "TextMap":
+        """The same readings, with judgements and corrections that can be changed apart."""
+        other = copy.copy(self)
+        other.judgements = {name: dict(by_question) for name, by_question in self.judgements.items()}
+        return other
 
     @property
     def long_term(self) -> list[TextClass]:
@@ -57,8 +68,13 @@ class TextMap:
             world_from_keyframe: takes a keyframe's id to its 4×4 pose in the map frame.
 
         Returns:
-            Landmarks by id, whatever their judgement.
+            Landmarks by id, whatever their judgement, as a person has corrected them.
         """
+        marks = corrected(self.as_read(world_from_keyframe), self.corrections, world_from_keyframe)
+        return [self._judged(mark) for mark in marks]
+
+    def as_read(self, world_from_keyframe: KeyframePoses) -> list[Landmark]:
+        """The same as nobody has corrected or judged them."""
         instances = self.config.instances
         memory = self.config.memory
         places = [
@@ -93,7 +109,7 @@ class TextMap:
         ]
         (left, right), (top, bottom) = ((min(values), max(values)) for values in reach)
         middle = first.baseline * (left + right) / 2.0 + first.down * (top + bottom) / 2.0
-        mark = Landmark(
+        return Landmark(
             id=min(place.id for place in board),
             name=named.text,
             variants={text: count for place in board for text, count in place.variants.items()},
@@ -107,7 +123,9 @@ class TextMap:
             lines=tuple(lines),
             role=named.role,
         )
-        judgements = dict(self.judgements.get(mark.wording, {}))
+
+    def _judged(self, mark: Landmark) -> Landmark:
+        judgements = {**self.judgements.get(mark.wording, {}), **judged_by_hand(mark)}
         current = judgements.get(self.question) if self.question is not None else None
         return replace(mark, judgements=judgements, is_landmark=current.answer if current else None)
 

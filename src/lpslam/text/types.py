@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.language.model import Judgement, Slots
+from lpslam.text.correcting.corrections import Correction
 
 Vector3 = tuple[float, float, float]
 
@@ -200,6 +201,7 @@ class Landmark:
         is_landmark: the answer to the map's current question; None while nobody has judged.
         lines: all of them in the order of reading, the name's among them.
         role: of the line that it is called by: primary, or list of a menu, or contact of a number that stands alone.
+        corrections: what a person has said of it, the oldest first; it holds in all else.
     """
 
     id: int
@@ -216,6 +218,7 @@ class Landmark:
     is_landmark: bool | None = None
     lines: tuple[LandmarkLine, ...] = ()
     role: str = "primary"
+    corrections: tuple[Correction, ...] = ()
 
     @property
     def wording(self) -> str:

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,16 +11,19 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from lpslam.ground.grid import FREE, OCCUPIED, Grid
+from lpslam.ground.grid import Grid
+from lpslam.ground.raster import room_image
 from lpslam.views.figure import BLUE, GREEN, GREY, PINK, label, new_figure, save_figure, text_style
 from lpslam.views.labels import place_labels
 
 Array = NDArray[np.float64]
 
 _LONG_SIDE = 12.0  # inches
-_TITLE, _LEGEND = 0.45, 0.35  # inches above and below the map
-_MARGIN = 1.5  # metres around all that is drawn: room for the labels of its rim
-_TICK = 0.5  # metres, length of the facing tick
+_TITLE, _LEGEND = 0.45, 0.5  # inches above and below the map
+_MARGIN = 0.06  # of the longer side around all that is drawn: room for the labels of its rim
+_LEAST_MARGIN = 0.3  # metres
+_TICK = 0.025  # of the longer side, length of the facing tick
+_SIZE, _FEW_SIZE, _FEW = 9, 13, 12  # points of names; of few names, so many at most
 _MOST_POINTS = 150_000  # more dots than these only cost time
 _STRAY_SHARE = 0.5  # percent of the cloud at each side that may lie outside the picture
 _KINDS = {True: (BLUE, "landmark"), False: (PINK, "other text"), None: (GREY, "text, not judged yet")}
@@ -68,13 +71,14 @@ def draw_map(
         trajectory: (m, 3) metres, the camera's positions in order of time.
         landmarks: the texts.
         title: over the picture.
-        cloud_colours: (n, 3) red, green, blue; grey without.
+        cloud_colours: (n, 3) red, green, blue, of points lowest first; without, grey dots.
         ground: what is free and what is in the way, drawn below all else.
 
     Raises:
         UserError: the picture cannot be written.
     """
-    cloud, colours = _thinned(np.asarray(cloud, dtype=np.float64).reshape(-1, 3), cloud_colours)
+    cloud = np.asarray(cloud, dtype=np.float64).reshape(-1, 3)
+    cloud, colours = _finite(cloud, cloud_colours)
     trajectory = np.asarray(trajectory, dtype=np.float64).reshape(-1, 3)
     shown = [mark for mark in landmarks if np.isfinite(mark.position).all()]
     # Landmarks first: they take the places nearest to their points.
@@ -82,14 +86,12 @@ def draw_map(
     low, high = _extent(cloud, trajectory, np.array([mark.position for mark in shown]).reshape(-1, 3))
     figure, axes = _canvas(low, high)
 
-    if ground is not None:
-        _draw_ground(axes, ground)
-    axes.scatter(cloud[:, 0], cloud[:, 1], s=0.6, c=colours, linewidths=0, rasterized=True)
+    _draw_room(axes, cloud, colours, ground)
     axes.plot(trajectory[:, 0], trajectory[:, 1], color=GREEN, linewidth=1.4, alpha=0.9)
     tracked = trajectory[np.isfinite(trajectory).all(axis=1)]
     axes.plot(tracked[:1, 0], tracked[:1, 1], "o", color=GREEN, markersize=6)
     axes.plot(tracked[-1:, 0], tracked[-1:, 1], "s", color=GREEN, markersize=5)
-    _draw_scale_bar(axes, low, high)
+    _draw_scale(figure, axes)
     _draw_legend(axes, shown)
     if title:
         axes.set_title(label(title), **text_style(13))
@@ -97,25 +99,23 @@ def draw_map(
     save_figure(figure, out)
 
 
-def _draw_ground(axes: Axes, ground: Grid) -> None:
-    """Free ground in a light tint, what is in the way in a dark one; what nobody has seen stays white."""
-    shades = np.zeros((*ground.shape, 4))
-    shades[ground.values == FREE] = (0.90, 0.94, 0.91, 1.0)
-    shades[ground.values == OCCUPIED] = (0.25, 0.28, 0.33, 1.0)
-    (left, bottom), (rows, columns) = ground.origin, ground.shape
-    extent = (left, left + columns * ground.resolution, bottom, bottom + rows * ground.resolution)
-    limits = axes.get_xlim(), axes.get_ylim()
-    axes.imshow(shades, origin="lower", extent=extent, interpolation="nearest", zorder=0)
-    axes.set_xlim(limits[0])
-    axes.set_ylim(limits[1])
-
-
-def _thinned(cloud: Array, colours: NDArray[np.uint8] | None) -> tuple[Array, Array | str]:
-    finite = np.isfinite(cloud).all(axis=1)
-    step = max(1, -(-int(finite.sum()) // _MOST_POINTS))
+def _draw_room(axes: Axes, cloud: Array, colours: NDArray[np.uint8] | None, ground: Grid | None) -> None:
+    """The room as it was seen from above; of a cloud without colours its points."""
     if colours is None:
-        return cloud[finite][::step], "#9aa3af"
-    return cloud[finite][::step], np.asarray(colours, dtype=np.float64).reshape(-1, 3)[finite][::step] / 255.0
+        shown = cloud[:: max(1, -(-len(cloud) // _MOST_POINTS))]
+        axes.scatter(shown[:, 0], shown[:, 1], s=0.6, c="#9aa3af", linewidths=0, rasterized=True)
+        return
+    image = room_image(cloud, colours, ground)
+    if image is not None:
+        limits = axes.get_xlim(), axes.get_ylim()
+        axes.imshow(image.rgba, extent=image.extent, interpolation="nearest", zorder=0)
+        axes.set_xlim(limits[0])
+        axes.set_ylim(limits[1])
+
+
+def _finite(cloud: Array, colours: NDArray[np.uint8] | None) -> tuple[Array, NDArray[np.uint8] | None]:
+    finite = np.isfinite(cloud).all(axis=1)
+    return cloud[finite], None if colours is None else np.asarray(colours, np.uint8).reshape(-1, 3)[finite]
 
 
 def _extent(cloud: Array, trajectory: Array, places: Array) -> tuple[Array, Array]:
@@ -126,7 +126,9 @@ def _extent(cloud: Array, trajectory: Array, places: Array) -> tuple[Array, Arra
     points = np.concatenate(corners)
     if not len(points):
         points = np.zeros((1, 2))
-    return points.min(axis=0) - _MARGIN, points.max(axis=0) + _MARGIN
+    low, high = points.min(axis=0), points.max(axis=0)
+    margin = max(_LEAST_MARGIN, _MARGIN * float((high - low).max()))
+    return low - margin, high + margin
 
 
 def _canvas(low: Array, high: Array) -> tuple[Figure, Axes]:
@@ -151,13 +153,17 @@ def _draw_landmarks(figure: Figure, axes: Axes, shown: Sequence[DrawnLandmark], 
     colours = [_KINDS[mark.is_landmark][0] for mark in shown]
     places = np.array([mark.position[:2] for mark in shown], dtype=np.float64)
     normals = np.array([mark.normal[:2] for mark in shown], dtype=np.float64)
-    ticks = np.stack([places, places + _TICK * np.nan_to_num(normals)], axis=1)
+    reach = _TICK * max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
+    ticks = np.stack([places, places + reach * np.nan_to_num(normals)], axis=1)
     axes.add_collection(LineCollection(list(ticks), colors=colours, linewidths=1.6), autolim=False)
     axes.scatter(places[:, 0], places[:, 1], s=22, c=colours, edgecolors="white", linewidths=0.6, zorder=4)
 
+    points = _FEW_SIZE if len(shown) <= _FEW else _SIZE
     halo = {"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 1.0}
     texts = [
-        axes.text(x, y, label(mark.name), **text_style(9, color=colour, ha="center", va="center", bbox=halo, zorder=5))
+        axes.text(
+            x, y, label(mark.name), **text_style(points, color=colour, ha="center", va="center", bbox=halo, zorder=5)
+        )
         for mark, colour, (x, y) in zip(shown, colours, places, strict=True)
     ]
     figure.draw_without_rendering()
@@ -177,15 +183,25 @@ def _draw_landmarks(figure: Figure, axes: Axes, shown: Sequence[DrawnLandmark], 
             axes.plot(leader[:, 0], leader[:, 1], color=colour, linewidth=0.6, alpha=0.7, zorder=3)
 
 
-def _draw_scale_bar(axes: Axes, low: Array, high: Array) -> None:
-    wanted = float((high - low)[0]) / 5
+def _draw_scale(figure: Figure, axes: Axes) -> None:
+    """A length, and which way the map's axes point, in the strip below the map."""
+    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    height = axes.get_position().height * figure.get_figheight()
+    inch = (top - bottom) / height
+    wanted = (right - left) / 6
     power = 10.0 ** np.floor(np.log10(wanted))
-    length = power * max(step for step in (1, 2, 5) if step * power <= wanted)
-    x, y = low[0] + 0.02 * (high[0] - low[0]), low[1] + 0.02 * (high[1] - low[1])
-    axes.plot([x, x + length], [y, y], color="black", linewidth=3, solid_capstyle="butt")
-    axes.annotate(
-        f"{length:g} m", (x + length / 2, y), (0, 4), textcoords="offset points", **text_style(9, ha="center")
-    )
+    length = power * max((step for step in (2, 5) if step * power <= wanted), default=1)
+    x, y = left + 0.15 * inch, bottom - 0.28 * inch
+    plain: dict[str, Any] = {"clip_on": False, "zorder": 6}
+    axes.plot([x, x + length], [y, y], color="black", linewidth=3, solid_capstyle="butt", **plain)
+    place: dict[str, Any] = {"textcoords": "offset points", "annotation_clip": False}
+    axes.annotate(f"{length:g} m", (x + length / 2, y), (0, 3), **place, **text_style(9, ha="center"))
+    corner = np.array([right - 0.55 * inch, bottom - 0.30 * inch])
+    for name, way, ha, va in (("x", (0.26, 0.0), "left", "center"), ("y", (0.0, 0.26), "center", "bottom")):
+        tip = corner + np.array(way) * inch
+        arrow: dict[str, Any] = {"arrowstyle": "-|>", "color": "black", "linewidth": 1, "shrinkA": 0, "shrinkB": 0}
+        axes.annotate("", tuple(tip), tuple(corner), arrowprops=arrow, annotation_clip=False)
+        axes.annotate(name, tuple(tip), (0, 0), **place, **text_style(9, ha=ha, va=va))
 
 
 def _draw_legend(axes: Axes, shown: Sequence[DrawnLandmark]) -> None:
@@ -196,4 +212,4 @@ def _draw_legend(axes: Axes, shown: Sequence[DrawnLandmark]) -> None:
         if kind in present
     ]
     handles.append(Line2D([], [], color=GREEN, marker="o", markersize=5, label="camera, from ● to ■"))
-    axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=4, frameon=False, fontsize=9)
+    axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.01), ncols=4, frameon=False, fontsize=9)

@@ -1,32 +1,17 @@
 """How the memory scores of classes rise and fade, with the threshold of long-term memory (paper, Fig. 13)."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import matplotlib
 import numpy as np
 
+from lpslam.text.remembering.histories import ScoreHistory
 from lpslam.views.figure import GREY, label, new_figure, plain_axes, save_figure, text_style
 from lpslam.views.labels import place_labels
 
 _DASHES = ("-", "--", ":", "-.")
 _HALO = {"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 0.5}
-
-
-@dataclass(frozen=True, slots=True)
-class ScoreHistory:
-    """The score of one class over time.
-
-    Attributes:
-        name: its likeliest spelling; untrusted.
-        samples: (seconds, score), in order of time.
-        is_long_term: whether it was promoted.
-    """
-
-    name: str
-    samples: Sequence[tuple[float, float]]
-    is_long_term: bool
 
 
 def draw_memory(out: Path, histories: Sequence[ScoreHistory], promotion: float, *, title: str = "") -> None:

@@ -3,9 +3,9 @@
 from pathlib import Path
 
 from lpslam.mapfile.language_map import LanguageMap
-from lpslam.text.remembering.memory import LongShortTermMemory
+from lpslam.text.remembering.histories import score_histories
 from lpslam.views.map_picture import draw_map
-from lpslam.views.memory_plot import ScoreHistory, draw_memory
+from lpslam.views.memory_plot import draw_memory
 
 
 def draw_language_map(world: LanguageMap, out: Path) -> None:
@@ -23,15 +23,3 @@ def draw_language_map(world: LanguageMap, out: Path) -> None:
 def draw_score_histories(world: LanguageMap, out: Path) -> None:
     """How the memory scores of all classes rose and faded (Fig. 13)."""
     draw_memory(out, score_histories(world.text.memory), world.text.memory.config.promotion, title=world.source)
-
-
-def score_histories(memory: LongShortTermMemory) -> list[ScoreHistory]:
-    """The histories of all classes; those that are remembered have faded since they were last seen, until now."""
-    remembered = [
-        ScoreHistory(
-            each.name, [*each.history, *([(memory.clock, each.score)] if memory.clock is not None else [])], kept
-        )
-        for pool, kept in ((memory.long_term, True), (memory.short_term, False))
-        for each in pool.values()
-    ]
-    return remembered + [ScoreHistory(each.name, each.history, False) for each in memory.forgotten]

@@ -8,6 +8,7 @@ from fastapi import FastAPI
 from starlette.routing import BaseRoute
 
 from lpslam._version import __version__
+from lpslam.serving.http.correction_routes import correction_routes
 from lpslam.serving.http.job_routes import job_routes
 from lpslam.serving.http.problems import handle_problems
 from lpslam.serving.http.routes import map_routes, question_routes
@@ -48,6 +49,7 @@ def build_app(services: Services, door: Door, pages: Sequence[BaseRoute] = ()) -
     handle_problems(app)
     app.include_router(map_routes(services))
     app.include_router(question_routes(services))
+    app.include_router(correction_routes(services))
     app.include_router(job_routes(services))
     app.router.routes.extend(pages)
     if door.tokens is not None:

@@ -17,6 +17,7 @@ from lpslam.serving.ground import NoGroundError
 from lpslam.serving.hub import TooManyListenersError
 from lpslam.serving.jobs.queue import NameTakenError, TooLargeError, TooManyJobsError
 from lpslam.serving.summaries import NoSuchLandmarkError
+from lpslam.text.correcting.changing import NoSuchCorrectionError
 from lpslam.views.drawable import printable
 
 logger = logging.getLogger(__name__)
@@ -32,6 +33,7 @@ TITLES = {
 _STATUS: tuple[tuple[type[LpSlamError], int], ...] = (
     (NoSuchMapError, 404),
     (NoSuchLandmarkError, 404),
+    (NoSuchCorrectionError, 404),
     (NoGroundError, 501),
     (NameTakenError, 409),
     (TooLargeError, 413),
@@ -45,13 +47,18 @@ _STATUS: tuple[tuple[type[LpSlamError], int], ...] = (
 
 def problem(status: int, detail: str, headers: Mapping[str, str] | None = None) -> Response:
     """A response that says what is wrong."""
-    title = TITLES.get(status, "Error")
-    body = {"type": "about:blank", "title": title, "status": status, "detail": printable(detail, longest=500)}
+    body = problem_record(status, detail)
     more = dict(headers or {})
     if status == 503:
         more.setdefault("retry-after", "1")
     encoded = json.dumps(body, ensure_ascii=False).encode("utf-8", "replace")
     return Response(encoded, status, more, media_type="application/problem+json")
+
+
+def problem_record(status: int, detail: str) -> dict[str, Any]:
+    """What is wrong, as RFC 9457 has it."""
+    title = TITLES.get(status, "Error")
+    return {"type": "about:blank", "title": title, "status": status, "detail": printable(detail, longest=500)}
 
 
 def handle_problems(app: FastAPI) -> None:

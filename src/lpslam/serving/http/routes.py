@@ -27,7 +27,7 @@ _EVENTS = "text/event-stream"
 _FARTHEST = 1e6  # metres
 
 
-def needs(scope: Literal["read", "ask", "map"]) -> Any:
+def needs(scope: Literal["read", "ask", "map", "write"]) -> Any:
     """A dependency: whoever asks must hold this scope."""
 
     def check(request: Request) -> None:

@@ -10,8 +10,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from lpslam.config import Config
+from lpslam.language.model import LanguageModel
+from lpslam.language.offline import embedded_model
 from lpslam.serving.answerers import Answerer
 from lpslam.serving.atlas import Atlas, ServedMap
+from lpslam.serving.corrections import Editor
 from lpslam.serving.ground import Grounds
 from lpslam.serving.hub import Hub
 from lpslam.serving.jobs.queue import Jobs
@@ -34,6 +37,8 @@ class Services:
         config: limits, and thresholds of the maps that jobs make.
         uploads: folder for uploads; None where none are taken.
         jobs: of the uploads; None where none are taken.
+        language: judges names that a person gives.
+        editor: corrects maps.
         pictures, grounds: of the maps.
     """
 
@@ -43,14 +48,16 @@ class Services:
     config: Config
     uploads: Path | None = None
     jobs: Jobs | None = None
+    language: LanguageModel = field(default_factory=embedded_model)
+    editor: Editor = field(init=False)
     pictures: Pictures = field(default_factory=Pictures)
     grounds: Grounds = field(init=False)
 
     def __post_init__(self) -> None:
         """Have a place for uploads, where they are taken."""
-        self.grounds = Grounds(self.config)
+        self.grounds, self.editor = Grounds(self.config), Editor(self.atlas, self.language)
         if self.uploads is not None:
-            self.jobs = Jobs(self.uploads, self.config, self.atlas, self.hub, self._on_map)
+            self.jobs = Jobs(self.uploads, self.config, self.atlas, self.hub, self.on_map)
 
     @asynccontextmanager
     async def running(self) -> AsyncIterator[None]:
@@ -82,12 +89,13 @@ class Services:
             await asyncio.sleep(self.config.serving.look_s)
             try:
                 for served in await asyncio.to_thread(self.atlas.refresh):
-                    await self._on_map(served)
+                    await self.on_map(served)
             except Exception as error:
                 # A map that cannot be served anew is served as it was; the next look tries again.
                 logger.warning("maps could not be looked at: %s", error)
 
-    async def _on_map(self, served: ServedMap) -> None:
+    async def on_map(self, served: ServedMap) -> None:
+        """Have a new version of a map known to all."""
         await self.answerer.know(served)
         facts = {"name": served.name, "version": served.version, "landmarks": len(served.records)}
         self.hub.tell("map", facts)

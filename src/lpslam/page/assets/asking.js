@@ -1,0 +1,65 @@
+/* Questions and answers, kept as they come; with a server it answers, without one names are looked for. */
+const log = part("log");
+const asked = [];
+
+function say(question) {
+  const answer = make("p", { className: "answer", textContent: "…" });
+  log.append(make("p", { className: "question", textContent: question }), answer);
+  while (log.childElementCount > 60) log.firstElementChild.remove();
+  log.scrollTop = log.scrollHeight;
+  return text => {
+    answer.textContent = text;
+    log.scrollTop = log.scrollHeight;
+  };
+}
+
+/* Without a server a name is looked for in the signs' own words. */
+function byName(question) {
+  const wanted = fold(question).replace(/[?？!！.。]/g, " ").split(/\s+/).filter(Boolean);
+  const scored = data.signs.map(sign => {
+    const all = fold([sign.name, ...sign.lines, ...Object.keys(sign.variants)].join(" "));
+    return [wanted.filter(word => all.includes(word)).reduce((sum, word) => sum + word.length, 0) + (all.includes(fold(question.trim())) ? 100 : 0), sign];
+  }).filter(([score]) => score > 0).sort((a, b) => b[0] - a[0]);
+  return scored.map(([, sign]) => sign);
+}
+
+async function post(url, body) {
+  const response = await fetch(url, { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(body) });
+  return [response, await response.json()];
+}
+
+async function askServer(question, tell) {
+  const body = { question };
+  if (data.name) body.map = data.name;
+  const last = asked[asked.length - 1];
+  // “And another one?” asks the question before it again, for what was not named yet.
+  if (last) Object.assign(body, { before: last.question, excluded: last.named.slice(-200) });
+  const [response, found] = await post("/ask", body);
+  if (!response.ok) throw new Error(found.detail || response.statusText);
+  const id = found.answer.landmark && found.answer.landmark.id;
+  const isFurther = last && found.understood === last.understood;
+  asked.push({ question: isFurther ? last.question : question, understood: found.understood, named: [...(isFurther ? last.named : []), ...(id === null ? [] : [id])] });
+  tell(found.text);
+  choose(data.signs.find(sign => sign.id === id) || null);
+  if (id === null || data.grows) return;
+  const [reached, way] = await post("/path", { landmark: id, ...(data.name ? { map: data.name } : {}) });
+  if (!reached.ok) return;
+  state.way = way.points;
+  tell(found.text + "\n" + way.steps.map((step, at) => `${at + 1}. ${step}`).join("\n"));
+  draw();
+}
+
+part("ask").addEventListener("submit", async event => {
+  event.preventDefault();
+  const question = field.value.slice(0, 400).trim();
+  if (!question) return;
+  state.way = [];
+  const tell = say(question);
+  if (!data.live) {
+    const found = byName(question);
+    tell(found.length ? found[0].name : words.nothing);
+    choose(found[0] || null);
+    return;
+  }
+  try { await askServer(question, tell); } catch (error) { tell(`${words.trouble} ${error.message}`); }
+});

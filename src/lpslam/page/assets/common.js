@@ -1,0 +1,16 @@
+/* What all parts share: the map's data, the words of the visitor's language, and elements whose content is only ever text. */
+const data = JSON.parse(document.getElementById("map-data").textContent);
+const words = data.words[(navigator.language || "en").slice(0, 2)] || data.words.en;
+const part = id => document.getElementById(id);
+const canvas = part("map"), pen = canvas.getContext("2d");
+const state = { chosen: null, way: [], camera: null };
+
+const style = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+const fold = text => text.normalize("NFKD").replace(/\p{M}/gu, "").toLowerCase();
+const filled = (text, values) => text.replace(/\{(\w+)\}/g, (_, key) => String(values[key]));
+
+function make(tag, properties = {}, ...children) {
+  const element = Object.assign(document.createElement(tag), properties);
+  element.append(...children);
+  return element;
+}

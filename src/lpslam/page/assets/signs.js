@@ -1,0 +1,63 @@
+/* The list of signs, and the card of the one that is chosen. */
+const list = part("signs"), card = part("card"), field = part("question");
+
+/* Chosen by hand: what was answered before is no longer the matter. */
+function pick(sign, fly = true) {
+  state.way = [];
+  choose(sign, fly);
+}
+
+function choose(sign, fly = true) {
+  state.chosen = sign;
+  for (const button of list.querySelectorAll("button")) button.setAttribute("aria-current", String(Number(button.dataset.id) === (sign && sign.id)));
+  showCard();
+  if (sign && data.memory && data.memory.histories.some(history => history.id === classOf(sign))) showClass(classOf(sign));
+  if (!sign) return draw();
+  if (fly) flyTo(sign.position[0], sign.position[1], Math.max(view.scale, 90)); else draw();
+}
+
+function showCard() {
+  card.replaceChildren();
+  const sign = state.chosen;
+  if (!sign) return;
+  const facts = make("dl");
+  const rows = [
+    [words.lines, sign.lines.filter(line => line !== sign.name).join(" · ")],
+    [words.place, sign.position.map(value => value.toFixed(2)).join(", ") + ` m (± ${sign.spread.toFixed(2)})`],
+    [words.seen, `${sign.observations} ×`],
+    [words.sure, `${Math.round(sign.confidence * 100)} %`],
+    [words.read, Object.entries(sign.variants).map(([text, count]) => `${text} ×${count}`).join(", ")],
+    [words.judged, sign.is_landmark === null ? "–" : sign.is_landmark ? words.yes : words.no],
+  ];
+  for (const [key, value] of rows) if (value) facts.append(make("dt", { textContent: key }), make("dd", { textContent: value }));
+  card.append(make("h2", { textContent: sign.name }), facts, ...correctingTools(sign));
+}
+
+function row(sign) {
+  const dot = make("span", { className: "dot" + (sign.is_landmark === true ? " shop" : sign.is_landmark === false ? " text" : "") });
+  const button = make("button", { type: "button" }, dot, make("span", { textContent: sign.name }));
+  button.dataset.id = sign.id;
+  button.setAttribute("aria-current", String(sign === state.chosen));
+  button.addEventListener("click", () => pick(sign));
+  return make("li", {}, button);
+}
+
+/* The signs whose words hold what is typed; all where none does. */
+function listSigns() {
+  const text = fold(field.value.trim());
+  const found = data.signs.filter(sign => fold([sign.name, ...sign.lines].join(" ")).includes(text));
+  list.replaceChildren(...(found.length ? found : data.signs).map(row));
+  part("count").textContent = filled(words.count, { count: data.signs.length });
+}
+
+/* Other signs than before: what was chosen stays chosen, and the list keeps its place. */
+function takeSigns(signs, isForced = false) {
+  const chosen = state.chosen && state.chosen.id, place = part("list").scrollTop;
+  data.signs = signs;
+  state.chosen = signs.find(sign => sign.id === chosen) || null;
+  listSigns();
+  part("list").scrollTop = place;
+  if (isForced || !card.contains(document.activeElement)) showCard();
+}
+
+field.addEventListener("input", listSigns);

@@ -1,0 +1,1 @@
+"""What a person says of landmarks: it wins over what was read."""

@@ -1,0 +1,56 @@
+"""Pages in a real browser: who asks whom for what, and what goes wrong on the way; skipped where there is none."""
+
+import shutil
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import pytest
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+
+
+def need_chromium() -> Any:
+    """Playwright's interface; skips the test where it or Chromium is not installed."""
+    sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    if CHROMIUM is None:
+        pytest.skip("Chromium is not installed")
+    return sync_api
+
+
+@contextmanager
+def chromium() -> Iterator[Any]:
+    """A browser."""
+    with need_chromium().sync_playwright() as started:
+        opened = started.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        yield opened
+        opened.close()
+
+
+@contextmanager
+def shown(browser: Any, url: str, own: str = "", troubles_are_meant: bool = False, **context: Any) -> Iterator[Any]:
+    """A page; whoever else than itself, or `own`, it asks for anything fails the test, and so does any trouble."""
+    options = {"viewport": {"width": 1100, "height": 700}, "locale": "de-DE"} | context
+    inside = browser.new_context(**options)
+    page = inside.new_page()
+    asked: list[str] = []
+    troubles: list[str] = []
+    page.on("request", lambda request: asked.append(request.url))
+    page.on("websocket", lambda socket: asked.append(socket.url))
+    page.on("pageerror", lambda error: troubles.append(str(error)))
+    page.on("console", lambda line: troubles.append(line.text))
+    page.goto(url)
+    yield page
+    allowed = ("file:", "data:", "blob:", *([own] if own else []))
+    assert [each for each in asked if not each.startswith(allowed)] == []
+    assert troubles_are_meant or troubles == []
+    inside.close()
+
+
+def until(page: Any, expression: str, seconds: float = 20.0) -> None:
+    """Wait until an expression holds in a page, whose policy forbids Playwright's own way of waiting."""
+    end = time.monotonic() + seconds
+    while not page.evaluate(expression):
+        assert time.monotonic() < end, f"{expression} does not come true"
+        page.wait_for_timeout(50)
