@@ -106,11 +106,11 @@ def test_a_short_shutter_in_the_dark_is_noisy_and_a_cover_is_black() -> None:
     noises = []
     for shutter, gain in ((0.03, 1.0), (0.003, 1.0), (0.003, 2.2)):
         rng = np.random.default_rng(2)
-        rgb = Sensor(rng, even, 1.0, shutter).develop(rng, light / gain, 1.0, np.full(3, gain), 0.0)
+        rgb = Sensor(even, 1.0, shutter).develop(rng, light / gain, 1.0, np.full(3, gain), 0.0)
         noises.append(float(rgb[..., 1].std()))
     assert noises[0] < noises[1] < noises[2]
     rng = np.random.default_rng(2)
-    sensor = Sensor(rng, even, 1.0, 0.01)
+    sensor = Sensor(even, 1.0, 0.01)
     assert sensor.develop(rng, light, 1.0, np.ones(3), 1.0).mean() < 5
     half = sensor.develop(rng, light, 1.0, np.ones(3), 0.5)
     assert half[:60].mean() > 80

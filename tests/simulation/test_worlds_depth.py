@@ -42,7 +42,7 @@ def step(near: float, far: float, size: tuple[int, int] = (640, 480)) -> Picture
 @pytest.mark.parametrize("noise", [0.0, 1.0])
 def test_structured_light_has_the_published_noise_and_steps(z: float, noise: float) -> None:
     rng = np.random.default_rng(3)
-    depth = StructuredLight(rng, 640, 480, noise, 8.0).measure(rng, surfaces(flat(z), FOCAL))
+    depth = StructuredLight(640, 480, noise, 8.0).measure(rng, surfaces(flat(z), FOCAL))
     seen = depth[depth > 0]
     assert (seen - z).std() == pytest.approx(sigma_of(noise) * z * z, rel=0.15)
     levels = np.unique(seen)
@@ -52,7 +52,7 @@ def test_structured_light_has_the_published_noise_and_steps(z: float, noise: flo
 
 def test_the_projector_throws_a_shadow_left_of_near_things_only() -> None:
     rng = np.random.default_rng(4)
-    depth = StructuredLight(rng, 640, 480, 0.0, 8.0).measure(rng, surfaces(step(1.0, 3.0), FOCAL))
+    depth = StructuredLight(640, 480, 0.0, 8.0).measure(rng, surfaces(step(1.0, 3.0), FOCAL))
     wide = FOCAL * BASELINE * (1 / 1.0 - 1 / 3.0)
     dark = (depth == 0).mean(axis=0)
     assert (dark[320 - round(0.9 * wide) : 318] > 0.9).all()
@@ -62,7 +62,7 @@ def test_the_projector_throws_a_shadow_left_of_near_things_only() -> None:
 
 def test_structured_light_has_a_range_and_holes_in_the_dark() -> None:
     rng = np.random.default_rng(5)
-    sensor = StructuredLight(rng, 640, 480, 0.5, 4.0)
+    sensor = StructuredLight(640, 480, 0.5, 4.0)
     assert not sensor.measure(rng, surfaces(flat(0.4), FOCAL)).any()
     assert not sensor.measure(rng, surfaces(flat(4.2), FOCAL)).any()
     plain = np.mean(sensor.measure(rng, surfaces(flat(3.0), FOCAL)) == 0)
@@ -73,7 +73,7 @@ def test_structured_light_has_a_range_and_holes_in_the_dark() -> None:
 @pytest.mark.parametrize("z", [1.0, 2.0, 3.0])
 def test_the_noise_of_stereo_is_that_of_its_disparity(z: float) -> None:
     rng = np.random.default_rng(6)
-    sensor = ActiveStereo(rng, 640, 480, 0.5, 0.05, 10.0)
+    sensor = ActiveStereo(640, 480, 0.5, 0.05, 10.0)
     depth = sensor.measure(rng, surfaces(flat(z), 385.0))
     published = 0.1 * z * z / (385.0 * 0.05)
     assert published <= (depth[depth > 0] - z).std() <= 1.5 * published
@@ -81,7 +81,7 @@ def test_the_noise_of_stereo_is_that_of_its_disparity(z: float) -> None:
 
 def test_stereo_makes_near_things_fat_and_loses_what_has_no_texture() -> None:
     rng = np.random.default_rng(7)
-    sensor = ActiveStereo(rng, 640, 480, 0.5, 0.05, 10.0)
+    sensor = ActiveStereo(640, 480, 0.5, 0.05, 10.0)
     depth = sensor.measure(rng, surfaces(step(1.0, 3.0), 385.0))
     beside = depth[:, 317:320]
     assert np.mean((beside > 0.9) & (beside < 1.1)) > 0.3
@@ -128,7 +128,7 @@ def test_corners_bulge_away() -> None:
 
 def test_a_telephone_is_smooth_without_holes_and_wrong_at_edges() -> None:
     rng = np.random.default_rng(11)
-    sensor = PhoneLidar(rng, 256, 192, 0.5)
+    sensor = PhoneLidar(256, 192, 0.5)
     exact = step(1.0, 2.5, (256, 192))
     depth = sensor.measure(rng, surfaces(exact, 200.0))
     assert (depth > 0).all()

@@ -59,7 +59,7 @@ class WorldSource:
         self._lens = Lens.of(self.true_camera)
         self._rig = DepthRig.of(world, rng)
         vignette = vignette_of(self.true_camera, float(rng.uniform(0.05, 0.35)))
-        self._sensor = Sensor(rng, vignette, world.grain, world.shutter_time)
+        self._sensor = Sensor(vignette, world.grain, world.shutter_time)
 
     @property
     def name(self) -> str:

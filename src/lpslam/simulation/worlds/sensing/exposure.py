@@ -51,16 +51,15 @@ class Sensor:
     """A colour sensor's noise and vignetting.
 
     Args:
-        rng: draws its noise fields.
         vignette: (height, width) brightness factors.
         grain: 1 for a usual sensor.
         shutter_time: seconds.
     """
 
-    def __init__(self, rng: np.random.Generator, vignette: Picture, grain: float, shutter_time: float) -> None:
+    def __init__(self, vignette: Picture, grain: float, shutter_time: float) -> None:
         height, width = vignette.shape
         self._vignette = vignette
-        self._noise = NoiseFields(rng, width, height, (0.6, 0.9))
+        self._noise = NoiseFields(width, height, (0.6, 0.9))
         self._grain = grain * np.sqrt(USUAL_SHUTTER / shutter_time)
 
     def develop(

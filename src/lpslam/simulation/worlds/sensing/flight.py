@@ -25,14 +25,14 @@ class TimeOfFlight:
     """A Kinect v2 or Azure Kinect.
 
     Args:
-        rng: draws its noise fields and systematic errors.
+        rng: draws its systematic errors.
         width, height: pixels.
         noise: 0 to 1, where in the published range.
         farthest: metres.
     """
 
     def __init__(self, rng: np.random.Generator, width: int, height: int, noise: float, farthest: float) -> None:
-        self._fields = NoiseFields(rng, width, height, (0.5, 0.0))
+        self._fields = NoiseFields(width, height, (0.5, 0.0))
         self.sigma = SIGMA[0] + noise * (SIGMA[1] - SIGMA[0])
         self.wiggle = WIGGLE[0] + noise * (WIGGLE[1] - WIGGLE[0])
         self._phase, self._bulge = float(rng.uniform(0, 2 * np.pi)), float(rng.uniform(0.2, 0.6))

@@ -24,12 +24,11 @@ class PhoneLidar:
     """An iPhone or iPad.
 
     Args:
-        rng: draws its noise fields.
         noise: 0 to 1, where in the published range.
     """
 
-    def __init__(self, rng: np.random.Generator, width: int, height: int, noise: float) -> None:
-        self._fields = NoiseFields(rng, width, height, (7.0, 1.2))
+    def __init__(self, width: int, height: int, noise: float) -> None:
+        self._fields = NoiseFields(width, height, (7.0, 1.2))
         self.patchy = PATCHY[0] + noise * (PATCHY[1] - PATCHY[0])
 
     def measure(self, rng: np.random.Generator, seen: Surfaces) -> Picture:

@@ -56,15 +56,15 @@ class DepthRig:
         model: DepthModel
         match world.depth:
             case "structured":
-                model = StructuredLight(rng, *size, world.depth_noise, float(rng.choice([4.0, 8.0])))
+                model = StructuredLight(*size, world.depth_noise, float(rng.choice([4.0, 8.0])))
             case "stereo":
                 model = ActiveStereo(
-                    rng, *size, world.depth_noise, float(rng.choice([0.05, 0.095])), float(rng.uniform(6.0, 10.0))
+                    *size, world.depth_noise, float(rng.choice([0.05, 0.095])), float(rng.uniform(6.0, 10.0))
                 )
             case "tof":
                 model = TimeOfFlight(rng, *size, world.depth_noise, float(rng.choice([4.5, 5.5])))
             case _:
-                model = PhoneLidar(rng, *size, world.depth_noise)
+                model = PhoneLidar(*size, world.depth_noise)
         colour_from_depth = np.eye(4)
         turn, _ = cv2.Rodrigues(rng.normal(0, 0.003, 3))
         colour_from_depth[:3, :3] = turn

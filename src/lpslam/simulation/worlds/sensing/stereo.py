@@ -23,17 +23,14 @@ class ActiveStereo:
     """A D435 or D455.
 
     Args:
-        rng: draws its noise fields.
         width, height: pixels.
         noise: 0 to 1, where in the published range.
         baseline: metres.
         farthest: metres.
     """
 
-    def __init__(
-        self, rng: np.random.Generator, width: int, height: int, noise: float, baseline: float, farthest: float
-    ) -> None:
-        self._fields = NoiseFields(rng, width, height, (2.0, 4.0))
+    def __init__(self, width: int, height: int, noise: float, baseline: float, farthest: float) -> None:
+        self._fields = NoiseFields(width, height, (2.0, 4.0))
         self.subpixel = SUBPIXEL[0] + noise * (SUBPIXEL[1] - SUBPIXEL[0])
         self.baseline = baseline
         self._farthest = farthest

@@ -27,14 +27,13 @@ class StructuredLight:
     """A Kinect or Xtion.
 
     Args:
-        rng: draws its noise fields.
         width, height: pixels.
         noise: 0 to 1, where in the published range.
         farthest: metres.
     """
 
-    def __init__(self, rng: np.random.Generator, width: int, height: int, noise: float, farthest: float) -> None:
-        self._fields = NoiseFields(rng, width, height, (1.3, 3.5))
+    def __init__(self, width: int, height: int, noise: float, farthest: float) -> None:
+        self._fields = NoiseFields(width, height, (1.3, 3.5))
         self._sigma, self._farthest = sigma_of(noise), farthest
 
     def measure(self, rng: np.random.Generator, seen: Surfaces) -> Picture:
