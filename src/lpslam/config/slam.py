@@ -128,21 +128,24 @@ class TrackingConfig(Section):
 class SurfaceConfig(Section):
     """Alignment of whole images, where keypoints do not say where a frame was taken."""
 
-    width: int = Field(default=80, ge=16)  # pixels across; noise of the shades is averaged, slopes of depth stay
+    width: int = Field(default=160, ge=16)  # pixels across; noise of the shades is averaged, slopes of depth stay
+    around: float = Field(default=4.0, gt=0)  # pixels; shades that change more slowly are the light's and the lens's
     steps: int = Field(default=15, ge=1)  # of Gauss-Newton at most
     edge: float = Field(default=0.1, gt=0)  # of the depth; neighbours that differ by more are of two surfaces
     guess_speed: float = Field(default=0.3, gt=0)  # m/s; sigma of the guess, which fills in what images do not say
     guess_turn: float = Field(default=0.5, gt=0)  # rad/s; the same of its turn
     guess_sigmas: float = Field(default=6.0, gt=0)  # of the guess; images that are farther off slid along a pattern
-    least_shade: float = Field(default=0.3, gt=0)  # grey values; sigma of the shades at least: they are rounded
-    slope_sigmas: float = Field(default=2.0, ge=0)  # of the noise of a slope; flatter pixels say nothing
+    lead: float = Field(default=1.3, ge=1)  # of a shift over the next best one; with less it may be that one
+    least_shade: float = Field(default=0.05, gt=0)  # grey values; sigma of the shades at least: they were rounded
     least_shared: float = Field(default=0.4, gt=0, le=1)  # of the reference's pixels with depth must be in view
     least_measured: float = Field(default=0.1, gt=0, le=1)  # of the pixels must have depth in both images
-    least_agreement: float = Field(default=0.8, ge=0, le=1)  # of the pixels' depths, within three sigmas
+    least_agreement: float = Field(default=0.8, ge=0, le=1)  # of the pixels' depths, within three sigmas; ...
+    proven_agreement: float = Field(default=0.5, ge=0, le=1)  # ... where the shades are alike, depth may be poor
+    least_likeness: float = Field(default=5.0, gt=0)  # sigmas of shades that have nothing in common
     least_contrast: float = Field(
         default=4.0, ge=0
-    )  # grey values; a picture with less is blank or dark and says nothing
-    least_correlation: float = Field(default=0.5, ge=-1, le=1)  # of two pictures with contrast; those of others differ
+    )  # grey values; a picture with less is blank or dark, as is one with
+    blank_contrast: float = Field(default=4.0, gt=0)  # less than so many times the noise of neighbours
     told_share: float = Field(default=0.33, gt=0)  # of the guess's sigma; images that tell no better do not hold
     least_noise: float = Field(default=0.4, gt=0)  # of the supposed sigma: the median of nine readings leaves so much
     renewed_share: float = Field(default=0.8, gt=0, le=1)  # of the reference in view; less, and the next one is taken

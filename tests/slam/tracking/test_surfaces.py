@@ -1,5 +1,6 @@
 """Surfaces and shades alone: a camera's step between two images, and what says that it is told."""
 
+import cv2
 import numpy as np
 import pytest
 from corner_room import CAMERA, CORNER, WALL, Planes, shot
@@ -144,7 +145,7 @@ def test_small_images_see_along_the_same_rays() -> None:
 
 def test_a_lens_is_taken_out() -> None:
     lens = PinholeCamera(320, 240, 262.0, 261.0, 158.4, 121.2, (0.2, -0.3, 0.001, -0.002, 0.1))
-    straight, bent = SmallImages(CAMERA, CONFIG.width), SmallImages(lens, CONFIG.width)
+    straight, bent = (SmallImages(camera, CONFIG.width, CONFIG.around) for camera in (CAMERA, lens))
     v, u = np.mgrid[: CAMERA.height, : CAMERA.width]
     raw = np.column_stack([u.ravel(), v.ravel()]).astype(np.float64)
     ideal = lens.undistort(raw)
@@ -195,7 +196,7 @@ def terms(pose: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[int, int, int
     hessian, gradient, residuals = np.empty((6, 6)), np.empty(6), np.empty((2, reference[0].size))
     noise = (SENSOR.depth_sigma, SENSOR.depth_sigma_quadratic)
     counts = align_terms(
-        reference, image, SURFACES.images.intrinsics, pose, (BRIGHTER, SHADE_SIGMA), 0.0, noise,
+        reference, image, SURFACES.images.intrinsics, pose, (BRIGHTER, SHADE_SIGMA), noise,
         hessian, gradient, residuals,
     )  # fmt: skip
     return hessian, gradient, counts
@@ -230,3 +231,33 @@ def test_the_gradient_is_that_of_the_cost_and_the_hessian_that_of_the_gradient(t
     assert gradient == pytest.approx(slope, rel=1e-3, abs=1e-4 * np.abs(slope).max() + 0.1)
     upper = np.triu_indices(6)
     assert hessian[upper] == pytest.approx(curvature[upper], rel=0.1, abs=0.03 * float(np.abs(curvature).max()))
+
+
+# Faint patterns -------------------------------------------------------------------------------------------------------
+
+
+def test_grain_on_a_wall_tells_the_way_though_the_lens_stands_still() -> None:
+    """Two grey values of grain under as much noise, and forty of a lens that darkens: the latter moves with nothing."""
+    random, grain = np.random.default_rng(8), np.random.default_rng(9).standard_normal((700, 800)).astype(np.float32)
+    pattern = cv2.GaussianBlur(grain, (0, 0), 6.0)
+    pattern *= 2.0 / pattern.std()
+    v, u = np.mgrid[: CAMERA.height, : CAMERA.width]
+    lens = 120.0 - 20.0 * (((u - 160) / 160.0) ** 2 + ((v - 120) / 120.0) ** 2)
+
+    def picture(pose: np.ndarray) -> np.ndarray:
+        _, depth = shot(WALL, pose, 0.0)
+        rays = CAMERA.back_project(
+            np.column_stack([u.ravel(), v.ravel()]).astype(np.float64), depth.ravel().astype(float)
+        )
+        points = (rays - pose[:3, 3]) @ pose[:3, :3]
+        at = (points[:, :2] * 262.0 / 1.5 + [400.0, 350.0]).astype(np.float32).reshape(*depth.shape, 2)
+        seen = lens + cv2.remap(pattern, at[..., 0], at[..., 1], cv2.INTER_LINEAR)
+        noisy = (seen + random.normal(0, 2.0, seen.shape)).clip(0, 255).round().astype(np.uint8)
+        return SURFACES.images.reference(noisy, depth)
+
+    moved = rigid([0.03, -0.02, 0.0], [0.0, 0.0, 0.02])
+    aligned = SURFACES.align(picture(np.eye(4)), picture(moved), np.eye(4), 1 / 30)
+    assert aligned is not None
+    assert aligned.holds
+    assert aligned.is_proven
+    assert pose_error(aligned.image_from_reference, moved)[0] < 0.006

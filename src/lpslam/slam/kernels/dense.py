@@ -39,7 +39,6 @@ def align_terms(
     intrinsics: NDArray[np.float64],
     pose: NDArray[np.float64],
     brightness: tuple[float, float],
-    least_slope: float,
     depth_noise: tuple[float, float],
     hessian: NDArray[np.float64],
     gradient: NDArray[np.float64],
@@ -54,7 +53,6 @@ def align_terms(
         intrinsics: fx, fy, cx, cy of both.
         pose: 4×4 image from reference.
         brightness: what is added to the image's grey values, and their sigma.
-        least_slope: grey values a pixel; flatter pixels show noise only.
         depth_noise: c in metres and q a metre of σ = c + q z².
         hessian, gradient: (6, 6), of which the upper half is filled, and (6,); overwritten.
         residuals: (2, h·w) overwritten for each pixel that fell into the image: by how much its grey value differs, and
@@ -94,9 +92,8 @@ def align_terms(
             residuals[0, inside], residuals[1, inside] = residual, reference[0, row, column]
             inside += 1
             u_x, u_z, v_y, v_z = fx / z, -fx * x / (z * z), fy / z, -fy * y / (z * z)
-            if value[1] * value[1] + value[2] * value[2] > least_slope * least_slope:
-                along = (value[1] * u_x, value[2] * v_y, value[1] * u_z + value[2] * v_z)
-                _add(hessian, gradient, along, (x, y, z), residual, grey_sigma)
+            along = (value[1] * u_x, value[2] * v_y, value[1] * u_z + value[2] * v_z)
+            _add(hessian, gradient, along, (x, y, z), residual, grey_sigma)
             if value[3] == value[3] and value[4] == value[4]:
                 sigma = depth_noise[0] + depth_noise[1] * z * z
                 residual = value[3] - z

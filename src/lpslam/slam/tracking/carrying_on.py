@@ -105,8 +105,14 @@ class CarryingOn:
         # Else what rounding adds to a rotation doubles with every renewal.
         pose = pose.copy()
         orthonormalise(pose)
-        if self.told and seconds > 0.0:
-            self._twist = logarithm(pose @ inverse_transform(self._image_from_reference)) / seconds
+        since = picture.timestamp - self._told_at
+        if self.told and since > 0.0:
+            # From the last pose that was told: what was guessed since would look like a jump.
+            twist = logarithm(pose @ inverse_transform(self._newest.from_reference)) / since
+            self._twist += (1.0 - np.exp(-since / _SETTLING)) * (twist - self._twist)
+        if self.told is not Told.WAY:
+            # What nothing tells comes to rest.
+            self._twist *= np.exp(-seconds / _COMING_TO_REST)
         self._image_from_reference, self._timestamp = pose, picture.timestamp
         self._before = glance
         self._doubt(seconds, is_aligned)
@@ -121,12 +127,12 @@ class CarryingOn:
         """Where an image is expected (4×4, image from reference), and how it lies there if that tells its turn."""
         seconds = timestamp - self._told_at
         guess = step @ self._image_from_reference
-        aligned = self._surfaces.align(self._reference.image, image, guess, seconds)
+        aligned = self._surfaces.align(self._reference.image, image, guess, seconds, self._image_from_reference)
         if (aligned is None or not aligned.holds) and self._newest is not self._reference:
             # What the reference tells no more, the image before may.
             self._renew()
             guess = step @ self._image_from_reference
-            aligned = self._surfaces.align(self._reference.image, image, guess, seconds)
+            aligned = self._surfaces.align(self._reference.image, image, guess, seconds, self._image_from_reference)
         return guess, aligned if aligned is not None and aligned.tells_turn else None
 
     def _doubt(self, seconds: float, is_aligned: bool) -> None:
@@ -164,10 +170,16 @@ class CarryingOn:
         image = self._surfaces.images.reference(last.gray, last.depth)
         self._reference = self._newest = _Sight(image, np.eye(4), self.doubtful)
         self._reference_from_keyframe, self._image_from_reference = last.camera_from_reference, np.eye(4)
-        self._twist = np.zeros(6) if self._motion.twist is None else self._motion.twist
+        self._twist = np.zeros(6) if self._motion.twist is None else self._motion.twist.copy()
 
 
 _NOTHING = np.empty((2, 0, 0), np.float32)
+
+_SETTLING = 0.05
+"""Seconds over which the camera's motion is averaged."""
+
+_COMING_TO_REST = 0.3
+"""Seconds in which a camera's motion fades that nothing tells: as long as a hand or a wheel keeps its way."""
 
 _LEAST_SPEED = 0.05
 """Metres a second by which a camera that stood may move unseen: a hand's sway."""

@@ -1,5 +1,6 @@
-"""The camera's way from surfaces and shades where keypoints do not tell it (Steinbrücker 2011; Kerl 2013)."""
+"""The camera's way from surfaces and faint patterns where keypoints do not tell it (Steinbrücker 2011; Kerl 2013)."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import cv2
@@ -11,6 +12,7 @@ from lpslam.config import SurfaceConfig
 from lpslam.slam.kernels.dense import align_terms
 from lpslam.slam.kernels.geometry import exponential, logarithm
 from lpslam.slam.sensor import SensorModel
+from lpslam.slam.tracking.relief import likeness, relief, shift_between, shift_of
 from lpslam.small_depth import SmallDepth
 
 _Matrix = NDArray[np.float64]
@@ -26,12 +28,16 @@ class Aligned:
         shared: of the reference's pixels with depth, the share that the image shows.
         holds: whether the images agree, and say all six degrees of freedom by themselves.
         tells_turn: whether they agree, and say how the camera turned.
+        likeness: of their grey values, in sigmas of those that have nothing in common.
+        is_proven: whether they lie on each other so, and nowhere else nearly as well.
     """
 
     image_from_reference: _Matrix
     shared: float
     holds: bool
     tells_turn: bool
+    likeness: float = 0.0
+    is_proven: bool = False
 
 
 class SmallImages:
@@ -40,20 +46,22 @@ class SmallImages:
     Args:
         camera: of the frames.
         width: pixels across the small images.
+        around: pixels of them over which grey values are compared with those about them.
     """
 
-    def __init__(self, camera: PinholeCamera, width: int) -> None:
-        self._depth = SmallDepth(camera, width)
+    def __init__(self, camera: PinholeCamera, width: int, around: float) -> None:
+        self._around = around
+        self._depth = SmallDepth(camera, max(min(width, camera.width // LEAST_SHRINK), 16))
         self._size, self.intrinsics = self._depth.size, self._depth.intrinsics
         small = ((self._depth.raw + 0.5) / self._depth.shrink - 0.5).astype(np.float32)
         small = small.reshape(*self._size[::-1], 2)
         self._shades_at = np.ascontiguousarray(small[..., 0]), np.ascontiguousarray(small[..., 1])
 
     def reference(self, gray: NDArray[np.uint8], depth: _Image) -> _Image:
-        """(2, h, w) grey value and depth, as `align_terms` takes them."""
-        shades = cv2.resize(gray, self._size, interpolation=cv2.INTER_AREA)
+        """(2, h, w) relief of the grey values and depth, as `align_terms` takes them."""
+        shades = cv2.resize(gray.astype(np.float32), self._size, interpolation=cv2.INTER_AREA)
         shades = cv2.remap(shades, *self._shades_at, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-        return np.stack([shades.astype(np.float32), self._depth.read(depth)])
+        return np.stack([relief(np.asarray(shades, np.float32), self._around), self._depth.read(depth)])
 
 
 def sloped(reference: _Image, edge: float) -> _Image:
@@ -76,20 +84,43 @@ class Surfaces:
     """
 
     def __init__(self, camera: PinholeCamera, sensor: SensorModel, config: SurfaceConfig) -> None:
-        self.images = SmallImages(camera, config.width)
+        self.images = SmallImages(camera, config.width, config.around)
         self._noise = (sensor.depth_sigma, sensor.depth_sigma_quadratic)
         self._config = config
 
-    def align(self, reference: _Image, image: _Image, guess: _Matrix, seconds: float) -> Aligned | None:
+    def align(
+        self, reference: _Image, image: _Image, guess: _Matrix, seconds: float, before: _Matrix | None = None
+    ) -> Aligned | None:
         """Find the pose between two small images (2, h, w) from a guess of it (4×4, image from reference).
 
-        Coarse images first, for the reach, then as they are. Where they say nothing, the guess stays, which has been
-        made for so many seconds. None if they hardly overlap.
+        Where they say nothing, the guess stays, which has been made for so many seconds. Where they do not prove it,
+        the pose `before` is tried as well, and where the pictures as a whole lie. None if they hardly overlap.
         """
-        pose = guess
+        before = guess if before is None else before
+        best: Aligned | None = None
+        for start in self._starts(reference, image, guess, before):
+            found = self._from(reference, image, start, seconds)
+            if found is not None and (best is None or found.likeness > best.likeness):
+                best = found
+            if found is not None and found.is_proven:
+                return found
+        return best
+
+    def _starts(self, reference: _Image, image: _Image, guess: _Matrix, before: _Matrix) -> Iterator[_Matrix]:
+        """Poses from which to align: the guess, and where the camera was, either also turned as the pictures lie."""
+        intrinsics = self.images.intrinsics
+        for pose in (guess, before):
+            yield pose
+            shift = shift_between(reference[0], image[0], pose[:3, :3], intrinsics)
+            if max(abs(shift.across), abs(shift.down)) > 1 and shift.lead > self._config.lead:
+                yield exponential(np.concatenate([np.zeros(3), shift.turn(intrinsics)])) @ pose
+
+    def _from(self, reference: _Image, image: _Image, start: _Matrix, seconds: float) -> Aligned | None:
+        """The same from one pose, which also stays where they say nothing: coarse images first, for the reach."""
+        pose = start
         for halvings in (1, 0):
             levels = halved(reference, halvings), sloped(halved(image, halvings), self._config.edge)
-            aligned = self._aligned(*levels, pose, guess, halvings, max(seconds, LEAST_SECONDS))
+            aligned = self._aligned(*levels, pose, start, halvings, max(seconds, LEAST_SECONDS))
             if aligned is None:
                 return None
             pose = aligned.image_from_reference
@@ -108,9 +139,9 @@ class Surfaces:
         sigma, offset = _FIRST_SIGMA, float(np.median(reference[0]) - np.median(image[0]))
         known = max(int((reference[1] > 0).sum()), 1)
         for _ in range(config.steps):
-            brightness, slope = (offset, sigma), config.slope_sigmas * _SOBEL_NOISE * sigma
+            brightness = offset, _TOGETHER * sigma
             inside, measured, agreeing = align_terms(
-                reference, image, intrinsics, pose, brightness, slope, self._noise, hessian, gradient, residuals
+                reference, image, intrinsics, pose, brightness, self._noise, hessian, gradient, residuals
             )
             if inside < config.least_shared * known or measured < config.least_measured * image[0].size:
                 return None
@@ -123,20 +154,58 @@ class Surfaces:
                 break
         if halvings:
             return Aligned(pose, inside / known, False, False)  # only the finest images are asked whether they hold
-        noise, by_depth = self._depth_noise(image[3]), np.empty((6, 6))
-        align_terms(reference, image, intrinsics, pose, brightness, np.inf, self._noise, by_depth, gradient, residuals)
-        by_depth += np.triu(by_depth, 1).T
-        by_noise = noise**2 * measured / inside * self._told_by_noise(reference, pose, intrinsics)
-        told = hessian - by_depth + (by_depth - by_noise) / max(noise, config.least_noise) ** 2
+        alike = likeness(residuals[1, :inside], residuals[0, :inside] + residuals[1, :inside])
+        is_proven = self._is_proven(reference, image, pose, intrinsics)
+        is_like = is_proven or alike > config.least_likeness
+        told = self._told(reference, image, pose, intrinsics, hessian, measured / inside, is_like)
         # By eigenvalues in units of the guess: in the direction that the images tell worst.
         told *= np.outer(sigmas, sigmas) * config.told_share**2
         is_firm = bool(np.linalg.eigvalsh(told)[0] > 1.0)
         # Of the turn alone, wherever the camera has stepped.
         turn = told[3:, 3:] - told[3:, :3] @ np.linalg.pinv(told[:3, :3], hermitian=True) @ told[:3, 3:]
-        is_turn_firm = is_firm or bool(np.linalg.eigvalsh(turn)[0] > 1.0)
-        agrees = agreeing >= config.least_agreement * measured and self._looks_alike(residuals[:, :inside])
-        agrees &= bool((np.abs(logarithm(pose @ inverse_transform(guess))) <= config.guess_sigmas * sigmas).all())
-        return Aligned(pose, inside / known, is_firm and agrees, is_turn_firm and agrees)
+        is_blank = not is_like and (self._is_blank(reference[0]) or self._is_blank(image[0]))
+        # A wall tells how the camera turns away from it; where nothing is on it, nothing tells how it rolls before it.
+        is_turn_firm = is_firm or bool(np.linalg.eigvalsh(turn)[1 if is_blank else 0] > 1.0)
+        least = config.proven_agreement if is_like else config.least_agreement
+        agrees = agreeing >= least * measured and (is_like or is_blank)
+        astray = logarithm(pose @ inverse_transform(guess))
+        agrees &= is_proven or bool((np.abs(astray) <= config.guess_sigmas * sigmas).all())
+        return Aligned(pose, inside / known, is_firm and agrees, is_turn_firm and agrees, alike, is_proven)
+
+    def _is_proven(self, reference: _Image, image: _Image, pose: _Matrix, intrinsics: _Matrix) -> bool:
+        """Whether reliefs that a pose brings together lie on each other, and nowhere else nearly as well."""
+        fx, fy, cx, cy = intrinsics
+        v, u = np.mgrid[: reference.shape[1], : reference.shape[2]]
+        depth = reference[1].astype(np.float64)
+        points = np.stack([(u - cx) / fx * depth, (v - cy) / fy * depth, depth], axis=2) @ pose[:3, :3].T + pose[:3, 3]
+        z = points[..., 2]
+        is_seen = (depth > 0) & (z > NEAREST)
+        z = np.where(is_seen, z, 1.0)
+        across = np.where(is_seen, fx * points[..., 0] / z + cx, -1.0).astype(np.float32)
+        down = np.where(is_seen, fy * points[..., 1] / z + cy, -1.0).astype(np.float32)
+        there = cv2.remap(image[0], across, down, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=0.0)
+        shift = shift_of(reference[0], np.asarray(there, np.float32))
+        return max(abs(shift.across), abs(shift.down)) <= 1 and shift.lead > self._config.lead
+
+    def _told(
+        self,
+        reference: _Image,
+        image: _Image,
+        pose: _Matrix,
+        intrinsics: _Matrix,
+        hessian: _Matrix,
+        measured_share: float,
+        by_shades: bool,
+    ) -> _Matrix:
+        """(6, 6) what two images tell of a pose, of the hessian there: less what noise alone would."""
+        noise, by_depth = self._depth_noise(image[3]), np.empty((6, 6))
+        gradient, residuals = np.empty(6), np.empty((2, image[0].size))
+        no_shades = (0.0, _NEVER)
+        align_terms(reference, image, intrinsics, pose, no_shades, self._noise, by_depth, gradient, residuals)
+        by_depth += np.triu(by_depth, 1).T
+        by_noise = self._told_by_noise(reference, pose, intrinsics)
+        told = (by_depth - noise**2 * measured_share * by_noise) / max(noise, self._config.least_noise) ** 2
+        return told + (hessian - by_depth - _SMOOTHED / _TOGETHER**2 * by_noise) if by_shades else told
 
     def _depth_noise(self, depth: _Image) -> float:
         """How many sigmas the readings (h, w) of smooth surfaces are off, by how little they lie in planes."""
@@ -160,12 +229,10 @@ class Surfaces:
         told: _Matrix = _SOBEL_NOISE**2 * sum((each @ each.T for each in jacobians), np.zeros((6, 6)))
         return told
 
-    def _looks_alike(self, shades: NDArray[np.float64]) -> bool:
-        """Whether pictures by their residuals and grey values (2, n) are of the same; without contrast they may be."""
-        there, here = shades[1], shades[0] + shades[1]
-        if min(there.std(), here.std()) < self._config.least_contrast:
-            return True
-        return float(np.corrcoef(there, here)[0, 1]) >= self._config.least_correlation
+    def _is_blank(self, shades: _Image) -> bool:
+        """Whether a relief (h, w) is hardly more than noise: then pictures need not be alike."""
+        noise = 1.4826 * float(np.median(np.abs(cv2.Laplacian(shades, cv2.CV_32F)))) / _LAPLACE_NOISE
+        return float(shades.std()) < max(self._config.blank_contrast * noise, self._config.least_contrast)
 
 
 def halved(image: _Image, times: int) -> _Image:
@@ -176,10 +243,22 @@ def halved(image: _Image, times: int) -> _Image:
     return image
 
 
+LEAST_SHRINK = 4
+"""Pixels of the camera to one of a small image: neighbours have no reading in common, and shades less noise."""
+
 _WAYS = ((1, 0), (0, 1))
 
 NEAREST = 0.05
 """Metres before the camera; what is nearer is not seen."""
+
+_NEVER = 1e9
+"""Grey values: a sigma with which shades say nothing."""
+
+_TOGETHER = 2.8
+"""Times a sigma: so much less do shades tell whose noise is smoothed over eight pixels."""
+
+_SMOOTHED = 1.5
+"""Times the square of a slope's noise: that of smoothed noise, against independent pixels of the same sigma."""
 
 _FIRST_SIGMA = 5.0
 """Grey values: of the residuals, before they are known."""
