@@ -20,10 +20,11 @@ types: $(VENV)/.dev-ready
 
 check: lint types test
 
-# The quick tests under every Python that is installed.
-versions:
+# The quick tests under every other Python that is installed; `make test` has run all of them under the first.
+versions: $(VENV)/.dev-ready
 	@for version in 3.11 3.12 3.13; do \
 	  python$$version -c "" 2> /dev/null || { echo "python$$version is not installed: skipped"; continue; }; \
+	  $(BIN)/python --version | grep -q " $$version\." && continue; \
 	  python$$version -m venv .venvs/$$version && \
 	  .venvs/$$version/bin/python -m pip install --quiet --editable '.[dev,llm]' && \
 	  .venvs/$$version/bin/python -m pytest -q -m "not slow" --numprocesses auto --maxprocesses 4 || exit 1; \
