@@ -1,6 +1,6 @@
 """The camera's way from surfaces and faint patterns where keypoints do not tell it (Steinbrücker 2011; Kerl 2013)."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -40,6 +40,45 @@ class Aligned:
     is_proven: bool = False
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Level:
+    """Two images of one size: a reference (2, h, w), an image (6, h, w) as of `sloped`, and fx, fy, cx, cy of both."""
+
+    reference: _Image
+    image: _Image
+    intrinsics: _Matrix
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Descent:
+    """Where Gauss-Newton has come to on one level.
+
+    Attributes:
+        pose: 4×4 image from reference.
+        hessian: (6, 6) of the last step.
+        residuals: (2, n) of grey values, and those of the reference, of the pixels that fell into the image.
+        shared: of the reference's pixels with depth, the share of these.
+        measured: of these, the share with depth in both.
+        agreeing: of those, the share whose depths agree.
+    """
+
+    pose: _Matrix
+    hessian: _Matrix
+    residuals: NDArray[np.float64]
+    shared: float
+    measured: float
+    agreeing: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Brought:
+    """Pixels of a reference, (n,) rows and columns, that lie before the image, and their points there (n, 3)."""
+
+    rows: NDArray[np.intp]
+    columns: NDArray[np.intp]
+    points: _Matrix
+
+
 class SmallImages:
     """Makes small images without lens distortion of a camera's frames.
 
@@ -51,7 +90,7 @@ class SmallImages:
 
     def __init__(self, camera: PinholeCamera, width: int, around: float) -> None:
         self._around = around
-        self._depth = SmallDepth(camera, max(min(width, camera.width // LEAST_SHRINK), 16))
+        self._depth = SmallDepth(camera, max(min(width, camera.width // _LEAST_SHRINK), 16))
         self._size, self.intrinsics = self._depth.size, self._depth.intrinsics
         small = ((self._depth.raw + 0.5) / self._depth.shrink - 0.5).astype(np.float32)
         small = small.reshape(*self._size[::-1], 2)
@@ -96,52 +135,57 @@ class Surfaces:
         Where they say nothing, the guess stays, which has been made for so many seconds. Where they do not prove it,
         the pose `before` is tried as well, and where the pictures as a whole lie. None if they hardly overlap.
         """
-        before = guess if before is None else before
+        levels = [self._level(reference, image, times) for times in (1, 0)]
         best: Aligned | None = None
         for start in self._starts(reference, image, guess, before):
-            found = self._from(reference, image, start, seconds)
+            found = self._from(levels, start, max(seconds, LEAST_SECONDS))
             if found is not None and (best is None or found.likeness > best.likeness):
                 best = found
             if found is not None and found.is_proven:
                 return found
         return best
 
-    def _starts(self, reference: _Image, image: _Image, guess: _Matrix, before: _Matrix) -> Iterator[_Matrix]:
+    def _starts(self, reference: _Image, image: _Image, guess: _Matrix, before: _Matrix | None) -> Iterator[_Matrix]:
         """Poses from which to align: the guess, and where the camera was, either also turned as the pictures lie."""
         intrinsics = self.images.intrinsics
-        for pose in (guess, before):
+        for pose in (guess,) if before is None or np.array_equal(before, guess) else (guess, before):
             yield pose
             shift = shift_between(reference[0], image[0], pose[:3, :3], intrinsics)
             if max(abs(shift.across), abs(shift.down)) > 1 and shift.lead > self._config.lead:
                 yield exponential(np.concatenate([np.zeros(3), shift.turn(intrinsics)])) @ pose
 
-    def _from(self, reference: _Image, image: _Image, start: _Matrix, seconds: float) -> Aligned | None:
-        """The same from one pose, which also stays where they say nothing: coarse images first, for the reach."""
-        pose = start
-        for halvings in (1, 0):
-            levels = halved(reference, halvings), sloped(halved(image, halvings), self._config.edge)
-            aligned = self._aligned(*levels, pose, start, halvings, max(seconds, LEAST_SECONDS))
-            if aligned is None:
-                return None
-            pose = aligned.image_from_reference
-        return aligned
-
-    def _aligned(
-        self, reference: _Image, image: _Image, pose: _Matrix, guess: _Matrix, halvings: int, seconds: float
-    ) -> Aligned | None:
-        """Gauss-Newton from a pose on one level; `image` as of `sloped`."""
-        config, shrink = self._config, 2.0**halvings
+    def _level(self, reference: _Image, image: _Image, times: int) -> "_Level":
+        """Two small images (2, h, w), halved so many times."""
+        shrink = 2.0**times
         intrinsics = self.images.intrinsics / shrink
         intrinsics[2:] += 0.5 / shrink - 0.5
+        return _Level(halved(reference, times), sloped(halved(image, times), self._config.edge), intrinsics)
+
+    def _from(self, levels: Sequence["_Level"], start: _Matrix, seconds: float) -> Aligned | None:
+        """The same from one pose, which also stays where they say nothing: coarse images first, for the reach."""
+        descent: _Descent | None = None
+        for level in levels:
+            descent = self._descended(level, start if descent is None else descent.pose, start, seconds)
+            if descent is None:
+                return None
+        assert descent is not None
+        return self._judged(levels[-1], descent, start, seconds)
+
+    def _sigmas(self, seconds: float) -> _Matrix:
+        """(6,) of a guess, in metres and radians, made for so many seconds."""
+        return np.repeat([self._config.guess_speed, self._config.guess_turn], 3) * seconds
+
+    def _descended(self, level: "_Level", pose: _Matrix, guess: _Matrix, seconds: float) -> "_Descent | None":
+        """Gauss-Newton from a pose on one level."""
+        config, reference, image = self._config, level.reference, level.image
         hessian, gradient, residuals = np.empty((6, 6)), np.empty(6), np.empty((2, image[0].size))
-        sigmas = np.repeat([config.guess_speed, config.guess_turn], 3) * seconds
-        prior = np.diag(sigmas**-2)
+        prior = np.diag(self._sigmas(seconds) ** -2)
         sigma, offset = _FIRST_SIGMA, float(np.median(reference[0]) - np.median(image[0]))
         known = max(int((reference[1] > 0).sum()), 1)
         for _ in range(config.steps):
             brightness = offset, _TOGETHER * sigma
             inside, measured, agreeing = align_terms(
-                reference, image, intrinsics, pose, brightness, self._noise, hessian, gradient, residuals
+                reference, image, level.intrinsics, pose, brightness, self._noise, hessian, gradient, residuals
             )
             if inside < config.least_shared * known or measured < config.least_measured * image[0].size:
                 return None
@@ -152,60 +196,63 @@ class Surfaces:
             pose = exponential(step) @ pose
             if np.abs(step).max() < _SMALL_STEP:
                 break
-        if halvings:
-            return Aligned(pose, inside / known, False, False)  # only the finest images are asked whether they hold
-        alike = likeness(residuals[1, :inside], residuals[0, :inside] + residuals[1, :inside])
-        is_proven = self._is_proven(reference, image, pose, intrinsics)
+        return _Descent(pose, hessian, residuals[:, :inside], inside / known, measured / inside, agreeing / measured)
+
+    def _judged(self, level: "_Level", descent: "_Descent", guess: _Matrix, seconds: float) -> Aligned:
+        """What a descent on the finest images has come to."""
+        config, pose, sigmas = self._config, descent.pose, self._sigmas(seconds)
+        alike = likeness(descent.residuals[1], descent.residuals[0] + descent.residuals[1])
+        seen = self._brought(level.reference, pose)
+        is_proven = self._is_proven(level, seen)
         is_like = is_proven or alike > config.least_likeness
-        told = self._told(reference, image, pose, intrinsics, hessian, measured / inside, is_like)
+        told = self._told(level, descent, seen, is_like)
         # By eigenvalues in units of the guess: in the direction that the images tell worst.
         told *= np.outer(sigmas, sigmas) * config.told_share**2
         is_firm = bool(np.linalg.eigvalsh(told)[0] > 1.0)
         # Of the turn alone, wherever the camera has stepped.
         turn = told[3:, 3:] - told[3:, :3] @ np.linalg.pinv(told[:3, :3], hermitian=True) @ told[:3, 3:]
-        is_blank = not is_like and (self._is_blank(reference[0]) or self._is_blank(image[0]))
+        is_blank = not is_like and (self._is_blank(level.reference[0]) or self._is_blank(level.image[0]))
         # A wall tells how the camera turns away from it; where nothing is on it, nothing tells how it rolls before it.
         is_turn_firm = is_firm or bool(np.linalg.eigvalsh(turn)[1 if is_blank else 0] > 1.0)
         least = config.proven_agreement if is_like else config.least_agreement
-        agrees = agreeing >= least * measured and (is_like or is_blank)
         astray = logarithm(pose @ inverse_transform(guess))
-        agrees &= is_proven or bool((np.abs(astray) <= config.guess_sigmas * sigmas).all())
-        return Aligned(pose, inside / known, is_firm and agrees, is_turn_firm and agrees, alike, is_proven)
+        is_near = is_proven or bool((np.abs(astray) <= config.guess_sigmas * sigmas).all())
+        agrees = descent.agreeing >= least and (is_like or is_blank) and is_near
+        return Aligned(pose, descent.shared, is_firm and agrees, is_turn_firm and agrees, alike, is_proven)
 
-    def _is_proven(self, reference: _Image, image: _Image, pose: _Matrix, intrinsics: _Matrix) -> bool:
+    def _brought(self, reference: _Image, pose: _Matrix) -> "_Brought":
+        """Where a pose brings the pixels of a reference that have depth."""
+        fx, fy, cx, cy = self.images.intrinsics
+        v, u = np.nonzero(reference[1] > 0)
+        depth = reference[1][v, u].astype(np.float64)
+        points = np.column_stack([(u - cx) / fx * depth, (v - cy) / fy * depth, depth]) @ pose[:3, :3].T + pose[:3, 3]
+        ahead = points[:, 2] > NEAREST
+        return _Brought(v[ahead], u[ahead], points[ahead])
+
+    def _is_proven(self, level: "_Level", seen: "_Brought") -> bool:
         """Whether reliefs that a pose brings together lie on each other, and nowhere else nearly as well."""
-        fx, fy, cx, cy = intrinsics
-        v, u = np.mgrid[: reference.shape[1], : reference.shape[2]]
-        depth = reference[1].astype(np.float64)
-        points = np.stack([(u - cx) / fx * depth, (v - cy) / fy * depth, depth], axis=2) @ pose[:3, :3].T + pose[:3, 3]
-        z = points[..., 2]
-        is_seen = (depth > 0) & (z > NEAREST)
-        z = np.where(is_seen, z, 1.0)
-        across = np.where(is_seen, fx * points[..., 0] / z + cx, -1.0).astype(np.float32)
-        down = np.where(is_seen, fy * points[..., 1] / z + cy, -1.0).astype(np.float32)
+        reference, image = level.reference, level.image
+        fx, fy, cx, cy = self.images.intrinsics
+        x, y, z = seen.points.T
+        across, down = np.full((2, *reference[0].shape), -1.0, np.float32)
+        across[seen.rows, seen.columns], down[seen.rows, seen.columns] = fx * x / z + cx, fy * y / z + cy
         there = cv2.remap(image[0], across, down, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=0.0)
         shift = shift_of(reference[0], np.asarray(there, np.float32))
         return max(abs(shift.across), abs(shift.down)) <= 1 and shift.lead > self._config.lead
 
-    def _told(
-        self,
-        reference: _Image,
-        image: _Image,
-        pose: _Matrix,
-        intrinsics: _Matrix,
-        hessian: _Matrix,
-        measured_share: float,
-        by_shades: bool,
-    ) -> _Matrix:
-        """(6, 6) what two images tell of a pose, of the hessian there: less what noise alone would."""
+    def _told(self, level: "_Level", descent: "_Descent", seen: "_Brought", by_shades: bool) -> _Matrix:
+        """(6, 6) what two images tell of a pose: less what noise alone would."""
+        reference, image = level.reference, level.image
         noise, by_depth = self._depth_noise(image[3]), np.empty((6, 6))
         gradient, residuals = np.empty(6), np.empty((2, image[0].size))
         no_shades = (0.0, _NEVER)
-        align_terms(reference, image, intrinsics, pose, no_shades, self._noise, by_depth, gradient, residuals)
+        align_terms(
+            reference, image, level.intrinsics, descent.pose, no_shades, self._noise, by_depth, gradient, residuals
+        )
         by_depth += np.triu(by_depth, 1).T
-        by_noise = self._told_by_noise(reference, pose, intrinsics)
-        told = (by_depth - noise**2 * measured_share * by_noise) / max(noise, self._config.least_noise) ** 2
-        return told + (hessian - by_depth - _SMOOTHED / _TOGETHER**2 * by_noise) if by_shades else told
+        by_noise = self._told_by_noise(seen)
+        told = (by_depth - noise**2 * descent.measured * by_noise) / max(noise, self._config.least_noise) ** 2
+        return told + (descent.hessian - by_depth - _SMOOTHED / _TOGETHER**2 * by_noise) if by_shades else told
 
     def _depth_noise(self, depth: _Image) -> float:
         """How many sigmas the readings (h, w) of smooth surfaces are off, by how little they lie in planes."""
@@ -213,16 +260,13 @@ class Surfaces:
         known = off_plane[np.isfinite(off_plane)]
         return 1.4826 * float(np.median(known)) / _LAPLACE_NOISE if len(known) else 1.0
 
-    def _told_by_noise(self, reference: _Image, pose: _Matrix, intrinsics: _Matrix) -> _Matrix:
+    def _told_by_noise(self, seen: "_Brought") -> _Matrix:
         """(6, 6) what slopes of depth that are noise alone add to the hessian, where readings are off by a sigma.
 
         A slope's noise is a share of the reading's, by which it is weighed: how large it is plays no part.
         """
-        fx, fy, cx, cy = intrinsics
-        v, u = np.nonzero(reference[1] > 0)
-        depth = reference[1][v, u].astype(np.float64)
-        points = np.column_stack([(u - cx) / fx * depth, (v - cy) / fy * depth, depth]) @ pose[:3, :3].T + pose[:3, 3]
-        x, y, z = points[points[:, 2] > NEAREST].T
+        fx, fy, _, _ = self.images.intrinsics
+        x, y, z = seen.points.T
         nothing = np.zeros_like(z)
         across = np.stack([fx / z, nothing, -fx * x / (z * z)]), np.stack([nothing, fy / z, -fy * y / (z * z)])
         jacobians = [np.concatenate([along, np.cross([x, y, z], along, axis=0)]) for along in across]
@@ -243,7 +287,7 @@ def halved(image: _Image, times: int) -> _Image:
     return image
 
 
-LEAST_SHRINK = 4
+_LEAST_SHRINK = 4
 """Pixels of the camera to one of a small image: neighbours have no reading in common, and shades less noise."""
 
 _WAYS = ((1, 0), (0, 1))
