@@ -27,7 +27,7 @@ def correct(
     """Say what a landmark is: it wins over what was read, and is kept in the map. Without an id, list what was said."""
     from lpslam.language.registry import language_model
     from lpslam.mapfile.correcting import change_corrections, editing
-    from lpslam.mapfile.export import correction_record
+    from lpslam.mapfile.export import corrections_record
     from lpslam.mapfile.language_map import LanguageMap
     from lpslam.text.correcting.changing import Change, correct, take_back
     from lpslam.text.correcting.corrections import Kind
@@ -58,14 +58,14 @@ def correct(
         with editing(map_file):
             world = change_corrections(map_file, change, LanguageMap.load(map_file))
     said = world.text.corrections
-    records = [correction_record(each) for each in said.entries]
+    record = corrections_record(said)
     if as_json:
-        print_json({"map": str(map_file), "revision": said.revision, "corrections": records})
+        print_json({"map": str(map_file), **record})
         return
-    if not records:
+    if not said.entries:
         say(f"nothing is corrected in {map_file}")
         return
-    print_table({f"{each['number']}: {each['landmark']} {each['read']}": _said(each) for each in records})
+    print_table({f"{each['number']}: {each['landmark']} {each['read']}": _said(each) for each in record["corrections"]})
 
 
 def _said(record: dict[str, Any]) -> str:

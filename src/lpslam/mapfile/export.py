@@ -13,7 +13,7 @@ from lpslam._version import __version__
 from lpslam.errors import UserError
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.mapfile.point_cloud import write_ply
-from lpslam.text.correcting.corrections import Correction, Kind
+from lpslam.text.correcting.corrections import Correction, Corrections, Kind
 from lpslam.text.types import Landmark, LandmarkLine
 
 _FRAME = "camera optical frame (x right, y down, z forward) in the map frame (z up), metres"
@@ -120,6 +120,11 @@ def correction_record(said: Correction) -> dict[str, Any]:
     elif said.into is not None:
         record |= {"into": said.into.id, "into_name": said.into.name}
     return record
+
+
+def corrections_record(said: Corrections) -> dict[str, Any]:
+    """All that a person has said of a map, and of which revision that is."""
+    return {"revision": said.revision, "corrections": [correction_record(each) for each in said.entries]}
 
 
 def _line_record(line: LandmarkLine) -> dict[str, Any]:

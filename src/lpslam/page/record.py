@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.language.sanitise import clean_text
-from lpslam.mapfile.export import correction_record
+from lpslam.mapfile.export import corrections_record
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.page.pictures import picture_of
 from lpslam.text.correcting.corrections import Corrections
@@ -67,13 +67,8 @@ def said_record(world: LanguageMap) -> dict[str, Any]:
     return {
         "signs": sign_records(world.landmarks()),
         "question": world.text.question,
-        "edits": edits_record(world.text.corrections),
+        "edits": corrections_record(world.text.corrections),
     }
-
-
-def edits_record(said: Corrections) -> dict[str, Any]:
-    """A person's corrections."""
-    return {"revision": said.revision, "corrections": [correction_record(each) for each in said.entries]}
 
 
 def empty_record(title: str) -> dict[str, Any]:
@@ -86,7 +81,7 @@ def empty_record(title: str) -> dict[str, Any]:
         "memory": None,
         "signs": [],
         "question": None,
-        "edits": edits_record(Corrections()),
+        "edits": corrections_record(Corrections()),
     }
 
 

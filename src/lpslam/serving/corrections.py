@@ -6,10 +6,10 @@ from typing import Any
 
 from lpslam.language.model import LanguageModel
 from lpslam.mapfile.correcting import change_corrections, editing
-from lpslam.mapfile.export import correction_record
+from lpslam.mapfile.export import corrections_record
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.serving.atlas import Atlas, ServedMap
-from lpslam.text.correcting.changing import Change, ConflictError, correct, take_back
+from lpslam.text.correcting.changing import Change, correct, take_back
 from lpslam.text.text_map import TextMap
 
 
@@ -51,14 +51,4 @@ class Editor:
 
 def state_of(served: ServedMap) -> dict[str, Any]:
     """What has been said of a map, as `records.CorrectionState` has it."""
-    said = served.world.text.corrections
-    entries = [correction_record(each) for each in said.entries]
-    return {"map": served.name, "version": served.version, "revision": said.revision, "corrections": entries}
-
-
-def conflict_of(error: ConflictError) -> dict[str, Any]:
-    """What there is now, for whoever has not seen it."""
-    return {
-        "revision": error.corrections.revision,
-        "corrections": [correction_record(each) for each in error.corrections.entries],
-    }
+    return {"map": served.name, "version": served.version, **corrections_record(served.world.text.corrections)}

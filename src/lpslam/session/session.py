@@ -25,7 +25,7 @@ from lpslam.navigation.asking import Answer, answer, last_view
 from lpslam.priority import READING
 from lpslam.session.announcing import AnnouncingMapper
 from lpslam.session.checks import checked_colour, checked_depth, refuse_no_metres, refuse_time
-from lpslam.session.growth import Growth
+from lpslam.session.growth import Growth, growth_of
 from lpslam.session.listeners import Listeners
 from lpslam.session.parts import load_spotter, naming_beside, reading_thread
 from lpslam.session.step import Step
@@ -274,12 +274,7 @@ class Session:
             most: new scans that are given at once.
         """
         with self._stepping, self._slam.map.lock:
-            slam, scans = self._slam.map, self._scans
-            _, poses = self._slam.trajectory.world_from_camera(slam)
-            kept = [] if scans is None else [each for each in scans.keyframes if slam.is_alive(each)]
-            new = [each for each in kept if each not in known][:most]
-            at_home = {each: slam.world_from_keyframe(each) for each in kept if slam.is_home(each)}
-            return Growth(poses, at_home, {} if scans is None else scans.to_arrays(new))
+            return growth_of(self._slam.map, self._slam.trajectory, self._scans, known, most)
 
     def ask(
         self,

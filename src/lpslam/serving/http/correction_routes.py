@@ -8,8 +8,8 @@ from starlette.responses import Response
 
 from lpslam.serving import records
 from lpslam.serving.answerers import as_json
-from lpslam.serving.corrections import conflict_of, state_of
-from lpslam.serving.http.problems import problem_record
+from lpslam.serving.corrections import state_of
+from lpslam.serving.http.problems import conflict
 from lpslam.serving.http.routes import PROBLEMS, MapQuery, needs
 from lpslam.serving.http.services import Services
 from lpslam.text.correcting.changing import Change, ConflictError
@@ -20,10 +20,10 @@ _Revision = Annotated[int, Query(ge=0, le=2**53 - 1, description="As /correction
 
 def correction_routes(services: Services) -> APIRouter:
     """What a person says of landmarks, kept in the maps."""
-    conflict: dict[int | str, dict[str, Any]] = {
+    too_late: dict[int | str, dict[str, Any]] = {
         409: {"model": records.Conflict, "content": {"application/problem+json": {}}}
     }
-    router = APIRouter(responses={**PROBLEMS, **conflict}, tags=["corrections"])
+    router = APIRouter(responses={**PROBLEMS, **too_late}, tags=["corrections"])
 
     @router.get("/corrections", response_model=records.CorrectionState, dependencies=[needs("read")])
     def corrections(map_: MapQuery = None) -> Response:
@@ -37,7 +37,7 @@ def correction_routes(services: Services) -> APIRouter:
         try:
             served = await asyncio.to_thread(services.editor.correct, body.map, change, body.revision)
         except ConflictError as error:
-            return _conflict(error)
+            return conflict(str(error), error.corrections)
         await services.on_map(served)
         return Response(as_json(state_of(served)), media_type="application/json")
 
@@ -49,13 +49,8 @@ def correction_routes(services: Services) -> APIRouter:
         try:
             served = await asyncio.to_thread(services.editor.take_back, map_, number, revision)
         except ConflictError as error:
-            return _conflict(error)
+            return conflict(str(error), error.corrections)
         await services.on_map(served)
         return Response(as_json(state_of(served)), media_type="application/json")
 
     return router
-
-
-def _conflict(error: ConflictError) -> Response:
-    record = problem_record(409, str(error)) | conflict_of(error)
-    return Response(as_json(record), 409, media_type="application/problem+json")

@@ -11,13 +11,15 @@ from starlette.exceptions import HTTPException
 from starlette.responses import Response
 
 from lpslam.errors import LpSlamError, UserError
-from lpslam.serving.answerers import AnswerLostError, BusyError
+from lpslam.mapfile.export import corrections_record
+from lpslam.serving.answerers import AnswerLostError, BusyError, as_json
 from lpslam.serving.atlas import NoSuchMapError
 from lpslam.serving.ground import NoGroundError
 from lpslam.serving.hub import TooManyListenersError
 from lpslam.serving.jobs.queue import NameTakenError, TooLargeError, TooManyJobsError
 from lpslam.serving.summaries import NoSuchLandmarkError
 from lpslam.text.correcting.changing import NoSuchCorrectionError
+from lpslam.text.correcting.corrections import Corrections
 from lpslam.views.drawable import printable
 
 logger = logging.getLogger(__name__)
@@ -53,6 +55,12 @@ def problem(status: int, detail: str, headers: Mapping[str, str] | None = None) 
         more.setdefault("retry-after", "1")
     encoded = json.dumps(body, ensure_ascii=False).encode("utf-8", "replace")
     return Response(encoded, status, more, media_type="application/problem+json")
+
+
+def conflict(detail: str, now: Corrections) -> Response:
+    """A response to who was late with a correction: what is wrong, and what there is now."""
+    encoded = as_json(problem_record(409, detail) | corrections_record(now))
+    return Response(encoded, 409, media_type="application/problem+json")
 
 
 def problem_record(status: int, detail: str) -> dict[str, Any]:

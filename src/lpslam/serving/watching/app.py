@@ -18,12 +18,13 @@ from starlette.responses import HTMLResponse, Response, StreamingResponse
 
 from lpslam.errors import UserError
 from lpslam.language.registry import language_model
+from lpslam.mapfile.export import corrections_record
 from lpslam.page.building import growing_page, policy
 from lpslam.page.pictures import RoomPicture
-from lpslam.page.record import edits_record, sign_records, way_record
+from lpslam.page.record import sign_records, way_record
 from lpslam.serving import records
 from lpslam.serving.answerers import ThreadAnswerer, as_json
-from lpslam.serving.http.problems import handle_problems, problem, problem_record
+from lpslam.serving.http.problems import conflict, handle_problems, problem
 from lpslam.serving.http.shield import Door, Shield, allowed_hosts
 from lpslam.serving.questions import Asked
 from lpslam.serving.watching.board import Board
@@ -75,7 +76,7 @@ class Watched:
                 show("state", _state_record(message))
             elif isinstance(message, Signs):
                 self.grown.take_signs(message)
-                edits = edits_record(message.corrections)
+                edits = corrections_record(message.corrections)
                 signs = sign_records(message.landmarks)
                 show("signs", {"signs": signs, "question": message.question, "edits": edits})
             elif isinstance(message, Corrected):
@@ -200,13 +201,11 @@ def build(watched: Watched) -> Shield:
 
 def _became(corrected: Corrected) -> Response:
     """What became of a correction; who was late is told what there is now."""
-    if corrected.status not in (200, 409):
-        return problem(corrected.status, corrected.detail)
-    record = edits_record(corrected.corrections)
     if corrected.status == 200:
-        return Response(as_json(record), media_type="application/json")
-    record |= problem_record(409, corrected.detail)
-    return Response(as_json(record), 409, media_type="application/problem+json")
+        return Response(as_json(corrections_record(corrected.corrections)), media_type="application/json")
+    if corrected.status == 409:
+        return conflict(corrected.detail, corrected.corrections)
+    return problem(corrected.status, corrected.detail)
 
 
 def _state_record(state: State) -> dict[str, Any]:

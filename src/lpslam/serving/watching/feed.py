@@ -8,11 +8,12 @@ import json
 import subprocess
 import threading
 import time
-from collections.abc import Callable, Collection
+from collections.abc import Callable
 from contextlib import suppress
 from types import TracebackType
 from typing import Any, Self
 
+from lpslam.camera import PinholeCamera
 from lpslam.config import WatchingConfig
 from lpslam.errors import UserError
 from lpslam.frames import RgbdFrame
@@ -21,6 +22,7 @@ from lpslam.mapfile.language_map import LanguageMap
 from lpslam.priority import READING, yield_to_others
 from lpslam.serving.watching.pace import Pace
 from lpslam.serving.watching.wire import Begin, Corrected, End, Ground, Message, Signs, State, send
+from lpslam.session.growth import Growth, growth_of
 from lpslam.session.session import Session
 from lpslam.session.step import Step
 from lpslam.text.correcting.changing import Change, ConflictError, NoSuchCorrectionError
@@ -160,13 +162,13 @@ class Feed:
     def _tell_ground(self, session: Session) -> None:
         grown = session.growth(self._known, self._limits.scans)
         self._known |= {int(each) for each in grown.scans.get("keyframe", ())}
-        self._tell(Ground(session.camera, grown.poses, grown.keyframes, grown.scans))
+        self._tell(_ground(session.camera, grown))
 
     def _tell_end(self) -> None:
         if self._world is not None and self._watchers:
-            text = self._world.text
-            self._tell(Signs(tuple(self._world.landmarks()), text.corrections, text.question))
-            self._tell(_whole_ground(self._world, self._known))
+            world, text = self._world, self._world.text
+            self._tell(Signs(tuple(world.landmarks()), text.corrections, text.question))
+            self._tell(_ground(world.camera, growth_of(world.slam, world.trajectory, world.scans, self._known)))
         self._tell(End(self._map_file))
         if self._process is not None and self._process.stdin is not None:
             self._process.stdin.close()
@@ -211,10 +213,5 @@ def _state(session: Session, step: Step) -> State:
     return State(session.frames, session.keyframes, session.texts, rate, step.state.value, step.pose)
 
 
-def _whole_ground(world: LanguageMap, known: Collection[int]) -> Ground:
-    poses, scans = world.frame_poses().world_from_camera, world.scans
-    if scans is None:
-        return Ground(world.camera, poses, {})
-    kept = [each for each in scans.keyframes if world.slam.is_alive(each)]
-    keyframes = {each: pose for each in kept if (pose := world.world_from_keyframe(each)) is not None}
-    return Ground(world.camera, poses, keyframes, scans.to_arrays([each for each in kept if each not in known]))
+def _ground(camera: PinholeCamera, grown: Growth) -> Ground:
+    return Ground(camera, grown.poses, grown.keyframes, grown.scans)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from lpslam.language.model import Judgement
 from lpslam.text.correcting.corrections import Anchor, Correction, Corrections, Kind
 from lpslam.text.placing.instances import KeyframePoses
+from lpslam.text.placing.places import PLACES_OF_A_CLASS
 from lpslam.text.types import Landmark
 
 BY_HAND = "a person"
@@ -17,9 +18,6 @@ BY_HAND = "a person"
 _SAME_PLACE = 1.0
 """Metres within which a landmark is the one that was corrected: what was read of it says so too. A landmark counts as
 found within as much of its sign."""
-
-PLACES = 1000
-"""A landmark's id is its class's number times this, plus the place's."""
 
 
 def corrected(
@@ -80,7 +78,11 @@ def _distance(mark: Landmark, place: NDArray[np.float64]) -> float:
 
 
 def _alike(mark: Landmark, anchor: Anchor) -> bool:
-    return mark.id // PLACES == anchor.id // PLACES or anchor.name == mark.name or anchor.name in mark.variants
+    return (
+        mark.id // PLACES_OF_A_CLASS == anchor.id // PLACES_OF_A_CLASS
+        or anchor.name == mark.name
+        or anchor.name in mark.variants
+    )
 
 
 def _end(id_: int, goes_to: dict[int, int]) -> int:

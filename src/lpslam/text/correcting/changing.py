@@ -9,10 +9,10 @@ import numpy as np
 from lpslam.errors import UserError
 from lpslam.language.model import LanguageModel
 from lpslam.language.sanitise import clean_text
-from lpslam.text.correcting.applying import PLACES
 from lpslam.text.correcting.corrections import LONGEST_NAME, Anchor, Correction, Corrections, Kind
 from lpslam.text.distilling import DEFAULT_QUESTION
 from lpslam.text.placing.instances import KeyframePoses
+from lpslam.text.placing.places import PLACES_OF_A_CLASS
 from lpslam.text.text_map import TextMap
 from lpslam.text.types import Landmark
 
@@ -138,7 +138,7 @@ def _of(marks: dict[int, Landmark], id_: int) -> Landmark:
 def _anchor(text_map: TextMap, mark: Landmark, world_from_keyframe: KeyframePoses) -> Anchor:
     """What keeps to a landmark: what was read of it, and its place on the keyframe that saw it last."""
     read = next(each for each in text_map.as_read(world_from_keyframe) if each.id == mark.id)
-    text_class = text_map.memory.long_term.get(mark.id // PLACES)
+    text_class = text_map.memory.long_term.get(mark.id // PLACES_OF_A_CLASS)
     for seen in reversed(text_class.observations if text_class is not None else []):
         pose = world_from_keyframe(seen.keyframe)
         if pose is not None:
