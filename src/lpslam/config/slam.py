@@ -226,7 +226,9 @@ class LocatingConfig(Section):
     depth_tolerance: float = Field(default=0.06, gt=0)  # share of the depth by which map and sensor may differ
     min_depth_agreement: float = Field(default=0.7, ge=0, le=1)  # share of the inliers that must agree in depth
     min_alike_agreement: float = Field(default=0.75, ge=0, le=1)  # share of what looks alike that must be seen there
-    min_seen_share: float = Field(default=0.1, ge=0, le=1)  # of the points that should be seen; real rooms show few again
+    min_seen_share: float = Field(
+        default=0.1, ge=0, le=1
+    )  # of the points that should be seen; real rooms show few again
     spread_cells: int = Field(default=4, ge=1)  # rows and columns of the image by which spread is judged ...
     min_spread: int = Field(default=6, ge=1)  # ... and how many of the cells must hold an inlier
     rival_share: float = Field(default=0.6, ge=0, le=1)  # of the best place's inliers that make another one a rival ...
