@@ -228,7 +228,7 @@ class LocatingConfig(Section):
     min_alike_agreement: float = Field(default=0.75, ge=0, le=1)  # share of what looks alike that must be seen there
     min_seen_share: float = Field(
         default=0.1, ge=0, le=1
-    )  # of the points that should be seen; real rooms show few again
+    )  # of what should be seen; real rooms show little again
     spread_cells: int = Field(default=4, ge=1)  # rows and columns of the image by which spread is judged ...
     min_spread: int = Field(default=6, ge=1)  # ... and how many of the cells must hold an inlier
     rival_share: float = Field(default=0.6, ge=0, le=1)  # of the best place's inliers that make another one a rival ...
