@@ -226,9 +226,7 @@ class LocatingConfig(Section):
     depth_tolerance: float = Field(default=0.06, gt=0)  # share of the depth by which map and sensor may differ
     min_depth_agreement: float = Field(default=0.7, ge=0, le=1)  # share of the inliers that must agree in depth
     min_alike_agreement: float = Field(default=0.75, ge=0, le=1)  # share of what looks alike that must be seen there
-    min_seen_share: float = Field(
-        default=0.1, ge=0, le=1
-    )  # of what should be seen; real rooms show little again
+    min_seen_share: float = Field(default=0.1, ge=0, le=1)  # of what should be seen; real rooms show little again
     spread_cells: int = Field(default=4, ge=1)  # rows and columns of the image by which spread is judged ...
     min_spread: int = Field(default=6, ge=1)  # ... and how many of the cells must hold an inlier
     rival_share: float = Field(default=0.6, ge=0, le=1)  # of the best place's inliers that make another one a rival ...
@@ -256,6 +254,7 @@ class LoopConfig(Section):
     covisible_points: int = Field(default=15, ge=1)  # shared points of keyframes that belong to one place
     candidates: int = Field(default=3, ge=1)  # most places tried a keyframe; each costs a brute-force matching
     merge_candidates: int = Field(default=3, ge=0)  # keyframes of other sub-maps tried however little they look alike
+    last_views: int = Field(default=100, ge=0)  # of smaller sub-maps at most, from which the rest is sought at the end
     votes: int = Field(default=3, ge=1)  # keyframes that must find the same correction, each by its own keypoints
     vote_neighbours: int = 4  # covisible keyframes asked at once; else the next keyframes are waited for
     vote_distance: float = 0.1  # metres between keyframes that vote, or ...
