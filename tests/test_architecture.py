@@ -14,7 +14,7 @@ PACKAGE = Path(lpslam.__file__).parent
 FOUNDATION = {
     *("_version", "assets", "camera", "config", "errors", "frames", "interruption", "isolated"),
     "kernel_cache",
-    *("poses", "priority", "small_depth", "timestamps", "typed"),
+    *("poses", "priority", "small_depth", "timestamps"),
 }
 
 # What each part may import, besides itself and the foundation. An entry with a dot opens one module only.

@@ -1,9 +1,6 @@
-import copy
 import json
 import zipfile
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -13,9 +10,6 @@ from lpslam.errors import UserError
 from lpslam.mapfile.container import read_map_file, write_map_file
 from lpslam.mapfile.export import landmark_record
 from lpslam.mapfile.language_map import LanguageMap
-from lpslam.text.text_map import TextMap
-from lpslam.views.facts import fact_lines, map_facts
-from lpslam.views.tables import landmark_table
 
 pytestmark = pytest.mark.slow
 
@@ -86,74 +80,6 @@ def test_documents_of_another_shape_are_said_to_be_damaged(walked: Path, tmp_pat
         with pytest.raises(UserError) as caught:
             LanguageMap.load(tmp_path / "map.lpmap")
         assert "\n" not in str(caught.value)
-
-
-def paths_of(value: object, path: tuple[str | int, ...] = ()) -> Iterator[tuple[str | int, ...]]:
-    """Where each value of a document is; of lists the first."""
-    yield path
-    if isinstance(value, dict):
-        for key, each in value.items():
-            yield from paths_of(each, (*path, key))
-    elif isinstance(value, list) and value:
-        yield from paths_of(value[0], (*path, 0))
-
-
-def replaced(document: Any, path: tuple[str | int, ...], value: object) -> Any:
-    if not path:
-        return value
-    changed = copy.copy(document)
-    changed[path[0]] = replaced(document[path[0]], path[1:], value)
-    return changed
-
-
-@pytest.mark.parametrize("value", [{}, ["x"], "\x1b[31m{0}%s", None])
-def test_a_text_of_another_type_anywhere_is_refused_or_shown(walked: Path, world: LanguageMap, value: object) -> None:
-    """Whatever a map says, there is an answer or one line; nothing that is loaded fails later."""
-    document = {**read_map_file(walked).documents["text"], "judgements": JUDGEMENTS}
-    refused = 0
-    for at in list(paths_of(document)):
-        if "config" in at:
-            continue
-        try:
-            text = TextMap.from_document(replaced(document, at, value))
-        except UserError:
-            refused += 1
-            continue
-        landmark_table(text.landmarks(world.world_from_keyframe), "texts")
-    assert refused > 50
-
-
-@pytest.mark.parametrize("value", [{}, ["x"], "\x1b[31m{0}%s", None])
-def test_a_run_of_another_type_anywhere_is_refused_or_shown(walked: Path, tmp_path: Path, value: object) -> None:
-    contents = read_map_file(walked)
-    run = {**contents.documents["run"], "events": EVENTS}
-    paths = list(paths_of(run))
-    path, refused = tmp_path / "map.lpmap", 0
-    for at in paths[:: max(1, len(paths) // 12)]:
-        write_map_file(path, {**contents.documents, "run": replaced(run, at, value)}, contents.arrays)
-        try:
-            fact_lines(map_facts(LanguageMap.load(path)))
-        except UserError:
-            refused += 1
-    assert refused > 3
-
-
-@pytest.mark.parametrize("keyframe", [10**6, 2**31 - 1, -2])
-def test_what_hangs_on_a_keyframe_that_never_was_is_refused(walked: Path, tmp_path: Path, keyframe: int) -> None:
-    contents = read_map_file(walked)
-    on = contents.arrays["trajectory.keyframe"].copy()
-    on[3] = keyframe
-    write_map_file(tmp_path / "map.lpmap", contents.documents, {**contents.arrays, "trajectory.keyframe": on})
-    with pytest.raises(UserError, match="never had"):
-        LanguageMap.load(tmp_path / "map.lpmap")
-
-
-EVENTS = [{"kind": "lost", "frame": 3, "timestamp": 0.1, "reason": "dark"}]
-JUDGEMENTS = {
-    "KFC": {"Is it a shop?": {
-        "question": "Is it a shop?", "answer": True, "confidence": 0.9, "evidence": "a name", "model": "offline",
-    }},
-}  # fmt: skip
 
 
 def test_the_file_says_what_it_is(walked: Path) -> None:

@@ -16,13 +16,12 @@ from lpslam.ground.scans import Scans, room_from_above
 from lpslam.mapfile.container import read_map_file, write_map_file
 from lpslam.poses import StampedPoses
 from lpslam.slam.map import SlamMap
-from lpslam.slam.state import SlamEvent
+from lpslam.slam.state import EventKind, SlamEvent
 from lpslam.slam.trajectory import Trajectory
 from lpslam.text.again.crops import CropStore
 from lpslam.text.correcting.corrections import Corrections
 from lpslam.text.text_map import TextMap
 from lpslam.text.types import Landmark
-from lpslam.typed import restored
 
 
 @dataclass(slots=True, eq=False)
@@ -126,50 +125,27 @@ class LanguageMap:
         """
         contents = read_map_file(path)
         try:
-            run: _Run = restored(_Run, contents.documents["run"])
+            camera = dict(contents.documents["camera"])
+            camera["distortion"] = tuple(camera["distortion"])
+            run = contents.documents["run"]
             text = TextMap.from_document(contents.documents["text"])
             text.crops = CropStore.from_arrays(_part(contents.arrays, "crops."), text.config.again)
             if "corrections" in contents.documents:
                 text.corrections = Corrections.from_document(contents.documents["corrections"])
-            lens: PinholeCamera = restored(PinholeCamera, contents.documents["camera"])
+            lens = PinholeCamera(**camera)
             scans = _part(contents.arrays, "scans.")
-            slam = SlamMap.from_arrays(_part(contents.arrays, "slam."))
-            trajectory = Trajectory.from_arrays(_part(contents.arrays, "trajectory."))
-            _check_keyframes(slam, trajectory, text)
             return cls(
                 camera=lens,
-                slam=slam,
-                trajectory=trajectory,
+                slam=SlamMap.from_arrays(_part(contents.arrays, "slam.")),
+                trajectory=Trajectory.from_arrays(_part(contents.arrays, "trajectory.")),
                 text=text,
-                source=run.source,
-                statistics={
-                    part: {key: value for key, value in values.items() if not isinstance(value, str)}
-                    for part, values in run.statistics.items()
-                },
-                events=run.events,
+                source=str(run["source"]),
+                statistics=dict(run["statistics"]),
+                events=[SlamEvent(**{**event, "kind": EventKind(event["kind"])}) for event in run["events"]],
                 scans=Scans.from_arrays(lens, scans, GroundConfig().width) if scans else None,
             )
         except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
             raise UserError(f"{path} is damaged: {' '.join(str(error).split())}; map the recording again") from error
-
-
-@dataclass(frozen=True, slots=True)
-class _Run:
-    """What a map says of how it was made."""
-
-    source: str
-    statistics: dict[str, dict[str, float | str]]
-    events: list[SlamEvent]
-
-
-def _check_keyframes(slam: SlamMap, trajectory: Trajectory, text: TextMap) -> None:
-    """Refuse frames and texts that hang on keyframes which the map never had."""
-    on = trajectory.reference_keyframes
-    observed = [seen.keyframe for each in text.memory.classes for seen in each.observations]
-    if len(on) and not -1 <= on.min() <= on.max() < slam.keyframe_count:
-        raise ValueError("a frame hangs on a keyframe that the map never had")
-    if observed and not -1 <= min(observed) <= max(observed) < slam.keyframe_count:
-        raise ValueError("a text hangs on a keyframe that the map never had")
 
 
 def _part(arrays: dict[str, NDArray[Any]], prefix: str) -> dict[str, NDArray[Any]]:

@@ -87,11 +87,6 @@ class Trajectory:
         """Number of frames of the newest session with a pose, in whichever sub-map."""
         return sum(k >= 0 and s == self.session for k, s in zip(self._keyframes, self._sessions, strict=True))
 
-    @property
-    def reference_keyframes(self) -> NDArray[np.int32]:
-        """(n,) the keyframe on which each frame of any session hangs, -1 where it has no pose."""
-        return np.array(self._keyframes, np.int32)
-
     def world_from_camera(
         self, slam_map: SlamMap, session: int | None = None
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

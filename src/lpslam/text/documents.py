@@ -1,11 +1,12 @@
 """The map of words as JSON-able documents and back, equal."""
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import Any
 
-from lpslam.language.model import Judgement
-from lpslam.text.remembering.memory import ForgottenClass, LongShortTermMemory, Pool, TextClass
-from lpslam.typed import restored
+from lpslam.language.model import Judgement, Naming
+from lpslam.text.remembering.evidence import Look
+from lpslam.text.remembering.memory import ForgottenClass, LongShortTermMemory, Pool, TextClass, Variant
+from lpslam.text.types import Bearing, Placement, TextObservation
 
 Document = dict[str, Any]
 
@@ -21,29 +22,18 @@ def from_memory(memory: LongShortTermMemory) -> Document:
     }
 
 
-@dataclass(frozen=True, slots=True)
-class _Memory:
-    """What `from_memory` gives."""
-
-    clock: float | None
-    next_id: int
-    forgotten_count: int
-    forgotten: list[ForgottenClass]
-    classes: list[TextClass]
-
-
 def restore_memory(memory: LongShortTermMemory, document: Document) -> None:
-    """Fill an empty memory with what `from_memory` gave.
-
-    Raises:
-        ValueError: it is something else.
-    """
-    kept: _Memory = restored(_Memory, document)
-    memory.clock, memory.next_id, memory.forgotten_count = kept.clock, kept.next_id, kept.forgotten_count
-    memory.forgotten.extend(kept.forgotten)
-    for each in kept.classes:
-        pool = memory.long_term if each.pool is Pool.LONG_TERM else memory.short_term
-        pool[each.id] = each
+    """Fill an empty memory with what `from_memory` gave."""
+    memory.clock = document["clock"]
+    memory.next_id = document["next_id"]
+    memory.forgotten_count = document["forgotten_count"]
+    memory.forgotten.extend(
+        ForgottenClass(each["id"], each["name"], tuple(_samples(each["history"]))) for each in document["forgotten"]
+    )
+    for each in document["classes"]:
+        text_class = _text_class(each)
+        pool = memory.long_term if text_class.pool is Pool.LONG_TERM else memory.short_term
+        pool[text_class.id] = text_class
 
 
 def from_judgements(judgements: dict[str, dict[str, Judgement]]) -> Document:
@@ -52,10 +42,47 @@ def from_judgements(judgements: dict[str, dict[str, Judgement]]) -> Document:
 
 
 def to_judgements(document: Document) -> dict[str, dict[str, Judgement]]:
-    """Restore what `from_judgements` gave.
+    """Restore what `from_judgements` gave."""
+    return {name: {key: Judgement(**each) for key, each in entry.items()} for name, entry in document.items()}
 
-    Raises:
-        ValueError: it is something else.
-    """
-    kept: dict[str, dict[str, Judgement]] = restored(dict[str, dict[str, Judgement]], document)
-    return kept
+
+def _text_class(document: Document) -> TextClass:
+    fields = dict(document)
+    naming = fields.pop("naming")
+    return TextClass(
+        variants={text: Variant(**variant) for text, variant in fields.pop("variants").items()},
+        pool=Pool(fields.pop("pool")),
+        history=_samples(fields.pop("history")),
+        observations=[_observation(each) for each in fields.pop("observations")],
+        looks=[_look(each) for each in fields.pop("looks", ())],
+        naming=Naming(**naming) if naming else None,
+        **fields,
+    )
+
+
+def _look(document: Document) -> Look:
+    slots = tuple(tuple((letter, sure) for letter, sure in slot) for slot in document["slots"])
+    visit, size, angle = document["view"]
+    return Look(**{**document, "slots": slots, "view": (visit, size, angle)})
+
+
+def _observation(document: Document) -> TextObservation:
+    fields = dict(document)
+    placement = fields.pop("placement")
+    # Older maps have no bearings.
+    bearing = fields.pop("bearing", None)
+    fields |= {key: tuple(fields[key]) for key in ("ground", "ink", "clear") if fields.get(key)}
+    return TextObservation(
+        placement=Placement(**{key: _frozen(value) for key, value in placement.items()}) if placement else None,
+        bearing=Bearing(**{key: _frozen(value) for key, value in bearing.items()}) if bearing else None,
+        **fields,
+    )
+
+
+def _frozen(value: Any) -> Any:
+    """Lists as the tuples that they were."""
+    return tuple(_frozen(each) for each in value) if isinstance(value, list | tuple) else value
+
+
+def _samples(history: list[list[float]]) -> list[tuple[float, float]]:
+    return [(timestamp, score) for timestamp, score in history]

@@ -22,7 +22,6 @@ from lpslam.text.placing.instances import KeyframePoses
 from lpslam.text.placing.places import PLACES_OF_A_CLASS, Place, places_of_class
 from lpslam.text.remembering.memory import LongShortTermMemory, TextClass
 from lpslam.text.types import Landmark
-from lpslam.typed import restored
 
 
 class TextMap:
@@ -150,7 +149,7 @@ class TextMap:
             text_map = cls(TextConfig.model_validate(_without_superseded(document["config"])))
             documents.restore_memory(text_map.memory, document["memory"])
             text_map.judgements = documents.to_judgements(document["judgements"])
-            text_map.question = restored(str | None, document["question"])
+            text_map.question = document["question"]
         except (KeyError, TypeError, ValueError, AttributeError) as error:
             reason = " ".join(str(error).split())
             raise UserError(f"the texts of this map cannot be read ({reason}); map the sequence again") from error
