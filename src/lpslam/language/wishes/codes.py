@@ -5,8 +5,8 @@ A code is a number, a letter with one (B31, 3.14, 2-105), or a letter that stand
 
 import json
 import re
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from importlib.resources import files
 
@@ -37,6 +37,9 @@ _MEASURES = (
 _QUANTITY = re.compile(
     rf"\d+(?:[.,:h]\d+)? ?(?:{_TIMES}|{_MEASURES})(?![a-z])|\d{{1,2}}:\d{{2}}|[$€£¥]\d+", re.IGNORECASE
 )
+_MIXED = re.compile(r"(?<![^\W_])(?=[a-z.-]*\d)([a-z]{1,2}[-.])?([\doilszb]{2,4})(?![^\W_])", re.IGNORECASE)
+_HEADS, _TAILS = str.maketrans("oil", "011"), str.maketrans("oilszb", "011528")
+"""Letters that are read for digits: first in a number, where S3 and B8 are codes of their own, and further on."""
 _PLURAL = "es|s"
 _BEFORE, _AFTER = 26, 8  # letters around a code in which the word for what is numbered is looked for
 _FEW_WORDS, _SHORT = 2, 16  # words and letters of a question that may be no more than a number
@@ -44,7 +47,10 @@ _FEW_WORDS, _SHORT = 2, 16  # words and letters of a question that may be no mor
 
 @dataclass(frozen=True, slots=True)
 class Code:
-    """A code on a board or in a question: letters, number (None: a letter alone), the rest, and what is numbered."""
+    """A code on a board or in a question: letters, number (None: a letter alone), the rest, and what is numbered.
+
+    `is_repaired` says that the board is taken to be misread: l04 is 104, C-O3 is C-03.
+    """
 
     letters: str
     number: int | None
@@ -52,6 +58,7 @@ class Code:
     of: frozenset[str]
     last: int | None = None
     last_letters: str = ""
+    is_repaired: bool = False
 
     @property
     def value(self) -> str:
@@ -169,7 +176,17 @@ def board_codes(text: str) -> tuple[Code, ...]:
         code = _code(hit.group(1), of)
         if code.number is not None or of:
             found.append(code)
-    return tuple(found)
+    return (*found, *_repaired(folded))
+
+
+def _repaired(folded: str) -> Iterator[Code]:
+    """Codes that a board bears if letters among its digits are misread ones."""
+    for hit in _MIXED.finditer(folded):
+        letters, digits = hit.group(1) or "", hit.group(2)
+        number = digits[0].translate(_HEADS) + digits[1:].translate(_TAILS)
+        if number != digits and number.isdigit():
+            code = _code(letters + number, _of_board_code(folded, hit.start(), hit.end()))
+            yield replace(code, is_repaired=True)
 
 
 def asked_codes(text: str) -> list[Code]:

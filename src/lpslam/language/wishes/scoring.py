@@ -53,6 +53,7 @@ _SHORT_NAME = 5  # words of an anchor that is a name
 _ROOMS = ("facility/", "indoor/", "department/", "office/", "aeroway/", "amenity/doctors", "museum/")
 _CAPITALS_ARE_NAMES = frozenset({"en", "es", "fr"})
 _SURE, _NAMED, _ACROSS = 1.0, 0.9, 0.85  # of a code or person, of a part of a name, of a name in another script
+_LONG_NUMBER = 3  # digits of a number that is a room's even where its board does not say so
 _WHOLE = 0.95  # of a name's letters: the name itself
 _BY_THE_WAY = frozenset({"floor", "building", "zone"})
 """What may be numbered beside what is asked for: “a toilet on level 2”."""
@@ -287,24 +288,31 @@ class EmbeddedScorer:
         if identity.sort is Sort.PERSON:
             return dict.fromkeys(self._names.persons(identity.value), _SURE)
         asked = code_of(identity)
-        found: dict[int, float] = {}
-        for id_, codes in self._codes.items():
-            fits = [code for code in codes if code.bears(asked)]
-            if fits:
-                is_same = any(code.of & asked.of for code in fits) or not asked.of
-                is_exact = any(
-                    code.last is None and not code.last_letters and code.number == asked.number for code in fits
-                )
-                found[id_] = _SURE - 0.1 * (not is_same) - 0.05 * (not is_exact)
+        # What is painted goes before what may be misread.
+        found = self._coded(asked, False) or self._coded(asked, True)
         if (
             asked.of
             and not asked.letters
+            and len(asked.value) < _LONG_NUMBER
             and any(code.of & asked.of for codes in self._codes.values() for code in codes)
         ):
             # Where aisles are numbered as aisles, a number that is of nothing is no aisle.
             found = {id_: score for id_, score in found.items() if score > _SURE - 0.1}
         best = max(found.values(), default=0.0)
         return {id_: score for id_, score in found.items() if score >= best - 0.01}
+
+    def _coded(self, asked: Code, repaired: bool) -> dict[int, float]:
+        """Landmarks that bear a code: surest the very one, of what is asked for."""
+        found: dict[int, float] = {}
+        for id_, codes in self._codes.items():
+            fits = [code for code in codes if code.is_repaired == repaired and code.bears(asked)]
+            if fits:
+                is_same = any(code.of & asked.of for code in fits) or not asked.of
+                is_exact = any(
+                    code.last is None and not code.last_letters and code.number == asked.number for code in fits
+                )
+                found[id_] = _SURE - 0.1 * (not is_same) - 0.05 * (not is_exact)
+        return found
 
     def _on_level(self, stop: Stop, ignored: Sequence[str]) -> set[int] | None:
         """Where a level or a building is named by the way, the landmarks that bear it."""
