@@ -7,6 +7,7 @@ from lpslam.language.questions.question import languages_of, read_question
 from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.words import is_mark
+from lpslam.language.wishes.attributes import attributes_of
 from lpslam.language.wishes.codes import asked_codes, identities
 from lpslam.language.wishes.form import PREVIOUS, Ask, Identity, Relation, Sort, Stop, Which, Wish
 from lpslam.language.wishes.rules import LANGUAGES, Row, Rules, rules_of
@@ -129,14 +130,31 @@ def _without(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth:
         if found is None:
             continue
         what, out = (found[1].group(name).strip(_ENDS) for name in ("what", "not"))
+        numbered = _numbered_alike(what, out)
+        if numbered:
+            return what, numbered
         stop = _stop(out, languages, knowledge, depth=_DEEPEST - 1)
         asked, left = (dict(read_question(each, knowledge).wanted) for each in (what, out))
-        is_one = stop.which is not Which.ANY or stop.relation is not None or bool(stop.identity)
+        is_told = bool(attributes_of(out))
+        is_one = stop.which is not Which.ANY or stop.relation is not None or bool(stop.identity) or is_told
         whole = read_question(text, knowledge)
         is_read = bool(whole.wanted and whole.refused) and not is_one
-        if asked and not is_read and (is_one or asked.keys() & left.keys()):
+        is_unread = bool(whole.wanted and left) and not whole.refused
+        if (asked or is_told) and not is_read and (is_one or asked.keys() & left.keys() or is_unread):
+            if is_told and not left:
+                # “The lounge that isn't the blue one.”
+                return what, (replace(stop, what=f"{what} {out}"),)
             return what, (replace(stop, what=what) if is_one and not left and not stop.identity else stop,)
     return text, ()
+
+
+def _numbered_alike(what: str, out: str) -> tuple[Stop, ...]:
+    """What is left out by its number alone, which is of what is asked for: “any dock except 1, 2 and 3”."""
+    asked = asked_codes(what)
+    codes = [code for code in asked_codes(f"{what} {out}") if code not in asked]
+    if asked_codes(out) or not codes:
+        return ()
+    return tuple(Stop(f"{what} {out}", identity=(identity,), whole=out) for identity in identities(codes))
 
 
 def _uncommon(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> str:

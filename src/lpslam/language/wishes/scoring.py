@@ -21,6 +21,7 @@ from lpslam.language.signs.wording import WARNING
 from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.words import is_mark, is_unspaced, longest_phrases
 from lpslam.language.wishes.asked_words import SHORTEST, AskedWords
+from lpslam.language.wishes.attributes import attributes_of, told_apart
 from lpslam.language.wishes.codes import Code, board_codes, code_of, without_codes
 from lpslam.language.wishes.form import Ask, Identity, Sort, Stop, Which, with_meaning
 from lpslam.language.wishes.names import Names
@@ -117,7 +118,7 @@ class EmbeddedScorer:
             return Served(stop, self._trusted(_within(general, within)), "any of this sort", 0.9, ignored=ignored)
         choice, scores = ranked(stop.what, self._index, self._signs, self._knowledge, self.model)
         scores = _within(self._trusted(scores), within)
-        scores = self._bearing_the_words(stop, meaning, self._of_the_family(meaning, scores))
+        scores = self._told_apart(stop, self._bearing_the_words(stop, meaning, self._of_the_family(meaning, scores)))
         if not scores or self._is_another(stop, meaning, scores):
             literal = self._literal(stop, meaning)
             if literal:
@@ -198,6 +199,21 @@ class EmbeddedScorer:
         return {
             id_: top if id_ in best else min(score, _BEHIND * top) if best else score for id_, score in scores.items()
         }
+
+    def _told_apart(self, stop: Stop, scores: Mapping[int, float]) -> dict[int, float]:
+        """Of rooms and doors of one kind, those that the wish tells from the others: “the blue lounge”, 北口."""
+        asked = attributes_of(stop.what)
+        if not asked:
+            return dict(scores)
+        told = {
+            id_: told_apart(asked, attributes_of(self._by_id[id_].name)) if self._is_of_the_house(id_) else 0
+            for id_ in scores
+        }
+        best = max(0, *told.values()) if told else 0
+        return {id_: score for id_, score in scores.items() if told[id_] >= best}
+
+    def _is_of_the_house(self, id_: int) -> bool:
+        return any(kind.startswith(_OF_THE_HOUSE) for kind, _ in self._index.signs[id_].kinds)
 
     def _is_another(self, stop: Stop, meaning: Meaning, scores: Mapping[int, float]) -> bool:
         """Whether a name is asked for that stands on no board, where boards of the sort bear names: room Gamma."""
