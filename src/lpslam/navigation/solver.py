@@ -75,10 +75,18 @@ def solve(
         ways: distances between points; straight without.
     """
     solver = _Solver(Scene(places, here or Here(), ways or Straight()), scorer)
-    solved: list[Solved] = []
-    for stop in wish.stops:
-        solved.append(solver.stop(stop, solved[-1].place if solved else None, bool(solved)))
+    solved = _in_order(solver, wish.stops)
+    if wish.instead is not None and any(each.place is None for each in solved):
+        alone = _in_order(solver, (wish.instead,))
+        solved = alone if alone[0].place is not None else solved
     return Solution(replace(wish, stops=tuple(each.stop for each in solved)), tuple(solved))
+
+
+def _in_order(solver: "_Solver", stops: Sequence[Stop]) -> list[Solved]:
+    solved: list[Solved] = []
+    for stop in stops:
+        solved.append(solver.stop(stop, solved[-1].place if solved else None, bool(solved)))
+    return solved
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -55,6 +55,7 @@ _ANEW = {
     "watch_repair": "watch",
     "computer_repair": "computer",
 }
+_FEW_WORDS = 2  # words of a question that may be in any language
 _HABITS = frozenset({"tobacco", "amenity/smoking_area"})  # who refuses them says “smoke” by the way
 _MEALS = frozenset({"food", "drink"})
 _THING = 0.7  # a wanted concept of this weight is a thing of its own
@@ -152,7 +153,11 @@ def read_question(question: str, knowledge: Knowledge, names: Mapping[str, Meani
     text = _ABBREVIATED.sub(r"\1 ", clean_text(question, _QUESTION_LENGTH))
     text = _ALLERGY.sub(r"\1 \2", _HYPHEN.sub(" ", text))
     first: Wish | None = None
-    for language in languages_of(text, knowledge) or _language_by_its_phrases(text, knowledge):
+    likely = languages_of(text, knowledge) or _language_by_its_phrases(text, knowledge)
+    if likely and likely[0] in _LATIN and len(text.split()) <= _FEW_WORDS:
+        # What says nothing in the likeliest language may be a word of another: “pay”.
+        likely = tuple(dict.fromkeys((*likely, *_LATIN)))
+    for language in likely:
         wish = _read_in(text, language, knowledge, {} if names is None else names)
         if wish.wanted or wish.refused or wish.wanted_names or wish.refused_names:
             return wish

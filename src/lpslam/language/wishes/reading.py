@@ -4,6 +4,7 @@ import re
 from dataclasses import replace
 
 from lpslam.language.questions.question import languages_of, read_question
+from lpslam.language.questions.weighing import MAIN
 from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.words import is_mark
@@ -15,6 +16,7 @@ from lpslam.language.wishes.rules import LANGUAGES, Row, Rules, rules_of
 _LONGEST = 400  # letters of a question
 _LATIN = ("en", "es", "de", "fr")
 _ENDS = " .。!！?？,，、;；¿¡"
+_LISTED = re.compile(r"[,，;；、] ?(?:(?:and|und|et|y) )?")
 _MOST_STOPS = 6
 _OPPOSED = {Which.NEAREST.value, Which.FARTHEST.value}  # one place is hardly both
 _DEEPEST = 2  # anchors of anchors
@@ -36,9 +38,14 @@ def read_wish(question: str, knowledge: Knowledge) -> Wish:
     likely = languages_of(text, knowledge)
     for language in languages:
         parts = _in_sequence(text, rules_of(language))
+        if len(parts) > 1:
+            parts = [each for part in parts for each in _listed(part, knowledge)]
         if len(parts) > 1 and sum(_says_a_place(part, knowledge) for part in parts) >= max(2, len(parts) - 1):
             stops = tuple(_stop(part, languages, knowledge) for part in parts)
-            return Wish(stops[:_MOST_STOPS], language)
+            found = rules_of(language).first(rules_of(language).sequences, text)
+            is_sure = found is None or not found[0].then.get("perhaps")
+            instead = None if is_sure else _stop(text, languages, knowledge)
+            return Wish(stops[:_MOST_STOPS], language, instead=instead)
     return Wish((_stop(text, languages, knowledge),), likely[0] if likely else None)
 
 
@@ -48,6 +55,16 @@ def _says_a_place(text: str, knowledge: Knowledge) -> bool:
     if read.refused or read.refused_names:
         return False
     return bool(read.wanted) or any(ch.isupper() or ch.isdigit() for ch in text)
+
+
+def _listed(text: str, knowledge: Knowledge) -> list[str]:
+    """The stops that a part of a plan lists: “buy a ticket, grab a croissant”, each something of its own."""
+    pieces = [each for each in _LISTED.split(text) if each.strip(_ENDS)]
+    says_all = all(
+        any(weight >= MAIN for _, weight in read.wanted) and not read.refused
+        for read in (read_question(piece, knowledge) for piece in pieces)
+    )
+    return pieces if len(pieces) > 1 and says_all else [text]
 
 
 def _in_sequence(text: str, rules: Rules) -> list[str]:
@@ -135,9 +152,10 @@ def _without(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth:
             return what, numbered
         stop = _stop(out, languages, knowledge, depth=_DEEPEST - 1)
         asked, left = (dict(read_question(each, knowledge).wanted) for each in (what, out))
-        is_told = bool(attributes_of(out))
-        is_one = stop.which is not Which.ANY or stop.relation is not None or bool(stop.identity) or is_told
         whole = read_question(text, knowledge)
+        # “Not in a large chain” tells no place from another.
+        is_told = bool(attributes_of(out)) and all("/" in each or each in asked for each in whole.refused)
+        is_one = stop.which is not Which.ANY or stop.relation is not None or bool(stop.identity) or is_told
         is_read = bool(whole.wanted and whole.refused) and not is_one
         is_unread = bool(whole.wanted and left) and not whole.refused
         if (asked or is_told) and not is_read and (is_one or asked.keys() & left.keys() or is_unread):

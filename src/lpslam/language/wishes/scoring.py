@@ -112,7 +112,9 @@ class EmbeddedScorer:
         within = self._on_level(stop, ignored)
         found = self._by_name(stop, meaning)
         if found:
-            return Served(stop, self._trusted(_within(found, within)), "the board says the name", 0.95, ignored=ignored)
+            scores = self._trusted(_within(found, within))
+            named = frozenset(scores)
+            return Served(stop, scores, "the board says the name", 0.95, ignored=ignored, exact=named)
         general = self._of_any_sort(stop, meaning)
         if general:
             return Served(stop, self._trusted(_within(general, within)), "any of this sort", 0.9, ignored=ignored)
@@ -128,6 +130,8 @@ class EmbeddedScorer:
         scores = {id_: score / top for id_, score in scores.items()}
         words, _ = self._asked.asked(stop.what)
         exact = frozenset(id_ for id_, share in self._names.covered(words).items() if share >= _WHOLE and id_ in scores)
+        if meaning.wanted_names:
+            exact = frozenset(scores)
         return Served(stop, scores, choice.evidence, choice.confidence, ignored=ignored, exact=exact)
 
     def _of_any_sort(self, stop: Stop, meaning: Meaning) -> dict[int, float]:
