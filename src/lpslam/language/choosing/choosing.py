@@ -3,6 +3,7 @@
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
+from lpslam.language.choosing.cues import cues_of
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import FITS, FITS_INSTEAD, Kinds, Served, likeness, merged, serve
 from lpslam.language.model import Choice
@@ -19,6 +20,7 @@ from lpslam.language.tables.words import longest_phrases
 _YES = 0.5  # a place is a kind when its words say so at least this surely
 _SPECIAL = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
 _ALTERNATIVES = 5
+_GUESS = 0.55  # how sure a guess by the pieces of words makes us
 _SAME_SORT = 0.25  # what the sort of a refused place weighs where nothing else is wanted
 _BARE_NO = 5  # letters of a plain “not” in any language; longer phrases refuse
 _FEW = 3  # landmarks that one word may stand for
@@ -34,17 +36,50 @@ def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Kn
 
     The evidence is in the language of the question.
     """
-    return ranked(question, index, signs, knowledge, model)[0]
+    choice, _ = ranked(question, index, signs, knowledge, model)
+    guess = None if choice.landmark is not None else guessed(question, index, signs, knowledge, model)
+    return choice if guess is None else guess[0]
 
 
 Scores = dict[int, float]
 """How well landmarks serve, by id, 0 to 1; those that do not serve are not in it."""
 
 
+def guessed(
+    question: str,
+    index: LandmarkIndex,
+    signs: SignReader,
+    knowledge: Knowledge,
+    model: str,
+    is_in_other_words: bool = True,
+) -> tuple[Choice, Scores] | None:
+    """What serves the concepts that a question's words are nearest to, where no table reads what is wanted.
+
+    None where something else comes near, or a refusal or name is said; and, unless it may be `is_in_other_words`,
+    where the tables do read what is wanted.
+    """
+    wish, refused, _ = understand(question, index, signs, knowledge)
+    is_plain = not (refused or wish.refused or wish.wanted_names or wish.refused_names or wish.contested)
+    is_read = any(weight >= _SPECIAL for _, weight in wish.wanted)
+    if not is_plain or wish.language is None or wish.unknown or (is_read and not is_in_other_words):
+        return None
+    meant, near = cues_of(wish.language, knowledge).guessed(clean_text(question), is_read)
+    phrases = phrases_in(answer_language(question))
+
+    def serving(concepts: Sequence[str]) -> tuple[Choice, Scores]:
+        wanted = tuple((concept, 1.0) for concept in concepts)
+        return _best(replace(wish, wanted=wanted), index, set(), knowledge, model, phrases)
+
+    choice, scores = serving(meant)
+    if choice.landmark is None or not serving(meant[:1])[1] or serving(near)[1].keys() - scores.keys():
+        return None
+    return replace(choice, confidence=min(choice.confidence, _GUESS)), scores
+
+
 def ranked(
     question: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge, model: str
 ) -> tuple[Choice, Scores]:
-    """As `choose`, with the scores of all landmarks that serve."""
+    """What serves a question as the tables read it, with the scores of all landmarks that serve; no guess."""
     wish, refused, said = understand(question, index, signs, knowledge)
     wish = _as_in_this_building(wish, index, knowledge)
     phrases = phrases_in(answer_language(question) if wish.language is not None else "en")

@@ -9,7 +9,7 @@ from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
 
-from lpslam.language.choosing.choosing import ranked
+from lpslam.language.choosing.choosing import guessed, ranked
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import Kinds, likeness
 from lpslam.language.model import Candidate
@@ -125,6 +125,9 @@ class EmbeddedScorer:
             literal = self._literal(stop, meaning)
             if literal:
                 return Served(stop, self._trusted(literal), "the board says these words", 0.7, ignored=ignored)
+            guess = self._guessed(stop, within) if not scores else None
+            if guess is not None:
+                return replace(guess, ignored=ignored)
             return Served(stop, {}, choice.evidence, choice.confidence, choice.alternatives, ignored)
         top = max(scores.values())
         scores = {id_: score / top for id_, score in scores.items()}
@@ -133,6 +136,16 @@ class EmbeddedScorer:
         if meaning.wanted_names:
             exact = frozenset(scores)
         return Served(stop, scores, choice.evidence, choice.confidence, ignored=ignored, exact=exact)
+
+    def _guessed(self, stop: Stop, within: set[int] | None) -> Served | None:
+        """What the words of a stop are nearest to; who asks whether there is a hotel is not shown a taxi."""
+        in_other_words = stop.ask is not Ask.IS_THERE
+        guess = guessed(stop.what, self._index, self._signs, self._knowledge, self.model, in_other_words)
+        if guess is None:
+            return None
+        choice, found = guess
+        scores = self._told_apart(stop, _within(self._trusted(found), within))
+        return Served(stop, scores, choice.evidence, choice.confidence) if scores else None
 
     def _of_any_sort(self, stop: Stop, meaning: Meaning) -> dict[int, float]:
         """“The shop next to …” is any shop: what the map says of where it stands is all that tells it from others."""
