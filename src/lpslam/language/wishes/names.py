@@ -16,6 +16,7 @@ from lpslam.language.model import Candidate
 from lpslam.language.signs.repair import Repair
 from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.words import UNSPACED_RUN, is_mark, is_unspaced
+from lpslam.language.wishes.persons import consonants, is_called
 
 _SAME = 88.0  # of 100: two known words of a name are the same but for a reader's or a typist's slip
 _FAR = 9  # letters of a word in which two slips are forgiven
@@ -25,7 +26,6 @@ _CONSONANTS = 4  # of a name that is compared by them alone: フェルメール 
 _HOMOPHONES = 3  # characters of a name that is compared by how they are read: 同仁唐 is 同仁堂
 _ACROSS = 80.0  # of 100: a name in other letters sounds the same
 _SHORTEST = 4  # letters of a name that may be compared across scripts
-_SOUNDS = str.maketrans("vbplgckqzjxd", "fffrkkkksss" + "t", "aeiouhwy")
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +33,7 @@ class Words:
     """The words of one line of a board: units of spaced scripts, runs of unspaced ones, and all in Latin letters."""
 
     units: frozenset[str]
+    in_order: tuple[str, ...]
     runs: tuple[str, ...]
     latin: str
     key: str
@@ -78,7 +79,8 @@ class Names:
         units = frozenset(
             unit for unit in (*painted, *self._repair.words(painted)) if not is_mark(unit) and not is_unspaced(unit)
         )
-        return Words(units, tuple(UNSPACED_RUN.findall(folded)), _latin(text), fold.key(text))
+        in_order = tuple(unit for unit in fold.units(text.replace("-", " ")) if unit.isalpha() and not is_unspaced(unit))
+        return Words(units, in_order, tuple(UNSPACED_RUN.findall(folded)), _latin(text), fold.key(text))
 
     def _bearing(self, word: str) -> set[int]:
         """Landmarks that may bear a word: its own, one a slip away, or all pairs of its characters."""
@@ -132,17 +134,17 @@ class Names:
         found: dict[int, float] = {}
         for _, alike, at in process.extract(latin, names, scorer=fuzz.ratio, score_cutoff=_ACROSS, limit=None):
             found[ids[at]] = max(found.get(ids[at], 0.0), alike / 100.0)
-        return found or self._by_consonants(latin, is_unspaced(asked))
+        return found or self._byconsonants(latin, is_unspaced(asked))
 
-    def _by_consonants(self, latin: str, is_asked_unspaced: bool) -> dict[int, float]:
+    def _byconsonants(self, latin: str, is_asked_unspaced: bool) -> dict[int, float]:
         """Names of spaced scripts that have the consonants of one in kana or Hangul, which write vowels between."""
-        sought = _consonants(latin)
+        sought = consonants(latin)
         if not is_asked_unspaced or len(sought) < _CONSONANTS:
             return {}
         return {
             id_: _ACROSS / 100.0
             for id_, lines in self._words.items()
-            if any(_consonants(unit) == sought for line in lines for unit in line.units)
+            if any(consonants(unit) == sought for line in lines for unit in line.units)
         }
 
     def persons(self, name: str) -> list[int]:
@@ -151,10 +153,15 @@ class Names:
         if not words:
             return []
         ids = set.intersection(*(self._bearing(word) | self._bearing(word.rstrip("s") or word) for word in words))
-        return [
+        found = [
             id_
             for id_ in sorted(ids)
             if any(all(_bears_person(line, word) for word in words) for line in self._words[id_])
+        ]
+        return found or [
+            id_
+            for id_, lines in self._words.items()
+            if any(is_called(name, line.in_order, line.runs) for line in lines)
         ]
 
 
@@ -193,12 +200,6 @@ def _reads_alike(line: Words, key: str) -> bool:
     return size >= _HOMOPHONES and any(
         _latin(run[at : at + size]) == sound for run in line.runs for at in range(len(run) - size + 1)
     )
-
-
-def _consonants(latin: str) -> str:
-    """The consonants of a name, those that scripts do not tell apart as one, doubled ones once."""
-    kept = latin.translate(_SOUNDS)
-    return "".join(ch for at, ch in enumerate(kept) if not at or kept[at - 1] != ch)
 
 
 def _bears_person(line: Words, word: str) -> bool:

@@ -150,9 +150,11 @@ class EmbeddedScorer:
     def _of_any_sort(self, stop: Stop, meaning: Meaning) -> dict[int, float]:
         """“The shop next to …” is any shop: what the map says of where it stands is all that tells it from others."""
         wanted = {kind for kind, _ in meaning.wanted}
-        is_told_by_place = stop.relation is not None or stop.ask in (Ask.LIST, Ask.HERE) or stop.which is not Which.ANY
-        if not wanted or not wanted <= _ANY_SORT or not is_told_by_place or meaning.refused:
+        if not wanted or not wanted <= _ANY_SORT or meaning.refused:
             return {}
+        is_told_by_place = stop.relation is not None or stop.ask in (Ask.LIST, Ask.HERE) or stop.which is not Which.ANY
+        if not is_told_by_place:
+            return self._the_only_shop(stop, meaning)
         if wanted == {"place"}:
             return {mark.id: 1.0 for mark in self._landmarks}
         return {
@@ -162,6 +164,18 @@ class EmbeddedScorer:
             for id_ in ids
             if kinds or self._index.signs[id_].name_like
         }
+
+    def _the_only_shop(self, stop: Stop, meaning: Meaning) -> dict[int, float]:
+        """“The shop” of a museum is the one that it has."""
+        if meaning.unknown or len(stop.what.split()) > _SHORT_NAME:
+            return {}
+        shops = [
+            id_
+            for kinds, ids in self._index.groups.items()
+            if likeness("shop", kinds, self._knowledge) >= 0.5
+            for id_ in ids
+        ]
+        return dict.fromkeys(shops, _SURE) if len(shops) == 1 else {}
 
     def _are_shops(self, kinds: Kinds) -> bool:
         """Whether places may be called shops where their place tells which: anything that is no part of the house.
@@ -373,7 +387,9 @@ class EmbeddedScorer:
         whole = self._names.covered(words)
         exact = {id_: _SURE for id_, share in whole.items() if share >= _WHOLE}
         if not proper and not (exact and self._unread(exact)):
-            return {}
+            # “フェルメール” means painters, and stands on a board in Latin letters.
+            is_one = len(words) == 1 and stop.what.strip() == words[0] and is_unspaced(words[0])
+            return {id_: _ACROSS * share for id_, share in self._names.across(words).items()} if is_one else {}
         if exact:
             return exact
         if whole and proper:
