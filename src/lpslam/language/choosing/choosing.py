@@ -44,6 +44,9 @@ def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Kn
 Scores = dict[int, float]
 """How well landmarks serve, by id, 0 to 1; those that do not serve are not in it."""
 
+Understood = tuple[Wish, set[int], list[int]]
+"""A wish, and the landmarks that are refused and that are wanted by a part of their name."""
+
 
 def guessed(
     question: str,
@@ -80,7 +83,26 @@ def ranked(
     question: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge, model: str
 ) -> tuple[Choice, Scores]:
     """What serves a question as the tables read it, with the scores of all landmarks that serve; no guess."""
-    wish, refused, said = understand(question, index, signs, knowledge)
+    understood = understand(question, index, signs, knowledge)
+    choice, scores = _as_understood(understood, question, index, signs, knowledge, model)
+    if choice.landmark is None and not understood[0].contradicted:
+        # A turn of phrase of hospitals may hide a word that serves in a mall.
+        plain = understand(question, index, signs, knowledge, is_plain=True)
+        if plain[0] != understood[0]:
+            found = _as_understood(plain, question, index, signs, knowledge, model)
+            return found if found[0].landmark is not None else (choice, scores)
+    return choice, scores
+
+
+def _as_understood(
+    understood: Understood,
+    question: str,
+    index: LandmarkIndex,
+    signs: SignReader,
+    knowledge: Knowledge,
+    model: str,
+) -> tuple[Choice, Scores]:
+    wish, refused, said = understood
     wish = _as_in_this_building(wish, index, knowledge)
     phrases = phrases_in(answer_language(question) if wish.language is not None else "en")
     if not index.landmarks or wish.language is None:
@@ -197,8 +219,8 @@ def _as_in_this_building(wish: Wish, index: LandmarkIndex, knowledge: Knowledge)
 
 
 def understand(
-    question: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge
-) -> tuple[Wish, set[int], list[int]]:
+    question: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge, is_plain: bool = False
+) -> Understood:
     """Read a question that may mention landmarks by name, and brands that are not here.
 
     Returns:
@@ -218,9 +240,9 @@ def understand(
     runs = {run: ids for run, ids in runs.items() if len(ids) <= _FEW and run not in index.names}
     parts |= runs
     if not parts:
-        return read_question(question, knowledge, names), set(), []
+        return read_question(question, knowledge, names, is_plain), set(), []
     mentioned = {word: Meaning("name", ((_PART + word, 1.0),)) for word in parts}
-    wish = read_question(question, knowledge, _Names(brands | mentioned, index.names, unsaid))
+    wish = read_question(question, knowledge, _Names(brands | mentioned, index.names, unsaid), is_plain)
     refused = {name for name in wish.refused_names if name.startswith(_PART)}
     if asks_for_another(question):
         refused |= {name for name in wish.wanted_names if name.startswith(_PART)}
@@ -232,7 +254,7 @@ def understand(
     ]
     if not refused and not said:
         # A part of a name may be any word: alone it asks for nothing.
-        return read_question(question, knowledge, names), set(), []
+        return read_question(question, knowledge, names, is_plain), set(), []
     wanted, others, near = (
         tuple(name for name in names if not name.startswith(_PART))
         for names in (wish.wanted_names, wish.refused_names, wish.near_names)

@@ -144,10 +144,13 @@ def language_of(text: str, knowledge: Knowledge) -> str | None:
     return wish.language
 
 
-def read_question(question: str, knowledge: Knowledge, names: Mapping[str, Meaning] | None = None) -> Wish:
+def read_question(
+    question: str, knowledge: Knowledge, names: Mapping[str, Meaning] | None = None, is_plain: bool = False
+) -> Wish:
     """Read a question; `names` maps phrases (see `Folder.phrase`) to names that are reported when mentioned.
 
-    It is read in the likeliest language in which it says something.
+    It is read in the likeliest language in which it says something; plainly, without the turns of phrase that are
+    used in other buildings than malls.
     """
     # “A sit-down meal” is looked up as three words.
     text = _ABBREVIATED.sub(r"\1 ", clean_text(question, _QUESTION_LENGTH))
@@ -158,20 +161,16 @@ def read_question(question: str, knowledge: Knowledge, names: Mapping[str, Meani
         # What says nothing in the likeliest language may be a word of another: “pay”.
         likely = tuple(dict.fromkeys((*likely, *_LATIN)))
     for language in likely:
-        wish = _read_in(text, language, knowledge, {} if names is None else names)
+        wish = _Reading(text, language, knowledge, {} if names is None else names, is_plain).wish()
         if wish.wanted or wish.refused or wish.wanted_names or wish.refused_names:
             return wish
         first = first or wish
     if first is None and names:
         # “7-Eleven, which direction?” is in no language that is sure, but names a place.
-        named = _read_in(text, "en", knowledge, names)
+        named = _Reading(text, "en", knowledge, names, is_plain).wish()
         if named.wanted_names and not named.refused_names:
             return Wish((), (), named.wanted_names, (), "en")
     return first or Wish((), (), (), (), None)
-
-
-def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str, Meaning]) -> Wish:
-    return _Reading(text, language, knowledge, names).wish()
 
 
 class _Said:
@@ -207,10 +206,12 @@ class _Said:
 class _Reading:
     """One question in one language: cut once into units, phrases, troubles and clauses, and then weighed."""
 
-    def __init__(self, text: str, language: str, knowledge: Knowledge, names: Mapping[str, Meaning]) -> None:
+    def __init__(
+        self, text: str, language: str, knowledge: Knowledge, names: Mapping[str, Meaning], is_plain: bool
+    ) -> None:
         self._text = _SPANISH_TEA.sub("tea", text) if language == "es" else text
         self._language, self._knowledge = language, knowledge
-        self._units, spans = self._phrases((names, *knowledge.tables_of(language)))
+        self._units, spans = self._phrases((names, *knowledge.tables_of(language, is_plain)))
         self._states = knowledge.states(language)
         troubles = [
             trouble

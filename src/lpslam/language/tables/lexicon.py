@@ -84,6 +84,7 @@ class SpokenTables:
         self._gazetteer = gazetteer
         self._cuisine_kinds = cuisine_kinds
         self._built: dict[str, dict[str, Meaning]] = {}
+        self._plain: dict[str, dict[str, Meaning]] = {}
         self._borrowed: dict[str, dict[str, Meaning]] = {}
         self._states: dict[str, StateTables] = {}
 
@@ -93,6 +94,11 @@ class SpokenTables:
             with building():
                 self._built[language] = self._build(language)
         return self._built[language]
+
+    def plain(self, language: str) -> dict[str, Meaning]:
+        """Return `of` without the turns of phrase of other buildings than malls, which hide the words in them."""
+        self.of(language)
+        return self._plain[language]
 
     def with_english(self, language: str) -> tuple[dict[str, Meaning], ...]:
         """Return a language's table, and the English words that it borrows."""
@@ -165,11 +171,14 @@ class SpokenTables:
                 if region.partition("-")[0] == language:
                     for concept, joined in by_concept.items():
                         self._add(table, concept, sure, (each for each in joined.split("|") if each not in common))
-        for concept, joined in (*lexicon["venues"].items(), *lexicon["said_in_venues"].items()):
-            said = [phrase(text) for text in split(joined)]
-            # “Du beurre” stands in the tables as it is.
-            said += [key for each in said for article in articles if (key := f"{article} {each}") in table]
-            add_beside(table, concept, said, common)
+        for section in ("venues", "said_in_venues"):
+            if section == "said_in_venues":
+                self._plain[language] = dict(table)
+            for concept, joined in lexicon[section].items():
+                said = [phrase(text) for text in split(joined)]
+                # “Du beurre” stands in the tables as it is.
+                said += [key for each in said for article in articles if (key := f"{article} {each}") in table]
+                add_beside(table, concept, said, common)
         return table
 
     def _common(self, language: str) -> frozenset[str]:
