@@ -313,9 +313,17 @@ class _Reading:
             if concept not in wanted
             or not all(others - wanted.keys() for others in said.refused_with.get(concept, [set()]))
         ]
+        # Who wants a bone doctor, and no doctor of internal medicine, refuses no doctors.
+        above = {each for concept in wanted for each in knowledge.above(concept)[1:]}
+        special = set(refused) - above
+        refused = [each for each in refused if each not in above or not self._has_more(said, each, special)]
         # Nobody refuses to eat (“I'm hungry, but not for that”), but who wants a present may want none to eat.
         spared = knowledge.general - (_MEALS if {*GIFTS, "business", "shop"} & wanted.keys() else frozenset())
         said.refused = [concept for concept in refused if concept not in spared]
+
+    def _has_more(self, said: _Said, concept: str, special: set[str]) -> bool:
+        """Whether every phrase that refuses a concept refuses something more special as well."""
+        return all(others & special for others in said.refused_with.get(concept, [set()]))
 
     def _contested(self, said: _Said) -> tuple[str, ...]:
         """“An ice cream, but that parlour is a rip-off”: the thing is wanted, where it is sold first of all is not."""

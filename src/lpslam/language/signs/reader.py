@@ -41,6 +41,7 @@ _COMPOUND = 9  # letters of a word that may be a compound in a name of several w
 _HOUSES = ("shop/", "amenity/", "leisure/", "cuisine/", "craft/", "tourism/")
 _SHOP_ENDS = frozenset("店馆屋坊铺舗")
 _MOST_DOMAINS = 2.0  # sorts of business that one sign may be wholly
+_KEPT = frozenset({"warehouse/hazmat"})
 _REPAIR = "shop/repair"
 _POURED = frozenset({"wine", "alcohol", "tea", "coffee", "drink"})
 
@@ -183,7 +184,7 @@ class SignReader:
     def _as_warning(
         self, text: str, key: str, units: Sequence[str], spans: Sequence[Span[Meaning]]
     ) -> SignMeaning | None:
-        if self._ends_in_a_trade(units, spans):
+        if self._ends_in_a_trade(units, spans) or self._says_what_is_kept(units, spans):
             return None
         start = self._warning_start(key, units)
         if start is not None:
@@ -193,6 +194,14 @@ class SignReader:
         if WARNING in weighed(spans):
             return SignMeaning(((WARNING, 0.95),), f"“{text}” has words of a warning")
         return None
+
+    def _says_what_is_kept(self, units: Sequence[str], spans: Sequence[Span[Meaning]]) -> bool:
+        """Whether a sign names dangerous goods to say that they are kept here (危险品库), and tells nobody off."""
+        if not spans or spans[0].start or all(kind not in _KEPT for kind, _ in spans[0].value.concepts):
+            return False
+        rest = [" ".join(units[at : at + size]) for at in range(spans[0].end, len(units)) for size in (1, 2, 3)]
+        telling = self._knowledge.warning_starts | self._knowledge.forbidding | self._knowledge.imperatives
+        return telling.isdisjoint(rest)
 
     def _ends_in_a_trade(self, units: Sequence[str], spans: Sequence[Span[Meaning]]) -> bool:
         """Whether a sign names a danger only to name a shop after it: “Danger Zone Games”.

@@ -239,8 +239,8 @@ def _is_capital(text: str, letter: str, of: frozenset[str]) -> bool:
 
 
 def _follows(folded: str, at: int) -> bool:
-    """Whether what is numbered stands right before a place: “terminal | two”."""
-    before = folded[max(0, at - _BEFORE) : at].rstrip()
+    """Whether what is numbered stands right before a place: “terminal | two”, “gate D | seven”."""
+    before = re.sub(r" [a-z]$", "", folded[max(0, at - _BEFORE) : at].rstrip())
     return any(word.end() == len(before) for word, _ in _last_words(before))
 
 

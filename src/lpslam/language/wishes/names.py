@@ -16,7 +16,7 @@ from lpslam.language.model import Candidate
 from lpslam.language.signs.repair import Repair
 from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.words import UNSPACED_RUN, is_mark, is_unspaced
-from lpslam.language.wishes.persons import consonants, is_called
+from lpslam.language.wishes.persons import called, consonants
 
 _SAME = 88.0  # of 100: two known words of a name are the same but for a reader's or a typist's slip
 _FAR = 9  # letters of a word in which two slips are forgiven
@@ -158,11 +158,17 @@ class Names:
             for id_ in sorted(ids)
             if any(all(_bears_person(line, word) for word in words) for line in self._words[id_])
         ]
-        return found or [
-            id_
+        return found or self._called(name)
+
+    def _called(self, name: str) -> list[int]:
+        """Landmarks whose board bears a person's name in another script, those that are likest."""
+        sure = {
+            id_: max(called(name, line.in_order, line.runs) for line in lines)
             for id_, lines in self._words.items()
-            if any(is_called(name, line.in_order, line.runs) for line in lines)
-        ]
+            if lines
+        }
+        best = max(sure.values(), default=0.0)
+        return [id_ for id_, each in sure.items() if best and each == best]
 
 
 def _pairs(runs: Sequence[str]) -> list[str]:

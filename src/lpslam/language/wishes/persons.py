@@ -7,12 +7,14 @@ from functools import lru_cache
 from importlib.resources import files
 
 from anyascii import anyascii
+from rapidfuzz import fuzz
 
 from lpslam.language.tables.words import is_unspaced
 
 _SOUNDS = str.maketrans("vbplgckqzjxd", "fffrkkkksss" + "t", "aeiouhwy")
 _SKELETON = 3  # consonants of a name that is compared by them
 _LONGEST = 3  # characters of a surname
+_LETTERS, _SURE = 0.5, 1.0  # alike among all letters: of a name of many consonants, and of one of few
 
 
 def consonants(latin: str) -> str:
@@ -27,7 +29,11 @@ def _surnames() -> Mapping[str, tuple[str, ...]]:
     tree: Mapping[str, Mapping[str, str]] = json.loads(
         (files("lpslam.language") / "data" / "wishes" / "surnames.json").read_text(encoding="utf-8")
     )
-    return {name: tuple(joined.split("|")) for names in tree.values() for name, joined in names.items()}
+    found: dict[str, tuple[str, ...]] = {}
+    for names in tree.values():
+        for name, joined in names.items():
+            found[name] = (*found.get(name, ()), *joined.split("|"))
+    return found
 
 
 def _letters(text: str) -> list[str]:
@@ -44,28 +50,31 @@ def spellings(name: str) -> list[tuple[str, ...]]:
     return [words for words in found if words]
 
 
-def is_called(asked: str, words: Sequence[str], runs: Sequence[str]) -> bool:
-    """Whether a board's Latin words, or its runs of other scripts, are a person's name that is asked for in the other."""
+def called(asked: str, words: Sequence[str], runs: Sequence[str]) -> float:
+    """Return how surely a board's Latin words, or its runs of other scripts, are a person's name of the other; 0 to 1."""
     if is_unspaced(asked):
-        return any(_is_spelled(spelled, words) for spelled in spellings(asked))
+        return max((_spelled(spelled, words) for spelled in spellings(asked)), default=0.0)
     named = [word for word in _letters(asked) if len(word) > 1]
     heads = (run[:size] for run in runs for size in range(1, 1 + min(_LONGEST, len(run))))
-    return bool(named) and any(named[-1] in _surnames().get(head, ()) for head in heads)
+    return float(bool(named) and any(named[-1] in _surnames().get(head, ()) for head in heads))
 
 
-def _is_spelled(spelled: Sequence[str], words: Sequence[str]) -> bool:
-    """Whether words hold a name: its surname as it is written, or all its consonants in a row."""
-    if spelled[0] in words and (len(spelled) == 1 or any(_alike(spelled[1:], words, at) for at in range(len(words)))):
-        return True
-    return any(_alike(spelled, words, at) for at in range(len(words)))
+def _spelled(spelled: Sequence[str], words: Sequence[str]) -> float:
+    """How surely words hold a name: its surname as it is written, or all its consonants in a row."""
+    starts = range(len(words))
+    if spelled[0] in words and (len(spelled) == 1 or any(_alike(spelled[1:], words, at) for at in starts)):
+        return 1.0
+    return max((_alike(spelled, words, at) for at in starts), default=0.0)
 
 
-def _alike(spelled: Sequence[str], words: Sequence[str], start: int) -> bool:
-    sought, said = consonants("".join(spelled)), ""
-    for word in words[start:]:
-        said = consonants(said + consonants(word))
-        if said == sought and (len(sought) >= _SKELETON or "".join(spelled) == word):
-            return True
+def _alike(spelled: Sequence[str], words: Sequence[str], start: int) -> float:
+    whole = "".join(spelled)
+    sought, said = consonants(whole), ""
+    for at in range(start, len(words)):
+        said = consonants(said + consonants(words[at]))
+        if said == sought:
+            letters = fuzz.ratio(whole, "".join(words[start : at + 1])) / 100.0
+            return letters if letters >= (_LETTERS if len(sought) >= _SKELETON else _SURE) else 0.0
         if len(said) >= len(sought):
-            return False
-    return False
+            return 0.0
+    return 0.0

@@ -25,7 +25,7 @@ from lpslam.language.wishes.attributes import attributes_of, told_apart
 from lpslam.language.wishes.codes import Code, board_codes, code_of, without_codes
 from lpslam.language.wishes.form import Ask, Identity, Sort, Stop, Which, with_meaning
 from lpslam.language.wishes.names import Names
-from lpslam.language.wishes.reading import content_of, wish_languages
+from lpslam.language.wishes.reading import content_left, content_of, wish_languages
 from lpslam.language.wishes.rules import rules_of
 from lpslam.language.wishes.served import Served
 
@@ -125,6 +125,9 @@ class EmbeddedScorer:
             literal = self._literal(stop, meaning)
             if literal:
                 return Served(stop, self._trusted(literal), "the board says these words", 0.7, ignored=ignored)
+            told = self._told_only(stop)
+            if told:
+                return Served(stop, self._trusted(told), "the board says so", 0.8, ignored=ignored)
             guess = self._guessed(stop, within) if not scores else None
             if guess is not None:
                 return replace(guess, ignored=ignored)
@@ -242,6 +245,15 @@ class EmbeddedScorer:
         }
         best = max(0, *told.values()) if told else 0
         return {id_: score for id_, score in scores.items() if told[id_] >= best}
+
+    def _told_only(self, stop: Stop) -> dict[int, float]:
+        """“The green room” is whatever room says green."""
+        asked = attributes_of(stop.what)
+        rules = rules_of(next(iter(wish_languages(stop.what, self._knowledge)), "en"))
+        if not asked or len(content_left(rules.any.sub(" ", stop.what), rules).split()) > len(asked):
+            return {}
+        ids = [id_ for id_ in self._by_id if self._is_of_the_house(id_)]
+        return {id_: _NAMED for id_ in ids if told_apart(asked, attributes_of(self._by_id[id_].name)) > 0}
 
     def _is_of_the_house(self, id_: int) -> bool:
         return any(kind.startswith(_OF_THE_HOUSE) for kind, _ in self._index.signs[id_].kinds)
