@@ -6,13 +6,16 @@ A relation that the positions cannot decide is no cost but `UNDECIDED`.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from lpslam.language.wishes.form import Relation
 from lpslam.navigation.places import Distances, Here, Place, Point
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 _UP = np.array([0.0, 0.0, 1.0])
 _NO = float("inf")
@@ -32,6 +35,13 @@ class Judged:
 
     cost: float
     doubt: str = ""
+
+
+def tree_of(points: NDArray[np.float64]) -> "cKDTree":
+    """A tree over (n, 3) points. Most wishes need none, and its library takes longer to load than they to answer."""
+    from scipy.spatial import cKDTree
+
+    return cKDTree(points)
 
 
 class Scene:
@@ -64,8 +74,8 @@ class Scene:
         return np.where(known[at] == ids, order[at], -1)
 
     @cached_property
-    def _tree(self) -> cKDTree:
-        return cKDTree(self.positions)
+    def _tree(self) -> "cKDTree":
+        return tree_of(self.positions)
 
     @cached_property
     def usual_gap(self) -> float:

@@ -28,7 +28,7 @@ class Cues:
         self._knowledge = knowledge
         self._common = knowledge.common[language]
         self._tables = knowledge.tables_of(language)
-        said: dict[str, Counter[str]] = defaultdict(Counter)
+        said: dict[str, dict[str, float]] = defaultdict(lambda: defaultdict(float))
         unsaid = knowledge.general | knowledge.modifiers
         for phrase, meaning in knowledge.spoken(language).items():
             if meaning.role != "means":
@@ -43,8 +43,8 @@ class Cues:
         self._unheard = math.log(max(len(said), 2))
         self._rare = {piece: self._unheard - math.log(count) for piece, count in shared.items()}
         self._by_piece: dict[str, list[tuple[str, float]]] = defaultdict(list)
-        for concept, pieces in said.items():
-            weights = {piece: math.log1p(count) * self._rare[piece] for piece, count in pieces.items()}
+        for concept, heard in said.items():
+            weights = {piece: math.log1p(count) * self._rare[piece] for piece, count in heard.items()}
             # Softened: a concept of many phrases is not the less likely for them.
             size = math.sqrt(math.sqrt(sum(weight * weight for weight in weights.values()))) or 1.0
             for piece, weight in weights.items():
@@ -75,9 +75,7 @@ class Cues:
     def scores(self, units: Sequence[str]) -> Mapping[str, float]:
         """Return by concept how near it is to the words of a question."""
         pieces = self._pieces(units)
-        size = math.sqrt(
-            sum((weight * self._rare.get(piece, self._unheard)) ** 2 for piece, weight in pieces.items())
-        )
+        size = math.sqrt(sum((weight * self._rare.get(piece, self._unheard)) ** 2 for piece, weight in pieces.items()))
         found: dict[str, float] = defaultdict(float)
         for piece, weight in pieces.items():
             for concept, said in self._by_piece.get(piece, ()):
@@ -96,7 +94,9 @@ class Cues:
         top = max(scores.values(), default=0.0)
         if top < (_CLEARER if is_read else _CLEAR):
             return (), ()
-        meant = tuple(sorted((each for each in scores if scores[each] >= _AS_WELL * top), key=lambda each: -scores[each]))
+        meant = tuple(
+            sorted((each for each in scores if scores[each] >= _AS_WELL * top), key=lambda each: -scores[each])
+        )
         near = tuple(sorted(concept for concept, score in scores.items() if _AS_WELL * top > score >= _NEARLY * top))
         return meant, near
 

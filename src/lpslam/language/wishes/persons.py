@@ -37,26 +37,32 @@ def _surnames() -> Mapping[str, tuple[str, ...]]:
 
 
 def _letters(text: str) -> list[str]:
-    return [word for word in re.split(r"[^a-z]+", re.sub(r"(?<=[a-z])(?=[A-Z])", " ", anyascii(text)).casefold()) if word]
+    latin = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", anyascii(text)).casefold()
+    return [word for word in re.split(r"[^a-z]+", latin) if word]
 
 
+@lru_cache(maxsize=64)
 def spellings(name: str) -> list[tuple[str, ...]]:
     """Return how a person's name may be written in Latin letters, word by word, the surname first."""
     bare = re.sub(r"[\s・·]+", "", name)
     found = [tuple(_letters(name))]
     for size in range(min(_LONGEST, len(bare)), 0, -1):
-        for surname in _surnames().get(bare[:size], ()):
-            found.append((surname, *_letters(bare[size:])))
+        found += [(surname, *_letters(bare[size:])) for surname in _surnames().get(bare[:size], ())]
     return [words for words in found if words]
 
 
+@lru_cache(maxsize=64)
+def _written(name: str) -> tuple[str, ...]:
+    """How the surname of a name in Latin letters is written in other scripts."""
+    named = [word for word in _letters(name) if len(word) > 1]
+    return tuple(surname for surname, forms in _surnames().items() if named and named[-1] in forms)
+
+
 def called(asked: str, words: Sequence[str], runs: Sequence[str]) -> float:
-    """Return how surely a board's Latin words, or its runs of other scripts, are a person's name of the other; 0 to 1."""
-    if is_unspaced(asked):
-        return max((_spelled(spelled, words) for spelled in spellings(asked)), default=0.0)
-    named = [word for word in _letters(asked) if len(word) > 1]
-    heads = (run[:size] for run in runs for size in range(1, 1 + min(_LONGEST, len(run))))
-    return float(bool(named) and any(named[-1] in _surnames().get(head, ()) for head in heads))
+    """Return how surely a board bears a person's name in another script, 0 to 1, by its Latin words or other runs."""
+    if not is_unspaced(asked):
+        return float(any(run.startswith(_written(asked)) for run in runs))
+    return max((_spelled(spelled, words) for spelled in spellings(asked)), default=0.0)
 
 
 def _spelled(spelled: Sequence[str], words: Sequence[str]) -> float:
