@@ -6,10 +6,10 @@ from importlib.resources import files
 from typing import Any, NamedTuple
 
 from lpslam.language.building import building
+from lpslam.language.languages import LANGUAGES
 from lpslam.language.tables.states import StateTables
 from lpslam.language.tables.words import Folder
 
-HAND_WRITTEN = ("en", "zh", "ja", "ko", "es", "de", "fr")
 TOPICS = ("food", "goods", "services", "facilities", "trades")
 VENUES = ("venues",)  # kinds of places in other buildings than malls: they stand beside what a word means else
 SAID_IN_VENUES = ("venue_needs",)  # how one asks for those kinds without naming them
@@ -37,9 +37,7 @@ def read_table(path: str) -> Any:
 
 def load_lexicons() -> dict[str, dict[str, Any]]:
     """The lexicon of each language, with what the topics say in it."""
-    lexicons: dict[str, dict[str, Any]] = {
-        language: read_table(f"lexicon/{language}.json") for language in HAND_WRITTEN
-    }
+    lexicons: dict[str, dict[str, Any]] = {language: read_table(f"lexicon/{language}.json") for language in LANGUAGES}
     sections = {"needs": "said", "venues": "venues", "venue_needs": "said_in_venues"}
     for topic in (*TOPICS, *VENUES, *SAID_IN_VENUES, *SAID_ONLY):
         for concept, by_language in read_table(f"lexicon/topics/{topic}.json").items():

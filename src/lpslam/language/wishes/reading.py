@@ -3,7 +3,9 @@
 import re
 from dataclasses import replace
 
-from lpslam.language.questions.question import languages_of, read_question
+from lpslam.language.languages import LANGUAGES, LATIN
+from lpslam.language.questions.question import read_question
+from lpslam.language.questions.speaking import languages_of
 from lpslam.language.questions.weighing import MAIN
 from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.knowledge import Knowledge
@@ -11,10 +13,9 @@ from lpslam.language.tables.words import is_mark
 from lpslam.language.wishes.attributes import attributes_of
 from lpslam.language.wishes.codes import asked_codes, identities
 from lpslam.language.wishes.form import PREVIOUS, Ask, Identity, Relation, Sort, Stop, Which, Wish
-from lpslam.language.wishes.rules import LANGUAGES, Row, Rules, rules_of
+from lpslam.language.wishes.rules import Row, Rules, rules_of
 
 _LONGEST = 400  # letters of a question
-_LATIN = ("en", "es", "de", "fr")
 _ENDS = " .。!！?？,，、;；¿¡"
 _LISTED = re.compile(r"[,，;；、] ?(?:(?:and|und|et|y) )?")
 _MOST_STOPS = 6
@@ -26,8 +27,8 @@ _POSSESSIVE = re.compile(r"['’]s?$")
 def wish_languages(text: str, knowledge: Knowledge) -> tuple[str, ...]:
     """Return the languages whose rules are tried, likeliest first."""
     likely = [language for language in languages_of(text, knowledge) if language in LANGUAGES]
-    if not likely or likely[0] in _LATIN:
-        likely += [language for language in _LATIN if language not in likely]
+    if not likely or likely[0] in LATIN:
+        likely += [language for language in LATIN if language not in likely]
     return tuple(dict.fromkeys(likely))
 
 

@@ -22,8 +22,8 @@ from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.words import is_mark, is_unspaced, longest_phrases
 from lpslam.language.wishes.asked_words import SHORTEST, AskedWords
 from lpslam.language.wishes.attributes import attributes_of, told_apart
-from lpslam.language.wishes.codes import Code, board_codes, code_of, without_codes
-from lpslam.language.wishes.form import Ask, Identity, Sort, Stop, Which, with_meaning
+from lpslam.language.wishes.form import Ask, Stop, Which, with_meaning
+from lpslam.language.wishes.identities import Identities
 from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.reading import content_left, content_of, wish_languages
 from lpslam.language.wishes.rules import rules_of
@@ -54,10 +54,7 @@ _SHORT_NAME = 5  # words of an anchor that is a name
 _ROOMS = ("facility/", "indoor/", "department/", "office/", "aeroway/", "amenity/doctors", "museum/")
 _CAPITALS_ARE_NAMES = frozenset({"en", "es", "fr"})
 _SURE, _NAMED, _ACROSS = 1.0, 0.9, 0.85  # of a code or person, of a part of a name, of a name in another script
-_LONG_NUMBER = 3  # digits of a number that is a room's even where its board does not say so
 _WHOLE = 0.95  # of a name's letters: the name itself
-_BY_THE_WAY = frozenset({"floor", "building", "zone"})
-"""What may be numbered beside what is asked for: “a toilet on level 2”."""
 _FEWEST_BORNE, _MOST_BORNE = 2, 0.5  # words of a question that a board bears, and their share of its letters
 _LEAST_LITERAL = 0.3  # of a board's letters that are asked for word by word
 
@@ -75,6 +72,7 @@ class EmbeddedScorer:
         self._knowledge = knowledge
         self._asked = AskedWords(knowledge)
         self._names = Names(landmarks, knowledge, signs.repair)
+        self._identities = Identities(landmarks, self._names, knowledge)
         families = [
             {self._knowledge.family(kind) for kind, weight in sign.kinds if weight >= 0.5}
             for sign in index.signs.values()
@@ -83,14 +81,6 @@ class EmbeddedScorer:
         self._by_id = {mark.id: mark for mark in landmarks}
         self._heard: set[int] = set()
         self._commanding: set[int] = set()
-
-    @cached_property
-    def _codes(self) -> dict[int, list[Code]]:
-        """The codes of every board, read when the first one is asked for."""
-        return {
-            mark.id: [code for text in dict.fromkeys((mark.name, *mark.lines)) for code in board_codes(text)]
-            for mark in self._landmarks
-        }
 
     @cached_property
     def _warning(self) -> frozenset[int]:
@@ -102,14 +92,14 @@ class EmbeddedScorer:
         """Return the landmarks that serve a stop: by identity, by name, else by what they are."""
         if not stop.what:
             return self._any_place(stop)
-        allowed, ignored, failed = self._identified(stop)
+        allowed, ignored, failed = self._identities.identified(stop)
         if failed:
             return Served(stop, {}, f"no board bears {failed}", 0.8, self._of_what(stop), ignored)
         if allowed is not None:
             return Served(stop, self._trusted(allowed), "the board bears it", 0.97, ignored=ignored)
         meaning = read_question(stop.what, self._knowledge, self._index.names)
         stop = with_meaning(stop, [kind for kind, _ in meaning.wanted], (*meaning.refused, *meaning.refused_names))
-        within = self._on_level(stop, ignored)
+        within = self._identities.on_level(stop, ignored)
         found = self._by_name(stop, meaning)
         if found:
             scores = self._trusted(_within(found, within))
@@ -303,7 +293,7 @@ class EmbeddedScorer:
         return is_name or any(weight > 0.5 for _, weight in meaning.wanted)
 
     def _bears_a_name(self, id_: int, languages: Sequence[str]) -> bool:
-        return bool(self._asked.of(self._by_id[id_].name, languages)[1]) or bool(self._codes[id_])
+        return bool(self._asked.of(self._by_id[id_].name, languages)[1]) or bool(self._identities.codes[id_])
 
     def _trusted(self, scores: Mapping[int, float]) -> dict[int, float]:
         # Sets that only grow: threads that ask at the same time add the same.
@@ -320,67 +310,6 @@ class EmbeddedScorer:
             return Served(stop, dict.fromkeys(sorted(self._warning), 1.0), "what warns or forbids", 0.9)
         places = [mark.id for mark in self._landmarks if mark.id not in self._warning]
         return Served(stop, self._trusted(dict.fromkeys(places, 1.0)), "any place", 0.9)
-
-    def _identified(self, stop: Stop) -> tuple[dict[int, float] | None, tuple[str, ...], str]:
-        """The landmarks that bear all that must stand there; what is not heeded; and what stands on none."""
-        found: dict[int, float] | None = None
-        ignored: list[str] = []
-        for identity in stop.identity:
-            bearing = self._bearing(identity)
-            if identity.sort is Sort.CODE and _BY_THE_WAY.intersection(identity.of) and self._says_more(stop, identity):
-                if not bearing:
-                    ignored.append(str(identity))
-                continue
-            if not bearing:
-                return None, tuple(ignored), str(identity)
-            found = bearing if found is None else {id_: found[id_] for id_ in found if id_ in bearing}
-            if not found:
-                return None, tuple(ignored), " and ".join(map(str, stop.identity))
-        return found, tuple(ignored), ""
-
-    def _says_more(self, stop: Stop, identity: Identity) -> bool:
-        """Whether a stop names something else than what is numbered: “a toilet on level 2”, not “parking P7”."""
-        meaning = read_question(without_codes(stop.what), self._knowledge)
-        return any(weight > 0.5 for _, weight in meaning.wanted)
-
-    def _bearing(self, identity: Identity) -> dict[int, float]:
-        if identity.sort is Sort.PERSON:
-            return dict.fromkeys(self._names.persons(identity.value), _SURE)
-        asked = code_of(identity)
-        # What is painted goes before what may be misread.
-        found = self._coded(asked, False) or self._coded(asked, True)
-        if (
-            asked.of
-            and not asked.letters
-            and len(asked.value) < _LONG_NUMBER
-            and any(code.of & asked.of for codes in self._codes.values() for code in codes)
-        ):
-            # Where aisles are numbered as aisles, a number that is of nothing is no aisle.
-            found = {id_: score for id_, score in found.items() if score > _SURE - 0.1}
-        best = max(found.values(), default=0.0)
-        return {id_: score for id_, score in found.items() if score >= best - 0.01}
-
-    def _coded(self, asked: Code, repaired: bool) -> dict[int, float]:
-        """Landmarks that bear a code: surest the very one, of what is asked for."""
-        found: dict[int, float] = {}
-        for id_, codes in self._codes.items():
-            fits = [code for code in codes if code.is_repaired == repaired and code.bears(asked)]
-            if fits:
-                is_same = any(code.of & asked.of for code in fits) or not asked.of
-                is_exact = any(
-                    code.last is None and not code.last_letters and code.number == asked.number for code in fits
-                )
-                found[id_] = _SURE - 0.1 * (not is_same) - 0.05 * (not is_exact)
-        return found
-
-    def _on_level(self, stop: Stop, ignored: Sequence[str]) -> set[int] | None:
-        """Where a level or a building is named by the way, the landmarks that bear it."""
-        within: set[int] | None = None
-        for identity in stop.identity:
-            if str(identity) not in ignored:
-                bearing = set(self._bearing(identity))
-                within = bearing if within is None else within & bearing
-        return within
 
     def _of_what(self, stop: Stop) -> tuple[int, ...]:
         """What comes next where an identity stands on no board: others of the same sort."""
