@@ -21,6 +21,7 @@ from lpslam.language.tables.words import longest_phrases
 _YES = 0.5  # a place is a kind when its words say so at least this surely
 _SPECIAL = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
 _ALTERNATIVES = 5
+_MALL = 0.3  # of the landmarks: so many shops make a mall of a building
 _GUESS = 0.55  # how sure a guess by the pieces of words makes us
 _SAME_SORT = 0.25  # what the sort of a refused place weighs where nothing else is wanted
 _BARE_NO = 5  # letters of a plain “not” in any language; longer phrases refuse
@@ -86,13 +87,19 @@ def ranked(
     """What serves a question as the tables read it, with the scores of all landmarks that serve; no guess."""
     understood = understand(question, index, signs, knowledge)
     choice, scores = _as_understood(understood, question, index, signs, knowledge, model)
-    if choice.landmark is None and not understood[0].contradicted:
+    if choice.landmark is None and not understood[0].contradicted and _is_a_mall(index, knowledge):
         # A turn of phrase of hospitals may hide a word that serves in a mall.
         plain = understand(question, index, signs, knowledge, is_plain=True)
         if plain[0] != understood[0]:
             found = _as_understood(plain, question, index, signs, knowledge, model)
             return found if found[0].landmark is not None else (choice, scores)
     return choice, scores
+
+
+def _is_a_mall(index: LandmarkIndex, knowledge: Knowledge) -> bool:
+    """Whether a good part of the landmarks are shops and places to eat."""
+    shops = sum(len(ids) for kinds, ids in index.groups.items() if likeness("business", kinds, knowledge) >= _YES)
+    return shops >= _MALL * len(index.landmarks)
 
 
 def _as_understood(

@@ -164,11 +164,14 @@ class SpokenTables:
         for region in regions:
             for kind, rows in self._gazetteer["names"][region].items():
                 self._add(table, kind, BY_NAME, (row[1] for row in rows if row[1] not in common))
+        named = {phrase(text) for joined in lexicon["venues"].values() for text in split(joined)}
         for source, sure in (("things", BY_NAME), ("terms", BY_TERM)):
+            # What names a kind of room goes before the key words of a picture of it: 🛂 is called customs as well.
+            known = common | (named if source == "things" else frozenset())
             for region, by_concept in self._gazetteer[source].items():
                 if region.partition("-")[0] == language:
                     for concept, joined in by_concept.items():
-                        self._add(table, concept, sure, (each for each in joined.split("|") if each not in common))
+                        self._add(table, concept, sure, (each for each in joined.split("|") if each not in known))
         for section in ("venues", "said_in_venues"):
             if section == "said_in_venues":
                 self._plain[language] = dict(table)

@@ -18,13 +18,15 @@ from lpslam.language.wishes.numerals import digit_ordinal, number_of, with_digit
 # 一番近い is the nearest, 一番線 is platform 1; 이번 is this time, 이층 the second floor.
 _UNSPACED_NUMBER = re.compile(
     r"(?!一番(?![線线口のホゲ通窓乗出カ]|$))第?([〇零一二三四五六七八九两兩十百]+)(?=[号號番楼樓层層階栋幢站股])|(?<=[第])([一二三四五六七八九十]+)(?!近)"
+    # 展厅四, 登机口二十二
+    r"|(?<=[口室厅廳台区區道排架门門座位楼樓])([一二三四五六七八九十百]+)(?![\u4e00-\u9fff])"
     r"|(?<![가-힣])([일이삼사오육칠팔구]?[십백][일이삼사오육칠팔구십]*(?=번|호|층)|[일이삼사오육칠팔구](?=층|호))"
 )
 _ONE = r"(?:[a-z]{1,2}[-.]?|[b-z] )?\d{1,4}(?:[-.]\d{1,4}){0,2}[a-z]?|[a-z]"
 _CODE = re.compile(rf"(?<![a-zà-ÿ0-9'’])({_ONE})(?![^\W_\u2e80-\uffff])(?!['’-][a-z])", re.IGNORECASE)
 _TO = "-|–|—|~|〜|～|to|bis|through|thru|à|a|al|至|到|から|부터|에서"
 _RANGE = re.compile(
-    rf"(?<![a-zà-ÿ0-9])([a-z]{{0,2}})(\d{{0,4}}) ?(?:{_TO}) ?([a-z]{{0,2}})(\d{{0,4}})(?![a-z0-9])", re.IGNORECASE
+    rf"(?<![a-zà-ÿ0-9])(?=[a-z\d])([a-z]{{0,2}})(\d{{0,4}}) ?(?:{_TO}) ?(?=[a-z\d])([a-z]{{0,2}})(\d{{0,4}})(?![a-z0-9])", re.IGNORECASE
 )
 _TIMES = (
     r"min(?:ute)?n?s?|minutos|分钟|分鐘|小时|小時|時間|시간|分(?!院)|hours?|horas|heures|stunden|days?|días|jours|tage|天|日間|"

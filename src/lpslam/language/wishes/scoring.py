@@ -11,7 +11,7 @@ from itertools import pairwise
 
 from lpslam.language.choosing.choosing import guessed, ranked
 from lpslam.language.choosing.landmark_index import LandmarkIndex
-from lpslam.language.choosing.serving import Kinds, likeness
+from lpslam.language.choosing.serving import FITS, Kinds, likeness, match
 from lpslam.language.model import Candidate
 from lpslam.language.questions.question import Wish as Meaning
 from lpslam.language.questions.question import asks_for_another, read_question
@@ -32,6 +32,8 @@ from lpslam.language.wishes.served import Served
 _ANY_SORT = frozenset({"shop", "business", "place"})
 _FEW_OF_A_FAMILY = 3  # rooms of one sort of building that make the map one of it, at least
 _MUCH_OF_A_FAMILY = 0.25  # of all landmarks: fewer aisles of goods are shops of a mall
+_SOLD_AT_DESKS = frozenset({"shop/ticket", "facility/tickets"})
+_WHOLE_SHOPS = frozenset({"groceries", "shop/supermarket", "shop/convenience"})
 _OF_THE_HOUSE = (
     *(
         f"amenity/{each}"
@@ -109,7 +111,7 @@ class EmbeddedScorer:
         if general:
             return Served(stop, self._trusted(_within(general, within)), "any of this sort", 0.9, ignored=ignored)
         choice, scores = ranked(stop.what, self._index, self._signs, self._knowledge, self.model)
-        scores = _within(self._trusted(scores), within)
+        scores = self._not_by_the_whole(meaning, _within(self._trusted(scores), within))
         scores = self._told_apart(stop, self._bearing_the_words(stop, meaning, self._of_the_family(meaning, scores)))
         if not scores or self._is_another(stop, meaning, scores):
             literal = self._literal(stop, meaning)
@@ -137,6 +139,9 @@ class EmbeddedScorer:
         if guess is None:
             return None
         choice, found = guess
+        meaning = read_question(stop.what, self._knowledge)
+        if meaning.wanted:
+            found = self._of_the_family(meaning, found)
         scores = self._told_apart(stop, _within(self._trusted(found), within))
         return Served(stop, scores, choice.evidence, choice.confidence) if scores else None
 
@@ -165,7 +170,7 @@ class EmbeddedScorer:
         shops = [
             id_
             for kinds, ids in self._index.groups.items()
-            if likeness("shop", kinds, self._knowledge) >= 0.5
+            if likeness("shop", kinds, self._knowledge) >= 0.5 and not any(kind in _SOLD_AT_DESKS for kind, _ in kinds)
             for id_ in ids
         ]
         return dict.fromkeys(shops, _SURE) if len(shops) == 1 else {}
@@ -178,6 +183,19 @@ class EmbeddedScorer:
         if likeness("business", kinds, self._knowledge) >= 0.5:
             return True
         return not any(kind.startswith((*_OF_THE_HOUSE, "sign/")) for kind, _ in kinds)
+
+    def _not_by_the_whole(self, meaning: Meaning, scores: Mapping[int, float]) -> dict[int, float]:
+        """An aisle of a supermarket sells what it says, not what supermarkets sell."""
+        if self._families["supermarket"] < max(_FEW_OF_A_FAMILY, _MUCH_OF_A_FAMILY * len(self._landmarks)):
+            return dict(scores)
+
+        def sells(id_: int) -> bool:
+            kinds = self._index.signs[id_].kinds
+            own = tuple(each for each in kinds if each[0] not in _WHOLE_SHOPS)
+            is_aisle = any(self._knowledge.family(kind) == "supermarket" for kind, _ in kinds)
+            return not is_aisle or any(match(concept, own, self._knowledge) >= FITS for concept, _ in meaning.wanted)
+
+        return {id_: score for id_, score in scores.items() if sells(id_)}
 
     def _of_the_family(self, meaning: Meaning, scores: Mapping[int, float]) -> dict[int, float]:
         """Who asks for one department of a hospital wants no other; an aisle goes before the rest of a supermarket."""
