@@ -125,7 +125,8 @@ def _as_understood(
         return Choice(None, 0.8, phrases.say("contradiction", things=", ".join(wish.contradicted)), model), {}
     if not wish.wanted:
         wish = replace(wish, wanted=_instead_of_refused(wish, refused, question, index, knowledge))
-    if not wish.wanted and wish.refused and not refused and not _asks(question, wish.language, knowledge):
+    says_only_where = all(kind in knowledge.venues for kind, _ in wish.wanted)
+    if says_only_where and wish.refused and not refused and not _asks(question, wish.language, knowledge):
         # Who asks for nothing and refuses what nothing stands in for tells of it: “my laptop is not starting”.
         wish = replace(wish, wanted=tuple((kind, 1.0) for kind in wish.refused), refused=())
     wanted = dict(wish.wanted)

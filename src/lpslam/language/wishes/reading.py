@@ -92,7 +92,7 @@ def _stop(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: in
     left = content_left(what, rules)
     if stop.relation is not None or ask in (Ask.LIST, Ask.WHICH):
         # Its place tells which: “the room next to …”; “what is that next to …” has common words only.
-        left = content_left(rules.any.sub(" ", left), rules)
+        left = content_left(rules.any.sub(" ", what), rules)
     if stop.relation is not None:
         left = _uncommon(left, languages, knowledge)
     is_any = ask in (Ask.HERE, Ask.FORBIDDEN) or (not left and (stop.relation is not None or ask is Ask.LIST))
