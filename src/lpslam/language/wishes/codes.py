@@ -25,9 +25,8 @@ _UNSPACED_NUMBER = re.compile(
 _ONE = r"(?:[a-z]{1,2}[-.]?|[b-z] )?\d{1,4}(?:[-.]\d{1,4}){0,2}[a-z]?|[a-z]"
 _CODE = re.compile(rf"(?<![a-zà-ÿ0-9'’])({_ONE})(?![^\W_\u2e80-\uffff])(?!['’-][a-z])", re.IGNORECASE)
 _TO = "-|–|—|~|〜|～|to|bis|through|thru|à|a|al|至|到|から|부터|에서"
-_RANGE = re.compile(
-    rf"(?<![a-zà-ÿ0-9])(?=[a-z\d])([a-z]{{0,2}})(\d{{0,4}}) ?(?:{_TO}) ?(?=[a-z\d])([a-z]{{0,2}})(\d{{0,4}})(?![a-z0-9])", re.IGNORECASE
-)
+_END = r"(?=[a-z\d])([a-z]{0,2})(\d{0,4})"
+_RANGE = re.compile(rf"(?<![a-zà-ÿ0-9]){_END} ?(?:{_TO}) ?{_END}(?![a-z0-9])", re.IGNORECASE)
 _TIMES = (
     r"min(?:ute)?n?s?|minutos|分钟|分鐘|小时|小時|時間|시간|分(?!院)|hours?|horas|heures|stunden|days?|días|jours|tage|天|日間|"
     r"a\.?m\.?|p\.?m\.?|uhr|o'clock|点|點|時|시(?!\S)|h(?![a-z])|years?|años|ans|jahre|岁|歳|살"

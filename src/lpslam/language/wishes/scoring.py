@@ -114,7 +114,7 @@ class EmbeddedScorer:
         scores = self._not_by_the_whole(meaning, _within(self._trusted(scores), within))
         scores = self._told_apart(stop, self._bearing_the_words(stop, meaning, self._of_the_family(meaning, scores)))
         if not scores or self._is_another(stop, meaning, scores):
-            literal = self._literal(stop, meaning)
+            literal = self._told_apart(stop, self._literal(stop, meaning))
             if literal:
                 return Served(stop, self._trusted(literal), "the board says these words", 0.7, ignored=ignored)
             told = self._told_only(stop)
