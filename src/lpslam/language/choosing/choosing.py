@@ -1,11 +1,12 @@
 """Choosing the landmark that serves a question (navigation, III-I) among any number of landmarks."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from lpslam.language.choosing.cues import cues_of
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import FITS, FITS_INSTEAD, Kinds, Served, likeness, merged, serve
+from lpslam.language.languages import LATIN
 from lpslam.language.model import Choice
 from lpslam.language.questions.clauses import places_of
 from lpslam.language.questions.phrasing import Phrases, answer_language, phrases_in
@@ -21,6 +22,7 @@ from lpslam.language.tables.words import longest_phrases
 _YES = 0.5  # a place is a kind when its words say so at least this surely
 _SPECIAL = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
 _ALTERNATIVES = 5
+_FEW_WORDS = 2  # words of a question that may be in another language than it seems
 _MALL = 0.3  # of the landmarks: so many shops make a mall of a building
 _GUESS = 0.55  # how sure a guess by the pieces of words makes us
 _SAME_SORT = 0.25  # what the sort of a refused place weighs where nothing else is wanted
@@ -29,6 +31,18 @@ _FEW = 3  # landmarks that one word may stand for
 _ANY = frozenset({"shop", "place", "business"})  # kinds that say nothing of what is wanted
 _SERVICES = ("facility/", "amenity/doctors", "department/", "healthcare/", "office/", "leisure/", "museum/", "dock/")
 """Kinds of place that are seldom named but by who looks for them."""
+_PLACES = (
+    "amenity/",
+    "shop/",
+    "tourism/",
+    "facility/",
+    "department/",
+    "healthcare/",
+    "office/",
+    "leisure/",
+    "railway/",
+)
+"""Kinds of place that are no word of another language by chance."""
 _UNSPACED = frozenset({"zh", "ja", "ko"})
 _PART = "part:"  # before the words that are parts of names, among names
 
@@ -87,13 +101,31 @@ def ranked(
     """What serves a question as the tables read it, with the scores of all landmarks that serve; no guess."""
     understood = understand(question, index, signs, knowledge)
     choice, scores = _as_understood(understood, question, index, signs, knowledge, model)
-    if choice.landmark is None and not understood[0].contradicted and _is_a_mall(index, knowledge):
+    if choice.landmark is not None or understood[0].contradicted:
+        return choice, scores
+    for other in _other_readings(understood[0], question, index, signs, knowledge):
+        found = _as_understood(other, question, index, signs, knowledge, model)
+        if found[0].landmark is not None:
+            return found
+    return choice, scores
+
+
+def _other_readings(
+    wish: Wish, question: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge
+) -> Iterator[Understood]:
+    """How else a question may be meant of which nothing here serves the first reading."""
+    if _is_a_mall(index, knowledge):
         # A turn of phrase of hospitals may hide a word that serves in a mall.
         plain = understand(question, index, signs, knowledge, is_plain=True)
-        if plain[0] != understood[0]:
-            found = _as_understood(plain, question, index, signs, knowledge, model)
-            return found if found[0].landmark is not None else (choice, scores)
-    return choice, scores
+        if plain[0] != wish:
+            yield plain
+    is_a_place = any(concept.startswith(_PLACES) for concept, _ in wish.wanted)
+    is_plain = not (is_a_place or wish.refused or wish.wanted_names)
+    if wish.language in LATIN and len(question.split()) <= _FEW_WORDS and is_plain:
+        # “Pan” is a pan in English and bread in Spanish.
+        for language in LATIN:
+            if language != wish.language:
+                yield understand(question, index, signs, knowledge, language=language)
 
 
 def _is_a_mall(index: LandmarkIndex, knowledge: Knowledge) -> bool:
@@ -228,7 +260,12 @@ def _as_in_this_building(wish: Wish, index: LandmarkIndex, knowledge: Knowledge)
 
 
 def understand(
-    question: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge, is_plain: bool = False
+    question: str,
+    index: LandmarkIndex,
+    signs: SignReader,
+    knowledge: Knowledge,
+    is_plain: bool = False,
+    language: str | None = None,
 ) -> Understood:
     """Read a question that may mention landmarks by name, and brands that are not here.
 
@@ -249,9 +286,9 @@ def understand(
     runs = {run: ids for run, ids in runs.items() if len(ids) <= _FEW and run not in index.names}
     parts |= runs
     if not parts:
-        return read_question(question, knowledge, names, is_plain), set(), []
+        return read_question(question, knowledge, names, is_plain, language), set(), []
     mentioned = {word: Meaning("name", ((_PART + word, 1.0),)) for word in parts}
-    wish = read_question(question, knowledge, _Names(brands | mentioned, index.names, unsaid), is_plain)
+    wish = read_question(question, knowledge, _Names(brands | mentioned, index.names, unsaid), is_plain, language)
     refused = {name for name in wish.refused_names if name.startswith(_PART)}
     if asks_for_another(question):
         refused |= {name for name in wish.wanted_names if name.startswith(_PART)}
@@ -263,7 +300,7 @@ def understand(
     ]
     if not refused and not said:
         # A part of a name may be any word: alone it asks for nothing.
-        return read_question(question, knowledge, names, is_plain), set(), []
+        return read_question(question, knowledge, names, is_plain, language), set(), []
     wanted, others, near = (
         tuple(name for name in names if not name.startswith(_PART))
         for names in (wish.wanted_names, wish.refused_names, wish.near_names)

@@ -92,23 +92,27 @@ def language_of(text: str, knowledge: Knowledge) -> str | None:
 
 
 def read_question(
-    question: str, knowledge: Knowledge, names: Mapping[str, Meaning] | None = None, is_plain: bool = False
+    question: str,
+    knowledge: Knowledge,
+    names: Mapping[str, Meaning] | None = None,
+    is_plain: bool = False,
+    language: str | None = None,
 ) -> Wish:
     """Read a question; `names` maps phrases (see `Folder.phrase`) to names that are reported when mentioned.
 
     It is read in the likeliest language in which it says something; plainly, without the turns of phrase that are
-    used in other buildings than malls.
+    used in other buildings than malls; `language` is the one that it is in, where that is known.
     """
     # “A sit-down meal” is looked up as three words.
     text = _ABBREVIATED.sub(r"\1 ", clean_text(question, _QUESTION_LENGTH))
     text = _ALLERGY.sub(r"\1 \2", _HYPHEN.sub(" ", text))
     first: Wish | None = None
-    likely = languages_of(text, knowledge) or language_by_its_phrases(text, knowledge)
-    if likely and likely[0] in LATIN and len(text.split()) <= _FEW_WORDS:
+    likely = (language,) if language else languages_of(text, knowledge) or language_by_its_phrases(text, knowledge)
+    if not language and likely and likely[0] in LATIN and len(text.split()) <= _FEW_WORDS:
         # What says nothing in the likeliest language may be a word of another: “pay”.
         likely = tuple(dict.fromkeys((*likely, *LATIN)))
-    for language in likely:
-        wish = _Reading(text, language, knowledge, {} if names is None else names, is_plain).wish()
+    for each in likely:
+        wish = _Reading(text, each, knowledge, {} if names is None else names, is_plain).wish()
         if wish.wanted or wish.refused or wish.wanted_names or wish.refused_names:
             return wish
         first = first or wish

@@ -122,7 +122,7 @@ def _of_code(text: str, start: int, end: int) -> frozenset[str]:
 
 _COUNTERS = " 号號番번-の"
 _BETWEEN = re.compile(
-    r"\b(?:no|nr|number|nummer|numéro|número|and|und|y|et|to|bis|à|a|al)\b|[\d\s.:#º°&,/()–—~-]|(?<![a-z])[a-z](?![a-z])|(?<![a-z])[a-z](?=\d)"
+    r"\b(?:no|nr|number|nummer|numéro|número|and|und|y|et|or|oder|ou|o|to|bis|à|a|al)\b|[或和とか나]|[\d\s.:#º°&,/()–—~-]|(?<![a-z])[a-z](?![a-z])|(?<![a-z])[a-z](?=\d)"
 )
 """What may stand between “gates” and a number: other numbers, “no.”, “and”."""
 
