@@ -3,6 +3,7 @@
     python benchmarks/slam.py accuracy --cache DIR            malls that nothing was tuned on, and the red kitchen
     python benchmarks/slam.py accuracy FOLDER...              recordings with ground truth
     python benchmarks/slam.py recovery --cache DIR            blanked and carried elsewhere; parts not mapped yet
+    python benchmarks/slam.py halves FOLDER...                one half of a recording in the map of the other
     python benchmarks/slam.py scale --cache DIR --minutes 30  around the same mall again and again
     python benchmarks/slam.py large --cache DIR               a map of 2,000 keyframes
     python benchmarks/slam.py live --cache DIR                30 frames a second, mapping beside tracking
@@ -23,7 +24,7 @@ KITCHEN = Path(__file__).parents[2] / "shared" / "data" / "redkitchen"
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=["accuracy", "recovery", "scale", "large", "live", "render"])
+    parser.add_argument("what", choices=["accuracy", "recovery", "halves", "scale", "large", "live", "render"])
     parser.add_argument("folders", nargs="*", type=Path, help="recordings with ground truth instead of the malls")
     parser.add_argument("--cache", type=Path, help="where rendered malls are kept")
     parser.add_argument("--kind", action="append", choices=["loop", "figure-eight", "dark"], help="only these malls")
@@ -41,6 +42,7 @@ def main() -> None:
     import cv2
 
     import slam_accuracy
+    import slam_halves
     import slam_large
     import slam_live
     import slam_recovery
@@ -67,6 +69,8 @@ def main() -> None:
             slam_accuracy.measure(recordings, given.runs, report)
         case "recovery":
             slam_recovery.measure(recordings, given.trials, report)
+        case "halves":
+            slam_halves.measure(recordings, report)
         case "scale":
             slam_scale.measure(recordings[0], given.minutes, report)
         case "large":

@@ -18,7 +18,7 @@ from lpslam.slam.mapping.levelling import floor_normal, level_rotation
 from lpslam.slam.mapping.local_mapping import LocalMapper
 from lpslam.slam.places.index import PlaceIndex
 from lpslam.slam.places.locating import Locator
-from lpslam.slam.places.loop_closing import LoopCloser
+from lpslam.slam.places.loop_closing import LoopCloser, LoopEvent
 from lpslam.slam.places.relocalising import Relocaliser
 from lpslam.slam.sensor import SensorModel
 from lpslam.slam.shutter.straightening import RollingShutter
@@ -129,6 +129,8 @@ class RgbdSlam:
         self._back_end.finish()
         if self._keypoints is not None:
             self._keypoints.shutdown()
+        for event in self._loop_closer.join_parts():
+            self._tell(event)
         if self._is_new:
             self.map.settle()
             views = [(k, normal) for k, normal in self._floor_views if self.map.is_home(k)]
@@ -140,8 +142,11 @@ class RgbdSlam:
         self._look_for_floor(keyframe)
         event = self._loop_closer.process(keyframe)
         if event is not None:
-            frame, timestamp = self.map.frame_of(keyframe)
-            self.events.append(SlamEvent(event.kind, frame, timestamp, event.reason))
+            self._tell(event)
+
+    def _tell(self, event: LoopEvent) -> None:
+        frame, timestamp = self.map.frame_of(event.keyframe)
+        self.events.append(SlamEvent(event.kind, frame, timestamp, event.reason))
 
     def _look_for_floor(self, keyframe: int) -> None:
         """Turn the map so that z is up when the floor is first seen; later views serve `finish`."""

@@ -105,6 +105,22 @@ def test_views_from_between_the_frames_are_located(walked_here: Walked, mall: Ma
         assert np.degrees(radians) < 0.5
 
 
+@pytest.mark.parametrize(("elsewhere", "is_located"), [(0.0, True), (0.1, True), (0.4, False)])
+def test_a_view_in_which_much_that_looks_alike_is_elsewhere_is_of_another_place(
+    walked_here: Walked, elsewhere: float, is_located: bool
+) -> None:
+    """A pattern and fronts that are all alike fit in their greater part; the rest contradicts."""
+    index = 60
+    features = walked_here.extractor.extract(walked_here.again(index))
+    random = np.random.default_rng(2)
+    moved = random.random(features.rows) < elsewhere
+    pixels = features.pixels + np.where(moved[:, None], random.choice([-40.0, 40.0], (features.rows, 2)), 0.0)
+    located = walked_here.locator.locate(
+        features._replace(pixels=pixels.astype(features.pixels.dtype)), walked_here.near(index)
+    )
+    assert (located is not None) == is_located
+
+
 def test_a_view_whose_patches_look_different_is_located_from_where_something_else_says_it_is(
     walked_here: Walked,
 ) -> None:

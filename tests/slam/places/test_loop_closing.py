@@ -180,3 +180,35 @@ def test_texts_seen_from_a_removed_keyframe_follow_the_loop() -> None:
     after = walk.map.camera_from_world(30) @ inverse_transform(walk.map.camera_from_world(29))
     np.testing.assert_allclose(after, relative, atol=1e-9)
     assert_sound(walk)
+
+
+def test_parts_that_saw_the_same_place_are_joined_when_the_recording_ends() -> None:
+    """No keyframe found the other part when it was new: then only the end can join them."""
+    walk = Walk(world(), 6, 0.0003)
+    for angle in np.arange(30) * 2 * np.pi / KEYFRAMES_A_ROUND:
+        walk.closer.process(walk.step(around(angle)))
+    moved = rigid([5, 1, -2], [0.4, -1.0, 0.3])
+    back = [around(-angle) for angle in np.arange(4, -8, -1) * 2 * np.pi / KEYFRAMES_A_ROUND]
+    for number, pose in enumerate(back):
+        keyframe = walk.step(pose, anew_at=pose @ moved if number == 0 else None)
+        walk.closer._index(keyframe)
+    assert len(set(walk.map.submaps().tolist())) == 2
+    assert [event.kind for event in walk.closer.join_parts()] == [EventKind.MERGE]
+    assert len(set(walk.map.submaps().tolist())) == 1
+    assert walk.closer.join_parts() == []
+    frame_from_true = walk.map.world_from_keyframe(0) @ walk.truth[0]
+    for keyframe, true in enumerate(walk.truth):
+        metres, _ = pose_error(walk.map.camera_from_world(keyframe) @ frame_from_true, true)
+        assert metres < 0.03, f"keyframe {keyframe}"
+    assert_sound(walk)
+
+
+def test_parts_that_share_nothing_stay_apart() -> None:
+    walk = Walk(world(), 6, 0.0003)
+    for angle in np.arange(8) * 2 * np.pi / KEYFRAMES_A_ROUND:
+        walk.closer.process(walk.step(around(angle)))
+    far = [around(angle) for angle in np.arange(20, 28) * 2 * np.pi / KEYFRAMES_A_ROUND]
+    for number, pose in enumerate(far):
+        walk.closer._index(walk.step(pose, anew_at=pose if number == 0 else None))
+    assert walk.closer.join_parts() == []
+    assert len(set(walk.map.submaps().tolist())) == 2

@@ -31,8 +31,9 @@ class Places:
 class Holding:
     """A locator for which some keyframes hold, each with a pose and so many inliers; remembers what it was asked."""
 
-    def __init__(self, holds: dict[int, tuple[float, int]]) -> None:
+    def __init__(self, holds: dict[int, tuple[float, int]], agreement: float = 1.0) -> None:
         self.holds = holds
+        self.agreement = agreement
         self.asked: list[int] = []
         self.guesses: dict[int, np.ndarray] = {}
 
@@ -44,7 +45,7 @@ class Holding:
             return None
         metres, inliers = self.holds[candidate]
         pose = inverse_transform(rigid([metres, 0.0, 0.0], [0, 0, 0]))
-        return Located(candidate, pose, np.zeros(1, np.int32), inliers, 2 * inliers, 1.0)
+        return Located(candidate, pose, np.zeros(1, np.int32), inliers, 2 * inliers, 1.0, self.agreement)
 
 
 def places_apart(count: int, submaps: dict[int, int] | None = None) -> SlamMap:
@@ -171,7 +172,7 @@ def test_an_empty_map_has_no_place() -> None:
     assert locator.asked == []
 
 
-def test_a_place_that_little_tells_is_believed_when_the_next_frame_finds_it_too() -> None:
+def test_a_place_that_little_tells_is_believed_when_the_next_frames_find_it_too() -> None:
     """What fits by chance fits elsewhere a frame later, or nowhere."""
     slam_map, scores, frame = places_apart(2), [0.5, 0.5], 1 / 30
     locator = Holding({0: (0.0, 60)})
@@ -180,15 +181,36 @@ def test_a_place_that_little_tells_is_believed_when_the_next_frame_finds_it_too(
     locator.holds = {0: (1.5, 60)}
     assert searching.confirm(VIEW, -1, None, frame) is None, "too far for a thirtieth of a second"
     locator.holds = {0: (1.55, 60)}
-    found = searching.confirm(VIEW, -1, None, 2 * frame)
+    assert searching.confirm(VIEW, -1, None, 2 * frame) is None, "a view that has hardly changed"
+    found = searching.confirm(VIEW, -1, None, 3 * frame)
     assert found is not None
     assert found.inliers == 60
 
 
-def test_a_place_that_much_tells_or_that_is_near_is_believed_at_once() -> None:
-    slam_map = places_apart(2)
-    assert relocaliser(slam_map, [0.5, 0.5], Holding({0: (5.0, 100)})).confirm(VIEW, -1, None, 0.0) is not None
+def test_a_frame_without_a_place_ends_what_was_found_in_a_row() -> None:
+    slam_map, frame = places_apart(2), 1 / 30
+    locator = Holding({0: (0.0, 60)})
+    searching = relocaliser(slam_map, [0.5, 0.5], locator)
+    for index, holds in enumerate([True, True, False, True, True]):
+        locator.holds = {0: (0.0, 60)} if holds else {}
+        assert searching.confirm(VIEW, -1, None, index * frame) is None
+    assert searching.confirm(VIEW, -1, None, 5 * frame) is not None
+
+
+def test_a_place_that_much_tells_is_believed_at_once() -> None:
+    def is_confirmed(agreement: float) -> bool:
+        searching = relocaliser(places_apart(2), [0.5, 0.5], Holding({0: (5.0, 100)}, agreement))
+        return searching.confirm(VIEW, -1, None, 0.0) is not None
+
+    assert is_confirmed(0.95)
+    assert not is_confirmed(0.8), "of a pattern, many points agree anywhere"
+
+
+def test_a_place_near_which_the_camera_was_is_believed_when_one_more_frame_finds_it() -> None:
+    slam_map, frame = places_apart(2), 1 / 30
     last_seen = LastSeen(0, rigid([-4.0, 0.0, 0.0], [0, 0, 0]), 10.0)
     for seconds, is_believed in ((0.3, False), (0.6, True)):
         searching = relocaliser(slam_map, [0.5, 0.5], Holding({0: (5.0, 60)}))
-        assert (searching.confirm(VIEW, -1, last_seen, 10.0 + seconds) is not None) == is_believed
+        assert searching.confirm(VIEW, -1, last_seen, 10.0 + seconds) is None
+        again = searching.confirm(VIEW, -1, last_seen, 10.0 + seconds + frame)
+        assert (again is not None) == is_believed

@@ -28,6 +28,7 @@ class Located:
         inliers: how many do.
         predicted: how many map points should be seen from there, where nothing hides them.
         depth_agreement: share of the inliers with a depth whose depth agrees with the map.
+        alike_agreement: share of the keypoints that look like one point of the place, and like no other, that see it.
     """
 
     keyframe: int
@@ -36,11 +37,20 @@ class Located:
     inliers: int
     predicted: int
     depth_agreement: float
+    alike_agreement: float
 
     @property
     def seen_share(self) -> float:
         """Share of the map points that should be seen and are."""
         return self.inliers / max(self.predicted, 1)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Alike:
+    """Keypoints of a view that look like one point of a place each, and like no other of it: rows (n,), points (n,)."""
+
+    keypoints: NDArray[np.intp]
+    points: _Rows
 
 
 class Locator:
@@ -72,7 +82,8 @@ class Locator:
         """
         config, view = self._config, View.of(features, self._sensor)
         group = self._group(candidate, config.matched_keyframes, allowed)
-        estimate = self._from_appearance(features, group)
+        alike = self._alike(features, group)
+        estimate = self._from_appearance(features, alike)
         if estimate is not None:
             pose, widenings = estimate.camera_from_world, [config.wide_search, 1.0]
         elif guess is not None:
@@ -91,7 +102,7 @@ class Locator:
             pose = estimate.camera_from_world
         if estimate is None or estimate.matches < config.min_inliers:
             return None
-        located = self._judge(features, candidate, estimate, points)
+        located = self._judge(features, candidate, estimate, points, alike)
         return located if self._is_certain(features, located) else None
 
     def _group(self, candidate: int, size: int, allowed: NDArray[np.bool_] | None) -> _Rows:
@@ -100,28 +111,31 @@ class Locator:
             covisible = covisible[allowed[covisible]]
         return np.concatenate([np.array([candidate], np.int32), covisible[: size - 1]])
 
-    def _from_appearance(self, features: Features, group: _Rows) -> Estimate | None:
-        """Pose by PnP in RANSAC over matches of descriptors with the group's points."""
+    def _alike(self, features: Features, group: _Rows) -> _Alike:
+        """Match by descriptors with the group's points."""
         slots, rows, points = self._appearances(group)
         m = self._map.columns
         match = matching.match_brute_force(m.descriptor[slots, rows], features.descriptor, self._hamming, self._ratio)
         matching.keep_consistent_rotations(match, m.angle[slots, rows], features.angle)
         keypoints = np.flatnonzero(match >= 0)
-        if len(keypoints) < self._config.min_matches:
+        return _Alike(keypoints, points[match[keypoints]])
+
+    def _from_appearance(self, features: Features, alike: _Alike) -> Estimate | None:
+        """Pose by PnP in RANSAC over what looks alike."""
+        config, keypoints = self._config, alike.keypoints
+        if len(keypoints) < config.min_matches:
             return None
-        ids = points[match[keypoints]]
         found = largest_consensus(
-            m.position[ids],
+            self._map.columns.position[alike.points],
             features.pixels[keypoints],
             self._sensor.intrinsics,
-            self._config.trials,
-            self._config.trial_pixels,
+            config.trials,
+            config.trial_pixels,
         )
-        if found is None or len(found.rows) < self._config.min_trial_inliers:
+        if found is None or len(found.rows) < config.min_trial_inliers:
             return None
         held = np.full(features.rows, -1, np.int32)
-        kept = keypoints[found.rows]
-        held[kept] = points[match[kept]]
+        held[keypoints[found.rows]] = alike.points[found.rows]
         return self._associator.optimise_on_map(features, found.camera_from_world, held)
 
     def _appearances(self, group: _Rows) -> tuple[_Rows, _Rows, _Rows]:
@@ -138,7 +152,7 @@ class Locator:
         ids, first = np.unique(np.concatenate(points), return_index=True)
         return np.concatenate(slots)[first], np.concatenate(rows)[first], ids.astype(np.int32)
 
-    def _judge(self, features: Features, candidate: int, estimate: Estimate, points: _Rows) -> Located:
+    def _judge(self, features: Features, candidate: int, estimate: Estimate, points: _Rows, alike: _Alike) -> Located:
         """Count what should be seen from the pose, except what the view's own depth shows to be hidden."""
         predicted = self._associator.predict(points, estimate.camera_from_world)
         expected = self._sensor.intrinsics[4] / (predicted.projections[:, 0] - predicted.projections[:, 2])
@@ -155,7 +169,22 @@ class Locator:
             estimate.matches,
             int((~hidden).sum()),
             float(agrees.mean()) if len(seeing) else 1.0,
+            self._agreement(features, alike, pose),
         )
+
+    def _agreement(self, features: Features, alike: _Alike, camera_from_world: _Matrix) -> float:
+        """Share of what looks alike that is seen where a pose (4×4) has it; all of it where too little says anything.
+
+        A pattern, or fronts all alike, fit a wrong pose in their greater part; what tells their places apart does not.
+        """
+        if len(alike.keypoints) < self._config.min_matches:
+            return 1.0
+        fx, fy, cx, cy = self._sensor.intrinsics[:4]
+        points = self._map.columns.position[alike.points]
+        x, y, z = (points @ camera_from_world[:3, :3].T + camera_from_world[:3, 3]).T
+        ahead = np.where(z > 0, z, np.inf)
+        off = features.pixels[alike.keypoints] - np.column_stack([fx * x / ahead + cx, fy * y / ahead + cy])
+        return float(((z > 0) & (np.linalg.norm(off, axis=1) < self._config.trial_pixels)).mean())
 
     def _is_certain(self, features: Features, located: Located) -> bool:
         """Look-alike places share patches: believe only what fills the view and contradicts little of the map."""
@@ -167,6 +196,7 @@ class Locator:
         return (
             located.seen_share >= config.min_seen_share
             and located.depth_agreement >= config.min_depth_agreement
+            and located.alike_agreement >= config.min_alike_agreement
             and spread >= config.min_spread
         )
 

@@ -126,6 +126,32 @@ class LoopCloser:
             self._last_closed = keyframe
         return event
 
+    def join_parts(self) -> list[LoopEvent]:
+        """Look from the smaller sub-maps for the rest once more, when the recording ends: now all of it is known.
+
+        Each keyframe was compared with what was mapped when it was new; what came later saw other sides of the place.
+        """
+        events: list[LoopEvent] = []
+        while (event := self._join_one()) is not None:
+            events.append(event)
+        return events
+
+    def _join_one(self) -> LoopEvent | None:
+        living, submaps = self._map.living_keyframes(), self._map.submaps()
+        smaller = living[submaps[living] != np.bincount(submaps[living]).argmax()] if len(living) else living
+        spread = np.linspace(0, len(smaller) - 1, min(len(smaller), self._config.last_views)).astype(int)
+        for keyframe in smaller[spread].tolist():
+            if self._stop[0]:
+                break
+            hypothesis = self._detect(keyframe)
+            if self._hypothesis is not None:
+                # Views that saw the place need not follow each other.
+                self._hypothesis.missed = 0
+            event = None if hypothesis is None else self._correct(hypothesis)
+            if event is not None:
+                return event
+        return None
+
     def interrupt(self) -> None:
         """End a running correction early. May be called from any thread; no loop is closed afterwards."""
         self._stop[0] = True

@@ -32,7 +32,8 @@ class LastSeen:
 class Relocaliser:
     """Believes one place that holds, unless another holds as well elsewhere.
 
-    A place that few points tell is believed when the next frame finds it too, or the camera was near it.
+    A place that few points tell, or that some of what looks alike contradicts, is believed when the next frames find it
+    too; one fewer where the camera was near it.
     Candidates are the last keyframe, those that an advisor recalls, those that look alike by their words, and, a few a
     frame, all others in turn: words are learned on some pictures of the world, and a view of another may have none.
     """
@@ -57,14 +58,15 @@ class Relocaliser:
         self._disowned: list[tuple[int, NDArray[np.float64]]] = []
         self._carried_speed = tracking.carried_speed
         self._unconfirmed: LastSeen | None = None
+        self._found_in_a_row = 0
 
     def confirm(
         self, features: Features, last_reference: int, last_seen: LastSeen | None, timestamp: float
     ) -> Located | None:
         """The place of a view: one that little tells only if the camera can have come there since it was last seen.
 
-        That is: before it was lost, or by a place found a frame ago. What fits by chance fits
-        elsewhere in the next frame; a place that is right is found again.
+        That is: before it was lost, or by the same place found in the frames before. What fits by chance fits
+        elsewhere in the next frames, as the view changes; a place that is right is found again.
 
         Args:
             features: the view's keypoints.
@@ -72,11 +74,19 @@ class Relocaliser:
             last_seen: where it was then, if that is known.
             timestamp: of the view, in seconds.
         """
+        config = self._config
         before, self._unconfirmed = self._unconfirmed, None
         located = self.find(features, last_reference, () if before is None else (before.keyframe,))
-        if located is None or located.inliers >= self._config.sure_inliers:
+        is_sure = located is not None and (
+            located.inliers >= config.sure_inliers and located.alike_agreement >= config.sure_alike_agreement
+        )
+        if located is None or is_sure:
             return located
-        if any(self._is_within_reach(located, seen, timestamp) for seen in (last_seen, before)):
+        if self._is_within_reach(located, before, timestamp):
+            self._found_in_a_row += 1
+        else:
+            self._found_in_a_row = 2 if self._is_within_reach(located, last_seen, timestamp) else 1
+        if self._found_in_a_row >= config.sure_views:
             return located
         camera_from_keyframe = located.camera_from_world @ self._map.world_from_keyframe(located.keyframe)
         self._unconfirmed = LastSeen(located.keyframe, camera_from_keyframe, timestamp)
@@ -111,6 +121,7 @@ class Relocaliser:
         self._disowned.clear()
 
     def _is_within_reach(self, located: Located, seen: LastSeen | None, timestamp: float) -> bool:
+        """Whether the camera can have come to a place since it was seen, if it was."""
         submaps = self._map.submaps()
         if seen is None or submaps[seen.keyframe] != submaps[located.keyframe]:
             return False
