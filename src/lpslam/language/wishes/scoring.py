@@ -326,8 +326,13 @@ class EmbeddedScorer:
     def _any_place(self, stop: Stop) -> Served:
         if stop.ask is Ask.FORBIDDEN:
             return Served(stop, dict.fromkeys(sorted(self._warning), 1.0), "what warns or forbids", 0.9)
+        return Served(stop, self._places, "any place", 0.9)
+
+    @cached_property
+    def _places(self) -> Mapping[int, float]:
+        """All places that neither warn nor speak to a machine."""
         places = [mark.id for mark in self._landmarks if mark.id not in self._warning]
-        return Served(stop, self._trusted(dict.fromkeys(places, 1.0)), "any place", 0.9)
+        return self._trusted(dict.fromkeys(places, 1.0))
 
     def _of_what(self, stop: Stop) -> tuple[int, ...]:
         """What comes next where an identity stands on no board: others of the same sort."""
