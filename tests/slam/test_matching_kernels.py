@@ -248,3 +248,14 @@ def test_few_matches_are_no_trouble(count: int) -> None:
     nothing = np.full(count, -1, np.int32)
     matching.keep_consistent_rotations(nothing, np.empty(0, np.float32), np.zeros(count, np.float32))
     np.testing.assert_array_equal(nothing, -1)
+
+
+def test_twins_look_as_much_alike_and_stand_elsewhere() -> None:
+    random = np.random.default_rng(4)
+    descriptors = random.integers(0, 2**63, (4, 4), dtype=np.uint64)
+    # The first has a copy far away, the second one beside it, the third one that is not looked at.
+    points = np.concatenate([descriptors, descriptors[:3]])
+    position = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0], [0, 4, 0], [1, 0.1, 0], [2, 4, 0]], float)
+    among = np.array([0, 1, 2, 3, 4, 5], np.int32)
+    found = matching.have_twins(descriptors, np.arange(4, dtype=np.int32), among, points, position, 0.5)
+    assert found.tolist() == [True, False, False, False]

@@ -225,14 +225,18 @@ class LocatingConfig(Section):
     hidden_share: float = Field(default=0.1, gt=0, lt=1)  # nearer by this share of the depth hides a map point
     depth_tolerance: float = Field(default=0.06, gt=0)  # share of the depth by which map and sensor may differ
     min_depth_agreement: float = Field(default=0.7, ge=0, le=1)  # share of the inliers that must agree in depth
-    min_alike_agreement: float = Field(default=0.75, ge=0, le=1)  # share of what looks alike that must be seen there
+    min_alike_agreement: float = Field(default=0.65, ge=0, le=1)  # of what looks alike, at least, must be seen there
+    min_unique_agreement: float = Field(
+        default=0.3, ge=0, le=1
+    )  # of it, at least, that looks so nowhere else in the map
+    max_missing_share: float = Field(default=0.2, ge=0, le=1)  # of what should be seen, where nothing of it is seen
     min_seen_share: float = Field(default=0.1, ge=0, le=1)  # of what should be seen; real rooms show little again
     spread_cells: int = Field(default=4, ge=1)  # rows and columns of the image by which spread is judged ...
     min_spread: int = Field(default=6, ge=1)  # ... and how many of the cells must hold an inlier
     rival_share: float = Field(default=0.6, ge=0, le=1)  # of the best place's inliers that make another one a rival ...
     rival_distance: float = Field(default=0.5, ge=0)  # ... if it is farther off than this, metres: neither is believed
     sure_inliers: int = Field(default=100, ge=10)  # that are believed at once, if ...
-    sure_alike_agreement: float = Field(default=0.9, ge=0, le=1)  # ... so much of what looks alike is there; else ...
+    sure_alike_agreement: float = Field(default=0.8, ge=0, le=1)  # ... so much of what looks alike is there; else ...
     sure_views: int = Field(default=3, ge=1)  # ... so many views in a row must find the same place
     agreement_distance: float = Field(default=0.1, gt=0)  # metres by which one place may differ in the next frame
     disowned_radius: float = Field(default=3.0, ge=0)  # metres around a place that signs have spoken against

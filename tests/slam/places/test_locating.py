@@ -216,3 +216,15 @@ def test_only_the_points_of_allowed_keyframes_are_used(walked_here: Walked) -> N
     seen = slam_map.columns.point[slam_map.columns.keyframe_slot[keyframe]]
     assert set(located.points[located.points >= 0].tolist()) <= set(seen[seen >= 0].tolist())
     assert pose_error(inverse_transform(located.camera_from_world), walked_here.poses[60])[0] < 0.03
+
+
+def test_where_nothing_of_what_should_be_seen_is_seen_is_another_place(walked_here: Walked) -> None:
+    """A floor may be the same everywhere: the wall above it is not."""
+    index = 60
+    features = walked_here.extractor.extract(walked_here.again(index))
+    assert walked_here.locator.locate(features, walked_here.near(index)) is not None
+    # The upper third shows something else.
+    changed = features.pixels[:, 1] < walked_here.clip.camera.height / 3
+    other = flip_bits(np.random.default_rng(0), features.descriptor, 120)
+    elsewhere = features._replace(descriptor=np.where(changed[:, None], other, features.descriptor))
+    assert walked_here.locator.locate(elsewhere, walked_here.near(index)) is None

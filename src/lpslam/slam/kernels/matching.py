@@ -269,3 +269,35 @@ def keep_consistent_rotations(
     for j in range(match.shape[0]):
         if match[j] >= 0 and not keep[bins[j]]:
             match[j] = -1
+
+
+@njit(cache=True, nogil=True)
+def have_twins(
+    descriptors: NDArray[np.uint64],
+    points: NDArray[np.int32],
+    among: NDArray[np.int32],
+    point_descriptor: NDArray[np.uint64],
+    position: NDArray[np.float64],
+    apart: float,
+) -> NDArray[np.bool_]:
+    """Whether what each descriptor (n, 4) was matched with, `points` (n,), looks as much like a point somewhere else.
+
+    Args:
+        among: (m,) points that are looked through.
+        point_descriptor, position: of all points, by id.
+        apart: metres; what is nearer to the match is the same thing.
+    """
+    found = np.zeros(len(points), np.bool_)
+    for i in range(len(points)):
+        own = points[i]
+        limit = hamming(descriptors[i], point_descriptor[own])
+        for other in among:
+            if hamming(descriptors[i], point_descriptor[other]) > limit:
+                continue
+            x = position[other, 0] - position[own, 0]
+            y = position[other, 1] - position[own, 1]
+            z = position[other, 2] - position[own, 2]
+            if x * x + y * y + z * z > apart * apart:
+                found[i] = True
+                break
+    return found

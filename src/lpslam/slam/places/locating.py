@@ -27,8 +27,10 @@ class Located:
         points: (n,) the map point that each keypoint sees, or -1.
         inliers: how many do.
         predicted: how many map points should be seen from there, where nothing hides them.
+        missing_share: share of these in parts of the image where none of them is seen, beyond what chance explains.
         depth_agreement: share of the inliers with a depth whose depth agrees with the map.
-        alike_agreement: share of the keypoints that look like one point of the place, and like no other, that see it.
+        alike_agreement: share of the keypoints that look like one point of the place, and like no other, that see it:
+            so much at least, with 95 %.
     """
 
     keyframe: int
@@ -36,6 +38,7 @@ class Located:
     points: _Rows
     inliers: int
     predicted: int
+    missing_share: float
     depth_agreement: float
     alike_agreement: float
 
@@ -71,6 +74,7 @@ class Locator:
         candidate: int,
         allowed: NDArray[np.bool_] | None = None,
         guess: _Matrix | None = None,
+        is_anywhere: bool = True,
     ) -> Located | None:
         """Match by appearance, PnP RANSAC, then guided matching in windows that narrow.
 
@@ -79,6 +83,7 @@ class Locator:
             candidate: a keyframe that may show the same place.
             allowed: (K,) keyframes whose points may be used; all without.
             guess: 4×4 camera from world, where something else than appearance says it, for where appearance does not.
+            is_anywhere: nothing else says in which part of the map it was taken: the place must look like no other.
         """
         config, view = self._config, View.of(features, self._sensor)
         group = self._group(candidate, config.matched_keyframes, allowed)
@@ -103,7 +108,10 @@ class Locator:
         if estimate is None or estimate.matches < config.min_inliers:
             return None
         located = self._judge(features, candidate, estimate, points, alike)
-        return located if self._is_certain(features, located) else None
+        if not self._is_certain(features, located):
+            return None
+        is_told = guess is not None or not is_anywhere
+        return located if is_told or self._is_unique(features, alike, located, allowed) else None
 
     def _group(self, candidate: int, size: int, allowed: NDArray[np.bool_] | None) -> _Rows:
         covisible = self._map.covisible(candidate, 1)
@@ -162,29 +170,73 @@ class Locator:
         pose = estimate.camera_from_world
         z = position @ pose[2, :3] + pose[2, 3]
         agrees = np.abs(z - features.depth[seeing]) < self._config.depth_tolerance * z
+        found = np.isin(predicted.points, estimate.points[estimate.points >= 0])
         return Located(
             candidate,
             pose,
             estimate.points,
             estimate.matches,
             int((~hidden).sum()),
+            self._missing_share(predicted.projections[~hidden, :2], found[~hidden]),
             float(agrees.mean()) if len(seeing) else 1.0,
             self._agreement(features, alike, pose),
         )
 
+    def _missing_share(self, pixels: NDArray[np.float32], found: NDArray[np.bool_]) -> float:
+        """Of points (n,) that should be seen at pixels (n, 2), the share in parts where none is found (n,)."""
+        if not len(found):
+            return 0.0
+        width, height = self._sensor.image_size
+        parts = np.clip(pixels / (width, height) * _PARTS, 0, np.array(_PARTS) - 1).astype(int)
+        at = parts[:, 0] * _PARTS[1] + parts[:, 1]
+        expected, seen = np.bincount(at), np.bincount(at, found)
+        known = expected >= _LEAST_IN_PART
+        empty = known & (seen == 0)
+        by_chance = expected[known] * (1.0 - found.mean()) ** expected[known]
+        return float((expected[empty].sum() - by_chance.sum()) / max(expected[known].sum(), 1))
+
     def _agreement(self, features: Features, alike: _Alike, camera_from_world: _Matrix) -> float:
-        """Share of what looks alike that is seen where a pose (4×4) has it; all of it where too little says anything.
+        """Share of what looks alike that is seen where a pose (4×4) has it, at least; 1 where too little says anything.
 
         A pattern, or fronts all alike, fit a wrong pose in their greater part; what tells their places apart does not.
         """
         if len(alike.keypoints) < self._config.min_matches:
             return 1.0
+        return _at_least(int(self._agrees(features, alike, camera_from_world).sum()), len(alike.keypoints))
+
+    def _agrees(self, features: Features, alike: _Alike, camera_from_world: _Matrix) -> NDArray[np.bool_]:
+        """(n,) whether what looks alike is seen where a pose (4×4) has it."""
         fx, fy, cx, cy = self._sensor.intrinsics[:4]
         points = self._map.columns.position[alike.points]
         x, y, z = (points @ camera_from_world[:3, :3].T + camera_from_world[:3, 3]).T
         ahead = np.where(z > 0, z, np.inf)
         off = features.pixels[alike.keypoints] - np.column_stack([fx * x / ahead + cx, fy * y / ahead + cy])
-        return float(((z > 0) & (np.linalg.norm(off, axis=1) < self._config.trial_pixels)).mean())
+        agrees: NDArray[np.bool_] = (z > 0) & (np.linalg.norm(off, axis=1) < self._config.trial_pixels)
+        return agrees
+
+    def _is_unique(
+        self, features: Features, alike: _Alike, located: Located, allowed: NDArray[np.bool_] | None
+    ) -> bool:
+        """Whether enough of what looks alike agrees with the place and looks so nowhere else in the map.
+
+        A floor whose tiles repeat fits in many places; so much of it as agrees says nothing.
+        """
+        if len(alike.keypoints) < self._config.min_matches:
+            return True
+        slam_map, m = self._map, self._map.columns
+        first = m.first_keyframe[: slam_map.point_count]
+        same = slam_map.submaps() == slam_map.submaps()[located.keyframe]
+        here = same if allowed is None else same & allowed
+        among = np.flatnonzero(m.point_alive[: slam_map.point_count] & here[first]).astype(np.int32)
+        count = len(alike.keypoints)
+        asked = np.unique(np.linspace(0, count - 1, min(count, _MOST_ASKED)).astype(int))
+        sample = _Alike(alike.keypoints[asked], alike.points[asked])
+        agrees = self._agrees(features, sample, located.camera_from_world)
+        found = sample.keypoints[agrees], sample.points[agrees]
+        elsewhere = matching.have_twins(
+            features.descriptor[found[0]], found[1], among, m.point_descriptor, m.position, self._config.rival_distance
+        )
+        return _at_least(int((~elsewhere).sum()), len(asked)) >= self._config.min_unique_agreement
 
     def _is_certain(self, features: Features, located: Located) -> bool:
         """Look-alike places share patches: believe only what fills the view and contradicts little of the map."""
@@ -195,10 +247,30 @@ class Locator:
         spread = len(np.unique(cells[:, 0] * config.spread_cells + cells[:, 1]))
         return (
             located.seen_share >= config.min_seen_share
+            and located.missing_share <= config.max_missing_share
             and located.depth_agreement >= config.min_depth_agreement
             and located.alike_agreement >= config.min_alike_agreement
             and spread >= config.min_spread
         )
+
+
+def _at_least(seen: int, of: int) -> float:
+    """The share of which so many are a sample, at least: the lower end of Wilson's interval (1927)."""
+    share, spread = seen / of, _SIGMAS**2 / of
+    return (share + spread / 2 - float(np.sqrt(share * (1 - share) * spread + spread**2 / 4))) / (1 + spread)
+
+
+_PARTS = (8, 6)
+"""Columns and rows of parts of the image."""
+
+_LEAST_IN_PART = 5
+"""Points that should be seen in a part; of fewer, none may be found by chance."""
+
+_MOST_ASKED = 100
+"""Keypoints that are looked for in the whole map: a share is known well enough by so many."""
+
+_SIGMAS = 1.64
+"""Of a share's lower end: one in twenty lies below."""
 
 
 def _nearest_depth(features: Features, pixels: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -236,7 +236,11 @@ class LoopCloser:
         with self._map.lock:
             if not (self._map.is_alive(view) and self._map.is_alive(candidate)):
                 return None
-            return self._locator.locate(self._map.features(view), candidate, self._old_part(keyframe))
+            # Within a sub-map drift tells places apart that look the same.
+            submaps = self._map.submaps()
+            is_anywhere = bool(submaps[view] != submaps[candidate])
+            features, old = self._map.features(view), self._old_part(keyframe)
+            return self._locator.locate(features, candidate, old, is_anywhere=is_anywhere)
 
     def _find(self, keyframe: int, candidates: Sequence[int]) -> tuple[Tie, int] | None:
         """The one place of the old part that explains the keyframe and may be true."""
@@ -331,7 +335,7 @@ class LoopCloser:
                 return False
             new = np.zeros(slam_map.keyframe_count, np.bool_)
             new[slam_map.covisible(tie.keyframe, 1)] = True
-            located = self._locator.locate(slam_map.features(tie.candidate), tie.keyframe, new)
+            located = self._locator.locate(slam_map.features(tie.candidate), tie.keyframe, new, is_anywhere=False)
             expected = slam_map.camera_from_world(tie.candidate) @ tie.old_from_new_world(slam_map)
         return located is not None and self._agree(located.camera_from_world, expected)
 
