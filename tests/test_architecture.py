@@ -35,7 +35,7 @@ ALLOWED: dict[str, set[str]] = {
     },
     "ground": set(),
     "mapfile": {"slam", "text", "ground"},
-    "page": {"language.sanitise", "text", "mapfile", "ground"},
+    "page": {"language.languages", "language.sanitise", "text", "mapfile", "ground"},
     "navigation": {"language", "text", "mapfile", "ground"},
     "session": {"slam", "language", "text", "mapfile", "navigation", "ground"},
     "pipeline": {"sources", "slam", "language", "text", "mapfile", "navigation", "session"},
