@@ -77,8 +77,11 @@ class Served:
     config: Path | None = None
 
 
-def _serve(given: Served, on_ready: Callable[[str], None]) -> None:
-    """Serve until interrupted; `on_ready` gets the address once requests are answered there."""
+def _serve(given: Served, on_ready: Callable[[str], None], *, page_first: bool = False) -> None:
+    """Serve until interrupted; `on_ready` gets the address once requests are answered there.
+
+    With `page_first` the page is there before whoever answers is.
+    """
     _need("starlette", "uvicorn", "fastapi", what="lpslam serve", extra="serve")
     from lpslam.language.registry import language_model
     from lpslam.serving.http.server import Address, bound, run, url_of
@@ -98,14 +101,23 @@ def _serve(given: Served, on_ready: Callable[[str], None]) -> None:
         raise UserError("what is to be served? give maps, or --uploads FOLDER for recordings")
     language = language_model(given.llm, settings.language)
     listening = bound(address)
-    load_matplotlib()
+    if not page_first:
+        load_matplotlib()
 
     from lpslam.serving.assembling import assemble
 
     with listening:
         app = assemble(
-            given.maps, settings, language, address.host, known, given.uploads, given.names, given.workers
-        )  # fmt: skip
+            given.maps,
+            settings,
+            language,
+            address.host,
+            known,
+            given.uploads,
+            given.names,
+            given.workers,
+            load_matplotlib if page_first else None,
+        )
         if known is not None and not address.is_loopback and given.certificate is None:
             say("tokens go over the network in the clear: give --certificate and --key, or stand behind a proxy")
         url = url_of(listening, address)
@@ -126,8 +138,10 @@ def view(
 ) -> None:
     """Show a map on a page, on this machine alone: look, search, ask and be led. Ctrl-C ends it."""
     _serve(
-        Served([map_file], port=port, llm=llm, config=config), open_browser if browser else lambda url: None
-    )  # fmt: skip
+        Served([map_file], port=port, llm=llm, config=config),
+        open_browser if browser else lambda url: None,
+        page_first=True,
+    )
 
 
 @contextmanager

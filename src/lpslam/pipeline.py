@@ -126,6 +126,7 @@ def run(
             if is_stopped := should_stop():
                 break
             step = session.take(frame)
+            session.frames_dropped = _dropped(frames)
             on_step(frame, step, session)
             on_progress(_progress(session, step, _dropped(frames)))
         # A camera has no other end.

@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from lpslam.errors import UserError
-from lpslam.page.building import LANGUAGES, page_of, policy, write_page
+from lpslam.page.building import LANGUAGES, growing_page, page_of, policy, write_page
+from lpslam.slam.state import EventKind, TrackingState
 from small_maps import small_map, with_floor
 
 HOSTILE = "</script><img src=x onerror=alert(1)>"
@@ -90,3 +91,12 @@ def test_a_file_that_cannot_be_written_is_said(tmp_path: Path) -> None:
     assert written.stat().st_size < 10_000_000
     with pytest.raises(UserError, match="cannot be written"):
         write_page(small_map(), tmp_path / "none" / "page.html")
+
+
+def test_every_language_has_the_same_words_and_one_for_whatever_can_happen() -> None:
+    words = data_of(growing_page("a walk"))["words"]
+    assert isinstance(words, dict)
+    for language in LANGUAGES:
+        assert set(words[language]) == set(words["en"]), language
+        assert set(words[language]["states"]) == {each.value for each in TrackingState}, language
+        assert set(words[language]["events"]) == {each.value for each in EventKind}, language

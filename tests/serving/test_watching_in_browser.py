@@ -64,6 +64,11 @@ def test_labels_appear_as_they_are_found_and_questions_are_answered(run: Run) ->
         until(page, f"document.querySelectorAll('#signs button').length > {first}", 60)
         assert run.process.poll() is None, "the run ended before anything was seen to grow"
         until(page, "lpslamPage.drawn()", 60)
+        # How tracking is, and what has happened, in the visitor's language.
+        until(page, "document.getElementById('status').textContent.startsWith('Verfolgt')", 60)
+        assert "Schlüsselbilder" in page.locator("#counts").inner_text()
+        page.locator("#happened summary").click()
+        assert page.locator("#happened li").last.locator("span").first.inner_text() == "Karte begonnen"
         page.locator("#signs button").first.click()
         page.locator("#card button", has_text="Umbenennen").click()
         page.fill("#card input", "Zum <b>goldenen</b> Hirsch")

@@ -47,6 +47,8 @@ class WatchingConfig(Section):
     signs_s: float = Field(default=1.0, gt=0.0)
     # Seconds between two tellings of the camera's way and of what keyframes saw.
     ground_s: float = Field(default=2.0, gt=0.0)
+    # Events that are told: as many as anyone reads; older ones are counted.
+    events: int = Field(default=100, ge=1)
     # Scans of keyframes that are told at once, of 100 KB each.
     scans: int = Field(default=20, ge=1)
     # Share of one core, in the page's process and behind tracking, that pictures of the room may cost.

@@ -1,7 +1,8 @@
 """The page beside a server: one for each map that is served."""
 
+import threading
+from collections import OrderedDict
 from collections.abc import Callable, Sequence
-from functools import lru_cache
 from typing import Any
 
 from starlette.concurrency import run_in_threadpool
@@ -19,28 +20,48 @@ Found = Callable[[str | None], tuple[str, str, LanguageMap]]
 _KEPT = 4  # pages that are kept ready
 
 
-def page_routes(find: Found) -> Sequence[BaseRoute]:
-    """Routes of the page: `/` for the first map, `/page/NAME` for any, `/page/NAME/signs` for what changes.
+class Pages:
+    """Pages of maps, each made once for every version of its map; safe in threads.
 
     Args:
         find: the map of a name; raises `LookupError` where there is none.
     """
 
-    @lru_cache(maxsize=_KEPT)
-    def built(name: str, version: str) -> str:
-        return page_of(find(name)[2], live=True, name=name)
+    def __init__(self, find: Found) -> None:
+        self.find = find
+        self._making = threading.Lock()
+        self._kept: OrderedDict[tuple[str, str], str] = OrderedDict()
+
+    def text(self, name: str | None) -> str:
+        """The page of a map, by its name, or of the first.
+
+        Raises:
+            LookupError: there is none.
+        """
+        found, version, world = self.find(name)
+        # Who asks while it is made waits for it, and does not make another.
+        with self._making:
+            if (found, version) not in self._kept:
+                self._kept[found, version] = page_of(world, live=True, name=found)
+                if len(self._kept) > _KEPT:
+                    self._kept.popitem(last=False)
+            self._kept.move_to_end((found, version))
+            return self._kept[found, version]
+
+
+def page_routes(pages: Pages) -> Sequence[BaseRoute]:
+    """Routes of the page: `/` for the first map, `/page/NAME` for any, `/page/NAME/signs` for what changes."""
 
     async def page(request: Request) -> Response:
         try:
-            name, version, _ = await run_in_threadpool(find, request.path_params.get("name"))
+            text = await run_in_threadpool(pages.text, request.path_params.get("name"))
         except LookupError as error:
             return PlainTextResponse(f"{error}\n", status_code=404)
-        text = await run_in_threadpool(built, name, version)
         return HTMLResponse(text, headers={"content-security-policy": policy(live=True) + "; frame-ancestors 'none'"})
 
     async def signs(request: Request) -> Response:
         try:
-            _, _, world = await run_in_threadpool(find, request.path_params["name"])
+            _, _, world = await run_in_threadpool(pages.find, request.path_params["name"])
         except LookupError as error:
             return PlainTextResponse(f"{error}\n", status_code=404)
         return JSONResponse(await run_in_threadpool(_newest, world))

@@ -1,14 +1,14 @@
 """A server put together from what the command line says."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from lpslam.config import Config
 from lpslam.language.model import LanguageModel
 from lpslam.language.offline import OfflineModel
 from lpslam.mapfile.language_map import LanguageMap
-from lpslam.page.routes import Found, page_routes
+from lpslam.page.routes import Found, Pages, page_routes
 from lpslam.serving.answerers import Answerer, ProcessAnswerer, ThreadAnswerer
 from lpslam.serving.atlas import Atlas, NoSuchMapError
 from lpslam.serving.http.app import build_app
@@ -30,6 +30,7 @@ def assemble(
     uploads: Path | None,
     names: Sequence[str],
     workers: int | None,
+    after_page: Callable[[], object] | None = None,
 ) -> Shield:
     """The application for some maps.
 
@@ -42,6 +43,8 @@ def assemble(
         uploads: folder for uploads; None where none are taken.
         names: other names of the server.
         workers: processes that answer; of a model that is not the embedded one, threads do.
+        after_page: given where somebody waits for the page of the first map: that is made first, then this is called,
+            in a thread, and only then begins who answers. Without, all is ready before the first request.
 
     Raises:
         UserError: a map cannot be read, two have one name, or uploads cannot be kept.
@@ -55,12 +58,25 @@ def assemble(
         answerer = ProcessAnswerer(count, longest, limits.waiting_questions, limits.answer_s, limits.answers_kept)
     else:
         answerer = ThreadAnswerer(language, longest, limits.waiting_questions)
+    pages = Pages(_finder(atlas))
+
+    def page_first() -> None:
+        if after_page is not None:
+            pages.text(None)
+            after_page()
+
     services = Services(
-        atlas, answerer, Hub(limits.listeners, limits.waiting_events), config, uploads, language=language
+        atlas,
+        answerer,
+        Hub(limits.listeners, limits.waiting_events),
+        config,
+        uploads,
+        language=language,
+        before_answers=None if after_page is None else page_first,
     )
     door = Door(allowed_hosts(host, names), tokens, limits, streams=frozenset({"/jobs"}))
     # A browser cannot give a token with a page's first request.
-    return build_app(services, door, page_routes(_finder(atlas)) if tokens is None else ())
+    return build_app(services, door, page_routes(pages) if tokens is None else ())
 
 
 def _finder(atlas: Atlas) -> Found:

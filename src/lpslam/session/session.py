@@ -223,6 +223,12 @@ class Session:
         return len(self._slam.map.living_keyframes())
 
     @property
+    def submaps(self) -> int:
+        """Parts of the map that are not joined: 1 when all is one, 0 before the first keyframe."""
+        with self._slam.map.lock:
+            return len(np.unique(self._slam.map.submaps()[self._slam.map.living_keyframes()]))
+
+    @property
     def texts(self) -> int:
         """How many are in long-term memory."""
         return len(self._text.memory.long_term)

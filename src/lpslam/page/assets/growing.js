@@ -1,10 +1,21 @@
 /* A map that is being made: the server tells how far it is, and what was missed meanwhile is told at once. */
-const status = part("status");
+const status = part("status"), counts = part("counts"), happened = part("happened");
 let source = null;
 
+/* A screen reader says what stands here: it is set when it changes, not with every frame. */
 function show(text, kind) {
-  status.textContent = text;
+  if (status.textContent !== text) status.textContent = text;
   status.className = kind;
+}
+
+const tones = { initialised: "good", tracking: "good", relocalised: "good", loop: "good", merge: "good", weak: "weak", "new sub-map": "weak", lost: "bad" };
+
+function eventRow(event) {
+  const when = make("time", { textContent: `${event.seconds.toFixed(1)} s`, title: filled(words.frame, event) });
+  const row = make("li", { className: tones[event.kind] || "" }, when, make("span", { textContent: words.events[event.kind] || event.kind }));
+  // Reasons are the program's own words, with figures.
+  if (event.reason) row.append(make("span", { className: "soft", lang: "en", textContent: event.reason }));
+  return row;
 }
 
 const news = {
@@ -13,7 +24,16 @@ const news = {
     if (told.at && (!data.trajectory.length || Math.hypot(...data.trajectory[data.trajectory.length - 1].map((value, axis) => value - told.at[axis])) > 0.02)) {
       data.trajectory.push(told.at.slice(0, 2));
     }
-    show(filled(words.growing, told) + (told.at ? "" : ` – ${words.lost}`), told.at ? "growing" : "trouble");
+    const isElsewhere = !told.at && told.tracking !== "lost" && told.tracking !== "initialising";
+    show(isElsewhere ? words.elsewhere : words.states[told.tracking] || told.tracking, told.tracking === "lost" ? "trouble" : told.tracking === "tracking" && told.at ? "growing" : "weak");
+    status.title = told.reason;
+    const more = [told.submaps > 1 && words.submaps, told.dropped && words.dropped].filter(Boolean);
+    counts.textContent = [words.growing, ...more].map(each => filled(each, told)).join(" · ");
+  },
+  events(told) {
+    happened.hidden = !told.count;
+    happened.querySelector("summary").textContent = `${words.happened} (${told.count})`;
+    happened.querySelector("ul").replaceChildren(...told.events.map(eventRow).reverse());
   },
   signs(told) {
     takeEdits(told.edits);

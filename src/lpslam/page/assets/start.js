@@ -5,6 +5,7 @@ part("title").textContent = data.title;
 part("go").textContent = words.go;
 canvas.setAttribute("aria-label", words.canvas);
 log.setAttribute("aria-label", words.dialogue);
+happened.querySelector("ul").setAttribute("aria-label", words.happened);
 part("memory-open").textContent = words.memory;
 part("memory-open").hidden = !data.memory || !data.memory.histories.length;
 part("memory-close").textContent = words.close;

@@ -30,7 +30,7 @@ from lpslam.serving.questions import Asked
 from lpslam.serving.watching.board import Board
 from lpslam.serving.watching.grown import Grown
 from lpslam.serving.watching.pace import Pace
-from lpslam.serving.watching.wire import Begin, Corrected, End, Ground, Signs, State, receive
+from lpslam.serving.watching.wire import Begin, Corrected, End, Ground, Happened, Signs, State, receive
 
 logger = logging.getLogger(__name__)
 
@@ -74,6 +74,8 @@ class Watched:
         while (message := receive(messages)) is not None:
             if isinstance(message, State):
                 show("state", _state_record(message))
+            elif isinstance(message, Happened):
+                show("events", _events_record(message))
             elif isinstance(message, Signs):
                 self.grown.take_signs(message)
                 edits = corrections_record(message.corrections)
@@ -208,6 +210,20 @@ def _became(corrected: Corrected) -> Response:
     return problem(corrected.status, corrected.detail)
 
 
+def _events_record(happened: Happened) -> dict[str, Any]:
+    """What has happened, by seconds since the first frame."""
+    events = [
+        {
+            "kind": event.kind.value,
+            "frame": event.frame,
+            "seconds": round(event.timestamp - happened.start, 2),
+            "reason": event.reason,
+        }
+        for event in happened.events
+    ]
+    return {"count": happened.count, "events": events}
+
+
 def _state_record(state: State) -> dict[str, Any]:
     record: dict[str, Any] = {
         "frames": state.frames,
@@ -215,6 +231,9 @@ def _state_record(state: State) -> dict[str, Any]:
         "texts": state.texts,
         "rate": round(state.rate, 1),
         "tracking": state.tracking,
+        "reason": state.reason,
+        "submaps": state.submaps,
+        "dropped": state.dropped,
         "at": None,
     }
     if state.pose is not None and np.isfinite(state.pose).all():

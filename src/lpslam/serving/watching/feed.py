@@ -8,6 +8,7 @@ import json
 import subprocess
 import threading
 import time
+from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 from types import TracebackType
@@ -21,10 +22,11 @@ from lpslam.isolated import python_command
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.priority import READING, yield_to_others
 from lpslam.serving.watching.pace import Pace
-from lpslam.serving.watching.wire import Begin, Corrected, End, Ground, Message, Signs, State, send
+from lpslam.serving.watching.wire import Begin, Corrected, End, Ground, Happened, Message, Signs, State, send
 from lpslam.session.growth import Growth, growth_of
 from lpslam.session.session import Session
 from lpslam.session.step import Step
+from lpslam.slam.state import SlamEvent
 from lpslam.text.correcting.changing import Change, ConflictError, NoSuchCorrectionError
 from lpslam.text.correcting.corrections import Corrections, Kind
 
@@ -58,6 +60,9 @@ class Feed:
         self._telling = threading.Lock()
         self._woken, self._has_ended = threading.Event(), threading.Event()
         self._has_news = True
+        self._events: deque[SlamEvent] = deque(maxlen=self._limits.events)
+        self._events_count = self._events_told = 0
+        self._start: float | None = None
         self._threads: list[threading.Thread] = []
         self._known: set[int] = set()
 
@@ -100,6 +105,10 @@ class Feed:
 
     def on_step(self, frame: RgbdFrame, step: Step, session: Session) -> None:
         """Note that there was a step; called by whoever tracks."""
+        if self._start is None:
+            self._start = step.timestamp
+        self._events.extend(step.events)
+        self._events_count += len(step.events)
         self._latest = session, step
         if step.new_landmarks or step.renamed_landmarks:
             self._has_news = True
@@ -122,6 +131,7 @@ class Feed:
                 session, step = self._latest
                 told = step.index
                 self._tell(_state(session, step))
+                self._tell_events()
                 if signs.is_due(hurried=self._has_news):
                     self._has_news = False
                     with signs:
@@ -137,6 +147,14 @@ class Feed:
             # What cannot be told is no reason to end a run.
             self._kill()
             raise
+
+    def _tell_events(self) -> None:
+        """Tell the newest events, if there are new ones."""
+        count = self._events_count
+        if count != self._events_told:
+            self._events_told = count
+            # Copied in one go: the thread that tracks may add to it meanwhile.
+            self._tell(Happened(tuple(self._events.copy()), count, self._start or 0.0))
 
     def _tell_signs(self, session: Session) -> None:
         marks = tuple(session.landmarks())
@@ -165,6 +183,9 @@ class Feed:
         self._tell(_ground(session.camera, grown))
 
     def _tell_end(self) -> None:
+        if self._latest is not None and self._watchers:
+            self._tell(_state(*self._latest))
+            self._tell_events()
         if self._world is not None and self._watchers:
             world, text = self._world, self._world.text
             self._tell(Signs(tuple(world.landmarks()), text.corrections, text.question))
@@ -210,7 +231,17 @@ class Feed:
 
 def _state(session: Session, step: Step) -> State:
     rate = session.frames / max(session.seconds, time.get_clock_info("perf_counter").resolution)
-    return State(session.frames, session.keyframes, session.texts, rate, step.state.value, step.pose)
+    return State(
+        frames=session.frames,
+        keyframes=session.keyframes,
+        texts=session.texts,
+        rate=rate,
+        tracking=step.state.value,
+        reason=step.reason,
+        submaps=session.submaps,
+        dropped=session.frames_dropped,
+        pose=step.pose,
+    )
 
 
 def _ground(camera: PinholeCamera, grown: Growth) -> Ground:

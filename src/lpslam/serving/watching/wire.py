@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera
 from lpslam.config import Config
+from lpslam.slam.state import SlamEvent
 from lpslam.text.correcting.corrections import Corrections
 from lpslam.text.types import Landmark
 
@@ -47,6 +48,9 @@ class State:
         frames, keyframes, texts: counts.
         rate: frames a second.
         tracking: what tracking says of the frame.
+        reason: why there is no pose, or a weak one; empty when all is well.
+        submaps: parts of the map that are not joined, 1 when all is one.
+        dropped: frames that were over before they could be taken.
         pose: `world_from_camera`, 4×4; None where it is not known.
     """
 
@@ -55,7 +59,25 @@ class State:
     texts: int
     rate: float
     tracking: str
+    reason: str
+    submaps: int
+    dropped: int
     pose: NDArray[np.float64] | None
+
+
+@dataclass(frozen=True, slots=True)
+class Happened:
+    """What has happened to tracking and to the map.
+
+    Attributes:
+        events: the newest, in order of time.
+        count: of all so far.
+        start: timestamp of the first frame, seconds.
+    """
+
+    events: tuple[SlamEvent, ...]
+    count: int
+    start: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -110,7 +132,7 @@ class End:
     map_file: str
 
 
-Message = Begin | State | Signs | Corrected | Ground | End
+Message = Begin | State | Happened | Signs | Corrected | Ground | End
 
 
 def send(pipe: IO[bytes], message: Message) -> None:
