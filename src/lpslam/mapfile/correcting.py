@@ -61,7 +61,8 @@ def editing(path: Path, must_lock: bool = True) -> Iterator[None]:
         yield
         return
     try:
-        _wait_for(handle, path)
+        if fcntl is not None:
+            _wait_for(handle, path)
         yield
     finally:
         os.close(handle)
@@ -69,8 +70,6 @@ def editing(path: Path, must_lock: bool = True) -> Iterator[None]:
 
 def _wait_for(handle: int, path: Path) -> None:
     """Take the lock once whoever holds it has let go."""
-    if fcntl is None:
-        return
     end = time.monotonic() + _PATIENCE
     while True:
         try:
