@@ -4,10 +4,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from lpslam.navigation.places import Place, Point
-from lpslam.navigation.relations import Scene
+from lpslam.navigation.relations import Scene, tree_of
 
 NEAR_ANCHORS = 8
 """Places of an anchor that a place is held against: those nearest to it."""
@@ -45,7 +44,7 @@ class Serving:
 def apart_from(serving: Serving, anchors: Sequence[Sequence[Place]]) -> NDArray[np.float64]:
     """(n,) metres as the crow flies from each place to the nearest anchor, never to itself."""
     points = [each for found in anchors for each in found]
-    tree = cKDTree(np.array([each.position for each in points]))
+    tree = tree_of(np.array([each.position for each in points]))
     both = np.asarray(tree.query(serving.positions, k=min(2, len(points)))[0]).reshape(len(serving), -1)
     ids = np.array([each.id for each in points])
     is_anchor = np.isin(serving.ids, ids)
@@ -57,7 +56,7 @@ def detours(serving: Serving, anchors: Sequence[Place], start: Point) -> NDArray
     points = np.array([each.position for each in anchors])
     count = min(NEAR_ANCHORS, len(points))
     onwards, which = (
-        np.asarray(each).reshape(len(serving), -1) for each in cKDTree(points).query(serving.positions, k=count)
+        np.asarray(each).reshape(len(serving), -1) for each in tree_of(points).query(serving.positions, k=count)
     )
     itself = np.array([each.id for each in anchors])[which] == serving.ids[:, None]
     there = np.linalg.norm(serving.positions - start, axis=1)[:, None]

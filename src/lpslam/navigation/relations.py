@@ -6,13 +6,16 @@ A relation that the positions cannot decide is no cost but `UNDECIDED`.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from lpslam.language.wishes.form import Relation
 from lpslam.navigation.places import Distances, Here, Place, Point
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 _UP = np.array([0.0, 0.0, 1.0])
 _NO = float("inf")
@@ -20,6 +23,7 @@ _NEIGHBOURS = 4.0
 """Times the usual gap between a place and its nearest neighbour that “next to” reaches."""
 _NEIGHBOURS_OF_A_LINE = 3  # places that tell along which line boards hang
 _LEAST_REACH_M = 6.0  # “next to” reaches as far in maps of few, close signs
+_GAPS = 5_000  # places whose nearest neighbours tell the usual gap
 _ACROSS_SHARE = 0.7  # of the way to what is opposite that runs along the sign's normal
 _DETOUR = 1.5  # times the straight way, within which a place is on it or between
 _BESIDE_SHARE = 0.35  # of the way to what is left or right that runs sideways
@@ -32,6 +36,13 @@ class Judged:
 
     cost: float
     doubt: str = ""
+
+
+def tree_of(points: NDArray[np.float64]) -> "cKDTree":
+    """A tree over (n, 3) points. Most wishes need none, and its library takes longer to load than they to answer."""
+    from scipy.spatial import cKDTree
+
+    return cKDTree(points)
 
 
 class Scene:
@@ -64,15 +75,19 @@ class Scene:
         return np.where(known[at] == ids, order[at], -1)
 
     @cached_property
-    def _tree(self) -> cKDTree:
-        return cKDTree(self.positions)
+    def _tree(self) -> "cKDTree":
+        return tree_of(self.positions)
 
     @cached_property
     def usual_gap(self) -> float:
-        """Metres, the median distance from a place to its nearest neighbour; 0 where there is none."""
+        """Metres, the median distance from a place to its nearest neighbour; 0 where there is none.
+
+        Of very many places a few thousand are asked: their median is as good.
+        """
         if len(self.places) < 2:
             return 0.0
-        apart = np.asarray(self._tree.query(self._tree.data, k=2)[0])
+        some = self.positions[:: max(1, len(self.places) // _GAPS)]
+        apart = np.asarray(self._tree.query(some, k=2)[0])
         return float(np.median(apart[:, 1]))
 
     def facing_of(self, place: Place) -> tuple[Point | None, str]:

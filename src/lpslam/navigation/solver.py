@@ -7,13 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from lpslam.language.wishes.form import PREVIOUS, Relation, Stop, Which, Wish
 from lpslam.language.wishes.served import Scorer, Served
 from lpslam.navigation.columns import NEAR_ANCHORS, Serving, apart_from, detours
 from lpslam.navigation.places import Distances, Here, Place, Point, Straight
-from lpslam.navigation.relations import PAIRED, Judged, Scene, between, on_the_way
+from lpslam.navigation.relations import PAIRED, Judged, Scene, between, on_the_way, tree_of
 
 _EQUAL = 0.97  # of the best score: served equally, where the nearer is chosen
 _NEARLY = 0.8  # of the best score: served well enough, where the nearest is asked for
@@ -75,10 +74,18 @@ def solve(
         ways: distances between points; straight without.
     """
     solver = _Solver(Scene(places, here or Here(), ways or Straight()), scorer)
-    solved: list[Solved] = []
-    for stop in wish.stops:
-        solved.append(solver.stop(stop, solved[-1].place if solved else None, bool(solved)))
+    solved = _in_order(solver, wish.stops)
+    if wish.instead is not None and any(each.place is None for each in solved):
+        alone = _in_order(solver, (wish.instead,))
+        solved = alone if alone[0].place is not None else solved
     return Solution(replace(wish, stops=tuple(each.stop for each in solved)), tuple(solved))
+
+
+def _in_order(solver: "_Solver", stops: Sequence[Stop]) -> list[Solved]:
+    solved: list[Solved] = []
+    for stop in stops:
+        solved.append(solver.stop(stop, solved[-1].place if solved else None, bool(solved)))
+    return solved
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -96,7 +103,7 @@ class _Near:
 
     def __init__(self, anchors: Sequence[Place]) -> None:
         self._anchors = anchors
-        self._tree = cKDTree(np.array([each.position for each in anchors])) if len(anchors) > NEAR_ANCHORS else None
+        self._tree = tree_of(np.array([each.position for each in anchors])) if len(anchors) > NEAR_ANCHORS else None
 
     def to(self, place: Place) -> Sequence[Place]:
         """Anchors near a place, never the place itself."""
@@ -251,9 +258,10 @@ class _Solver:
         is_farthest = stop.which is Which.FARTHEST
         wanted = stop.rank + _ALTERNATIVES
         ranked: list[_Ranked] = []
+        least: list[float] = []  # the costs of the best so far, negated: the worst of them is first
         doubts: dict[str, None] = {}
         for at in serving.first(len(serving), -apart if is_farthest else apart):
-            if len(ranked) >= wanted and self._is_decided(stop, ranked, wanted, float(apart[at])):
+            if len(ranked) >= wanted and self._is_decided(stop, -least[0], float(apart[at])):
                 break
             judged = self._judged(stop, serving.place(at), near, start)
             if judged.doubt:
@@ -261,16 +269,17 @@ class _Solver:
             if math.isfinite(judged.cost):
                 cost = -judged.cost if is_farthest else judged.cost
                 ranked.append(_Ranked(cost, serving.place(at), float(serving.scores[at]), judged.doubt))
+                (heapq.heappush if len(least) < wanted else heapq.heappushpop)(least, -cost)
         return ranked, doubts
 
-    def _is_decided(self, stop: Stop, ranked: Sequence[_Ranked], wanted: int, apart: float) -> bool:
-        """Whether no place that stands so far from the anchors, or farther, comes among the first any more."""
+    def _is_decided(self, stop: Stop, worst: float, apart: float) -> bool:
+        """Whether no place that stands so far from the anchors, or farther, costs less than the worst of the first."""
         if stop.which is Which.FARTHEST or stop.relation is Relation.ON_THE_WAY:
             is_exact = stop.relation in (Relation.NEAR, Relation.ON_THE_WAY)
             return is_exact and isinstance(self._scene.ways, Straight)
         if stop.relation not in _OUTWARDS:
             return False
-        return apart > heapq.nsmallest(wanted, (each.cost for each in ranked))[-1]
+        return apart > worst
 
     def _judged(self, stop: Stop, place: Place, anchors: Sequence[_Near], start: Point | None) -> Judged:
         """The cheapest of all anchors that may be meant; no place is its own anchor."""

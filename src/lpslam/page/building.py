@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import Any
 
 from lpslam.errors import UserError
+from lpslam.language.languages import LANGUAGES
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.page.record import empty_record, map_record
 
-LANGUAGES = ("en", "zh", "ja", "ko", "es", "de", "fr")
 SCRIPTS = ("common", "plan", "moving", "correcting", "signs", "asking", "memory", "growing", "start")
 """The parts of the page's program: each uses what those before it define."""
 

@@ -3,6 +3,7 @@
 import pytest
 
 from lpslam.language.signs.reader import SignReader, load_sign_reader
+from lpslam.language.signs.wording import WARNING
 
 
 @pytest.fixture(scope="module")
@@ -68,3 +69,19 @@ def test_a_station_of_goods_has_no_trains(signs: SignReader) -> None:
 def test_wine_in_a_kitchen_is_no_wine_shop(signs: SignReader) -> None:
     assert "shop/wine" not in sure_kinds(signs, "La Tasca – Tapas y Vino")
     assert "shop/wine" in sure_kinds(signs, "Vinos García")
+
+
+@pytest.mark.parametrize(
+    "name", ["危险品", "Gefahrgutlager", "Hazardous Materials Flammable", "위험물 저장소", "危険物倉庫"]
+)
+def test_where_dangerous_goods_are_kept_is_a_place(name: str) -> None:
+    sign = load_sign_reader().read(name)
+    assert sign.is_place
+    assert sign.kinds[0][0] == "warehouse/hazmat"
+
+
+@pytest.mark.parametrize(
+    "name", ["危险品 禁止入内", "Danger High Voltage", "Hazardous Materials Keep Out", "危険 立入禁止"]
+)
+def test_a_warning_of_dangerous_goods_stays_one(name: str) -> None:
+    assert load_sign_reader().read(name).kinds[0][0] == WARNING

@@ -1,14 +1,17 @@
 """Choosing the landmark that serves a question (navigation, III-I) among any number of landmarks."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 
+from lpslam.language.choosing.cues import cues_of
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import FITS, FITS_INSTEAD, Kinds, Served, likeness, merged, serve
+from lpslam.language.languages import LATIN
 from lpslam.language.model import Choice
 from lpslam.language.questions.clauses import places_of
 from lpslam.language.questions.phrasing import Phrases, answer_language, phrases_in
-from lpslam.language.questions.question import Wish, asks_for_another, instead_of, languages_of, read_question
+from lpslam.language.questions.question import Wish, asks_for_another, instead_of, read_question
+from lpslam.language.questions.speaking import languages_of
 from lpslam.language.questions.weighing import ASIDE, HINT
 from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.reader import SignReader
@@ -19,12 +22,27 @@ from lpslam.language.tables.words import longest_phrases
 _YES = 0.5  # a place is a kind when its words say so at least this surely
 _SPECIAL = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
 _ALTERNATIVES = 5
+_FEW_WORDS = 2  # words of a question that may be in another language than it seems
+_MALL = 0.3  # of the landmarks: so many shops make a mall of a building
+_GUESS = 0.55  # how sure a guess by the pieces of words makes us
 _SAME_SORT = 0.25  # what the sort of a refused place weighs where nothing else is wanted
 _BARE_NO = 5  # letters of a plain “not” in any language; longer phrases refuse
 _FEW = 3  # landmarks that one word may stand for
 _ANY = frozenset({"shop", "place", "business"})  # kinds that say nothing of what is wanted
 _SERVICES = ("facility/", "amenity/doctors", "department/", "healthcare/", "office/", "leisure/", "museum/", "dock/")
 """Kinds of place that are seldom named but by who looks for them."""
+_PLACES = (
+    "amenity/",
+    "shop/",
+    "tourism/",
+    "facility/",
+    "department/",
+    "healthcare/",
+    "office/",
+    "leisure/",
+    "railway/",
+)
+"""Kinds of place that are no word of another language by chance."""
 _UNSPACED = frozenset({"zh", "ja", "ko"})
 _PART = "part:"  # before the words that are parts of names, among names
 
@@ -34,18 +52,97 @@ def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Kn
 
     The evidence is in the language of the question.
     """
-    return ranked(question, index, signs, knowledge, model)[0]
+    choice, _ = ranked(question, index, signs, knowledge, model)
+    guess = None if choice.landmark is not None else guessed(question, index, signs, knowledge, model)
+    return choice if guess is None else guess[0]
 
 
 Scores = dict[int, float]
 """How well landmarks serve, by id, 0 to 1; those that do not serve are not in it."""
 
+Understood = tuple[Wish, set[int], list[int]]
+"""A wish, and the landmarks that are refused and that are wanted by a part of their name."""
+
+
+def guessed(
+    question: str,
+    index: LandmarkIndex,
+    signs: SignReader,
+    knowledge: Knowledge,
+    model: str,
+    is_in_other_words: bool = True,
+) -> tuple[Choice, Scores] | None:
+    """What serves the concepts that a question's words are nearest to, where no table reads what is wanted.
+
+    None where something else comes near, or a refusal or name is said; and, unless it may be `is_in_other_words`,
+    where the tables do read what is wanted.
+    """
+    wish, refused, _ = understand(question, index, signs, knowledge)
+    is_plain = not (refused or wish.refused or wish.wanted_names or wish.refused_names or wish.contested)
+    is_read = any(weight >= _SPECIAL for _, weight in wish.wanted)
+    if not is_plain or wish.language is None or wish.unknown or (is_read and not is_in_other_words):
+        return None
+    meant, near = cues_of(wish.language, knowledge).guessed(clean_text(question), is_read)
+    phrases = phrases_in(answer_language(question))
+
+    def serving(concepts: Sequence[str]) -> tuple[Choice, Scores]:
+        wanted = tuple((concept, 1.0) for concept in concepts)
+        return _best(replace(wish, wanted=wanted), index, set(), knowledge, model, phrases)
+
+    choice, scores = serving(meant)
+    if choice.landmark is None or not serving(meant[:1])[1] or serving(near)[1].keys() - scores.keys():
+        return None
+    return replace(choice, confidence=min(choice.confidence, _GUESS)), scores
+
 
 def ranked(
     question: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge, model: str
 ) -> tuple[Choice, Scores]:
-    """As `choose`, with the scores of all landmarks that serve."""
-    wish, refused, said = understand(question, index, signs, knowledge)
+    """What serves a question as the tables read it, with the scores of all landmarks that serve; no guess."""
+    understood = understand(question, index, signs, knowledge)
+    choice, scores = _as_understood(understood, question, index, signs, knowledge, model)
+    if choice.landmark is not None or understood[0].contradicted:
+        return choice, scores
+    for other in _other_readings(understood[0], question, index, signs, knowledge):
+        found = _as_understood(other, question, index, signs, knowledge, model)
+        if found[0].landmark is not None:
+            return found
+    return choice, scores
+
+
+def _other_readings(
+    wish: Wish, question: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge
+) -> Iterator[Understood]:
+    """How else a question may be meant of which nothing here serves the first reading."""
+    if _is_a_mall(index, knowledge):
+        # A turn of phrase of hospitals may hide a word that serves in a mall.
+        plain = understand(question, index, signs, knowledge, is_plain=True)
+        if plain[0] != wish:
+            yield plain
+    is_a_place = any(concept.startswith(_PLACES) for concept, _ in wish.wanted)
+    is_plain = not (is_a_place or wish.refused or wish.wanted_names)
+    if wish.language in LATIN and len(question.split()) <= _FEW_WORDS and is_plain:
+        # “Pan” is a pan in English and bread in Spanish.
+        for language in LATIN:
+            if language != wish.language:
+                yield understand(question, index, signs, knowledge, language=language)
+
+
+def _is_a_mall(index: LandmarkIndex, knowledge: Knowledge) -> bool:
+    """Whether a good part of the landmarks are shops and places to eat."""
+    shops = sum(len(ids) for kinds, ids in index.groups.items() if likeness("business", kinds, knowledge) >= _YES)
+    return shops >= _MALL * len(index.landmarks)
+
+
+def _as_understood(
+    understood: Understood,
+    question: str,
+    index: LandmarkIndex,
+    signs: SignReader,
+    knowledge: Knowledge,
+    model: str,
+) -> tuple[Choice, Scores]:
+    wish, refused, said = understood
     wish = _as_in_this_building(wish, index, knowledge)
     phrases = phrases_in(answer_language(question) if wish.language is not None else "en")
     if not index.landmarks or wish.language is None:
@@ -60,7 +157,8 @@ def ranked(
         return Choice(None, 0.8, phrases.say("contradiction", things=", ".join(wish.contradicted)), model), {}
     if not wish.wanted:
         wish = replace(wish, wanted=_instead_of_refused(wish, refused, question, index, knowledge))
-    if not wish.wanted and wish.refused and not refused and not _asks(question, wish.language, knowledge):
+    says_only_where = all(kind in knowledge.venues for kind, _ in wish.wanted)
+    if says_only_where and wish.refused and not refused and not _asks(question, wish.language, knowledge):
         # Who asks for nothing and refuses what nothing stands in for tells of it: “my laptop is not starting”.
         wish = replace(wish, wanted=tuple((kind, 1.0) for kind in wish.refused), refused=())
     wanted = dict(wish.wanted)
@@ -162,8 +260,13 @@ def _as_in_this_building(wish: Wish, index: LandmarkIndex, knowledge: Knowledge)
 
 
 def understand(
-    question: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge
-) -> tuple[Wish, set[int], list[int]]:
+    question: str,
+    index: LandmarkIndex,
+    signs: SignReader,
+    knowledge: Knowledge,
+    is_plain: bool = False,
+    language: str | None = None,
+) -> Understood:
     """Read a question that may mention landmarks by name, and brands that are not here.
 
     Returns:
@@ -183,9 +286,9 @@ def understand(
     runs = {run: ids for run, ids in runs.items() if len(ids) <= _FEW and run not in index.names}
     parts |= runs
     if not parts:
-        return read_question(question, knowledge, names), set(), []
+        return read_question(question, knowledge, names, is_plain, language), set(), []
     mentioned = {word: Meaning("name", ((_PART + word, 1.0),)) for word in parts}
-    wish = read_question(question, knowledge, _Names(brands | mentioned, index.names, unsaid))
+    wish = read_question(question, knowledge, _Names(brands | mentioned, index.names, unsaid), is_plain, language)
     refused = {name for name in wish.refused_names if name.startswith(_PART)}
     if asks_for_another(question):
         refused |= {name for name in wish.wanted_names if name.startswith(_PART)}
@@ -197,7 +300,7 @@ def understand(
     ]
     if not refused and not said:
         # A part of a name may be any word: alone it asks for nothing.
-        return read_question(question, knowledge, names), set(), []
+        return read_question(question, knowledge, names, is_plain, language), set(), []
     wanted, others, near = (
         tuple(name for name in names if not name.startswith(_PART))
         for names in (wish.wanted_names, wish.refused_names, wish.near_names)

@@ -9,8 +9,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
+from lpslam.language.languages import LATIN
 from lpslam.language.questions.clauses import clauses_of
 from lpslam.language.questions.sorts import is_general
+from lpslam.language.questions.speaking import language_by_its_phrases, languages_of
 from lpslam.language.questions.stance import NEXT_TO, Stand, hurting, spilled, told_in
 from lpslam.language.questions.unknown_things import asks_for_unknown
 from lpslam.language.questions.weighing import ASIDE, GENERAL, GIFTS, HINT, MAIN, MODIFIER, as_treated, without_symptoms
@@ -21,8 +23,6 @@ from lpslam.language.tables.lexicon import Meaning
 from lpslam.language.tables.states import Trouble, says_at_home, troubles_in
 from lpslam.language.tables.words import Span, is_mark, is_unspaced, longest_phrases
 
-_KANA = re.compile(r"[\u3040-\u30ff]")
-_HANGUL = re.compile(r"[\uac00-\ud7af]")
 _HYPHEN = re.compile(r"(?<=[^\W\d_])[-\u2010\u2011](?=\w)|(?<=\w)[-\u2010\u2011](?=[^\W\d_])")
 # The mark in “T. rex” ends no clause.
 _ABBREVIATED = re.compile(r"\b([^\W\d_])\. (?=\w)")
@@ -30,14 +30,6 @@ _ABBREVIATED = re.compile(r"\b([^\W\d_])\. (?=\w)")
 _ALLERGY = re.compile(r"(\w{3,}?)s?(allergien?|unverträglichkeit|intoleranz)\b", re.IGNORECASE)
 # Without its accent, as words are looked up, té is a Spanish pronoun.
 _SPANISH_TEA = re.compile(r"\bté\b", re.IGNORECASE)
-_HAN = re.compile(r"[\u4e00-\u9fff]")
-_LATIN = ("en", "es", "de", "fr")
-# Letters and turns that one language of Latin script has and the others do not.
-_OWN_LETTERS = {
-    "es": re.compile(r"[¿¡ñ]"),
-    "de": re.compile(r"[ßäöü]", re.IGNORECASE),
-    "fr": re.compile(r"[çœêèàùâîôë]|\b[jldnmtsc]['’]|\bqu['’]", re.IGNORECASE),
-}
 _ANOTHER = re.compile(
     r"\b(another|other|else|instead|alternatives?|besides|otr[oa]s?|en vez|autres?|ailleurs|plutôt|ander(e[nrms]?)"
     r"|d[oó]nde m[aá]s|qu[eé] m[aá]s|stattdessen|sonst|lieber|woanders|elsewhere|better|besser(e[nrms]?)?|mieux"
@@ -55,13 +47,10 @@ _ANEW = {
     "watch_repair": "watch",
     "computer_repair": "computer",
 }
+_FEW_WORDS = 2  # words of a question that may be in any language
 _HABITS = frozenset({"tobacco", "amenity/smoking_area"})  # who refuses them says “smoke” by the way
 _MEALS = frozenset({"food", "drink"})
 _THING = 0.7  # a wanted concept of this weight is a thing of its own
-_RIVAL = 0.7  # a language with this share of the likeliest one's common words may be meant too
-_KNOWN_SHARE = 0.3  # of the words of a sentence that are common in its language
-_COVERED_SHARE = 0.6  # of the words of a text that a language's tables know, where hardly any are common
-_KANJI_ONLY = 8  # characters of Japanese that needs no kana: 薬局, 市役所; a sentence of Han letters alone is Chinese
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,77 +85,43 @@ class Wish:
         return tuple(concept for concept, weight in self.wanted if weight >= 0.9 * heaviest)
 
 
-def languages_of(text: str, knowledge: Knowledge) -> tuple[str, ...]:
-    """Return the languages that a question may be in, likeliest first; none where it cannot be read.
-
-    By script, and where that is Latin by the commonest words and letters; a question of a few words may be in any.
-    """
-    if _KANA.search(text):
-        return ("ja",)
-    if _HANGUL.search(text):
-        return ("ko",)
-    if _HAN.search(text):
-        return ("zh", "ja") if len(text) <= _KANJI_ONLY else ("zh",)
-    words = [unit for unit in knowledge.folder.units(text) if not is_mark(unit)]
-    hits = {language: float(sum(word in knowledge.common[language] for word in words)) for language in _LATIN}
-    for language, letters in _OWN_LETTERS.items():
-        if hits[language] and letters.search(text):
-            hits[language] += 1.5
-    ranked = sorted(_LATIN, key=lambda language: -hits[language])
-    if hits[ranked[0]] >= 2 or (hits[ranked[0]] and len(words) <= 3):
-        return tuple(language for language in ranked if hits[language] >= _RIVAL * hits[ranked[0]])
-    # A few words carry no grammar that could turn their meaning round; a whole sentence might.
-    if len(words) <= 3:
-        return tuple(ranked)
-    return tuple(language for language in ranked[:1] if hits[language] >= _KNOWN_SHARE * len(words))
-
-
-def _language_by_its_phrases(text: str, knowledge: Knowledge) -> tuple[str, ...]:
-    """The one language whose tables know most words of a text that has hardly any common words: “car rental desk”."""
-    units = knowledge.folder.units(text)
-    words = [at for at, unit in enumerate(units) if not is_mark(unit)]
-    known: dict[str, int] = {}
-    for language in _LATIN if words and not is_unspaced(units[words[0]]) else ():
-        covered = {
-            at for span in longest_phrases(units, (knowledge.spoken(language),)) for at in range(span.start, span.end)
-        }
-        known[language] = len(covered | {at for at in words if units[at] in knowledge.common[language]})
-    ranked = sorted(known, key=lambda language: -known[language])
-    if not ranked or known[ranked[0]] < _COVERED_SHARE * len(words) or known[ranked[0]] == known[ranked[1]]:
-        return ()
-    return tuple(ranked[:1])
-
-
 def language_of(text: str, knowledge: Knowledge) -> str | None:
     """Return the likeliest language of a question; None where it cannot be told."""
     wish = read_question(text, knowledge)
     return wish.language
 
 
-def read_question(question: str, knowledge: Knowledge, names: Mapping[str, Meaning] | None = None) -> Wish:
+def read_question(
+    question: str,
+    knowledge: Knowledge,
+    names: Mapping[str, Meaning] | None = None,
+    is_plain: bool = False,
+    language: str | None = None,
+) -> Wish:
     """Read a question; `names` maps phrases (see `Folder.phrase`) to names that are reported when mentioned.
 
-    It is read in the likeliest language in which it says something.
+    It is read in the likeliest language in which it says something; plainly, without the turns of phrase that are
+    used in other buildings than malls; `language` is the one that it is in, where that is known.
     """
     # “A sit-down meal” is looked up as three words.
     text = _ABBREVIATED.sub(r"\1 ", clean_text(question, _QUESTION_LENGTH))
     text = _ALLERGY.sub(r"\1 \2", _HYPHEN.sub(" ", text))
     first: Wish | None = None
-    for language in languages_of(text, knowledge) or _language_by_its_phrases(text, knowledge):
-        wish = _read_in(text, language, knowledge, {} if names is None else names)
+    likely = (language,) if language else languages_of(text, knowledge) or language_by_its_phrases(text, knowledge)
+    if not language and likely and likely[0] in LATIN and len(text.split()) <= _FEW_WORDS:
+        # What says nothing in the likeliest language may be a word of another: “pay”.
+        likely = tuple(dict.fromkeys((*likely, *LATIN)))
+    for each in likely:
+        wish = _Reading(text, each, knowledge, {} if names is None else names, is_plain).wish()
         if wish.wanted or wish.refused or wish.wanted_names or wish.refused_names:
             return wish
         first = first or wish
     if first is None and names:
         # “7-Eleven, which direction?” is in no language that is sure, but names a place.
-        named = _read_in(text, "en", knowledge, names)
+        named = _Reading(text, "en", knowledge, names, is_plain).wish()
         if named.wanted_names and not named.refused_names:
             return Wish((), (), named.wanted_names, (), "en")
     return first or Wish((), (), (), (), None)
-
-
-def _read_in(text: str, language: str, knowledge: Knowledge, names: Mapping[str, Meaning]) -> Wish:
-    return _Reading(text, language, knowledge, names).wish()
 
 
 class _Said:
@@ -202,10 +157,12 @@ class _Said:
 class _Reading:
     """One question in one language: cut once into units, phrases, troubles and clauses, and then weighed."""
 
-    def __init__(self, text: str, language: str, knowledge: Knowledge, names: Mapping[str, Meaning]) -> None:
+    def __init__(
+        self, text: str, language: str, knowledge: Knowledge, names: Mapping[str, Meaning], is_plain: bool
+    ) -> None:
         self._text = _SPANISH_TEA.sub("tea", text) if language == "es" else text
         self._language, self._knowledge = language, knowledge
-        self._units, spans = self._phrases((names, *knowledge.tables_of(language)))
+        self._units, spans = self._phrases((names, *knowledge.tables_of(language, is_plain)))
         self._states = knowledge.states(language)
         troubles = [
             trouble
@@ -307,9 +264,17 @@ class _Reading:
             if concept not in wanted
             or not all(others - wanted.keys() for others in said.refused_with.get(concept, [set()]))
         ]
+        # Who wants a bone doctor, and no doctor of internal medicine, refuses no doctors.
+        above = {each for concept in wanted for each in knowledge.above(concept)[1:]}
+        special = set(refused) - above
+        refused = [each for each in refused if each not in above or not self._has_more(said, each, special)]
         # Nobody refuses to eat (“I'm hungry, but not for that”), but who wants a present may want none to eat.
         spared = knowledge.general - (_MEALS if {*GIFTS, "business", "shop"} & wanted.keys() else frozenset())
         said.refused = [concept for concept in refused if concept not in spared]
+
+    def _has_more(self, said: _Said, concept: str, special: set[str]) -> bool:
+        """Whether every phrase that refuses a concept refuses something more special as well."""
+        return all(others & special for others in said.refused_with.get(concept, [set()]))
 
     def _contested(self, said: _Said) -> tuple[str, ...]:
         """“An ice cream, but that parlour is a rip-off”: the thing is wanted, where it is sold first of all is not."""

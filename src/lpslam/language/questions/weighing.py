@@ -56,6 +56,8 @@ def without_symptoms(wanted: dict[str, float], knowledge: Knowledge) -> dict[str
     vague |= knowledge.national if is_gift or others & _OF_ANY_NATION else set()
     # “A coffee to go.”
     vague |= {"amenity/fast_food"} if any(concept in _TO_GO for concept in others) else set()
+    # “I want to buy flowers for my ill grandmother.”
+    vague |= {"doctor"} if "shop" in wanted and others - {"doctor"} else set()
     # “Excuse me, may I ask where …”
     vague |= {"ask"} if others - {"ask"} else set()
     vague |= {"rest"} if services or meals or "massage" in others else set()

@@ -6,19 +6,17 @@ from dataclasses import replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
 
-from lpslam.language.questions.question import languages_of
 from lpslam.language.questions.sorts import is_eaten
+from lpslam.language.questions.speaking import languages_of
 from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.meaning import SignMeaning, as_unknown, joined, of_known, owner_in
 from lpslam.language.signs.repair import Repair
+from lpslam.language.signs.warnings import Warnings
 from lpslam.language.signs.wording import (
     SELDOM,
     SLOGAN,
-    TRADES,
-    WARNING,
     as_a_house,
     bars_of_something,
-    forbids,
     is_mostly_slogan,
     places_in,
     reads_like_a_name,
@@ -38,9 +36,10 @@ _SHORTEST_IDEOGRAPHS, _SHORTEST_LETTERS = 3, 6  # of a brand at the head of a lo
 _SURE_TRADE = 0.95  # of a trade at the end of a long name
 _JOINS = str.maketrans("", "", "-/")
 _COMPOUND = 9  # letters of a word that may be a compound in a name of several words
-_HOUSES = ("shop/", "amenity/", "leisure/", "cuisine/", "craft/", "tourism/")
-_SHOP_ENDS = frozenset("店馆屋坊铺舗")
+
+
 _MOST_DOMAINS = 2.0  # sorts of business that one sign may be wholly
+
 _REPAIR = "shop/repair"
 _POURED = frozenset({"wine", "alcohol", "tea", "coffee", "drink"})
 
@@ -51,9 +50,7 @@ class SignReader:
     def __init__(self, knowledge: Knowledge) -> None:
         self._knowledge = knowledge
         self._fold = knowledge.folder
-        self._starts = tuple(
-            start.replace(" ", "") for start in knowledge.warning_starts if len(start) >= 6 or is_unspaced(start)
-        )
+        self._warnings = Warnings(knowledge)
         self.repair = Repair(knowledge)
         self._glued = {phrase.replace(" ", ""): phrase for phrase in knowledge.painted if " " in phrase}
         self.read = lru_cache(maxsize=65536)(self._read)
@@ -154,7 +151,7 @@ class SignReader:
         spans = self._phrases(key, units)
         certain = (
             self._as_brand(text, key, units)
-            or self._as_warning(text, key, units, spans)
+            or self._warnings.read(text, key, units, spans)
             or self._as_brand_with_words(text, units, spans)
         )
         if certain:
@@ -179,41 +176,6 @@ class SignReader:
         is_mixed = len(units) > 1 and len(units[0]) > 1 and not is_unspaced(units[0]) and is_unspaced(units[1])
         owner = units[0] if is_mixed else owner_in(text, units, self._phrases("", units)) if is_unspaced(text) else ""
         return replace(of_known(known, 1.0, f"“{text}” is {known.painted}"), owner=owner)
-
-    def _as_warning(
-        self, text: str, key: str, units: Sequence[str], spans: Sequence[Span[Meaning]]
-    ) -> SignMeaning | None:
-        if self._ends_in_a_trade(units, spans):
-            return None
-        start = self._warning_start(key, units)
-        if start is not None:
-            return SignMeaning(((WARNING, 0.95),), f"“{text}” begins like a warning (“{start}”)")
-        if forbids(text, units, spans):
-            return SignMeaning(((WARNING, 0.95),), f"“{text}” forbids something")
-        if WARNING in weighed(spans):
-            return SignMeaning(((WARNING, 0.95),), f"“{text}” has words of a warning")
-        return None
-
-    def _ends_in_a_trade(self, units: Sequence[str], spans: Sequence[Span[Meaning]]) -> bool:
-        """Whether a sign names a danger only to name a shop after it: “Danger Zone Games”.
-
-        What asks or forbids (“No food”, “Keep off the furniture”) is no name, and goods that one is warned of (coffee,
-        water, glass) are no trade.
-        """
-        words = [at for at, unit in enumerate(units) if not is_mark(unit) and unit not in self._knowledge.company_forms]
-        if not words or not spans or units[words[0]] in self._knowledge.imperatives:
-            return False
-        if is_unspaced(units[words[0]]):
-            # 勿忘我花店 begins with a “don't”, and says no more of what must not be done.
-            whole = " ".join(units)
-            forbids = any(whole.startswith(start) for start in self._knowledge.forbidding)
-            kinds = [concept for concept, _ in spans[-1].value.concepts]
-            is_house = any(kind.startswith(_HOUSES) for kind in kinds) or units[words[-1]] in _SHOP_ENDS
-            return not forbids and is_house and spans[-1].end > words[-1] and spans[-1].end - spans[-1].start > 1
-        return spans[-1].end > words[-1] and any(
-            concept in self._knowledge.trade_goods or concept.startswith(TRADES)
-            for concept, _ in spans[-1].value.concepts
-        )
 
     def _as_brand_with_words(
         self, text: str, units: Sequence[str], spans: Sequence[Span[Meaning]]
@@ -305,15 +267,6 @@ class SignReader:
         sure = _SURE_TRADE if is_trade else 0.7
         kinds = tuple((kind, sure * weight) for kind, weight in offered.items())
         return SignMeaning(kinds, f"“{text}” says {said_in(spans)}")
-
-    def _warning_start(self, key: str, units: Sequence[str]) -> str | None:
-        for end in range(min(4, len(units)), 0, -1):
-            phrase = " ".join(units[:end])
-            if phrase in self._knowledge.warning_starts and (len(units) > end or end > 1):
-                return phrase.replace(" ", "") if is_unspaced(phrase) else phrase
-        if not key.startswith(self._starts):
-            return None
-        return next((start for start in self._starts if key.startswith(start) and key != start), None)
 
     def _phrases(self, key: str, units: Sequence[str]) -> list[Span[Meaning]]:
         spans = longest_phrases(units, (self._knowledge.painted,))

@@ -54,6 +54,10 @@ class Repair:
         return [self._word(unit, says_something) for unit in units]
 
     def _word(self, unit: str, says_something: bool) -> str:
+        letters = unit.translate(_DIGITS)
+        if letters != unit and unit[0].isalpha() and letters.isalpha() and letters in load_words():
+            # “R0om” is a word with its digit read as a letter.
+            return letters
         is_mixed = not unit.isalpha() and sum(ch.isalpha() for ch in unit) >= _SHORTEST_MIXED - 1
         if len(unit) < (_SHORTEST_MIXED if is_mixed else _SHORTEST) or not unit.isascii() or not unit.isalnum():
             return unit

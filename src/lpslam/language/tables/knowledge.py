@@ -96,9 +96,13 @@ class Knowledge:
         """Return what the phrases of a language mean in a question; built when it is first asked for."""
         return self._tables.of(language)
 
-    def tables_of(self, language: str) -> tuple[Mapping[str, Meaning], ...]:
-        """Return the tables in which a question is looked up: the language's, and English words that it borrows."""
-        return self._tables.with_english(language)
+    def tables_of(self, language: str, is_plain: bool = False) -> tuple[Mapping[str, Meaning], ...]:
+        """Return the tables in which a question is looked up: the language's, and English words that it borrows.
+
+        Plain, they are without the turns of phrase of hospitals, offices and so on.
+        """
+        tables = self._tables.with_english(language)
+        return (self._tables.plain(language), *tables[1:]) if is_plain else tables
 
     def states(self, language: str) -> StateTables:
         """Return the things and states of a language."""

@@ -6,10 +6,10 @@ from importlib.resources import files
 from typing import Any, NamedTuple
 
 from lpslam.language.building import building
+from lpslam.language.languages import LANGUAGES
 from lpslam.language.tables.states import StateTables
 from lpslam.language.tables.words import Folder
 
-HAND_WRITTEN = ("en", "zh", "ja", "ko", "es", "de", "fr")
 TOPICS = ("food", "goods", "services", "facilities", "trades")
 VENUES = ("venues",)  # kinds of places in other buildings than malls: they stand beside what a word means else
 SAID_IN_VENUES = ("venue_needs",)  # how one asks for those kinds without naming them
@@ -37,9 +37,7 @@ def read_table(path: str) -> Any:
 
 def load_lexicons() -> dict[str, dict[str, Any]]:
     """The lexicon of each language, with what the topics say in it."""
-    lexicons: dict[str, dict[str, Any]] = {
-        language: read_table(f"lexicon/{language}.json") for language in HAND_WRITTEN
-    }
+    lexicons: dict[str, dict[str, Any]] = {language: read_table(f"lexicon/{language}.json") for language in LANGUAGES}
     sections = {"needs": "said", "venues": "venues", "venue_needs": "said_in_venues"}
     for topic in (*TOPICS, *VENUES, *SAID_IN_VENUES, *SAID_ONLY):
         for concept, by_language in read_table(f"lexicon/topics/{topic}.json").items():
@@ -84,6 +82,7 @@ class SpokenTables:
         self._gazetteer = gazetteer
         self._cuisine_kinds = cuisine_kinds
         self._built: dict[str, dict[str, Meaning]] = {}
+        self._plain: dict[str, dict[str, Meaning]] = {}
         self._borrowed: dict[str, dict[str, Meaning]] = {}
         self._states: dict[str, StateTables] = {}
 
@@ -93,6 +92,11 @@ class SpokenTables:
             with building():
                 self._built[language] = self._build(language)
         return self._built[language]
+
+    def plain(self, language: str) -> dict[str, Meaning]:
+        """Return `of` without the turns of phrase of other buildings than malls, which hide the words in them."""
+        self.of(language)
+        return self._plain[language]
 
     def with_english(self, language: str) -> tuple[dict[str, Meaning], ...]:
         """Return a language's table, and the English words that it borrows."""
@@ -160,16 +164,22 @@ class SpokenTables:
         for region in regions:
             for kind, rows in self._gazetteer["names"][region].items():
                 self._add(table, kind, BY_NAME, (row[1] for row in rows if row[1] not in common))
+        named = {phrase(text) for joined in lexicon["venues"].values() for text in split(joined)}
         for source, sure in (("things", BY_NAME), ("terms", BY_TERM)):
+            # What names a kind of room goes before the key words of a picture of it: 🛂 is called customs as well.
+            known = common | (named if source == "things" else frozenset())
             for region, by_concept in self._gazetteer[source].items():
                 if region.partition("-")[0] == language:
                     for concept, joined in by_concept.items():
-                        self._add(table, concept, sure, (each for each in joined.split("|") if each not in common))
-        for concept, joined in (*lexicon["venues"].items(), *lexicon["said_in_venues"].items()):
-            said = [phrase(text) for text in split(joined)]
-            # “Du beurre” stands in the tables as it is.
-            said += [key for each in said for article in articles if (key := f"{article} {each}") in table]
-            add_beside(table, concept, said, common)
+                        self._add(table, concept, sure, (each for each in joined.split("|") if each not in known))
+        for section in ("venues", "said_in_venues"):
+            if section == "said_in_venues":
+                self._plain[language] = dict(table)
+            for concept, joined in lexicon[section].items():
+                said = [phrase(text) for text in split(joined)]
+                # “Du beurre” stands in the tables as it is.
+                said += [key for each in said for article in articles if (key := f"{article} {each}") in table]
+                add_beside(table, concept, said, common)
         return table
 
     def _common(self, language: str) -> frozenset[str]:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from lpslam.language.questions.question import Wish as Meaning
-from lpslam.language.questions.question import languages_of
+from lpslam.language.questions.speaking import languages_of
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.words import is_mark, is_unspaced, longest_phrases
 from lpslam.language.wishes.reading import content_of, wish_languages

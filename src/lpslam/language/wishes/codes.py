@@ -5,8 +5,8 @@ A code is a number, a letter with one (B31, 3.14, 2-105), or a letter that stand
 
 import json
 import re
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from importlib.resources import files
 
@@ -18,14 +18,15 @@ from lpslam.language.wishes.numerals import digit_ordinal, number_of, with_digit
 # 一番近い is the nearest, 一番線 is platform 1; 이번 is this time, 이층 the second floor.
 _UNSPACED_NUMBER = re.compile(
     r"(?!一番(?![線线口のホゲ通窓乗出カ]|$))第?([〇零一二三四五六七八九两兩十百]+)(?=[号號番楼樓层層階栋幢站股])|(?<=[第])([一二三四五六七八九十]+)(?!近)"
+    # 展厅四, 登机口二十二
+    r"|(?<=[口室厅廳台区區道排架门門座位楼樓])([一二三四五六七八九十百]+)(?![\u4e00-\u9fff])"
     r"|(?<![가-힣])([일이삼사오육칠팔구]?[십백][일이삼사오육칠팔구십]*(?=번|호|층)|[일이삼사오육칠팔구](?=층|호))"
 )
 _ONE = r"(?:[a-z]{1,2}[-.]?|[b-z] )?\d{1,4}(?:[-.]\d{1,4}){0,2}[a-z]?|[a-z]"
 _CODE = re.compile(rf"(?<![a-zà-ÿ0-9'’])({_ONE})(?![^\W_\u2e80-\uffff])(?!['’-][a-z])", re.IGNORECASE)
 _TO = "-|–|—|~|〜|～|to|bis|through|thru|à|a|al|至|到|から|부터|에서"
-_RANGE = re.compile(
-    rf"(?<![a-zà-ÿ0-9])([a-z]{{0,2}})(\d{{0,4}}) ?(?:{_TO}) ?([a-z]{{0,2}})(\d{{0,4}})(?![a-z0-9])", re.IGNORECASE
-)
+_END = r"(?=[a-z\d])([a-z]{0,2})(\d{0,4})"
+_RANGE = re.compile(rf"(?<![a-zà-ÿ0-9]){_END} ?(?:{_TO}) ?{_END}(?![a-z0-9])", re.IGNORECASE)
 _TIMES = (
     r"min(?:ute)?n?s?|minutos|分钟|分鐘|小时|小時|時間|시간|分(?!院)|hours?|horas|heures|stunden|days?|días|jours|tage|天|日間|"
     r"a\.?m\.?|p\.?m\.?|uhr|o'clock|点|點|時|시(?!\S)|h(?![a-z])|years?|años|ans|jahre|岁|歳|살"
@@ -37,6 +38,9 @@ _MEASURES = (
 _QUANTITY = re.compile(
     rf"\d+(?:[.,:h]\d+)? ?(?:{_TIMES}|{_MEASURES})(?![a-z])|\d{{1,2}}:\d{{2}}|[$€£¥]\d+", re.IGNORECASE
 )
+_MIXED = re.compile(r"(?<![^\W_])(?=[a-z.-]*\d)([a-z]{1,2}[-.])?([\doilszb]{2,4})(?![^\W_])", re.IGNORECASE)
+_HEADS, _TAILS = str.maketrans("oil", "011"), str.maketrans("oilszb", "011528")
+"""Letters that are read for digits: first in a number, where S3 and B8 are codes of their own, and further on."""
 _PLURAL = "es|s"
 _BEFORE, _AFTER = 26, 8  # letters around a code in which the word for what is numbered is looked for
 _FEW_WORDS, _SHORT = 2, 16  # words and letters of a question that may be no more than a number
@@ -44,7 +48,10 @@ _FEW_WORDS, _SHORT = 2, 16  # words and letters of a question that may be no mor
 
 @dataclass(frozen=True, slots=True)
 class Code:
-    """A code on a board or in a question: letters, number (None: a letter alone), the rest, and what is numbered."""
+    """A code on a board or in a question: letters, number (None: a letter alone), the rest, and what is numbered.
+
+    `is_repaired` says that the board is taken to be misread: l04 is 104, C-O3 is C-03.
+    """
 
     letters: str
     number: int | None
@@ -52,6 +59,7 @@ class Code:
     of: frozenset[str]
     last: int | None = None
     last_letters: str = ""
+    is_repaired: bool = False
 
     @property
     def value(self) -> str:
@@ -114,7 +122,7 @@ def _of_code(text: str, start: int, end: int) -> frozenset[str]:
 
 _COUNTERS = " 号號番번-の"
 _BETWEEN = re.compile(
-    r"\b(?:no|nr|number|nummer|numéro|número|and|und|y|et|to|bis|à|a|al)\b|[\d\s.:#º°&,/()–—~-]|(?<![a-z])[a-z](?![a-z])|(?<![a-z])[a-z](?=\d)"
+    r"\b(?:no|nr|number|nummer|numéro|número|and|und|y|et|or|oder|ou|o|to|bis|à|a|al)\b|[或和とか나]|[\d\s.:#º°&,/()–—~-]|(?<![a-z])[a-z](?![a-z])|(?<![a-z])[a-z](?=\d)"
 )
 """What may stand between “gates” and a number: other numbers, “no.”, “and”."""
 
@@ -169,7 +177,17 @@ def board_codes(text: str) -> tuple[Code, ...]:
         code = _code(hit.group(1), of)
         if code.number is not None or of:
             found.append(code)
-    return tuple(found)
+    return (*found, *_repaired(folded))
+
+
+def _repaired(folded: str) -> Iterator[Code]:
+    """Codes that a board bears if letters among its digits are misread ones."""
+    for hit in _MIXED.finditer(folded):
+        letters, digits = hit.group(1) or "", hit.group(2)
+        number = digits[0].translate(_HEADS) + digits[1:].translate(_TAILS)
+        if number != digits and number.isdigit():
+            code = _code(letters + number, _of_board_code(folded, hit.start(), hit.end()))
+            yield replace(code, is_repaired=True)
 
 
 def asked_codes(text: str) -> list[Code]:
@@ -222,8 +240,8 @@ def _is_capital(text: str, letter: str, of: frozenset[str]) -> bool:
 
 
 def _follows(folded: str, at: int) -> bool:
-    """Whether what is numbered stands right before a place: “terminal | two”."""
-    before = folded[max(0, at - _BEFORE) : at].rstrip()
+    """Whether what is numbered stands right before a place: “terminal | two”, “gate D | seven”."""
+    before = re.sub(r" [a-z]$", "", folded[max(0, at - _BEFORE) : at].rstrip())
     return any(word.end() == len(before) for word, _ in _last_words(before))
 
 

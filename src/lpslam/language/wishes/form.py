@@ -113,11 +113,19 @@ PREVIOUS = Stop("the stop before")
 
 @dataclass(frozen=True, slots=True)
 class Wish:
-    """What a question means: stops in order, and the language in which it was asked; None where that is not known."""
+    """What a question means.
+
+    Attributes:
+        stops: in order.
+        language: in which it was asked; None where that is not known.
+        notes: what is not sure of it.
+        instead: the one stop that it is where the map has not all of them: “before I go to the meeting, a coffee”.
+    """
 
     stops: tuple[Stop, ...]
     language: str | None = None
     notes: tuple[str, ...] = field(default=())
+    instead: Stop | None = None
 
     def to_document(self) -> dict[str, Any]:
         """Return the wish as JSON."""
@@ -133,7 +141,13 @@ class Wish:
         try:
             stops = tuple(_stop_of(each) for each in tree["stops"])
             language = tree.get("language")
-            return cls(stops, None if language is None else str(language), _texts(tree.get("notes", ())))
+            instead = tree.get("instead")
+            return cls(
+                stops,
+                None if language is None else str(language),
+                _texts(tree.get("notes", ())),
+                None if instead is None else _stop_of(instead),
+            )
         except (KeyError, TypeError, AttributeError) as error:
             raise ValueError(f"this is no wish: {error!r}") from error
 

@@ -16,6 +16,7 @@ from lpslam.language.model import Candidate
 from lpslam.language.signs.repair import Repair
 from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.words import UNSPACED_RUN, is_mark, is_unspaced
+from lpslam.language.wishes.persons import called, consonants, spellings
 
 _SAME = 88.0  # of 100: two known words of a name are the same but for a reader's or a typist's slip
 _FAR = 9  # letters of a word in which two slips are forgiven
@@ -25,7 +26,6 @@ _CONSONANTS = 4  # of a name that is compared by them alone: フェルメール 
 _HOMOPHONES = 3  # characters of a name that is compared by how they are read: 同仁唐 is 同仁堂
 _ACROSS = 80.0  # of 100: a name in other letters sounds the same
 _SHORTEST = 4  # letters of a name that may be compared across scripts
-_SOUNDS = str.maketrans("vbplgckqzjxd", "fffrkkkksss" + "t", "aeiouhwy")
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +33,7 @@ class Words:
     """The words of one line of a board: units of spaced scripts, runs of unspaced ones, and all in Latin letters."""
 
     units: frozenset[str]
+    in_order: tuple[str, ...]
     runs: tuple[str, ...]
     latin: str
     key: str
@@ -78,7 +79,10 @@ class Names:
         units = frozenset(
             unit for unit in (*painted, *self._repair.words(painted)) if not is_mark(unit) and not is_unspaced(unit)
         )
-        return Words(units, tuple(UNSPACED_RUN.findall(folded)), _latin(text), fold.key(text))
+        in_order = tuple(
+            unit for unit in fold.units(text.replace("-", " ")) if unit.isalpha() and not is_unspaced(unit)
+        )
+        return Words(units, in_order, tuple(UNSPACED_RUN.findall(folded)), _latin(text), fold.key(text))
 
     def _bearing(self, word: str) -> set[int]:
         """Landmarks that may bear a word: its own, one a slip away, or all pairs of its characters."""
@@ -115,12 +119,36 @@ class Names:
         """Return landmarks whose whole name is a slip away from what is asked, or is read alike: 同仁唐, tool crip."""
         key = "".join(content)
         if is_unspaced(key):
-            return {id_: 1.0 for id_, lines in self._words.items() if any(_reads_alike(line, key) for line in lines)}
-        near = {
-            id_: min((Levenshtein.distance(key, line.key, score_cutoff=_slips(key)) for line in lines), default=99)
-            for id_, lines in self._words.items()
-        }
-        return {id_: 1.0 - at / len(key) for id_, at in near.items() if at <= _slips(key)}
+            sound = _latin(key)
+            return {
+                id_: 1.0
+                for id_, lines in self._in_runs.items()
+                if len(key) >= _HOMOPHONES and any(_reads_alike(line, sound, len(key)) for line in lines)
+            }
+        keys, ids = self._keys
+        near = process.extract(key, keys, scorer=Levenshtein.distance, score_cutoff=_slips(key), limit=None)
+        return {ids[at]: 1.0 - slips / len(key) for _, slips, at in sorted(near, key=lambda each: -each[1])}
+
+    @cached_property
+    def _keys(self) -> tuple[list[str], list[int]]:
+        """The letters of every line, and its landmark."""
+        rows = [(line.key, id_) for id_, lines in self._words.items() for line in lines]
+        return [key for key, _ in rows], [id_ for _, id_ in rows]
+
+    @cached_property
+    def _in_runs(self) -> dict[int, list[Words]]:
+        """The lines that have words of scripts without spaces, by landmark."""
+        found = {id_: [line for line in lines if line.runs] for id_, lines in self._words.items()}
+        return {id_: lines for id_, lines in found.items() if lines}
+
+    @cached_property
+    def _by_consonants_of_words(self) -> dict[str, set[int]]:
+        """Landmarks by the consonants of each word of a spaced script."""
+        found: dict[str, set[int]] = {}
+        for id_, lines in self._words.items():
+            for sound in {consonants(word) for line in lines for word in line.in_order}:
+                found.setdefault(sound, set()).add(id_)
+        return found
 
     def across(self, content: Sequence[str]) -> dict[int, float]:
         """Return by landmark how alike a name sounds that is painted in another script than it is asked for in."""
@@ -132,17 +160,17 @@ class Names:
         found: dict[int, float] = {}
         for _, alike, at in process.extract(latin, names, scorer=fuzz.ratio, score_cutoff=_ACROSS, limit=None):
             found[ids[at]] = max(found.get(ids[at], 0.0), alike / 100.0)
-        return found or self._by_consonants(latin, is_unspaced(asked))
+        return found or self._byconsonants(latin, is_unspaced(asked))
 
-    def _by_consonants(self, latin: str, is_asked_unspaced: bool) -> dict[int, float]:
+    def _byconsonants(self, latin: str, is_asked_unspaced: bool) -> dict[int, float]:
         """Names of spaced scripts that have the consonants of one in kana or Hangul, which write vowels between."""
-        sought = _consonants(latin)
+        sought = consonants(latin)
         if not is_asked_unspaced or len(sought) < _CONSONANTS:
             return {}
         return {
             id_: _ACROSS / 100.0
             for id_, lines in self._words.items()
-            if any(_consonants(unit) == sought for line in lines for unit in line.units)
+            if any(consonants(unit) == sought for line in lines for unit in line.units)
         }
 
     def persons(self, name: str) -> list[int]:
@@ -151,11 +179,32 @@ class Names:
         if not words:
             return []
         ids = set.intersection(*(self._bearing(word) | self._bearing(word.rstrip("s") or word) for word in words))
-        return [
+        found = [
             id_
             for id_ in sorted(ids)
             if any(all(_bears_person(line, word) for word in words) for line in self._words[id_])
         ]
+        return found or self._called(name)
+
+    def _called(self, name: str) -> list[int]:
+        """Landmarks whose board bears a person's name in another script, those that are likest."""
+        sure = {
+            id_: max(called(name, line.in_order, line.runs) for line in self._words[id_])
+            for id_ in sorted(self._perhaps_called(name))
+        }
+        best = max(sure.values(), default=0.0)
+        return [id_ for id_, each in sure.items() if best and each == best]
+
+    def _perhaps_called(self, name: str) -> set[int]:
+        """Landmarks that have a word with which the name may begin, or any in another script."""
+        if not is_unspaced(name):
+            return set(self._in_runs)
+        found: set[int] = set()
+        for spelled in spellings(name):
+            sound = consonants("".join(spelled))
+            heads = (self._by_consonants_of_words.get(sound[:size], set()) for size in range(1, len(sound) + 1))
+            found.update(self._ids_of.get(spelled[0], ()), *heads)
+        return found
 
 
 def _pairs(runs: Sequence[str]) -> list[str]:
@@ -188,17 +237,8 @@ def _slips(word: str) -> int:
     return 0 if len(word) < _LONG else 1 if len(word) < _FAR else 2
 
 
-def _reads_alike(line: Words, key: str) -> bool:
-    sound, size = _latin(key), len(key)
-    return size >= _HOMOPHONES and any(
-        _latin(run[at : at + size]) == sound for run in line.runs for at in range(len(run) - size + 1)
-    )
-
-
-def _consonants(latin: str) -> str:
-    """The consonants of a name, those that scripts do not tell apart as one, doubled ones once."""
-    kept = latin.translate(_SOUNDS)
-    return "".join(ch for at, ch in enumerate(kept) if not at or kept[at - 1] != ch)
+def _reads_alike(line: Words, sound: str, size: int) -> bool:
+    return any(_latin(run[at : at + size]) == sound for run in line.runs for at in range(len(run) - size + 1))
 
 
 def _bears_person(line: Words, word: str) -> bool:

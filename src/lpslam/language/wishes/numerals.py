@@ -13,7 +13,8 @@ from importlib.resources import files
 from itertools import product
 from typing import Any
 
-_SPACED = ("en", "es", "de", "fr")
+from lpslam.language.languages import LATIN
+
 _ARTICLES = frozenset({"un", "una", "une", "ein", "eine", "einen", "einer"})
 """Numbers that are articles wherever more follows."""
 _LONGEST = 6  # words of a number below a thousand: "quatre cent quatre vingt dix neuf"
@@ -46,7 +47,7 @@ def _key(text: str) -> str:
 def _cardinals() -> Mapping[str, int]:
     """Every cardinal from 1 to 999 of the languages that space words, by its letters."""
     found: dict[str, int] = {}
-    for language in _SPACED:
+    for language in LATIN:
         for number, spelled in _of_language(_tables()[language]):
             found.setdefault(_key(spelled), number)
     return found
@@ -110,13 +111,13 @@ def ordinals(language: str) -> Mapping[str, int]:
 
 @lru_cache(maxsize=1)
 def _ordinals() -> Mapping[str, int]:
-    return {_key(word): at for language in _SPACED for word, at in ordinals(language).items() if _key(word) == word}
+    return {_key(word): at for language in LATIN for word, at in ordinals(language).items() if _key(word) == word}
 
 
 @lru_cache(maxsize=1)
 def digit_ordinal() -> re.Pattern[str]:
     """A pattern of ordinals in digits, of all languages: 3rd, 3., 3e, 3º; group 1 is the number."""
-    ends = "|".join(_tables()[language]["suffixes"] for language in _SPACED)
+    ends = "|".join(_tables()[language]["suffixes"] for language in LATIN)
     return re.compile(rf"(?<![\w.-])(\d{{1,3}})(?:{ends})(?= )")
 
 

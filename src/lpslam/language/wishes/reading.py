@@ -3,17 +3,21 @@
 import re
 from dataclasses import replace
 
-from lpslam.language.questions.question import languages_of, read_question
+from lpslam.language.languages import LANGUAGES, LATIN
+from lpslam.language.questions.question import read_question
+from lpslam.language.questions.speaking import languages_of
+from lpslam.language.questions.weighing import MAIN
 from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.words import is_mark
+from lpslam.language.wishes.attributes import attributes_of
 from lpslam.language.wishes.codes import asked_codes, identities
 from lpslam.language.wishes.form import PREVIOUS, Ask, Identity, Relation, Sort, Stop, Which, Wish
-from lpslam.language.wishes.rules import LANGUAGES, Row, Rules, rules_of
+from lpslam.language.wishes.rules import Row, Rules, rules_of
 
 _LONGEST = 400  # letters of a question
-_LATIN = ("en", "es", "de", "fr")
 _ENDS = " .。!！?？,，、;；¿¡"
+_LISTED = re.compile(r"[,，;；、] ?(?:(?:and|und|et|y) )?")
 _MOST_STOPS = 6
 _OPPOSED = {Which.NEAREST.value, Which.FARTHEST.value}  # one place is hardly both
 _DEEPEST = 2  # anchors of anchors
@@ -23,8 +27,8 @@ _POSSESSIVE = re.compile(r"['’]s?$")
 def wish_languages(text: str, knowledge: Knowledge) -> tuple[str, ...]:
     """Return the languages whose rules are tried, likeliest first."""
     likely = [language for language in languages_of(text, knowledge) if language in LANGUAGES]
-    if not likely or likely[0] in _LATIN:
-        likely += [language for language in _LATIN if language not in likely]
+    if not likely or likely[0] in LATIN:
+        likely += [language for language in LATIN if language not in likely]
     return tuple(dict.fromkeys(likely))
 
 
@@ -35,9 +39,14 @@ def read_wish(question: str, knowledge: Knowledge) -> Wish:
     likely = languages_of(text, knowledge)
     for language in languages:
         parts = _in_sequence(text, rules_of(language))
+        if len(parts) > 1:
+            parts = [each for part in parts for each in _listed(part, knowledge)]
         if len(parts) > 1 and sum(_says_a_place(part, knowledge) for part in parts) >= max(2, len(parts) - 1):
             stops = tuple(_stop(part, languages, knowledge) for part in parts)
-            return Wish(stops[:_MOST_STOPS], language)
+            found = rules_of(language).first(rules_of(language).sequences, text)
+            is_sure = found is None or not found[0].then.get("perhaps")
+            instead = None if is_sure else _stop(text, languages, knowledge)
+            return Wish(stops[:_MOST_STOPS], language, instead=instead)
     return Wish((_stop(text, languages, knowledge),), likely[0] if likely else None)
 
 
@@ -47,6 +56,16 @@ def _says_a_place(text: str, knowledge: Knowledge) -> bool:
     if read.refused or read.refused_names:
         return False
     return bool(read.wanted) or any(ch.isupper() or ch.isdigit() for ch in text)
+
+
+def _listed(text: str, knowledge: Knowledge) -> list[str]:
+    """The stops that a part of a plan lists: “buy a ticket, grab a croissant”, each something of its own."""
+    pieces = [each for each in _LISTED.split(text) if each.strip(_ENDS)]
+    says_all = all(
+        any(weight >= MAIN for _, weight in read.wanted) and not read.refused
+        for read in (read_question(piece, knowledge) for piece in pieces)
+    )
+    return pieces if len(pieces) > 1 and says_all else [text]
 
 
 def _in_sequence(text: str, rules: Rules) -> list[str]:
@@ -73,7 +92,7 @@ def _stop(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: in
     left = content_left(what, rules)
     if stop.relation is not None or ask in (Ask.LIST, Ask.WHICH):
         # Its place tells which: “the room next to …”; “what is that next to …” has common words only.
-        left = content_left(rules.any.sub(" ", left), rules)
+        left = content_left(rules.any.sub(" ", what), rules)
     if stop.relation is not None:
         left = _uncommon(left, languages, knowledge)
     is_any = ask in (Ask.HERE, Ask.FORBIDDEN) or (not left and (stop.relation is not None or ask is Ask.LIST))
@@ -129,14 +148,32 @@ def _without(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth:
         if found is None:
             continue
         what, out = (found[1].group(name).strip(_ENDS) for name in ("what", "not"))
+        numbered = _numbered_alike(what, out)
+        if numbered:
+            return what, numbered
         stop = _stop(out, languages, knowledge, depth=_DEEPEST - 1)
         asked, left = (dict(read_question(each, knowledge).wanted) for each in (what, out))
-        is_one = stop.which is not Which.ANY or stop.relation is not None or bool(stop.identity)
         whole = read_question(text, knowledge)
+        # “Not in a large chain” tells no place from another.
+        is_told = bool(attributes_of(out)) and all("/" in each or each in asked for each in whole.refused)
+        is_one = stop.which is not Which.ANY or stop.relation is not None or bool(stop.identity) or is_told
         is_read = bool(whole.wanted and whole.refused) and not is_one
-        if asked and not is_read and (is_one or asked.keys() & left.keys()):
+        is_unread = bool(whole.wanted and left) and not whole.refused
+        if (asked or is_told) and not is_read and (is_one or asked.keys() & left.keys() or is_unread):
+            if is_told and not left:
+                # “The lounge that isn't the blue one.”
+                return what, (replace(stop, what=f"{what} {out}"),)
             return what, (replace(stop, what=what) if is_one and not left and not stop.identity else stop,)
     return text, ()
+
+
+def _numbered_alike(what: str, out: str) -> tuple[Stop, ...]:
+    """What is left out by its number alone, which is of what is asked for: “any dock except 1, 2 and 3”."""
+    asked = asked_codes(what)
+    codes = [code for code in asked_codes(f"{what} {out}") if code not in asked]
+    if asked_codes(out) or not codes:
+        return ()
+    return tuple(Stop(f"{what} {out}", identity=(identity,), whole=out) for identity in identities(codes))
 
 
 def _uncommon(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> str:

@@ -14,7 +14,6 @@ from typing import Any
 
 from lpslam.language.wishes.numerals import ordinals
 
-LANGUAGES = ("en", "zh", "ja", "ko", "es", "de", "fr")
 _NAMED = re.compile(r"(?<!\(\?P)<(\w+)>")
 _DEEPEST = 3  # parts within parts
 

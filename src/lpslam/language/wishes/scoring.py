@@ -9,9 +9,9 @@ from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
 
-from lpslam.language.choosing.choosing import ranked
+from lpslam.language.choosing.choosing import guessed, ranked
 from lpslam.language.choosing.landmark_index import LandmarkIndex
-from lpslam.language.choosing.serving import Kinds, likeness
+from lpslam.language.choosing.serving import FITS, Kinds, likeness, match
 from lpslam.language.model import Candidate
 from lpslam.language.questions.question import Wish as Meaning
 from lpslam.language.questions.question import asks_for_another, read_question
@@ -21,16 +21,19 @@ from lpslam.language.signs.wording import WARNING
 from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.words import is_mark, is_unspaced, longest_phrases
 from lpslam.language.wishes.asked_words import SHORTEST, AskedWords
-from lpslam.language.wishes.codes import Code, board_codes, code_of, without_codes
-from lpslam.language.wishes.form import Ask, Identity, Sort, Stop, Which, with_meaning
+from lpslam.language.wishes.attributes import attributes_of, told_apart
+from lpslam.language.wishes.form import Ask, Stop, Which, with_meaning
+from lpslam.language.wishes.identities import Identities
 from lpslam.language.wishes.names import Names
-from lpslam.language.wishes.reading import content_of, wish_languages
+from lpslam.language.wishes.reading import content_left, content_of, wish_languages
 from lpslam.language.wishes.rules import rules_of
 from lpslam.language.wishes.served import Served
 
 _ANY_SORT = frozenset({"shop", "business", "place"})
 _FEW_OF_A_FAMILY = 3  # rooms of one sort of building that make the map one of it, at least
 _MUCH_OF_A_FAMILY = 0.25  # of all landmarks: fewer aisles of goods are shops of a mall
+_SOLD_AT_DESKS = frozenset({"shop/ticket", "facility/tickets"})
+_WHOLE_SHOPS = frozenset({"groceries", "shop/supermarket", "shop/convenience"})
 _OF_THE_HOUSE = (
     *(
         f"amenity/{each}"
@@ -54,8 +57,6 @@ _ROOMS = ("facility/", "indoor/", "department/", "office/", "aeroway/", "amenity
 _CAPITALS_ARE_NAMES = frozenset({"en", "es", "fr"})
 _SURE, _NAMED, _ACROSS = 1.0, 0.9, 0.85  # of a code or person, of a part of a name, of a name in another script
 _WHOLE = 0.95  # of a name's letters: the name itself
-_BY_THE_WAY = frozenset({"floor", "building", "zone"})
-"""What may be numbered beside what is asked for: “a toilet on level 2”."""
 _FEWEST_BORNE, _MOST_BORNE = 2, 0.5  # words of a question that a board bears, and their share of its letters
 _LEAST_LITERAL = 0.3  # of a board's letters that are asked for word by word
 
@@ -73,6 +74,7 @@ class EmbeddedScorer:
         self._knowledge = knowledge
         self._asked = AskedWords(knowledge)
         self._names = Names(landmarks, knowledge, signs.repair)
+        self._identities = Identities(landmarks, self._names, knowledge)
         families = [
             {self._knowledge.family(kind) for kind, weight in sign.kinds if weight >= 0.5}
             for sign in index.signs.values()
@@ -81,14 +83,6 @@ class EmbeddedScorer:
         self._by_id = {mark.id: mark for mark in landmarks}
         self._heard: set[int] = set()
         self._commanding: set[int] = set()
-
-    @cached_property
-    def _codes(self) -> dict[int, list[Code]]:
-        """The codes of every board, read when the first one is asked for."""
-        return {
-            mark.id: [code for text in dict.fromkeys((mark.name, *mark.lines)) for code in board_codes(text)]
-            for mark in self._landmarks
-        }
 
     @cached_property
     def _warning(self) -> frozenset[int]:
@@ -100,40 +94,65 @@ class EmbeddedScorer:
         """Return the landmarks that serve a stop: by identity, by name, else by what they are."""
         if not stop.what:
             return self._any_place(stop)
-        allowed, ignored, failed = self._identified(stop)
+        allowed, ignored, failed = self._identities.identified(stop)
         if failed:
             return Served(stop, {}, f"no board bears {failed}", 0.8, self._of_what(stop), ignored)
         if allowed is not None:
             return Served(stop, self._trusted(allowed), "the board bears it", 0.97, ignored=ignored)
         meaning = read_question(stop.what, self._knowledge, self._index.names)
         stop = with_meaning(stop, [kind for kind, _ in meaning.wanted], (*meaning.refused, *meaning.refused_names))
-        within = self._on_level(stop, ignored)
+        within = self._identities.on_level(stop, ignored)
         found = self._by_name(stop, meaning)
         if found:
-            return Served(stop, self._trusted(_within(found, within)), "the board says the name", 0.95, ignored=ignored)
+            scores = self._trusted(_within(found, within))
+            named = frozenset(scores)
+            return Served(stop, scores, "the board says the name", 0.95, ignored=ignored, exact=named)
         general = self._of_any_sort(stop, meaning)
         if general:
             return Served(stop, self._trusted(_within(general, within)), "any of this sort", 0.9, ignored=ignored)
         choice, scores = ranked(stop.what, self._index, self._signs, self._knowledge, self.model)
-        scores = _within(self._trusted(scores), within)
-        scores = self._bearing_the_words(stop, meaning, self._of_the_family(meaning, scores))
+        scores = self._not_by_the_whole(meaning, _within(self._trusted(scores), within))
+        scores = self._told_apart(stop, self._bearing_the_words(stop, meaning, self._of_the_family(meaning, scores)))
         if not scores or self._is_another(stop, meaning, scores):
-            literal = self._literal(stop, meaning)
+            literal = self._told_apart(stop, self._literal(stop, meaning))
             if literal:
                 return Served(stop, self._trusted(literal), "the board says these words", 0.7, ignored=ignored)
+            told = self._told_only(stop)
+            if told:
+                return Served(stop, self._trusted(told), "the board says so", 0.8, ignored=ignored)
+            guess = self._guessed(stop, within) if not scores else None
+            if guess is not None:
+                return replace(guess, ignored=ignored)
             return Served(stop, {}, choice.evidence, choice.confidence, choice.alternatives, ignored)
         top = max(scores.values())
         scores = {id_: score / top for id_, score in scores.items()}
         words, _ = self._asked.asked(stop.what)
         exact = frozenset(id_ for id_, share in self._names.covered(words).items() if share >= _WHOLE and id_ in scores)
+        if meaning.wanted_names:
+            exact = frozenset(scores)
         return Served(stop, scores, choice.evidence, choice.confidence, ignored=ignored, exact=exact)
+
+    def _guessed(self, stop: Stop, within: set[int] | None) -> Served | None:
+        """What the words of a stop are nearest to; who asks whether there is a hotel is not shown a taxi."""
+        in_other_words = stop.ask is not Ask.IS_THERE
+        guess = guessed(stop.what, self._index, self._signs, self._knowledge, self.model, in_other_words)
+        if guess is None:
+            return None
+        choice, found = guess
+        meaning = read_question(stop.what, self._knowledge)
+        if meaning.wanted:
+            found = self._of_the_family(meaning, found)
+        scores = self._told_apart(stop, _within(self._trusted(found), within))
+        return Served(stop, scores, choice.evidence, choice.confidence) if scores else None
 
     def _of_any_sort(self, stop: Stop, meaning: Meaning) -> dict[int, float]:
         """“The shop next to …” is any shop: what the map says of where it stands is all that tells it from others."""
         wanted = {kind for kind, _ in meaning.wanted}
-        is_told_by_place = stop.relation is not None or stop.ask in (Ask.LIST, Ask.HERE) or stop.which is not Which.ANY
-        if not wanted or not wanted <= _ANY_SORT or not is_told_by_place or meaning.refused:
+        if not wanted or not wanted <= _ANY_SORT or meaning.refused:
             return {}
+        is_told_by_place = stop.relation is not None or stop.ask in (Ask.LIST, Ask.HERE) or stop.which is not Which.ANY
+        if not is_told_by_place:
+            return self._the_only_shop(stop, meaning)
         if wanted == {"place"}:
             return {mark.id: 1.0 for mark in self._landmarks}
         return {
@@ -144,6 +163,18 @@ class EmbeddedScorer:
             if kinds or self._index.signs[id_].name_like
         }
 
+    def _the_only_shop(self, stop: Stop, meaning: Meaning) -> dict[int, float]:
+        """“The shop” of a museum is the one that it has."""
+        if meaning.unknown or len(stop.what.split()) > _SHORT_NAME:
+            return {}
+        shops = [
+            id_
+            for kinds, ids in self._index.groups.items()
+            if likeness("shop", kinds, self._knowledge) >= 0.5 and not any(kind in _SOLD_AT_DESKS for kind, _ in kinds)
+            for id_ in ids
+        ]
+        return dict.fromkeys(shops, _SURE) if len(shops) == 1 else {}
+
     def _are_shops(self, kinds: Kinds) -> bool:
         """Whether places may be called shops where their place tells which: anything that is no part of the house.
 
@@ -152,6 +183,19 @@ class EmbeddedScorer:
         if likeness("business", kinds, self._knowledge) >= 0.5:
             return True
         return not any(kind.startswith((*_OF_THE_HOUSE, "sign/")) for kind, _ in kinds)
+
+    def _not_by_the_whole(self, meaning: Meaning, scores: Mapping[int, float]) -> dict[int, float]:
+        """An aisle of a supermarket sells what it says, not what supermarkets sell."""
+        if self._families["supermarket"] < max(_FEW_OF_A_FAMILY, _MUCH_OF_A_FAMILY * len(self._landmarks)):
+            return dict(scores)
+
+        def sells(id_: int) -> bool:
+            kinds = self._index.signs[id_].kinds
+            own = tuple(each for each in kinds if each[0] not in _WHOLE_SHOPS)
+            is_aisle = any(self._knowledge.family(kind) == "supermarket" for kind, _ in kinds)
+            return not is_aisle or any(match(concept, own, self._knowledge) >= FITS for concept, _ in meaning.wanted)
+
+        return {id_: score for id_, score in scores.items() if sells(id_)}
 
     def _of_the_family(self, meaning: Meaning, scores: Mapping[int, float]) -> dict[int, float]:
         """Who asks for one department of a hospital wants no other; an aisle goes before the rest of a supermarket."""
@@ -198,6 +242,30 @@ class EmbeddedScorer:
             id_: top if id_ in best else min(score, _BEHIND * top) if best else score for id_, score in scores.items()
         }
 
+    def _told_apart(self, stop: Stop, scores: Mapping[int, float]) -> dict[int, float]:
+        """Of rooms and doors of one kind, those that the wish tells from the others: “the blue lounge”, 北口."""
+        asked = attributes_of(stop.what)
+        if not asked:
+            return dict(scores)
+        told = {
+            id_: told_apart(asked, attributes_of(self._by_id[id_].name)) if self._is_of_the_house(id_) else 0
+            for id_ in scores
+        }
+        best = max(0, *told.values()) if told else 0
+        return {id_: score for id_, score in scores.items() if told[id_] >= best}
+
+    def _told_only(self, stop: Stop) -> dict[int, float]:
+        """“The green room” is whatever room says green."""
+        asked = attributes_of(stop.what)
+        rules = rules_of(next(iter(wish_languages(stop.what, self._knowledge)), "en"))
+        if not asked or len(content_left(rules.any.sub(" ", stop.what), rules).split()) > len(asked):
+            return {}
+        ids = [id_ for id_ in self._by_id if self._is_of_the_house(id_)]
+        return {id_: _NAMED for id_ in ids if told_apart(asked, attributes_of(self._by_id[id_].name)) > 0}
+
+    def _is_of_the_house(self, id_: int) -> bool:
+        return any(kind.startswith(_OF_THE_HOUSE) for kind, _ in self._index.signs[id_].kinds)
+
     def _is_another(self, stop: Stop, meaning: Meaning, scores: Mapping[int, float]) -> bool:
         """Whether a name is asked for that stands on no board, where boards of the sort bear names: room Gamma."""
         languages = wish_languages(stop.what, self._knowledge)
@@ -243,7 +311,7 @@ class EmbeddedScorer:
         return is_name or any(weight > 0.5 for _, weight in meaning.wanted)
 
     def _bears_a_name(self, id_: int, languages: Sequence[str]) -> bool:
-        return bool(self._asked.of(self._by_id[id_].name, languages)[1]) or bool(self._codes[id_])
+        return bool(self._asked.of(self._by_id[id_].name, languages)[1]) or bool(self._identities.codes[id_])
 
     def _trusted(self, scores: Mapping[int, float]) -> dict[int, float]:
         # Sets that only grow: threads that ask at the same time add the same.
@@ -258,62 +326,13 @@ class EmbeddedScorer:
     def _any_place(self, stop: Stop) -> Served:
         if stop.ask is Ask.FORBIDDEN:
             return Served(stop, dict.fromkeys(sorted(self._warning), 1.0), "what warns or forbids", 0.9)
+        return Served(stop, self._places, "any place", 0.9)
+
+    @cached_property
+    def _places(self) -> Mapping[int, float]:
+        """All places that neither warn nor speak to a machine."""
         places = [mark.id for mark in self._landmarks if mark.id not in self._warning]
-        return Served(stop, self._trusted(dict.fromkeys(places, 1.0)), "any place", 0.9)
-
-    def _identified(self, stop: Stop) -> tuple[dict[int, float] | None, tuple[str, ...], str]:
-        """The landmarks that bear all that must stand there; what is not heeded; and what stands on none."""
-        found: dict[int, float] | None = None
-        ignored: list[str] = []
-        for identity in stop.identity:
-            bearing = self._bearing(identity)
-            if identity.sort is Sort.CODE and _BY_THE_WAY.intersection(identity.of) and self._says_more(stop, identity):
-                if not bearing:
-                    ignored.append(str(identity))
-                continue
-            if not bearing:
-                return None, tuple(ignored), str(identity)
-            found = bearing if found is None else {id_: found[id_] for id_ in found if id_ in bearing}
-            if not found:
-                return None, tuple(ignored), " and ".join(map(str, stop.identity))
-        return found, tuple(ignored), ""
-
-    def _says_more(self, stop: Stop, identity: Identity) -> bool:
-        """Whether a stop names something else than what is numbered: “a toilet on level 2”, not “parking P7”."""
-        meaning = read_question(without_codes(stop.what), self._knowledge)
-        return any(weight > 0.5 for _, weight in meaning.wanted)
-
-    def _bearing(self, identity: Identity) -> dict[int, float]:
-        if identity.sort is Sort.PERSON:
-            return dict.fromkeys(self._names.persons(identity.value), _SURE)
-        asked = code_of(identity)
-        found: dict[int, float] = {}
-        for id_, codes in self._codes.items():
-            fits = [code for code in codes if code.bears(asked)]
-            if fits:
-                is_same = any(code.of & asked.of for code in fits) or not asked.of
-                is_exact = any(
-                    code.last is None and not code.last_letters and code.number == asked.number for code in fits
-                )
-                found[id_] = _SURE - 0.1 * (not is_same) - 0.05 * (not is_exact)
-        if (
-            asked.of
-            and not asked.letters
-            and any(code.of & asked.of for codes in self._codes.values() for code in codes)
-        ):
-            # Where aisles are numbered as aisles, a number that is of nothing is no aisle.
-            found = {id_: score for id_, score in found.items() if score > _SURE - 0.1}
-        best = max(found.values(), default=0.0)
-        return {id_: score for id_, score in found.items() if score >= best - 0.01}
-
-    def _on_level(self, stop: Stop, ignored: Sequence[str]) -> set[int] | None:
-        """Where a level or a building is named by the way, the landmarks that bear it."""
-        within: set[int] | None = None
-        for identity in stop.identity:
-            if str(identity) not in ignored:
-                bearing = set(self._bearing(identity))
-                within = bearing if within is None else within & bearing
-        return within
+        return self._trusted(dict.fromkeys(places, 1.0))
 
     def _of_what(self, stop: Stop) -> tuple[int, ...]:
         """What comes next where an identity stands on no board: others of the same sort."""
@@ -332,7 +351,9 @@ class EmbeddedScorer:
         whole = self._names.covered(words)
         exact = {id_: _SURE for id_, share in whole.items() if share >= _WHOLE}
         if not proper and not (exact and self._unread(exact)):
-            return {}
+            # “フェルメール” means painters, and stands on a board in Latin letters.
+            is_one = len(words) == 1 and stop.what.strip() == words[0] and is_unspaced(words[0])
+            return {id_: _ACROSS * share for id_, share in self._names.across(words).items()} if is_one else {}
         if exact:
             return exact
         if whole and proper:

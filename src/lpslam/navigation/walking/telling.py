@@ -11,11 +11,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from lpslam.language.languages import LANGUAGES
 from lpslam.navigation.walking.ways import Way
 
 Array = NDArray[np.float64]
 
-LANGUAGES = ("en", "zh", "ja", "ko", "es", "de", "fr")
 """Languages in which ways are told; English for all others."""
 
 _SLIGHT, _FULL, _SHARP, _BACK = (np.radians(each) for each in (25.0, 60.0, 120.0, 160.0))

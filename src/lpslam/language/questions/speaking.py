@@ -1,0 +1,62 @@
+"""Which language a question is in: by script, by its commonest words and letters, or by the phrases that are known."""
+
+import re
+
+from lpslam.language.languages import LATIN
+from lpslam.language.tables.knowledge import Knowledge
+from lpslam.language.tables.words import is_mark, is_unspaced, longest_phrases
+
+_KANA = re.compile(r"[\u3040-\u30ff]")
+_HANGUL = re.compile(r"[\uac00-\ud7af]")
+_HAN = re.compile(r"[\u4e00-\u9fff]")
+# Letters and turns that one language of Latin script has and the others do not.
+_OWN_LETTERS = {
+    "es": re.compile(r"[¿¡ñ]"),
+    "de": re.compile(r"[ßäöü]", re.IGNORECASE),
+    "fr": re.compile(r"[çœêèàùâîôë]|\b[jldnmtsc]['’]|\bqu['’]", re.IGNORECASE),
+}
+_RIVAL = 0.7  # a language with this share of the likeliest one's common words may be meant too
+_KNOWN_SHARE = 0.3  # of the words of a sentence that are common in its language
+_COVERED_SHARE = 0.6  # of the words of a text that a language's tables know, where hardly any are common
+_KANJI_ONLY = 8  # characters of Japanese that needs no kana: 薬局, 市役所; a sentence of Han letters alone is Chinese
+
+
+def languages_of(text: str, knowledge: Knowledge) -> tuple[str, ...]:
+    """Return the languages that a question may be in, likeliest first; none where it cannot be read.
+
+    By script, and where that is Latin by the commonest words and letters; a question of a few words may be in any.
+    """
+    if _KANA.search(text):
+        return ("ja",)
+    if _HANGUL.search(text):
+        return ("ko",)
+    if _HAN.search(text):
+        return ("zh", "ja") if len(text) <= _KANJI_ONLY else ("zh",)
+    words = [unit for unit in knowledge.folder.units(text) if not is_mark(unit)]
+    hits = {language: float(sum(word in knowledge.common[language] for word in words)) for language in LATIN}
+    for language, letters in _OWN_LETTERS.items():
+        if hits[language] and letters.search(text):
+            hits[language] += 1.5
+    ranked = sorted(LATIN, key=lambda language: -hits[language])
+    if hits[ranked[0]] >= 2 or (hits[ranked[0]] and len(words) <= 3):
+        return tuple(language for language in ranked if hits[language] >= _RIVAL * hits[ranked[0]])
+    # A few words carry no grammar that could turn their meaning round; a whole sentence might.
+    if len(words) <= 3:
+        return tuple(ranked)
+    return tuple(language for language in ranked[:1] if hits[language] >= _KNOWN_SHARE * len(words))
+
+
+def language_by_its_phrases(text: str, knowledge: Knowledge) -> tuple[str, ...]:
+    """The one language whose tables know most words of a text that has hardly any common words: “car rental desk”."""
+    units = knowledge.folder.units(text)
+    words = [at for at, unit in enumerate(units) if not is_mark(unit)]
+    known: dict[str, int] = {}
+    for language in LATIN if words and not is_unspaced(units[words[0]]) else ():
+        covered = {
+            at for span in longest_phrases(units, (knowledge.spoken(language),)) for at in range(span.start, span.end)
+        }
+        known[language] = len(covered | {at for at in words if units[at] in knowledge.common[language]})
+    ranked = sorted(known, key=lambda language: -known[language])
+    if not ranked or known[ranked[0]] < _COVERED_SHARE * len(words) or known[ranked[0]] == known[ranked[1]]:
+        return ()
+    return tuple(ranked[:1])

@@ -1,0 +1,50 @@
+"""What tells places of one kind from one another: the blue room, the north gate, the back door, in any language."""
+
+import json
+import re
+from collections.abc import Mapping
+from functools import lru_cache
+from importlib.resources import files
+
+from lpslam.language.sanitise import clean_text
+from lpslam.language.tables.words import is_unspaced
+
+
+@lru_cache(maxsize=1)
+def _patterns() -> Mapping[str, tuple[tuple[str, re.Pattern[str]], ...]]:
+    """By group, what it may be and how that is said; of a group a place has one."""
+    tree: Mapping[str, Mapping[str, str]] = json.loads(
+        (files("lpslam.language") / "data" / "wishes" / "attributes.json").read_text(encoding="utf-8")
+    )
+    return {
+        group: tuple((value, _pattern(joined)) for value, joined in values.items()) for group, values in tree.items()
+    }
+
+
+def _pattern(joined: str) -> re.Pattern[str]:
+    words = re.split(r"\|(?![^()]*\))", joined)
+    spaced = "|".join(word for word in words if not is_unspaced(word))
+    unspaced = "|".join(word for word in words if is_unspaced(word))
+    # “Haupt-” and “Süd-” begin words.
+    return re.compile(rf"(?<!\w)(?:{spaced})(?!(?<=\w)[^\W_])|(?<!\w)(?:{_prefixes(words)})|{unspaced}", re.IGNORECASE)
+
+
+def _prefixes(words: list[str]) -> str:
+    return "|".join([word for word in words if word.endswith(r"(?=\w)")] or ["(?!)"])
+
+
+@lru_cache(maxsize=1 << 14)
+def attributes_of(text: str) -> frozenset[tuple[str, str]]:
+    """Return what a board or a question says that tells a place from others of its kind: ("colour", "blue")."""
+    folded = clean_text(text).casefold()
+    return frozenset(
+        (group, value) for group, values in _patterns().items() for value, pattern in values if pattern.search(folded)
+    )
+
+
+def told_apart(asked: frozenset[tuple[str, str]], board: frozenset[tuple[str, str]]) -> int:
+    """Return 1 where a board says all that is asked, -1 where it says something else of it, 0 where it is silent."""
+    if asked <= board:
+        return 1
+    values = dict(board)
+    return -1 if any(group in values and (group, value) not in board for group, value in asked) else 0

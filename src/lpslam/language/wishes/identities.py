@@ -1,0 +1,92 @@
+"""The landmarks that bear what must stand on the board: codes, names of people, levels and buildings."""
+
+from collections.abc import Sequence
+from functools import cached_property
+
+from lpslam.language.model import Candidate
+from lpslam.language.questions.question import read_question
+from lpslam.language.tables.knowledge import Knowledge
+from lpslam.language.wishes.codes import Code, board_codes, code_of, without_codes
+from lpslam.language.wishes.form import Identity, Sort, Stop
+from lpslam.language.wishes.names import Names
+
+_SURE = 1.0  # of a code or person
+_LONG_NUMBER = 3  # digits of a number that is a room's even where its board does not say so
+_BY_THE_WAY = frozenset({"floor", "building", "zone"})
+"""What may be numbered beside what is asked for: “a toilet on level 2”."""
+
+
+class Identities:
+    """Looks up, among one set of landmarks, who bears a code or a person's name."""
+
+    def __init__(self, landmarks: Sequence[Candidate], names: Names, knowledge: Knowledge) -> None:
+        self._landmarks, self._names, self._knowledge = landmarks, names, knowledge
+
+    @cached_property
+    def codes(self) -> dict[int, list[Code]]:
+        """The codes of every board, read when the first one is asked for."""
+        return {
+            mark.id: [code for text in dict.fromkeys((mark.name, *mark.lines)) for code in board_codes(text)]
+            for mark in self._landmarks
+        }
+
+    def identified(self, stop: Stop) -> tuple[dict[int, float] | None, tuple[str, ...], str]:
+        """The landmarks that bear all that must stand there; what is not heeded; and what stands on none."""
+        found: dict[int, float] | None = None
+        ignored: list[str] = []
+        for identity in stop.identity:
+            bearing = self._bearing(identity)
+            if identity.sort is Sort.CODE and _BY_THE_WAY.intersection(identity.of) and self._says_more(stop, identity):
+                if not bearing:
+                    ignored.append(str(identity))
+                continue
+            if not bearing:
+                return None, tuple(ignored), str(identity)
+            found = bearing if found is None else {id_: found[id_] for id_ in found if id_ in bearing}
+            if not found:
+                return None, tuple(ignored), " and ".join(map(str, stop.identity))
+        return found, tuple(ignored), ""
+
+    def _says_more(self, stop: Stop, identity: Identity) -> bool:
+        """Whether a stop names something else than what is numbered: “a toilet on level 2”, not “parking P7”."""
+        meaning = read_question(without_codes(stop.what), self._knowledge)
+        return any(weight > 0.5 for _, weight in meaning.wanted)
+
+    def _bearing(self, identity: Identity) -> dict[int, float]:
+        if identity.sort is Sort.PERSON:
+            return dict.fromkeys(self._names.persons(identity.value), _SURE)
+        asked = code_of(identity)
+        # What is painted goes before what may be misread.
+        found = self._coded(asked, False) or self._coded(asked, True)
+        if (
+            asked.of
+            and not asked.letters
+            and len(asked.value) < _LONG_NUMBER
+            and any(code.of & asked.of for codes in self.codes.values() for code in codes)
+        ):
+            # Where aisles are numbered as aisles, a number that is of nothing is no aisle.
+            found = {id_: score for id_, score in found.items() if score > _SURE - 0.1}
+        best = max(found.values(), default=0.0)
+        return {id_: score for id_, score in found.items() if score >= best - 0.01}
+
+    def _coded(self, asked: Code, repaired: bool) -> dict[int, float]:
+        """Landmarks that bear a code: surest the very one, of what is asked for."""
+        found: dict[int, float] = {}
+        for id_, codes in self.codes.items():
+            fits = [code for code in codes if code.is_repaired == repaired and code.bears(asked)]
+            if fits:
+                is_same = any(code.of & asked.of for code in fits) or not asked.of
+                is_exact = any(
+                    code.last is None and not code.last_letters and code.number == asked.number for code in fits
+                )
+                found[id_] = _SURE - 0.1 * (not is_same) - 0.05 * (not is_exact)
+        return found
+
+    def on_level(self, stop: Stop, ignored: Sequence[str]) -> set[int] | None:
+        """Where a level or a building is named by the way, the landmarks that bear it."""
+        within: set[int] | None = None
+        for identity in stop.identity:
+            if str(identity) not in ignored:
+                bearing = set(self._bearing(identity))
+                within = bearing if within is None else within & bearing
+        return within
