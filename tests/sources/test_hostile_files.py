@@ -23,6 +23,7 @@ HOSTILE = {
     "circle": "a: &a {b: *a}\n",
     "date": "fx: 2020-99-99\n",
     "digits": "fx: " + "9" * 5000,
+    "hexadecimal": "fx: 0x" + "f" * 5000 + "\n",
     "time": "fx: !!timestamp x\n",
     "whole": "!!int x: y\n",
     "long": "x: 1\n" * 100_000,
