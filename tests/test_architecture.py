@@ -89,7 +89,7 @@ ALLOWED: dict[str, set[str]] = {
     "cli_sources": {"sources", "views"},
     "cli_watching": {"watching", "views", "cli_checks"},
     "cli_ground": {"language", "mapfile", "navigation", "views"},
-    "cli_runs": {"simulation", "language", "pipeline", "views"},
+    "cli_runs": {"simulation", "language", "mapfile.correcting", "pipeline", "views"},
     "cli_robots": {"language.registry", "robots", "session", "views", "cli_checks", "cli_runs"},
     "cli": {
         *("sources", "simulation", "language", "mapfile", "pipeline", "evaluation", "views", "demo"),

@@ -117,3 +117,15 @@ def inverse_transform(to_from_frame: NDArray[np.float64]) -> NDArray[np.float64]
     inverse[:3, :3] = to_from_frame[:3, :3].T
     inverse[:3, 3] = -to_from_frame[:3, :3].T @ to_from_frame[:3, 3]
     return inverse
+
+
+def are_rigid(transforms: Points) -> bool:
+    """Whether all of (n, 4, 4) turn and shift only, as numbers that were kept in a file still do.
+
+    Shifts are those of a room, not of a planet: at most 10,000 km.
+    """
+    if not np.isfinite(transforms).all() or (np.abs(transforms) > 1e7).any():
+        return False
+    turns = transforms[:, :3, :3]
+    straight = np.abs(turns @ turns.transpose(0, 2, 1) - np.eye(3)).max(initial=0.0) < 1e-3
+    return bool(straight and (np.linalg.det(turns) > 0).all() and (transforms[:, 3] == (0.0, 0.0, 0.0, 1.0)).all())

@@ -234,17 +234,20 @@ def distill(
     from lpslam import pipeline
     from lpslam.errors import LpSlamError
     from lpslam.language.registry import language_model
+    from lpslam.mapfile.correcting import editing
     from lpslam.mapfile.language_map import LanguageMap
     from lpslam.views.notes import judging_notes, naming_notes
 
-    world = LanguageMap.load(map_file)
     language = language_model(llm, config_of(config).language)
-    landmarks = pipeline.distill(world, judge, language=language)
     failure: LpSlamError | None = None
-    try:
-        keep(world, map_file)
-    except LpSlamError as error:
-        failure = error
+    # What a person corrects meanwhile waits, and is not overwritten.
+    with editing(map_file, must_lock=False):
+        world = LanguageMap.load(map_file)
+        landmarks = pipeline.distill(world, judge, language=language)
+        try:
+            keep(world, map_file, is_held=True)
+        except LpSlamError as error:
+            failure = error
     for note in naming_notes(world, language.model) + judging_notes(landmarks, judge, language.model):
         say(note)
     say_usage(language)

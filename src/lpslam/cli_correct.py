@@ -45,7 +45,6 @@ def correct(
         raise UserError("give the id of a landmark and what it is: --name, --same-as, --hide or --judge")
     if undo is not None and wanted:
         raise UserError("--undo takes a correction back, and excludes all else")
-    world = LanguageMap.load(map_file)
     if wanted or undo is not None:
         language = language_model(None, config_of(None).language)
 
@@ -57,6 +56,8 @@ def correct(
 
         with editing(map_file):
             world = change_corrections(map_file, change, LanguageMap.load(map_file))
+    else:
+        world = LanguageMap.load(map_file)
     said = world.text.corrections
     record = corrections_record(said)
     if as_json:

@@ -3,6 +3,7 @@
 import sys
 import tempfile
 from collections.abc import Callable
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -46,14 +47,22 @@ def partial_name(output: Path) -> Path:
     return output.with_name(f"{output.stem}.partial{output.suffix or '.lpmap'}")
 
 
-def keep(world: Any, output: Path) -> None:
+def keep(world: Any, output: Path, is_held: bool = False) -> None:
     """Save a map; where that cannot be done any more, it goes to the folder for temporary files.
+
+    Args:
+        world: to save.
+        output: where to; whoever changes a map there is waited for.
+        is_held: whether the caller keeps others from it already.
 
     Raises:
         UserError: it is not where it should be; says where it is.
     """
+    from lpslam.mapfile.correcting import editing
+
     try:
-        world.save(output)
+        with nullcontext() if is_held or not output.exists() else editing(output):
+            world.save(output)
     except UserError as error:
         rescue = Path(tempfile.mkdtemp(prefix="lpslam-")) / output.name
         try:

@@ -79,7 +79,7 @@ def test_a_column_that_is_no_number_is_refused(name: str) -> None:
     trajectory.append(frame(0, shifted(0)))
     arrays = trajectory.to_arrays()
     arrays[name] = np.full(arrays[name].shape, "x")
-    with pytest.raises(ValueError, match=r"could not convert|invalid literal"):
+    with pytest.raises(ValueError, match=f"trajectory column {name}"):
         Trajectory.from_arrays(arrays)
 
 

@@ -4,7 +4,7 @@ Defaults live here; a YAML file may override any of them (`Config.from_yaml`). U
 """
 
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from pydantic import Field, PositiveFloat, ValidationError
 
@@ -298,18 +298,17 @@ class Config(Section):
     @classmethod
     def from_yaml(cls, path: Path) -> "Config":
         """Read overrides from a YAML file; unknown or ill-typed keys are a `UserError`."""
-        import yaml
+        from lpslam.config.hostile_yaml import yaml_of
 
         try:
-            tree: Any = yaml.safe_load(path.read_text(encoding="utf-8")) or {}
-            return cls.model_validate(tree)
+            return cls.model_validate(yaml_of(path.read_text(encoding="utf-8")) or {})
         except OSError as error:
             raise UserError(f"configuration {path} cannot be read ({error.strerror})") from error
         except UnicodeDecodeError as error:
             raise UserError(f"configuration {path} is not a text file; write it as YAML in UTF-8") from error
-        except yaml.YAMLError as error:
-            raise UserError(f"configuration {path} is not YAML: {' '.join(str(error).split())}") from error
         except ValidationError as error:
             first = error.errors()[0]
             where = ".".join(str(part) for part in first["loc"])
             raise UserError(f"configuration {path}: {where}: {first['msg']}") from error
+        except ValueError as error:
+            raise UserError(f"configuration {path} is not YAML: {error}") from error

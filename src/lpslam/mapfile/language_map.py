@@ -14,6 +14,7 @@ from lpslam.errors import UserError
 from lpslam.ground.grid import Grid, build_grid
 from lpslam.ground.scans import Scans, room_from_above
 from lpslam.mapfile.container import read_map_file, write_map_file
+from lpslam.mapfile.schema import refuse_other_camera_or_run, refuse_strangers
 from lpslam.poses import StampedPoses
 from lpslam.slam.map import SlamMap
 from lpslam.slam.state import EventKind, SlamEvent
@@ -125,6 +126,7 @@ class LanguageMap:
         """
         contents = read_map_file(path)
         try:
+            refuse_other_camera_or_run(contents.documents["camera"], contents.documents["run"])
             camera = dict(contents.documents["camera"])
             camera["distortion"] = tuple(camera["distortion"])
             run = contents.documents["run"]
@@ -134,9 +136,12 @@ class LanguageMap:
                 text.corrections = Corrections.from_document(contents.documents["corrections"])
             lens = PinholeCamera(**camera)
             scans = _part(contents.arrays, "scans.")
+            slam = SlamMap.from_arrays(_part(contents.arrays, "slam."))
+            hung = {name: contents.arrays[name] for name in _HUNG if name in contents.arrays}
+            refuse_strangers(text, slam.keyframe_count, hung)
             return cls(
                 camera=lens,
-                slam=SlamMap.from_arrays(_part(contents.arrays, "slam.")),
+                slam=slam,
                 trajectory=Trajectory.from_arrays(_part(contents.arrays, "trajectory.")),
                 text=text,
                 source=str(run["source"]),
@@ -146,6 +151,10 @@ class LanguageMap:
             )
         except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
             raise UserError(f"{path} is damaged: {' '.join(str(error).split())}; map the recording again") from error
+
+
+_HUNG = ("trajectory.keyframe", "scans.keyframe")
+"""Columns that name keyframes of the map; words and crops name others."""
 
 
 def _part(arrays: dict[str, NDArray[Any]], prefix: str) -> dict[str, NDArray[Any]]:

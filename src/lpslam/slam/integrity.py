@@ -5,6 +5,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lpslam.camera import are_rigid
+
+_FARTHEST = 1e7
+"""Metres: farther than anything is mapped from its origin."""
+_LATEST = 1e12
+"""Seconds: beyond any clock."""
+_MOST_LEVELS, _LARGEST_SCALE = 64, 1e3
+"""Of a pyramid of pictures."""
+
 
 def refuse_broken_columns(arrays: dict[str, NDArray[Any]]) -> None:
     """Refuse columns that would lead a kernel out of the map, into a circle or to numbers that are none.
@@ -28,7 +37,15 @@ def _require(holds: bool | np.bool_, fault: str) -> None:
 def _check_numbers(a: dict[str, NDArray[Any]]) -> None:
     for name in ("camera_from_world", "keyframe_from_parent", "position", "scales"):
         _require(np.isfinite(a[name]).all(), f"{name} holds numbers that are not finite")
-    _require(len(a["scales"]) > 0 and (a["scales"] > 0).all(), "scales must be positive")
+    _require((np.abs(a["position"]) <= _FARTHEST).all(), "position lies on another planet")
+    _require(are_rigid(a["camera_from_world"]), "camera_from_world holds what is no pose")
+    for name in ("pixels", "distance_range", "timestamp"):
+        _require(np.isfinite(a[name]).all(), f"{name} holds numbers that are not finite")
+    _require((np.abs(a["timestamp"]) <= _LATEST).all(), "timestamp is beyond any clock")
+    scales = a["scales"]
+    _require(
+        0 < len(scales) <= _MOST_LEVELS and (scales >= 1).all() and (scales <= _LARGEST_SCALE).all(), "scales are none"
+    )
     _require((a["octave"] < len(a["scales"])).all(), "octave names a pyramid level that does not exist")
 
 

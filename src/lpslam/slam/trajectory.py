@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lpslam.camera import are_rigid
 from lpslam.slam.map import SlamMap
 from lpslam.slam.state import TrackedFrame, TrackingState
 
@@ -133,6 +134,17 @@ class Trajectory:
             raise ValueError(f"trajectory column keyframe_from_camera is not {(count, 4, 4)}")
         if not ((arrays["state"] >= 0) & (arrays["state"] < len(_STATES))).all():
             raise ValueError("trajectory column state names a state that does not exist")
+        for name, column_type in (("index", "iu"), ("timestamp", "f"), ("keyframe", "iu"), ("session", "iu")):
+            if arrays[name].dtype.kind not in column_type:
+                raise ValueError(f"trajectory column {name} is {arrays[name].dtype}")
+        if not np.isfinite(arrays["timestamp"]).all() or (arrays["session"] < 0).any():
+            raise ValueError("trajectory column timestamp or session holds what is none")
+        has_pose = arrays["keyframe"] >= 0
+        poses = np.asarray(arrays["keyframe_from_camera"])
+        if poses.dtype != np.float64 or not np.isfinite(poses).all():
+            raise ValueError("trajectory column keyframe_from_camera is not finite")
+        if not are_rigid(poses[has_pose]):
+            raise ValueError("trajectory column keyframe_from_camera holds what is no pose")
         trajectory = cls()
         for name, column in (
             ("index", trajectory._indices),
@@ -143,7 +155,5 @@ class Trajectory:
             ("session", trajectory._sessions),
         ):
             column.frombytes(arrays[name].astype(column.typecode).tobytes())
-        if not np.isfinite(trajectory._poses).all():
-            raise ValueError("trajectory column keyframe_from_camera is not finite")
         trajectory.session = max(trajectory._sessions, default=0)
         return trajectory

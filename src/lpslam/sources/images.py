@@ -1,13 +1,16 @@
 """Decoding one colour or depth image, with damage detected instead of decoded."""
 
+import io
+import stat
+import warnings
 import zlib
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, UnidentifiedImageError
+from PIL import Image
 
 from lpslam.errors import LpSlamError
 
@@ -15,6 +18,11 @@ _PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _JPEG_START, _JPEG_END = b"\xff\xd8", b"\xff\xd9"
 # Some cameras write a few bytes after the end marker.
 _JPEG_TAIL = 4096
+_MOST_PIXELS = 64_000_000
+"""More than any depth camera has; what unpacks to more is made to fill the memory."""
+_MOST_BYTES = 1 << 30
+"""Of an image's file."""
+_TOO_LARGE = "larger than any camera's pictures"
 
 
 class BadImageError(LpSlamError):
@@ -57,18 +65,22 @@ def read_depth(path: Path, depth_scale: float, invalid: tuple[int, ...] = ()) ->
 def image_size(path: Path) -> tuple[int, int] | None:
     """Read width and height from the image's header alone; None where there is no such image."""
     try:
-        with Image.open(path) as image:
-            width, height = image.size
-            return width, height
-    except (OSError, UnidentifiedImageError, Image.DecompressionBombError):
+        return _size_in_header(path) if path.is_file() else None
+    except (OSError, ValueError, Image.DecompressionBombError):
         return None
 
 
 def _decode(path: Path, flags: int) -> NDArray[Any]:
     try:
+        # Lists name any path: a device never ends, and a pipe never begins.
+        status = path.stat()
+        if not stat.S_ISREG(status.st_mode) or status.st_size > _MOST_BYTES:
+            raise BadImageError(f"{path.name} is no file of an image")
         data = path.read_bytes()
     except OSError as error:
         raise BadImageError(f"{path.name} cannot be read ({error.strerror})") from error
+    except ValueError as error:
+        raise BadImageError(f"{path.name!r} is no name of a file") from error
     defect = image_defect(data)
     if defect:
         raise BadImageError(f"{path.name} is {defect}")
@@ -93,11 +105,29 @@ def image_defect(data: bytes) -> str:
         return _png_defect(data)
     if data.startswith(_JPEG_START) and _JPEG_END not in data[-_JPEG_TAIL:]:
         return "truncated"
-    return ""
+    try:
+        width, height = _size_in_header(io.BytesIO(data))
+    except Image.DecompressionBombError:
+        return _TOO_LARGE
+    except (OSError, ValueError):
+        # Whether it can be decoded is its decoder's to say.
+        return ""
+    return _TOO_LARGE if width * height > _MOST_PIXELS else ""
+
+
+def _size_in_header(file: Path | BinaryIO) -> tuple[int, int]:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", Image.DecompressionBombWarning)
+        with Image.open(file) as image:
+            width, height = image.size
+            return width, height
 
 
 def _png_defect(data: bytes) -> str:
     view, start = memoryview(data), len(_PNG_SIGNATURE)
+    # The header is the first part: its length and name, then width and height.
+    if int.from_bytes(view[16:20], "big") * int.from_bytes(view[20:24], "big") > _MOST_PIXELS:
+        return _TOO_LARGE
     while start + 12 <= len(data):
         end = start + 12 + int.from_bytes(view[start : start + 4], "big")
         if end > len(data):

@@ -6,6 +6,7 @@ from typing import Any
 
 import yaml
 
+from lpslam.config.hostile_yaml import yaml_of
 from lpslam.errors import UserError
 
 Tree = dict[str, Any]
@@ -46,10 +47,10 @@ def read_yaml_tree(path: Path, what: str) -> Tree:
     text = re.sub(r"\A\s*%YAML.*\n(?:---.*\n)?", "", text)
     text = re.sub(r"(?m)^(\s*[A-Za-z_][\w.]*):(?=[-+.\d\[\"])", r"\1: ", text)
     try:
-        tree = yaml.load(text, Loader=_LenientLoader)
+        tree = yaml_of(text, _LenientLoader)
         if isinstance(tree, dict):
             return _lower(tree)
-    except (yaml.YAMLError, ValueError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:
         raise UserError(f"{what} {path} is not YAML: {' '.join(str(error).split())[:200]}") from error
     raise UserError(f"{what} {path} holds no keys; write one `key: value` a line")
 

@@ -21,6 +21,7 @@ from lpslam.text.correcting.corrections import Corrections
 from lpslam.text.placing.instances import KeyframePoses
 from lpslam.text.placing.places import PLACES_OF_A_CLASS, Place, places_of_class
 from lpslam.text.remembering.memory import LongShortTermMemory, TextClass
+from lpslam.text.schema import refuse_other_document
 from lpslam.text.types import Landmark
 
 
@@ -146,6 +147,7 @@ class TextMap:
             UserError: the document is not one of `to_document`.
         """
         try:
+            refuse_other_document(document)
             text_map = cls(TextConfig.model_validate(_without_superseded(document["config"])))
             documents.restore_memory(text_map.memory, document["memory"])
             text_map.judgements = documents.to_judgements(document["judgements"])

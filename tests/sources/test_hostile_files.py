@@ -1,0 +1,67 @@
+"""Images and calibrations that are made to fill the memory, never end, or break whoever reads them."""
+
+import os
+import struct
+import zlib
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+
+from lpslam.config import Config
+from lpslam.errors import UserError
+from lpslam.sources.calibration import read_calibration
+from lpslam.sources.images import BadImageError, image_size, read_colour
+
+GOOD = "fx: 60\nfy: 60\ncx: 32\ncy: 24\nwidth: 64\nheight: 48\n"
+LAUGHS = "a: &a {k: 1}\n" + "".join(
+    f"{b}: &{b} {{{', '.join(f'x{n}: *{a}' for n in range(9))}}}\n" for a, b in zip("abcdefgh", "bcdefghi", strict=True)
+)
+HOSTILE = {
+    "deep": "a: " + "[" * 20_000,
+    "copies": LAUGHS,
+    "circle": "a: &a {b: *a}\n",
+    "date": "fx: 2020-99-99\n",
+    "digits": "fx: " + "9" * 5000,
+    "hexadecimal": "fx: 0x" + "f" * 5000 + "\n",
+    "time": "fx: !!timestamp x\n",
+    "whole": "!!int x: y\n",
+    "long": "x: 1\n" * 100_000,
+}
+
+
+@pytest.mark.parametrize("text", HOSTILE.values(), ids=HOSTILE)
+def test_yaml_that_is_made_to_hurt_is_one_line(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "camera.yaml"
+    path.write_text(GOOD + text)
+    read_calibration(_written(tmp_path / "good.yaml", GOOD), image_size=None, default_depth_scale=1000.0)
+    with pytest.raises(UserError) as caught:
+        Config.from_yaml(path)
+    assert "\n" not in str(caught.value)
+    # Which values a calibration needs is its own business; nothing else than a mistake may come of the others.
+    with suppress(UserError):
+        read_calibration(path, image_size=None, default_depth_scale=1000.0)
+
+
+def _written(path: Path, text: str) -> Path:
+    path.write_text(text)
+    return path
+
+
+@pytest.mark.parametrize("name", ["/dev/zero", "a\0b.png", "pipe", "."])
+def test_what_is_listed_as_an_image_must_be_a_file(tmp_path: Path, name: str) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    assert image_size(tmp_path / name) is None
+    with pytest.raises(BadImageError):
+        read_colour(tmp_path / name)
+
+
+def test_an_image_that_unpacks_to_gigabytes_is_not_unpacked(tmp_path: Path) -> None:
+    def part(name: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+
+    header = part(b"IHDR", struct.pack(">IIBBBBB", 30_000, 30_000, 16, 0, 0, 0, 0))
+    bomb = tmp_path / "bomb.png"
+    bomb.write_bytes(b"\x89PNG\r\n\x1a\n" + header + part(b"IDAT", zlib.compress(bytes(10_000))) + part(b"IEND", b""))
+    with pytest.raises(BadImageError, match="larger than any camera"):
+        read_colour(bomb)
