@@ -14,7 +14,7 @@ from lpslam.camera import PinholeCamera
 from lpslam.config import KeyframeConfig, SlamConfig
 from lpslam.frames import RgbdFrame
 from lpslam.slam.features import Features
-from lpslam.slam.kernels import bundle, graph
+from lpslam.slam.kernels import bundle, graph, matching
 from lpslam.slam.kernels.geometry import median
 from lpslam.slam.map import SlamMap
 from lpslam.slam.mapping.local_mapping import LocalMapper
@@ -156,6 +156,8 @@ def run_mapping() -> None:
         own = np.arange(shared if k else 0, made if k else shared, dtype=np.int32)
         slam_map.add_points(keyframe, own, positions[own])
         mapper.process(keyframe)
+    m, ids = slam_map.columns, np.arange(2, dtype=np.int32)
+    matching.have_twins(descriptor[:2], ids, ids, m.point_descriptor, m.position, 0.5)
     tie = Tie(2, 0, slam_map.camera_from_world(2), np.arange(count, dtype=np.int32))
     LoopCorrector(slam_map, sensor, config.loops, config.mapping).close([tie], slam_map.version, np.zeros(1, np.bool_))
     places = PlaceIndex.of(slam_map)
