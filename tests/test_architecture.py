@@ -53,8 +53,9 @@ ALLOWED: dict[str, set[str]] = {
         "pipeline",
         "evaluation",
     },
-    # What is served is read and asked; nothing of tracking or reading is known here.
+    # What is served is read and asked; of tracking nothing is known here but what it tells.
     "serving": {
+        "slam.state",
         *("language.model", "language.offline", "language.registry", "language.sanitise"),
         *("language.questions.follow_up", "language.questions.phrasing"),
         *(

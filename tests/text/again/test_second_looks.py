@@ -187,9 +187,22 @@ def test_room_is_made_by_what_nobody_wants() -> None:
 
 def test_crops_travel_with_the_map(tmp_path: Path) -> None:
     from lpslam.mapfile.language_map import LanguageMap
+    from lpslam.slam.features import Features
     from lpslam.slam.map import SlamMap
     from lpslam.slam.trajectory import Trajectory
 
     made = text_map(["HELLD", "HFLLO"])
-    LanguageMap(CAMERA, SlamMap(1, np.ones(1)), Trajectory(), made).save(tmp_path / "a.lpmap")
+    slam_map, nothing = SlamMap(1, np.ones(1)), np.zeros(1, np.float32)
+    seen = Features(
+        pixels=np.zeros((1, 2), np.float32),
+        u_right=nothing,
+        depth=nothing,
+        has_depth=np.zeros(1, np.bool_),
+        octave=np.zeros(1, np.uint8),
+        angle=nothing,
+        descriptor=np.zeros((1, 4), np.uint64),
+    )
+    for number in range(2):
+        slam_map.add_keyframe(np.eye(4), seen, nothing, float(number), number, number - 1)
+    LanguageMap(CAMERA, slam_map, Trajectory(), made).save(tmp_path / "a.lpmap")
     assert len(LanguageMap.load(tmp_path / "a.lpmap").text.crops) == 2
