@@ -27,7 +27,8 @@ from lpslam.language.wishes.identities import Identities
 from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.reading import content_left, content_of, wish_languages
 from lpslam.language.wishes.rules import rules_of
-from lpslam.language.wishes.served import Served
+from lpslam.language.wishes.certainty import LEAST_SURE, UNSURE, clues_of, probability
+from lpslam.language.wishes.served import Served, Way
 
 _ANY_SORT = frozenset({"shop", "business", "place"})
 _FEW_OF_A_FAMILY = 3  # rooms of one sort of building that make the map one of it, at least
@@ -58,6 +59,7 @@ _CAPITALS_ARE_NAMES = frozenset({"en", "es", "fr"})
 _SURE, _NAMED, _ACROSS = 1.0, 0.9, 0.85  # of a code or person, of a part of a name, of a name in another script
 _WHOLE = 0.95  # of a name's letters: the name itself
 _FEWEST_BORNE, _MOST_BORNE = 2, 0.5  # words of a question that a board bears, and their share of its letters
+_OFFERED = 5  # places that are told where none is sure enough
 _LEAST_LITERAL = 0.3  # of a board's letters that are asked for word by word
 
 
@@ -91,14 +93,34 @@ class EmbeddedScorer:
         )
 
     def serve(self, stop: Stop) -> Served:
-        """Return the landmarks that serve a stop: by identity, by name, else by what they are."""
+        """Return the landmarks that serve a stop: by identity, by name, else by what they are; none where that is unsure."""
         if not stop.what:
             return self._any_place(stop)
+        return self._as_sure(self._found(stop))
+
+    def clues(self, served: Served) -> dict[str, float]:
+        """What tells how sure it is that what serves a stop is what was meant."""
+        return clues_of(served, self._index, self._asked, self._knowledge)
+
+    def _as_sure(self, served: Served) -> Served:
+        """Rather none than what is not likely to be meant."""
+        if not served.scores or served.way in (Way.PLACE, Way.IDENTITY):
+            return served
+        sure = probability(self.clues(served))
+        if sure >= LEAST_SURE:
+            return replace(served, confidence=min(served.confidence, sure))
+        best = sorted(served.scores, key=lambda id_: (-served.scores[id_], id_))
+        return replace(
+            served, scores={}, exact=frozenset(), others=tuple(best[:_OFFERED]), confidence=1.0 - sure, evidence=UNSURE
+        )
+
+    def _found(self, stop: Stop) -> Served:
         allowed, ignored, failed = self._identities.identified(stop)
         if failed:
             return Served(stop, {}, f"no board bears {failed}", 0.8, self._of_what(stop), ignored)
         if allowed is not None:
-            return Served(stop, self._trusted(allowed), "the board bears it", 0.97, ignored=ignored)
+            scores = self._trusted(allowed)
+            return Served(stop, scores, "the board bears it", 0.97, ignored=ignored, way=Way.IDENTITY)
         meaning = read_question(stop.what, self._knowledge, self._index.names)
         stop = with_meaning(stop, [kind for kind, _ in meaning.wanted], (*meaning.refused, *meaning.refused_names))
         within = self._identities.on_level(stop, ignored)
@@ -106,20 +128,27 @@ class EmbeddedScorer:
         if found:
             scores = self._trusted(_within(found, within))
             named = frozenset(scores)
-            return Served(stop, scores, "the board says the name", 0.95, ignored=ignored, exact=named)
+            strength = max(scores.values(), default=0.0)
+            said = "the board says the name"
+            return Served(stop, scores, said, 0.95, ignored=ignored, exact=named, way=Way.NAME, strength=strength)
         general = self._of_any_sort(stop, meaning)
         if general:
-            return Served(stop, self._trusted(_within(general, within)), "any of this sort", 0.9, ignored=ignored)
+            scores = self._trusted(_within(general, within))
+            return Served(stop, scores, "any of this sort", 0.9, ignored=ignored, way=Way.SORT)
         choice, scores = ranked(stop.what, self._index, self._signs, self._knowledge, self.model)
         scores = self._not_by_the_whole(meaning, _within(self._trusted(scores), within))
         scores = self._told_apart(stop, self._bearing_the_words(stop, meaning, self._of_the_family(meaning, scores)))
         if not scores or self._is_another(stop, meaning, scores):
             literal = self._told_apart(stop, self._literal(stop, meaning))
             if literal:
-                return Served(stop, self._trusted(literal), "the board says these words", 0.7, ignored=ignored)
+                scores = self._trusted(literal)
+                strength = max(scores.values(), default=0.0)
+                said = "the board says these words"
+                return Served(stop, scores, said, 0.7, ignored=ignored, way=Way.WORDS, strength=strength)
             told = self._told_only(stop)
             if told:
-                return Served(stop, self._trusted(told), "the board says so", 0.8, ignored=ignored)
+                scores = self._trusted(told)
+                return Served(stop, scores, "the board says so", 0.8, ignored=ignored, way=Way.TOLD)
             guess = self._guessed(stop, within) if not scores else None
             if guess is not None:
                 return replace(guess, ignored=ignored)
@@ -130,7 +159,13 @@ class EmbeddedScorer:
         exact = frozenset(id_ for id_, share in self._names.covered(words).items() if share >= _WHOLE and id_ in scores)
         if meaning.wanted_names:
             exact = frozenset(scores)
-        return Served(stop, scores, choice.evidence, choice.confidence, ignored=ignored, exact=exact)
+        return Served(
+            *(stop, scores, choice.evidence, choice.confidence),
+            ignored=ignored,
+            exact=exact,
+            way=Way.KIND,
+            strength=top,
+        )
 
     def _guessed(self, stop: Stop, within: set[int] | None) -> Served | None:
         """What the words of a stop are nearest to; who asks whether there is a hotel is not shown a taxi."""
@@ -143,7 +178,9 @@ class EmbeddedScorer:
         if meaning.wanted:
             found = self._of_the_family(meaning, found)
         scores = self._told_apart(stop, _within(self._trusted(found), within))
-        return Served(stop, scores, choice.evidence, choice.confidence) if scores else None
+        strength = max(scores.values(), default=0.0)
+        guess_ = Served(stop, scores, choice.evidence, choice.confidence, way=Way.GUESS, strength=strength)
+        return guess_ if scores else None
 
     def _of_any_sort(self, stop: Stop, meaning: Meaning) -> dict[int, float]:
         """“The shop next to …” is any shop: what the map says of where it stands is all that tells it from others."""

@@ -2,9 +2,23 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from enum import StrEnum
 from typing import Protocol
 
 from lpslam.language.wishes.form import Stop
+
+
+class Way(StrEnum):
+    """How what serves was found."""
+
+    PLACE = "any place"
+    IDENTITY = "identity"
+    NAME = "name"
+    SORT = "any of a sort"
+    KIND = "kind"
+    WORDS = "words of the board"
+    TOLD = "told apart"
+    GUESS = "guess"
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,6 +32,8 @@ class Served:
         confidence: of the best, 0 to 1.
         others: next best where none serves.
         ignored: what of the wish could not be heeded.
+        way: how they were found.
+        strength: of the best, before scores were divided by it.
         exact: of those, the landmarks whose board says these very words, and no more.
         sees_all: whether every landmark that serves has its score; a model names a few only.
     """
@@ -31,6 +47,8 @@ class Served:
     sees_all: bool = True
     model: str = "offline"
     exact: frozenset[int] = field(default=frozenset())
+    way: Way = Way.PLACE
+    strength: float = 1.0
 
 
 class Scorer(Protocol):

@@ -1,0 +1,91 @@
+"""How sure it is that what was found is what was meant: a probability, and abstention below one threshold.
+
+A logistic model of how the best landmark was found, by how much it leads, and how much of the question says so; its
+weights are in `data/wishes/certainty.json` (`tools/train_certainty.py`).
+"""
+
+import json
+import math
+from collections.abc import Mapping
+from functools import lru_cache
+from importlib.resources import files
+
+from lpslam.language.choosing.landmark_index import LandmarkIndex
+from lpslam.language.choosing.serving import FITS, match
+from lpslam.language.questions.question import read_question
+from lpslam.language.tables.knowledge import Knowledge
+from lpslam.language.tables.words import is_mark, longest_phrases
+from lpslam.language.wishes.asked_words import AskedWords
+from lpslam.language.wishes.served import Served, Way
+
+LEAST_SURE = 0.5  # probability of being right below which the answer is none
+UNSURE = "it is not sure enough what is meant"
+_RIVALS = 0.97  # of the best score: what serves as well
+_MOST_UNITS = 20  # units of a question that count as many
+_UNSPACED = frozenset({"zh", "ja", "ko"})
+
+
+def clues_of(served: Served, index: LandmarkIndex, asked: AskedWords, knowledge: Knowledge) -> dict[str, float]:
+    """Return what tells how sure it is that the best of what serves is what was meant, each about 0 to 1."""
+    text = served.stop.what
+    wish = read_question(text, knowledge)
+    best = max(served.scores, key=lambda id_: (served.scores[id_], -id_))
+    top = served.scores[best]
+    kinds = index.signs[best].kinds
+    others = [score for id_, score in served.scores.items() if index.signs[id_].kinds != kinds]
+    ties = {index.signs[id_].kinds for id_, score in served.scores.items() if score >= _RIVALS * top}
+    meant = {concept: weight for concept, weight in wish.wanted if match(concept, kinds, knowledge) >= FITS}
+    language = wish.language or next(iter(asked.likely(text)), "en")
+    units = knowledge.folder.units(text)
+    common = knowledge.common.get(language, frozenset())
+    own = [at for at, unit in enumerate(units) if not is_mark(unit) and unit not in common]
+    known: set[int] = set()
+    telling: set[int] = set()
+    for span in longest_phrases(units, knowledge.tables_of(language)):
+        known.update(range(span.start, span.end))
+        if any(concept in meant for concept, _ in span.value.concepts):
+            telling.update(range(span.start, span.end))
+    words = max(len(own), 1)
+    is_kind = served.way is Way.KIND
+    clues = {
+        "always": 1.0,
+        "strength": served.strength if is_kind else 0.0,
+        "strength of words": served.strength if served.way in (Way.WORDS, Way.NAME) else 0.0,
+        "strength of a guess": served.strength if served.way is Way.GUESS else 0.0,
+        "lead": (top - max(others, default=0.0)) / top,
+        "rivals": math.log(len(ties)),
+        "says so": sum(at in telling for at in own) / words if is_kind else 0.0,
+        "nothing says so": float(is_kind and not telling),
+        "not known": sum(at not in known for at in own) / words,
+        "some not known": math.log1p(sum(at not in known for at in own)),
+        "length": math.log1p(min(len(own), _MOST_UNITS)),
+        "meant first of all": max(meant.values(), default=0.0),
+        "wants much": math.log1p(len(wish.wanted)),
+        "wants more than it gets": 1.0 - len(meant) / max(len(wish.wanted), 1),
+        "only general": float(bool(meant) and all(each in knowledge.general for each in meant)),
+        "refuses": float(bool(wish.refused)),
+        "sure sign": max((weight for _, weight in kinds), default=0.0),
+        "sign of many kinds": math.log1p(len(kinds)),
+        "brand": float(bool(index.signs[best].identity)),
+        "no spaces": float(language in _UNSPACED),
+        "language not told": float(wish.language is None),
+    }
+    for way in (Way.NAME, Way.SORT, Way.WORDS, Way.TOLD, Way.GUESS):
+        clues[way.value] = float(served.way is way)
+    return clues
+
+
+def probability(clues: Mapping[str, float]) -> float:
+    """Return how probably an answer with such clues is right."""
+    weights = _weights()
+    if not weights:
+        return 1.0
+    odds = sum(weights.get(name, 0.0) * value for name, value in clues.items())
+    return 1.0 / (1.0 + math.exp(-odds))
+
+
+@lru_cache(maxsize=1)
+def _weights() -> Mapping[str, float]:
+    path = files("lpslam.language") / "data" / "wishes" / "certainty.json"
+    weights: Mapping[str, float] = json.loads(path.read_text(encoding="utf-8"))
+    return weights
