@@ -7,6 +7,7 @@ from lpslam.language.choosing.serving import Kinds
 from lpslam.language.model import Candidate
 from lpslam.language.questions.question import spoken_key
 from lpslam.language.signs.meaning import SignMeaning
+from lpslam.language.signs.hours import without_hours
 from lpslam.language.signs.reader import SignReader
 from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.lexicon import Meaning
@@ -176,13 +177,15 @@ def _ids_by_word(ids_by_phrase: Mapping[str, Collection[int]]) -> dict[str, set[
 
 
 def _sign_of(landmark: Candidate, signs: SignReader) -> SignMeaning:
-    sign = signs.read(landmark.name)
+    # “9–17 Uhr” sells no watches.
+    name = without_hours(landmark.name)
+    sign = signs.read(name)
     if sign.kinds:
         return sign
-    bare = _NUMBERED.sub(" ", landmark.name).strip(" -–—,.:·~〜")
-    if bare and bare != landmark.name and (numbered := signs.read(bare)).kinds:
+    bare = _NUMBERED.sub(" ", name).strip(" -–—,.:·~〜")
+    if bare and bare != name and (numbered := signs.read(bare)).kinds:
         return numbered
     # The name says nothing: another line of the same board may, or another reading.
-    said = (signs.read(line) for line in landmark.lines)
+    said = (signs.read(without_hours(line)) for line in landmark.lines)
     line = next((other for other in said if other.kinds and other.is_place), None)
     return line or next((other for alias in landmark.aliases if (other := signs.read(alias)).kinds), sign)

@@ -89,6 +89,7 @@ class Stop:
         start: where a way begins that does not begin here.
         ask: what is asked of it.
         contradiction: what cannot hold together, in words; empty where nothing is against anything.
+        at: minutes of the day at one of which it must be open: “after 22:00”; empty where no time is said.
         whole: all words of the stop, its relation among them: what it says where the anchor turns out to be none.
     """
 
@@ -105,6 +106,7 @@ class Stop:
     ask: Ask = Ask.WHERE
     whole: str = ""
     contradiction: str = ""
+    at: tuple[int, ...] = ()
 
 
 PREVIOUS = Stop("the stop before")
@@ -175,6 +177,8 @@ def told(stop: Stop) -> str:
         parts.append(f"{stop.relation.value} ({' and '.join(told(each) for each in stop.anchor)})")
     if stop.start is not None:
         parts.append(f"from ({told(stop.start)})")
+    if stop.at:
+        parts.append("open at " + " or ".join(f"{each // 60:02d}:{each % 60:02d}" for each in stop.at))
     if stop.contradiction:
         parts.append(f"contradicts itself: {stop.contradiction}")
     if stop.ask is not Ask.WHERE:
@@ -203,6 +207,7 @@ def _stop_of(tree: Mapping[str, Any], depth: int = 0) -> Stop:
         Ask(tree.get("ask", "where")),
         str(tree.get("whole", "")),
         str(tree.get("contradiction", "")),
+        tuple(int(each) % (24 * 60) for each in tree.get("at", ())),
     )
 
 

@@ -8,6 +8,7 @@ from lpslam.language.questions.question import read_question
 from lpslam.language.questions.speaking import languages_of
 from lpslam.language.questions.weighing import MAIN
 from lpslam.language.sanitise import clean_text
+from lpslam.language.signs.hours import asked_time
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.words import is_mark
 from lpslam.language.wishes.attributes import attributes_of
@@ -81,6 +82,8 @@ def _in_sequence(text: str, rules: Rules) -> list[str]:
 
 def _stop(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: int = 0) -> Stop:
     """Read one stop: what is asked, what is left out, its relation and anchor, order, and what its board bears."""
+    asked, whole = asked_time(text) if depth == 0 else None, text
+    text = text if asked is None else asked.rest
     ask, ask_language = _asked(text, languages)
     rules = rules_of(ask_language)
     what, without = _without(text, languages, knowledge, depth)
@@ -90,12 +93,13 @@ def _stop(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: in
     if order is not None and (stop.which is Which.ANY or place > 1):
         stop = replace(stop, which=order, rank=place)
     left = content_left(what, rules)
-    if stop.relation is not None or ask in (Ask.LIST, Ask.WHICH):
+    if stop.relation is not None or asked is not None or ask in (Ask.LIST, Ask.WHICH):
         # Its place tells which: “the room next to …”; “what is that next to …” has common words only.
         left = content_left(rules.any.sub(" ", what), rules)
-    if stop.relation is not None:
+    if stop.relation is not None or asked is not None:
         left = _uncommon(left, languages, knowledge)
-    is_any = ask in (Ask.HERE, Ask.FORBIDDEN) or (not left and (stop.relation is not None or ask is Ask.LIST))
+    is_told = stop.relation is not None or ask is Ask.LIST or asked is not None
+    is_any = ask in (Ask.HERE, Ask.FORBIDDEN) or (not left and is_told)
     which = stop.which
     opposed = sorted({each.value for each in _orders(what, languages)} & _OPPOSED)
     if which is Which.ANY and ask in (Ask.LIST, Ask.HERE, Ask.FORBIDDEN):
@@ -106,8 +110,9 @@ def _stop(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: in
         without=without,
         identity=() if is_any else _identity(what, languages),
         ask=ask,
-        whole=text,
+        whole=whole,
         which=which,
+        at=() if asked is None else asked.minutes,
         contradiction=" and ".join(opposed) if len(opposed) > 1 else "",
     )
 

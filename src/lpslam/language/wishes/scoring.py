@@ -16,6 +16,7 @@ from lpslam.language.model import Candidate
 from lpslam.language.questions.question import Wish as Meaning
 from lpslam.language.questions.question import asks_for_another, read_question
 from lpslam.language.signs.distrust import commands
+from lpslam.language.signs.hours import Hours, board_hours, told_hours
 from lpslam.language.signs.reader import SignReader
 from lpslam.language.signs.wording import WARNING
 from lpslam.language.tables.knowledge import Knowledge, load_words
@@ -59,6 +60,7 @@ _CAPITALS_ARE_NAMES = frozenset({"en", "es", "fr"})
 _SURE, _NAMED, _ACROSS = 1.0, 0.9, 0.85  # of a code or person, of a part of a name, of a name in another script
 _WHOLE = 0.95  # of a name's letters: the name itself
 _FEWEST_BORNE, _MOST_BORNE = 2, 0.5  # words of a question that a board bears, and their share of its letters
+_OPEN_SERVES = 0.6  # of the best score: what is known to be open and serves so well goes before what may be shut
 _OFFERED = 5  # places that are told where none is sure enough
 _LEAST_LITERAL = 0.3  # of a board's letters that are asked for word by word
 
@@ -94,9 +96,36 @@ class EmbeddedScorer:
 
     def serve(self, stop: Stop) -> Served:
         """Return the landmarks that serve a stop: by identity, by name, else by what they are; none where that is unsure."""
-        if not stop.what:
-            return self._any_place(stop)
-        return self._as_sure(self._found(stop))
+        served = self._as_sure(self._found(stop)) if stop.what else self._any_place(stop)
+        return self._open(served) if stop.at else served
+
+    @cached_property
+    def _hours(self) -> Mapping[int, tuple[Hours, ...]]:
+        """What boards say of their hours; those that say nothing are not in it."""
+        said = {
+            mark.id: tuple(hours for text in (mark.name, *mark.lines) for hours in board_hours(text))
+            for mark in self._landmarks
+        }
+        return {id_: hours for id_, hours in said.items() if hours}
+
+    def _open(self, served: Served) -> Served:
+        """Of what serves, what is open when it is asked for; where that is not said of any, what may be."""
+        best = max(served.scores.values(), default=0.0)
+        is_open = {
+            id_: any(each.holds(minute) for each in self._hours[id_] for minute in served.stop.at)
+            for id_ in served.scores
+            if id_ in self._hours
+        }
+        sure = {id_: served.scores[id_] for id_ in is_open if is_open[id_] and served.scores[id_] >= _OPEN_SERVES * best}
+        if sure or not served.scores:
+            return replace(served, scores=sure)
+        left = {id_: score for id_, score in served.scores.items() if id_ not in is_open}
+        if left and served.stop.what:
+            return replace(served, scores=left, ignored=(*served.ignored, "when it is open, which its board does not say"))
+        shut = sorted(is_open, key=lambda id_: (-served.scores[id_], id_))
+        told = "; ".join(f"{self._by_id[id_].name}: {told_hours(self._hours[id_])}" for id_ in shut[:1])
+        evidence = f"nothing that serves is known to be open then ({told})" if told else "no board says its hours"
+        return replace(served, scores={}, evidence=evidence, confidence=0.9, others=tuple(shut[:_OFFERED]))
 
     def clues(self, served: Served) -> dict[str, float]:
         """What tells how sure it is that what serves a stop is what was meant."""
