@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.language.wishes.form import Relation
+from lpslam.navigation.floors import Floors
 from lpslam.navigation.places import Distances, Here, Place, Point
 
 if TYPE_CHECKING:
@@ -58,6 +59,11 @@ class Scene:
     def positions(self) -> NDArray[np.float64]:
         """(n, 3) metres, of all places."""
         return np.array([place.position for place in self.places], dtype=np.float64).reshape(-1, 3)
+
+    @cached_property
+    def floors(self) -> Floors:
+        """The floors on which the places lie."""
+        return Floors(self.places)
 
     @cached_property
     def _rows_by_id(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

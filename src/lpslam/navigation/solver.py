@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.language.wishes.form import PREVIOUS, Relation, Stop, Which, Wish
+from lpslam.language.wishes.form import PREVIOUS, Counting, Relation, Stop, Which, Wish
 from lpslam.language.wishes.served import Scorer, Served
 from lpslam.navigation.columns import NEAR_ANCHORS, Serving, apart_from, detours
 from lpslam.navigation.places import Distances, Here, Place, Point, Straight
@@ -125,11 +125,15 @@ class _Solver:
         ignored = self._idle_relation(stop)
         if ignored:
             stop = replace(stop, what=stop.whole or stop.what, relation=None, anchor=())
+        stop, within, note = self._on_its_floor(stop)
         served = self._scorer.serve(stop)
+        if within is not None:
+            served = self._within(served, within)
         left_out = {id_ for each in stop.without for id_ in self._left_out(each, served, previous)}
         if left_out:
             served = replace(served, scores={id_: each for id_, each in served.scores.items() if id_ not in left_out})
         notes = [f"not heeded: {each}" for each in (*ignored, *served.ignored)]
+        notes += [note] if note else []
         stop = served.stop
         if stop.contradiction:
             said = f"{stop.contradiction} at once: one place cannot be both; ask for one of them"
@@ -146,12 +150,38 @@ class _Solver:
             return self._none(served, notes, self._listed(served))
         return self._related(served, anchors, previous, notes)
 
+    def _on_its_floor(self, stop: Stop) -> tuple[Stop, set[int] | None, str]:
+        """Where a floor is named: the stop without it, the places of that floor, and what is not sure of it.
+
+        A map of which no floors are known has the floor's words only.
+        """
+        if stop.floor is None:
+            return stop, None, ""
+        floors = self._scene.floors
+        if len(floors) < 2:
+            is_here = stop.floor.counting is Counting.FROM_HERE and not stop.floor.number
+            return (stop if is_here else replace(stop, what=stop.unplaced)), None, ""
+        numbered = tuple(each for each in stop.identity if "floor" not in each.of)
+        ids, note = floors.named(stop.floor, self._scene.here.position)
+        return replace(stop, identity=numbered), ids, note
+
+    def _within(self, served: Served, within: set[int]) -> Served:
+        """Of what serves, the places of a floor."""
+        scores = {id_: score for id_, score in served.scores.items() if id_ in within}
+        if scores or not served.scores:
+            return replace(served, scores=scores)
+        others = tuple(sorted(served.scores, key=lambda id_: (-served.scores[id_], id_))[:_ALTERNATIVES])
+        return replace(served, scores={}, evidence=f"nothing that serves is on {served.stop.floor}", others=others)
+
     def _left_out(self, stop: Stop, served: Served, previous: Place | None) -> set[int]:
         """The places that are left out; where they would be all that serve, those whose boards say just that."""
         if stop.which is not Which.ANY or stop.relation is not None:
             solved = self.stop(stop, previous, False)
             return {solved.place.id} if solved.place is not None else set()
+        stop, within, _ = self._on_its_floor(stop)
         out = self._scorer.serve(stop)
+        if within is not None:
+            out = self._within(out, within)
         best = max(out.scores.values(), default=0.0)
         ids = {id_ for id_, score in out.scores.items() if score >= _EQUAL * best}
         return ids if served.scores.keys() - ids else set(out.exact)
@@ -178,7 +208,10 @@ class _Solver:
     def _anchors(self, anchor: Stop, previous: Place | None) -> list[Place]:
         if anchor == PREVIOUS:
             return [previous] if previous is not None else []
+        anchor, within, _ = self._on_its_floor(anchor)
         served = self._scorer.serve(anchor)
+        if within is not None:
+            served = self._within(served, within)
         if anchor.relation is not None or anchor.which is not Which.ANY:
             solved = self.stop(anchor, previous, False)
             return [solved.place] if solved.place is not None else []

@@ -195,9 +195,7 @@ def asked_codes(text: str) -> list[Code]:
 
     Hours, prices and numbers of people are none.
     """
-    folded = _QUANTITY.sub(" ", _folded(text))
-    folded = digit_ordinal().sub(lambda hit: hit.group(1) if _leads(folded, hit.end()) else hit.group(), folded)
-    folded = with_digits(folded, lambda at: _follows(folded, at), lambda at: _leads(folded, at))
+    folded = _digits_in(_QUANTITY.sub(" ", _folded(text)))
     # “The A-gates.”
     folded = re.sub(
         r"(?<!\w)[a-z]-(?=[a-z])",
@@ -219,6 +217,16 @@ def asked_codes(text: str) -> list[Code]:
         if of or is_mixed or (alone and code.number is not None) or len(hit.group(1)) >= 3:
             found.append(code)
     return found
+
+
+def _digits_in(folded: str) -> str:
+    folded = digit_ordinal().sub(lambda hit: hit.group(1) if _leads(folded, hit.end()) else hit.group(), folded)
+    return with_digits(folded, lambda at: _follows(folded, at), lambda at: _leads(folded, at))
+
+
+def in_digits(text: str) -> str:
+    """Return a question, without case, with the numbers of what is numbered in digits."""
+    return _digits_in(_folded(text))
 
 
 def without_codes(text: str) -> str:

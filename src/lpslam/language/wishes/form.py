@@ -46,6 +46,27 @@ class Relation(StrEnum):
     BEHIND = "behind"
 
 
+class Counting(StrEnum):
+    """From where floors are counted."""
+
+    ABOVE_GROUND = "above ground"
+    FROM_ONE = "from the ground floor, which is 1"
+    FROM_HERE = "from here"
+    TOP = "the top floor"
+
+
+@dataclass(frozen=True, slots=True)
+class Floor:
+    """A floor that is named: its number, and from where it is counted."""
+
+    counting: Counting
+    number: int
+
+    def __str__(self) -> str:
+        """As it is told: "floor 2 above ground"."""
+        return str(self.counting.value) if self.counting is Counting.TOP else f"floor {self.number} {self.counting}"
+
+
 class Sort(StrEnum):
     """What sort of identity a place must have."""
 
@@ -90,6 +111,8 @@ class Stop:
         ask: what is asked of it.
         contradiction: what cannot hold together, in words; empty where nothing is against anything.
         at: minutes of the day at one of which it must be open: “after 22:00”; empty where no time is said.
+        floor: where it must lie, if that is said.
+        unplaced: the words of `what` with those that name the floor, for maps of which no floors are known.
         whole: all words of the stop, its relation among them: what it says where the anchor turns out to be none.
     """
 
@@ -107,6 +130,8 @@ class Stop:
     whole: str = ""
     contradiction: str = ""
     at: tuple[int, ...] = ()
+    floor: Floor | None = None
+    unplaced: str = ""
 
 
 PREVIOUS = Stop("the stop before")
@@ -177,6 +202,8 @@ def told(stop: Stop) -> str:
         parts.append(f"{stop.relation.value} ({' and '.join(told(each) for each in stop.anchor)})")
     if stop.start is not None:
         parts.append(f"from ({told(stop.start)})")
+    if stop.floor is not None:
+        parts.append(f"on {stop.floor}")
     if stop.at:
         parts.append("open at " + " or ".join(f"{each // 60:02d}:{each % 60:02d}" for each in stop.at))
     if stop.contradiction:
@@ -191,6 +218,7 @@ def _stop_of(tree: Mapping[str, Any], depth: int = 0) -> Stop:
         raise TypeError("anchors of anchors of anchors")
     start = tree.get("start")
     relation = tree.get("relation")
+    floor = tree.get("floor")
     return Stop(
         str(tree["what"]),
         _texts(tree.get("kinds", ())),
@@ -208,6 +236,8 @@ def _stop_of(tree: Mapping[str, Any], depth: int = 0) -> Stop:
         str(tree.get("whole", "")),
         str(tree.get("contradiction", "")),
         tuple(int(each) % (24 * 60) for each in tree.get("at", ())),
+        None if floor is None else Floor(Counting(floor["counting"]), int(floor["number"])),
+        str(tree.get("unplaced", "")),
     )
 
 

@@ -13,6 +13,7 @@ from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.words import is_mark
 from lpslam.language.wishes.attributes import attributes_of
 from lpslam.language.wishes.codes import asked_codes, identities
+from lpslam.language.wishes.floors import floor_of
 from lpslam.language.wishes.form import PREVIOUS, Ask, Identity, Relation, Sort, Stop, Which, Wish
 from lpslam.language.wishes.rules import Row, Rules, rules_of
 
@@ -86,20 +87,22 @@ def _stop(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: in
     text = text if asked is None else asked.rest
     ask, ask_language = _asked(text, languages)
     rules = rules_of(ask_language)
-    what, without = _without(text, languages, knowledge, depth)
+    what, without, torn = _without(text, languages, knowledge, depth)
     placed = _placed(what, languages, knowledge, depth)
     stop, what = placed if placed is not None else (Stop(text), what)
+    floor, bare, is_torn = floor_of(what, languages[0] if languages else None)
+    unplaced, what = (what, bare) if floor is not None else ("", what)
     order, place = _ordered(what, languages)
     if order is not None and (stop.which is Which.ANY or place > 1):
         stop = replace(stop, which=order, rank=place)
     left = content_left(what, rules)
-    if stop.relation is not None or asked is not None or ask in (Ask.LIST, Ask.WHICH):
+    is_placed = stop.relation is not None or asked is not None or floor is not None
+    if is_placed or ask in (Ask.LIST, Ask.WHICH):
         # Its place tells which: “the room next to …”; “what is that next to …” has common words only.
         left = content_left(rules.any.sub(" ", what), rules)
-    if stop.relation is not None or asked is not None:
+    if is_placed:
         left = _uncommon(left, languages, knowledge)
-    is_told = stop.relation is not None or ask is Ask.LIST or asked is not None
-    is_any = ask in (Ask.HERE, Ask.FORBIDDEN) or (not left and is_told)
+    is_any = ask in (Ask.HERE, Ask.FORBIDDEN) or (not left and (is_placed or ask is Ask.LIST))
     which = stop.which
     opposed = sorted({each.value for each in _orders(what, languages)} & _OPPOSED)
     if which is Which.ANY and ask in (Ask.LIST, Ask.HERE, Ask.FORBIDDEN):
@@ -108,12 +111,14 @@ def _stop(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: in
         stop,
         what="" if is_any else what,
         without=without,
-        identity=() if is_any else _identity(what, languages),
+        identity=_identity(unplaced, languages) if floor is not None else () if is_any else _identity(what, languages),
         ask=ask,
         whole=whole,
         which=which,
         at=() if asked is None else asked.minutes,
-        contradiction=" and ".join(opposed) if len(opposed) > 1 else "",
+        floor=floor,
+        unplaced=unplaced,
+        contradiction=" and ".join(opposed) if len(opposed) > 1 else "two floors" if is_torn else torn,
     )
 
 
@@ -143,10 +148,12 @@ def _placed(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: 
     return stop, what
 
 
-def _without(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: int) -> tuple[str, tuple[Stop, ...]]:
+def _without(
+    text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: int
+) -> tuple[str, tuple[Stop, ...], str]:
     """Part a text from what it leaves out: one place of the same kind, the nearest one, one by its code or place.
 
-    Kinds and names that are refused are left to `read_question`.
+    Kinds and names that are refused are left to `read_question`. The last part says what is wanted and left out at once.
     """
     for language in languages[:1] if depth == 0 else ():
         found = rules_of(language).first(rules_of(language).exclusions, text)
@@ -155,21 +162,33 @@ def _without(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth:
         what, out = (found[1].group(name).strip(_ENDS) for name in ("what", "not"))
         numbered = _numbered_alike(what, out)
         if numbered:
-            return what, numbered
+            return what, numbered, ""
+        if _is_the_same(what, out, languages, knowledge):
+            return what, (), f"{what} and not {out}"
         stop = _stop(out, languages, knowledge, depth=_DEEPEST - 1)
         asked, left = (dict(read_question(each, knowledge).wanted) for each in (what, out))
         whole = read_question(text, knowledge)
         # “Not in a large chain” tells no place from another.
         is_told = bool(attributes_of(out)) and all("/" in each or each in asked for each in whole.refused)
         is_one = stop.which is not Which.ANY or stop.relation is not None or bool(stop.identity) or is_told
+        is_one = is_one or stop.floor is not None
         is_read = bool(whole.wanted and whole.refused) and not is_one
         is_unread = bool(whole.wanted and left) and not whole.refused
         if (asked or is_told) and not is_read and (is_one or asked.keys() & left.keys() or is_unread):
             if is_told and not left:
                 # “The lounge that isn't the blue one.”
-                return what, (replace(stop, what=f"{what} {out}"),)
-            return what, (replace(stop, what=what) if is_one and not left and not stop.identity else stop,)
-    return text, ()
+                return what, (replace(stop, what=f"{what} {out}"),), ""
+            return what, (replace(stop, what=what) if is_one and not left and not stop.identity else stop,), ""
+    return text, (), ""
+
+
+def _is_the_same(what: str, out: str, languages: tuple[str, ...], knowledge: Knowledge) -> bool:
+    """Whether what is left out is just what is wanted: “gate 23, but not gate 23”."""
+    asked, left = (
+        set(_uncommon(content_left(each, rules_of(languages[0])), languages, knowledge).split()) for each in (what, out)
+    )
+    is_ordered = _ordered(out, languages)[0] is not None or _related(out, languages) is not None
+    return bool(left) and left <= asked and not is_ordered and identities(asked_codes(what)) == identities(asked_codes(out))
 
 
 def _numbered_alike(what: str, out: str) -> tuple[Stop, ...]:

@@ -60,7 +60,7 @@ _CAPITALS_ARE_NAMES = frozenset({"en", "es", "fr"})
 _SURE, _NAMED, _ACROSS = 1.0, 0.9, 0.85  # of a code or person, of a part of a name, of a name in another script
 _WHOLE = 0.95  # of a name's letters: the name itself
 _FEWEST_BORNE, _MOST_BORNE = 2, 0.5  # words of a question that a board bears, and their share of its letters
-_OPEN_SERVES = 0.6  # of the best score: what is known to be open and serves so well goes before what may be shut
+_OPEN_SERVES = 0.8  # of the best score: what is known to be open and serves so well goes before what may be shut
 _OFFERED = 5  # places that are told where none is sure enough
 _LEAST_LITERAL = 0.3  # of a board's letters that are asked for word by word
 
@@ -119,7 +119,9 @@ class EmbeddedScorer:
         sure = {id_: served.scores[id_] for id_ in is_open if is_open[id_] and served.scores[id_] >= _OPEN_SERVES * best}
         if sure or not served.scores:
             return replace(served, scores=sure)
-        left = {id_: score for id_, score in served.scores.items() if id_ not in is_open}
+        left = {
+            id_: score for id_, score in served.scores.items() if id_ not in is_open and score >= _OPEN_SERVES * best
+        }
         if left and served.stop.what:
             return replace(served, scores=left, ignored=(*served.ignored, "when it is open, which its board does not say"))
         shut = sorted(is_open, key=lambda id_: (-served.scores[id_], id_))
