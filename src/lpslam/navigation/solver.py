@@ -21,6 +21,8 @@ _MOST = 50  # places of a list
 _OUTWARDS = frozenset({Relation.NEXT_TO, Relation.NEAR, Relation.OPPOSITE, Relation.LEFT_OF, Relation.RIGHT_OF})
 """Relations that cost at least the straight way to the anchor."""
 _WEAK = frozenset({Relation.NEAR, Relation.BEFORE, Relation.BEHIND})  # said of times and manners as well
+LEAST_SURE = 0.75
+"""Probability of a place to be what was meant, below which the answer is none: a wrong one is three times as bad."""
 _ALTERNATIVES = 5  # further places that are told where one is asked for
 _DECIDED = 2.0  # standard deviations by which two distances must differ to be told apart
 
@@ -140,6 +142,8 @@ class _Solver:
             return self._none(served, (said, *notes), self._listed(served))
         if not served.scores:
             return self._none(served, (served.evidence, *notes))
+        if served.sure < LEAST_SURE:
+            return self._none(served, ("it is not sure what is meant", *notes), self._listed(served)[:_ALTERNATIVES])
         if stop.relation is None:
             start = previous.position if is_later and previous is not None else self._scene.here.position
             return self._ordered(served, start, notes)

@@ -49,6 +49,8 @@ class LandmarkIndex:
                 phrase = called.add(name, ids, is_brand=True)
                 if phrase is not None:
                     self.phrase_of[identity] = phrase
+        unread = sum(not sign.is_place or not sign.kinds for sign in self.signs.values())
+        self.unread = unread / max(len(landmarks), 1)  # share of the landmarks that no table reads
         place = {landmark.id: at for at, landmark in enumerate(landmarks)}
         self.ids_of = {phrase: tuple(sorted(ids, key=place.__getitem__)) for phrase, ids in called.ids.items()}
         self.names = {phrase: Meaning("name", ((phrase, 1.0),)) for phrase in called.ids}

@@ -1,4 +1,4 @@
-"""How sure it is that what was found is what was meant: a probability, and abstention below one threshold.
+"""How sure it is that what was found is what was meant, as a probability.
 
 A logistic model of how the best landmark was found, by how much it leads, and how much of the question says so; its
 weights are in `data/wishes/certainty.json` (`tools/train_certainty.py`).
@@ -7,19 +7,22 @@ weights are in `data/wishes/certainty.json` (`tools/train_certainty.py`).
 import json
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import lru_cache
 from importlib.resources import files
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from lpslam.language.choosing.landmark_index import LandmarkIndex
-from lpslam.language.choosing.serving import FITS, match
+from lpslam.language.choosing.serving import FITS, likeness, match
 from lpslam.language.questions.question import read_question
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.words import is_mark, longest_phrases
 from lpslam.language.wishes.asked_words import AskedWords
 from lpslam.language.wishes.served import Served, Way
 
-LEAST_SURE = 0.5  # probability of being right below which the answer is none
-UNSURE = "it is not sure enough what is meant"
 _RIVALS = 0.97  # of the best score: what serves as well
 _MOST_UNITS = 20  # units of a question that count as many
 _UNSPACED = frozenset({"zh", "ja", "ko"})
@@ -41,14 +44,35 @@ def clues_of(served: Served, index: LandmarkIndex, asked: AskedWords, knowledge:
     own = [at for at, unit in enumerate(units) if not is_mark(unit) and unit not in common]
     known: set[int] = set()
     telling: set[int] = set()
+    longest, several = 0, False
     for span in longest_phrases(units, knowledge.tables_of(language)):
         known.update(range(span.start, span.end))
         if any(concept in meant for concept, _ in span.value.concepts):
             telling.update(range(span.start, span.end))
+            longest = max(longest, min(len(span.key), 20))
+            several = several or span.end - span.start > 1
     words = max(len(own), 1)
+    weight = {concept: each for concept, each in wish.wanted}
+    direct = max((weight[each] * likeness(each, kinds, knowledge) for each in meant), default=0.0)
+    offered = max((weight[each] * match(each, kinds, knowledge) for each in meant), default=0.0)
+    painted = knowledge.folder.units(index.name_of[best])
+    said_on_board = {
+        at
+        for span in longest_phrases(painted, (knowledge.painted,))
+        if any(concept in dict(kinds) for concept, _ in span.value.concepts)
+        for at in range(span.start, span.end)
+    }
+    letters = [len(unit) for unit in painted if not is_mark(unit) and not unit.isdigit()]
+    told = [len(painted[at]) for at in said_on_board if at < len(painted)]
     is_kind = served.way is Way.KIND
     clues = {
-        "always": 1.0,
+        "is one": direct if is_kind else 0.0,
+        "offers it": offered if is_kind and not direct else 0.0,
+        "longest phrase": longest / 10.0 if is_kind else 0.0,
+        "phrase of several words": float(is_kind and several),
+        "unread signs": index.unread,
+        "board says so": sum(told) / max(sum(letters), 1) if is_kind else 0.0,
+        "place asked for": float(any("/" in each for each in meant)),
         "strength": served.strength if is_kind else 0.0,
         "strength of words": served.strength if served.way in (Way.WORDS, Way.NAME) else 0.0,
         "strength of a guess": served.strength if served.way is Way.GUESS else 0.0,
@@ -77,15 +101,28 @@ def clues_of(served: Served, index: LandmarkIndex, asked: AskedWords, knowledge:
 
 def probability(clues: Mapping[str, float]) -> float:
     """Return how probably an answer with such clues is right."""
-    weights = _weights()
-    if not weights:
+    model = _model()
+    if model is None:
         return 1.0
-    odds = sum(weights.get(name, 0.0) * value for name, value in clues.items())
-    return 1.0 / (1.0 + math.exp(-odds))
+    x = np.array([clues.get(name, 0.0) for name in model.names])
+    return float(1.0 / (1.0 + np.exp(-(model.bias + paired(x[None, :])[0] @ model.weights))))
+
+
+def paired(x: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(n, k) clues with all their products of two: what one tells depends on the others."""
+    first, second = np.triu_indices(x.shape[1])
+    return np.hstack([x, x[:, first] * x[:, second]])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Model:
+    names: tuple[str, ...]
+    weights: NDArray[np.float64]
+    bias: float
 
 
 @lru_cache(maxsize=1)
-def _weights() -> Mapping[str, float]:
+def _model() -> _Model | None:
     path = files("lpslam.language") / "data" / "wishes" / "certainty.json"
-    weights: Mapping[str, float] = json.loads(path.read_text(encoding="utf-8"))
-    return weights
+    tree: Mapping[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    return _Model(tuple(tree["names"]), np.array(tree["weights"]), float(tree["bias"])) if tree else None

@@ -28,7 +28,7 @@ from lpslam.language.wishes.identities import Identities
 from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.reading import content_left, content_of, wish_languages
 from lpslam.language.wishes.rules import rules_of
-from lpslam.language.wishes.certainty import LEAST_SURE, UNSURE, clues_of, probability
+from lpslam.language.wishes.certainty import clues_of, probability
 from lpslam.language.wishes.served import Served, Way
 
 _ANY_SORT = frozenset({"shop", "business", "place"})
@@ -95,7 +95,7 @@ class EmbeddedScorer:
         )
 
     def serve(self, stop: Stop) -> Served:
-        """Return the landmarks that serve a stop: by identity, by name, else by what they are; none where that is unsure."""
+        """Return the landmarks that serve a stop: by identity, by name, else by what they are."""
         served = self._as_sure(self._found(stop)) if stop.what else self._any_place(stop)
         return self._open(served) if stop.at else served
 
@@ -134,16 +134,11 @@ class EmbeddedScorer:
         return clues_of(served, self._index, self._asked, self._knowledge)
 
     def _as_sure(self, served: Served) -> Served:
-        """Rather none than what is not likely to be meant."""
+        """With how probable it is that what serves is what was meant."""
         if not served.scores or served.way in (Way.PLACE, Way.IDENTITY):
             return served
         sure = probability(self.clues(served))
-        if sure >= LEAST_SURE:
-            return replace(served, confidence=min(served.confidence, sure))
-        best = sorted(served.scores, key=lambda id_: (-served.scores[id_], id_))
-        return replace(
-            served, scores={}, exact=frozenset(), others=tuple(best[:_OFFERED]), confidence=1.0 - sure, evidence=UNSURE
-        )
+        return replace(served, sure=sure, confidence=min(served.confidence, sure))
 
     def _found(self, stop: Stop) -> Served:
         allowed, ignored, failed = self._identities.identified(stop)

@@ -33,6 +33,7 @@ class Served:
         others: next best where none serves.
         ignored: what of the wish could not be heeded.
         way: how they were found.
+        sure: probability, 0 to 1, that the best is what was meant.
         strength: of the best, before scores were divided by it.
         exact: of those, the landmarks whose board says these very words, and no more.
         sees_all: whether every landmark that serves has its score; a model names a few only.
@@ -49,6 +50,7 @@ class Served:
     exact: frozenset[int] = field(default=frozenset())
     way: Way = Way.PLACE
     strength: float = 1.0
+    sure: float = 1.0
 
 
 class Scorer(Protocol):
