@@ -132,6 +132,11 @@ def next_to(place: Place, anchor: Place, scene: Scene) -> Judged:
     return Judged(apart)
 
 
+def is_same_side(place: Place, anchor: Place) -> bool:
+    """Whether two boards face the same way; also where that is not known."""
+    return place.facing is None or anchor.facing is None or float(place.facing @ anchor.facing) > -_OPPOSED
+
+
 def near(place: Place, anchor: Place, scene: Scene) -> Judged:
     """As near as possible."""
     return Judged(scene.ways.distance(place.position, anchor.position))

@@ -12,7 +12,7 @@ from lpslam.language.wishes.form import PREVIOUS, Counting, Relation, Stop, Whic
 from lpslam.language.wishes.served import Scorer, Served
 from lpslam.navigation.columns import NEAR_ANCHORS, Serving, apart_from, detours
 from lpslam.navigation.places import Distances, Here, Place, Point, Straight
-from lpslam.navigation.relations import PAIRED, Judged, Scene, between, on_the_way, tree_of
+from lpslam.navigation.relations import PAIRED, Judged, Scene, between, is_same_side, on_the_way, tree_of
 
 _EQUAL = 0.97  # of the best score: served equally, where the nearer is chosen
 _NEARLY = 0.8  # of the best score: served well enough, where the nearest is asked for
@@ -77,7 +77,8 @@ def solve(
     """
     solver = _Solver(Scene(places, here or Here(), ways or Straight()), scorer)
     solved = _in_order(solver, wish.stops)
-    if wish.instead is not None and any(each.place is None for each in solved):
+    found = [each.place.id for each in solved if each.place is not None]
+    if wish.instead is not None and len(set(found)) < len(solved):
         alone = _in_order(solver, (wish.instead,))
         solved = alone if alone[0].place is not None else solved
     return Solution(replace(wish, stops=tuple(each.stop for each in solved)), tuple(solved))
@@ -332,7 +333,10 @@ class _Solver:
             return min((on_the_way(place, each, start, self._scene) for each in others[0]), key=lambda each: each.cost)
         assert stop.relation is not None
         judge = PAIRED[stop.relation]
-        return min((judge(place, each, self._scene) for each in others[0]), key=lambda each: each.cost)
+        if stop.same_side:
+            others[0] = [each for each in others[0] if is_same_side(place, each)]
+        judged = (judge(place, each, self._scene) for each in others[0])
+        return min(judged, key=lambda each: each.cost, default=Judged(math.inf))
 
     def _picked(self, served: Served, ranked: Sequence[_Ranked], notes: list[str]) -> Solved:
         stop = served.stop

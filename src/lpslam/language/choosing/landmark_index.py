@@ -14,6 +14,7 @@ from lpslam.language.tables.lexicon import Meaning
 from lpslam.language.tables.words import UNSPACED_RUN, Folder, is_unspaced
 
 _NUMBERED = re.compile(r"[A-Z]?\d+(?:[.-]\d+)*(?:\s*[-–—~〜]\s*[A-Z]?\d+)?")
+_IS_NUMBER = re.compile(r"^[\W\d]*\w?[\W\d]+$")
 _SHORTEST_WORD = 4  # letters of a word that may stand for the name that it is part of
 _SHORTEST_RUN = 3  # characters without spaces that may be a name or a part of one
 
@@ -49,7 +50,7 @@ class LandmarkIndex:
                 phrase = called.add(name, ids, is_brand=True)
                 if phrase is not None:
                     self.phrase_of[identity] = phrase
-        unread = sum(not sign.is_place or not sign.kinds for sign in self.signs.values())
+        unread = sum(not self.signs[mark.id].kinds and not _IS_NUMBER.search(mark.name) for mark in landmarks)
         self.unread = unread / max(len(landmarks), 1)  # share of the landmarks that no table reads
         place = {landmark.id: at for at, landmark in enumerate(landmarks)}
         self.ids_of = {phrase: tuple(sorted(ids, key=place.__getitem__)) for phrase, ids in called.ids.items()}

@@ -107,6 +107,7 @@ class Stop:
         which: of several places; `rank` 2 is the second of that order.
         relation: to the anchor or, for BETWEEN, to both; None without one.
         anchor: stops themselves. PREVIOUS is the stop before.
+        same_side: whether it must hang on the anchor's side: “the second shop from the entrance, on that side”.
         start: where a way begins that does not begin here.
         ask: what is asked of it.
         contradiction: what cannot hold together, in words; empty where nothing is against anything.
@@ -132,6 +133,7 @@ class Stop:
     at: tuple[int, ...] = ()
     floor: Floor | None = None
     unplaced: str = ""
+    same_side: bool = False
 
 
 PREVIOUS = Stop("the stop before")
@@ -200,6 +202,8 @@ def told(stop: Stop) -> str:
         parts.append(stop.which.value if stop.rank == 1 else f"{stop.which.value} no. {stop.rank}")
     if stop.relation is not None:
         parts.append(f"{stop.relation.value} ({' and '.join(told(each) for each in stop.anchor)})")
+        parts += [f"no. {stop.rank}"] if stop.rank > 1 and stop.which is Which.ANY else []
+        parts += ["on its side"] if stop.same_side else []
     if stop.start is not None:
         parts.append(f"from ({told(stop.start)})")
     if stop.floor is not None:
@@ -238,6 +242,7 @@ def _stop_of(tree: Mapping[str, Any], depth: int = 0) -> Stop:
         tuple(int(each) % (24 * 60) for each in tree.get("at", ())),
         None if floor is None else Floor(Counting(floor["counting"]), int(floor["number"])),
         str(tree.get("unplaced", "")),
+        bool(tree.get("same_side", False)),
     )
 
 

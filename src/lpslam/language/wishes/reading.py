@@ -1,6 +1,7 @@
 """From a question to a `Wish`: one evaluator over the rows of each language's table."""
 
 import re
+from collections.abc import Sequence
 from dataclasses import replace
 
 from lpslam.language.languages import LANGUAGES, LATIN
@@ -20,8 +21,12 @@ from lpslam.language.wishes.rules import Row, Rules, rules_of
 _LONGEST = 400  # letters of a question
 _ENDS = " .。!！?？,，、;；¿¡"
 _LISTED = re.compile(r"[,，;；、] ?(?:(?:and|und|et|y) )?")
+_JOINED = re.compile(r" (?:and|und|et|y|e) ")
 _MOST_STOPS = 6
 _OPPOSED = {Which.NEAREST.value, Which.FARTHEST.value}  # one place is hardly both
+_COUNTED = frozenset(map(str, (Relation.NEAR, Relation.BEFORE, Relation.BEHIND, Relation.LEFT_OF, Relation.RIGHT_OF)))
+"""Relations of which places come one after the other."""
+_FEWEST_LISTED = 3  # things that are listed without a word for their order: “pharmacy, bank, coffee”
 _DEEPEST = 2  # anchors of anchors
 _POSSESSIVE = re.compile(r"['’]s?$")
 
@@ -49,7 +54,12 @@ def read_wish(question: str, knowledge: Knowledge) -> Wish:
             is_sure = found is None or not found[0].then.get("perhaps")
             instead = None if is_sure else _stop(text, languages, knowledge)
             return Wish(stops[:_MOST_STOPS], language, instead=instead)
-    return Wish((_stop(text, languages, knowledge),), likely[0] if likely else None)
+    alone = _stop(text, languages, knowledge)
+    listed = _listed(text, knowledge)
+    if len(listed) >= _FEWEST_LISTED and alone.relation is None and not alone.without and not alone.contradiction:
+        stops = tuple(_stop(part, languages, knowledge) for part in listed[:_MOST_STOPS])
+        return Wish(stops, likely[0] if likely else None, instead=alone)
+    return Wish((alone,), likely[0] if likely else None)
 
 
 def _says_a_place(text: str, knowledge: Knowledge) -> bool:
@@ -63,11 +73,18 @@ def _says_a_place(text: str, knowledge: Knowledge) -> bool:
 def _listed(text: str, knowledge: Knowledge) -> list[str]:
     """The stops that a part of a plan lists: “buy a ticket, grab a croissant”, each something of its own."""
     pieces = [each for each in _LISTED.split(text) if each.strip(_ENDS)]
-    says_all = all(
-        any(weight >= MAIN for _, weight in read.wanted) and not read.refused
-        for read in (read_question(piece, knowledge) for piece in pieces)
-    )
-    return pieces if len(pieces) > 1 and says_all else [text]
+    if len(pieces) > 1 and _are_things(pieces, knowledge):
+        return pieces
+    both = [each for each in _JOINED.split(text) if len(each.split()) > 1]
+    return both if len(both) > 1 and _are_things(both, knowledge) else [text]
+
+
+def _are_things(pieces: Sequence[str], knowledge: Knowledge) -> bool:
+    """Whether each piece wants something of its own and refuses nothing."""
+    reads = [read_question(piece, knowledge) for piece in pieces]
+    wanted = [{concept for concept, weight in read.wanted if weight >= MAIN} for read in reads]
+    apart = len(set().union(*wanted)) == sum(map(len, wanted))
+    return all(wanted) and apart and not any(read.refused or read.refused_names for read in reads)
 
 
 def _in_sequence(text: str, rules: Rules) -> list[str]:
@@ -135,6 +152,12 @@ def _placed(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: 
     anchors = tuple(
         _anchor(groups[name], languages, knowledge, rules, depth) for name in ("anchor", "second") if groups.get(name)
     )
+    rank = rules.ranks.get(groups.get("rank", "").casefold(), 1)
+    if rank == 1 and row.then["relation"] in _COUNTED and not asked_codes(what):
+        counted = rules.first(rules.counts, what)
+        if counted is not None:
+            # “The second door after the lift.”
+            rank, what = rules.ranks.get(counted[1].group("rank").casefold(), 1), counted[1].group("what")
     is_here = len(anchors) == 1 and rules.here.match(groups.get("anchor", ""))
     start = _anchor(groups["start"], languages, knowledge, rules, depth) if groups.get("start") else None
     stop = Stop(
@@ -142,8 +165,9 @@ def _placed(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: 
         relation=None if is_here else Relation(row.then["relation"]),
         anchor=() if is_here else anchors,
         which=Which(row.then.get("which", "nearest" if is_here else "any")),
-        rank=rules.ranks.get(groups.get("rank", "").casefold(), 1),
+        rank=rank,
         start=start,
+        same_side=bool(groups.get("side")),
     )
     return stop, what
 
