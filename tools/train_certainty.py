@@ -30,7 +30,7 @@ from lpslam.language.offline import OfflineModel  # noqa: E402
 from lpslam.language.signs.reader import load_sign_reader  # noqa: E402
 from lpslam.language.tables import knowledge  # noqa: E402
 from lpslam.language.tables.lexicon import load_lexicons, split  # noqa: E402
-from lpslam.language.wishes import certainty  # noqa: E402
+from lpslam.language.wishes import certainty, scoring  # noqa: E402
 from lpslam.language.wishes.served import Served, Way  # noqa: E402
 from lpslam.navigation import solver  # noqa: E402
 from lpslam.navigation.places import Here  # noqa: E402
@@ -172,7 +172,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--write", action="store_true")
     given = parser.parse_args()
-    least, solver.LEAST_SURE = solver.LEAST_SURE, 0.0
+    least = solver.LEAST_SURE
+    solver.LEAST_SURE = scoring.LEAST_SURE = 0.0
     full = model_of(None)
     reported = {name: rows_of(wishes_of(name), full) for name in REPORTED}
     hidden: dict[str, Rows] = {name: [] for name in (*REPORTED, "")}

@@ -9,7 +9,7 @@ from lpslam.language.wishes.codes import board_codes
 from lpslam.language.wishes.form import Counting, Floor
 from lpslam.navigation.places import Place, Point
 
-_APART_M = 2.0  # of height between neighbouring signs of two floors: signs of one hang closer together
+APART_M = 2.0  # of height between neighbouring signs of two floors: signs of one hang closer together
 _ROOM = 100  # room 304 is on floor 3
 _FEWEST = 2  # boards that must agree on a floor's number
 _ASKED = 400  # boards that are asked for it
@@ -22,7 +22,7 @@ class Floors:
         self._places = places
         heights = np.array([float(place.position[2]) for place in places])
         order = np.argsort(heights, kind="stable")
-        steps = np.flatnonzero(np.diff(heights[order]) > _APART_M) + 1
+        steps = np.flatnonzero(np.diff(heights[order]) > APART_M) + 1
         groups = [each for each in np.split(order, steps) if len(each)]
         self._heights = np.array([float(np.median(heights[each])) for each in groups])
         self._groups = groups

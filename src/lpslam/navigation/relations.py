@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.language.wishes.form import Relation
-from lpslam.navigation.floors import Floors
+from lpslam.navigation.floors import APART_M, Floors
 from lpslam.navigation.places import Distances, Here, Place, Point
 
 if TYPE_CHECKING:
@@ -123,6 +123,8 @@ def _level(direction: Point) -> Point | None:
 def next_to(place: Place, anchor: Place, scene: Scene) -> Judged:
     """Near enough to be a neighbour, on the same wall before across the corridor."""
     apart = scene.ways.distance(place.position, anchor.position)
+    if not is_same_floor(place, anchor):
+        return Judged(_NO)
     reach = max(_LEAST_REACH_M, _NEIGHBOURS * scene.usual_gap)
     if apart > reach:
         return Judged(_NO)
@@ -130,6 +132,11 @@ def next_to(place: Place, anchor: Place, scene: Scene) -> Judged:
         # What faces the anchor is opposite.
         apart *= 2.0
     return Judged(apart)
+
+
+def is_same_floor(place: Place, anchor: Place) -> bool:
+    """Whether two boards hang on one floor; else they are no neighbours, however near."""
+    return abs(float(place.position[2] - anchor.position[2])) <= APART_M
 
 
 def is_same_side(place: Place, anchor: Place) -> bool:
@@ -147,6 +154,8 @@ def opposite(place: Place, anchor: Place, scene: Scene) -> Judged:
     facing, doubt = scene.facing_of(anchor)
     if facing is None:
         return Judged(_NO, f"which way {anchor.name} faces is not known")
+    if not is_same_floor(place, anchor):
+        return Judged(_NO, doubt)
     offset = place.position - anchor.position
     offset = np.array([offset[0], offset[1], 0.0])
     across = float(offset @ facing)
@@ -170,6 +179,8 @@ def _sideways(sign: float) -> Callable[[Place, Place, Scene], Judged]:
             doubt = "left and right are taken as seen from here"
         else:
             forward, doubt = None, ""
+        if not is_same_floor(place, anchor):
+            return Judged(_NO, doubt)
         if forward is None:
             return Judged(_NO, f"which way {anchor.name} faces is not known, nor where you stand")
         right = np.cross(forward, _UP)

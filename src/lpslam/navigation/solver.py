@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.language.wishes.form import PREVIOUS, Counting, Relation, Stop, Which, Wish
-from lpslam.language.wishes.served import Scorer, Served
+from lpslam.language.wishes.served import LEAST_SURE, Scorer, Served
 from lpslam.navigation.columns import NEAR_ANCHORS, Serving, apart_from, detours
 from lpslam.navigation.places import Distances, Here, Place, Point, Straight
 from lpslam.navigation.relations import PAIRED, Judged, Scene, between, is_same_side, on_the_way, tree_of
@@ -21,8 +21,6 @@ _MOST = 50  # places of a list
 _OUTWARDS = frozenset({Relation.NEXT_TO, Relation.NEAR, Relation.OPPOSITE, Relation.LEFT_OF, Relation.RIGHT_OF})
 """Relations that cost at least the straight way to the anchor."""
 _WEAK = frozenset({Relation.NEAR, Relation.BEFORE, Relation.BEHIND})  # said of times and manners as well
-LEAST_SURE = 0.75
-"""Probability of a place to be what was meant, below which the answer is none: a wrong one is three times as bad."""
 _ALTERNATIVES = 5  # further places that are told where one is asked for
 _DECIDED = 2.0  # standard deviations by which two distances must differ to be told apart
 
@@ -264,6 +262,9 @@ class _Solver:
         start, note = self._start(stop, previous)
         notes += [note] if note else []
         ranked, doubts = self._in_relation(stop, serving, anchors, start)
+        if not ranked and stop.relation is Relation.NEXT_TO and self._are_alike(served, anchors):
+            # Of gates around a stadium the next one is a neighbour, however far.
+            ranked, doubts = self._in_relation(replace(stop, relation=Relation.NEAR), serving, anchors, start)
         if not ranked:
             said = " and ".join(place.name for found in anchors for place in found[:1])
             notes += list(doubts) or [f"nothing that serves stands {stop.relation.value} {said}"]
@@ -272,6 +273,10 @@ class _Solver:
         ranked.sort(key=lambda each: (each.cost, -each.score, each.place.id))
         notes += [ranked[0].doubt] if ranked[0].doubt else []
         return self._picked(served, ranked, notes)
+
+    def _are_alike(self, served: Served, anchors: Sequence[Sequence[Place]]) -> bool:
+        """Whether the anchor is itself one of what is wanted beside it."""
+        return all(place.id in served.scores for found in anchors for place in found)
 
     def _start(self, stop: Stop, previous: Place | None) -> tuple[Point | None, str]:
         if stop.start is None:

@@ -11,6 +11,7 @@ from functools import lru_cache
 from importlib.resources import files
 
 from lpslam.language.sanitise import clean_text
+from lpslam.language.signs.hours import without_hours
 from lpslam.language.tables.words import is_unspaced
 from lpslam.language.wishes.form import Identity, Sort
 from lpslam.language.wishes.numerals import digit_ordinal, number_of, with_digits
@@ -23,7 +24,7 @@ _UNSPACED_NUMBER = re.compile(
     r"|(?<![가-힣])([일이삼사오육칠팔구]?[십백][일이삼사오육칠팔구십]*(?=번|호|층)|[일이삼사오육칠팔구](?=층|호))"
 )
 _ONE = r"(?:[a-z]{1,2}[-.]?|[b-z] )?\d{1,4}(?:[-.]\d{1,4}){0,2}[a-z]?|[a-z]"
-_CODE = re.compile(rf"(?<![a-zà-ÿ0-9'’])({_ONE})(?![^\W_\u2e80-\uffff])(?!['’-][a-z])", re.IGNORECASE)
+_CODE = re.compile(rf"(?<![a-zà-ÿ0-9'’])({_ONE})(?![^\W_\u2e80-\uffff])(?!['’-][^\W\d_])", re.IGNORECASE)
 _TO = "-|–|—|~|〜|～|to|bis|through|thru|à|a|al|至|到|から|부터|에서"
 _END = r"(?=[a-z\d])([a-z]{0,2})(\d{0,4})"
 _RANGE = re.compile(rf"(?<![a-zà-ÿ0-9]){_END} ?(?:{_TO}) ?{_END}(?![a-z0-9])", re.IGNORECASE)
@@ -160,10 +161,33 @@ def _code(text: str, of: frozenset[str]) -> Code:
     return Code(found.group(1), int(found.group(2)), found.group(3), of)
 
 
+_ZEROS_IN_WORDS = re.compile(r"(?<=[a-z])0+(?=[a-z])|(?<![a-z\d])0(?=[a-z]{2})")
+_LETTER_APART = re.compile(r"(?<![^\W_])a (?=\d{2,4}(?!\w))")
+_TOKEN = re.compile(r"(?<![a-z\d])(?=[a-z.-]*\d|\d)[a-z\d]+(?:[.-][a-z\d]+)*(?![a-z\d])")
+_ALIKE = str.maketrans("oilzsb", "011258", ".- ")
+
+
+def _board(text: str) -> str:
+    """A board as its codes are looked for: “Ro0m 10”, without its hours."""
+    folded = _ZEROS_IN_WORDS.sub(lambda hit: "o" * len(hit.group()), _folded(without_hours(text)))
+    return _LETTER_APART.sub("a", folded)
+
+
+@lru_cache(maxsize=1 << 15)
+def board_keys(text: str) -> frozenset[str]:
+    """Return the codes of a board as readers of signs confuse them: Al6 and A16 are the same."""
+    return frozenset(hit.group().translate(_ALIKE) for hit in _TOKEN.finditer(_board(text)))
+
+
+def alike_key(value: str) -> str:
+    """Return a code as `board_keys` has it."""
+    return value.translate(_ALIKE)
+
+
 @lru_cache(maxsize=1 << 15)
 def board_codes(text: str) -> tuple[Code, ...]:
     """Return the codes that a board bears: every number, code and range; and letters beside what is numbered."""
-    folded = _folded(text)
+    folded = _board(text)
     found: list[Code] = []
     for hit in _RANGE.finditer(folded):
         letters, first, last_letters, last = hit.groups()
@@ -227,6 +251,13 @@ def _digits_in(folded: str) -> str:
 def in_digits(text: str) -> str:
     """Return a question, without case, with the numbers of what is numbered in digits."""
     return _digits_in(_folded(text))
+
+
+def numbered_thing(text: str) -> frozenset[str]:
+    """Return what a text calls numbered things by, where it is no more than that: “the rack”; else nothing."""
+    folded = clean_text(text).casefold()
+    found = _classes()[0].fullmatch(folded)
+    return _named(found.group()) if found is not None else frozenset()
 
 
 def without_codes(text: str) -> str:

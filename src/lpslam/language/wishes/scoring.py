@@ -29,7 +29,7 @@ from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.reading import content_left, content_of, wish_languages
 from lpslam.language.wishes.rules import rules_of
 from lpslam.language.wishes.certainty import clues_of, probability
-from lpslam.language.wishes.served import Served, Way
+from lpslam.language.wishes.served import LEAST_SURE, Served, Way
 
 _ANY_SORT = frozenset({"shop", "business", "place"})
 _FEW_OF_A_FAMILY = 3  # rooms of one sort of building that make the map one of it, at least
@@ -134,11 +134,27 @@ class EmbeddedScorer:
         return clues_of(served, self._index, self._asked, self._knowledge)
 
     def _as_sure(self, served: Served) -> Served:
-        """With how probable it is that what serves is what was meant."""
+        """With how probable it is that what serves is what was meant; where that is little, the words of the boards."""
         if not served.scores or served.way in (Way.PLACE, Way.IDENTITY):
             return served
         sure = probability(self.clues(served))
-        return replace(served, sure=sure, confidence=min(served.confidence, sure))
+        served = replace(served, sure=sure, confidence=min(served.confidence, sure))
+        if sure >= LEAST_SURE or served.way not in (Way.KIND, Way.GUESS):
+            return served
+        meaning = read_question(served.stop.what, self._knowledge, self._index.names)
+        said = self._by_words(served.stop, meaning, served.ignored)
+        other = probability(self.clues(said)) if said is not None and said.scores else 0.0
+        return served if said is None or other <= sure else replace(said, sure=other, confidence=other)
+
+    def _by_words(self, stop: Stop, meaning: Meaning, ignored: tuple[str, ...]) -> Served | None:
+        """The landmarks whose boards say the words themselves."""
+        literal = self._told_apart(stop, self._literal(stop, meaning))
+        if not literal:
+            return None
+        scores = self._trusted(literal)
+        strength = max(scores.values(), default=0.0)
+        said = "the board says these words"
+        return Served(stop, scores, said, 0.7, ignored=ignored, way=Way.WORDS, strength=strength)
 
     def _found(self, stop: Stop) -> Served:
         allowed, ignored, failed = self._identities.identified(stop)
@@ -165,12 +181,13 @@ class EmbeddedScorer:
         scores = self._not_by_the_whole(meaning, _within(self._trusted(scores), within))
         scores = self._told_apart(stop, self._bearing_the_words(stop, meaning, self._of_the_family(meaning, scores)))
         if not scores or self._is_another(stop, meaning, scores):
-            literal = self._told_apart(stop, self._literal(stop, meaning))
-            if literal:
-                scores = self._trusted(literal)
-                strength = max(scores.values(), default=0.0)
-                said = "the board says these words"
-                return Served(stop, scores, said, 0.7, ignored=ignored, way=Way.WORDS, strength=strength)
+            literal = self._by_words(stop, meaning, ignored)
+            if literal is not None:
+                return literal
+            numbered = self._identities.numbered(content_of(stop.what, wish_languages(stop.what, self._knowledge)))
+            if numbered and (stop.relation is not None or stop.ask is Ask.LIST):
+                scores = self._trusted(numbered)
+                return Served(stop, scores, "numbered so", 0.9, ignored=ignored, way=Way.SORT)
             told = self._told_only(stop)
             if told:
                 scores = self._trusted(told)

@@ -8,6 +8,10 @@ from typing import Protocol
 from lpslam.language.wishes.form import Stop
 
 
+LEAST_SURE = 0.75
+"""Probability of a place to be what was meant, below which the answer is none: a wrong one is three times as bad."""
+
+
 class Way(StrEnum):
     """How what serves was found."""
 
