@@ -108,7 +108,8 @@ def read_question(
     text = _ALLERGY.sub(r"\1 \2", _HYPHEN.sub(" ", text))
     first: Wish | None = None
     likely = (language,) if language else languages_of(text, knowledge) or language_by_its_phrases(text, knowledge)
-    if not language and likely and likely[0] in LATIN and len(text.split()) <= _FEW_WORDS:
+    is_short = not language and bool(likely) and likely[0] in LATIN and len(text.split()) <= _FEW_WORDS
+    if is_short and knowledge.common[likely[0]].isdisjoint(knowledge.folder.units(text)):
         # What says nothing in the likeliest language may be a word of another: “pay”.
         likely = tuple(dict.fromkeys((*likely, *LATIN)))
     for each in likely:

@@ -14,6 +14,7 @@ from lpslam.language.wishes.numerals import number_of, with_digits
 
 _HOUR, _NOON, _DAY = 60, 12 * 60, 24 * 60
 _NIGHT_BEGINS = 6  # o'clock: from then on an hour “at night” is before midnight
+_QUARTERS = frozenset({0, 15, 30, 45})  # minutes of hours that are written with a point
 _HALF_PAST = {"半": 30, "반": 30}
 
 
@@ -111,6 +112,12 @@ def _says_time(found: re.Match[str], at: str) -> bool:
     return any(found[f"{each}{at}"] for each in ("m", "n", "half", "unit"))
 
 
+def _is_numbers(found: re.Match[str]) -> bool:
+    """Whether a range is one of rooms: “Aula 2.01-2.20”."""
+    dotted = [found[f"m{at}"] for at in "12" if found[f"m{at}"] and f"{found[f'h{at}']}.{found[f'm{at}']}" in found.group()]
+    return any(int(each) not in _QUARTERS for each in dotted)
+
+
 @lru_cache(maxsize=1 << 14)
 def board_hours(text: str) -> tuple[Hours, ...]:
     """Return the hours that a board says: ranges, closing or opening times, or round the clock; none where it is silent."""
@@ -134,7 +141,7 @@ def _read(text: str) -> tuple[tuple[Hours, ...], str]:
     hours = []
     spans = []
     for found in patterns.ranges.finditer(text):
-        if _says_time(found, "1") or _says_time(found, "2"):
+        if not _is_numbers(found) and (_says_time(found, "1") or _says_time(found, "2")):
             hours.append(_between(_minute(found, "1", found["half2"] or ""), _minute(found, "2")))
             spans.append(found.span())
     for pattern, is_closing in ((patterns.until, True), (patterns.since, False)) if not hours else ():
