@@ -51,7 +51,8 @@ class Identities:
                     ignored.append(str(identity))
                 continue
             if not bearing:
-                return None, tuple(ignored), str(identity)
+                joined = self._joined(stop)
+                return (joined, tuple(ignored), "") if joined else (None, tuple(ignored), str(identity))
             found = bearing if found is None else {id_: found[id_] for id_ in found if id_ in bearing}
             if not found:
                 return None, tuple(ignored), " and ".join(map(str, stop.identity))
@@ -85,6 +86,11 @@ class Identities:
         ids = self._by_key.get(key, set()) if len(key) >= _LONG_KEY else set()
         others = {id_ for id_ in ids if asked.of and any(code.of and not code.of & asked.of for code in self.codes[id_])}
         return dict.fromkeys(sorted(ids - others), _SURE)
+
+    def _joined(self, stop: Stop) -> dict[int, float]:
+        """“Zone C of level B1” is B1-C where no board bears them apart."""
+        codes = [each.value for each in stop.identity if each.sort is Sort.CODE]
+        return self._alike(Code("".join(codes), None, "", frozenset())) if len(codes) > 1 else {}
 
     def _unclassed(self, asked: Code) -> dict[int, float]:
         """Where nothing is numbered as what is asked for (“block 104”), a long number tells alone: Section 104."""

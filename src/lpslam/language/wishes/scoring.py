@@ -141,10 +141,20 @@ class EmbeddedScorer:
         served = replace(served, sure=sure, confidence=min(served.confidence, sure))
         if sure >= LEAST_SURE or served.way not in (Way.KIND, Way.GUESS):
             return served
+        numbered = self._numbered(served.stop, served.ignored)
+        if numbered is not None:
+            return numbered
         meaning = read_question(served.stop.what, self._knowledge, self._index.names)
         said = self._by_words(served.stop, meaning, served.ignored)
         other = probability(self.clues(said)) if said is not None and said.scores else 0.0
         return served if said is None or other <= sure else replace(said, sure=other, confidence=other)
+
+    def _numbered(self, stop: Stop, ignored: tuple[str, ...]) -> Served | None:
+        """“The rack” between two others is any board that bears a rack's number."""
+        if stop.relation is None and stop.ask is not Ask.LIST:
+            return None
+        found = self._identities.numbered(content_of(stop.what, wish_languages(stop.what, self._knowledge)))
+        return Served(stop, self._trusted(found), "numbered so", 0.9, ignored=ignored, way=Way.IDENTITY) if found else None
 
     def _by_words(self, stop: Stop, meaning: Meaning, ignored: tuple[str, ...]) -> Served | None:
         """The landmarks whose boards say the words themselves."""
@@ -184,10 +194,9 @@ class EmbeddedScorer:
             literal = self._by_words(stop, meaning, ignored)
             if literal is not None:
                 return literal
-            numbered = self._identities.numbered(content_of(stop.what, wish_languages(stop.what, self._knowledge)))
-            if numbered and (stop.relation is not None or stop.ask is Ask.LIST):
-                scores = self._trusted(numbered)
-                return Served(stop, scores, "numbered so", 0.9, ignored=ignored, way=Way.SORT)
+            numbered = self._numbered(stop, ignored)
+            if numbered is not None:
+                return numbered
             told = self._told_only(stop)
             if told:
                 scores = self._trusted(told)
