@@ -209,6 +209,8 @@ def _is_time(found: re.Match[str]) -> bool:
         return True
     if any(_parts_of_day(found)):
         return True
+    if re.fullmatch(_table()["sharp"], found["lead"] or "", re.IGNORECASE) and not found.string[found.end() :].strip(" .,!?"):
+        return True
     is_led = found["lead"] is not None or found["tail"] is not None
     return is_led and bool(found["unit"] or found["n"] or (found["m"] and ":" in found.group()))
 

@@ -26,7 +26,7 @@ def _patterns() -> Mapping[str, re.Pattern[str]]:
 
     numbered = (
         rf"(?<!\w)(?:{table['before']})[ ](?:no\.? ?)?(?P<one>-?\d{{1,2}})(?![\w.])"
-        rf"|(?<![\w.-])(?P<two>-?\d{{1,2}})(?:{table['ordinal']})? ?(?:(?:{table['after']})(?!\w)|{table['after_unspaced']})"
+        rf"|(?<![a-zA-Z\d.-])(?P<two>-?\d{{1,2}})(?:{table['ordinal']})? ?(?:(?:{table['after']})(?!\w)|{table['after_unspaced']})"
     )
     below = (
         rf"(?<!\w)(?:{table['below']}) ?(?P<three>\d)? ?(?:(?:{table['after']})(?!\w)|{table['after_unspaced']})?(?!\w)"
@@ -48,15 +48,16 @@ def _alone(joined: str) -> str:
 
 def floor_of(text: str, language: str | None) -> tuple[Floor | None, str, bool]:
     """Return the floor that a text names, what it says beside it, and whether it names two that cannot both be."""
-    for said in dict.fromkeys((text, in_digits(text))):
-        found = list(_floors(said, language))
-        if found:
-            rest = said
-            for start, end in sorted({span for _, span in found}, reverse=True):
-                rest = f"{rest[:start]} {rest[end:]}"
-            floors = {floor for floor, _ in found}
-            return found[0][0], " ".join(rest.split()).strip(" ,，、"), len(floors) > 1
-    return None, text, False
+    # Spelled numbers are read where that says more: “the first floor that is on the ground floor”.
+    read = [(said, list(_floors(said, language))) for said in (text, in_digits(text))]
+    said, found = max(read, key=lambda each: len({floor for floor, _ in each[1]}))
+    if not found:
+        return None, text, False
+    rest = said
+    for start, end in sorted({span for _, span in found}, reverse=True):
+        rest = f"{rest[:start]} {rest[end:]}"
+    floors = {floor for floor, _ in found}
+    return found[0][0], " ".join(rest.split()).strip(" ,，、"), len(floors) > 1
 
 
 def _floors(text: str, language: str | None) -> Iterator[tuple[Floor, tuple[int, int]]]:
