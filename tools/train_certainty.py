@@ -3,10 +3,10 @@
 python tools/train_certainty.py             # report by leaving each set of wishes out
 python tools/train_certainty.py --write     # train on all and write data/wishes/certainty.json
 
-Every stop of the sets in benchmarks/language that is answered by words, and whether the answer is right. Sets of questions
-without positions are among the training sets, never among those that are reported. The tables were mended by nearly all of
-them, so their answers are surer than those of questions that nobody has seen. Therefore the model is trained on answers of
-tables of which a part is hidden, another part each round: turns of phrase sooner than words.
+Every stop of the sets in benchmarks/language that is answered by words, and whether the answer is right. Sets of
+questions without positions are among the training sets, never among those that are reported. The tables were mended by
+nearly all of them, so their answers are surer than those of questions that nobody has seen. Therefore the model is
+trained on answers of tables of which a part is hidden, another part each round: turns of phrase sooner than words.
 """
 
 import argparse
@@ -24,23 +24,22 @@ from numpy.typing import NDArray
 ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT / "benchmarks"))
 
-from wishes import is_right, places_of  # noqa: E402
-
 from lpslam.language.offline import OfflineModel  # noqa: E402
 from lpslam.language.signs.reader import load_sign_reader  # noqa: E402
 from lpslam.language.tables import knowledge  # noqa: E402
 from lpslam.language.tables.lexicon import load_lexicons, split  # noqa: E402
 from lpslam.language.wishes import certainty, scoring  # noqa: E402
-from lpslam.language.wishes.served import Served, Way  # noqa: E402
+from lpslam.language.wishes.served import UNQUESTIONED  # noqa: E402
 from lpslam.navigation import solver  # noqa: E402
 from lpslam.navigation.places import Here  # noqa: E402
+from wishes import is_right, places_of  # noqa: E402
 
 WRITTEN = ROOT / "src" / "lpslam" / "language" / "data" / "wishes" / "certainty.json"
 SETS = ROOT / "benchmarks" / "language"
 REPORTED = ("development", "own_second", "blind_first", "blind_second", "blind_third", "blind_fourth")
 RIDGE = 1000.0  # of the weights, in columns of spread 1: few of the products of two tell anything
 STEPS = 15  # of Newton's method, more than it takes
-OF_WISHES = 5.0  # what an answer to a wish weighs, of answers to questions among the shops of malls, which are three times as many
+OF_WISHES = 5.0  # what an answer to a wish weighs: there are five times as many to questions in malls
 TOLD = (0.5, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9)  # probabilities of the report
 
 HIDDEN_WORDS, HIDDEN_TURNS = 0.12, 0.45  # of the tables' words, and of their phrases of several words
@@ -88,7 +87,7 @@ def rows_of(worlds: dict[str, Any], model: OfflineModel) -> Rows:
             if last.place is None or len(solution.stops) > 1 or not last.stop.what:
                 continue
             served = scorer.serve(last.stop)
-            if not served.scores or served.way in (Way.PLACE, Way.IDENTITY):
+            if not served.scores or served.way in UNQUESTIONED:
                 continue
             rows.append((scorer.clues(served), is_right(case, solution), not case["expected"]))
     return rows

@@ -74,4 +74,6 @@ def test_what_is_shut_is_told_with_its_hours(model: OfflineModel) -> None:
 
 def test_neighbours_are_on_one_floor(model: OfflineModel) -> None:
     solution = answered(model, "what is opposite Meeting Room 201?")
-    assert solution.stops[0].place is not None and solution.stops[0].place.id == 9
+    place = solution.stops[0].place
+    assert place is not None
+    assert place.id == 9

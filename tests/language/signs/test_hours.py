@@ -55,6 +55,8 @@ def test_times_that_are_asked_for(question: str, hours: set[int]) -> None:
     assert not any(ch.isdigit() for ch in asked.rest)
 
 
-@pytest.mark.parametrize("question", ["gate 12", "room 203", "Gleis 8", "the second shop", "2 coffees", "3番線", "5号门"])
+@pytest.mark.parametrize(
+    "question", ["gate 12", "room 203", "Gleis 8", "the second shop", "2 coffees", "3番線", "5号门"]
+)
 def test_numbers_are_no_times(question: str) -> None:
     assert asked_time(question) is None

@@ -6,8 +6,8 @@ from collections.abc import Collection, Mapping, Sequence
 from lpslam.language.choosing.serving import Kinds
 from lpslam.language.model import Candidate
 from lpslam.language.questions.question import spoken_key
-from lpslam.language.signs.meaning import SignMeaning
 from lpslam.language.signs.hours import without_hours
+from lpslam.language.signs.meaning import SignMeaning
 from lpslam.language.signs.reader import SignReader
 from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.lexicon import Meaning

@@ -35,9 +35,7 @@ ALL_DAY = Hours(0, 2 * _DAY)
 
 @lru_cache(maxsize=1)
 def _table() -> Mapping[str, Any]:
-    tree: Mapping[str, Any] = json.loads(
-        (files("lpslam.language") / "data" / "hours.json").read_text(encoding="utf-8")
-    )
+    tree: Mapping[str, Any] = json.loads((files("lpslam.language") / "data" / "hours.json").read_text(encoding="utf-8"))
     return tree
 
 
@@ -70,7 +68,8 @@ def _one(at: str) -> str:
     table = _table()
     return (
         rf"(?P<h{at}>\d{{1,2}})(?:[:.](?P<m{at}>\d{{2}})|h(?P<n{at}>\d{{2}}))? ?(?P<half{at}>{table['half']})?"
-        rf"(?: ?(?P<unit{at}>{table['unit']}|(?:{table['hours']})(?![a-z])))?(?: ?(?P<past{at}>\d{{1,2}}(?=[分분])|半|반)[分분]?)?"
+        rf"(?: ?(?P<unit{at}>{table['unit']}|(?:{table['hours']})(?![a-z])))?"
+        rf"(?: ?(?P<past{at}>\d{{1,2}}(?=[分분])|半|반)[分분]?)?"
     )
 
 
@@ -81,8 +80,9 @@ def _patterns() -> _Patterns:
     before, after = parts.replace("X>", "1>"), parts.replace("X>", "2>")
     numerals = "|".join(sorted(table["numerals"], key=len, reverse=True))
     asked = (
-        rf"(?:(?<!\w)(?P<lead>{table['after']}|{table['before']}|{table['at']}) ?)?(?:{before})? ?(?<![\d.:-]){_one('')}"
-        rf"(?:[^\w]{{0,2}}(?:{after}))? ?(?P<tail>{table['after_after']}|{table['before_after']})?(?:{table['particles']})?(?![\d:])"
+        rf"(?:(?<!\w)(?P<lead>{table['after']}|{table['before']}|{table['at']}) ?)?(?:{before})? ?"
+        rf"(?<![\d.:-]){_one('')}(?:[^\w]{{0,2}}(?:{after}))? ?"
+        rf"(?P<tail>{table['after_after']}|{table['before_after']})?(?:{table['particles']})?(?![\d:])"
     )
     flags = re.IGNORECASE
     return _Patterns(
@@ -114,13 +114,15 @@ def _says_time(found: re.Match[str], at: str) -> bool:
 
 def _is_numbers(found: re.Match[str]) -> bool:
     """Whether a range is one of rooms: “Aula 2.01-2.20”."""
-    dotted = [found[f"m{at}"] for at in "12" if found[f"m{at}"] and f"{found[f'h{at}']}.{found[f'm{at}']}" in found.group()]
+    dotted = [
+        found[f"m{at}"] for at in "12" if found[f"m{at}"] and f"{found[f'h{at}']}.{found[f'm{at}']}" in found.group()
+    ]
     return any(int(each) not in _QUARTERS for each in dotted)
 
 
 @lru_cache(maxsize=1 << 14)
 def board_hours(text: str) -> tuple[Hours, ...]:
-    """Return the hours that a board says: ranges, closing or opening times, or round the clock; none where it is silent."""
+    """Return the hours that a board says: ranges, closing or opening times, round the clock; none if it is silent."""
     found, _ = _read(clean_text(text))
     return found
 
@@ -165,7 +167,7 @@ def _between(opens: int, closes: int) -> Hours:
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """A time that is asked for: minutes of the day, of which any may be meant (“at eight”), and the words without it."""
+    """A time that is asked for: minutes of the day, any of which may be meant (“at eight”), and the other words."""
 
     minutes: tuple[int, ...]
     rest: str
@@ -209,7 +211,9 @@ def _is_time(found: re.Match[str]) -> bool:
         return True
     if any(_parts_of_day(found)):
         return True
-    if re.fullmatch(_table()["sharp"], found["lead"] or "", re.IGNORECASE) and not found.string[found.end() :].strip(" .,!?"):
+    if re.fullmatch(_table()["sharp"], found["lead"] or "", re.IGNORECASE) and not found.string[found.end() :].strip(
+        " .,!?"
+    ):
         return True
     is_led = found["lead"] is not None or found["tail"] is not None
     return is_led and bool(found["unit"] or found["n"] or (found["m"] and ":" in found.group()))

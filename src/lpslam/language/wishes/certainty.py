@@ -21,6 +21,7 @@ from lpslam.language.questions.question import read_question
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.words import is_mark, longest_phrases
 from lpslam.language.wishes.asked_words import AskedWords
+from lpslam.language.wishes.form import Which
 from lpslam.language.wishes.served import Served, Way
 
 _RIVALS = 0.97  # of the best score: what serves as well
@@ -35,8 +36,12 @@ def clues_of(served: Served, index: LandmarkIndex, asked: AskedWords, knowledge:
     best = max(served.scores, key=lambda id_: (served.scores[id_], -id_))
     top = served.scores[best]
     kinds = index.signs[best].kinds
-    others = [score for id_, score in served.scores.items() if index.signs[id_].kinds != kinds]
-    ties = {index.signs[id_].kinds for id_, score in served.scores.items() if score >= _RIVALS * top}
+    stop = served.stop
+    # What a place, an order or an exclusion tells apart are no rivals.
+    is_told = stop.relation is not None or stop.which is not Which.ANY or bool(stop.without)
+    rivals = {} if is_told else served.scores
+    others = [score for id_, score in rivals.items() if index.signs[id_].kinds != kinds]
+    ties = {kinds, *(index.signs[id_].kinds for id_, score in rivals.items() if score >= _RIVALS * top)}
     meant = {concept: weight for concept, weight in wish.wanted if match(concept, kinds, knowledge) >= FITS}
     language = wish.language or next(iter(asked.likely(text)), "en")
     units = knowledge.folder.units(text)
@@ -52,7 +57,7 @@ def clues_of(served: Served, index: LandmarkIndex, asked: AskedWords, knowledge:
             longest = max(longest, min(len(span.key), 20))
             several = several or span.end - span.start > 1
     words = max(len(own), 1)
-    weight = {concept: each for concept, each in wish.wanted}
+    weight = dict(wish.wanted)
     direct = max((weight[each] * likeness(each, kinds, knowledge) for each in meant), default=0.0)
     offered = max((weight[each] * match(each, kinds, knowledge) for each in meant), default=0.0)
     painted = knowledge.folder.units(index.name_of[best])
@@ -94,7 +99,7 @@ def clues_of(served: Served, index: LandmarkIndex, asked: AskedWords, knowledge:
         "no spaces": float(language in _UNSPACED),
         "language not told": float(wish.language is None),
     }
-    for way in (Way.NAME, Way.SORT, Way.WORDS, Way.TOLD, Way.GUESS):
+    for way in (Way.NAME, Way.WORDS, Way.TOLD, Way.GUESS):
         clues[way.value] = float(served.way is way)
     return clues
 

@@ -26,7 +26,8 @@ def _patterns() -> Mapping[str, re.Pattern[str]]:
 
     numbered = (
         rf"(?<!\w)(?:{table['before']})[ ](?:no\.? ?)?(?P<one>-?\d{{1,2}})(?![\w.])"
-        rf"|(?<![a-zA-Z\d.-])(?P<two>-?\d{{1,2}})(?:{table['ordinal']})? ?(?:(?:{table['after']})(?!\w)|{table['after_unspaced']})"
+        rf"|(?<![a-zA-Z\d.-])(?P<two>-?\d{{1,2}})(?:{table['ordinal']})? ?"
+        rf"(?:(?:{table['after']})(?!\w)|{table['after_unspaced']})"
     )
     below = (
         rf"(?<!\w)(?:{table['below']}) ?(?P<three>\d)? ?(?:(?:{table['after']})(?!\w)|{table['after_unspaced']})?(?!\w)"

@@ -84,7 +84,9 @@ class Identities:
         """Landmarks whose code differs by letters that readers confuse."""
         key = alike_key(asked.value)
         ids = self._by_key.get(key, set()) if len(key) >= _LONG_KEY else set()
-        others = {id_ for id_ in ids if asked.of and any(code.of and not code.of & asked.of for code in self.codes[id_])}
+        others = {
+            id_ for id_ in ids if asked.of and any(code.of and not code.of & asked.of for code in self.codes[id_])
+        }
         return dict.fromkeys(sorted(ids - others), _SURE)
 
     def _joined(self, stop: Stop) -> dict[int, float]:
@@ -113,7 +115,11 @@ class Identities:
         if not of:
             return {}
         named = [id_ for id_, codes in self.codes.items() if any(code.of & of for code in codes)]
-        mixed = [id_ for id_, codes in self.codes.items() if any(code.letters and code.number and not code.of for code in codes)]
+        mixed = [
+            id_
+            for id_, codes in self.codes.items()
+            if any(code.letters and code.number and not code.of for code in codes)
+        ]
         return dict.fromkeys(named or mixed, _SURE)
 
     def _coded(self, asked: Code, repaired: bool) -> dict[int, float]:

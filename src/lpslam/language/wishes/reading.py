@@ -177,7 +177,7 @@ def _without(
 ) -> tuple[str, tuple[Stop, ...], str]:
     """Part a text from what it leaves out: one place of the same kind, the nearest one, one by its code or place.
 
-    Kinds and names that are refused are left to `read_question`. The last part says what is wanted and left out at once.
+    Kinds and names that are refused are left to `read_question`. The last part is what is wanted and left out at once.
     """
     for language in languages[:1] if depth == 0 else ():
         found = rules_of(language).first(rules_of(language).exclusions, text)
@@ -212,7 +212,12 @@ def _is_the_same(what: str, out: str, languages: tuple[str, ...], knowledge: Kno
         set(_uncommon(content_left(each, rules_of(languages[0])), languages, knowledge).split()) for each in (what, out)
     )
     is_ordered = _ordered(out, languages)[0] is not None or _related(out, languages) is not None
-    return bool(left) and left <= asked and not is_ordered and identities(asked_codes(what)) == identities(asked_codes(out))
+    return (
+        bool(left)
+        and left <= asked
+        and not is_ordered
+        and identities(asked_codes(what)) == identities(asked_codes(out))
+    )
 
 
 def _numbered_alike(what: str, out: str) -> tuple[Stop, ...]:

@@ -23,13 +23,13 @@ from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.words import is_mark, is_unspaced, longest_phrases
 from lpslam.language.wishes.asked_words import SHORTEST, AskedWords
 from lpslam.language.wishes.attributes import attributes_of, told_apart
+from lpslam.language.wishes.certainty import clues_of, probability
 from lpslam.language.wishes.form import Ask, Stop, Which, with_meaning
 from lpslam.language.wishes.identities import Identities
 from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.reading import content_left, content_of, wish_languages
 from lpslam.language.wishes.rules import rules_of
-from lpslam.language.wishes.certainty import clues_of, probability
-from lpslam.language.wishes.served import LEAST_SURE, Served, Way
+from lpslam.language.wishes.served import LEAST_SURE, UNQUESTIONED, Served, Way
 
 _ANY_SORT = frozenset({"shop", "business", "place"})
 _FEW_OF_A_FAMILY = 3  # rooms of one sort of building that make the map one of it, at least
@@ -116,14 +116,18 @@ class EmbeddedScorer:
             for id_ in served.scores
             if id_ in self._hours
         }
-        sure = {id_: served.scores[id_] for id_ in is_open if is_open[id_] and served.scores[id_] >= _OPEN_SERVES * best}
+        sure = {
+            id_: served.scores[id_] for id_ in is_open if is_open[id_] and served.scores[id_] >= _OPEN_SERVES * best
+        }
         if sure or not served.scores:
             return replace(served, scores=sure)
         left = {
             id_: score for id_, score in served.scores.items() if id_ not in is_open and score >= _OPEN_SERVES * best
         }
         if left and served.stop.what:
-            return replace(served, scores=left, ignored=(*served.ignored, "when it is open, which its board does not say"))
+            return replace(
+                served, scores=left, ignored=(*served.ignored, "when it is open, which its board does not say")
+            )
         shut = sorted(is_open, key=lambda id_: (-served.scores[id_], id_))
         told = "; ".join(f"{self._by_id[id_].name}: {told_hours(self._hours[id_])}" for id_ in shut[:1])
         evidence = f"nothing that serves is known to be open then ({told})" if told else "no board says its hours"
@@ -135,7 +139,7 @@ class EmbeddedScorer:
 
     def _as_sure(self, served: Served) -> Served:
         """With how probable it is that what serves is what was meant; where that is little, the words of the boards."""
-        if not served.scores or served.way in (Way.PLACE, Way.IDENTITY):
+        if not served.scores or served.way in UNQUESTIONED:
             return served
         sure = probability(self.clues(served))
         served = replace(served, sure=sure, confidence=min(served.confidence, sure))
@@ -154,7 +158,9 @@ class EmbeddedScorer:
         if stop.relation is None and stop.ask is not Ask.LIST:
             return None
         found = self._identities.numbered(content_of(stop.what, wish_languages(stop.what, self._knowledge)))
-        return Served(stop, self._trusted(found), "numbered so", 0.9, ignored=ignored, way=Way.IDENTITY) if found else None
+        return (
+            Served(stop, self._trusted(found), "numbered so", 0.9, ignored=ignored, way=Way.IDENTITY) if found else None
+        )
 
     def _by_words(self, stop: Stop, meaning: Meaning, ignored: tuple[str, ...]) -> Served | None:
         """The landmarks whose boards say the words themselves."""

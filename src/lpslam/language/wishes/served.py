@@ -7,7 +7,6 @@ from typing import Protocol
 
 from lpslam.language.wishes.form import Stop
 
-
 LEAST_SURE = 0.75
 """Probability of a place to be what was meant, below which the answer is none: a wrong one is three times as bad."""
 
@@ -23,6 +22,10 @@ class Way(StrEnum):
     WORDS = "words of the board"
     TOLD = "told apart"
     GUESS = "guess"
+
+
+UNQUESTIONED = (Way.PLACE, Way.IDENTITY, Way.SORT)
+"""What is told by the map, or must stand on the board: nothing that words could be mistaken for."""
 
 
 @dataclass(frozen=True, slots=True)
