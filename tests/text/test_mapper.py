@@ -164,7 +164,7 @@ def test_frames_are_read_at_the_set_interval() -> None:
     assert mapper.statistics.frames_read == 10
 
 
-def test_boxes_at_the_border_and_tiny_ones_are_dropped_unread_and_counted() -> None:
+def test_boxes_at_the_border_and_tiny_ones_are_no_texts_and_are_counted() -> None:
     spotter = ScriptedSpotter(
         (box(2, 200), "SMOKING", 0.99),
         (box(300, 449), "FLOOR", 0.99),
@@ -184,12 +184,13 @@ def test_boxes_at_the_border_and_tiny_ones_are_dropped_unread_and_counted() -> N
         BoxFate.UNREAD,
     ]
     assert [each.text for each in reading.texts] == ["KFC"]
-    assert spotter.recognised == 3
+    assert [text.text for text, _ in reading.parts] == ["SMOKING", "FLOOR"], "they may go on outside"
+    assert spotter.recognised == 5
 
 
 def test_an_ornament_is_not_even_read() -> None:
     spotter = ScriptedSpotter((box(300, 200, 200, 40), "mmmmmmm", 0.99), (box(300, 300), "KFC", 0.99))
-    railing = frame(0)
+    railing = frame(0, TEXTURE.copy())
     for column in range(305, 500, 20):
         railing.rgb[202:238, column : column + 6] = 220
     mapper = TextMapper(CAMERA, spotter, CONFIG)
@@ -217,7 +218,7 @@ def test_text_without_depth_enters_the_map_by_its_bearings() -> None:
     assert mark.position[2] == pytest.approx(2.0, abs=0.1)
 
 
-def test_text_hidden_by_something_nearer_is_not_even_read() -> None:
+def test_text_hidden_by_something_nearer_waits_for_the_rest() -> None:
     spotter = ScriptedSpotter((box(300, 200), "RMATION", 0.99))
     hidden = frame(0)
     hidden.depth[:, :295] = 1.0
@@ -226,12 +227,39 @@ def test_text_hidden_by_something_nearer_is_not_even_read() -> None:
     assert reading is not None
     assert reading.fates == (BoxFate.HIDDEN,)
     assert mapper.statistics.boxes_hidden == 1
-    assert spotter.recognised == 0
+    assert [text.text for text, _ in reading.parts] == ["RMATION"]
+    assert not mapper.text_map.memory.classes
+    # Seen as a whole, it needs no parts.
+    spotter.seen = [(box(255, 200, 165), "INFORMATION", 0.99)]
+    for index in range(1, 40):
+        mapper.observe(frame(index), tracked(index))
+    mapper.take_waiting()
+    (text_class,) = mapper.text_map.memory.classes
+    assert list(text_class.variants) == ["INFORMATION"]
+
+
+def test_text_that_is_never_seen_as_a_whole_is_known_by_the_most_of_it() -> None:
+    spotter = ScriptedSpotter()
+    mapper = TextMapper(CAMERA, spotter, CONFIG)
+    for index in range(160):
+        shown = index // 16
+        spotter.seen = [(box(2, 200, 10.0 + 12 * shown), "INFORMATION"[-shown:] if shown else "", 0.99)]
+        mapper.observe(frame(index, FLAT), tracked(index))
+    assert not mapper.text_map.memory.classes
+    mapper.take_waiting()
+    (mark,) = mapper.text_map.landmarks(identity)
+    assert mark.name == "FORMATION"
+
+
+def test_a_part_of_a_frieze_is_no_text() -> None:
+    spotter = ScriptedSpotter((box(2, 200), "XXXX", 0.99))
+    mapper = run(TextMapper(CAMERA, spotter, CONFIG), 30)
+    mapper.take_waiting()
     assert not mapper.text_map.memory.classes
 
 
 def test_text_of_the_world_is_cleaned() -> None:
-    spotter = ScriptedSpotter((box(100, 200), "ＫＦ\u202eＣ\u200b\n" + "x" * 500, 0.99))
+    spotter = ScriptedSpotter((box(100, 200), "ＫＦ\u202eＣ\u200b\n" + "xy" * 250, 0.99))
     reading = TextMapper(CAMERA, spotter, CONFIG).observe(frame(0), tracked(0))
     assert reading is not None
     assert reading.texts[0].text.startswith("KFC x")

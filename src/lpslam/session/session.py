@@ -327,6 +327,8 @@ class Session:
         try:
             self._resources.close()
             # A live reader has ended with its process: `distill` looks at what was kept.
+            if self._mapper is not None:
+                self._mapper.take_waiting()
             if self._mapper is not None and not hurry and not self._live:
                 self._mapper.look_again(self._whole().world_from_keyframe)
             if self._beside is not None:

@@ -2,13 +2,12 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
 from time import perf_counter, thread_time
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.camera import PinholeCamera, inverse_transform, transform_points
+from lpslam.camera import PinholeCamera, inverse_transform
 from lpslam.config import TextConfig
 from lpslam.frames import RgbdFrame
 from lpslam.language.model import LanguageModel
@@ -18,26 +17,23 @@ from lpslam.text.again.looking import look_again
 from lpslam.text.boards.surroundings import surroundings
 from lpslam.text.placing.bearings import bearing_of
 from lpslam.text.placing.instances import KeyframePoses
-from lpslam.text.placing.placement import PlacementFault, is_squeezed, place_text
+from lpslam.text.placing.placement import PlacementFault, is_squeezed
 from lpslam.text.placing.spots import Spots
-from lpslam.text.reading.borders import cut_by_border
-from lpslam.text.reading.boxes import letter_heights
 from lpslam.text.reading.certainty import probability_right
 from lpslam.text.reading.gate import ReadingGate
 from lpslam.text.reading.legibility import UNPLACED, SeenSize, frontal_cosine
-from lpslam.text.reading.ornaments import PatternVotes, pattern_likenesses
-from lpslam.text.reading.patterns import Likeness
+from lpslam.text.reading.ornaments import pattern_likenesses
 from lpslam.text.reading.spotting import ReadsElsewhere, TextSpotter, accepted_texts
 from lpslam.text.remembering.evidence import Glance
 from lpslam.text.remembering.memory import Pool, TextClass
 from lpslam.text.remembering.naming import BesideNaming, name_class, needs_name, rename_class
+from lpslam.text.remembering.similarity import comparison_key
+from lpslam.text.remembering.waiting import CutText, WaitingTexts
+from lpslam.text.sorting import CUT, NOWHERE, BoxSorter
 from lpslam.text.text_map import TextMap
 from lpslam.text.types import BoxFate, FrameReading, Placement, SpottedText, TextObservation, TextStatistics
 
 Array = NDArray[np.float64]
-
-NOWHERE = -1
-"""Keyframe of what was read while the camera was lost: such texts stand in the camera's own frame."""
 
 
 class TextMapper:
@@ -73,11 +69,11 @@ class TextMapper:
         self._on_sighting = on_sighting
         self._on_doubtful = on_doubtful
         self._on_lost = on_lost
-        self._points_seen_by = points_seen_by
         self._named_beside: set[int] = set()
         self._gate = ReadingGate(config.reading)
         self._spots = Spots()
-        self._pattern_votes = PatternVotes()
+        self._sorter = BoxSorter(camera, config, self.text_map.memory, self._spots, points_seen_by)
+        self._waiting = WaitingTexts(config.memory.visit_pause)
 
     def resume(self, world_from_keyframe: KeyframePoses) -> None:
         """Go on with a text map of an earlier recording: its clock stands still, and its texts are where they were."""
@@ -140,7 +136,7 @@ class TextMapper:
         if tracked.is_doubted:
             # Where a text stands would be wrong with the place: nothing is remembered until that is known.
             for text, placement in zip(reading.texts, reading.placements, strict=True):
-                if placement is not None and self._is_sure(placement):
+                if placement is not None and self._sorter.is_sure(placement):
                     self._on_doubtful(
                         self._observation(frame, tracked.keyframe, tracked.keyframe_from_camera, text, placement)
                     )
@@ -151,19 +147,18 @@ class TextMapper:
         is_new = False
         for text, placement in zip(reading.texts, reading.placements, strict=True):
             glance = self._glance(text, placement, tracked.keyframe_from_camera)
-            text_class = self._remember(text, placement, glance, frame.timestamp, world_from_keyframe)
-            is_new |= text_class.count < self._config.reading.settled_sightings
             observation = self._observation(
                 frame, tracked.keyframe, tracked.keyframe_from_camera, text, placement, glance.right
             )
-            text_class.observations.append(observation)
+            text_class = self._remember(text, glance, observation, world_from_keyframe)
+            is_new |= text_class.count < self._config.reading.settled_sightings
             if placement is not None:
                 self._keep_crop(text_class, frame, tracked.keyframe, tracked.keyframe_from_camera, text, glance)
-                if self._is_sure(placement):
+                if self._sorter.is_sure(placement):
                     self._on_sighting(text_class.id, observation)
                 observations.append(observation)
-            if text_class.pool is Pool.LONG_TERM and needs_name(text_class):
-                self._name(text_class)
+        self._wait_for_rest(reading, frame, tracked, world_from_keyframe)
+        self.take_waiting(frame.timestamp)
         if is_new:
             self._gate.hurry(frame.timestamp)
         self.statistics.observations += len(observations)
@@ -177,7 +172,7 @@ class TextMapper:
         reading = self._read(frame, np.eye(4), None, NOWHERE)
         if reading is not None:
             placed = zip(reading.texts, reading.placements, strict=True)
-            sure = [(text, where) for text, where in placed if where is not None and self._is_sure(where)]
+            sure = [(text, where) for text, where in placed if where is not None and self._sorter.is_sure(where)]
             self._on_lost([self._observation(frame, NOWHERE, np.eye(4), text, where) for text, where in sure])
 
     def _read(
@@ -195,43 +190,24 @@ class TextMapper:
             started = perf_counter()
             boxes, _ = self._spotter.detect(frame.rgb)
             self.statistics.detection_ms += 1000.0 * (perf_counter() - started)
-            fates = np.full(len(boxes), BoxFate.KEPT, dtype=object)
-            heights = letter_heights(boxes)
-            fates[heights < config.min_letter_height] = BoxFate.SMALL
-            fates[cut_by_border(frame.rgb, boxes)] = BoxFate.BORDER
-
             started = perf_counter()
-            place = partial(
-                place_text,
-                depth=frame.depth,
-                camera=self._camera,
-                keyframe_from_camera=keyframe_from_camera,
-                config=self._config.placement,
-                map_points=partial(self._points_in_view, keyframe, keyframe_from_camera),
-            )
-            placements = {row: place(boxes[row]) for row in np.flatnonzero(fates == BoxFate.KEPT).tolist()}
-            cut = (PlacementFault.HIDDEN, PlacementFault.STEPPED)
-            fates[[row for row, each in placements.items() if each in cut]] = BoxFate.HIDDEN
-            for row, placement in placements.items():
-                if isinstance(placement, Placement) and self._is_sure(placement) and world_from_keyframe is not None:
-                    seen = SeenSize(heights[row], frontal_cosine(placement, keyframe_from_camera))
-                    if self._is_known(placement, seen, frame.timestamp, world_from_keyframe):
-                        fates[row] = BoxFate.KNOWN
+            fates, placements = self._sorter.sort(frame, boxes, keyframe_from_camera, world_from_keyframe, keyframe)
             self.statistics.mapping_ms += 1000.0 * (perf_counter() - started)
 
             started = perf_counter()
-            kept = np.flatnonzero(fates == BoxFate.KEPT)
-            likenesses = dict(zip(kept.tolist(), pattern_likenesses(frame.rgb, boxes[kept]), strict=True))
-            for row, like in likenesses.items():
-                if self._is_ornament(like, placements[row], world_from_keyframe):
-                    fates[row] = BoxFate.ORNAMENT
-            kept = np.flatnonzero(fates == BoxFate.KEPT)
-            readings = self._spotter.recognise(frame.rgb, boxes[kept]) if len(kept) else []
+            rows = np.array(sorted(placements), np.intp)
+            likenesses = pattern_likenesses(frame.rgb, boxes[rows])
+            is_ornament = [
+                self._sorter.is_ornament(like, placements[row], world_from_keyframe)
+                for row, like in zip(rows.tolist(), likenesses, strict=True)
+            ]
+            fates[rows[is_ornament]] = [fate if fate in CUT else BoxFate.ORNAMENT for fate in fates[rows[is_ornament]]]
+            rows = rows[np.logical_not(is_ornament)]
+            readings = self._spotter.recognise(frame.rgb, boxes[rows]) if len(rows) else []
             self.statistics.recognition_ms += 1000.0 * (perf_counter() - started)
-            accepted = accepted_texts(boxes[kept], readings, config)
             accepted = [
                 None if text is not None and is_squeezed(text.text, placements[row]) else text
-                for row, text in zip(kept.tolist(), accepted, strict=True)
+                for row, text in zip(rows.tolist(), accepted_texts(boxes[rows], readings, config), strict=True)
             ]
         except Exception as error:
             if not self.statistics.reader_errors:
@@ -240,8 +216,11 @@ class TextMapper:
             return None
         finally:
             self.statistics.reader_processor_ms += 1000.0 * (self._processor_seconds() - processor)
-        fates[kept[[each is None for each in accepted]]] = BoxFate.UNREAD
-        texts = [(text, placements[row]) for row, text in zip(kept.tolist(), accepted, strict=True) if text]
+        read = {row: text for row, text in zip(rows.tolist(), accepted, strict=True) if text is not None}
+        texts = [(read[row], placements[row]) for row in read if fates[row] == BoxFate.KEPT]
+        parts = [(read[row], placements[row]) for row in read if fates[row] in CUT]
+        unread = [row for row in rows.tolist() if row not in read and fates[row] == BoxFate.KEPT]
+        fates[unread] = BoxFate.UNREAD
         self.statistics.count(fates.tolist(), sum(isinstance(each, PlacementFault) for _, each in texts))
         return FrameReading(
             frame=frame.index,
@@ -249,6 +228,7 @@ class TextMapper:
             fates=tuple(fates),
             texts=tuple(text for text, _ in texts),
             placements=tuple(None if isinstance(each, PlacementFault) else each for _, each in texts),
+            parts=tuple((text, each) for text, each in parts if isinstance(each, Placement)),
         )
 
     def _observation(
@@ -317,64 +297,58 @@ class TextMapper:
         spotter = self._spotter
         return thread_time() + (spotter.seconds_elsewhere if isinstance(spotter, ReadsElsewhere) else 0.0)
 
-    def _points_in_view(self, keyframe: int, keyframe_from_camera: Array) -> Array:
-        if keyframe == NOWHERE:
-            return np.zeros((0, 3))
-        return transform_points(inverse_transform(keyframe_from_camera), self._points_seen_by(keyframe))
-
-    def _is_sure(self, placement: Placement) -> bool:
-        """Whether a place is certain enough to be evidence of what stands where."""
-        return placement.uncertainty <= self._config.instances.doubtful_uncertainty
-
-    def _is_ornament(
-        self, like: Likeness, placement: Placement | PlacementFault, world_from_keyframe: Array | None
-    ) -> bool:
-        """Whether a box holds a pattern: by itself, or because what stands there mostly looks like one."""
-        if like is not Likeness.LIKE:
-            return like is Likeness.IS
-        # Without a place there are no other views to ask, and one says nothing.
-        if not isinstance(placement, Placement) or not self._is_sure(placement) or world_from_keyframe is None:
-            return False
-        return self._pattern_votes.is_ornament(self._spots.classes_at(placement, world_from_keyframe))
-
-    def _is_known(self, placement: Placement, seen: SeenSize, timestamp: float, world_from_keyframe: Array) -> bool:
-        """Whether what stands here is known so well that reading it again would tell nothing; it is confirmed then."""
-        settled = self._spots.settled_at(
-            placement, world_from_keyframe, seen, self._is_sure_of_name, self._config.reading
-        )
-        if settled is None:
-            return False
-        self.text_map.memory.confirm(settled, timestamp)
-        return True
-
-    def _is_sure_of_name(self, identifier: int) -> bool:
-        text_class = self.text_map.memory.long_term.get(identifier)
-        naming = text_class.naming if text_class is not None else None
-        return naming is not None and naming.confidence >= self._config.reading.settled_certainty
-
     def _glance(self, text: SpottedText, placement: Placement | None, keyframe_from_camera: Array) -> Glance:
-        is_placed = placement is not None and self._is_sure(placement)
+        is_placed = placement is not None and self._sorter.is_sure(placement)
         frontal = frontal_cosine(placement, keyframe_from_camera) if placement is not None and is_placed else UNPLACED
         right = probability_right(text.text, text.confidence, text.slots, text.sharpness, text.letter_height, frontal)
         return Glance(text.letter_height, frontal, right, text.slots, is_placed)
 
+    def _wait_for_rest(
+        self, reading: FrameReading, frame: RgbdFrame, tracked: TrackedFrame, world_from_keyframe: Array | None
+    ) -> None:
+        pose = tracked.keyframe_from_camera
+        if world_from_keyframe is None or pose is None:
+            return
+        for text, placement in reading.parts:
+            glance = self._glance(text, placement, pose)
+            observation = self._observation(frame, tracked.keyframe, pose, text, placement, glance.right)
+            if self._says_what_is_known(text, placement, world_from_keyframe):
+                self._remember(text, glance, observation, world_from_keyframe)
+            else:
+                self._waiting.add(CutText(text, placement, glance, observation, world_from_keyframe))
+
+    def _says_what_is_known(self, text: SpottedText, placement: Placement, world_from_keyframe: Array) -> bool:
+        """Whether what may be cut was read so, as a whole, where it stands."""
+        return comparison_key(text.text) in self._spots.spellings_at(placement, world_from_keyframe)
+
+    def take_waiting(self, timestamp: float | None = None) -> None:
+        """Remember what was only ever seen in parts, once it is out of view; without a time, at the end, all of it."""
+        for cuts in self._waiting.gone(timestamp, self._names_at):
+            for cut in cuts:
+                self._remember(cut.text, cut.glance, cut.observation, cut.world_from_keyframe)
+
+    def _names_at(self, placement: Placement, world_from_keyframe: Array) -> list[str]:
+        long_term = self.text_map.memory.long_term
+        return [
+            long_term[each].name for each in self._spots.classes_at(placement, world_from_keyframe) & set(long_term)
+        ]
+
     def _remember(
-        self,
-        text: SpottedText,
-        placement: Placement | None,
-        glance: Glance,
-        timestamp: float,
-        world_from_keyframe: Array | None,
+        self, text: SpottedText, glance: Glance, observation: TextObservation, world_from_keyframe: Array | None
     ) -> TextClass:
-        """Classify a text by what it says and where it stands, and strengthen its class (III-C, III-D)."""
-        memory = self.text_map.memory
-        if placement is None or world_from_keyframe is None or not self._is_sure(placement):
-            return memory.sight(text.text, text.confidence, timestamp, glance=glance)
-        here = self._spots.classes_at(placement, world_from_keyframe)
-        text_class = memory.sight(text.text, text.confidence, timestamp, here, glance)
-        seen = SeenSize(glance.height, glance.frontal)
-        self._spots.add(text_class.id, text.text, placement, world_from_keyframe, seen)
-        self._pattern_votes.read(text_class.id)
+        """Classify a text by what it says and where it stands, strengthen its class and name it (III-C to III-E)."""
+        memory, placement = self.text_map.memory, observation.placement
+        if placement is None or world_from_keyframe is None or not self._sorter.is_sure(placement):
+            text_class = memory.sight(text.text, text.confidence, observation.timestamp, glance=glance)
+        else:
+            here = self._spots.classes_at(placement, world_from_keyframe)
+            text_class = memory.sight(text.text, text.confidence, observation.timestamp, here, glance)
+            seen = SeenSize(glance.height, glance.frontal)
+            self._spots.add(text_class.id, text.text, placement, world_from_keyframe, seen)
+            self._sorter.votes.read(text_class.id)
+        text_class.observations.append(observation)
+        if text_class.pool is Pool.LONG_TERM and needs_name(text_class):
+            self._name(text_class)
         return text_class
 
     def _name(self, text_class: TextClass) -> None:

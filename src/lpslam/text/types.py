@@ -74,6 +74,7 @@ class FrameReading:
         texts: the texts read, in the order of the boxes that were kept.
         placements: where each text stands; None where its depth does not say.
         observations: the texts that could be placed.
+        parts: what was read of texts that may go on where the view ends, and where it stands.
     """
 
     frame: int
@@ -82,6 +83,7 @@ class FrameReading:
     texts: tuple[SpottedText, ...]
     placements: tuple["Placement | None", ...]
     observations: tuple["TextObservation", ...] = ()
+    parts: tuple[tuple[SpottedText, "Placement"], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

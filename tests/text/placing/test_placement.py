@@ -149,6 +149,27 @@ def test_a_thin_sign_a_hand_before_the_wall_hides_what_is_behind_it() -> None:
     assert place_text(box, depth, CAMERA, np.eye(4), CONFIG) is PlacementFault.HIDDEN
 
 
+@pytest.mark.parametrize("is_hidden", [False, True])
+def test_a_text_that_is_seen_to_end_before_something_nearer_is_not_hidden(is_hidden: bool) -> None:
+    """A board between two pillars: ground is seen beyond the last letter, or it is not."""
+    centre = np.array([0.0, 0.0, 3.0])
+    _, box, normal = sign(centre, 0.0)
+    left, top = (int(each) for each in box.min(axis=0))
+    rgb = np.full((480, 640, 3), 40, np.uint8)
+    last = int(box[:, 0].max())
+    for column in range(left + 8, last - 12, 9):
+        rgb[top + 6 : int(box[:, 1].max()) - 5, column : column + 6] = 230
+    depth = wall_depth(centre, normal, 0.0022)
+    depth[:, last + 2 :] = 2.5
+    rgb[:, last + 2 :] = 40
+    if is_hidden:
+        rgb[top + 6 : int(box[:, 1].max()) - 5, last - 8 : last + 2] = 230
+    result = place_text(box, depth, CAMERA, np.eye(4), CONFIG, rgb=rgb)
+    assert (result is PlacementFault.HIDDEN) is is_hidden
+    part = place_text(box, depth, CAMERA, np.eye(4), CONFIG, rgb=rgb, is_cut=True)
+    assert isinstance(part, Placement)
+
+
 @pytest.mark.parametrize("step", [-0.4, 0.4])
 def test_two_signs_that_look_like_one_line_are_no_text(step: float) -> None:
     centre = np.array([0.0, 0.0, 3.0])

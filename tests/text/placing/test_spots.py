@@ -133,3 +133,14 @@ def test_what_was_never_seen_large_enough_to_be_believed_is_read_again_once_it_i
         spots.add(7, "HARNOW", standing(0.0, 0.0), np.eye(4), SeenSize(18.0, 1.0))
     assert spots.settled_at(standing(0.0, 0.0), np.eye(4), SeenSize(19.0, 1.0), unsure, FOUR) == 7
     assert spots.settled_at(standing(0.0, 0.0), np.eye(4), SeenSize(20.5, 0.8), unsure, FOUR) is None
+
+
+def test_a_piece_read_often_does_not_settle_the_whole() -> None:
+    """One ideograph of five, read again and again from afar; then the whole is seen near by, once."""
+    spots = Spots()
+    for _ in range(8):
+        spots.add(7, "院", standing(0.4, 0.0, width=0.2), np.eye(4), SeenSize(20.0, 15.0))
+    spots.add(8, "星河电影院", standing(0.0, 0.0), np.eye(4), SeenSize(60.0, 50.0))
+    near = SeenSize(60.0, 50.0)
+    assert spots.settled_at(standing(0.0, 0.0), np.eye(4), near, unsure, FOUR) is None
+    assert spots.spellings_at(standing(0.0, 0.0), np.eye(4)) == {"院", "星河电影院"}

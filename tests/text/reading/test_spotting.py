@@ -241,3 +241,12 @@ def test_of_too_many_regions_the_largest_are_kept() -> None:
     boxes, scores = boxes_from_probability(probability, CONFIG)
     assert len(boxes) == len(scores) == CONFIG.max_boxes
     assert any(np.ptp(each[:, 0]) > 190 for each in boxes)
+
+
+@pytest.mark.parametrize(
+    ("raw", "is_text"), [("0000000", False), ("COOOOOOO", False), ("WWW", True), ("A00000B12345", True)]
+)
+def test_equal_letters_in_a_row_are_no_text(raw: str, is_text: bool) -> None:
+    box = np.array([[[0.0, 0.0], [200.0, 0.0], [200.0, 40.0], [0.0, 40.0]]])
+    (accepted,) = accepted_texts(box, [Recognition(raw, 0.99)], CONFIG)
+    assert (accepted is not None) is is_text

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera, transform_points
 from lpslam.config import PlacementConfig
+from lpslam.text.reading.borders import goes_on
 from lpslam.text.reading.boxes import along_the_lines, letter_heights
 from lpslam.text.types import Placement, Vector3
 
@@ -34,6 +35,8 @@ def place_text(
     keyframe_from_camera: Array,
     config: PlacementConfig,
     map_points: Callable[[], Array] = lambda: np.zeros((0, 3)),
+    rgb: NDArray[np.uint8] | None = None,
+    is_cut: bool = False,
 ) -> Placement | PlacementFault:
     """Place a text box in its reference keyframe's frame.
 
@@ -50,6 +53,8 @@ def place_text(
         config: thresholds.
         map_points: gives (n, 3) metres, points of the map that are in view, in the camera's frame; asked where depth
             fails.
+        rgb: (h, w, 3), which shows whether a text ends before something nearer; without it that hides the rest.
+        is_cut: whether it is known that the text goes on where the view ends: what is in view is placed.
 
     Returns:
         The placement, or why there is none.
@@ -60,7 +65,7 @@ def place_text(
     rays = camera.back_project(camera.undistort(pixels), np.ones(len(depths)))
     corner_rays = camera.back_project(camera.undistort(box), np.ones(4))
     if not is_own:
-        if _ends_at_something_near(box, depth, config):
+        if not is_cut and _ends_at_something_near(box, depth, config):
             return PlacementFault.HIDDEN
         pixels, depths, _ = _depths_inside(_grown(box, config.surroundings), depth, config)
         rays = camera.back_project(camera.undistort(pixels), np.ones(len(depths)))
@@ -88,10 +93,9 @@ def place_text(
         # The plane n·p = d, divided by its depth, is linear in the ray: its coefficients point along the normal.
         normal = -_unit(inverse_plane)
         line = along_the_lines(box[None])[0]
-        if any(_hides(strip, depth, camera, inverse_plane, config) for strip in _beyond_ends(line)):
-            return PlacementFault.HIDDEN
-        if any(_steps(strip, depth, camera, inverse_plane, config) for strip in _ends(line, config.inner_share)):
-            return PlacementFault.STEPPED
+        fault = None if is_cut else _fault_at_ends(line, depth, camera, inverse_plane, config, rgb)
+        if fault is not None:
+            return fault
         residuals = 1.0 / depths[inliers] - rays[inliers] @ inverse_plane
         noise = float(np.std(residuals)) * float(np.median(depths)) ** 2
 
@@ -112,6 +116,23 @@ def place_text(
         height=height,
         uncertainty=float(spread if is_own else np.hypot(spread, config.surroundings_uncertainty)),
     )
+
+
+def _fault_at_ends(
+    line: Array,
+    depth: NDArray[np.float32],
+    camera: PinholeCamera,
+    inverse_plane: Array,
+    config: PlacementConfig,
+    rgb: NDArray[np.uint8] | None,
+) -> PlacementFault | None:
+    """Whether a line of text on a plane goes on behind something nearer, or on another surface."""
+    is_at_something = any(_hides(strip, depth, camera, inverse_plane, config) for strip in _beyond_ends(line))
+    if is_at_something and (rgb is None or goes_on(rgb, line, _nearer(line, depth, camera, inverse_plane, config))):
+        return PlacementFault.HIDDEN
+    if any(_steps(strip, depth, camera, inverse_plane, config) for strip in _ends(line, config.inner_share)):
+        return PlacementFault.STEPPED
+    return None
 
 
 def _grown(box: Array, share: float) -> Array:
@@ -240,6 +261,28 @@ def _hides(
     """
     offsets, area = _offsets_from_plane(strip, depth, camera, inverse_plane, config)
     return bool((offsets < -1.0).sum() >= max(3.0, config.hiding_share * area))
+
+
+def _nearer(
+    line: Array,
+    depth: NDArray[np.float32],
+    camera: PinholeCamera,
+    inverse_plane: Array,
+    config: PlacementConfig,
+) -> NDArray[np.bool_]:
+    """Which pixels (height, width) on and about a line of text show something in front of its plane."""
+    quadrilateral = _grown(line, 1.0)
+    nearer = np.zeros(depth.shape, np.bool_)
+    low = np.clip(np.floor(quadrilateral.min(axis=0)).astype(int), 0, None)
+    high = np.clip(np.ceil(quadrilateral.max(axis=0)).astype(int) + 1, 0, depth.shape[::-1])
+    rows, columns = (each.ravel() for each in np.mgrid[low[1] : high[1], low[0] : high[0]])
+    pixels = np.column_stack([columns, rows]).astype(np.float64)
+    rays = camera.back_project(camera.undistort(pixels), np.ones(len(pixels)))
+    surface = 1.0 / np.maximum(rays @ inverse_plane, 1e-3)
+    values = depth[rows, columns]
+    is_step = values < surface - config.hiding_step - config.hiding_step_share * surface
+    nearer[rows, columns] = (values >= config.min_depth) & is_step
+    return nearer
 
 
 def _ends(box: Array, share: float) -> tuple[Array, Array]:

@@ -47,6 +47,10 @@ class Spots:
         """The classes read before where this text stands."""
         return set(self._classes[self._here(placement, world_from_keyframe)].tolist())
 
+    def spellings_at(self, placement: Placement, world_from_keyframe: Array) -> set[str]:
+        """The comparison keys of what was read where this text stands."""
+        return set(self._keys[self._here(placement, world_from_keyframe)].tolist())
+
     def settled_at(
         self,
         placement: Placement,
@@ -66,9 +70,12 @@ class Spots:
         """
         here = self._here(placement, world_from_keyframe)
         classes, counts = np.unique(self._classes[here], return_counts=True)
-        if not len(classes) or self._is_better(here, placement, seen, config):
+        if not len(classes):
             return None
         leading = int(classes[counts.argmax()])
+        # A piece of the text may have been read often from afar: how well others were seen does not settle it.
+        if self._is_better(here & (self._classes == leading), placement, seen, config):
+            return None
         sightings = config.settled_sightings
         if is_sure(leading):
             sightings = -(-sightings // _PATIENCE)

@@ -18,8 +18,11 @@ Pixel = NDArray[np.float64]
 _SPACE = 0.5
 """Box heights beyond an end in which a next letter would begin: wider than the space between two words."""
 
-_LEAST_SPACE = 0.2
-"""Box heights of it that must be seen: with the box's own margin it is wider than the gap between two letters."""
+_LEAST_GROUND = 0.15
+"""Box heights of ground that must be seen beyond the last stroke: wider than the gap between two letters."""
+
+_WIDER = 1.5
+"""The same as a multiple of the usual gap between the letters of this text, which may be spaced out."""
 
 _MARGIN = 0.15
 """Box heights by which a detected box is grown beyond its letters; so much above and below must be in the image."""
@@ -28,7 +31,11 @@ _PIXELS = 24
 """Height of the box, pixels, at which strokes are looked for."""
 
 _PLAIN = 0.04
-"""Largest share of the pixels beyond an end that may be ink: a single stroke of a letter covers more."""
+"""Largest share of a column that may be ink in the ground between letters: a stroke covers more."""
+
+
+_SEEN = 0.5
+"""Share of a column that must be in view, and on the letters' surface, for what stands there to be seen."""
 
 
 def cut_by_border(rgb: Image, boxes: Boxes) -> Mask:
@@ -40,8 +47,13 @@ def cut_by_border(rgb: Image, boxes: Boxes) -> Mask:
     spacious = _grown(lines, letter_heights(boxes)[:, None], _SPACE, _MARGIN)
     first, last = view_of(rgb)
     for row in np.flatnonzero(~((spacious >= first) & (spacious <= last)).all(axis=(1, 2))).tolist():
-        cut[row] = _goes_on(rgb, lines[row], first, last)
+        cut[row] = _goes_on(rgb, lines[row], first, last, None)
     return cut
+
+
+def goes_on(rgb: Image, line: Boxes, hidden: Mask) -> bool:
+    """Whether the text of a line (4, 2) goes on behind what hides some pixels (h, w) of an (h, w, 3) image."""
+    return _goes_on(rgb, line, *view_of(rgb), hidden)
 
 
 def view_of(rgb: Image) -> tuple[Pixel, Pixel]:
@@ -88,22 +100,29 @@ def _grown(lines: Boxes, heights: NDArray[np.float64], ends: float, sides: float
     return np.asarray(lines + steps, dtype=np.float64)
 
 
-def _goes_on(rgb: Image, line: Boxes, first: Pixel, last: Pixel) -> bool:
-    """Whether the text of a line (4, 2) near the border goes on beyond it."""
-    strip, visible = _surroundings(rgb, line, first, last)
+def _goes_on(rgb: Image, line: Boxes, first: Pixel, last: Pixel, hidden: Mask | None) -> bool:
+    """Whether the text of a line (4, 2) near where the view ends goes on beyond it."""
+    strip, visible = _surroundings(rgb, line, first, last, hidden)
     space, margin = round(_SPACE * _PIXELS), round(_MARGIN * _PIXELS)
     ink = _ink(strip, visible, slice(margin, -margin), slice(space, -space)) & visible
     rows = slice(margin, -margin)
-    ends = (ink[rows, :space][:, ::-1], visible[rows, :space][:, ::-1]), (ink[rows, -space:], visible[rows, -space:])
-    if any(_may_go_on(*end) for end in ends):
+    ground = visible & ~_surfaces(ink)
+    # Along an edge stands what belongs to neither side.
+    strokes = ink & (cv2.erode(ground.astype(np.uint8), np.ones((1, 5), np.uint8), borderValue=1) > 0)
+    if 2 * np.count_nonzero(strokes[rows, space:-space]) < np.count_nonzero(ink[rows, space:-space]):
         return True
+    for towards_end in (slice(None, None, -1), slice(None)):
+        beside = slice(-space, None) if towards_end.step is None else slice(0, space)
+        is_seen = bool((visible[rows, beside].mean(axis=0) > _SEEN).all())
+        if not is_seen and _may_go_on(strokes[rows, towards_end], ground[rows, towards_end]):
+            return True
     # A box is grown beyond its letters: one whose sides are in view lacks an ascender's tip at most.
     sides = np.array([line[0] + line[1], line[2] + line[3]]) / 2.0
     return not ((sides > first) & (sides < last)).all() and _runs_out(ink, visible, margin, space)
 
 
-def _surroundings(rgb: Image, line: Boxes, first: Pixel, last: Pixel) -> tuple[Image, Mask]:
-    """The line and the space around it as a level grey strip, and which of its pixels are in the image."""
+def _surroundings(rgb: Image, line: Boxes, first: Pixel, last: Pixel, hidden: Mask | None) -> tuple[Image, Mask]:
+    """The line and the space around it as a level grey strip, and which of its pixels are in view."""
     width = float(np.linalg.norm(line[1] - line[0] + line[2] - line[3])) / 2.0
     height = max(float(np.linalg.norm(line[3] - line[0] + line[2] - line[1])) / 2.0, 1.0)
     space, margin = round(_SPACE * _PIXELS), round(_MARGIN * _PIXELS)
@@ -117,6 +136,8 @@ def _surroundings(rgb: Image, line: Boxes, first: Pixel, last: Pixel) -> tuple[I
     )
     view = np.zeros(rgb.shape[:2], np.uint8)
     view[int(first[1]) : int(last[1]) + 1, int(first[0]) : int(last[0]) + 1] = 1
+    if hidden is not None:
+        view[hidden] = 0
     inside = cv2.warpPerspective(view, homography, size, flags=cv2.INTER_NEAREST)
     return np.asarray(grey, dtype=np.uint8), np.asarray(inside > 0, dtype=np.bool_)
 
@@ -134,12 +155,31 @@ def _ink(strip: Image, visible: Mask, rows: slice, columns: slice) -> Mask:
     return np.asarray(~bright if bright[rim & visible].mean() > 0.5 else bright, dtype=np.bool_)
 
 
-def _may_go_on(ink: Mask, visible: Mask) -> bool:
-    """Whether a next letter may stand in the space (rows, columns from the end outwards) beyond an end of a text."""
-    seen = int(np.cumprod(visible.mean(axis=0) > 0.9).sum())
-    if seen == visible.shape[1]:
-        return False
-    return seen < _LEAST_SPACE * _PIXELS or float(ink[:, :seen].mean()) > _PLAIN
+def _surfaces(ink: Mask) -> Mask:
+    """What is no letter but another surface, on which the board ends: it goes on above and below the line."""
+    _, pieces = cv2.connectedComponents(ink.astype(np.uint8), connectivity=8)
+    through = np.intersect1d(pieces[0], pieces[-1])
+    return np.asarray(np.isin(pieces, through[through > 0]), dtype=np.bool_)
+
+
+def _may_go_on(strokes: Mask, ground: Mask) -> bool:
+    """Whether a next letter may stand where the view of a line ends.
+
+    It does not where the ground between the last stroke and the end of the view is wider than that between letters.
+
+    Args:
+        strokes: (rows, columns) of the line, towards its end.
+        ground: the same for what is in view and on the letters' own surface.
+    """
+    seen = ground.mean(axis=0) > _SEEN
+    half = len(seen) // 2
+    end = half + int(np.cumprod(seen[half:]).sum())
+    inked = np.flatnonzero(strokes[:, :end].mean(axis=0) > _PLAIN)
+    if not len(inked):
+        return True
+    gaps = np.diff(inked) - 1
+    between_letters = float(np.median(gaps[gaps > 0])) if (gaps > 0).any() else 0.0
+    return end - 1 - int(inked[-1]) < max(_LEAST_GROUND * _PIXELS, _WIDER * between_letters)
 
 
 def _runs_out(ink: Mask, visible: Mask, margin: int, space: int) -> bool:

@@ -1,6 +1,7 @@
 """Scene text recognition (paper, III-B): detection and recognition, called apart, behind one small protocol."""
 
 import unicodedata
+from itertools import groupby
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -82,11 +83,21 @@ _LOGO_LIKE = frozenset("*·•°~^_|<>=←↑→↓")
 _RINGS = RINGS | {"Q", "@"}
 
 
+_RUN = 5
+"""Equal letters in a row, more than half of a text, that no text has: a frieze is read so."""
+
+
+def _is_run(text: str) -> bool:
+    letters = [ch for ch in text.casefold().replace("0", "o") if ch.isalnum()]
+    longest = max((len(list(same)) for _, same in groupby(letters)), default=0)
+    return longest >= _RUN and 2 * longest > len(letters)
+
+
 def accepted_texts(boxes: Boxes, readings: list[Recognition], config: SpottingConfig) -> list[SpottedText | None]:
     """Clean what was read in (n, 4, 2) boxes; None in place of what is too unsure or too short to be a text."""
     texts: list[SpottedText | None] = []
     for box, height, (raw, confidence, slots, sharpness) in zip(boxes, letter_heights(boxes), readings, strict=True):
         text = _without_logos(clean_text(raw, config.max_length))
-        is_text = confidence >= config.min_confidence and _letters(text) >= config.min_letters
+        is_text = confidence >= config.min_confidence and _letters(text) >= config.min_letters and not _is_run(text)
         texts.append(SpottedText(text, confidence, box, float(height), slots, sharpness) if is_text else None)
     return texts

@@ -1,0 +1,140 @@
+"""Texts that the end of the view cuts off wait for the rest (paper, Fig. 11); if it never comes, they are all there is.
+
+Of a text that an image's border or something nearer cuts, a reading shows a part, and other views cut it elsewhere. The
+longest spelling that was read again is the most of it that was seen. A text that was read as a whole needs none.
+"""
+
+from collections import defaultdict
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.camera import transform_points
+from lpslam.text.remembering.evidence import Glance
+from lpslam.text.remembering.similarity import comparison_key, is_fragment, similarity
+from lpslam.text.types import Placement, SpottedText, TextObservation
+
+Array = NDArray[np.float64]
+
+_TWICE = 1.5
+"""Sum of the probabilities that readings of a spelling, or slips of it, are right from which it was read again."""
+
+_SLIPS = 0.75
+"""Eq. 3 similarity from which another spelling of no more letters is a slip of the longest one, and no part of it."""
+
+_SHORTER = 0.25
+"""What a spelling that lacks letters of the longest one is worth: it was seen, and is hardly all that is painted."""
+
+_LETTERS = 2
+"""Different letters that a part must have: the piece of a frieze that is in view looks like one letter, repeated."""
+
+_ACROSS = 0.6
+"""Share of the higher text's height within which parts stand on one line."""
+
+_CAPACITY = 256
+"""Readings kept of one text; then those that are least likely right go."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CutText:
+    """One reading of a text that may go on where the view ends.
+
+    Attributes:
+        text, placement, glance, observation: as of any other reading.
+        world_from_keyframe: 4×4, when it was read.
+    """
+
+    text: SpottedText
+    placement: Placement
+    glance: Glance
+    observation: TextObservation
+    world_from_keyframe: Array
+
+
+@dataclass(slots=True)
+class _Line:
+    """What was read of one text: where its last readings stood, and all of them."""
+
+    last_seen: float
+    cuts: list[CutText] = field(default_factory=list)
+
+    def holds(self, cut: CutText) -> bool:
+        return any(_overlap(cut, each) for each in self.cuts[-3:])
+
+
+class WaitingTexts:
+    """Cut readings by where they stand, until what they are parts of has gone out of view."""
+
+    def __init__(self, patience: float) -> None:
+        self._patience = patience
+        self._lines: list[_Line] = []
+
+    def add(self, cut: CutText) -> None:
+        """Keep a reading."""
+        timestamp = cut.observation.timestamp
+        line = next((each for each in self._lines if each.holds(cut)), None)
+        if line is None:
+            line = _Line(timestamp)
+            self._lines.append(line)
+        line.last_seen = timestamp
+        line.cuts.append(cut)
+        if len(line.cuts) > _CAPACITY:
+            line.cuts.remove(min(line.cuts, key=lambda each: each.glance.right))
+
+    def gone(self, timestamp: float | None, names_at: Callable[[Placement, Array], list[str]]) -> list[list[CutText]]:
+        """Give up, text by text, the readings of what has gone out of view and is known by nothing better.
+
+        Args:
+            timestamp: seconds, now; None at the end, when all has.
+            names_at: what texts that were read as a whole say where a reading stands.
+        """
+        gone = [each for each in self._lines if timestamp is None or timestamp - each.last_seen > self._patience]
+        self._lines = [each for each in self._lines if each not in gone]
+        found = (_longest(each.cuts) for each in gone)
+        return [cuts for cuts in found if cuts and not _is_told(cuts, names_at)]
+
+
+def _longest(cuts: list[CutText]) -> list[CutText]:
+    """The readings of the longest spelling that was read more than once, and its slips, in order of time."""
+    keys = [comparison_key(each.text.text) for each in cuts]
+    weights: dict[str, float] = defaultdict(float)
+    for key in set(keys):
+        for other, cut in zip(keys, cuts, strict=True):
+            weights[key] += cut.glance.right if similarity(key, other) >= _SLIPS else 0.0
+    sure = [key for key, weight in weights.items() if weight >= _TWICE and len(set(key)) >= min(len(key), _LETTERS)]
+    if not sure:
+        return []
+    longest = max(sure, key=lambda key: (len(key), weights[key]))
+    return [
+        cut if len(key) >= len(longest) else replace(cut, glance=replace(cut.glance, right=_SHORTER * cut.glance.right))
+        for key, cut in zip(keys, cuts, strict=True)
+        if similarity(key, longest) >= _SLIPS
+    ]
+
+
+def _is_told(cuts: list[CutText], names_at: Callable[[Placement, Array], list[str]]) -> bool:
+    """Whether what stands there was read as a whole: no less than these readings say."""
+    spellings = [each.text.text for each in cuts]
+    longest = max(spellings, key=lambda text: (spellings.count(text), len(text)))
+    names = {name for each in cuts for name in names_at(each.placement, each.world_from_keyframe)}
+    return any(not is_fragment(name, longest) for name in names)
+
+
+def _overlap(one: CutText, other: CutText) -> bool:
+    """Whether two readings stand on one line, one beside or over the other."""
+    position, baseline, normal = _in_world(one)
+    there, _, facing = _in_world(other)
+    offset = there - position
+    along = float(offset @ baseline)
+    across = float(np.linalg.norm(offset - along * baseline))
+    is_beside = abs(along) < 0.5 * (one.placement.width + other.placement.width)
+    on_line = across < _ACROSS * max(one.placement.height, other.placement.height)
+    return bool(is_beside and on_line and normal @ facing > 0.0)
+
+
+def _in_world(cut: CutText) -> tuple[Array, Array, Array]:
+    placement, pose = cut.placement, cut.world_from_keyframe
+    position = transform_points(pose, np.array([placement.position]))[0]
+    return position, pose[:3, :3] @ np.array(placement.baseline), pose[:3, :3] @ np.array(placement.normal)

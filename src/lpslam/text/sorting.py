@@ -1,0 +1,126 @@
+"""What becomes of detected boxes before they are read: cut off, too small, known already, a pattern, or to be read."""
+
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.camera import PinholeCamera, inverse_transform, transform_points
+from lpslam.config import TextConfig
+from lpslam.frames import RgbdFrame
+from lpslam.text.placing.placement import PlacementFault, place_text
+from lpslam.text.placing.spots import Spots
+from lpslam.text.reading.borders import cut_by_border
+from lpslam.text.reading.boxes import Boxes, letter_heights
+from lpslam.text.reading.legibility import SeenSize, frontal_cosine
+from lpslam.text.reading.ornaments import PatternVotes
+from lpslam.text.reading.patterns import Likeness
+from lpslam.text.remembering.memory import LongShortTermMemory
+from lpslam.text.types import BoxFate, Placement
+
+Array = NDArray[np.float64]
+
+NOWHERE = -1
+"""Keyframe of what was read while the camera was lost: such texts stand in the camera's own frame."""
+
+CUT = (BoxFate.BORDER, BoxFate.HIDDEN)
+"""Fates of boxes whose text may go on where the view ends."""
+
+
+class BoxSorter:
+    """Decides which boxes are worth reading, by where they stand and what was read there."""
+
+    def __init__(
+        self,
+        camera: PinholeCamera,
+        config: TextConfig,
+        memory: LongShortTermMemory,
+        spots: Spots,
+        points_seen_by: Callable[[int], Array],
+    ) -> None:
+        self.votes = PatternVotes()
+        self._camera = camera
+        self._config = config
+        self._memory = memory
+        self._spots = spots
+        self._points_seen_by = points_seen_by
+
+    def sort(
+        self,
+        frame: RgbdFrame,
+        boxes: Boxes,
+        keyframe_from_camera: Array,
+        world_from_keyframe: Array | None,
+        keyframe: int,
+    ) -> tuple[NDArray[np.object_], dict[int, Placement | PlacementFault]]:
+        """What becomes of each of (n, 4, 2) boxes before it is read, and, of those that shall be, where they stand."""
+        config = self._config.spotting
+        fates = np.full(len(boxes), BoxFate.KEPT, dtype=object)
+        heights = letter_heights(boxes)
+        is_small = heights < config.min_letter_height
+        fates[is_small] = BoxFate.SMALL
+        fates[cut_by_border(frame.rgb, boxes)] = BoxFate.BORDER
+        place = partial(
+            place_text,
+            depth=frame.depth,
+            camera=self._camera,
+            keyframe_from_camera=keyframe_from_camera,
+            config=self._config.placement,
+            map_points=partial(self._points_in_view, keyframe, keyframe_from_camera),
+            rgb=frame.rgb,
+        )
+        placements: dict[int, Placement | PlacementFault] = {}
+        for row in np.flatnonzero((fates == BoxFate.KEPT) | (fates == BoxFate.BORDER) & ~is_small).tolist():
+            placement = place(boxes[row], is_cut=fates[row] == BoxFate.BORDER)
+            if placement in (PlacementFault.HIDDEN, PlacementFault.STEPPED):
+                fates[row] = BoxFate.HIDDEN
+                placement = place(boxes[row], is_cut=True)
+            if not isinstance(placement, Placement) or not self.is_sure(placement) or world_from_keyframe is None:
+                if fates[row] == BoxFate.KEPT:
+                    placements[row] = placement
+                continue
+            seen = SeenSize(heights[row], frontal_cosine(placement, keyframe_from_camera))
+            if fates[row] == BoxFate.KEPT and self._is_known(placement, seen, frame.timestamp, world_from_keyframe):
+                fates[row] = BoxFate.KNOWN
+            elif fates[row] == BoxFate.KEPT or not self._has_sure_name(placement, world_from_keyframe):
+                placements[row] = placement
+        return fates, placements
+
+    def _has_sure_name(self, placement: Placement, world_from_keyframe: Array) -> bool:
+        return any(map(self._is_sure_of_name, self._spots.classes_at(placement, world_from_keyframe)))
+
+    def is_sure(self, placement: Placement) -> bool:
+        """Whether a place is certain enough to be evidence of what stands where."""
+        return placement.uncertainty <= self._config.instances.doubtful_uncertainty
+
+    def is_ornament(
+        self, like: Likeness, placement: Placement | PlacementFault, world_from_keyframe: Array | None
+    ) -> bool:
+        """Whether a box holds a pattern: by itself, or because what stands there mostly looks like one."""
+        if like is not Likeness.LIKE:
+            return like is Likeness.IS
+        # Without a place there are no other views to ask, and one says nothing.
+        if not isinstance(placement, Placement) or not self.is_sure(placement) or world_from_keyframe is None:
+            return False
+        return self.votes.is_ornament(self._spots.classes_at(placement, world_from_keyframe))
+
+    def _is_known(self, placement: Placement, seen: SeenSize, timestamp: float, world_from_keyframe: Array) -> bool:
+        """Whether what stands here is known so well that reading it again would tell nothing; it is confirmed then."""
+        settled = self._spots.settled_at(
+            placement, world_from_keyframe, seen, self._is_sure_of_name, self._config.reading
+        )
+        if settled is None:
+            return False
+        self._memory.confirm(settled, timestamp)
+        return True
+
+    def _is_sure_of_name(self, identifier: int) -> bool:
+        text_class = self._memory.long_term.get(identifier)
+        naming = text_class.naming if text_class is not None else None
+        return naming is not None and naming.confidence >= self._config.reading.settled_certainty
+
+    def _points_in_view(self, keyframe: int, keyframe_from_camera: Array) -> Array:
+        if keyframe == NOWHERE:
+            return np.zeros((0, 3))
+        return transform_points(inverse_transform(keyframe_from_camera), self._points_seen_by(keyframe))
