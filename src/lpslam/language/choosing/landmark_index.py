@@ -3,7 +3,7 @@
 import re
 from collections.abc import Collection, Mapping, Sequence
 
-from lpslam.language.choosing.serving import Kinds
+from lpslam.language.choosing.serving import Kinds, likeness
 from lpslam.language.model import Candidate
 from lpslam.language.questions.question import spoken_key
 from lpslam.language.signs.hours import without_hours
@@ -14,6 +14,7 @@ from lpslam.language.tables.lexicon import Meaning
 from lpslam.language.tables.words import UNSPACED_RUN, Folder, is_unspaced
 
 _NUMBERED = re.compile(r"[A-Z]?\d+(?:[.-]\d+)*(?:\s*[-–—~〜]\s*[A-Z]?\d+)?")
+_IS_SHOP = 0.5  # a place is a shop when its words say so at least this surely
 _IS_NUMBER = re.compile(r"^[\W\d]*\w?[\W\d]+$")
 _SHORTEST_WORD = 4  # letters of a word that may stand for the name that it is part of
 _SHORTEST_RUN = 3  # characters without spaces that may be a name or a part of one
@@ -52,6 +53,8 @@ class LandmarkIndex:
                     self.phrase_of[identity] = phrase
         unread = sum(not self.signs[mark.id].kinds and not _IS_NUMBER.search(mark.name) for mark in landmarks)
         self.unread = unread / max(len(landmarks), 1)  # share of the landmarks that no table reads
+        shops = sum(len(ids) for kinds, ids in self.groups.items() if likeness("business", kinds, knowledge) >= _IS_SHOP)
+        self.shops = shops / max(len(landmarks), 1)  # share of the landmarks that are shops and places to eat
         place = {landmark.id: at for at, landmark in enumerate(landmarks)}
         self.ids_of = {phrase: tuple(sorted(ids, key=place.__getitem__)) for phrase, ids in called.ids.items()}
         self.names = {phrase: Meaning("name", ((phrase, 1.0),)) for phrase in called.ids}

@@ -76,6 +76,7 @@ def clues_of(served: Served, index: LandmarkIndex, asked: AskedWords, knowledge:
         "longest phrase": longest / 10.0 if is_kind else 0.0,
         "phrase of several words": float(is_kind and several),
         "unread signs": index.unread,
+        "shops around": index.shops,
         "board says so": sum(told) / max(sum(letters), 1) if is_kind else 0.0,
         "place asked for": float(any("/" in each for each in meant)),
         "strength": served.strength if is_kind else 0.0,

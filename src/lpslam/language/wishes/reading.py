@@ -26,6 +26,7 @@ _MOST_STOPS = 6
 _OPPOSED = {Which.NEAREST.value, Which.FARTHEST.value}  # one place is hardly both
 _COUNTED = frozenset(map(str, (Relation.NEAR, Relation.BEFORE, Relation.BEHIND, Relation.LEFT_OF, Relation.RIGHT_OF)))
 """Relations of which places come one after the other."""
+_MOST_LISTED_WORDS = 4  # of each: longer ones tell of something
 _FEWEST_LISTED = 3  # things that are listed without a word for their order: “pharmacy, bank, coffee”
 _DEEPEST = 2  # anchors of anchors
 _POSSESSIVE = re.compile(r"['’]s?$")
@@ -56,7 +57,8 @@ def read_wish(question: str, knowledge: Knowledge) -> Wish:
             return Wish(stops[:_MOST_STOPS], language, instead=instead)
     alone = _stop(text, languages, knowledge)
     listed = _listed(text, knowledge)
-    if len(listed) >= _FEWEST_LISTED and alone.relation is None and not alone.without and not alone.contradiction:
+    is_bare = len(listed) >= _FEWEST_LISTED and all(len(each.split()) <= _MOST_LISTED_WORDS for each in listed)
+    if is_bare and alone.relation is None and not alone.without and not alone.contradiction:
         stops = tuple(_stop(part, languages, knowledge) for part in listed[:_MOST_STOPS])
         return Wish(stops, likely[0] if likely else None, instead=alone)
     return Wish((alone,), likely[0] if likely else None)
