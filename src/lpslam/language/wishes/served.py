@@ -7,8 +7,8 @@ from typing import Protocol
 
 from lpslam.language.wishes.form import Stop
 
-LEAST_SURE = 0.8
-"""Probability of a place to be what was meant, below which the answer is none: a wrong one is four times as bad."""
+LEAST_SURE = 0.75
+"""Probability of a place to be what was meant, below which the answer is none: a wrong one is three times as bad."""
 
 
 class Way(StrEnum):
