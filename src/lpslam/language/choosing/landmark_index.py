@@ -53,7 +53,8 @@ class LandmarkIndex:
                     self.phrase_of[identity] = phrase
         unread = sum(not self.signs[mark.id].kinds and not _IS_NUMBER.search(mark.name) for mark in landmarks)
         self.unread = unread / max(len(landmarks), 1)  # share of the landmarks that no table reads
-        shops = sum(len(ids) for kinds, ids in self.groups.items() if likeness("business", kinds, knowledge) >= _IS_SHOP)
+        groups = self.groups.items()
+        shops = sum(len(ids) for kinds, ids in groups if likeness("business", kinds, knowledge) >= _IS_SHOP)
         self.shops = shops / max(len(landmarks), 1)  # share of the landmarks that are shops and places to eat
         place = {landmark.id: at for at, landmark in enumerate(landmarks)}
         self.ids_of = {phrase: tuple(sorted(ids, key=place.__getitem__)) for phrase, ids in called.ids.items()}

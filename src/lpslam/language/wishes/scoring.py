@@ -139,7 +139,7 @@ class EmbeddedScorer:
 
     def _as_sure(self, served: Served) -> Served:
         """With how probable it is that what serves is what was meant; where that is little, the words of the boards."""
-        if not served.scores or served.way in UNQUESTIONED:
+        if not served.scores or served.way in UNQUESTIONED or self._says_what_tells(served):
             return served
         sure = probability(self.clues(served))
         served = replace(served, sure=sure, confidence=min(served.confidence, sure))
@@ -152,6 +152,13 @@ class EmbeddedScorer:
         said = self._by_words(served.stop, meaning, served.ignored)
         other = probability(self.clues(said)) if said is not None and said.scores else 0.0
         return served if said is None or other <= sure else replace(said, sure=other, confidence=other)
+
+    def _says_what_tells(self, served: Served) -> bool:
+        """Whether the board of the best says both the kind and what tells it from others: the north gate."""
+        asked = attributes_of(served.stop.what)
+        best = max(served.scores, key=lambda id_: (served.scores[id_], -id_))
+        is_told = bool(asked) and self._is_of_the_house(best)
+        return is_told and told_apart(asked, attributes_of(self._by_id[best].name)) > 0
 
     def _numbered(self, stop: Stop, ignored: tuple[str, ...]) -> Served | None:
         """“The rack” between two others is any board that bears a rack's number."""
