@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.language.wishes.form import Relation
+from lpslam.navigation.floors import APART_M, Floors
 from lpslam.navigation.places import Distances, Here, Place, Point
 
 if TYPE_CHECKING:
@@ -58,6 +59,11 @@ class Scene:
     def positions(self) -> NDArray[np.float64]:
         """(n, 3) metres, of all places."""
         return np.array([place.position for place in self.places], dtype=np.float64).reshape(-1, 3)
+
+    @cached_property
+    def floors(self) -> Floors:
+        """The floors on which the places lie."""
+        return Floors(self.places)
 
     @cached_property
     def _rows_by_id(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -117,6 +123,8 @@ def _level(direction: Point) -> Point | None:
 def next_to(place: Place, anchor: Place, scene: Scene) -> Judged:
     """Near enough to be a neighbour, on the same wall before across the corridor."""
     apart = scene.ways.distance(place.position, anchor.position)
+    if not is_same_floor(place, anchor):
+        return Judged(_NO)
     reach = max(_LEAST_REACH_M, _NEIGHBOURS * scene.usual_gap)
     if apart > reach:
         return Judged(_NO)
@@ -124,6 +132,16 @@ def next_to(place: Place, anchor: Place, scene: Scene) -> Judged:
         # What faces the anchor is opposite.
         apart *= 2.0
     return Judged(apart)
+
+
+def is_same_floor(place: Place, anchor: Place) -> bool:
+    """Whether two boards hang on one floor; else they are no neighbours, however near."""
+    return abs(float(place.position[2] - anchor.position[2])) <= APART_M
+
+
+def is_same_side(place: Place, anchor: Place) -> bool:
+    """Whether two boards face the same way; also where that is not known."""
+    return place.facing is None or anchor.facing is None or float(place.facing @ anchor.facing) > -_OPPOSED
 
 
 def near(place: Place, anchor: Place, scene: Scene) -> Judged:
@@ -136,6 +154,8 @@ def opposite(place: Place, anchor: Place, scene: Scene) -> Judged:
     facing, doubt = scene.facing_of(anchor)
     if facing is None:
         return Judged(_NO, f"which way {anchor.name} faces is not known")
+    if not is_same_floor(place, anchor):
+        return Judged(_NO, doubt)
     offset = place.position - anchor.position
     offset = np.array([offset[0], offset[1], 0.0])
     across = float(offset @ facing)
@@ -159,6 +179,8 @@ def _sideways(sign: float) -> Callable[[Place, Place, Scene], Judged]:
             doubt = "left and right are taken as seen from here"
         else:
             forward, doubt = None, ""
+        if not is_same_floor(place, anchor):
+            return Judged(_NO, doubt)
         if forward is None:
             return Judged(_NO, f"which way {anchor.name} faces is not known, nor where you stand")
         right = np.cross(forward, _UP)

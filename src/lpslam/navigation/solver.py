@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.language.wishes.form import PREVIOUS, Relation, Stop, Which, Wish
-from lpslam.language.wishes.served import Scorer, Served
+from lpslam.language.wishes.form import PREVIOUS, Counting, Relation, Stop, Which, Wish
+from lpslam.language.wishes.served import LEAST_SURE, Scorer, Served
 from lpslam.navigation.columns import NEAR_ANCHORS, Serving, apart_from, detours
 from lpslam.navigation.places import Distances, Here, Place, Point, Straight
-from lpslam.navigation.relations import PAIRED, Judged, Scene, between, on_the_way, tree_of
+from lpslam.navigation.relations import PAIRED, Judged, Scene, between, is_same_side, on_the_way, tree_of
 
 _EQUAL = 0.97  # of the best score: served equally, where the nearer is chosen
 _NEARLY = 0.8  # of the best score: served well enough, where the nearest is asked for
@@ -75,7 +75,8 @@ def solve(
     """
     solver = _Solver(Scene(places, here or Here(), ways or Straight()), scorer)
     solved = _in_order(solver, wish.stops)
-    if wish.instead is not None and any(each.place is None for each in solved):
+    found = [each.place.id for each in solved if each.place is not None]
+    if wish.instead is not None and len(set(found)) < len(solved):
         alone = _in_order(solver, (wish.instead,))
         solved = alone if alone[0].place is not None else solved
     return Solution(replace(wish, stops=tuple(each.stop for each in solved)), tuple(solved))
@@ -125,17 +126,23 @@ class _Solver:
         ignored = self._idle_relation(stop)
         if ignored:
             stop = replace(stop, what=stop.whole or stop.what, relation=None, anchor=())
+        stop, within, note = self._on_its_floor(stop)
         served = self._scorer.serve(stop)
+        if within is not None:
+            served = self._within(served, within)
         left_out = {id_ for each in stop.without for id_ in self._left_out(each, served, previous)}
         if left_out:
             served = replace(served, scores={id_: each for id_, each in served.scores.items() if id_ not in left_out})
         notes = [f"not heeded: {each}" for each in (*ignored, *served.ignored)]
+        notes += [note] if note else []
         stop = served.stop
         if stop.contradiction:
             said = f"{stop.contradiction} at once: one place cannot be both; ask for one of them"
             return self._none(served, (said, *notes), self._listed(served))
         if not served.scores:
             return self._none(served, (served.evidence, *notes))
+        if served.sure < LEAST_SURE:
+            return self._none(served, ("it is not sure what is meant", *notes), self._listed(served)[:_ALTERNATIVES])
         if stop.relation is None:
             start = previous.position if is_later and previous is not None else self._scene.here.position
             return self._ordered(served, start, notes)
@@ -146,12 +153,38 @@ class _Solver:
             return self._none(served, notes, self._listed(served))
         return self._related(served, anchors, previous, notes)
 
+    def _on_its_floor(self, stop: Stop) -> tuple[Stop, set[int] | None, str]:
+        """Where a floor is named: the stop without it, the places of that floor, and what is not sure of it.
+
+        A map of which no floors are known has the floor's words only.
+        """
+        if stop.floor is None:
+            return stop, None, ""
+        floors = self._scene.floors
+        if len(floors) < 2:
+            is_here = stop.floor.counting is Counting.FROM_HERE and not stop.floor.number
+            return (stop if is_here else replace(stop, what=stop.unplaced)), None, ""
+        numbered = tuple(each for each in stop.identity if "floor" not in each.of)
+        ids, note = floors.named(stop.floor, self._scene.here.position)
+        return replace(stop, identity=numbered), ids, note
+
+    def _within(self, served: Served, within: set[int]) -> Served:
+        """Of what serves, the places of a floor."""
+        scores = {id_: score for id_, score in served.scores.items() if id_ in within}
+        if scores or not served.scores:
+            return replace(served, scores=scores)
+        others = tuple(sorted(served.scores, key=lambda id_: (-served.scores[id_], id_))[:_ALTERNATIVES])
+        return replace(served, scores={}, evidence=f"nothing that serves is on {served.stop.floor}", others=others)
+
     def _left_out(self, stop: Stop, served: Served, previous: Place | None) -> set[int]:
         """The places that are left out; where they would be all that serve, those whose boards say just that."""
         if stop.which is not Which.ANY or stop.relation is not None:
             solved = self.stop(stop, previous, False)
             return {solved.place.id} if solved.place is not None else set()
+        stop, within, _ = self._on_its_floor(stop)
         out = self._scorer.serve(stop)
+        if within is not None:
+            out = self._within(out, within)
         best = max(out.scores.values(), default=0.0)
         ids = {id_ for id_, score in out.scores.items() if score >= _EQUAL * best}
         return ids if served.scores.keys() - ids else set(out.exact)
@@ -178,7 +211,10 @@ class _Solver:
     def _anchors(self, anchor: Stop, previous: Place | None) -> list[Place]:
         if anchor == PREVIOUS:
             return [previous] if previous is not None else []
+        anchor, within, _ = self._on_its_floor(anchor)
         served = self._scorer.serve(anchor)
+        if within is not None:
+            served = self._within(served, within)
         if anchor.relation is not None or anchor.which is not Which.ANY:
             solved = self.stop(anchor, previous, False)
             return [solved.place] if solved.place is not None else []
@@ -226,6 +262,9 @@ class _Solver:
         start, note = self._start(stop, previous)
         notes += [note] if note else []
         ranked, doubts = self._in_relation(stop, serving, anchors, start)
+        if not ranked and stop.relation is Relation.NEXT_TO and self._are_alike(served, anchors):
+            # Of gates around a stadium the next one is a neighbour, however far.
+            ranked, doubts = self._in_relation(replace(stop, relation=Relation.NEAR), serving, anchors, start)
         if not ranked:
             said = " and ".join(place.name for found in anchors for place in found[:1])
             notes += list(doubts) or [f"nothing that serves stands {stop.relation.value} {said}"]
@@ -234,6 +273,10 @@ class _Solver:
         ranked.sort(key=lambda each: (each.cost, -each.score, each.place.id))
         notes += [ranked[0].doubt] if ranked[0].doubt else []
         return self._picked(served, ranked, notes)
+
+    def _are_alike(self, served: Served, anchors: Sequence[Sequence[Place]]) -> bool:
+        """Whether the anchor is itself one of what is wanted beside it."""
+        return all(place.id in served.scores for found in anchors for place in found)
 
     def _start(self, stop: Stop, previous: Place | None) -> tuple[Point | None, str]:
         if stop.start is None:
@@ -295,7 +338,10 @@ class _Solver:
             return min((on_the_way(place, each, start, self._scene) for each in others[0]), key=lambda each: each.cost)
         assert stop.relation is not None
         judge = PAIRED[stop.relation]
-        return min((judge(place, each, self._scene) for each in others[0]), key=lambda each: each.cost)
+        if stop.same_side:
+            others[0] = [each for each in others[0] if is_same_side(place, each)]
+        judged = (judge(place, each, self._scene) for each in others[0])
+        return min(judged, key=lambda each: each.cost, default=Judged(math.inf))
 
     def _picked(self, served: Served, ranked: Sequence[_Ranked], notes: list[str]) -> Solved:
         stop = served.stop

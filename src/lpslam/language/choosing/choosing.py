@@ -10,7 +10,7 @@ from lpslam.language.languages import LATIN
 from lpslam.language.model import Choice
 from lpslam.language.questions.clauses import places_of
 from lpslam.language.questions.phrasing import Phrases, answer_language, phrases_in
-from lpslam.language.questions.question import Wish, asks_for_another, instead_of, read_question
+from lpslam.language.questions.question import Wish, asks_for_another, instead_of, read_question, without_common
 from lpslam.language.questions.speaking import languages_of
 from lpslam.language.questions.weighing import ASIDE, HINT
 from lpslam.language.sanitise import clean_text
@@ -122,10 +122,11 @@ def _other_readings(
     is_a_place = any(concept.startswith(_PLACES) for concept, _ in wish.wanted)
     is_plain = not (is_a_place or wish.refused or wish.wanted_names)
     if wish.language in LATIN and len(question.split()) <= _FEW_WORDS and is_plain:
-        # “Pan” is a pan in English and bread in Spanish.
-        for language in LATIN:
+        # “Pan” is a pan in English and bread in Spanish; “the” is no tea.
+        bare = without_common(question, wish.language, knowledge)
+        for language in LATIN if bare else ():
             if language != wish.language:
-                yield understand(question, index, signs, knowledge, language=language)
+                yield understand(bare, index, signs, knowledge, language=language)
 
 
 def _is_a_mall(index: LandmarkIndex, knowledge: Knowledge) -> bool:

@@ -3,9 +3,10 @@
 import re
 from collections.abc import Collection, Mapping, Sequence
 
-from lpslam.language.choosing.serving import Kinds
+from lpslam.language.choosing.serving import Kinds, likeness
 from lpslam.language.model import Candidate
 from lpslam.language.questions.question import spoken_key
+from lpslam.language.signs.hours import without_hours
 from lpslam.language.signs.meaning import SignMeaning
 from lpslam.language.signs.reader import SignReader
 from lpslam.language.tables.knowledge import Knowledge, load_words
@@ -13,6 +14,8 @@ from lpslam.language.tables.lexicon import Meaning
 from lpslam.language.tables.words import UNSPACED_RUN, Folder, is_unspaced
 
 _NUMBERED = re.compile(r"[A-Z]?\d+(?:[.-]\d+)*(?:\s*[-–—~〜]\s*[A-Z]?\d+)?")
+_IS_SHOP = 0.5  # a place is a shop when its words say so at least this surely
+_IS_NUMBER = re.compile(r"^[\W\d]*\w?[\W\d]+$")
 _SHORTEST_WORD = 4  # letters of a word that may stand for the name that it is part of
 _SHORTEST_RUN = 3  # characters without spaces that may be a name or a part of one
 
@@ -48,6 +51,11 @@ class LandmarkIndex:
                 phrase = called.add(name, ids, is_brand=True)
                 if phrase is not None:
                     self.phrase_of[identity] = phrase
+        unread = sum(not self.signs[mark.id].kinds and not _IS_NUMBER.search(mark.name) for mark in landmarks)
+        self.unread = unread / max(len(landmarks), 1)  # share of the landmarks that no table reads
+        groups = self.groups.items()
+        shops = sum(len(ids) for kinds, ids in groups if likeness("business", kinds, knowledge) >= _IS_SHOP)
+        self.shops = shops / max(len(landmarks), 1)  # share of the landmarks that are shops and places to eat
         place = {landmark.id: at for at, landmark in enumerate(landmarks)}
         self.ids_of = {phrase: tuple(sorted(ids, key=place.__getitem__)) for phrase, ids in called.ids.items()}
         self.names = {phrase: Meaning("name", ((phrase, 1.0),)) for phrase in called.ids}
@@ -176,13 +184,15 @@ def _ids_by_word(ids_by_phrase: Mapping[str, Collection[int]]) -> dict[str, set[
 
 
 def _sign_of(landmark: Candidate, signs: SignReader) -> SignMeaning:
-    sign = signs.read(landmark.name)
+    # “9–17 Uhr” sells no watches.
+    name = without_hours(landmark.name)
+    sign = signs.read(name)
     if sign.kinds:
         return sign
-    bare = _NUMBERED.sub(" ", landmark.name).strip(" -–—,.:·~〜")
-    if bare and bare != landmark.name and (numbered := signs.read(bare)).kinds:
+    bare = _NUMBERED.sub(" ", name).strip(" -–—,.:·~〜")
+    if bare and bare != name and (numbered := signs.read(bare)).kinds:
         return numbered
     # The name says nothing: another line of the same board may, or another reading.
-    said = (signs.read(line) for line in landmark.lines)
+    said = (signs.read(without_hours(line)) for line in landmark.lines)
     line = next((other for other in said if other.kinds and other.is_place), None)
     return line or next((other for alias in landmark.aliases if (other := signs.read(alias)).kinds), sign)

@@ -113,10 +113,14 @@ def _serves_else(wish: Wish, matches: Mapping[str, float], knowledge: Knowledge)
 
 
 def _is_also_another(concept: str, weight: float, kinds: Kinds, wish: Wish, knowledge: Knowledge) -> bool:
-    """Whether the place is as surely another kind beside the refused one (pizza and burgers), not refused itself."""
+    """Whether the place is as surely another kind beside the refused one (pizza and burgers), not refused itself.
+
+    What the refused one is a kind of is no other: impressionists are paintings.
+    """
     top = concept.partition("/")[0]
     return any(
         other >= weight
+        and kind not in knowledge.above(concept)
         and kind.partition("/")[0] == top
         and not any(refused in knowledge.above(kind) for refused in wish.refused)
         for kind, other in kinds

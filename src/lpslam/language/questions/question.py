@@ -108,11 +108,14 @@ def read_question(
     text = _ALLERGY.sub(r"\1 \2", _HYPHEN.sub(" ", text))
     first: Wish | None = None
     likely = (language,) if language else languages_of(text, knowledge) or language_by_its_phrases(text, knowledge)
-    if not language and likely and likely[0] in LATIN and len(text.split()) <= _FEW_WORDS:
+    first_language = likely[0] if likely else None
+    if not language and first_language in LATIN and len(text.split()) <= _FEW_WORDS:
         # What says nothing in the likeliest language may be a word of another: “pay”.
         likely = tuple(dict.fromkeys((*likely, *LATIN)))
     for each in likely:
-        wish = _Reading(text, each, knowledge, {} if names is None else names, is_plain).wish()
+        # The common words of one language mean nothing in another: “the” is no tea.
+        said = text if each == first_language or not first_language else without_common(text, first_language, knowledge)
+        wish = _Reading(said, each, knowledge, {} if names is None else names, is_plain).wish()
         if wish.wanted or wish.refused or wish.wanted_names or wish.refused_names:
             return wish
         first = first or wish
@@ -122,6 +125,14 @@ def read_question(
         if named.wanted_names and not named.refused_names:
             return Wish((), (), named.wanted_names, (), "en")
     return first or Wish((), (), (), (), None)
+
+
+def without_common(text: str, language: str, knowledge: Knowledge) -> str:
+    """Return the words of a short text that are no common ones of its language; all in a script without spaces."""
+    if language not in LATIN:
+        return text
+    common = knowledge.common[language]
+    return " ".join(word for word in text.split() if knowledge.folder.fold(word).strip(".,;:!?") not in common)
 
 
 class _Said:

@@ -11,6 +11,7 @@ from functools import lru_cache
 from importlib.resources import files
 
 from lpslam.language.sanitise import clean_text
+from lpslam.language.signs.hours import without_hours
 from lpslam.language.tables.words import is_unspaced
 from lpslam.language.wishes.form import Identity, Sort
 from lpslam.language.wishes.numerals import digit_ordinal, number_of, with_digits
@@ -22,8 +23,8 @@ _UNSPACED_NUMBER = re.compile(
     r"|(?<=[口室厅廳台区區道排架门門座位楼樓])([一二三四五六七八九十百]+)(?![\u4e00-\u9fff])"
     r"|(?<![가-힣])([일이삼사오육칠팔구]?[십백][일이삼사오육칠팔구십]*(?=번|호|층)|[일이삼사오육칠팔구](?=층|호))"
 )
-_ONE = r"(?:[a-z]{1,2}[-.]?|[b-z] )?\d{1,4}(?:[-.]\d{1,4}){0,2}[a-z]?|[a-z]"
-_CODE = re.compile(rf"(?<![a-zà-ÿ0-9'’])({_ONE})(?![^\W_\u2e80-\uffff])(?!['’-][a-z])", re.IGNORECASE)
+_ONE = r"(?:[a-z]{1,2}[-.]?|[b-z] )?\d{1,4}(?:[-.]\d{1,4}){0,2}(?:-?[a-z])?|[a-z]"
+_CODE = re.compile(rf"(?<![a-zà-ÿ0-9'’])({_ONE})(?![^\W_\u2e80-\uffff])(?!['’-][^\W\d_])", re.IGNORECASE)
 _TO = "-|–|—|~|〜|～|to|bis|through|thru|à|a|al|至|到|から|부터|에서"
 _END = r"(?=[a-z\d])([a-z]{0,2})(\d{0,4})"
 _RANGE = re.compile(rf"(?<![a-zà-ÿ0-9]){_END} ?(?:{_TO}) ?{_END}(?![a-z0-9])", re.IGNORECASE)
@@ -160,10 +161,33 @@ def _code(text: str, of: frozenset[str]) -> Code:
     return Code(found.group(1), int(found.group(2)), found.group(3), of)
 
 
+_ZEROS_IN_WORDS = re.compile(r"(?<=[a-z])0+(?=[a-z])|(?<![a-z\d])0(?=[a-z]{2})")
+_LETTER_APART = re.compile(r"(?<![^\W_])a (?=\d{2,4}(?!\w))")
+_TOKEN = re.compile(r"(?<![a-z\d])(?=[a-z.-]*\d|\d)[a-z\d]+(?:[.-][a-z\d]+)*(?![a-z\d])")
+_ALIKE = str.maketrans("oilzsb", "011258", ".- ")
+
+
+def _board(text: str) -> str:
+    """A board as its codes are looked for: “Ro0m 10”, without its hours."""
+    folded = _ZEROS_IN_WORDS.sub(lambda hit: "o" * len(hit.group()), _folded(without_hours(text)))
+    return _LETTER_APART.sub("a", folded)
+
+
+@lru_cache(maxsize=1 << 15)
+def board_keys(text: str) -> frozenset[str]:
+    """Return the codes of a board as readers of signs confuse them: Al6 and A16 are the same."""
+    return frozenset(hit.group().translate(_ALIKE) for hit in _TOKEN.finditer(_board(text)))
+
+
+def alike_key(value: str) -> str:
+    """Return a code as `board_keys` has it."""
+    return value.translate(_ALIKE)
+
+
 @lru_cache(maxsize=1 << 15)
 def board_codes(text: str) -> tuple[Code, ...]:
     """Return the codes that a board bears: every number, code and range; and letters beside what is numbered."""
-    folded = _folded(text)
+    folded = _board(text)
     found: list[Code] = []
     for hit in _RANGE.finditer(folded):
         letters, first, last_letters, last = hit.groups()
@@ -195,9 +219,7 @@ def asked_codes(text: str) -> list[Code]:
 
     Hours, prices and numbers of people are none.
     """
-    folded = _QUANTITY.sub(" ", _folded(text))
-    folded = digit_ordinal().sub(lambda hit: hit.group(1) if _leads(folded, hit.end()) else hit.group(), folded)
-    folded = with_digits(folded, lambda at: _follows(folded, at), lambda at: _leads(folded, at))
+    folded = _digits_in(_QUANTITY.sub(" ", _folded(text)))
     # “The A-gates.”
     folded = re.sub(
         r"(?<!\w)[a-z]-(?=[a-z])",
@@ -219,6 +241,23 @@ def asked_codes(text: str) -> list[Code]:
         if of or is_mixed or (alone and code.number is not None) or len(hit.group(1)) >= 3:
             found.append(code)
     return found
+
+
+def _digits_in(folded: str) -> str:
+    folded = digit_ordinal().sub(lambda hit: hit.group(1) if _leads(folded, hit.end()) else hit.group(), folded)
+    return with_digits(folded, lambda at: _follows(folded, at), lambda at: _leads(folded, at))
+
+
+def in_digits(text: str) -> str:
+    """Return a question, without case, with the numbers of what is numbered in digits."""
+    return _digits_in(_folded(text))
+
+
+def numbered_thing(text: str) -> frozenset[str]:
+    """Return what a text calls numbered things by, where it is no more than that: “the rack”; else nothing."""
+    folded = clean_text(text).casefold()
+    found = _classes()[0].fullmatch(folded)
+    return _named(found.group()) if found is not None else frozenset()
 
 
 def without_codes(text: str) -> str:

@@ -46,6 +46,27 @@ class Relation(StrEnum):
     BEHIND = "behind"
 
 
+class Counting(StrEnum):
+    """From where floors are counted."""
+
+    ABOVE_GROUND = "above ground"
+    FROM_ONE = "from the ground floor, which is 1"
+    FROM_HERE = "from here"
+    TOP = "the top floor"
+
+
+@dataclass(frozen=True, slots=True)
+class Floor:
+    """A floor that is named: its number, and from where it is counted."""
+
+    counting: Counting
+    number: int
+
+    def __str__(self) -> str:
+        """As it is told: "floor 2 above ground"."""
+        return str(self.counting.value) if self.counting is Counting.TOP else f"floor {self.number} {self.counting}"
+
+
 class Sort(StrEnum):
     """What sort of identity a place must have."""
 
@@ -86,9 +107,13 @@ class Stop:
         which: of several places; `rank` 2 is the second of that order.
         relation: to the anchor or, for BETWEEN, to both; None without one.
         anchor: stops themselves. PREVIOUS is the stop before.
+        same_side: whether it must hang on the anchor's side: “the second shop from the entrance, on that side”.
         start: where a way begins that does not begin here.
         ask: what is asked of it.
         contradiction: what cannot hold together, in words; empty where nothing is against anything.
+        at: minutes of the day at one of which it must be open: “after 22:00”; empty where no time is said.
+        floor: where it must lie, if that is said.
+        unplaced: the words of `what` with those that name the floor, for maps of which no floors are known.
         whole: all words of the stop, its relation among them: what it says where the anchor turns out to be none.
     """
 
@@ -105,6 +130,10 @@ class Stop:
     ask: Ask = Ask.WHERE
     whole: str = ""
     contradiction: str = ""
+    at: tuple[int, ...] = ()
+    floor: Floor | None = None
+    unplaced: str = ""
+    same_side: bool = False
 
 
 PREVIOUS = Stop("the stop before")
@@ -173,8 +202,14 @@ def told(stop: Stop) -> str:
         parts.append(stop.which.value if stop.rank == 1 else f"{stop.which.value} no. {stop.rank}")
     if stop.relation is not None:
         parts.append(f"{stop.relation.value} ({' and '.join(told(each) for each in stop.anchor)})")
+        parts += [f"no. {stop.rank}"] if stop.rank > 1 and stop.which is Which.ANY else []
+        parts += ["on its side"] if stop.same_side else []
     if stop.start is not None:
         parts.append(f"from ({told(stop.start)})")
+    if stop.floor is not None:
+        parts.append(f"on {stop.floor}")
+    if stop.at:
+        parts.append("open at " + " or ".join(f"{each // 60:02d}:{each % 60:02d}" for each in stop.at))
     if stop.contradiction:
         parts.append(f"contradicts itself: {stop.contradiction}")
     if stop.ask is not Ask.WHERE:
@@ -187,6 +222,7 @@ def _stop_of(tree: Mapping[str, Any], depth: int = 0) -> Stop:
         raise TypeError("anchors of anchors of anchors")
     start = tree.get("start")
     relation = tree.get("relation")
+    floor = tree.get("floor")
     return Stop(
         str(tree["what"]),
         _texts(tree.get("kinds", ())),
@@ -203,6 +239,10 @@ def _stop_of(tree: Mapping[str, Any], depth: int = 0) -> Stop:
         Ask(tree.get("ask", "where")),
         str(tree.get("whole", "")),
         str(tree.get("contradiction", "")),
+        tuple(int(each) % (24 * 60) for each in tree.get("at", ())),
+        None if floor is None else Floor(Counting(floor["counting"]), int(floor["number"])),
+        str(tree.get("unplaced", "")),
+        bool(tree.get("same_side", False)),
     )
 
 

@@ -1,17 +1,27 @@
 """The landmarks that bear what must stand on the board: codes, names of people, levels and buildings."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
 
 from lpslam.language.model import Candidate
 from lpslam.language.questions.question import read_question
 from lpslam.language.tables.knowledge import Knowledge
-from lpslam.language.wishes.codes import Code, board_codes, code_of, without_codes
+from lpslam.language.wishes.codes import (
+    Code,
+    alike_key,
+    board_codes,
+    board_keys,
+    code_of,
+    numbered_thing,
+    without_codes,
+)
 from lpslam.language.wishes.form import Identity, Sort, Stop
 from lpslam.language.wishes.names import Names
 
 _SURE = 1.0  # of a code or person
 _LONG_NUMBER = 3  # digits of a number that is a room's even where its board does not say so
+_LONG_KEY = 2  # letters and digits of a code that may be misread
 _BY_THE_WAY = frozenset({"floor", "building", "zone"})
 """What may be numbered beside what is asked for: “a toilet on level 2”."""
 
@@ -41,7 +51,8 @@ class Identities:
                     ignored.append(str(identity))
                 continue
             if not bearing:
-                return None, tuple(ignored), str(identity)
+                joined = self._joined(stop)
+                return (joined, tuple(ignored), "") if joined else (None, tuple(ignored), str(identity))
             found = bearing if found is None else {id_: found[id_] for id_ in found if id_ in bearing}
             if not found:
                 return None, tuple(ignored), " and ".join(map(str, stop.identity))
@@ -57,7 +68,7 @@ class Identities:
             return dict.fromkeys(self._names.persons(identity.value), _SURE)
         asked = code_of(identity)
         # What is painted goes before what may be misread.
-        found = self._coded(asked, False) or self._coded(asked, True)
+        found = self._coded(asked, False) or self._coded(asked, True) or self._alike(asked) or self._unclassed(asked)
         if (
             asked.of
             and not asked.letters
@@ -68,6 +79,48 @@ class Identities:
             found = {id_: score for id_, score in found.items() if score > _SURE - 0.1}
         best = max(found.values(), default=0.0)
         return {id_: score for id_, score in found.items() if score >= best - 0.01}
+
+    def _alike(self, asked: Code) -> dict[int, float]:
+        """Landmarks whose code differs by letters that readers confuse."""
+        key = alike_key(asked.value)
+        ids = self._by_key.get(key, set()) if len(key) >= _LONG_KEY else set()
+        others = {
+            id_ for id_ in ids if asked.of and any(code.of and not code.of & asked.of for code in self.codes[id_])
+        }
+        return dict.fromkeys(sorted(ids - others), _SURE)
+
+    def _joined(self, stop: Stop) -> dict[int, float]:
+        """“Zone C of level B1” is B1-C where no board bears them apart."""
+        codes = [each.value for each in stop.identity if each.sort is Sort.CODE]
+        return self._alike(Code("".join(codes), None, "", frozenset())) if len(codes) > 1 else {}
+
+    def _unclassed(self, asked: Code) -> dict[int, float]:
+        """Where nothing is numbered as what is asked for (“block 104”), a long number tells alone: Section 104."""
+        is_long = len(asked.value) >= _LONG_NUMBER or bool(asked.letters and asked.number is not None)
+        if not (asked.of and is_long) or any(code.of & asked.of for codes in self.codes.values() for code in codes):
+            return {}
+        return self._coded(replace(asked, of=frozenset()), False)
+
+    @cached_property
+    def _by_key(self) -> dict[str, set[int]]:
+        found: dict[str, set[int]] = {}
+        for mark in self._landmarks:
+            for key in {key for text in (mark.name, *mark.lines) for key in board_keys(text)}:
+                found.setdefault(key, set()).add(mark.id)
+        return found
+
+    def numbered(self, what: str) -> dict[int, float]:
+        """All that is numbered as a thing: “the rack” is any board that bears the number of one."""
+        of = numbered_thing(what)
+        if not of:
+            return {}
+        named = [id_ for id_, codes in self.codes.items() if any(code.of & of for code in codes)]
+        mixed = [
+            id_
+            for id_, codes in self.codes.items()
+            if any(code.letters and code.number and not code.of for code in codes)
+        ]
+        return dict.fromkeys(named or mixed, _SURE)
 
     def _coded(self, asked: Code, repaired: bool) -> dict[int, float]:
         """Landmarks that bear a code: surest the very one, of what is asked for."""

@@ -77,7 +77,9 @@ class Names:
         folded = fold.fold(text)
         painted = fold.sign_units(text)
         units = frozenset(
-            unit for unit in (*painted, *self._repair.words(painted)) if not is_mark(unit) and not is_unspaced(unit)
+            unit
+            for unit in (*painted, *fold.units(text), *self._repair.words(painted))
+            if not is_mark(unit) and not is_unspaced(unit)
         )
         in_order = tuple(
             unit for unit in fold.units(text.replace("-", " ")) if unit.isalpha() and not is_unspaced(unit)

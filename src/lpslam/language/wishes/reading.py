@@ -1,6 +1,7 @@
 """From a question to a `Wish`: one evaluator over the rows of each language's table."""
 
 import re
+from collections.abc import Sequence
 from dataclasses import replace
 
 from lpslam.language.languages import LANGUAGES, LATIN
@@ -8,18 +9,25 @@ from lpslam.language.questions.question import read_question
 from lpslam.language.questions.speaking import languages_of
 from lpslam.language.questions.weighing import MAIN
 from lpslam.language.sanitise import clean_text
+from lpslam.language.signs.hours import asked_time
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.words import is_mark
 from lpslam.language.wishes.attributes import attributes_of
 from lpslam.language.wishes.codes import asked_codes, identities
+from lpslam.language.wishes.floors import floor_of
 from lpslam.language.wishes.form import PREVIOUS, Ask, Identity, Relation, Sort, Stop, Which, Wish
 from lpslam.language.wishes.rules import Row, Rules, rules_of
 
 _LONGEST = 400  # letters of a question
 _ENDS = " .。!！?？,，、;；¿¡"
 _LISTED = re.compile(r"[,，;；、] ?(?:(?:and|und|et|y) )?")
+_JOINED = re.compile(r" (?:and|und|et|y|e) ")
 _MOST_STOPS = 6
 _OPPOSED = {Which.NEAREST.value, Which.FARTHEST.value}  # one place is hardly both
+_COUNTED = frozenset(map(str, (Relation.NEAR, Relation.BEFORE, Relation.BEHIND, Relation.LEFT_OF, Relation.RIGHT_OF)))
+"""Relations of which places come one after the other."""
+_MOST_LISTED_WORDS = 4  # of each: longer ones tell of something
+_FEWEST_LISTED = 3  # things that are listed without a word for their order: “pharmacy, bank, coffee”
 _DEEPEST = 2  # anchors of anchors
 _POSSESSIVE = re.compile(r"['’]s?$")
 
@@ -47,7 +55,13 @@ def read_wish(question: str, knowledge: Knowledge) -> Wish:
             is_sure = found is None or not found[0].then.get("perhaps")
             instead = None if is_sure else _stop(text, languages, knowledge)
             return Wish(stops[:_MOST_STOPS], language, instead=instead)
-    return Wish((_stop(text, languages, knowledge),), likely[0] if likely else None)
+    alone = _stop(text, languages, knowledge)
+    listed = _listed(text, knowledge)
+    is_bare = len(listed) >= _FEWEST_LISTED and all(len(each.split()) <= _MOST_LISTED_WORDS for each in listed)
+    if is_bare and alone.relation is None and not alone.without and not alone.contradiction:
+        stops = tuple(_stop(part, languages, knowledge) for part in listed[:_MOST_STOPS])
+        return Wish(stops, likely[0] if likely else None, instead=alone)
+    return Wish((alone,), likely[0] if likely else None)
 
 
 def _says_a_place(text: str, knowledge: Knowledge) -> bool:
@@ -61,11 +75,18 @@ def _says_a_place(text: str, knowledge: Knowledge) -> bool:
 def _listed(text: str, knowledge: Knowledge) -> list[str]:
     """The stops that a part of a plan lists: “buy a ticket, grab a croissant”, each something of its own."""
     pieces = [each for each in _LISTED.split(text) if each.strip(_ENDS)]
-    says_all = all(
-        any(weight >= MAIN for _, weight in read.wanted) and not read.refused
-        for read in (read_question(piece, knowledge) for piece in pieces)
-    )
-    return pieces if len(pieces) > 1 and says_all else [text]
+    if len(pieces) > 1 and _are_things(pieces, knowledge):
+        return pieces
+    both = [each for each in _JOINED.split(text) if len(each.split()) > 1]
+    return both if len(both) > 1 and _are_things(both, knowledge) else [text]
+
+
+def _are_things(pieces: Sequence[str], knowledge: Knowledge) -> bool:
+    """Whether each piece wants something of its own and refuses nothing."""
+    reads = [read_question(piece, knowledge) for piece in pieces]
+    wanted = [{concept for concept, weight in read.wanted if weight >= MAIN} for read in reads]
+    apart = len(set().union(*wanted)) == sum(map(len, wanted))
+    return all(wanted) and apart and not any(read.refused or read.refused_names for read in reads)
 
 
 def _in_sequence(text: str, rules: Rules) -> list[str]:
@@ -81,21 +102,26 @@ def _in_sequence(text: str, rules: Rules) -> list[str]:
 
 def _stop(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: int = 0) -> Stop:
     """Read one stop: what is asked, what is left out, its relation and anchor, order, and what its board bears."""
+    asked, whole = asked_time(text) if depth == 0 else None, text
+    text = text if asked is None else asked.rest
     ask, ask_language = _asked(text, languages)
     rules = rules_of(ask_language)
-    what, without = _without(text, languages, knowledge, depth)
+    what, without, torn = _without(text, languages, knowledge, depth)
     placed = _placed(what, languages, knowledge, depth)
     stop, what = placed if placed is not None else (Stop(text), what)
+    floor, bare, is_torn = floor_of(what, languages[0] if languages else None)
+    unplaced, what = (what, bare) if floor is not None else ("", what)
     order, place = _ordered(what, languages)
     if order is not None and (stop.which is Which.ANY or place > 1):
         stop = replace(stop, which=order, rank=place)
     left = content_left(what, rules)
-    if stop.relation is not None or ask in (Ask.LIST, Ask.WHICH):
+    is_placed = stop.relation is not None or asked is not None or floor is not None
+    if is_placed or ask in (Ask.LIST, Ask.WHICH):
         # Its place tells which: “the room next to …”; “what is that next to …” has common words only.
         left = content_left(rules.any.sub(" ", what), rules)
-    if stop.relation is not None:
+    if is_placed:
         left = _uncommon(left, languages, knowledge)
-    is_any = ask in (Ask.HERE, Ask.FORBIDDEN) or (not left and (stop.relation is not None or ask is Ask.LIST))
+    is_any = ask in (Ask.HERE, Ask.FORBIDDEN) or (not left and (is_placed or ask is Ask.LIST))
     which = stop.which
     opposed = sorted({each.value for each in _orders(what, languages)} & _OPPOSED)
     if which is Which.ANY and ask in (Ask.LIST, Ask.HERE, Ask.FORBIDDEN):
@@ -104,11 +130,14 @@ def _stop(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: in
         stop,
         what="" if is_any else what,
         without=without,
-        identity=() if is_any else _identity(what, languages),
+        identity=_identity(unplaced, languages) if floor is not None else () if is_any else _identity(what, languages),
         ask=ask,
-        whole=text,
+        whole=whole,
         which=which,
-        contradiction=" and ".join(opposed) if len(opposed) > 1 else "",
+        at=() if asked is None else asked.minutes,
+        floor=floor,
+        unplaced=unplaced,
+        contradiction=" and ".join(opposed) if len(opposed) > 1 else "two floors" if is_torn else torn,
     )
 
 
@@ -125,6 +154,12 @@ def _placed(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: 
     anchors = tuple(
         _anchor(groups[name], languages, knowledge, rules, depth) for name in ("anchor", "second") if groups.get(name)
     )
+    rank = rules.ranks.get(groups.get("rank", "").casefold(), 1)
+    if rank == 1 and row.then["relation"] in _COUNTED and not asked_codes(what):
+        counted = rules.first(rules.counts, what)
+        if counted is not None:
+            # “The second door after the lift.”
+            rank, what = rules.ranks.get(counted[1].group("rank").casefold(), 1), counted[1].group("what")
     is_here = len(anchors) == 1 and rules.here.match(groups.get("anchor", ""))
     start = _anchor(groups["start"], languages, knowledge, rules, depth) if groups.get("start") else None
     stop = Stop(
@@ -132,16 +167,19 @@ def _placed(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: 
         relation=None if is_here else Relation(row.then["relation"]),
         anchor=() if is_here else anchors,
         which=Which(row.then.get("which", "nearest" if is_here else "any")),
-        rank=rules.ranks.get(groups.get("rank", "").casefold(), 1),
+        rank=rank,
         start=start,
+        same_side=bool(groups.get("side")),
     )
     return stop, what
 
 
-def _without(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: int) -> tuple[str, tuple[Stop, ...]]:
+def _without(
+    text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: int
+) -> tuple[str, tuple[Stop, ...], str]:
     """Part a text from what it leaves out: one place of the same kind, the nearest one, one by its code or place.
 
-    Kinds and names that are refused are left to `read_question`.
+    Kinds and names that are refused are left to `read_question`. The last part is what is wanted and left out at once.
     """
     for language in languages[:1] if depth == 0 else ():
         found = rules_of(language).first(rules_of(language).exclusions, text)
@@ -150,21 +188,38 @@ def _without(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth:
         what, out = (found[1].group(name).strip(_ENDS) for name in ("what", "not"))
         numbered = _numbered_alike(what, out)
         if numbered:
-            return what, numbered
+            return what, numbered, ""
+        if _is_the_same(what, out, languages, knowledge):
+            return what, (), f"{what} and not {out}"
         stop = _stop(out, languages, knowledge, depth=_DEEPEST - 1)
         asked, left = (dict(read_question(each, knowledge).wanted) for each in (what, out))
         whole = read_question(text, knowledge)
         # “Not in a large chain” tells no place from another.
         is_told = bool(attributes_of(out)) and all("/" in each or each in asked for each in whole.refused)
         is_one = stop.which is not Which.ANY or stop.relation is not None or bool(stop.identity) or is_told
+        is_one = is_one or stop.floor is not None
         is_read = bool(whole.wanted and whole.refused) and not is_one
         is_unread = bool(whole.wanted and left) and not whole.refused
         if (asked or is_told) and not is_read and (is_one or asked.keys() & left.keys() or is_unread):
             if is_told and not left:
                 # “The lounge that isn't the blue one.”
-                return what, (replace(stop, what=f"{what} {out}"),)
-            return what, (replace(stop, what=what) if is_one and not left and not stop.identity else stop,)
-    return text, ()
+                return what, (replace(stop, what=f"{what} {out}"),), ""
+            return what, (replace(stop, what=what) if is_one and not left and not stop.identity else stop,), ""
+    return text, (), ""
+
+
+def _is_the_same(what: str, out: str, languages: tuple[str, ...], knowledge: Knowledge) -> bool:
+    """Whether what is left out is just what is wanted: “gate 23, but not gate 23”."""
+    asked, left = (
+        set(_uncommon(content_left(each, rules_of(languages[0])), languages, knowledge).split()) for each in (what, out)
+    )
+    is_ordered = _ordered(out, languages)[0] is not None or _related(out, languages) is not None
+    return (
+        bool(left)
+        and left <= asked
+        and not is_ordered
+        and identities(asked_codes(what)) == identities(asked_codes(out))
+    )
 
 
 def _numbered_alike(what: str, out: str) -> tuple[Stop, ...]:

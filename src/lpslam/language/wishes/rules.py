@@ -43,6 +43,7 @@ class Rules:
     relations: tuple[Row, ...]
     exclusions: tuple[Row, ...]
     persons: tuple[Row, ...]
+    counts: tuple[Row, ...]
     ranks: Mapping[str, int]
     here: re.Pattern[str]
     previous: re.Pattern[str]
@@ -86,6 +87,7 @@ def rules_of(language: str) -> Rules:
         rows("relations"),
         rows("exclusions"),
         rows("persons"),
+        rows("counts"),
         ranks,
         compiled(tree["here"]),
         compiled(tree["previous"]),

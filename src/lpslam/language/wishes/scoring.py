@@ -16,18 +16,20 @@ from lpslam.language.model import Candidate
 from lpslam.language.questions.question import Wish as Meaning
 from lpslam.language.questions.question import asks_for_another, read_question
 from lpslam.language.signs.distrust import commands
+from lpslam.language.signs.hours import Hours, board_hours, told_hours
 from lpslam.language.signs.reader import SignReader
 from lpslam.language.signs.wording import WARNING
 from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.words import is_mark, is_unspaced, longest_phrases
 from lpslam.language.wishes.asked_words import SHORTEST, AskedWords
 from lpslam.language.wishes.attributes import attributes_of, told_apart
+from lpslam.language.wishes.certainty import clues_of, probability
 from lpslam.language.wishes.form import Ask, Stop, Which, with_meaning
 from lpslam.language.wishes.identities import Identities
 from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.reading import content_left, content_of, wish_languages
 from lpslam.language.wishes.rules import rules_of
-from lpslam.language.wishes.served import Served
+from lpslam.language.wishes.served import LEAST_SURE, UNQUESTIONED, Served, Way
 
 _ANY_SORT = frozenset({"shop", "business", "place"})
 _FEW_OF_A_FAMILY = 3  # rooms of one sort of building that make the map one of it, at least
@@ -58,6 +60,8 @@ _CAPITALS_ARE_NAMES = frozenset({"en", "es", "fr"})
 _SURE, _NAMED, _ACROSS = 1.0, 0.9, 0.85  # of a code or person, of a part of a name, of a name in another script
 _WHOLE = 0.95  # of a name's letters: the name itself
 _FEWEST_BORNE, _MOST_BORNE = 2, 0.5  # words of a question that a board bears, and their share of its letters
+_OPEN_SERVES = 0.8  # of the best score: what is known to be open and serves so well goes before what may be shut
+_OFFERED = 5  # places that are told where none is sure enough
 _LEAST_LITERAL = 0.3  # of a board's letters that are asked for word by word
 
 
@@ -92,13 +96,96 @@ class EmbeddedScorer:
 
     def serve(self, stop: Stop) -> Served:
         """Return the landmarks that serve a stop: by identity, by name, else by what they are."""
-        if not stop.what:
-            return self._any_place(stop)
+        served = self._as_sure(self._found(stop)) if stop.what else self._any_place(stop)
+        return self._open(served) if stop.at else served
+
+    @cached_property
+    def _hours(self) -> Mapping[int, tuple[Hours, ...]]:
+        """What boards say of their hours; those that say nothing are not in it."""
+        said = {
+            mark.id: tuple(hours for text in (mark.name, *mark.lines) for hours in board_hours(text))
+            for mark in self._landmarks
+        }
+        return {id_: hours for id_, hours in said.items() if hours}
+
+    def _open(self, served: Served) -> Served:
+        """Of what serves, what is open when it is asked for; where that is not said of any, what may be."""
+        best = max(served.scores.values(), default=0.0)
+        is_open = {
+            id_: any(each.holds(minute) for each in self._hours[id_] for minute in served.stop.at)
+            for id_ in served.scores
+            if id_ in self._hours
+        }
+        sure = {
+            id_: served.scores[id_] for id_ in is_open if is_open[id_] and served.scores[id_] >= _OPEN_SERVES * best
+        }
+        if sure or not served.scores:
+            return replace(served, scores=sure)
+        left = {
+            id_: score for id_, score in served.scores.items() if id_ not in is_open and score >= _OPEN_SERVES * best
+        }
+        if left and served.stop.what:
+            return replace(
+                served, scores=left, ignored=(*served.ignored, "when it is open, which its board does not say")
+            )
+        shut = sorted(is_open, key=lambda id_: (-served.scores[id_], id_))
+        told = "; ".join(f"{self._by_id[id_].name}: {told_hours(self._hours[id_])}" for id_ in shut[:1])
+        evidence = f"nothing that serves is known to be open then ({told})" if told else "no board says its hours"
+        return replace(served, scores={}, evidence=evidence, confidence=0.9, others=tuple(shut[:_OFFERED]))
+
+    def clues(self, served: Served) -> dict[str, float]:
+        """What tells how sure it is that what serves a stop is what was meant."""
+        return clues_of(served, self._index, self._asked, self._knowledge)
+
+    def _as_sure(self, served: Served) -> Served:
+        """With how probable it is that what serves is what was meant; where that is little, the words of the boards."""
+        if not served.scores or served.way in UNQUESTIONED or self._says_what_tells(served):
+            return served
+        sure = probability(self.clues(served))
+        served = replace(served, sure=sure, confidence=min(served.confidence, sure))
+        if sure >= LEAST_SURE or served.way not in (Way.KIND, Way.GUESS):
+            return served
+        numbered = self._numbered(served.stop, served.ignored)
+        if numbered is not None:
+            return numbered
+        meaning = read_question(served.stop.what, self._knowledge, self._index.names)
+        said = self._by_words(served.stop, meaning, served.ignored)
+        other = probability(self.clues(said)) if said is not None and said.scores else 0.0
+        return served if said is None or other <= sure else replace(said, sure=other, confidence=other)
+
+    def _says_what_tells(self, served: Served) -> bool:
+        """Whether the board of the best says both the kind and what tells it from others: the north gate."""
+        asked = attributes_of(served.stop.what)
+        best = max(served.scores, key=lambda id_: (served.scores[id_], -id_))
+        is_told = bool(asked) and self._is_of_the_house(best)
+        return is_told and told_apart(asked, attributes_of(self._by_id[best].name)) > 0
+
+    def _numbered(self, stop: Stop, ignored: tuple[str, ...]) -> Served | None:
+        """“The rack” between two others is any board that bears a rack's number."""
+        if stop.relation is None and stop.ask is not Ask.LIST:
+            return None
+        found = self._identities.numbered(content_of(stop.what, wish_languages(stop.what, self._knowledge)))
+        return (
+            Served(stop, self._trusted(found), "numbered so", 0.9, ignored=ignored, way=Way.IDENTITY) if found else None
+        )
+
+    def _by_words(self, stop: Stop, meaning: Meaning, ignored: tuple[str, ...]) -> Served | None:
+        """The landmarks whose boards say the words themselves."""
+        literal = self._told_apart(stop, self._literal(stop, meaning))
+        if not literal:
+            return None
+        scores = self._trusted(literal)
+        strength = max(scores.values(), default=0.0)
+        said = "the board says these words"
+        return Served(stop, scores, said, 0.7, ignored=ignored, way=Way.WORDS, strength=strength)
+
+    def _found(self, stop: Stop) -> Served:
         allowed, ignored, failed = self._identities.identified(stop)
         if failed:
             return Served(stop, {}, f"no board bears {failed}", 0.8, self._of_what(stop), ignored)
         if allowed is not None:
-            return Served(stop, self._trusted(allowed), "the board bears it", 0.97, ignored=ignored)
+            scores = self._trusted(allowed)
+            return Served(stop, scores, "the board bears it", 0.97, ignored=ignored, way=Way.IDENTITY)
         meaning = read_question(stop.what, self._knowledge, self._index.names)
         stop = with_meaning(stop, [kind for kind, _ in meaning.wanted], (*meaning.refused, *meaning.refused_names))
         within = self._identities.on_level(stop, ignored)
@@ -106,20 +193,27 @@ class EmbeddedScorer:
         if found:
             scores = self._trusted(_within(found, within))
             named = frozenset(scores)
-            return Served(stop, scores, "the board says the name", 0.95, ignored=ignored, exact=named)
+            strength = max(scores.values(), default=0.0)
+            said = "the board says the name"
+            return Served(stop, scores, said, 0.95, ignored=ignored, exact=named, way=Way.NAME, strength=strength)
         general = self._of_any_sort(stop, meaning)
         if general:
-            return Served(stop, self._trusted(_within(general, within)), "any of this sort", 0.9, ignored=ignored)
+            scores = self._trusted(_within(general, within))
+            return Served(stop, scores, "any of this sort", 0.9, ignored=ignored, way=Way.SORT)
         choice, scores = ranked(stop.what, self._index, self._signs, self._knowledge, self.model)
         scores = self._not_by_the_whole(meaning, _within(self._trusted(scores), within))
         scores = self._told_apart(stop, self._bearing_the_words(stop, meaning, self._of_the_family(meaning, scores)))
         if not scores or self._is_another(stop, meaning, scores):
-            literal = self._told_apart(stop, self._literal(stop, meaning))
-            if literal:
-                return Served(stop, self._trusted(literal), "the board says these words", 0.7, ignored=ignored)
+            literal = self._by_words(stop, meaning, ignored)
+            if literal is not None:
+                return literal
+            numbered = self._numbered(stop, ignored)
+            if numbered is not None:
+                return numbered
             told = self._told_only(stop)
             if told:
-                return Served(stop, self._trusted(told), "the board says so", 0.8, ignored=ignored)
+                scores = self._trusted(told)
+                return Served(stop, scores, "the board says so", 0.8, ignored=ignored, way=Way.TOLD)
             guess = self._guessed(stop, within) if not scores else None
             if guess is not None:
                 return replace(guess, ignored=ignored)
@@ -130,7 +224,13 @@ class EmbeddedScorer:
         exact = frozenset(id_ for id_, share in self._names.covered(words).items() if share >= _WHOLE and id_ in scores)
         if meaning.wanted_names:
             exact = frozenset(scores)
-        return Served(stop, scores, choice.evidence, choice.confidence, ignored=ignored, exact=exact)
+        return Served(
+            *(stop, scores, choice.evidence, choice.confidence),
+            ignored=ignored,
+            exact=exact,
+            way=Way.KIND,
+            strength=top,
+        )
 
     def _guessed(self, stop: Stop, within: set[int] | None) -> Served | None:
         """What the words of a stop are nearest to; who asks whether there is a hotel is not shown a taxi."""
@@ -143,7 +243,9 @@ class EmbeddedScorer:
         if meaning.wanted:
             found = self._of_the_family(meaning, found)
         scores = self._told_apart(stop, _within(self._trusted(found), within))
-        return Served(stop, scores, choice.evidence, choice.confidence) if scores else None
+        strength = max(scores.values(), default=0.0)
+        guess_ = Served(stop, scores, choice.evidence, choice.confidence, way=Way.GUESS, strength=strength)
+        return guess_ if scores else None
 
     def _of_any_sort(self, stop: Stop, meaning: Meaning) -> dict[int, float]:
         """“The shop next to …” is any shop: what the map says of where it stands is all that tells it from others."""

@@ -2,9 +2,30 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from enum import StrEnum
 from typing import Protocol
 
 from lpslam.language.wishes.form import Stop
+
+LEAST_SURE = 0.75
+"""Probability of a place to be what was meant, below which the answer is none: a wrong one is three times as bad."""
+
+
+class Way(StrEnum):
+    """How what serves was found."""
+
+    PLACE = "any place"
+    IDENTITY = "identity"
+    NAME = "name"
+    SORT = "any of a sort"
+    KIND = "kind"
+    WORDS = "words of the board"
+    TOLD = "told apart"
+    GUESS = "guess"
+
+
+UNQUESTIONED = (Way.PLACE, Way.IDENTITY, Way.SORT)
+"""What is told by the map, or must stand on the board: nothing that words could be mistaken for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,6 +39,9 @@ class Served:
         confidence: of the best, 0 to 1.
         others: next best where none serves.
         ignored: what of the wish could not be heeded.
+        way: how they were found.
+        sure: probability, 0 to 1, that the best is what was meant.
+        strength: of the best, before scores were divided by it.
         exact: of those, the landmarks whose board says these very words, and no more.
         sees_all: whether every landmark that serves has its score; a model names a few only.
     """
@@ -31,6 +55,9 @@ class Served:
     sees_all: bool = True
     model: str = "offline"
     exact: frozenset[int] = field(default=frozenset())
+    way: Way = Way.PLACE
+    strength: float = 1.0
+    sure: float = 1.0
 
 
 class Scorer(Protocol):

@@ -1,0 +1,134 @@
+"""How sure it is that what was found is what was meant, as a probability.
+
+A logistic model of how the best landmark was found, by how much it leads, and how much of the question says so; its
+weights are in `data/wishes/certainty.json` (`tools/train_certainty.py`).
+"""
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib.resources import files
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.language.choosing.landmark_index import LandmarkIndex
+from lpslam.language.choosing.serving import FITS, likeness, match
+from lpslam.language.questions.question import read_question
+from lpslam.language.tables.knowledge import Knowledge
+from lpslam.language.tables.words import is_mark, longest_phrases
+from lpslam.language.wishes.asked_words import AskedWords
+from lpslam.language.wishes.form import Which
+from lpslam.language.wishes.served import Served, Way
+
+_RIVALS = 0.97  # of the best score: what serves as well
+_MOST_UNITS = 20  # units of a question that count as many
+_UNSPACED = frozenset({"zh", "ja", "ko"})
+
+
+def clues_of(served: Served, index: LandmarkIndex, asked: AskedWords, knowledge: Knowledge) -> dict[str, float]:
+    """Return what tells how sure it is that the best of what serves is what was meant, each about 0 to 1."""
+    text = served.stop.what
+    wish = read_question(text, knowledge)
+    best = max(served.scores, key=lambda id_: (served.scores[id_], -id_))
+    top = served.scores[best]
+    kinds = index.signs[best].kinds
+    stop = served.stop
+    # What a place, an order or an exclusion tells apart are no rivals.
+    is_told = stop.relation is not None or stop.which is not Which.ANY or bool(stop.without)
+    rivals = {} if is_told else served.scores
+    others = [score for id_, score in rivals.items() if index.signs[id_].kinds != kinds]
+    ties = {kinds, *(index.signs[id_].kinds for id_, score in rivals.items() if score >= _RIVALS * top)}
+    meant = {concept: weight for concept, weight in wish.wanted if match(concept, kinds, knowledge) >= FITS}
+    language = wish.language or next(iter(asked.likely(text)), "en")
+    units = knowledge.folder.units(text)
+    common = knowledge.common.get(language, frozenset())
+    own = [at for at, unit in enumerate(units) if not is_mark(unit) and unit not in common]
+    known: set[int] = set()
+    telling: set[int] = set()
+    longest, several = 0, False
+    for span in longest_phrases(units, knowledge.tables_of(language)):
+        known.update(range(span.start, span.end))
+        if any(concept in meant for concept, _ in span.value.concepts):
+            telling.update(range(span.start, span.end))
+            longest = max(longest, min(len(span.key), 20))
+            several = several or span.end - span.start > 1
+    words = max(len(own), 1)
+    weight = dict(wish.wanted)
+    direct = max((weight[each] * likeness(each, kinds, knowledge) for each in meant), default=0.0)
+    offered = max((weight[each] * match(each, kinds, knowledge) for each in meant), default=0.0)
+    painted = knowledge.folder.units(index.name_of[best])
+    said_on_board = {
+        at
+        for span in longest_phrases(painted, (knowledge.painted,))
+        if any(concept in dict(kinds) for concept, _ in span.value.concepts)
+        for at in range(span.start, span.end)
+    }
+    letters = [len(unit) for unit in painted if not is_mark(unit) and not unit.isdigit()]
+    told = [len(painted[at]) for at in said_on_board if at < len(painted)]
+    is_kind = served.way is Way.KIND
+    clues = {
+        "is one": direct if is_kind else 0.0,
+        "offers it": offered if is_kind and not direct else 0.0,
+        "longest phrase": longest / 10.0 if is_kind else 0.0,
+        "phrase of several words": float(is_kind and several),
+        "unread signs": index.unread,
+        "shops around": index.shops,
+        "board says so": sum(told) / max(sum(letters), 1) if is_kind else 0.0,
+        "place asked for": float(any("/" in each for each in meant)),
+        "strength": served.strength if is_kind else 0.0,
+        "strength of words": served.strength if served.way in (Way.WORDS, Way.NAME) else 0.0,
+        "strength of a guess": served.strength if served.way is Way.GUESS else 0.0,
+        "lead": (top - max(others, default=0.0)) / top,
+        "rivals": math.log(len(ties)),
+        "says so": sum(at in telling for at in own) / words if is_kind else 0.0,
+        "nothing says so": float(is_kind and not telling),
+        "not known": sum(at not in known for at in own) / words,
+        "some not known": math.log1p(sum(at not in known for at in own)),
+        "length": math.log1p(min(len(own), _MOST_UNITS)),
+        "meant first of all": max(meant.values(), default=0.0),
+        "wants much": math.log1p(len(wish.wanted)),
+        "wants more than it gets": 1.0 - len(meant) / max(len(wish.wanted), 1),
+        "only general": float(bool(meant) and all(each in knowledge.general for each in meant)),
+        "refuses": float(bool(wish.refused)),
+        "sure sign": max((weight for _, weight in kinds), default=0.0),
+        "sign of many kinds": math.log1p(len(kinds)),
+        "brand": float(bool(index.signs[best].identity)),
+        "no spaces": float(language in _UNSPACED),
+        "language not told": float(wish.language is None),
+    }
+    for way in (Way.NAME, Way.WORDS, Way.TOLD, Way.GUESS):
+        clues[way.value] = float(served.way is way)
+    return clues
+
+
+def probability(clues: Mapping[str, float]) -> float:
+    """Return how probably an answer with such clues is right."""
+    model = _model()
+    if model is None:
+        return 1.0
+    x = np.array([clues.get(name, 0.0) for name in model.names])
+    return float(1.0 / (1.0 + np.exp(-(model.bias + paired(x[None, :])[0] @ model.weights))))
+
+
+def paired(x: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(n, k) clues with all their products of two: what one tells depends on the others."""
+    first, second = np.triu_indices(x.shape[1])
+    return np.hstack([x, x[:, first] * x[:, second]])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Model:
+    names: tuple[str, ...]
+    weights: NDArray[np.float64]
+    bias: float
+
+
+@lru_cache(maxsize=1)
+def _model() -> _Model | None:
+    path = files("lpslam.language") / "data" / "wishes" / "certainty.json"
+    tree: Mapping[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    return _Model(tuple(tree["names"]), np.array(tree["weights"]), float(tree["bias"])) if tree else None
