@@ -11,9 +11,9 @@ from lpslam.text.types import Placement, SpottedText, TextObservation
 Array = NDArray[np.float64]
 
 
-def cut(text: str, timestamp: float, x: float = 0.0, right: float = 0.9) -> CutText:
+def cut(text: str, timestamp: float, x: float = 0.0, right: float = 0.9, width: float = 0.5) -> CutText:
     box = np.array([[0, 0], [100, 0], [100, 30], [0, 30.0]])
-    placement = Placement((x, 0.0, 2.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0), 0.5, 0.1, 0.01)
+    placement = Placement((x, 0.0, 2.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0), width, 0.1, 0.01)
     observation = TextObservation(0, timestamp, 0, text, 0.99, placement, 30.0)
     return CutText(SpottedText(text, 0.99, box, 30.0), placement, Glance(30.0, 1.0, right), observation, np.eye(4))
 
@@ -64,3 +64,35 @@ def test_texts_side_by_side_are_kept_apart() -> None:
 
 def test_one_letter_repeated_is_no_part_of_a_text() -> None:
     assert waiting(*(cut("XXX", index / 10) for index in range(5))).gone(None, named()) == []
+
+
+def appearing(text: str, at: float, right_end: float = 0.0, step: float = 0.02, width: float = 0.07) -> list[CutText]:
+    """A text, letters so wide, that comes into view from its right end on, as far as `at`, so much in each reading."""
+    lengths = np.arange(2.0 * width, at, step)
+    return [
+        cut(text[-max(int(length / width), 1) :], index / 10, right_end - length / 2.0, width=length)
+        for index, length in enumerate(lengths)
+    ]
+
+
+def test_a_text_whose_end_moves_with_the_view_goes_on_beyond_it() -> None:
+    # Letter after letter comes, and the last of them is read again; only when a letter has just come it seems to stay.
+    cases = [(step, at) for step in (0.02, 0.035, 0.06) for at in np.arange(0.3, 0.55, 0.02)]
+    given = [waiting(*appearing("ESCALATOR", at, step=step)).gone(None, named()) for step, at in cases]
+    assert sum(map(bool, given)) <= len(cases) // 10, [spelled(each) for each in given if each]
+
+
+def test_a_text_that_stays_where_it_ends_is_all_of_it() -> None:
+    word = "NORVANE"
+    coming = appearing(word, 0.5)
+    jitter = 0.004 * np.random.default_rng(5).standard_normal(12)
+    there = [cut(word, 3.0 + index / 10, -0.25 + each, width=0.5 - each) for index, each in enumerate(jitter)]
+    ((*found,),) = spelled(waiting(*coming, *there).gone(None, named()))
+    assert found.count(word) >= len(there)
+
+
+def test_letters_seen_beyond_a_spelling_say_that_it_is_a_part() -> None:
+    texts = waiting(*(cut("ATOR", index / 10) for index in range(5)), cut("LATOR", 0.6))
+    assert texts.gone(None, named()) == []
+    doubted = waiting(*(cut("ATOR", index / 10) for index in range(5)), cut("LATOR", 0.6, right=0.3))
+    assert "ATOR" in spelled(doubted.gone(None, named()))[0], "a slip says nothing"
