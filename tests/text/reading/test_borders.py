@@ -77,6 +77,26 @@ def test_what_stands_above_the_letters_does_not_cut_them() -> None:
     assert cut_by_border(image, box[None]).tolist() == [False]
 
 
+@pytest.mark.parametrize("degrees", [18, 25])
+@pytest.mark.parametrize("kept", [4, 5])
+def test_a_slanted_text_of_which_the_foot_of_a_letter_is_left_is_cut(degrees: float, kept: int) -> None:
+    word, scale = "MEETING", 1.6
+    (width, height), _ = cv2.getTextSize(word, cv2.FONT_HERSHEY_SIMPLEX, scale, 4)
+    (whole, _), _ = cv2.getTextSize(word[-kept:], cv2.FONT_HERSHEY_SIMPLEX, scale, 4)
+    wall = np.full((700, 1200, 3), BLUE, np.uint8)
+    cv2.putText(wall, word, (600 - width, 350), cv2.FONT_HERSHEY_SIMPLEX, scale, WHITE, 4, cv2.LINE_AA)
+    # The letters left out are those of which less than half is in view, at the top of the image.
+    turn = cv2.getRotationMatrix2D((600.0, 350.0), -degrees, 1.0)
+    middle = turn @ np.array([600.0 - whole - 0.35 * height, 350.0 - 0.45 * height, 1.0])
+    turn[:, 2] += np.array([40.0, 0.0]) - middle
+    window = cv2.warpAffine(wall, turn, (WIDTH + 200, HEIGHT), borderValue=BLUE)
+    corners = np.array([[600 - whole, 350 - height], [600, 350 - height], [600, 350], [600 - whole, 350]], float)
+    corners += np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * 0.2 * height
+    box = corners @ turn[:, :2].T + turn[:, 2]
+    box = np.clip(box, 0.0, [WIDTH + 199.0, HEIGHT - 1.0])
+    assert cut_by_border(window, box[None]).tolist() == [True]
+
+
 @pytest.mark.parametrize("level", [255, 0])
 def test_a_blank_frame_around_the_image_is_no_ground(level: int) -> None:
     image, box = seen("COFFEE", -20, 100, ground=(200, 190, 180))

@@ -106,7 +106,7 @@ def _goes_on(rgb: Image, line: Boxes, first: Pixel, last: Pixel, hidden: Mask | 
     space, margin = round(_SPACE * _PIXELS), round(_MARGIN * _PIXELS)
     ink = _ink(strip, visible, slice(margin, -margin), slice(space, -space)) & visible
     rows = slice(margin, -margin)
-    ground = visible & ~_surfaces(ink)
+    ground, edges = visible & ~_surfaces(ink), _leaving(ink)
     # Along an edge stands what belongs to neither side.
     strokes = ink & (cv2.erode(ground.astype(np.uint8), np.ones((1, 5), np.uint8), borderValue=1) > 0)
     if 2 * np.count_nonzero(strokes[rows, space:-space]) < np.count_nonzero(ink[rows, space:-space]):
@@ -114,7 +114,11 @@ def _goes_on(rgb: Image, line: Boxes, first: Pixel, last: Pixel, hidden: Mask | 
     for towards_end in (slice(None, None, -1), slice(None)):
         beside = slice(-space, None) if towards_end.step is None else slice(0, space)
         is_seen = bool((visible[rows, beside].mean(axis=0) > _SEEN).all())
+        is_leaving = visible[:, beside].sum(axis=0).min() < visible[:, space:-space].sum(axis=0).min()
         if not is_seen and _may_go_on(strokes[rows, towards_end], ground[rows, towards_end]):
+            return True
+        # A slanted line leaves the view bit by bit: a letter of which only the foot is left is in no box.
+        if is_seen and is_leaving and _is_painted((strokes & ~edges)[rows, beside][:, towards_end]):
             return True
     # A box is grown beyond its letters: one whose sides are in view lacks an ascender's tip at most.
     sides = np.array([line[0] + line[1], line[2] + line[3]]) / 2.0
@@ -162,6 +166,13 @@ def _surfaces(ink: Mask) -> Mask:
     return np.asarray(np.isin(pieces, through[through > 0]), dtype=np.bool_)
 
 
+def _leaving(ink: Mask) -> Mask:
+    """What is no letter but the line along a board's edge: it goes on above the line of text or below it."""
+    _, pieces = cv2.connectedComponents(ink.astype(np.uint8), connectivity=8)
+    beyond = np.union1d(pieces[0], pieces[-1])
+    return np.asarray(np.isin(pieces, beyond[beyond > 0]), dtype=np.bool_)
+
+
 def _may_go_on(strokes: Mask, ground: Mask) -> bool:
     """Whether a next letter may stand where the view of a line ends.
 
@@ -180,6 +191,15 @@ def _may_go_on(strokes: Mask, ground: Mask) -> bool:
     gaps = np.diff(inked) - 1
     between_letters = float(np.median(gaps[gaps > 0])) if (gaps > 0).any() else 0.0
     return end - 1 - int(inked[-1]) < max(_LEAST_GROUND * _PIXELS, _WIDER * between_letters)
+
+
+def _is_painted(strokes: Mask) -> bool:
+    """Whether a letter, or part of one, stands in the space (rows, columns) beyond an end of a box."""
+    return bool((strokes[:, _LETTER_ROUND:].mean(axis=0) > _PLAIN).sum() >= _LETTER_ROUND)
+
+
+_LETTER_ROUND = 2
+"""Columns of a strip by which a letter may reach beyond its box, and which one in the next space covers at least."""
 
 
 def _runs_out(ink: Mask, visible: Mask, margin: int, space: int) -> bool:
