@@ -203,6 +203,34 @@ def test_parts_missing_broken_or_pickled_are_refused(tmp_path: Path, members: di
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize("packing", [zipfile.ZIP_LZMA, zipfile.ZIP_BZIP2])
+def test_a_member_packed_as_no_map_is_is_refused(tmp_path: Path, packing: int) -> None:
+    path = tmp_path / "a.lpmap"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("manifest.json", manifest())
+        archive.writestr("documents/a.json", b"[1, 2, 3]" * 50, packing)
+    data = path.read_bytes()
+    # Damaged, the unpacker of LZMA raises an error of its own.
+    at = data.index(b"documents/a.json") + len("documents/a.json")
+    for content in (data, data[: at + 12] + bytes(8) + data[at + 20 :]):
+        path.write_bytes(content)
+        with pytest.raises(UserError, match="damaged"):
+            read_map_file(path)
+
+
+@pytest.mark.filterwarnings("ignore:Duplicate name")
+def test_a_member_that_is_there_twice_or_is_an_archive_is_refused(tmp_path: Path) -> None:
+    path, inner = tmp_path / "a.lpmap", io.BytesIO()
+    np.savez(inner, a=np.zeros(3))
+    for members in ([("documents/a.json", b"1"), ("documents/a.json", b"2")], [("arrays/a.npy", inner.getvalue())]):
+        with zipfile.ZipFile(path, "w") as archive:
+            archive.writestr("manifest.json", manifest())
+            for name, content in members:
+                archive.writestr(name, content)
+        with pytest.raises(UserError, match="damaged"):
+            read_map_file(path)
+
+
 def test_unwritable_and_unreadable_places(tmp_path: Path) -> None:
     with pytest.raises(UserError, match="does not exist"):
         write(tmp_path / "none" / "a.lpmap")

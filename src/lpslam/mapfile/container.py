@@ -8,6 +8,8 @@ import io
 import json
 import os
 import re
+import struct
+import tokenize
 import zipfile
 import zlib
 from collections.abc import Iterator, Mapping
@@ -27,6 +29,9 @@ FORMAT_VERSION = 2
 # Maps of version 1 have descriptors by other test pairs, and no sub-maps.
 _OLDEST_VERSION = 2
 
+# Other ways of packing are never written; their unpackers raise errors of their own.
+_PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+
 _MANIFEST = "manifest.json"
 _DOCUMENTS, _ARRAYS = "documents/", "arrays/"
 # Zip cannot say "no date"; its own earliest one keeps equal maps equal byte for byte.
@@ -37,6 +42,7 @@ _MOST_MANIFEST_BYTES = 1 << 20
 # What reading a file can raise that is no zip, a damaged one, or one made to deceive.
 _DAMAGE = (
     zipfile.BadZipFile, zlib.error, EOFError, KeyError, ValueError, RuntimeError, MemoryError, OverflowError, TypeError,
+    struct.error, SyntaxError, tokenize.TokenError,
 )  # fmt: skip
 
 
@@ -112,7 +118,7 @@ def read_map_file(path: Path | str) -> MapContents:
                 contents.documents[member.filename[len(_DOCUMENTS) : -len(".json")]] = json.loads(data)
             elif member.filename.startswith(_ARRAYS):
                 name = member.filename[len(_ARRAYS) : -len(".npy")]
-                contents.arrays[name] = np.load(io.BytesIO(data), allow_pickle=False)
+                contents.arrays[name] = _array(name, data)
         missing = (set(manifest.get("documents", ())) - contents.documents.keys()) | (
             set(manifest.get("arrays", ())) - contents.arrays.keys()
         )
@@ -151,12 +157,31 @@ def _opened(path: Path) -> Iterator[tuple[zipfile.ZipFile, dict[str, Any]]]:
     """Open an archive with its manifest; whatever is wrong with it, also later, becomes one clear line."""
     try:
         with zipfile.ZipFile(path) as archive:
+            _check_members(archive)
             yield archive, _checked_manifest(path, archive)
     except OSError as error:
         raise UserError(f"map {path} cannot be read ({error.strerror or error})") from error
     except _DAMAGE as error:
         reason = " ".join(str(error).split())[:120]
         raise UserError(f"{path} is not an lpslam map, or is damaged ({reason})") from error
+
+
+def _check_members(archive: zipfile.ZipFile) -> None:
+    """Refuse what no map has: one member twice, of which each reader may take another, and unusual packing."""
+    names = set()
+    for member in archive.infolist():
+        if member.filename in names:
+            raise ValueError(f"{member.filename[:60]} is in it twice")
+        if member.compress_type not in _PACKED:
+            raise ValueError(f"{member.filename[:60]} is packed in a way that maps are not")
+        names.add(member.filename)
+
+
+def _array(name: str, data: bytes) -> NDArray[Any]:
+    array = np.load(io.BytesIO(data), allow_pickle=False)
+    if not isinstance(array, np.ndarray):
+        raise ValueError(f"{name[:60]} is no array")
+    return array
 
 
 def _checked_manifest(path: Path, archive: zipfile.ZipFile) -> dict[str, Any]:
