@@ -90,3 +90,26 @@ def test_adjusting_them_mends_the_others_and_leaves_the_oldest(two_groups: SlamM
         )
         assert metres < 0.002
         assert radians < 0.001
+
+
+@pytest.mark.parametrize(("aside", "is_torn"), [(0.05, False), (1.5, True)])
+def test_a_keyframe_is_not_torn_away_by_the_few_points_that_look_like_its_own(aside: float, is_torn: bool) -> None:
+    few = 13
+    random = np.random.default_rng(7)
+    slam_map, in_world = SlamMap(SEEN, SENSOR.scales), points_ahead(random, SEEN, 1.5, 3.5)
+    descriptors = descriptors_of(random, SEEN)
+    for keyframe in range(2):
+        add_view(slam_map, truth(keyframe), view_of(truth(keyframe), in_world, descriptors), keyframe - 1)
+    ids = slam_map.add_points(0, np.arange(SEEN, dtype=np.int32), in_world) + np.arange(SEEN, dtype=np.int32)
+    graph.link_all(slam_map.columns, ids, int(slam_map.columns.keyframe_slot[1]))
+    # The next keyframe is where tracking says; what it sees of the map is the front beside, which looks the same.
+    pose, beside = (
+        truth(1) @ rigid([0.1, 0.0, 0.0], [0.0, 0.0, 0.0]),
+        truth(1) @ rigid([0.1 + aside, 0.0, 0.0], [0.0, 0.0, 0.0]),
+    )
+    added = add_view(slam_map, pose, view_of(beside, in_world[:few], descriptors[:few]), 1)
+    graph.link_all(slam_map.columns, ids[:few], int(slam_map.columns.keyframe_slot[added]))
+    graph.refresh_points(slam_map.columns, ids, SENSOR.scales)
+    Adjuster(slam_map, SENSOR).adjust(rows(added), (10, 10), np.zeros(1, np.bool_))
+    metres, _ = pose_error(slam_map.camera_from_world(added), pose if is_torn else beside)
+    assert metres < 0.02

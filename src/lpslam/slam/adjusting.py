@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from lpslam.slam.carrying import inverses
 from lpslam.slam.kernels import bundle, local_bundle
 from lpslam.slam.map import SlamMap
 from lpslam.slam.sensor import SensorModel
@@ -33,6 +34,11 @@ class Gathered:
     def free(self) -> _Rows:
         """Ids of the keyframes that may move."""
         return self.keyframes[: self.problem.free_count]
+
+
+_TORN_METRES, _TORN_SHARE, _TORN_DEGREES = 0.15, 0.5, 3.0
+"""By which, and by which share of the way between them, a keyframe may move against its parent: tracking errs by less.
+One that few points hold, some of a look-alike thing, would be torn away; what tracking knew besides is not in it."""
 
 
 class Adjuster:
@@ -97,9 +103,32 @@ class Adjuster:
         with self._map.lock:
             gathered = self.gather(free)
         solution = self.solve(gathered, iterations, stop)
+        torn = self._torn(gathered, solution)
+        if len(torn):
+            with self._map.lock:
+                gathered = self.gather(np.setdiff1d(gathered.free, torn).astype(np.int32))
+            solution = self.solve(gathered, iterations, stop)
         if solution is None or (stop[0] and not keeps_part):
             return
         with self._map.lock:
             # A loop may have been closed meanwhile: this solution would lie in the world as it was before.
             if self._map.version == gathered.version:
                 self.apply(gathered, solution)
+
+    def _torn(self, gathered: Gathered, solution: _Solution | None) -> _Rows:
+        """Ids of the free keyframes that a solution would tear away from their parents."""
+        if solution is None:
+            return np.empty(0, np.int32)
+        with self._map.lock:
+            before = self._map.columns.camera_from_world.copy()
+            parents = self._map.parents()[gathered.free]
+        after = before.copy()
+        after[gathered.free] = solution[0][: gathered.problem.free_count]
+        free, parents = gathered.free[parents >= 0], parents[parents >= 0]
+        was, becomes = (poses[free] @ inverses(poses[parents]) for poses in (before, after))
+        moved = becomes @ inverses(was)
+        cosines = (np.trace(moved[:, :3, :3], axis1=1, axis2=2) - 1.0) / 2.0
+        allowed = _TORN_METRES + _TORN_SHARE * np.linalg.norm(was[:, :3, 3], axis=1)
+        is_torn = np.linalg.norm(becomes[:, :3, 3] - was[:, :3, 3], axis=1) > allowed
+        torn: _Rows = free[is_torn | (cosines < np.cos(np.radians(_TORN_DEGREES)))]
+        return torn
