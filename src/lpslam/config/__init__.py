@@ -15,6 +15,7 @@ from lpslam.config.section import Section
 from lpslam.config.serving import JobsConfig, ServingConfig, WatchingConfig
 from lpslam.config.slam import (
     DepthDelayConfig,
+    DepthRangeConfig,
     FeatureConfig,
     KeyframeConfig,
     LevellingConfig,
@@ -48,6 +49,7 @@ __all__ = [
     "CameraMatchConfig",
     "Config",
     "DepthDelayConfig",
+    "DepthRangeConfig",
     "EvaluationConfig",
     "FeatureConfig",
     "FocalCheckConfig",
