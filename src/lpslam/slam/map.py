@@ -348,13 +348,14 @@ class SlamMap:
             **dict.fromkeys((*_FEATURE_COLUMNS, "slot_keyframe", "feature_count"), self._slot_count),
         }
         arrays = {name: self._arrays[name][:count].copy() for name, count in rows.items()}
+        if not self.depth_curve.is_straight:
+            arrays["depth_table"] = self.depth_curve.table.copy()
         return {
             **arrays,
             "scales": self.scales.copy(),
             "free_slots": np.array(self._free_slots, np.int32),
             "home": np.array([self.home], np.int32),
             "loop_edges": np.array(self.loop_edges, np.int32).reshape(-1, 2),
-            "depth_table": self.depth_curve.table.copy(),
         }
 
     @classmethod
@@ -378,7 +379,7 @@ class SlamMap:
         slam_map.keyframe_count = len(arrays["keyframe_slot"])
         slam_map.home = int(arrays["home"].item())
         slam_map.loop_edges = [(int(a), int(b)) for a, b in arrays["loop_edges"]]
-        if "depth_table" in arrays:  # not in maps of older programs
+        if "depth_table" in arrays:
             slam_map.depth_curve = DepthCurve.of(arrays["depth_table"])
         slam_map.point_count = len(arrays["head"])
         slam_map._slot_count = len(arrays["slot_keyframe"])
