@@ -146,6 +146,17 @@ def test_an_error_within_what_sensors_promise_is_left() -> None:
     assert learned(lambda true: true * (1.0 + 0.002 * (true - 2.0)))[1] is None
 
 
+def test_depths_that_contradict_one_another_show_no_curve() -> None:
+    """As where people walk by: what is read of a place differs by where they are."""
+    random = np.random.default_rng(8)
+
+    def scattered(true: np.ndarray) -> np.ndarray:
+        bins = np.floor(true * 2).astype(int)
+        return true * np.exp(random.normal(scale=0.2, size=int(bins.max()) + 1)[bins])
+
+    assert learned(scattered)[1] is None
+
+
 def test_learning_can_be_turned_off() -> None:
     assert learned(too_near, certain_gain=0.0)[1] is None
 

@@ -64,6 +64,11 @@ class DepthRanges:
                     self._vote(keyframe)
         excess = np.linalg.solve(self._prior + self._information, self._vector).astype(np.float64)
         gain = float(2.0 * self._vector @ excess - excess @ self._information @ excess)
+        # Votes that no curve explains, of people who walk by, count less by as much as they differ.
+        spare = self._freedom - _PARAMETERS
+        if spare < _PARAMETERS:
+            return
+        gain /= max((self._square - gain) / spare, 1.0)
         is_voted = np.diag(self._information) > _LEAST_INFORMATION
         if not is_voted.any():
             return
@@ -93,6 +98,7 @@ class DepthRanges:
         self._votes_of: dict[int, _Votes] = {}
         self._information = np.zeros_like(self._prior)
         self._vector = np.zeros(len(self._knots))
+        self._square, self._freedom = 0.0, 0
 
     def _stiffness(self) -> _Matrix:
         """1/σ² of the excess before anything is known: none near the camera, then a random walk by distance."""
@@ -148,6 +154,8 @@ class DepthRanges:
         weights = np.diag(votes.weights) - np.outer(votes.weights, votes.weights) / votes.weights.sum()
         self._information += sign * (rows.T @ weights @ rows)
         self._vector += sign * (rows.T @ weights @ votes.excess)
+        self._square += sign * float(votes.excess @ weights @ votes.excess)
+        self._freedom += int(sign) * (len(at) - 1)
 
     def _read_again(self, keyframe: int, change: DepthChange) -> None:
         """Correct a keyframe's depths by the new curve; points that it brought to the map move as they do."""
@@ -167,6 +175,9 @@ class DepthRanges:
 
 _LEAST_INFORMATION = 1.0
 """1/σ² of an excess, of which more is not the rounding of votes that were taken away."""
+
+_PARAMETERS = 4
+"""Of a curve: it is nearly straight up to some distance, and bends there."""
 
 _FIXED = 1e8
 """1/σ² of an excess that is taken for none."""
