@@ -41,4 +41,4 @@ def text_of(path: Path, what: str = "", remedy: str = "") -> str:
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise UserError(f"{name} is not a text file{ending}") from error
+        raise UserError(f"{name} is not a text file{ending or '; write it in UTF-8'}") from error

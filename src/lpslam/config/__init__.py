@@ -302,7 +302,7 @@ class Config(Section):
         from lpslam.regular_files import text_of
 
         try:
-            return cls.model_validate(yaml_of(text_of(path, "configuration", "write it as YAML in UTF-8")) or {})
+            return cls.model_validate(yaml_of(text_of(path, "configuration")) or {})
         except ValidationError as error:
             first = error.errors()[0]
             where = ".".join(str(part) for part in first["loc"])
