@@ -136,7 +136,7 @@ def test_what_only_looks_like_a_pattern_is_left_unread_where_its_other_views_can
     def likenesses(_: object, boxes: NDArray[np.float64]) -> list[Likeness]:
         return [like] * len(boxes)
 
-    monkeypatch.setattr("lpslam.text.mapper.pattern_likenesses", likenesses)
+    monkeypatch.setattr("lpslam.text.frame_reader.pattern_likenesses", likenesses)
     placed, unplaced = (ScriptedSpotter((box(100, 200), "GUCCI", 0.98)) for _ in range(2))
     mapper = run(TextMapper(CAMERA, placed, CONFIG), 10)
     assert (placed.recognised, mapper.statistics.boxes_ornamental > 0) == (0, True)
@@ -306,7 +306,7 @@ def test_readings_without_a_place_weigh_less_than_those_with_one() -> None:
     mapper = TextMapper(CAMERA, ScriptedSpotter((box(100, 200), "Newfrrivals", 0.98)), CONFIG)
     run(mapper, 60, depth=0.0)
     near = ScriptedSpotter((box(100, 200), "New Arrivals", 0.98))
-    mapper._spotter = near
+    mapper._reader._spotter = near
     for index in range(60, 75):
         mapper.observe(frame(index), tracked(index))
     variants = mapper.text_map.long_term[0].variants
