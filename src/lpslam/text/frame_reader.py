@@ -12,6 +12,7 @@ from lpslam.frames import RgbdFrame
 from lpslam.text.placing.placement import PlacementFault, is_squeezed
 from lpslam.text.reading.blocks import read_in_parts
 from lpslam.text.reading.boxes import Boxes
+from lpslam.text.reading.colours import read_in_colours
 from lpslam.text.reading.ornaments import pattern_likenesses
 from lpslam.text.reading.spotting import ReadsElsewhere, TextSpotter, accepted_texts
 from lpslam.text.sorting import CUT, BoxSorter
@@ -130,6 +131,7 @@ class FrameReader:
         boxes = found.boxes[rows]
         accepted = accepted_texts(boxes, self._spotter.recognise(frame.rgb, boxes), self._config.spotting)
         for row, text in zip(rows, accepted, strict=True):
+            text = read_in_colours(frame.rgb, found.boxes[row], text, self._spotter, self._config.spotting)
             if text is not None and not is_squeezed(text.text, found.placements[row]):
                 found.texts[row] = text
 

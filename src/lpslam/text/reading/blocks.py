@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from lpslam.config import SpottingConfig
 from lpslam.language.tables.spelling import is_ideograph
 from lpslam.text.reading.boxes import DOWNWARDS, Boxes, letter_heights
-from lpslam.text.reading.spotting import TextSpotter, accepted_texts
+from lpslam.text.reading.spotting import SURE, TextSpotter, accepted_texts
 from lpslam.text.types import SpottedText
 
 # Pixels of a block's shorter side as it is looked at, and of its longer one at most.
@@ -25,8 +25,6 @@ _THROUGH = 0.15
 _MOST_BANDS, _ALIKE = 6, 1.6
 # Ground kept around a band, as a share of its thickness.
 _ROUND = 0.1
-# Confidence from which a box is a line and no block.
-_SURE = 0.8
 
 
 def parts_of(rgb: NDArray[np.uint8], box: NDArray[np.float64]) -> list[Boxes]:
@@ -84,7 +82,7 @@ def read_in_parts(
         What the parts of the first way say that is surer in each of its parts than the whole; none without.
     """
     least = 0.0 if whole is None else whole.confidence
-    if least >= _SURE:
+    if least >= SURE:
         return []
     for boxes in parts_of(rgb, box):
         if letter_heights(boxes).min() < config.min_letter_height:

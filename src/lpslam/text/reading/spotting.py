@@ -83,6 +83,9 @@ _LOGO_LIKE = frozenset("*·•°~^_|<>=←↑→↓")
 _RINGS = RINGS | {"Q", "@"}
 
 
+SURE = 0.8
+"""Confidence of a reading from which a box is not looked at in any other way."""
+
 _RUN = 5
 """Equal letters in a row, more than half of a text, that no text has: a frieze is read so."""
 
