@@ -193,7 +193,7 @@ def _logistic(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.floa
 
 
 def fit_names(sets: Sequence[Sequence[Row]]) -> list[float]:
-    """Coefficients of `naming/namer.py`: whether a name is right, from its posterior, best reading and looks."""
+    """Coefficients of `naming/namer.py`: whether a name is right, from its posterior."""
     x, y = [], []
     for rows in sets:
         for name, right in named(rows):
