@@ -259,7 +259,7 @@ def test_a_part_of_a_frieze_is_no_text() -> None:
 
 
 def test_text_of_the_world_is_cleaned() -> None:
-    spotter = ScriptedSpotter((box(100, 200), "ＫＦ\u202eＣ\u200b\n" + "xy" * 250, 0.99))
+    spotter = ScriptedSpotter((box(100, 200), "ＫＦ\u202eＣ\u200b\n" + "xanthic words " * 40, 0.99))
     reading = TextMapper(CAMERA, spotter, CONFIG).observe(frame(0), tracked(0))
     assert reading is not None
     assert reading.texts[0].text.startswith("KFC x")

@@ -13,7 +13,7 @@ from lpslam.text.placing.placement import PlacementFault, is_squeezed
 from lpslam.text.reading.blocks import read_in_parts
 from lpslam.text.reading.boxes import Boxes
 from lpslam.text.reading.colours import read_in_colours
-from lpslam.text.reading.ornaments import pattern_likenesses
+from lpslam.text.reading.ornaments import pattern_likenesses, says_a_pattern
 from lpslam.text.reading.spotting import ReadsElsewhere, TextSpotter, accepted_texts
 from lpslam.text.sorting import CUT, BoxSorter
 from lpslam.text.types import BoxFate, FrameReading, Placement, SpottedText, TextStatistics
@@ -132,8 +132,12 @@ class FrameReader:
         accepted = accepted_texts(boxes, self._spotter.recognise(frame.rgb, boxes), self._config.spotting)
         for row, text in zip(rows, accepted, strict=True):
             text = read_in_colours(frame.rgb, found.boxes[row], text, self._spotter, self._config.spotting)
-            if text is not None and not is_squeezed(text.text, found.placements[row]):
+            if text is None or is_squeezed(text.text, found.placements[row]):
+                continue
+            if not says_a_pattern(frame.rgb, text.box, text.text):
                 found.texts[row] = text
+            elif found.fates[row] not in CUT:
+                found.fates[row] = BoxFate.ORNAMENT
 
     def _take_apart(self, frame: RgbdFrame, found: _Sorted, rows: Sequence[int], stand: _Stand) -> None:
         """Read boxes that say nothing as one line in their columns and lines."""
