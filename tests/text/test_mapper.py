@@ -157,6 +157,31 @@ def test_new_text_is_read_at_a_quicker_pace_than_none() -> None:
     assert new.statistics.frames_read >= 2 * none.statistics.frames_read
 
 
+class SpotterOfSmallImages(ScriptedSpotter):
+    """Misses in whole images what it finds in smaller ones."""
+
+    def __init__(self, *seen: tuple[NDArray[np.float64], str, float]) -> None:
+        super().__init__(*seen)
+        self.shares: list[float] = []
+
+    def detect(self, rgb: NDArray[np.uint8]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        self.shares.append(1.0)
+        return np.zeros((0, 4, 2)), np.zeros(0)
+
+    def detect_at(self, rgb: NDArray[np.uint8], share: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        self.shares.append(share)
+        return super().detect(rgb)
+
+
+def test_what_is_missed_at_one_size_is_found_at_another() -> None:
+    spotter = SpotterOfSmallImages((box(100, 200), "GUCCI", 0.98))
+    mapper = run(TextMapper(CAMERA, spotter, CONFIG), 60)
+    assert [each.name for each in mapper.text_map.long_term] == ["GUCCI"]
+    assert spotter.shares[:4] == [1.0, 0.85, 1.0, 0.85]
+    whole = CONFIG.model_copy(update={"spotting": CONFIG.spotting.model_copy(update={"other_size": 1.0})})
+    assert run(TextMapper(CAMERA, spotter, whole), 60).text_map.long_term == []
+
+
 def test_frames_are_read_at_the_set_interval() -> None:
     config = CONFIG.model_copy(update={"reading": ReadingConfig(interval=0.2)})
     mapper = run(TextMapper(CAMERA, ScriptedSpotter(), config), 60)

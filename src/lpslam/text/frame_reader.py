@@ -14,7 +14,7 @@ from lpslam.text.reading.blocks import read_in_parts
 from lpslam.text.reading.boxes import Boxes
 from lpslam.text.reading.colours import read_in_colours
 from lpslam.text.reading.ornaments import pattern_likenesses, says_a_pattern
-from lpslam.text.reading.spotting import ReadsElsewhere, TextSpotter, accepted_texts
+from lpslam.text.reading.spotting import ReadsElsewhere, SearchesSmaller, TextSpotter, accepted_texts
 from lpslam.text.sorting import CUT, BoxSorter
 from lpslam.text.types import BoxFate, FrameReading, Placement, SpottedText, TextStatistics
 
@@ -101,7 +101,11 @@ class FrameReader:
 
     def _detected(self, frame: RgbdFrame, stand: _Stand) -> _Sorted:
         started = perf_counter()
-        boxes, _ = self._spotter.detect(frame.rgb)
+        share = self._config.spotting.other_size
+        if share < 1.0 and self._statistics.frames_read % 2 == 0 and isinstance(self._spotter, SearchesSmaller):
+            boxes, _ = self._spotter.detect_at(frame.rgb, share)
+        else:
+            boxes, _ = self._spotter.detect(frame.rgb)
         self._statistics.detection_ms += 1000.0 * (perf_counter() - started)
         return self._sorted(frame, boxes, stand)
 
