@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from lpslam.config import TextConfig
 from lpslam.frames import RgbdFrame
 from lpslam.text.placing.placement import PlacementFault, is_squeezed
-from lpslam.text.reading.blocks import read_in_parts
+from lpslam.text.reading.blocks import around, read_in_parts, stacks_of
 from lpslam.text.reading.boxes import Boxes
 from lpslam.text.reading.colours import read_in_colours
 from lpslam.text.reading.ornaments import pattern_likenesses, says_a_pattern
@@ -149,17 +149,33 @@ class FrameReader:
                 found.fates[row] = BoxFate.ORNAMENT
 
     def _take_apart(self, frame: RgbdFrame, found: _Sorted, rows: Sequence[int], stand: _Stand) -> None:
-        """Read boxes that say nothing as one line in their columns and lines."""
+        """Read boxes that say nothing as one line in their columns and lines, and columns that were found as lines."""
+        kept = [row for row in rows if found.fates[row] == BoxFate.KEPT]
+        for row in kept:
+            self._replace(frame, found, [row], found.boxes[row], found.texts.get(row), stand)
+        lines = [row for row in kept if row in found.texts]
+        for stack in stacks_of([found.texts[row] for row in lines]):
+            own = [lines[at] for at in stack]
+            self._replace(frame, found, own, around([found.texts[row] for row in own]), None, stand)
+
+    def _replace(
+        self,
+        frame: RgbdFrame,
+        found: _Sorted,
+        rows: Sequence[int],
+        box: Array,
+        whole: SpottedText | None,
+        stand: _Stand,
+    ) -> None:
+        """Put what the parts of a box say in the place of what its rows said, if they say anything."""
+        parts = read_in_parts(frame.rgb, box, whole, self._spotter, self._config.spotting)
+        if not parts:
+            return
         for row in rows:
-            if found.fates[row] != BoxFate.KEPT:
-                continue
-            whole = found.texts.get(row)
-            parts = read_in_parts(frame.rgb, found.boxes[row], whole, self._spotter, self._config.spotting)
-            if parts:
-                found.texts.pop(row, None)
-                own = self._sorted(frame, np.array([each.box for each in parts]), stand)
-                own.texts = {at: text for at, text in enumerate(parts) if at in own.placements}
-                found.add(own)
+            found.texts.pop(row, None)
+        own = self._sorted(frame, np.array([each.box for each in parts]), stand)
+        own.texts = {at: text for at, text in enumerate(parts) if at in own.placements}
+        found.add(own)
 
     def _processor_seconds(self) -> float:
         spotter = self._spotter

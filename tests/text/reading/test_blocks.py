@@ -7,7 +7,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from lpslam.assets import font_path
 from lpslam.config import SpottingConfig
-from lpslam.text.reading.blocks import parts_of, read_in_parts
+from lpslam.text.reading.blocks import around, parts_of, read_in_parts, stacks_of
 from lpslam.text.reading.spotting import PaddleSpotter, accepted_texts
 
 CONFIG = SpottingConfig()
@@ -68,6 +68,26 @@ def test_columns_in_one_box_are_read_one_by_one_from_the_right(
 def test_lines_in_one_box_are_read_from_the_top(spotter: PaddleSpotter) -> None:
     image, box = block(["FRESH BREAD", "GOOD COFFEE"], 40, 0.35, 0.0, False, "latin-sans-bold")
     assert [each.text for each in read_in_parts(image, box, None, spotter, CONFIG)] == ["FRESH BREAD", "GOOD COFFEE"]
+
+
+def test_columns_that_are_found_as_lines_are_read_as_columns(spotter: PaddleSpotter) -> None:
+    words = ["咖啡豆", "牛肉面", "鲜花店"]
+    image, box = block(words, 40, 0.35, 0.05, True, "chinese-hei-bold")
+    across = [np.add(box, [[0, y0], [0, y0], [0, y1], [0, y1]]) for y0, y1 in ((0, -84), (42, -42), (84, 0))]
+    read = accepted_texts(np.array(across), spotter.recognise(image, np.array(across)), CONFIG)
+    lines = [each for each in read if each is not None]
+    assert [each.text for each in lines] == ["鲜牛咖", "花肉啡", "店面豆"]
+    (stack,) = stacks_of(lines[::-1])
+    assert stack == [2, 1, 0]
+    assert [each.text for each in read_in_parts(image, around(lines), None, spotter, CONFIG)] == words
+
+
+def test_lines_of_a_text_are_no_columns(spotter: PaddleSpotter) -> None:
+    image, box = block(["牛肉面", "咖啡豆"], 40, 0.3, 0.0, False, "chinese-hei-bold")
+    across = np.array([np.add(box, [[0, y0], [0, y0], [0, y1], [0, y1]]) for y0, y1 in ((0, -52), (52, 0))])
+    lines = [each for each in accepted_texts(across, spotter.recognise(image, across), CONFIG) if each is not None]
+    assert [each.text for each in lines] == ["牛肉面", "咖啡豆"]
+    assert stacks_of(lines) == []
 
 
 def test_a_line_that_reads_well_is_left_whole(spotter: PaddleSpotter) -> None:

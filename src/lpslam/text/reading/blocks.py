@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from lpslam.config import SpottingConfig
 from lpslam.language.tables.spelling import is_ideograph
-from lpslam.text.reading.boxes import DOWNWARDS, Boxes, letter_heights
+from lpslam.text.reading.boxes import DOWNWARDS, Boxes, letter_heights, runs_downwards
 from lpslam.text.reading.spotting import SURE, TextSpotter, accepted_texts
 from lpslam.text.types import SpottedText
 
@@ -23,6 +23,8 @@ _BEYOND = 0.9
 _THROUGH = 0.15
 # Most bands of a block, and how many times as thick as the thinnest the thickest may be: bands are set alike.
 _MOST_BANDS, _ALIKE = 6, 1.6
+# Pitches of characters by which a line of a stack may stand out of it.
+_SHIFTED = 0.5
 # Ground kept around a band, as a share of its thickness.
 _ROUND = 0.1
 
@@ -93,6 +95,45 @@ def read_in_parts(
         if len(texts) == len(boxes) and surest > least and _may_stand_so(texts, boxes):
             return texts
     return []
+
+
+def stacks_of(texts: Sequence[SpottedText]) -> list[list[int]]:
+    """Lines that stand over each other more closely than their characters stand beside each other, from the top.
+
+    What is nearest belongs together: they are columns, which were found as lines across.
+    """
+    rows = [row for row, each in enumerate(texts) if _is_line_of_ideographs(each)]
+    rows.sort(key=lambda row: float(texts[row].box[:, 1].mean()))
+    stacks: list[list[int]] = []
+    for row in rows:
+        above = next((stack for stack in stacks if _is_close_below(texts[stack[-1]], texts[row])), None)
+        if above is None:
+            stacks.append([row])
+        else:
+            above.append(row)
+    return [stack for stack in stacks if len(stack) > 1]
+
+
+def around(texts: Sequence[SpottedText]) -> NDArray[np.float64]:
+    """The (4, 2) box of lines over each other, from the top."""
+    first, last = texts[0].box, texts[-1].box
+    return np.stack([first[0], first[1], last[2], last[3]])
+
+
+def _is_line_of_ideographs(text: SpottedText) -> bool:
+    letters = [ch for ch in text.text if not ch.isspace()]
+    across = not runs_downwards(text.box[None])[0]
+    return bool(across and len(letters) > 1 and all(map(is_ideograph, letters)))
+
+
+def _is_close_below(above: SpottedText, below: SpottedText) -> bool:
+    """Whether a line of as many characters stands under another one, nearer than its characters are to each other."""
+    letters = [sum(not ch.isspace() for ch in each.text) for each in (above, below)]
+    step = below.box.mean(axis=0) - above.box.mean(axis=0)
+    along = above.box[1] - above.box[0]
+    pitch = float(np.linalg.norm(along)) / letters[0]
+    away = abs(float(step @ along)) / max(float(np.linalg.norm(along)), 1e-9)
+    return letters[0] == letters[1] and 0.0 < step[1] < pitch and away < _SHIFTED * pitch
 
 
 def _may_stand_so(texts: Sequence[SpottedText], boxes: Boxes) -> bool:

@@ -136,6 +136,8 @@ def _along_its_line(rgb: NDArray[np.uint8], box: Boxes, alike: float = ALIKE) ->
     strip = _blurred(_strip(rgb, wide))
     share = strip.shape[1] / max(float(np.linalg.norm(wide[1] - wide[0] + wide[2] - wide[3])) / 2.0, 1.0)
     own = slice(round(before * share), strip.shape[1] - round(after * share))
+    if own.stop <= own.start:
+        return Likeness.NONE
     # Of a wall seen aslant each part has a period of its own.
     third = max(strip.shape[1] // 3, 1)
     parts = [strip[:, own], strip, *(strip[:, start : start + third] for start in range(0, 3 * third, third))]
