@@ -29,6 +29,7 @@ ALLOWED: dict[str, set[str]] = {
         "language.model",
         "language.sanitise",
         "language.tables.forms",
+        "language.tables.knowledge",
         "language.tables.spelling",
         "slam.state",
         "slam.advice",
