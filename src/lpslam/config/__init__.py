@@ -10,6 +10,7 @@ from pydantic import Field, PositiveFloat, ValidationError
 
 from lpslam.config.calibrating import CalibratingConfig
 from lpslam.config.ground import GroundConfig, WayConfig
+from lpslam.config.page import PageConfig
 from lpslam.config.robots import RobotConfig
 from lpslam.config.section import Section
 from lpslam.config.serving import JobsConfig, ServingConfig, WatchingConfig
@@ -62,6 +63,7 @@ __all__ = [
     "LoopConfig",
     "MappingConfig",
     "MemoryConfig",
+    "PageConfig",
     "PlacementConfig",
     "PlacesConfig",
     "ReadingConfig",
@@ -282,6 +284,8 @@ class Config(Section):
     live: LiveConfig = LiveConfig()
 
     serving: ServingConfig = ServingConfig()
+
+    page: PageConfig = PageConfig()
 
     robots: RobotConfig = RobotConfig()
 

@@ -79,19 +79,19 @@ class LanguageMap:
         if self.scans is None or not len(self.scans):
             return None
         _, poses = self.trajectory.world_from_camera(self.slam)
-        return build_grid(self.scans, self._pose_of_scan, config or GroundConfig(), poses[:, :3, 3])
+        return build_grid(self.scans, self.pose_of_scan, config or GroundConfig(), poses[:, :3, 3])
 
     def coloured_cloud(self) -> tuple[NDArray[np.float64], NDArray[np.uint8]]:
         """(n, 3) points of all scans, metres, map frame, and their (n, 3) red, green, blue."""
         if self.scans is None:
             return np.empty((0, 3)), np.empty((0, 3), np.uint8)
-        return self.scans.cloud(self._pose_of_scan)
+        return self.scans.cloud(self.pose_of_scan)
 
     def room_from_above(self) -> tuple[NDArray[np.float64], NDArray[np.uint8]]:
         """As `coloured_cloud`, lowest first and without what a ceiling would hide the room with."""
         return room_from_above(*self.coloured_cloud(), self.frame_poses().positions)
 
-    def _pose_of_scan(self, keyframe: int) -> NDArray[np.float64] | None:
+    def pose_of_scan(self, keyframe: int) -> NDArray[np.float64] | None:
         """4×4 of a keyframe that the map still has."""
         is_there = 0 <= keyframe < self.slam.keyframe_count and self.slam.is_alive(keyframe)
         return self.world_from_keyframe(keyframe) if is_there else None

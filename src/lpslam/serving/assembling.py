@@ -58,11 +58,11 @@ def assemble(
         answerer = ProcessAnswerer(count, longest, limits.waiting_questions, limits.answer_s, limits.answers_kept)
     else:
         answerer = ThreadAnswerer(language, longest, limits.waiting_questions)
-    pages = Pages(_finder(atlas))
+    pages = Pages(_finder(atlas), config.page)
 
     def page_first() -> None:
         if after_page is not None:
-            pages.text(None)
+            pages.get(None)
             after_page()
 
     services = Services(

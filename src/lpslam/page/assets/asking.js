@@ -45,6 +45,7 @@ async function askServer(question, tell) {
   const [reached, way] = await post("/path", { landmark: id, ...(data.name ? { map: data.name } : {}) });
   if (!reached.ok) return;
   state.way = way.points;
+  state.goal = way;
   tell(found.text + "\n" + way.steps.map((step, at) => `${at + 1}. ${step}`).join("\n"));
   draw();
 }
@@ -54,6 +55,7 @@ part("ask").addEventListener("submit", async event => {
   const question = field.value.slice(0, 400).trim();
   if (!question) return;
   state.way = [];
+  state.goal = null;
   const tell = say(question);
   if (!data.live) {
     const found = byName(question);

@@ -4,6 +4,7 @@ const list = part("signs"), card = part("card"), field = part("question");
 /* Chosen by hand: what was answered before is no longer the matter. */
 function pick(sign, fly = true) {
   state.way = [];
+  state.goal = null;
   choose(sign, fly);
 }
 
@@ -13,7 +14,7 @@ function choose(sign, fly = true) {
   showCard();
   if (sign && data.memory && data.memory.histories.some(history => history.id === classOf(sign))) showClass(classOf(sign));
   if (!sign) return draw();
-  if (fly) flyTo(sign.position[0], sign.position[1], Math.max(view.scale, 90)); else draw();
+  if (fly) flyToSign(sign); else draw();
 }
 
 function showCard() {

@@ -85,7 +85,7 @@ class Watched:
                 loop.call_soon_threadsafe(self._settle, message)
             elif isinstance(message, Ground):
                 self.grown.take_ground(message)
-                show("way", {"way": way_record(message.poses[:, :3, 3])})
+                show("way", {"way": way_record(message.poses)})
                 self._is_new.set()
             elif isinstance(message, End):
                 ended = message
@@ -237,7 +237,5 @@ def _state_record(state: State) -> dict[str, Any]:
         "at": None,
     }
     if state.pose is not None and np.isfinite(state.pose).all():
-        x, y, _ = state.pose[:3, 3]
-        ahead = state.pose[:2, 2]
-        record["at"] = [*(round(float(each), 3) for each in (x, y)), round(float(np.arctan2(ahead[1], ahead[0])), 3)]
+        (record["at"],) = way_record(state.pose[None])
     return record
