@@ -1,6 +1,5 @@
 """The map in space in a real browser: points, plates, the walk, and what it costs; skipped where there is none."""
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,7 @@ import pytest
 
 from in_chromium import chromium, shown, until
 from lpslam.page.building import write_page
+from page_hall import hall, turned
 from small_maps import small_map, with_floor
 
 pytestmark = pytest.mark.slow
@@ -127,38 +127,7 @@ def test_a_million_points_are_moved_at_five_frames_a_second(browser: Any, tmp_pa
     write_page(small_map(signs=SIGNS), page_file)
     with shown(browser, page_file.as_uri()) as page:
         page.locator("#in-space").click()
-        # A hall of 40 m by 40 m: floor and walls, in an order that is a sample at every length.
-        count = page.evaluate(HALL)
-        assert count == 1_000_000
+        hall(page, 1_000_000)
         until(page, "lpslamPage.drawnPoints() === 1000000", 60)
-        page.evaluate(TURNING)
-        until(page, "window.turned !== undefined", 60)
-        turned = page.evaluate("JSON.stringify(window.turned)")
-        assert json.loads(turned)["rate"] >= 5.0, turned
+        assert turned(page, 6.0)["rate"] >= 5.0
         until(page, "lpslamPage.drawnPoints() === 1000000", 60)
-
-
-HALL = """(() => {
-  const count = 1000000, bytes = new ArrayBuffer(32 + 8 * count), rows = new Uint16Array(bytes, 32);
-  new Float32Array(bytes, 0, 8).set([count, -20, -20, -1, 40, 40, 4, 0.04]);
-  const chance = () => Math.floor(Math.random() * 65536);
-  for (let at = 0; at < 4 * count; at += 4) {
-    const wall = chance() % 5;
-    rows[at] = wall === 1 ? 0 : wall === 2 ? 65535 : chance();
-    rows[at + 1] = wall === 3 ? 0 : wall === 4 ? 65535 : chance();
-    rows[at + 2] = wall ? chance() : 0;
-    rows[at + 3] = chance();
-  }
-  lpslamPage.take(bytes);
-  return lpslamPage.points();
-})()"""
-
-TURNING = """(() => {
-  const began = performance.now(), frames = lpslamPage.pace().frames, map = document.getElementById("map");
-  (function on() {
-    map.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowLeft" }));
-    const seconds = (performance.now() - began) / 1000;
-    if (seconds < 6) return requestAnimationFrame(on);
-    window.turned = { rate: (lpslamPage.pace().frames - frames) / seconds, ...lpslamPage.pace() };
-  })();
-})()"""

@@ -1,7 +1,7 @@
 /* The room's points: the first of them are a sample of all, so that as many are drawn as a frame has time for. */
 const cloud = { count: 0, low: [0, 0, 0], size: [1, 1, 1], spacing: 0.02, ceiling: 1e6, buffer: null, isAskedFor: false };
 const BUDGET = { least: 15000, first: 200000, slow: 90, quick: 45 };  // points a frame, and milliseconds of one
-let budget = BUDGET.first;
+let budget = BUDGET.first, sharpness = 1;  // the second: of the canvas's pixels, the share to a side that are drawn in motion
 
 /* Count, low, size and spacing in eight numbers of four bytes, then eight bytes a point. */
 function takePoints(bytes) {
@@ -62,8 +62,14 @@ function drawPoints(from, count, drawn) {
   gl.drawArrays(gl.POINTS, from, count);
 }
 
-/* After a frame of so many milliseconds: more points in the next, or fewer. */
+/* After a frame of so many milliseconds: fewer pixels in the next while the view moves, then fewer points; or more. */
 function adapt(milliseconds) {
-  if (milliseconds > BUDGET.slow) budget = Math.max(BUDGET.least, Math.round(budget * Math.max(0.5, BUDGET.slow / milliseconds)));
-  else if (milliseconds < BUDGET.quick) budget = Math.min(Math.max(cloud.count, BUDGET.first), Math.round(budget * 1.25));
+  if (milliseconds > BUDGET.slow) {
+    if (sharpness > 0.5) sharpness = Math.max(0.5, sharpness * 0.7);
+    else budget = Math.max(BUDGET.least, Math.round(budget * Math.max(0.5, BUDGET.slow / milliseconds)));
+  } else if (milliseconds < BUDGET.quick) {
+    if (budget < Math.min(cloud.count, BUDGET.first)) budget = Math.round(budget * 1.25);
+    else if (sharpness < 1) sharpness = Math.min(1, sharpness * 1.15);
+    else budget = Math.min(Math.max(cloud.count, BUDGET.first), Math.round(budget * 1.25));
+  }
 }

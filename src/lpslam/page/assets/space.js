@@ -1,10 +1,11 @@
 /* The map in space, and which of the two views is shown. Points come over several frames once nothing moves. */
-const drawing = { isWanted: false, isFresh: false, drawn: 0, fence: null, began: 0, pace: 0, isPaced: false };
+const drawing = { movedAt: 0, isMoving: false, share: 1, isWanted: false, isFresh: false, drawn: 0, fence: null, began: 0, pace: 0, frames: 0 };
 const groundPicture = new Image();
 
 function draw() {
   if (!state.isSpatial) return drawPlan();
   drawing.isFresh = true;
+  drawing.movedAt = performance.now();
   wantFrame();
 }
 
@@ -23,17 +24,24 @@ function frame() {
     gl.deleteSync(drawing.fence);
     drawing.fence = null;
     drawing.pace = performance.now() - drawing.began;
-    drawing.frames = (drawing.frames || 0) + 1;
+    drawing.frames++;
     // The first frame makes what the others use.
-    if (cloud.count && drawing.frames > 1) adapt(drawing.pace);
+    if (cloud.count && drawing.frames > 1 && drawing.isMoving) adapt(drawing.pace);
   }
-  if (drawing.isFresh || drawing.drawn < cloud.count) drawSpace();
+  const isAtRest = performance.now() - drawing.movedAt > 200;
+  // What was drawn with fewer pixels in motion is drawn with all of them at rest.
+  if (isAtRest && drawing.share < 1) drawing.isFresh = true;
+  if (drawing.isFresh || drawing.drawn < cloud.count) drawSpace(isAtRest);
+  else if (drawing.share < 1) wantFrame();
 }
 
-function drawSpace() {
-  const ratio = Math.min(window.devicePixelRatio || 1, 2), wide = canvas.clientWidth, high = canvas.clientHeight, isFresh = drawing.isFresh;
+function drawSpace(isAtRest) {
+  const isFresh = drawing.isFresh, wide = canvas.clientWidth, high = canvas.clientHeight;
   drawing.began = performance.now();
   if (isFresh) {
+    drawing.isMoving = !isAtRest;
+    drawing.share = isAtRest ? 1 : sharpness;
+    const ratio = Math.min(window.devicePixelRatio || 1, 2) * drawing.share;
     lens = lensFor(wide, high, state.isFirstPerson ? replayPose() : null);
     if (scene.width !== Math.round(wide * ratio) || scene.height !== Math.round(high * ratio)) [scene.width, scene.height] = [Math.round(wide * ratio), Math.round(high * ratio)];
     drawing.drawn = 0;

@@ -39,7 +39,7 @@ window.lpslamPage = {
   points: () => cloud.count,
   take(bytes) { takePoints(bytes); fit(); },
   drawnPoints: () => drawing.drawn,
-  pace: () => ({ milliseconds: drawing.pace, frames: drawing.frames || 0, budget }),
+  pace: () => ({ milliseconds: drawing.pace, frames: drawing.frames, budget }),
   shownSigns: () => shownSigns.map(({ box, signs }) => ({ box, names: signs.map(sign => sign.name) })),
   moment: () => replay.at,
   goal: () => state.goal && state.goal.position,
