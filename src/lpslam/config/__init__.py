@@ -37,6 +37,7 @@ from lpslam.config.text import (
     PlacementConfig,
     ReadingConfig,
     SecondLookConfig,
+    SightingConfig,
     SpottingConfig,
     TextConfig,
 )
@@ -72,6 +73,7 @@ __all__ = [
     "SensorNoiseConfig",
     "ServingConfig",
     "ShutterConfig",
+    "SightingConfig",
     "SimulationConfig",
     "SlamConfig",
     "SpottingConfig",

@@ -16,7 +16,7 @@ class PageConfig(Section):
     file_points: int = Field(default=600_000, ge=0)
     # Points of a map that grows: made anew every few seconds, behind tracking.
     growing_points: int = Field(default=150_000, ge=0)
-    # Pixels across a cut-out of a sign on its card at most: as wide as the card on a fine screen.
-    crop_width: int = Field(default=480, ge=16, le=4096)
-    # Bytes of all cut-outs in one self-contained file; those of the surest landmarks come first.
-    file_crop_bytes: int = Field(default=1_500_000, ge=0)
+    # Bytes of all pictures of signs in one self-contained file; those of the surest landmarks come first.
+    file_picture_bytes: int = Field(default=1_500_000, ge=0)
+    # Metres around a landmark, beyond its own reach, within which a picture was taken of it.
+    picture_reach: float = Field(default=0.4, ge=0.0)

@@ -21,6 +21,7 @@ from lpslam.slam.state import EventKind, SlamEvent
 from lpslam.slam.trajectory import Trajectory
 from lpslam.text.again.crops import CropStore
 from lpslam.text.correcting.corrections import Corrections
+from lpslam.text.sightings import SightingStore
 from lpslam.text.text_map import TextMap
 from lpslam.text.types import Landmark
 
@@ -105,6 +106,8 @@ class LanguageMap:
         arrays: dict[str, NDArray[Any]] = {f"slam.{name}": array for name, array in self.slam.to_arrays().items()}
         arrays |= {f"trajectory.{name}": array for name, array in self.trajectory.to_arrays().items()}
         arrays |= {f"crops.{name}": array for name, array in self.text.crops.to_arrays().items()}
+        pictures = self.text.sightings.to_arrays(self.text.is_remembered)
+        arrays |= {f"sightings.{name}": array for name, array in pictures.items()}
         if self.scans is not None:
             kept = [each for each in self.scans.keyframes if self.slam.is_alive(each)]
             arrays |= {f"scans.{name}": array for name, array in self.scans.to_arrays(kept).items()}
@@ -132,6 +135,8 @@ class LanguageMap:
             run = contents.documents["run"]
             text = TextMap.from_document(contents.documents["text"])
             text.crops = CropStore.from_arrays(_part(contents.arrays, "crops."), text.config.again)
+            pictures = _part(contents.arrays, "sightings.")
+            text.sightings = SightingStore.from_arrays(pictures, text.config.sightings)
             if "corrections" in contents.documents:
                 text.corrections = Corrections.from_document(contents.documents["corrections"])
             lens = PinholeCamera(**camera)

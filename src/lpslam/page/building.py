@@ -17,6 +17,7 @@ from lpslam.errors import UserError
 from lpslam.language.languages import LANGUAGES
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.page.record import empty_record, ground_record, map_record, room_points
+from lpslam.page.signs import sign_pictures
 
 SCRIPTS = (
     *("common", "plan", "lenses", "painting", "points", "plates", "space", "moving", "replay"),
@@ -57,7 +58,8 @@ def page_of(world: LanguageMap, *, live: bool, name: str = "", config: PageConfi
         return _page(record, live)
     config = config or PageConfig()
     points = room_points(world, config.file_points, config)
-    return _page({**record, "ground": ground_record(world)}, live, points.text())
+    alone = {"ground": ground_record(world), "pictures": sign_pictures(world, config.file_picture_bytes, config)}
+    return _page({**record, **alone}, live, points.text())
 
 
 def growing_page(title: str) -> str:

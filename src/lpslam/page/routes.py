@@ -15,6 +15,7 @@ from lpslam.config import PageConfig
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.page.building import page_of, policy
 from lpslam.page.record import ground_record, room_points, said_record, way_record
+from lpslam.page.signs import sign_pictures
 
 Found = Callable[[str | None], tuple[str, str, LanguageMap]]
 """From the name of a map, or None for the only one, to its name, the version of its file, and the map."""
@@ -35,6 +36,7 @@ class Pages:
         self._make: Mapping[str, Callable[[LanguageMap, str], bytes]] = {
             "page": lambda world, found: page_of(world, live=True, name=found).encode("utf-8"),
             "ground": lambda world, _: json.dumps(ground_record(world)).encode("ascii"),
+            "pictures": lambda world, _: json.dumps(sign_pictures(world, None, config)).encode("ascii"),
             "points": lambda world, _: room_points(world, config.points, config).content(),
         }
         self._making = {part: threading.Lock() for part in self._make}
@@ -45,7 +47,7 @@ class Pages:
 
         Args:
             name: of the map.
-            part: page, ground or points.
+            part: page, ground, pictures or points.
 
         Raises:
             LookupError: there is none.
@@ -85,10 +87,13 @@ def page_routes(pages: Pages) -> Sequence[BaseRoute]:
     def ground(name: str | None) -> Response:
         return Response(pages.get(name, "ground"), media_type="application/json")
 
+    def pictures(name: str | None) -> Response:
+        return Response(pages.get(name, "pictures"), media_type="application/json")
+
     def points(name: str | None) -> Response:
         return Response(pages.get(name, "points"), media_type="application/octet-stream")
 
-    below = {"": page, "/signs": signs, "/ground": ground, "/points": points}
+    below = {"": page, "/signs": signs, "/ground": ground, "/pictures": pictures, "/points": points}
     return [Route("/", told(page)), *(Route("/page/{name}" + each, told(make)) for each, make in below.items())]
 
 
