@@ -3,15 +3,15 @@
 import json
 from typing import Any
 
-_HALL = """count => {
+_HALL = """([count, isRoofed]) => {
   const bytes = new ArrayBuffer(32 + 8 * count), rows = new Uint16Array(bytes, 32);
   new Float32Array(bytes, 0, 8).set([count, -20, -20, -1, 40, 40, 4, 0.04]);
   const chance = () => Math.floor(Math.random() * 65536);
   for (let at = 0; at < 4 * count; at += 4) {
-    const wall = chance() % 5;
+    const wall = chance() % (isRoofed ? 6 : 5);
     rows[at] = wall === 1 ? 0 : wall === 2 ? 65535 : chance();
     rows[at + 1] = wall === 3 ? 0 : wall === 4 ? 65535 : chance();
-    rows[at + 2] = wall ? chance() : 0;
+    rows[at + 2] = wall === 5 ? 65535 : wall ? chance() : 0;
     rows[at + 3] = chance();
   }
   lpslamPage.take(bytes);
@@ -29,9 +29,12 @@ _TURNING = """seconds => new Promise(done => {
 })"""
 
 
-def hall(page: Any, count: int) -> None:
-    """Put a hall of 40 m by 40 m into a page: floor and walls, in an order that is a sample at every length."""
-    page.evaluate(_HALL, count)
+def hall(page: Any, count: int, *, is_roofed: bool = False) -> None:
+    """Put a hall of 40 m by 40 m and 4 m into a page: floor, walls and perhaps a ceiling 3 m over the camera.
+
+    Its points are in an order that is a sample at every length.
+    """
+    page.evaluate(_HALL, [count, is_roofed])
 
 
 def turned(page: Any, seconds: float) -> dict[str, float]:

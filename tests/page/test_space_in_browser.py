@@ -131,3 +131,10 @@ def test_a_million_points_are_moved_at_five_frames_a_second(browser: Any, tmp_pa
         until(page, "lpslamPage.drawnPoints() === 1000000", 60)
         assert turned(page, 6.0)["rate"] >= 5.0
         until(page, "lpslamPage.drawnPoints() === 1000000", 60)
+
+
+def test_a_room_is_shown_without_its_ceiling_and_one_without_a_ceiling_whole(page: Any) -> None:
+    hall(page, 50_000, is_roofed=True)
+    assert 2.5 < page.evaluate("lpslamPage.ceiling()") < 3.0
+    hall(page, 50_000)
+    assert page.evaluate("lpslamPage.ceiling()") > 1000

@@ -32,20 +32,23 @@ async function havePoints(isNewer = false) {
   if (state.isSpatial) isWholeShown ? fit() : draw();
 }
 
-/* Seen from outside, a room is open above: the ceiling is a layer over the camera with far more points than others. */
+/* Seen from outside, a room is open above: its ceiling is a layer over the camera and all signs with far more points
+   than the layers of walls below it. */
 function findCeiling(bytes) {
-  const rows = new Uint16Array(bytes, 32), layers = new Map(), heights = data.trajectory.map(pose => pose[2]).sort((a, b) => a - b);
+  const rows = new Uint16Array(bytes, 32), heights = data.trajectory.map(pose => pose[2]).sort((a, b) => a - b), deep = 0.15;
   cloud.ceiling = 1e6;
   if (!heights.length) return;
-  const lowest = heights[heights.length >> 1] + 0.4, deep = 0.15, sample = Math.min(cloud.count, 60000);
+  const base = heights[heights.length >> 1], sample = Math.min(cloud.count, 60000);
+  const above = data.signs.reduce((most, sign) => Math.max(most, sign.position[2] + (sign.height || 0) / 2), base + 0.4);
+  const layers = new Array(Math.max(1, Math.ceil((cloud.low[2] + cloud.size[2] - base) / deep) + 1)).fill(0);
   for (let each = 0; each < sample; each++) {
-    const layer = Math.floor((cloud.low[2] + cloud.size[2] * rows[each * 4 + 2] / 65535 - lowest) / deep);
-    if (layer >= 0) layers.set(layer, (layers.get(layer) || 0) + 1);
+    const layer = Math.floor((cloud.low[2] + cloud.size[2] * rows[each * 4 + 2] / 65535 - base) / deep);
+    if (layer >= 0) layers[layer]++;
   }
-  const most = Math.max(0, ...layers.values()), first = [...layers.keys()].sort((a, b) => a - b).find(layer => layers.get(layer) > 0.6 * most);
-  // Walls alone have about as many points in every layer.
-  const usual = [...layers.values()].sort((a, b) => a - b)[layers.size >> 1];
-  if (most > 3 * usual && most > 0.02 * sample) cloud.ceiling = lowest + (first - 0.5) * deep;
+  const first = Math.ceil((above - base) / deep), most = Math.max(0, ...layers.slice(first));
+  const lowest = layers.findIndex((count, layer) => layer >= first && count > 0.6 * most);
+  const usual = layers.slice(0, lowest).sort((a, b) => a - b)[lowest >> 1];
+  if (lowest > 0 && most > 3 * usual && most > 0.02 * sample) cloud.ceiling = base + (lowest - 0.5) * deep;
 }
 
 /* Draw some of the points, the first of them sparse and large. */

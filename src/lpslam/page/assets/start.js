@@ -37,6 +37,7 @@ window.lpslamPage = {
   way: () => state.way.length,
   around: () => ({ ...around }),
   points: () => cloud.count,
+  ceiling: () => cloud.ceiling,
   take(bytes) { takePoints(bytes); fit(); },
   drawnPoints: () => drawing.drawn,
   pace: () => ({ milliseconds: drawing.pace, frames: drawing.frames, budget }),
