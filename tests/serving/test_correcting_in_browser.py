@@ -118,5 +118,5 @@ def test_and_another_one_means_what_was_asked_before(browser: Any, viewed: tuple
             page.press("#question", "Enter")
             until(page, f"(document.querySelectorAll('#log .answer')[{number}]?.textContent ?? '…') !== '…'", 60)
             answers.append(page.evaluate("lpslamPage.chosen()"))
-        assert None not in answers
+        assert None not in answers, page.locator("#log").inner_text()
         assert answers[0] != answers[1]

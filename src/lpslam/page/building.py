@@ -53,7 +53,7 @@ def page_of(world: LanguageMap, *, live: bool, name: str = "", config: PageConfi
         name: of the map, as the server knows it.
         config: how much of it is shown.
     """
-    record = {**map_record(world), "name": name, "live": live, "grows": False}
+    record = {**map_record(world, soon=live), "name": name, "live": live, "grows": False}
     if live:
         return _page(record, live)
     config = config or PageConfig()

@@ -24,7 +24,8 @@ from lpslam.page.pictures import RoomPicture
 from lpslam.page.record import sign_records, way_record
 from lpslam.serving import records
 from lpslam.serving.answerers import ThreadAnswerer, as_json
-from lpslam.serving.http.problems import conflict, handle_problems, problem
+from lpslam.serving.http.problems import conflict, handle_problems
+from lpslam.serving.http.saying import problem
 from lpslam.serving.http.shield import Door, Shield, allowed_hosts
 from lpslam.serving.questions import Asked
 from lpslam.serving.watching.board import Board
