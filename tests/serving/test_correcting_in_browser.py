@@ -62,7 +62,7 @@ def test_a_sign_is_renamed_merged_judged_and_hidden_and_all_is_taken_back(
         page.keyboard.press("Enter")
         until(page, "document.querySelector('#by-hand summary').textContent.includes('(1)')")
         assert names(path)[0] == HOSTILE
-        assert page.locator("#signs button").first.inner_text() == HOSTILE
+        until(page, f"document.querySelector('#signs button').textContent === '{HOSTILE}'")
         assert page.locator("#card h2").inner_text() == HOSTILE
         assert page.locator("img").count() == 0
         # Whoever looks on sees it too.
@@ -113,7 +113,7 @@ def test_and_another_one_means_what_was_asked_before(browser: Any, viewed: tuple
     _, url = viewed
     with shown(browser, url, own=url, locale="en-US") as page:
         answers = []
-        for number, question in enumerate(("Where can I eat?", "and another one?")):
+        for number, question in enumerate(("Where is a restaurant?", "and another one?")):
             page.fill("#question", question)
             page.press("#question", "Enter")
             until(page, f"(document.querySelectorAll('#log .answer')[{number}]?.textContent ?? '…') !== '…'", 60)

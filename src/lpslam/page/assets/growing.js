@@ -39,18 +39,22 @@ const news = {
     takeEdits(told.edits);
     takeSigns(told.signs);
   },
-  way(told) { data.trajectory = told.way; },
+  way(told) {
+    data.trajectory = told.way;
+    data.lens = told.lens;
+  },
   picture(told) {
     data.picture_extent = told.extent;
     picture.src = told.picture;
   },
   points() { if (state.isSpatial) havePoints(true); else cloud.isAskedFor = false; },
-  lens(told) { data.lens = told.lens; },
   end(told) {
     source.close();
     // Nobody answers any more: names are still found.
-    data.live = false;
+    data.live = data.grows = false;
     state.camera = null;
+    if (state.isFirstPerson) lookThrough(false);
+    showReplay();
     show(told.map ? filled(words.ended, told) : words.stopped, "ended");
     nameField();
     listEdits();

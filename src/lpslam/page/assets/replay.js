@@ -44,19 +44,22 @@ function playOn(now) {
   if (replay.at >= seconds()) play(false); else requestAnimationFrame(playOn);
 }
 
+/* Through whose lens the map is seen: of a map that grows, where the camera is now. */
+const lensPose = () => state.camera || replayPose();
+
 function lookThrough(isFirstPerson) {
-  state.isFirstPerson = isFirstPerson && state.isSpatial && data.trajectory.length > 0;
+  state.isFirstPerson = isFirstPerson && state.isSpatial && Boolean(lensPose());
   part("lens").setAttribute("aria-pressed", String(state.isFirstPerson));
   if (!state.isFirstPerson) return draw();
   flight++;
   isWholeShown = false;
-  return showMoment(replay.at ?? 0);
+  return data.grows ? draw() : showMoment(replay.at ?? 0);
 }
 
 /* Whoever moves the view goes out of the camera, and stands where it was. */
 function leaveLens() {
   if (!state.isFirstPerson) return;
-  const pose = replayPose(), [, , ahead] = axesOf(pose);
+  const pose = lensPose(), [, , ahead] = axesOf(pose);
   around.far = 2.5;
   around.at = plus(pose.slice(0, 3), ahead, 2);
   around.yaw = Math.atan2(-ahead[1], -ahead[0]);
@@ -65,8 +68,10 @@ function leaveLens() {
   lookThrough(false);
 }
 
+/* Of a map that grows there is no moment to choose, only the camera to look through. */
 function showReplay() {
-  part("replay").hidden = data.grows || data.trajectory.length < 2;
+  part("replay").hidden = data.grows ? !state.isSpatial : data.trajectory.length < 2;
+  for (const name of ["play", "moment", "clock"]) part(name).hidden = data.grows;
   part("moment").max = String(seconds());
 }
 

@@ -42,7 +42,7 @@ function drawSpace(isAtRest) {
     drawing.isMoving = !isAtRest;
     drawing.share = isAtRest ? 1 : sharpness;
     const ratio = Math.min(window.devicePixelRatio || 1, 2) * drawing.share;
-    lens = lensFor(wide, high, state.isFirstPerson ? replayPose() : null);
+    lens = lensFor(wide, high, state.isFirstPerson ? lensPose() : null);
     if (scene.width !== Math.round(wide * ratio) || scene.height !== Math.round(high * ratio)) [scene.width, scene.height] = [Math.round(wide * ratio), Math.round(high * ratio)];
     drawing.drawn = 0;
     drawing.signs = arrangeSigns();
@@ -157,6 +157,7 @@ function showSpace(isSpatial) {
   canvas.setAttribute("aria-label", state.isSpatial ? words.canvasInSpace : words.canvas);
   leaveLens();
   flight++;
+  showReplay();
   if (state.isSpatial) havePoints();
   fit();
   if (state.chosen) flyToSign(state.chosen);

@@ -21,7 +21,7 @@ from lpslam.language.registry import language_model
 from lpslam.mapfile.export import corrections_record
 from lpslam.page.building import growing_page, policy
 from lpslam.page.pictures import RoomPicture
-from lpslam.page.record import sign_records, way_record
+from lpslam.page.record import lens_record, sign_records, way_record
 from lpslam.serving import records
 from lpslam.serving.answerers import ThreadAnswerer, as_json
 from lpslam.serving.http.problems import conflict, handle_problems
@@ -61,7 +61,8 @@ class Watched:
         )
         self._ask_run = on_request
         self._requests, self._pending = 0, {}  # type: int, dict[int, asyncio.Future[Corrected]]
-        self._is_new = threading.Event()
+        self._is_new, self._are_points_wanted = threading.Event(), threading.Event()
+        self._points = b""
         self._gone, self._has_painted = threading.Event(), threading.Event()
 
     def take(self, messages: BinaryIO, loop: asyncio.AbstractEventLoop) -> None:
@@ -86,7 +87,7 @@ class Watched:
                 loop.call_soon_threadsafe(self._settle, message)
             elif isinstance(message, Ground):
                 self.grown.take_ground(message)
-                show("way", {"way": way_record(message.poses)})
+                show("way", {"way": way_record(message.poses), "lens": lens_record(message.camera)})
                 self._is_new.set()
             elif isinstance(message, End):
                 ended = message
@@ -138,8 +139,10 @@ class Watched:
                 self._is_new.clear()
                 with pace:
                     self._show_picture(show)
+                    self._show_points(show)
         if self._is_new.is_set() and self.board.watchers:
             self._show_picture(show)
+            self._show_points(show)
         self._has_painted.set()
 
     def _show_picture(self, show: Callable[[str, dict[str, Any]], None]) -> None:
@@ -147,6 +150,19 @@ class Watched:
         if picture is not None:
             data = "data:image/png;base64," + base64.b64encode(picture.png).decode("ascii")
             show("picture", {"picture": data, "extent": [round(each, 3) for each in picture.extent]})
+
+    def _show_points(self, show: Callable[[str, dict[str, Any]], None]) -> None:
+        """Make points, where somebody has asked for some since they were made last, and say that there are new ones."""
+        if not self._are_points_wanted.is_set():
+            return
+        self._are_points_wanted.clear()
+        self._points = self.grown.points().content()
+        show("points", {"bytes": len(self._points)})
+
+    def points(self) -> bytes:
+        """The room's points as they were made last; newer ones are made."""
+        self._are_points_wanted.set()
+        return self._points
 
     @staticmethod
     def _picture(grown: Grown) -> RoomPicture | None:
@@ -174,6 +190,10 @@ def build(watched: Watched) -> Shield:
     @app.get("/")
     def page() -> Response:
         return HTMLResponse(text, headers={"content-security-policy": policy(live=True) + "; frame-ancestors 'none'"})
+
+    @app.get("/points")
+    def points() -> Response:
+        return Response(watched.points(), media_type="application/octet-stream")
 
     @app.get("/watch")
     async def watch() -> Response:
