@@ -57,7 +57,7 @@ ALLOWED: dict[str, set[str]] = {
     "serving": {
         "slam.state",
         *("language.model", "language.offline", "language.registry", "language.sanitise"),
-        *("language.questions.follow_up", "language.questions.phrasing"),
+        *("language.questions.follow_up", "language.questions.phrasing", "language.wishes.form"),
         *(
             "text.types",
             "text.text_map",

@@ -27,7 +27,7 @@ from lpslam.serving.answerers import ThreadAnswerer, as_json
 from lpslam.serving.http.problems import conflict, handle_problems
 from lpslam.serving.http.saying import problem
 from lpslam.serving.http.shield import Door, Shield, allowed_hosts
-from lpslam.serving.questions import Asked
+from lpslam.serving.questions import Asked, wish_text
 from lpslam.serving.watching.board import Board
 from lpslam.serving.watching.grown import Grown
 from lpslam.serving.watching.pace import Pace
@@ -206,7 +206,8 @@ def build(watched: Watched) -> Shield:
         if max(len(body.question), len(body.before or "")) > limits.question_letters:
             raise UserError(f"a question may have {limits.question_letters:,} letters")
         position = None if body.position is None else tuple(body.position)
-        asked = Asked(body.question, body.before, position, body.heading, tuple(body.excluded))
+        wish = None if body.wish is None else wish_text(body.wish)
+        asked = Asked(body.question, body.before, position, body.heading, tuple(body.excluded), wish)
         # Only what is asked is read of it.
         answer = await watched.answerer.ask(asked, watched.grown.known)  # type: ignore[arg-type]
         return Response(answer, media_type="application/json")
