@@ -112,7 +112,7 @@ ALLOWED: dict[str, set[str]] = {
 HEAVY = (
     *("cv2", "numba", "scipy", "matplotlib", "rapidocr", "openvino", "onnxruntime"),
     *("pydantic_ai", "openai", "anthropic", "google.genai", "httpx", "httpx2", "lpslam.language.hosted.exchange"),
-    *("starlette", "fastapi", "uvicorn", "mcp", "rosbags", "cyclonedds", "rerun"),
+    *("starlette", "fastapi", "uvicorn", "mcp", "rosbags", "cyclonedds", "rerun", "foxglove"),
 )
 
 FILES = sorted(path for path in PACKAGE.rglob("*.py") if path != PACKAGE / "__init__.py")
