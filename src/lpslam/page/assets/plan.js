@@ -12,6 +12,12 @@ function covered() {
   return [360, part("memory").hidden ? 0 : part("memory").offsetHeight + 16];
 }
 
+/* The same as a box of the canvas, where no label is to be read. */
+function panelBox() {
+  const [left, bottom] = covered(), wide = canvas.clientWidth, high = canvas.clientHeight;
+  return wide <= 640 ? [0, high - bottom, wide, high] : [0, 0, left, high];
+}
+
 function extent() {
   const xs = [], ys = [];
   const take = (x, y) => { xs.push(x); ys.push(y); };
@@ -54,7 +60,7 @@ function drawPlan() {
   trace(state.way, style("--route"), 5, .9);
   if (state.goal) for (const line of goalLines(state.goal, 0)) trace(line, style("--route"), 3, .9);
   drawCamera();
-  const taken = [];
+  const taken = [panelBox()];
   const ordered = [...data.signs].sort((a, b) => (b === state.chosen) - (a === state.chosen) || (b.is_landmark === true) - (a.is_landmark === true) || b.observations - a.observations);
   for (const sign of ordered) label(sign, taken);
   scaleBar();

@@ -76,7 +76,7 @@ function drawPlates(plates) {
 
 /* Labels of the signs whose plates are not shown: those that find no room join the nearest one that did. */
 function arrangeLabels(plates, rest) {
-  const taken = plates.map(each => ({ box: each.box, signs: [each.sign] })), labels = [];
+  const taken = plates.map(each => ({ box: each.box, signs: [each.sign] })), labels = [], panel = panelBox();
   const ranked = [...rest].sort((a, b) => (b.sign === state.chosen) - (a.sign === state.chosen) || (b.sign.is_landmark === true) - (a.sign.is_landmark === true) || b.sign.confidence - a.sign.confidence || a.away - b.away);
   for (const { sign, out, away } of ranked) {
     // Through a camera's lens, backs of signs and far rooms are out of sight.
@@ -86,13 +86,15 @@ function arrangeLabels(plates, rest) {
     const size = 10.5 + 3.5 * sign.confidence, name = shortened(sign.name);
     pen.font = `600 ${size}px ${FONT}`;
     const wide = pen.measureText(name).width + 12, high = size + 9;
-    const box = [[8, -high / 2], [-wide - 8, -high / 2], [-wide / 2, -high - 8], [-wide / 2, 8]].map(([x, y]) => [at[0] + x, at[1] + y, at[0] + x + wide, at[1] + y + high]).find(each => !taken.some(other => overlaps(each, other.box)));
+    const box = [[8, -high / 2], [-wide - 8, -high / 2], [-wide / 2, -high - 8], [-wide / 2, 8]].map(([x, y]) => [at[0] + x, at[1] + y, at[0] + x + wide, at[1] + y + high]).find(each => !overlaps(each, panel) && !taken.some(other => overlaps(each, other.box)));
     if (box) {
       const label = { box, at, name, size, signs: [sign] };
       taken.push(label);
       labels.push(label);
       continue;
     }
+    // Behind the panel there is no label to join.
+    if (overlaps([at[0], at[1], at[0], at[1]], panel) || !taken.length) continue;
     const apart = other => Math.hypot((other.box[0] + other.box[2]) / 2 - at[0], (other.box[1] + other.box[3]) / 2 - at[1]);
     taken.reduce((best, other) => apart(other) < apart(best) ? other : best).signs.push(sign);
   }

@@ -107,8 +107,8 @@ function drawOverlay() {
 
 function fit() {
   if (!state.isSpatial) return fitPlan();
-  const [left, bottom, right, top] = data.picture_extent || extent(), floor = groundHeight();
-  aim([left, bottom, floor], [right, top, floor + 2]);
+  const [left, bottom, right, top] = extent(), floor = groundHeight();
+  aim([left + 0.8, bottom + 0.8, floor], [right - 0.8, top - 0.8, floor + 2]);
   isWholeShown = true;
   draw();
 }
