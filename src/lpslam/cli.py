@@ -354,7 +354,7 @@ def export(
     if html:
         from lpslam.page.building import write_page
 
-        written.append(write_page(world, folder / "page.html"))
+        written.append(write_page(world, folder / "page.html", config_of(config).page))
     if nav2 or route is not None:
         written += Guide(world, config_of(config)).export(folder, route)
     print_written(written, as_json)

@@ -68,8 +68,9 @@ function drawPoints(from, count, drawn) {
 /* After a frame of so many milliseconds: fewer pixels in the next while the view moves, then fewer points; or more. */
 function adapt(milliseconds) {
   if (milliseconds > BUDGET.slow) {
-    if (sharpness > 0.5) sharpness = Math.max(0.5, sharpness * 0.7);
-    else budget = Math.max(BUDGET.least, Math.round(budget * Math.max(0.5, BUDGET.slow / milliseconds)));
+    // What is far too slow is mended at once.
+    if (sharpness === 0.5 || milliseconds > 2 * BUDGET.slow) budget = Math.max(BUDGET.least, Math.round(budget * Math.max(0.25, BUDGET.slow / milliseconds)));
+    sharpness = Math.max(0.5, sharpness * 0.7);
   } else if (milliseconds < BUDGET.quick) {
     if (budget < Math.min(cloud.count, BUDGET.first)) budget = Math.round(budget * 1.25);
     else if (sharpness < 1) sharpness = Math.min(1, sharpness * 1.15);
