@@ -212,7 +212,7 @@ def localise(
                 on_doubtful=words.note_doubtful,
                 on_lost=words.note_lost,
             )
-            reading.observe(frame, tracked)
+            reading.observe(slam.measured(frame), tracked)
         count += 1
         rate = count / (time.perf_counter() - started)
         on_progress(Progress(tracked, count, rate, len(slam.map.living_keyframes()), landmarks))

@@ -16,6 +16,7 @@ from lpslam.config.section import Section
 from lpslam.config.serving import JobsConfig, ServingConfig, WatchingConfig
 from lpslam.config.slam import (
     DepthDelayConfig,
+    DepthRangeConfig,
     FeatureConfig,
     KeyframeConfig,
     LevellingConfig,
@@ -50,6 +51,7 @@ __all__ = [
     "CameraMatchConfig",
     "Config",
     "DepthDelayConfig",
+    "DepthRangeConfig",
     "EvaluationConfig",
     "FeatureConfig",
     "FocalCheckConfig",

@@ -73,6 +73,22 @@ class DepthDelayConfig(Section):
     least_change: float = 0.006  # seconds, the same; half of what quick turns begin to suffer from
 
 
+class DepthRangeConfig(Section):
+    """Depth that is too long or too short by its range, estimated from the map."""
+
+    knots: float = Field(default=0.5, gt=0)  # metres between distances at which the excess is estimated
+    anchored: float = Field(default=1.5, ge=0)  # metres; nearer readings are believed, all others compared with them
+    drift: float = Field(default=0.015, gt=0)  # by which the excess usually differs from a knot to the next
+    min_observers: int = Field(default=3, ge=2)  # keyframes that must see a point; two agree on wrong matches
+    largest_share: float = Field(default=0.04, gt=0)  # of a point's distance, to which pixels must tell it
+    min_readings: int = Field(default=3, ge=1)  # of a keyframe at a distance, of which the median counts
+    reading_error: float = Field(default=0.03, gt=0)  # by which one of them is off, as a share of the distance ...
+    common_error: float = Field(default=0.01, gt=0)  # ... and by which all of a keyframe's at one distance are
+    certain_gain: float = Field(default=50.0, ge=0)  # χ² that a curve must explain; 0: depth is never corrected
+    refined_gain: float = Field(default=15.0, ge=0)  # the same, once depth is corrected: that it is wrong is known
+    least_change: float = Field(default=0.02, ge=0)  # the same; what sensors state as their accuracy is not corrected
+
+
 class TrackingConfig(Section):
     """From frame to pose."""
 
@@ -300,6 +316,7 @@ class SlamConfig(Section):
     noise: SensorNoiseConfig = SensorNoiseConfig()
     shutter: ShutterConfig = ShutterConfig()
     delay: DepthDelayConfig = DepthDelayConfig()
+    ranges: DepthRangeConfig = DepthRangeConfig()
     tracking: TrackingConfig = TrackingConfig()
     surfaces: SurfaceConfig = SurfaceConfig()
     turning: TurningConfig = TurningConfig()

@@ -196,6 +196,7 @@ class Session:
             before = time.perf_counter()
             tracked = self._slam.process(frame)
             self._seconds_tracking += time.perf_counter() - before
+            frame = self._slam.measured(frame)
             self.frames += 1
             self._latest, self._pose = frame.timestamp, tracked.world_from_camera
             if tracked.is_keyframe and self._scans is not None:

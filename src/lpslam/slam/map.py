@@ -12,6 +12,7 @@ from lpslam.slam.features import Features
 from lpslam.slam.integrity import refuse_broken_columns
 from lpslam.slam.kernels import graph
 from lpslam.slam.kernels.graph import MapColumns
+from lpslam.slam.ranges.curve import DepthCurve
 
 _FEATURE_COLUMNS: dict[str, tuple[tuple[int, ...], Any, float]] = {
     "pixels": ((2,), np.float32, 0),
@@ -62,6 +63,7 @@ class SlamMap:
         version: rises with every change of a world frame; what was computed from an older version does not fit.
         home: the sub-map whose frame is the map's.
         loop_edges: pairs of keyframes between which a loop was closed or sub-maps were joined.
+        depth_curve: by which readings of depth were corrected.
     """
 
     def __init__(self, features_per_keyframe: int, scales: NDArray[np.float64]) -> None:
@@ -72,6 +74,7 @@ class SlamMap:
         self.version = 0
         self.home = 0
         self.loop_edges: list[tuple[int, int]] = []
+        self.depth_curve = DepthCurve.straight()
         self._capacity = features_per_keyframe
         self._arrays: dict[str, NDArray[Any]] = {}
         for table, rows in ((_KEYFRAME_COLUMNS, 64), (_POINT_COLUMNS, 8192)):
@@ -345,6 +348,8 @@ class SlamMap:
             **dict.fromkeys((*_FEATURE_COLUMNS, "slot_keyframe", "feature_count"), self._slot_count),
         }
         arrays = {name: self._arrays[name][:count].copy() for name, count in rows.items()}
+        if not self.depth_curve.is_straight:
+            arrays["depth_table"] = self.depth_curve.table.copy()
         return {
             **arrays,
             "scales": self.scales.copy(),
@@ -374,6 +379,8 @@ class SlamMap:
         slam_map.keyframe_count = len(arrays["keyframe_slot"])
         slam_map.home = int(arrays["home"].item())
         slam_map.loop_edges = [(int(a), int(b)) for a, b in arrays["loop_edges"]]
+        if "depth_table" in arrays:
+            slam_map.depth_curve = DepthCurve.of(arrays["depth_table"])
         slam_map.point_count = len(arrays["head"])
         slam_map._slot_count = len(arrays["slot_keyframe"])
         slam_map._free_slots = [int(slot) for slot in arrays["free_slots"]]

@@ -28,6 +28,7 @@ class EventKind(StrEnum):
     LOOP = "loop"
     MERGE = "merge"
     DEPTH_DELAY = "depth delay"
+    DEPTH_RANGES = "depth ranges"
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,9 +20,10 @@ from lpslam.slam.places.index import PlaceIndex
 from lpslam.slam.places.locating import Locator
 from lpslam.slam.places.loop_closing import LoopCloser, LoopEvent
 from lpslam.slam.places.relocalising import Relocaliser
+from lpslam.slam.ranges.learning import DepthRanges
 from lpslam.slam.sensor import SensorModel
 from lpslam.slam.shutter.straightening import RollingShutter
-from lpslam.slam.state import SlamEvent, TrackedFrame
+from lpslam.slam.state import EventKind, SlamEvent, TrackedFrame
 from lpslam.slam.tracking.tracker import Tracker
 from lpslam.slam.trajectory import Trajectory
 
@@ -86,7 +87,8 @@ class RgbdSlam:
             lambda: self._back_end.is_idle,
             advisor,
         )
-        self._mapper = LocalMapper(self.map, self.sensor, shutter, config)
+        self._ranges = DepthRanges(self.map, self.sensor, config.features.max_depth, config.ranges)
+        self._mapper = LocalMapper(self.map, self.sensor, shutter, self._ranges, config)
         self._loop_closer = LoopCloser(self.map, self.sensor, places, locator, config, advisor)
         self._back_end: BackEnd = (
             Beside(self._mapper, self._close_loops, self._loop_closer.interrupt)
@@ -95,6 +97,7 @@ class RgbdSlam:
         )
         self._levelling = config.levelling
         self._is_live = live
+        self._curve = self.map.depth_curve
         self._depths: dict[int, NDArray[np.float32]] = {}
         self._floor_views: list[tuple[int, NDArray[np.float64]]] = []
 
@@ -104,7 +107,8 @@ class RgbdSlam:
         return self._back_end.abandoned
 
     def process(self, frame: RgbdFrame) -> TrackedFrame:
-        """Track one frame and let the map grow with it."""
+        """Track one frame and let the map grow with it; its depth is corrected here, see `measured`."""
+        frame = self.measured(frame)
         tracked = self._tracker.track(frame)
         self._tracker.hindsight.disown(self.trajectory)
         if tracked.is_keyframe:
@@ -120,13 +124,23 @@ class RgbdSlam:
         self.trajectory.append(tracked)
         self._tracker.hindsight.revise(self.trajectory)
         self.trajectory.revise(self._tracker.early_frames.revise())
+        self._tell_ranges(frame.index, frame.timestamp)
         return tracked
+
+    def measured(self, frame: RgbdFrame) -> RgbdFrame:
+        """A frame with its depth as the map takes it: corrected by what is known of its error by range."""
+        curve = self.map.depth_curve
+        return frame if curve.is_straight else replace(frame, depth=curve.true(frame.depth))
 
     def finish(self) -> None:
         """End all work and level the map by all views of the floor together; call after the last frame."""
         self._tracker.finish()
         self._tracker.hindsight.disown(self.trajectory)
         self._back_end.finish()
+        self._mapper.finish()
+        self.trajectory.revise(self._tracker.early_frames.revise())
+        if self.map.keyframe_count:
+            self._tell_ranges(*self.map.frame_of(self.map.keyframe_count - 1))
         if self._keypoints is not None:
             self._keypoints.shutdown()
         for event in self._loop_closer.join_parts():
@@ -147,6 +161,14 @@ class RgbdSlam:
     def _tell(self, event: LoopEvent) -> None:
         frame, timestamp = self.map.frame_of(event.keyframe)
         self.events.append(SlamEvent(event.kind, frame, timestamp, event.reason))
+
+    def _tell_ranges(self, frame: int, timestamp: float) -> None:
+        """Say how depth is corrected since it was said last."""
+        if self.map.depth_curve is not self._curve:
+            self._curve = self.map.depth_curve
+            reading, true = self._curve.largest_change
+            reason = f"depth is wrong by its range and is corrected: {reading:.2f} m stand for {true:.2f} m"
+            self.events.append(SlamEvent(EventKind.DEPTH_RANGES, frame, timestamp, reason))
 
     def _look_for_floor(self, keyframe: int) -> None:
         """Turn the map so that z is up when the floor is first seen; later views serve `finish`."""

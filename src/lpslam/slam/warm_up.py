@@ -20,6 +20,7 @@ from lpslam.slam.map import SlamMap
 from lpslam.slam.mapping.local_mapping import LocalMapper
 from lpslam.slam.places.index import PlaceIndex
 from lpslam.slam.places.loop_correction import LoopCorrector, Tie
+from lpslam.slam.ranges.learning import DepthRanges
 from lpslam.slam.sensor import SensorModel
 from lpslam.slam.shutter.straightening import RollingShutter
 from lpslam.slam.system import RgbdSlam
@@ -135,7 +136,8 @@ def run_mapping() -> None:
     depth = positions[:, 2].astype(np.float32)
     slam_map = SlamMap(count, sensor.scales)
     shutter = RollingShutter(sensor, slam_map, config.tracking, config.shutter)
-    mapper = LocalMapper(slam_map, sensor, shutter, config)
+    ranges = DepthRanges(slam_map, sensor, config.features.max_depth, config.ranges)
+    mapper = LocalMapper(slam_map, sensor, shutter, ranges, config)
     for k in range(3):
         camera_from_world = np.eye(4)
         camera_from_world[0, 3] = -0.1 * k

@@ -8,6 +8,7 @@ from lpslam.slam.adjusting import Adjuster
 from lpslam.slam.kernels import fusing, graph
 from lpslam.slam.map import SlamMap
 from lpslam.slam.mapping.triangulation import Triangulator
+from lpslam.slam.ranges.learning import DepthRanges
 from lpslam.slam.sensor import SensorModel
 from lpslam.slam.shutter.straightening import RollingShutter
 
@@ -18,10 +19,18 @@ class LocalMapper:
     Each step holds the map's lock for itself; the adjustment works on a copy without it.
     """
 
-    def __init__(self, slam_map: SlamMap, sensor: SensorModel, shutter: RollingShutter, config: SlamConfig) -> None:
+    def __init__(
+        self,
+        slam_map: SlamMap,
+        sensor: SensorModel,
+        shutter: RollingShutter,
+        ranges: DepthRanges,
+        config: SlamConfig,
+    ) -> None:
         self._map = slam_map
         self._sensor = sensor
         self._shutter = shutter
+        self._ranges = ranges
         self._config = config.mapping
         self._close_depth = config.keyframes.close_depth
         self._adjuster = Adjuster(slam_map, sensor)
@@ -33,12 +42,8 @@ class LocalMapper:
     def process(self, keyframe: int) -> None:
         """Work a new keyframe into the map."""
         self._stop[0] = False
-        if self._shutter.apply():
-            with self._map.lock:
-                everyone = self._map.living_keyframes()
-                submaps = self._map.submaps()
-            for _ in range(_ROUNDS_WHEN_STRAIGHTENED):
-                self._adjust(everyone[submaps[everyone] == submaps[keyframe]])
+        if self._measure_anew():
+            self._adjust_part(keyframe)
         with self._map.lock:
             self._cull_points(keyframe)
             self._remember(self._born_in(keyframe), self._config.min_observations)
@@ -46,9 +51,39 @@ class LocalMapper:
         with self._map.lock:
             neighbours = self._neighbours(keyframe)
         self._fuse(keyframe, neighbours)
-        self._adjust(self._around(keyframe))
+        around = self._around(keyframe)
+        self._adjust(around)
+        self._ranges.learn(around)
         with self._map.lock:
             self._cull_keyframes(keyframe)
+
+    def finish(self) -> None:
+        """The last keyframe has come: what all of them together say of the sensor is applied to all."""
+        self._stop[0] = False
+        for _ in range(_ROUNDS_AT_THE_END):
+            with self._map.lock:
+                everyone = self._map.living_keyframes()
+                submaps = self._map.submaps()[everyone]
+            self._ranges.learn(everyone)
+            if not self._measure_anew():
+                return
+            for part in np.unique(submaps):
+                self._adjust_part(int(everyone[submaps == part][0]))
+
+    def _measure_anew(self) -> bool:
+        """Take other pixels and depths for what keyframes saw, where more has become known of the sensor."""
+        change = self._ranges.apply()
+        if change is not None:
+            self._shutter.read_again(change)
+        return self._shutter.apply() or change is not None
+
+    def _adjust_part(self, keyframe: int) -> None:
+        """Adjust the whole sub-map of a keyframe."""
+        with self._map.lock:
+            everyone = self._map.living_keyframes()
+            submaps = self._map.submaps()
+        for _ in range(_ROUNDS_WHEN_MEASURED_ANEW):
+            self._adjust(everyone[submaps[everyone] == submaps[keyframe]])
 
     def hurry(self) -> None:
         """End the running adjustment early: another keyframe waits. May be called from any thread."""
@@ -135,5 +170,8 @@ class LocalMapper:
                 slam_map.remove_keyframe(int(other))
 
 
-_ROUNDS_WHEN_STRAIGHTENED = 2
-"""Adjustments of the whole sub-map when all its pixels have moved: the first one drops what no longer fits."""
+_ROUNDS_WHEN_MEASURED_ANEW = 2
+"""Adjustments of the whole sub-map when all its pixels or depths have changed: the first drops what no longer fits."""
+
+_ROUNDS_AT_THE_END = 3
+"""Times that depths may be corrected when a recording ends: a map made of wrong ones shows a part of their error."""

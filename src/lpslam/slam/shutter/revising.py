@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from lpslam.camera import inverse_transform
 from lpslam.slam.association import Associator
 from lpslam.slam.map import SlamMap
+from lpslam.slam.ranges.curve import DepthChange
 from lpslam.slam.shutter.straightening import RollingShutter
 from lpslam.slam.tracking.guesses import LastFrame, without_images
 from lpslam.slam.tracking.motion import velocity
@@ -45,6 +46,7 @@ class EarlyFrames:
         self._longest_gap = longest_gap
         self._kept: deque[_Kept] = deque(maxlen=count)
         self._readout = shutter.readout
+        self._curve = slam_map.depth_curve
 
     def keep(self, index: int, frame: LastFrame, is_keyframe: bool) -> None:
         """Take a tracked frame, while the readout may still change."""
@@ -53,10 +55,11 @@ class EarlyFrames:
 
     def revise(self) -> dict[int, _Matrix]:
         """Frames by index with the keyframe-from-camera (4×4) that they have now; none if the readout is as it was."""
-        if self._shutter.readout == self._readout:
+        if self._shutter.readout == self._readout and self._map.depth_curve is self._curve:
             return {}
         self._readout = self._shutter.readout
         with self._map.lock:
+            self._read_again()
             # The second time, velocities come from poses that are straight already.
             for _ in range(2):
                 self._optimise([self._twist(k) for k in range(len(self._kept))])
@@ -68,6 +71,14 @@ class EarlyFrames:
         if self._shutter.is_settled:
             self._kept.clear()
         return revised
+
+    def _read_again(self) -> None:
+        """Take the depths that the map takes now."""
+        change = DepthChange(self._curve, self._map.depth_curve)
+        self._curve = self._map.depth_curve
+        if change.before is not change.after:
+            for kept in self._kept:
+                kept.frame = replace(kept.frame, seen=change.of(kept.frame.seen, self._shutter.sensor))
 
     def _optimise(self, twists: list[_Matrix | None]) -> None:
         alive = self._map.columns.point_alive

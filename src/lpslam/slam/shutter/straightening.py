@@ -18,6 +18,7 @@ from lpslam.slam.kernels import shutter as kernels
 from lpslam.slam.kernels.graph import MapColumns
 from lpslam.slam.map import SlamMap
 from lpslam.slam.medians import weighted_median
+from lpslam.slam.ranges.curve import DepthChange
 from lpslam.slam.sensor import SensorModel
 from lpslam.slam.shutter.readout import Correspondences, readout_between
 from lpslam.slam.tracking.guesses import LastFrame
@@ -58,7 +59,7 @@ class RollingShutter:
     """
 
     def __init__(self, sensor: SensorModel, slam_map: SlamMap, tracking: TrackingConfig, config: ShutterConfig) -> None:
-        self._sensor = sensor
+        self.sensor = sensor
         self._map = slam_map
         self._hamming, self._ratio = tracking.hamming_strict, tracking.ratio_brute_force
         self._config = config
@@ -81,15 +82,15 @@ class RollingShutter:
         if twist is None or self.readout == 0.0 or not seen.rows:
             return seen
         pixels, depth = kernels.straighten(
-            seen.pixels, seen.depth, twist, self.readout, self._sensor.image_size[1], self._sensor.intrinsics
+            seen.pixels, seen.depth, twist, self.readout, self.sensor.image_size[1], self.sensor.intrinsics
         )
         disparity = np.zeros(len(depth), np.float32)
-        np.divide(self._sensor.intrinsics[4], depth, out=disparity, where=seen.has_depth, casting="unsafe")
+        np.divide(self.sensor.intrinsics[4], depth, out=disparity, where=seen.has_depth, casting="unsafe")
         return seen._replace(pixels=pixels, depth=depth, u_right=pixels[:, 0] - disparity)
 
     def bends(self, twist: _Matrix, other: _Matrix) -> bool:
         """Whether two velocities bend the image noticeably differently."""
-        pixels = 0.5 * abs(self.readout) * self._sensor.intrinsics[0] * float(np.linalg.norm((twist - other)[3:]))
+        pixels = 0.5 * abs(self.readout) * self.sensor.intrinsics[0] * float(np.linalg.norm((twist - other)[3:]))
         return bool(pixels > self._config.noticed_pixels)
 
     def note(self, frame: LastFrame, twist: _Matrix | None, is_matched: bool, is_keyframe: bool) -> None:
@@ -123,7 +124,7 @@ class RollingShutter:
         seen, before = self._keyframes[keyframe]
         self._keyframes[keyframe] = (seen, twist)
         if self._map.is_alive(keyframe) and (before is None or self.bends(twist, before)):
-            _observe_again(self._map.columns, keyframe, self.straighten(seen, twist), self._sensor)
+            _observe_again(self._map.columns, keyframe, self.straighten(seen, twist), self.sensor)
 
     def _learn(self, now: _MovingView, is_keyframe: bool) -> None:
         """Compare a view that was matched with the map with views in other motion."""
@@ -161,11 +162,11 @@ class RollingShutter:
                 one.twist,
                 b.seen.pixels[in_b],
                 other.twist,
-                self._sensor.pixel_information[b.seen.octave[in_b]],
+                self.sensor.pixel_information[b.seen.octave[in_b]],
             ),
             b.camera_from_world(self._map) @ np.linalg.inv(a.camera_from_world(self._map)),
             self.readout,
-            self._sensor,
+            self.sensor,
         )
         if found is None or abs(found.readout) > self._config.longest or found.sigma > self._config.largest_sigma:
             return
@@ -199,10 +200,16 @@ class RollingShutter:
             self._straighten_keyframes()
         return True
 
+    def read_again(self, change: DepthChange) -> None:
+        """Take other depths for what keyframes saw; the map's lock is taken here."""
+        with self._map.lock:
+            for keyframe, (seen, twist) in self._keyframes.items():
+                self._keyframes[keyframe] = (change.of(seen, self.sensor), twist)
+
     def _straighten_keyframes(self) -> None:
         for keyframe, (seen, twist) in list(self._keyframes.items()):
             if self._map.is_alive(keyframe):
-                _observe_again(self._map.columns, keyframe, self.straighten(seen, twist), self._sensor)
+                _observe_again(self._map.columns, keyframe, self.straighten(seen, twist), self.sensor)
             else:
                 del self._keyframes[keyframe]
 

@@ -1,0 +1,1 @@
+"""Depth that is wrong by its range, found and corrected while running."""

@@ -1,0 +1,183 @@
+"""Depth that is too long or too short by its range, found while running (after Teichman et al., CLAMS, RSS 2013).
+
+A telephone guesses what lies beyond its range too near, and hardly any sensor is right at all of its distances. Pixels
+of several keyframes say how far points are, but for one scale; depth must be in one proportion to that, near and far.
+Where it is not, the near readings are believed, and the far ones are corrected.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.config import DepthRangeConfig
+from lpslam.slam.kernels import ranges as kernels
+from lpslam.slam.map import SlamMap
+from lpslam.slam.ranges.curve import DepthChange, DepthCurve
+from lpslam.slam.sensor import SensorModel
+
+_Matrix = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Votes:
+    """What one keyframe says of some distances: where they lie (n,), their excess (n,), and weights (n,)."""
+
+    metres: _Matrix
+    excess: _Matrix
+    weights: _Matrix
+
+
+class DepthRanges:
+    """Learns by how much depth exceeds the truth at each distance, from a map that grows, which keeps the curve.
+
+    Args:
+        slam_map: whose newest keyframes vote.
+        sensor: of the camera.
+        farthest: metres that are trusted at all.
+        config: thresholds.
+
+    """
+
+    def __init__(self, slam_map: SlamMap, sensor: SensorModel, farthest: float, config: DepthRangeConfig) -> None:
+        self._map = slam_map
+        self._sensor = sensor
+        self._config = config
+        self._first_keyframe = slam_map.keyframe_count
+        self._farthest = farthest
+        self._better: DepthCurve | None = None
+        count = int(np.ceil(farthest / config.knots)) + 2
+        self._knots: _Matrix = config.knots * np.arange(count, dtype=np.float64)
+        self._prior = self._stiffness()
+        self._forget()
+
+    def learn(self, keyframes: NDArray[np.int32]) -> None:
+        """Let keyframes (k,) vote that have been adjusted, anew if they had; for whoever adjusts the map.
+
+        Its lock is taken here. What a keyframe saw is known the better the more of the others have seen it since.
+        """
+        if self._better is not None or self._config.certain_gain <= 0.0:
+            return
+        with self._map.lock:
+            for keyframe in keyframes.tolist():
+                if keyframe >= self._first_keyframe and self._map.is_alive(keyframe):
+                    self._vote(keyframe)
+        excess = np.linalg.solve(self._prior + self._information, self._vector).astype(np.float64)
+        gain = float(2.0 * self._vector @ excess - excess @ self._information @ excess)
+        # Votes that no curve explains, of people who walk by, count less by as much as they differ.
+        spare = self._freedom - _PARAMETERS
+        if spare < _PARAMETERS:
+            return
+        gain /= max((self._square - gain) / spare, 1.0)
+        is_voted = np.diag(self._information) > _LEAST_INFORMATION
+        if not is_voted.any():
+            return
+        is_first = self._map.depth_curve.is_straight
+        needed = self._config.certain_gain if is_first else self._config.refined_gain
+        if gain > needed and np.abs(excess[is_voted]).max() > self._config.least_change:
+            self._better = self._map.depth_curve.reaching(self._farthest).then(self._knots, excess)
+
+    def apply(self) -> DepthChange | None:
+        """Correct by a curve that has become better known, also the map's depths, which then wants adjusting.
+
+        For whoever adjusts the map; its lock is taken here. Returns what has changed, if anything has.
+        """
+        with self._map.lock:
+            if self._better is None:
+                return None
+            change = DepthChange(self._map.depth_curve, self._better)
+            self._map.depth_curve, self._better = self._better, None
+            for keyframe in self._map.living_keyframes():
+                if keyframe >= self._first_keyframe:
+                    self._read_again(int(keyframe), change)
+            self._forget()
+        return change
+
+    def _forget(self) -> None:
+        """Begin to count anew: what was voted before was measured otherwise."""
+        self._votes_of: dict[int, _Votes] = {}
+        self._information = np.zeros_like(self._prior)
+        self._vector = np.zeros(len(self._knots))
+        self._square, self._freedom = 0.0, 0
+
+    def _stiffness(self) -> _Matrix:
+        """1/σ² of the excess before anything is known: none near the camera, then a random walk by distance."""
+        steps = np.diff(np.eye(len(self._knots)), axis=0) / self._config.drift
+        prior: _Matrix = steps.T @ steps
+        near = np.flatnonzero(self._knots <= self._config.anchored)
+        prior[near, near] += _FIXED
+        return prior
+
+    def _vote(self, keyframe: int) -> None:
+        before, votes = self._votes_of.pop(keyframe, None), self._votes(keyframe)
+        if before is not None:
+            self._count(before, -1.0)
+        if votes is not None:
+            self._votes_of[keyframe] = votes
+            self._count(votes, 1.0)
+
+    def _votes(self, keyframe: int) -> _Votes | None:
+        """The medians of a keyframe's points by distance; None where they are all at one."""
+        config, columns = self._config, self._map.columns
+        rows, far, share = kernels.by_pixels(
+            columns, keyframe, self._sensor.intrinsics, self._sensor.pixel_information, config.min_observers
+        )
+        known = share < config.largest_share
+        rows, far = rows[known], far[known]
+        if len(rows) < 2 * config.min_readings:
+            return None
+        excess = np.log(columns.depth[columns.keyframe_slot[keyframe], rows] / far)
+        scale = float(np.median(excess))
+        # By what pixels say and not by the reading: where little lies, readings that are wrong would be most of it.
+        metres = far * np.exp(scale)
+        at = np.floor(metres / config.knots).astype(np.int64)
+        distances = [np.flatnonzero(at == k) for k in np.unique(at)]
+        distances = [here for here in distances if len(here) >= config.min_readings]
+        if len(distances) < 2:
+            return None
+        middles = np.array([np.median(excess[here]) for here in distances])
+        counts = np.array([len(here) for here in distances])
+        return _Votes(
+            np.array([np.median(metres[here]) for here in distances]) * np.exp(middles - scale),
+            middles,
+            1.0 / (config.common_error**2 + config.reading_error**2 / counts),
+        )
+
+    def _count(self, votes: _Votes, sign: float) -> None:
+        """Add votes to what is known, or take them away; the keyframe's own scale is free."""
+        at = votes.metres / self._config.knots
+        lower = np.minimum(at.astype(np.int64), len(self._knots) - 2)
+        rows = np.zeros((len(at), len(self._knots)))
+        upper_share = np.minimum(at - lower, 1.0)
+        rows[np.arange(len(at)), lower] = 1.0 - upper_share
+        rows[np.arange(len(at)), lower + 1] = upper_share
+        weights = np.diag(votes.weights) - np.outer(votes.weights, votes.weights) / votes.weights.sum()
+        self._information += sign * (rows.T @ weights @ rows)
+        self._vector += sign * (rows.T @ weights @ votes.excess)
+        self._square += sign * float(votes.excess @ weights @ votes.excess)
+        self._freedom += int(sign) * (len(at) - 1)
+
+    def _read_again(self, keyframe: int, change: DepthChange) -> None:
+        """Correct a keyframe's depths by the new curve; points that it brought to the map move as they do."""
+        m, sensor = self._map.columns, self._sensor
+        slot = int(m.keyframe_slot[keyframe])
+        rows = np.flatnonzero(m.has_depth[slot, : m.feature_count[slot]])
+        was = m.depth[slot, rows].copy()
+        becomes = change(was)
+        points = m.point[slot, rows]
+        own = (points >= 0) & (m.first_keyframe[points] == keyframe)
+        moved = sensor.back_project(m.pixels[slot, rows[own]], becomes[own] - was[own])
+        m.position[points[own]] += moved @ m.camera_from_world[keyframe, :3, :3]
+        m.depth[slot, rows] = becomes
+        m.u_right[slot, rows] = m.pixels[slot, rows, 0] - (sensor.intrinsics[4] / becomes).astype(np.float32)
+        m.disparity_information[slot, rows] = sensor.disparity_information(becomes)
+
+
+_LEAST_INFORMATION = 1.0
+"""1/σ² of an excess, of which more is not the rounding of votes that were taken away."""
+
+_PARAMETERS = 4
+"""Of a curve: it is nearly straight up to some distance, and bends there."""
+
+_FIXED = 1e8
+"""1/σ² of an excess that is taken for none."""
