@@ -1,6 +1,8 @@
 """What it costs to watch a run: processor seconds of runs of one recording with 0, 1 and 10 watchers, in turn.
 
-    python benchmarks/watching.py RECORDING [--rounds 3] [--live] [--frames 300]
+    python benchmarks/watching.py RECORDING [--rounds 3] [--live] [--frames 300] [--space]
+
+With --space every watcher takes the room's points too, as often as there are new ones.
 
 Processor time of the run and of the page's process together; with --live also frames dropped.
 """
@@ -20,19 +22,22 @@ from pathlib import Path
 CODE = "import sys; sys.argv = ['lpslam', *sys.argv[1:]]; from lpslam.__main__ import main; main()"
 
 
-def watch(url: str, received: list[int]) -> None:
-    """Read events until the page ends."""
+def watch(url: str, received: list[int], in_space: bool) -> None:
+    """Read events until the page ends; in space, take the points at first and whenever there are new ones."""
     count = 0
     try:
         with urllib.request.urlopen(f"{url}/watch", timeout=60) as events:
-            for line in events:
+            for number, line in enumerate(events):
                 count += len(line)
+                if in_space and (number == 0 or line == b"event: points\n"):
+                    with urllib.request.urlopen(f"{url}/points", timeout=60) as points:
+                        count += len(points.read())
     except OSError:
         pass
     received.append(count)
 
 
-def once(recording: Path, watchers: int | None, options: list[str]) -> dict[str, float]:
+def once(recording: Path, watchers: int | None, options: list[str], in_space: bool) -> dict[str, float]:
     """One run, its page watched by so many; None: a run without a page."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     received: list[int] = []
@@ -47,7 +52,7 @@ def once(recording: Path, watchers: int | None, options: list[str]) -> dict[str,
                 found = re.search(r"http://[\d.:]+", process.stderr.readline())
                 assert found is not None
                 for _ in range(watchers):
-                    threading.Thread(target=watch, args=(found[0], received)).start()
+                    threading.Thread(target=watch, args=(found[0], received, in_space)).start()
             process.communicate()
         facts = subprocess.run(
             [sys.executable, "-c", CODE, "info", str(output), "--json"], capture_output=True, text=True, check=True
@@ -69,12 +74,13 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--live", action="store_true")
     parser.add_argument("--frames", type=int, default=300)
+    parser.add_argument("--space", action="store_true")
     given = parser.parse_args()
     options = ["--max-frames", str(given.frames), *(["--live"] if given.live else [])]
     found: dict[int | None, list[dict[str, float]]] = {None: [], 0: [], 1: [], 10: []}
     for _ in range(given.rounds):
         for watchers, runs in found.items():
-            runs.append(once(given.recording, watchers, options))
+            runs.append(once(given.recording, watchers, options, given.space))
     for watchers, runs in found.items():
         medians = {key: round(statistics.median(run[key] for run in runs), 2) for key in runs[0]}
         print(json.dumps({"watchers": "no page" if watchers is None else watchers, **medians}), flush=True)

@@ -58,7 +58,7 @@ ALLOWED: dict[str, set[str]] = {
     "serving": {
         "slam.state",
         *("language.model", "language.offline", "language.registry", "language.sanitise"),
-        *("language.questions.follow_up", "language.questions.phrasing"),
+        *("language.questions.follow_up", "language.questions.phrasing", "language.wishes.form"),
         *(
             "text.types",
             "text.text_map",
@@ -113,7 +113,7 @@ ALLOWED: dict[str, set[str]] = {
 HEAVY = (
     *("cv2", "numba", "scipy", "matplotlib", "rapidocr", "openvino", "onnxruntime"),
     *("pydantic_ai", "openai", "anthropic", "google.genai", "httpx", "httpx2", "lpslam.language.hosted.exchange"),
-    *("starlette", "fastapi", "uvicorn", "mcp", "rosbags", "cyclonedds", "rerun"),
+    *("starlette", "fastapi", "uvicorn", "mcp", "rosbags", "cyclonedds", "rerun", "foxglove"),
 )
 
 FILES = sorted(path for path in PACKAGE.rglob("*.py") if path != PACKAGE / "__init__.py")

@@ -31,7 +31,7 @@ from lpslam.cli_runs import (
 from lpslam.cli_serving import COMMANDS as SERVING
 from lpslam.cli_serving import unwatched, watched
 from lpslam.cli_sources import Color, Depth, From, Info, To, convert, record, sources, topics_and_span
-from lpslam.cli_watching import Mcap, Rerun, each_of, refuse_watching, watchers_of
+from lpslam.cli_watching import Foxglove, Mcap, Rerun, each_of, refuse_watching, watchers_of
 from lpslam.interruption import INTERRUPTED
 from lpslam.views.printed import (
     facts_of,
@@ -123,6 +123,7 @@ def run(
     ] = False,
     mcap: Mcap = None,
     rerun: Rerun = None,
+    foxglove: Foxglove = None,
     force: Annotated[bool, typer.Option("--force", help="Replace a map that is there already.")] = False,
     no_text: Annotated[bool, typer.Option("--no-text", help="Track and map only; read nothing.")] = False,
     max_frames: Annotated[int | None, typer.Option("--max-frames", min=1, help="Use only the first N frames.")] = None,
@@ -160,7 +161,7 @@ def run(
     refuse_overwriting(output, trajectory, continued or localize)
     if output is not None:
         refuse_old_map(output, force)
-    refuse_watching(mcap, rerun, force, localize, [source, output, continued, trajectory])
+    refuse_watching(mcap, rerun, foxglove, force, localize, [source, output, continued, trajectory])
     settings = config_of(config)
     frames = InOrder(
         open_source(source, camera, max_frames, settings.calibration, topics_and_span(color, depth, info, start, end))
@@ -184,7 +185,7 @@ def run(
         watch as feed,
         InterruptFlag() as interrupted,
         RunProgress(len(frames)) as progress,
-        watchers_of(mcap, rerun, frames) as watchers,
+        watchers_of(mcap, rerun, foxglove, frames) as watchers,
     ):
         prepare()
         world = pipeline.run(
@@ -353,7 +354,7 @@ def export(
     if html:
         from lpslam.page.building import write_page
 
-        written.append(write_page(world, folder / "page.html"))
+        written.append(write_page(world, folder / "page.html", config_of(config).page))
     if nav2 or route is not None:
         written += Guide(world, config_of(config)).export(folder, route)
     print_written(written, as_json)

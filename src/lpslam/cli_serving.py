@@ -80,10 +80,9 @@ class Served:
 def _serve(given: Served, on_ready: Callable[[str], None], *, page_first: bool = False) -> None:
     """Serve until interrupted; `on_ready` gets the address once requests are answered there.
 
-    With `page_first` the page is there before whoever answers is.
+    With `page_first` the page is there before whoever answers is loaded.
     """
     _need("starlette", "uvicorn", "fastapi", what="lpslam serve", extra="serve")
-    from lpslam.language.registry import language_model
     from lpslam.serving.http.server import Address, bound, run, url_of
     from lpslam.serving.tokens import Tokens
 
@@ -99,25 +98,21 @@ def _serve(given: Served, on_ready: Callable[[str], None], *, page_first: bool =
         raise UserError("--certificate and --key belong together: give both or neither")
     if not given.maps and given.uploads is None:
         raise UserError("what is to be served? give maps, or --uploads FOLDER for recordings")
-    language = language_model(given.llm, settings.language)
-    listening = bound(address)
-    if not page_first:
-        load_matplotlib()
+    # A hosted model may be refused, which is said before anything is served.
+    language = None if page_first and given.llm is None else _language(given, settings)
+    with bound(address) as listening:
+        if page_first:
+            from lpslam.serving.page_first import page_first as opening
 
-    from lpslam.serving.assembling import assemble
-
-    with listening:
-        app = assemble(
-            given.maps,
-            settings,
-            language,
-            address.host,
-            known,
-            given.uploads,
-            given.names,
-            given.workers,
-            load_matplotlib if page_first else None,
-        )
+            app: Any = opening(
+                given.maps[0],
+                settings,
+                address.host,
+                given.names,
+                lambda opened: _whole(given, settings, language or _language(given, settings), known, opened),
+            )
+        else:
+            app = _whole(given, settings, language, known)
         if known is not None and not address.is_loopback and given.certificate is None:
             say("tokens go over the network in the clear: give --certificate and --key, or stand behind a proxy")
         url = url_of(listening, address)
@@ -127,6 +122,30 @@ def _serve(given: Served, on_ready: Callable[[str], None], *, page_first: bool =
             on_ready(url)
 
         run(app, listening, address, settings.serving, ready)
+
+
+def _language(given: Served, settings: Any) -> Any:
+    from lpslam.language.registry import language_model
+
+    return language_model(given.llm, settings.language)
+
+
+def _whole(given: Served, settings: Any, language: Any, known: Any, opened: Any = None) -> Any:
+    """The application with everything that it answers."""
+    load_matplotlib()
+    from lpslam.serving.assembling import assemble
+
+    return assemble(
+        given.maps,
+        settings,
+        language,
+        given.host,
+        known,
+        given.uploads,
+        given.names,
+        given.workers,
+        opened,
+    )
 
 
 def view(

@@ -20,10 +20,25 @@ Mcap = Annotated[
 Rerun = Annotated[
     Path | None, typer.Option("--rerun", metavar="FILE.rrd", help="The same for Rerun's viewer; extra 'rerun'.")
 ]
+Foxglove = Annotated[
+    int | None,
+    typer.Option(
+        "--foxglove",
+        metavar="PORT",
+        min=0,
+        max=65535,
+        help="Serve the run to Foxglove's viewer on this machine while it goes; 0 for any port; extra 'foxglove'.",
+    ),
+]
 
 
 def refuse_watching(
-    mcap: Path | None, rerun: Path | None, force: bool, localize: Path | None, others: Sequence[Path | None]
+    mcap: Path | None,
+    rerun: Path | None,
+    foxglove: int | None,
+    force: bool,
+    localize: Path | None,
+    others: Sequence[Path | None],
 ) -> None:
     """What is written while a run goes replaces nothing unasked, and no other file of the run."""
     from importlib.util import find_spec
@@ -42,6 +57,10 @@ def refuse_watching(
         taken.append(path.resolve())
     if rerun is not None and find_spec("rerun") is None:
         raise MissingExtraError("--rerun", "rerun")
+    if foxglove is not None and localize is not None:
+        raise UserError("--localize and --foxglove exclude each other: nothing is mapped")
+    if foxglove is not None and find_spec("foxglove") is None:
+        raise MissingExtraError("--foxglove", "foxglove")
 
 
 def each_of(*takers: Callable[..., Any]) -> Callable[..., None]:
@@ -54,7 +73,7 @@ def each_of(*takers: Callable[..., Any]) -> Callable[..., None]:
     return take
 
 
-def watchers_of(mcap: Path | None, rerun: Path | None, frames: "FrameSource") -> "Watchers":
+def watchers_of(mcap: Path | None, rerun: Path | None, foxglove: int | None, frames: "FrameSource") -> "Watchers":
     """Who watches the run, as was asked for."""
     from lpslam.watching.watchers import Watcher, Watchers
 
@@ -67,4 +86,10 @@ def watchers_of(mcap: Path | None, rerun: Path | None, frames: "FrameSource") ->
         from lpslam.watching.rerun_file import RerunWatcher
 
         watchers.append(RerunWatcher(rerun, frames.camera, frames.name))
+    if foxglove is not None:
+        from lpslam.watching.foxglove_server import ServerWatcher
+
+        server = ServerWatcher(foxglove, frames.camera, frames.name)
+        watchers.append(server)
+        say(f"Foxglove can connect to {server.url}")
     return Watchers(watchers, say)

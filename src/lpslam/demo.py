@@ -77,7 +77,7 @@ def run_demo(
 
     truth = StampedPoses(source.ground_truth.timestamps, source.ground_truth.world_from_camera)
     scores = evaluate(world, truth, true_signs(source), len(source), config.evaluation)
-    page = write_page(world, folder / "page.html")
+    page = write_page(world, folder / "page.html", config.page)
     draw_language_map(world, folder / "map.png")
     draw_score_histories(world, folder / "memory.png")
     draw_trajectories(folder / "trajectory.png", truth, world.frame_poses(), scores.ate, title=source.name)

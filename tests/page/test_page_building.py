@@ -9,8 +9,10 @@ from pathlib import Path
 
 import pytest
 
+from lpslam.config import PageConfig
 from lpslam.errors import UserError
 from lpslam.page.building import LANGUAGES, growing_page, page_of, policy, write_page
+from lpslam.page.record import room_points
 from lpslam.slam.state import EventKind, TrackingState
 from small_maps import small_map, with_floor
 
@@ -18,23 +20,27 @@ HOSTILE = "</script><img src=x onerror=alert(1)>"
 
 
 class Seen(HTMLParser):
-    """The tags of a page, and what its scripts and styles hold."""
+    """The tags of a page, what its scripts and styles hold, and what of that the browser runs."""
 
     def __init__(self, page: str) -> None:
         super().__init__()
         self.tags: list[str] = []
         self.held: list[tuple[str, str]] = []
+        self.run: list[tuple[str, str]] = []
+        self.is_run = False
         self.policy = ""
         self.feed(page)
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         self.tags.append(tag)
+        self.is_run = tag == "style" or (tag == "script" and "type" not in dict(attrs))
         if dict(attrs).get("http-equiv") == "Content-Security-Policy":
             self.policy = dict(attrs)["content"] or ""
 
     def handle_data(self, data: str) -> None:
         if self.tags and self.tags[-1] in ("script", "style") and data.strip():
             self.held.append((self.tags[-1], data))
+            self.run += [(self.tags[-1], data)] if self.is_run else []
 
 
 def data_of(page: str) -> dict[str, object]:
@@ -48,7 +54,9 @@ def test_a_sign_that_is_markup_is_text() -> None:
     page = page_of(small_map(signs=("KFC", HOSTILE)), live=False)
     seen = Seen(page)
     assert "img" not in seen.tags
-    assert seen.tags.count("script") == 2
+    # The data, the points and the program.
+    assert seen.tags.count("script") == 3
+    assert len(seen.run) == 2
     assert HOSTILE not in page
     names = [sign["name"] for sign in data_of(page)["signs"]]  # type: ignore[attr-defined]
     assert "KFC" in names
@@ -63,10 +71,9 @@ def test_the_policy_allows_the_pages_own_style_and_script_and_nothing_else() -> 
         assert rules["default-src"] == "'none'"
         assert rules["img-src"] == "data:"
         assert rules.get("connect-src") == ("'self'" if live else None)
-        for tag, held in seen.held:
+        for tag, held in seen.run:
             digest = base64.b64encode(hashlib.sha256(held.encode()).digest()).decode()
-            if not held.startswith("{"):
-                assert rules[f"{tag}-src"] == f"'sha256-{digest}'"
+            assert rules[f"{tag}-src"] == f"'sha256-{digest}'"
 
 
 def test_no_address_stands_in_the_page() -> None:
@@ -84,6 +91,22 @@ def test_the_ground_is_a_picture_and_all_languages_have_all_words() -> None:
     assert tuple(words) == LANGUAGES
     assert len({frozenset(each) for each in words.values()}) == 1
     assert data_of(page_of(small_map(), live=False))["picture"] == ""
+
+
+def test_a_file_has_its_ground_and_points_within_it_and_a_server_gives_them_later() -> None:
+    world = with_floor(small_map())
+    alone, beside = page_of(world, live=False), page_of(world, live=True)
+    ground = data_of(alone)["ground"]
+    assert isinstance(ground, dict)
+    # The camera stands 1.2 m over the floor, at the origin.
+    assert abs(ground["height"] + 1.2) < 0.05
+    left, bottom, right, top = ground["extent"]
+    assert left < 3 < right
+    assert bottom < 0 < top
+    (points,) = [held for tag, held in Seen(alone).held if tag == "script" and not held.startswith(("{", '"'))]
+    assert base64.b64decode(points) == room_points(world, PageConfig().file_points, PageConfig()).content()
+    assert "ground" not in data_of(beside)
+    assert not [held for tag, held in Seen(beside).held if tag == "script" and not held.startswith(("{", '"'))]
 
 
 def test_a_file_that_cannot_be_written_is_said(tmp_path: Path) -> None:

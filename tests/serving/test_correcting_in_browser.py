@@ -62,7 +62,7 @@ def test_a_sign_is_renamed_merged_judged_and_hidden_and_all_is_taken_back(
         page.keyboard.press("Enter")
         until(page, "document.querySelector('#by-hand summary').textContent.includes('(1)')")
         assert names(path)[0] == HOSTILE
-        assert page.locator("#signs button").first.inner_text() == HOSTILE
+        until(page, f"document.querySelector('#signs button').textContent === '{HOSTILE}'")
         assert page.locator("#card h2").inner_text() == HOSTILE
         assert page.locator("img").count() == 0
         # Whoever looks on sees it too.
@@ -113,10 +113,31 @@ def test_and_another_one_means_what_was_asked_before(browser: Any, viewed: tuple
     _, url = viewed
     with shown(browser, url, own=url, locale="en-US") as page:
         answers = []
-        for number, question in enumerate(("Where can I eat?", "and another one?")):
+        for number, question in enumerate(("Where is a restaurant?", "and another one?")):
             page.fill("#question", question)
             page.press("#question", "Enter")
             until(page, f"(document.querySelectorAll('#log .answer')[{number}]?.textContent ?? '…') !== '…'", 60)
             answers.append(page.evaluate("lpslamPage.chosen()"))
-        assert None not in answers
+        assert None not in answers, page.locator("#log").inner_text()
         assert answers[0] != answers[1]
+
+
+def test_what_was_understood_is_opened_and_corrected(browser: Any, viewed: tuple[Path, str]) -> None:
+    _, url = viewed
+    with shown(browser, url, own=url, locale="en-US") as page:
+        page.fill("#question", "Where is the nearest restaurant?")
+        page.press("#question", "Enter")
+        until(page, "lpslamPage.chosen() === 1000", 60)
+        until(page, "lpslamPage.way() > 1")
+        assert page.evaluate("lpslamPage.goal()") is not None
+        page.locator(".understood summary").click()
+        assert "nearest" in page.locator(".understood").inner_text()
+        # Another place is chosen, and the way leads there.
+        page.locator(".understood .tools button", has_text="KFC").click()
+        until(page, "lpslamPage.chosen() === 3000")
+        until(page, "lpslamPage.goal() !== null")
+        # Without the constraint the surest is named, in place of the first answer.
+        page.get_by_label("Take out: which nearest").click()
+        until(page, "document.querySelector('#log .answer').textContent.startsWith('KFC')", 60)
+        assert page.locator("#log .answer").count() == 1
+        assert page.get_by_label("Take out: which nearest").count() == 0

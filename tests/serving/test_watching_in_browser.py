@@ -69,6 +69,12 @@ def test_labels_appear_as_they_are_found_and_questions_are_answered(run: Run) ->
         assert "Schlüsselbilder" in page.locator("#counts").inner_text()
         page.locator("#happened summary").click()
         assert page.locator("#happened li").last.locator("span").first.inner_text() == "Karte begonnen"
+        # In space as well: points of the room so far, the camera, and a view through its lens.
+        page.locator("#in-space").click()
+        until(page, "lpslamPage.points() > 1000", 60)
+        page.locator("#lens").click()
+        until(page, "document.getElementById('lens').getAttribute('aria-pressed') === 'true'")
+        page.locator("#as-plan").click()
         page.locator("#signs button").first.click()
         page.locator("#card button", has_text="Umbenennen").click()
         page.fill("#card input", "Zum <b>goldenen</b> Hirsch")

@@ -2,12 +2,13 @@ import json
 from collections.abc import Sequence
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera
-from lpslam.config import ReadingConfig, TextConfig
+from lpslam.config import ReadingConfig, SightingConfig, TextConfig
 from lpslam.errors import UserError
 from lpslam.frames import RgbdFrame
 from lpslam.language.model import Candidate, Choice, Judgement, Naming, Reading
@@ -105,6 +106,18 @@ def test_a_sign_looked_at_for_a_second_becomes_a_landmark_in_its_place() -> None
     assert landmark.observations == settled
     assert landmark.variants == {"GUCCI": settled}
     assert landmark.is_landmark is None
+
+
+def test_the_map_keeps_what_a_sign_looked_like_beside_what_is_looked_at_again() -> None:
+    mapper = run(TextMapper(CAMERA, ScriptedSpotter((box(100, 200), "GUCCI", 0.98)), CONFIG))
+    mapper.text_map.crops.drop([0])
+    (kept,) = mapper.text_map.sightings.by_class[0]
+    picture = cv2.imdecode(np.frombuffer(kept.jpeg, np.uint8), cv2.IMREAD_COLOR)
+    # The box is 120 by 30 pixels, and as many as its letters are high are around it.
+    assert picture.shape[:2] == pytest.approx((90, 180), abs=2)
+    assert kept.position == pytest.approx([(160 - 320) / 570 * 2, (215 - 240) / 570 * 2, 2.0], abs=1e-6)
+    off = CONFIG.model_copy(update={"sightings": SightingConfig(enabled=False)})
+    assert len(run(TextMapper(CAMERA, ScriptedSpotter((box(100, 200), "GUCCI", 0.98)), off)).text_map.sightings) == 0
 
 
 def test_a_third_of_a_second_is_enough_and_a_glimpse_is_not() -> None:

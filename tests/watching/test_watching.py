@@ -27,7 +27,8 @@ from lpslam.sources.open import open_source
 from lpslam.sources.writing.messages import json_schema
 from lpslam.text.types import BoxFate, Landmark
 from lpslam.watching import foxglove
-from lpslam.watching.mcap_file import TOPICS, McapWatcher
+from lpslam.watching.mcap_file import McapWatcher
+from lpslam.watching.telling import TOPICS
 from lpslam.watching.watchers import Watchers
 from small_maps import CAMERA, small_map, with_floor
 

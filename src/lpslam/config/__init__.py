@@ -10,6 +10,7 @@ from pydantic import Field, PositiveFloat, ValidationError
 
 from lpslam.config.calibrating import CalibratingConfig
 from lpslam.config.ground import GroundConfig, WayConfig
+from lpslam.config.page import PageConfig
 from lpslam.config.robots import RobotConfig
 from lpslam.config.section import Section
 from lpslam.config.serving import JobsConfig, ServingConfig, WatchingConfig
@@ -37,6 +38,7 @@ from lpslam.config.text import (
     PlacementConfig,
     ReadingConfig,
     SecondLookConfig,
+    SightingConfig,
     SpottingConfig,
     TextConfig,
 )
@@ -64,6 +66,7 @@ __all__ = [
     "LoopConfig",
     "MappingConfig",
     "MemoryConfig",
+    "PageConfig",
     "PlacementConfig",
     "PlacesConfig",
     "ReadingConfig",
@@ -72,6 +75,7 @@ __all__ = [
     "SensorNoiseConfig",
     "ServingConfig",
     "ShutterConfig",
+    "SightingConfig",
     "SimulationConfig",
     "SlamConfig",
     "SpottingConfig",
@@ -284,6 +288,8 @@ class Config(Section):
     live: LiveConfig = LiveConfig()
 
     serving: ServingConfig = ServingConfig()
+
+    page: PageConfig = PageConfig()
 
     robots: RobotConfig = RobotConfig()
 

@@ -235,6 +235,25 @@ class SecondLookConfig(Section):
     share: float = Field(default=0.15, ge=0)
 
 
+class SightingConfig(Section):
+    """Pictures of texts as they were seen best, kept in the map for whoever wants to see a sign."""
+
+    # Whether they are kept.
+    enabled: bool = True
+    # Sightings of a class: of the places at which it may stand, and from two sides.
+    of_class: int = Field(default=3, ge=1)
+    # Times as large as the worst that is kept, from which one is kept instead: steps that an eye sees.
+    better: float = Field(default=1.15, ge=1.0)
+    # Letter heights around a text that are in its picture: the board, and what it hangs on.
+    margin: float = Field(default=1.0, ge=0.0)
+    # Pixels to a side at most: as wide as a card on a fine screen.
+    width: int = Field(default=480, ge=16, le=4096)
+    # Of JPEG: letters stay sharp, and a picture is about 15 KB.
+    quality: int = Field(default=85, ge=1, le=100)
+    # Bytes of all: some hundred boards.
+    all_bytes: int = Field(default=1 << 23, ge=1)
+
+
 class TextConfig(Section):
     """Reading and remembering (III-B to III-H)."""
 
@@ -245,3 +264,4 @@ class TextConfig(Section):
     instances: InstanceConfig = InstanceConfig()
     advice: AdviceConfig = AdviceConfig()
     again: SecondLookConfig = SecondLookConfig()
+    sightings: SightingConfig = SightingConfig()

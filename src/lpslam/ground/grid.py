@@ -1,6 +1,5 @@
 """The occupancy grid: what is ground, what stands in the way, and what nobody has seen."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import cv2
@@ -11,10 +10,9 @@ from lpslam.camera import transform_points
 from lpslam.config import GroundConfig
 from lpslam.ground import kernels
 from lpslam.ground.floor import floor_levels, floors_below, height_noise
-from lpslam.ground.scans import Scans
+from lpslam.ground.scans import Pose, Scans
 
 Array = NDArray[np.float64]
-Pose = Callable[[int], Array | None]
 
 UNKNOWN, FREE, OCCUPIED = -1, 0, 100
 """Values of cells, as in ROS's nav_msgs/OccupancyGrid."""

@@ -16,6 +16,8 @@ from lpslam.camera import PinholeCamera, transform_points
 from lpslam.small_depth import SmallDepth
 
 Array = NDArray[np.float64]
+Pose = Callable[[int], Array | None]
+"""From a keyframe to its 4×4 pose in the map frame; None where it has no place there."""
 
 _MILLIMETRES = 1000.0
 _FARTHEST = 65.0  # metres: what sixteen bits of millimetres hold

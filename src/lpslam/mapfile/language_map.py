@@ -21,6 +21,7 @@ from lpslam.slam.state import EventKind, SlamEvent
 from lpslam.slam.trajectory import Trajectory
 from lpslam.text.again.crops import CropStore
 from lpslam.text.correcting.corrections import Corrections
+from lpslam.text.sightings import SightingStore
 from lpslam.text.text_map import TextMap
 from lpslam.text.types import Landmark
 
@@ -79,19 +80,19 @@ class LanguageMap:
         if self.scans is None or not len(self.scans):
             return None
         _, poses = self.trajectory.world_from_camera(self.slam)
-        return build_grid(self.scans, self._pose_of_scan, config or GroundConfig(), poses[:, :3, 3])
+        return build_grid(self.scans, self.pose_of_scan, config or GroundConfig(), poses[:, :3, 3])
 
     def coloured_cloud(self) -> tuple[NDArray[np.float64], NDArray[np.uint8]]:
         """(n, 3) points of all scans, metres, map frame, and their (n, 3) red, green, blue."""
         if self.scans is None:
             return np.empty((0, 3)), np.empty((0, 3), np.uint8)
-        return self.scans.cloud(self._pose_of_scan)
+        return self.scans.cloud(self.pose_of_scan)
 
     def room_from_above(self) -> tuple[NDArray[np.float64], NDArray[np.uint8]]:
         """As `coloured_cloud`, lowest first and without what a ceiling would hide the room with."""
         return room_from_above(*self.coloured_cloud(), self.frame_poses().positions)
 
-    def _pose_of_scan(self, keyframe: int) -> NDArray[np.float64] | None:
+    def pose_of_scan(self, keyframe: int) -> NDArray[np.float64] | None:
         """4×4 of a keyframe that the map still has."""
         is_there = 0 <= keyframe < self.slam.keyframe_count and self.slam.is_alive(keyframe)
         return self.world_from_keyframe(keyframe) if is_there else None
@@ -105,6 +106,8 @@ class LanguageMap:
         arrays: dict[str, NDArray[Any]] = {f"slam.{name}": array for name, array in self.slam.to_arrays().items()}
         arrays |= {f"trajectory.{name}": array for name, array in self.trajectory.to_arrays().items()}
         arrays |= {f"crops.{name}": array for name, array in self.text.crops.to_arrays().items()}
+        pictures = self.text.sightings.to_arrays(self.text.is_remembered)
+        arrays |= {f"sightings.{name}": array for name, array in pictures.items()}
         if self.scans is not None:
             kept = [each for each in self.scans.keyframes if self.slam.is_alive(each)]
             arrays |= {f"scans.{name}": array for name, array in self.scans.to_arrays(kept).items()}
@@ -132,6 +135,8 @@ class LanguageMap:
             run = contents.documents["run"]
             text = TextMap.from_document(contents.documents["text"])
             text.crops = CropStore.from_arrays(_part(contents.arrays, "crops."), text.config.again)
+            pictures = _part(contents.arrays, "sightings.")
+            text.sightings = SightingStore.from_arrays(pictures, text.config.sightings)
             if "corrections" in contents.documents:
                 text.corrections = Corrections.from_document(contents.documents["corrections"])
             lens = PinholeCamera(**camera)

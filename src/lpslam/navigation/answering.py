@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from lpslam.language.model import LanguageModel
 from lpslam.language.offline import OfflineModel, embedded_model
+from lpslam.language.wishes.form import Wish
 from lpslam.language.wishes.model_scoring import ModelScorer
 from lpslam.language.wishes.served import Scorer
 from lpslam.navigation.directory import Directory
@@ -19,6 +20,7 @@ def answer_wish(
     here: Here,
     ways: Distances | None = None,
     history: Sequence[tuple[str, str]] = (),
+    wish: Wish | None = None,
 ) -> Solution:
     """Read a question into a wish and answer it by the landmarks of a map.
 
@@ -31,10 +33,11 @@ def answer_wish(
         here: where the asker stands.
         ways: distances; straight without.
         history: (question, answer) of the dialogue so far, for a model that converses.
+        wish: what the question means, where somebody has said that; the question is not read then.
     """
     known = landmarks if isinstance(landmarks, Directory) else Directory(landmarks)
     embedded = language if isinstance(language, OfflineModel) else embedded_model()
-    wish = embedded.read_wish(question)
+    wish = wish or embedded.read_wish(question)
     scorer: Scorer
     if embedded is language:
         scorer = embedded.scorer(known.candidates)

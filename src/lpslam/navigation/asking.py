@@ -95,6 +95,7 @@ def answer(
     heading: float | None,
     excluded: Collection[int] = (),
     history: Sequence[tuple[str, str]] = (),
+    wish: Wish | None = None,
 ) -> Answer:
     """As `ask`, of a map whose landmarks and last view are in hand.
 
@@ -103,6 +104,7 @@ def answer(
         landmarks: of the map; a `Directory` of them, where many questions are asked.
         view: where the camera was last, (3,) map frame, and its heading in radians.
         language, position, heading, excluded, history: as in `ask`.
+        wish: what the question means, where somebody has said that.
 
     Raises:
         UserError: the question is empty.
@@ -115,7 +117,7 @@ def answer(
         heading = looked if heading is None else heading
     else:
         here = np.concatenate([position, here[len(position) :]])
-    solution = answer_wish(question, known, language or embedded_model(), Here(here, heading), history=history)
+    solution = answer_wish(question, known, language or embedded_model(), Here(here, heading), None, history, wish)
     by_id = known.by_id
     last = solution.stops[-1]
     chosen = by_id[last.place.id] if last.place is not None else None

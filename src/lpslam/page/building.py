@@ -12,37 +12,54 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from lpslam.config import PageConfig
 from lpslam.errors import UserError
 from lpslam.language.languages import LANGUAGES
 from lpslam.mapfile.language_map import LanguageMap
-from lpslam.page.record import empty_record, map_record
+from lpslam.page.record import empty_record, ground_record, map_record, room_points
+from lpslam.page.signs import sign_pictures
 
-SCRIPTS = ("common", "plan", "moving", "correcting", "signs", "asking", "memory", "growing", "start")
+SCRIPTS = (
+    *("common", "plan", "lenses", "painting", "points", "plates", "space", "moving", "replay"),
+    *("correcting", "signs", "wishes", "asking", "memory", "growing", "start"),
+)
 """The parts of the page's program: each uses what those before it define."""
 
 
-def write_page(world: LanguageMap, out: Path) -> Path:
+def write_page(world: LanguageMap, out: Path, config: PageConfig | None = None) -> Path:
     """Write a page that needs no server: it shows the map, and finds signs by name.
+
+    Args:
+        world: the map.
+        out: the file.
+        config: how much of it is shown.
 
     Raises:
         UserError: the file cannot be written.
     """
     try:
-        out.write_text(page_of(world, live=False), encoding="utf-8")
+        out.write_text(page_of(world, live=False, config=config), encoding="utf-8")
     except OSError as error:
         raise UserError(f"page {out} cannot be written ({error.strerror}); choose another place") from error
     return out
 
 
-def page_of(world: LanguageMap, *, live: bool, name: str = "") -> str:
+def page_of(world: LanguageMap, *, live: bool, name: str = "", config: PageConfig | None = None) -> str:
     """The page as text.
 
     Args:
         world: the map.
-        live: whether a server beside it answers questions.
+        live: whether a server beside it answers questions, and tells what of the map comes later.
         name: of the map, as the server knows it.
+        config: how much of it is shown.
     """
-    return _page({**map_record(world), "name": name, "live": live, "grows": False}, live)
+    record = {**map_record(world, soon=live), "name": name, "live": live, "grows": False}
+    if live:
+        return _page(record, live)
+    config = config or PageConfig()
+    points = room_points(world, config.file_points, config)
+    alone = {"ground": ground_record(world), "pictures": sign_pictures(world, config.file_picture_bytes, config)}
+    return _page({**record, **alone}, live, points.text())
 
 
 def growing_page(title: str) -> str:
@@ -50,11 +67,12 @@ def growing_page(title: str) -> str:
     return _page({**empty_record(title), "name": "", "live": True, "grows": True}, live=True)
 
 
-def _page(record: dict[str, Any], live: bool) -> str:
+def _page(record: dict[str, Any], live: bool, points: str = "") -> str:
     parts = {
         "@policy@": policy(live),
         "@style@": _asset("page.css"),
         "@script@": _script(),
+        "@points@": points,
         "@data@": _as_json({**record, "words": _words()}),
     }
     page = _asset("page.html")

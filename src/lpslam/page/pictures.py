@@ -6,10 +6,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.ground.grid import Grid
+from lpslam.ground.grid import FREE, OCCUPIED, Grid
 from lpslam.ground.raster import room_image
 
 Array = NDArray[np.float64]
+
+_FREE_COLOUR, _OCCUPIED_COLOUR = (90, 150, 110, 60), (100, 108, 120, 150)
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,6 +25,34 @@ class RoomPicture:
 
     png: bytes
     extent: tuple[float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class GroundPicture:
+    """Ground to walk on and what stands in the way, from above.
+
+    Attributes:
+        png: a pixel a cell; what is not known is transparent.
+        extent: its left, bottom, right and top in metres, map frame.
+        height: metres, of the ground, where most of it lies.
+    """
+
+    png: bytes
+    extent: tuple[float, float, float, float]
+    height: float
+
+
+def ground_picture(grid: Grid) -> GroundPicture | None:
+    """The picture of a grid; None where nothing of it is ground."""
+    known = grid.heights[np.isfinite(grid.heights)]
+    if not len(known):
+        return None
+    image = np.zeros((*grid.shape, 4), np.uint8)
+    image[grid.values == FREE], image[grid.values == OCCUPIED] = _FREE_COLOUR, _OCCUPIED_COLOUR
+    _, png = cv2.imencode(".png", cv2.cvtColor(image[::-1], cv2.COLOR_RGBA2BGRA), [cv2.IMWRITE_PNG_COMPRESSION, 9])
+    (left, bottom), (rows, columns) = grid.origin, grid.shape
+    extent = left, bottom, left + columns * grid.resolution, bottom + rows * grid.resolution
+    return GroundPicture(png.tobytes(), extent, float(np.median(known)))
 
 
 def picture_of(cloud: Array, colours: NDArray[np.uint8], grid: Grid | None, compression: int = 9) -> RoomPicture | None:

@@ -1,7 +1,7 @@
 """A server put together from what the command line says."""
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from lpslam.config import Config
@@ -16,6 +16,7 @@ from lpslam.serving.http.services import Services
 from lpslam.serving.http.shield import Door, Shield, allowed_hosts
 from lpslam.serving.hub import Hub
 from lpslam.serving.jobs.queue import Jobs
+from lpslam.serving.page_first import Opened
 from lpslam.serving.tokens import Tokens
 
 _WORKERS = 2  # processes that answer, where there are as many cores
@@ -30,7 +31,7 @@ def assemble(
     uploads: Path | None,
     names: Sequence[str],
     workers: int | None,
-    after_page: Callable[[], object] | None = None,
+    opened: Opened | None = None,
 ) -> Shield:
     """The application for some maps.
 
@@ -43,14 +44,15 @@ def assemble(
         uploads: folder for uploads; None where none are taken.
         names: other names of the server.
         workers: processes that answer; of a model that is not the embedded one, threads do.
-        after_page: given where somebody waits for the page of the first map: that is made first, then this is called,
-            in a thread, and only then begins who answers. Without, all is ready before the first request.
+        opened: what is open already of one of the maps.
 
     Raises:
         UserError: a map cannot be read, two have one name, or uploads cannot be kept.
     """
     limits = config.serving
-    atlas = Atlas([*maps, *(Jobs.kept_maps(uploads) if uploads is not None else ())])
+    atlas = Atlas(())
+    for path in [*maps, *(Jobs.kept_maps(uploads) if uploads is not None else ())]:
+        atlas.add(path, read=opened.read if opened is not None and path == opened.path else None)
     longest = config.language.question_length
     count = min(_WORKERS, os.cpu_count() or 1) if workers is None else workers
     answerer: Answerer
@@ -58,13 +60,8 @@ def assemble(
         answerer = ProcessAnswerer(count, longest, limits.waiting_questions, limits.answer_s, limits.answers_kept)
     else:
         answerer = ThreadAnswerer(language, longest, limits.waiting_questions)
-    pages = Pages(_finder(atlas))
-
-    def page_first() -> None:
-        if after_page is not None:
-            pages.text(None)
-            after_page()
-
+    pages = Pages(_finder(atlas), config.page) if opened is None else opened.pages
+    pages.find = _finder(atlas)
     services = Services(
         atlas,
         answerer,
@@ -72,7 +69,6 @@ def assemble(
         config,
         uploads,
         language=language,
-        before_answers=None if after_page is None else page_first,
     )
     door = Door(allowed_hosts(host, names), tokens, limits, streams=frozenset({"/jobs"}))
     # A browser cannot give a token with a page's first request.

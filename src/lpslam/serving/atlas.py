@@ -1,7 +1,5 @@
 """The maps that are served: by name, and anew when their files are replaced."""
 
-import hashlib
-import re
 import threading
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -17,8 +15,7 @@ from lpslam.mapfile.export import landmark_record
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.navigation.asking import last_view
 from lpslam.navigation.directory import Directory
-
-_LONGEST_NAME = 60  # letters
+from lpslam.serving.map_files import file_version, map_name, read_version
 
 
 class NoSuchMapError(UserError):
@@ -64,21 +61,6 @@ def folded(text: str) -> str:
     return "\n".join(clean_text(line).casefold() for line in text.split("\n"))
 
 
-def map_name(path: Path) -> str:
-    """The name under which a map's file is served: its own, of letters that need no quoting in an address."""
-    return re.sub(r"[^\w.-]+", "-", path.stem)[:_LONGEST_NAME].strip(".-") or "map"
-
-
-def file_version(path: Path) -> str:
-    """What changes when a file is replaced or written.
-
-    Raises:
-        OSError: there is none.
-    """
-    at = path.stat()
-    return hashlib.sha256(f"{at.st_ino} {at.st_size} {at.st_mtime_ns}".encode()).hexdigest()[:12]
-
-
 class Atlas:
     """The maps that are served, by name; safe in threads.
 
@@ -100,8 +82,13 @@ class Atlas:
         for path in paths:
             self.add(path)
 
-    def add(self, path: Path, name: str | None = None) -> ServedMap:
+    def add(self, path: Path, name: str | None = None, read: tuple[str, LanguageMap] | None = None) -> ServedMap:
         """Serve one more map.
+
+        Args:
+            path: its file.
+            name: under which; the file's own without.
+            read: the version of the file and the map, where somebody has read it.
 
         Raises:
             UserError: it cannot be read, or its name is taken.
@@ -109,7 +96,7 @@ class Atlas:
         name = name or map_name(path)
         if name in self._paths:
             raise UserError(f"{path} and {self._paths[name]} would both be served as {name}: rename one of them")
-        found = _read(name, path)
+        found = _read(name, path) if read is None else served(name, *read)
         with self._changing:
             self._paths[name], self._maps = path, {**self._maps, name: found}
         return found
@@ -187,18 +174,7 @@ class Atlas:
 
 
 def _read(name: str, path: Path) -> ServedMap:
-    while True:
-        try:
-            version = file_version(path)
-        except OSError as error:
-            raise UserError(f"map {path} cannot be read ({error.strerror or error})") from error
-        found = served(name, version, LanguageMap.load(path))
-        try:
-            if file_version(path) == version:
-                return found
-        except OSError:
-            # It was read whole, and is gone since.
-            return found
+    return served(name, *read_version(path))
 
 
 def _line(error: Exception) -> str:

@@ -1,14 +1,17 @@
 """A question as every face takes it, and the answer as `lpslam ask --json` gives it."""
 
+import json
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lpslam.errors import UserError
 from lpslam.language.model import LanguageModel
 from lpslam.language.offline import OfflineModel, embedded_model
 from lpslam.language.questions.follow_up import follow_up
+from lpslam.language.wishes.form import Wish
 from lpslam.navigation.asking import answer
 from lpslam.navigation.directory import Directory
 from lpslam.views.answers import answer_record, answer_text
@@ -24,6 +27,7 @@ class Asked:
         position: metres, map frame, (x, y) or (x, y, z), where the asker stands; where the camera was last without.
         heading: degrees counter-clockwise from the map's x axis, which way the asker looks.
         excluded: ids of landmarks that were named before.
+        wish: what the question means, where the asker has corrected what was understood: JSON, as `wish_text` gives it.
     """
 
     question: str
@@ -31,6 +35,7 @@ class Asked:
     position: tuple[float, ...] | None = None
     heading: float | None = None
     excluded: tuple[int, ...] = ()
+    wish: str | None = None
 
 
 class Known(Protocol):
@@ -57,10 +62,39 @@ class Known(Protocol):
         ...
 
 
+_MOST_STOPS = 24  # of a wish that somebody sends, those within others among them: no question has as many
+
+
+def wish_text(document: Any) -> str:
+    """A wish that was sent, as `Asked` has it.
+
+    Raises:
+        UserError: it is none, or has too many stops.
+    """
+    try:
+        wish = Wish.from_document(document)
+    except ValueError as error:
+        raise UserError(f"wish: {' '.join(str(error).split())[:200]}; send one as an answer has it") from error
+    if not len(wish.stops) > 0 or _stops(document) > _MOST_STOPS:
+        raise UserError(f"wish: it may have 1 to {_MOST_STOPS} stops, those within others among them")
+    return json.dumps(wish.to_document(), separators=(",", ":"))
+
+
+def _stops(tree: Any) -> int:
+    """How many stops there are in a part of a wish."""
+    if isinstance(tree, dict):
+        return ("what" in tree) + sum(map(_stops, tree.values()))
+    return sum(map(_stops, tree)) if isinstance(tree, list | tuple) else 0
+
+
+def _wish_of(asked: Asked) -> Wish | None:
+    return None if asked.wish is None else Wish.from_document(json.loads(asked.wish))
+
+
 def understood(asked: Asked, language: LanguageModel) -> dict[str, Any]:
     """What is understood of a question, before any map is looked at."""
     model = language if isinstance(language, OfflineModel) else embedded_model()
-    wish = model.read_wish(follow_up(asked.question, asked.before).question)
+    wish = _wish_of(asked) or model.read_wish(follow_up(asked.question, asked.before).question)
     return {"wish": wish.to_document(), "words": str(wish)}
 
 
@@ -86,6 +120,7 @@ def answered(asked: Asked, served: Known, language: LanguageModel, longest: int)
         None if asked.position is None else np.array(asked.position, dtype=np.float64),
         None if asked.heading is None else float(np.radians(asked.heading)),
         named,
+        wish=_wish_of(asked),
     )
     notes = []
     if len(asked.question) > longest:

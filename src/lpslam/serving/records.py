@@ -50,6 +50,9 @@ class Question(Inward):
     excluded: Annotated[list[LandmarkId], Field(max_length=200)] = Field(
         default_factory=list, description="Landmarks that were named before, for “and another one?”."
     )
+    wish: dict[str, Any] | None = Field(
+        None, description="What the question means, as an answer's `wish` with what was misunderstood put right."
+    )
 
 
 class Destination(Inward):

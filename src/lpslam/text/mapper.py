@@ -28,6 +28,7 @@ from lpslam.text.remembering.memory import Pool, TextClass
 from lpslam.text.remembering.naming import BesideNaming, name_class, needs_name, rename_class
 from lpslam.text.remembering.similarity import comparison_key
 from lpslam.text.remembering.waiting import CutText, WaitingTexts
+from lpslam.text.sightings import Sighting, pictured
 from lpslam.text.sorting import NOWHERE, BoxSorter
 from lpslam.text.text_map import TextMap
 from lpslam.text.types import FrameReading, Placement, SpottedText, TextObservation, TextStatistics
@@ -154,6 +155,7 @@ class TextMapper:
             is_new |= text_class.count < self._config.reading.settled_sightings
             if placement is not None:
                 self._keep_crop(text_class, frame, tracked.keyframe, tracked.keyframe_from_camera, text, glance)
+                self._keep_picture(text_class, frame, tracked.keyframe, text, placement, glance)
                 if self._sorter.is_sure(placement):
                     self._on_sighting(text_class.id, observation)
                 observations.append(observation)
@@ -218,6 +220,22 @@ class TextMapper:
         seen = SeenSize(glance.height, glance.frontal)
         crop = Crop(frame.timestamp, keyframe, keyframe_from_camera.copy(), left, top, rgb, seen)
         text_map.crops.keep(text_class.id, crop, text_map.is_unsure)
+
+    def _keep_picture(
+        self,
+        text_class: TextClass,
+        frame: RgbdFrame,
+        keyframe: int,
+        text: SpottedText,
+        placement: Placement,
+        glance: Glance,
+    ) -> None:
+        """Keep what a text looks like where it is seen better than before."""
+        store, seen = self.text_map.sightings, SeenSize(glance.height, glance.frontal).effective
+        if store.config.enabled and store.wants(text_class.id, keyframe, seen):
+            jpeg = pictured(frame.rgb, text.box, text.letter_height, store.config)
+            sighting = Sighting(keyframe, placement.position, seen, jpeg)
+            store.keep(text_class.id, sighting, self.text_map.is_remembered)
 
     def look_again(self, world_from_keyframe: KeyframePoses, should_stop: Callable[[], bool] = lambda: False) -> None:
         """Look once more at texts whose names are unsure, for a set share of what reading has searched."""

@@ -22,6 +22,7 @@ from lpslam.text.placing.instances import KeyframePoses
 from lpslam.text.placing.places import PLACES_OF_A_CLASS, Place, places_of_class
 from lpslam.text.remembering.memory import LongShortTermMemory, TextClass
 from lpslam.text.schema import refuse_other_document
+from lpslam.text.sightings import SightingStore
 from lpslam.text.types import Landmark
 
 
@@ -35,6 +36,7 @@ class TextMap:
         judgements: by what a board says of itself, then by question.
         question: what `Landmark.is_landmark` answers; None before anything was judged.
         crops: cut-outs around texts whose names are unsure, until they are looked at again.
+        sightings: pictures of texts as they were seen best.
         corrections: what a person has said of landmarks; it wins over readings.
     """
 
@@ -44,6 +46,7 @@ class TextMap:
         self.judgements: dict[str, dict[str, Judgement]] = {}
         self.question: str | None = None
         self.crops = CropStore(config.again)
+        self.sightings = SightingStore(config.sightings)
         self.corrections = Corrections()
 
     def copy(self) -> "TextMap":
@@ -56,6 +59,10 @@ class TextMap:
     def long_term(self) -> list[TextClass]:
         """The classes in long-term memory, by id."""
         return [self.memory.long_term[key] for key in sorted(self.memory.long_term)]
+
+    def is_remembered(self, text_class: int) -> bool:
+        """Whether a class is in long-term memory."""
+        return text_class in self.memory.long_term
 
     def is_unsure(self, text_class: int) -> bool:
         """Whether a class has a name that another look may mend."""

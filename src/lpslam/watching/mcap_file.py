@@ -4,7 +4,7 @@ The file is written in pieces of a quarter of a megabyte, each whole: what was w
 """
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -13,37 +13,15 @@ from mcap.writer import CompressionType, Writer
 from lpslam.camera import PinholeCamera
 from lpslam.errors import UserError
 from lpslam.frames import RgbdFrame
-from lpslam.mapfile.language_map import LanguageMap
-from lpslam.session.pace import Pace
 from lpslam.session.session import Session
 from lpslam.session.step import Step
-from lpslam.sources.writing.messages import json_schema
-from lpslam.sources.writing.pixels import nanoseconds_of
-from lpslam.text.types import Landmark
-from lpslam.watching import foxglove
-from lpslam.watching.watchers import Taken
+from lpslam.watching.telling import TOPICS, Telling, schema_of
 
-TOPICS = {
-    "/camera/color/image/compressed": "foxglove.CompressedImage",
-    "/camera/color/camera_info": "foxglove.CameraCalibration",
-    "/camera/color/boxes": "foxglove.ImageAnnotations",
-    "/pose": "foxglove.PoseInFrame",
-    "/tf": "foxglove.FrameTransform",
-    "/landmarks": "foxglove.SceneUpdate",
-    "/way": "foxglove.SceneUpdate",
-    "/points": "foxglove.PointCloud",
-    "/grid": "foxglove.Grid",
-    "/events": "foxglove.Log",
-}
 _PIECE = 256 << 10
 """Bytes of a chunk: what is lost when the power fails."""
-_POINTS = 2.0
-"""Seconds between two clouds: each is the whole map."""
-_CALIBRATION = 1.0
-"""Seconds between two calibrations: who seeks in the file finds one near."""
 
 
-class McapWatcher:
+class McapWatcher(Telling):
     """A `Watcher` that writes MCAP.
 
     Args:
@@ -55,8 +33,8 @@ class McapWatcher:
     """
 
     def __init__(self, path: Path, camera: PinholeCamera) -> None:
+        super().__init__(camera)
         self.name = str(path)
-        self._camera = camera
         try:
             self._file = path.open("wb")
         except OSError as error:
@@ -65,49 +43,16 @@ class McapWatcher:
         self._writer.start("", "lpslam")
         self._channels: dict[str, int] = {}
         schemas: dict[str, int] = {}
-        for topic, name in TOPICS.items():
+        for topic in TOPICS:
+            name, definition = schema_of(topic)
             if name not in schemas:
-                fields = foxglove.SCHEMAS[name]
-                definition = json.dumps(json_schema(name, fields)).encode()
                 schemas[name] = self._writer.register_schema(name, "jsonschema", definition)
             self._channels[topic] = self._writer.register_channel(topic, "json", schemas[name])
-        self._calibration_pace, self._points_pace = Pace(_CALIBRATION), Pace(_POINTS)
-        self._last = 0
-        self._marks: dict[int, Landmark] = {}
-        self._taken = Taken()
 
     def take(self, frame: RgbdFrame, step: Step, session: Session) -> None:
         """See `Watcher`."""
-        now = self._last = nanoseconds_of(frame.timestamp)
-        self._taken.note(step.index, frame.timestamp)
-        if self._calibration_pace.is_due(frame.timestamp):
-            self._put("/camera/color/camera_info", now, foxglove.calibration(self._camera, now))
-        self._put("/camera/color/image/compressed", now, foxglove.image(frame.rgb, now))
-        if step.pose is not None:
-            self._put("/pose", now, foxglove.pose(step.pose, now))
-            self._put("/tf", now, foxglove.transform(step.pose, now))
-        for reading in step.readings:
-            seen = nanoseconds_of(self._taken.of(reading.frame, frame.timestamp))
-            self._put("/camera/color/boxes", now, foxglove.boxes(reading, seen))
-        for event in step.events:
-            self._put("/events", now, foxglove.event(event, now))
-        if step.new_landmarks or step.renamed_landmarks:
-            # The session itself would have to wait for a frame that is being read.
-            self._marks |= {mark.id: mark for mark in (*step.new_landmarks, *step.renamed_landmarks)}
-            self._put_landmarks(list(self._marks.values()))
-        if step.tracked.is_keyframe and self._points_pace.is_due(frame.timestamp):
-            self._put("/points", now, foxglove.points(session.cloud(), now))
+        super().take(frame, step, session)
         self._file.flush()
-
-    def finish(self, world: LanguageMap) -> None:
-        """See `Watcher`: the map as it is in the end."""
-        now = self._last
-        self._put_landmarks(world.landmarks())
-        self._put("/way", now, foxglove.way(world.frame_poses().positions, now))
-        self._put("/points", now, foxglove.points(world.cloud(), now))
-        grid = world.grid()
-        if grid is not None:
-            self._put("/grid", now, foxglove.ground(grid, now))
 
     def close(self) -> None:
         """See `Watcher`."""
@@ -118,9 +63,6 @@ class McapWatcher:
         finally:
             self._file.close()
 
-    def _put_landmarks(self, marks: Sequence[Landmark]) -> None:
-        self._put("/landmarks", self._last, foxglove.landmarks(marks, self._last))
-
-    def _put(self, topic: str, nanoseconds: int, message: dict[str, Any]) -> None:
-        data = json.dumps(message, ensure_ascii=False).encode()
+    def _put(self, topic: str, nanoseconds: int, make: Callable[[], dict[str, Any]]) -> None:
+        data = json.dumps(make(), ensure_ascii=False).encode()
         self._writer.add_message(self._channels[topic], nanoseconds, data, nanoseconds)

@@ -3,12 +3,12 @@ const log = part("log");
 const asked = [];
 
 function say(question) {
-  const answer = make("p", { className: "answer", textContent: "…" });
+  const answer = make("div", { className: "answer", textContent: "…" });
   log.append(make("p", { className: "question", textContent: question }), answer);
   while (log.childElementCount > 60) log.firstElementChild.remove();
   log.scrollTop = log.scrollHeight;
-  return text => {
-    answer.textContent = text;
+  return (text, ...more) => {
+    answer.replaceChildren(text, ...more);
     log.scrollTop = log.scrollHeight;
   };
 }
@@ -28,25 +28,39 @@ async function post(url, body) {
   return [response, await response.json()];
 }
 
-async function askServer(question, tell) {
-  const body = { question };
+async function askServer(question, tell, wish = null) {
+  const body = { question, ...(wish ? { wish } : {}) };
   if (data.name) body.map = data.name;
   const last = asked[asked.length - 1];
   // “And another one?” asks the question before it again, for what was not named yet.
-  if (last) Object.assign(body, { before: last.question, excluded: last.named.slice(-200) });
+  if (last && !wish) Object.assign(body, { before: last.question, excluded: last.named.slice(-200) });
   const [response, found] = await post("/ask", body);
   if (!response.ok) throw new Error(found.detail || response.statusText);
   const id = found.answer.landmark && found.answer.landmark.id;
-  const isFurther = last && found.understood === last.understood;
+  const isFurther = last && !wish && found.understood === last.understood;
   asked.push({ question: isFurther ? last.question : question, understood: found.understood, named: [...(isFurther ? last.named : []), ...(id === null ? [] : [id])] });
-  tell(found.text);
+  const understood = understoodOf(found, changed => answerTo(question, tell, changed));
+  tell(found.text, understood);
   choose(data.signs.find(sign => sign.id === id) || null);
-  if (id === null || data.grows) return;
+  const steps = id === null ? [] : await leadTo(id);
+  if (steps.length) tell([found.text, ...steps.map((step, at) => `${at + 1}. ${step}`)].join("\n"), understood);
+}
+
+/* Draw the way to a place, where the map knows one; its steps. */
+async function leadTo(id) {
+  if (data.grows) return [];
   const [reached, way] = await post("/path", { landmark: id, ...(data.name ? { map: data.name } : {}) });
-  if (!reached.ok) return;
+  if (!reached.ok || !state.chosen || state.chosen.id !== id) return [];
   state.way = way.points;
-  tell(found.text + "\n" + way.steps.map((step, at) => `${at + 1}. ${step}`).join("\n"));
+  state.goal = way;
   draw();
+  return way.steps;
+}
+
+async function answerTo(question, tell, wish = null) {
+  state.way = [];
+  state.goal = null;
+  try { await askServer(question, tell, wish); } catch (error) { tell(`${words.trouble} ${error.message}`); }
 }
 
 part("ask").addEventListener("submit", async event => {
@@ -54,6 +68,7 @@ part("ask").addEventListener("submit", async event => {
   const question = field.value.slice(0, 400).trim();
   if (!question) return;
   state.way = [];
+  state.goal = null;
   const tell = say(question);
   if (!data.live) {
     const found = byName(question);
@@ -61,5 +76,5 @@ part("ask").addEventListener("submit", async event => {
     choose(found[0] || null);
     return;
   }
-  try { await askServer(question, tell); } catch (error) { tell(`${words.trouble} ${error.message}`); }
+  await answerTo(question, tell);
 });

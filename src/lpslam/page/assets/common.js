@@ -3,7 +3,7 @@ const data = JSON.parse(document.getElementById("map-data").textContent);
 const words = data.words[(navigator.language || "en").slice(0, 2)] || data.words.en;
 const part = id => document.getElementById(id);
 const canvas = part("map"), pen = canvas.getContext("2d");
-const state = { chosen: null, way: [], camera: null };
+const state = { chosen: null, way: [], goal: null, camera: null, isSpatial: false, isFirstPerson: false };
 
 const style = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const fold = text => text.normalize("NFKD").replace(/\p{M}/gu, "").toLowerCase();

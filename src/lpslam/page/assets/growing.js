@@ -21,8 +21,8 @@ function eventRow(event) {
 const news = {
   state(told) {
     state.camera = told.at;
-    if (told.at && (!data.trajectory.length || Math.hypot(...data.trajectory[data.trajectory.length - 1].map((value, axis) => value - told.at[axis])) > 0.02)) {
-      data.trajectory.push(told.at.slice(0, 2));
+    if (told.at && (!data.trajectory.length || Math.hypot(...data.trajectory[data.trajectory.length - 1].slice(0, 3).map((value, axis) => value - told.at[axis])) > 0.02)) {
+      data.trajectory.push(told.at);
     }
     const isElsewhere = !told.at && told.tracking !== "lost" && told.tracking !== "initialising";
     show(isElsewhere ? words.elsewhere : words.states[told.tracking] || told.tracking, told.tracking === "lost" ? "trouble" : told.tracking === "tracking" && told.at ? "growing" : "weak");
@@ -39,16 +39,22 @@ const news = {
     takeEdits(told.edits);
     takeSigns(told.signs);
   },
-  way(told) { data.trajectory = told.way; },
+  way(told) {
+    data.trajectory = told.way;
+    data.lens = told.lens;
+  },
   picture(told) {
     data.picture_extent = told.extent;
     picture.src = told.picture;
   },
+  points() { if (state.isSpatial) havePoints(true); else cloud.isAskedFor = false; },
   end(told) {
     source.close();
     // Nobody answers any more: names are still found.
-    data.live = false;
+    data.live = data.grows = false;
     state.camera = null;
+    if (state.isFirstPerson) lookThrough(false);
+    showReplay();
     show(told.map ? filled(words.ended, told) : words.stopped, "ended");
     nameField();
     listEdits();

@@ -12,6 +12,12 @@ function covered() {
   return [360, part("memory").hidden ? 0 : part("memory").offsetHeight + 16];
 }
 
+/* The same as a box of the canvas, where no label is to be read. */
+function panelBox() {
+  const [left, bottom] = covered(), wide = canvas.clientWidth, high = canvas.clientHeight;
+  return wide <= 640 ? [0, high - bottom, wide, high] : [0, 0, left, high];
+}
+
 function extent() {
   const xs = [], ys = [];
   const take = (x, y) => { xs.push(x); ys.push(y); };
@@ -26,34 +32,43 @@ function extent() {
   return [least(xs) - 1, least(ys) - 1, most(xs) + 1, most(ys) + 1];
 }
 
-function fit() {
+function fitPlan() {
   const [left, bottom, right, top] = extent(), [wide, high] = covered();
   view.scale = Math.min((canvas.clientWidth - wide) / (right - left || 1), (canvas.clientHeight - high) / (top - bottom || 1)) * 0.94;
   view.x = (left + right) / 2 - wide / 2 / view.scale;
   view.y = (bottom + top) / 2 - high / 2 / view.scale;
   isWholeShown = true;
-  draw();
+  drawPlan();
 }
 
-function draw() {
+/* The canvas cleared, to be drawn on in pixels of the style. */
+function clearCanvas() {
   const ratio = window.devicePixelRatio || 1;
   canvas.width = canvas.clientWidth * ratio;
   canvas.height = canvas.clientHeight * ratio;
   pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+}
+
+function drawPlan() {
+  clearCanvas();
   pen.fillStyle = style("--paper");
   pen.fillRect(0, 0, canvas.clientWidth, canvas.clientHeight);
-  if (data.picture_extent && picture.complete && picture.naturalWidth) {
-    const [left, bottom, right, top] = data.picture_extent, [x, y] = toScreen(left, top);
-    pen.imageSmoothingEnabled = view.scale < 80;
-    pen.drawImage(picture, x, y, (right - left) * view.scale, (top - bottom) * view.scale);
-  }
+  pen.imageSmoothingEnabled = view.scale < 80;
+  if (data.ground) spread(groundPicture, data.ground.extent);
+  if (data.picture_extent) spread(picture, data.picture_extent);
   trace(data.trajectory, style("--way"), 1.5, .55);
-  trace(state.way, style("--way"), 5, .9);
+  trace(state.way, style("--route"), 5, .9);
+  if (state.goal) for (const line of goalLines(state.goal, 0)) trace(line, style("--route"), 3, .9);
   drawCamera();
-  const taken = [];
+  const taken = [panelBox()];
   const ordered = [...data.signs].sort((a, b) => (b === state.chosen) - (a === state.chosen) || (b.is_landmark === true) - (a.is_landmark === true) || b.observations - a.observations);
   for (const sign of ordered) label(sign, taken);
   scaleBar();
+}
+
+function spread(image, [left, bottom, right, top]) {
+  if (!image.complete || !image.naturalWidth) return;
+  pen.drawImage(image, ...toScreen(left, top), (right - left) * view.scale, (top - bottom) * view.scale);
 }
 
 function trace(points, colour, width, strength) {
@@ -68,10 +83,11 @@ function trace(points, colour, width, strength) {
   pen.globalAlpha = 1;
 }
 
-/* Where the camera is now, and which way it looks; only of a map that grows. */
+/* Where the camera is, and which way it looks: of a map that grows now, of another at the moment that is chosen. */
 function drawCamera() {
-  if (!state.camera) return;
-  const [x, y, heading] = state.camera, [u, v] = toScreen(x, y), half = 0.55, long = 34;
+  const pose = shownPose();
+  if (!pose) return;
+  const [x, y] = pose, heading = headingOf(pose), [u, v] = toScreen(x, y), half = 0.55, long = 34;
   pen.fillStyle = style("--way");
   pen.globalAlpha = .28;
   pen.beginPath();

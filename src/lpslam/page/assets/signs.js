@@ -4,6 +4,7 @@ const list = part("signs"), card = part("card"), field = part("question");
 /* Chosen by hand: what was answered before is no longer the matter. */
 function pick(sign, fly = true) {
   state.way = [];
+  state.goal = null;
   choose(sign, fly);
 }
 
@@ -13,7 +14,7 @@ function choose(sign, fly = true) {
   showCard();
   if (sign && data.memory && data.memory.histories.some(history => history.id === classOf(sign))) showClass(classOf(sign));
   if (!sign) return draw();
-  if (fly) flyTo(sign.position[0], sign.position[1], Math.max(view.scale, 90)); else draw();
+  if (fly) flyToSign(sign); else draw();
 }
 
 function showCard() {
@@ -30,7 +31,22 @@ function showCard() {
     [words.judged, sign.is_landmark === null ? "–" : sign.is_landmark ? words.yes : words.no],
   ];
   for (const [key, value] of rows) if (value) facts.append(make("dt", { textContent: key }), make("dd", { textContent: value }));
-  card.append(make("h2", { textContent: sign.name }), facts, ...correctingTools(sign));
+  card.append(make("h2", { textContent: sign.name }), ...pictureOf(sign), facts, ...correctingTools(sign));
+}
+
+/* How a sign was seen best. A server gives the pictures once one is wanted. */
+function pictureOf(sign) {
+  if (!data.pictures && data.live && !data.grows) havePictures();
+  const source = data.pictures && data.pictures[sign.id];
+  return source ? [make("img", { src: source, alt: `${words.sighting}: ${sign.name}`, className: "sighting" })] : [];
+}
+
+async function havePictures() {
+  data.pictures = {};
+  const response = await fetch(`/page/${encodeURIComponent(data.name)}/pictures`);
+  if (!response.ok) return;
+  data.pictures = await response.json();
+  if (!card.contains(document.activeElement)) showCard();
 }
 
 function row(sign) {

@@ -4,6 +4,14 @@ document.title = data.title;
 part("title").textContent = data.title;
 part("go").textContent = words.go;
 canvas.setAttribute("aria-label", words.canvas);
+part("as-plan").textContent = words.plan;
+part("in-space").textContent = words.space;
+part("modes").setAttribute("aria-label", words.view);
+part("replay").setAttribute("aria-label", words.replay);
+part("moment").setAttribute("aria-label", words.moment);
+part("lens").textContent = words.lens;
+play(false);
+showReplay();
 log.setAttribute("aria-label", words.dialogue);
 happened.querySelector("ul").setAttribute("aria-label", words.happened);
 part("memory-open").textContent = words.memory;
@@ -19,11 +27,23 @@ fit();
 if (data.grows) {
   show(words.waiting, "growing");
   watch();
-} else if (data.live) hearOfChanges();
+} else if (data.live) {
+  hearOfChanges();
+  haveGround();
+} else if (data.ground) groundPicture.src = data.ground.picture;
 window.lpslamPage = {
   chosen: () => state.chosen && state.chosen.id,
   view: () => ({ ...view }),
   way: () => state.way.length,
+  around: () => ({ ...around }),
+  points: () => cloud.count,
+  ceiling: () => cloud.ceiling,
+  take(bytes) { takePoints(bytes); fit(); },
+  drawnPoints: () => drawing.drawn,
+  pace: () => ({ milliseconds: drawing.pace, frames: drawing.frames, budget }),
+  shownSigns: () => shownSigns.map(({ box, signs }) => ({ box, names: signs.map(sign => sign.name) })),
+  moment: () => replay.at,
+  goal: () => state.goal && state.goal.position,
   travelled: () => data.trajectory.length,
   remembered: () => memory.shown,
   drawn: () => Boolean(data.picture_extent && picture.complete && picture.naturalWidth),

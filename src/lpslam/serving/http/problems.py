@@ -1,8 +1,6 @@
-"""What goes wrong, as one line of JSON (RFC 9457) with a status; never a traceback, never a path of the server."""
+"""Which error is answered by which status; never a traceback, never a path of the server."""
 
-import json
 import logging
-from collections.abc import Mapping
 from typing import Any
 
 from fastapi import FastAPI, Request
@@ -15,21 +13,14 @@ from lpslam.mapfile.export import corrections_record
 from lpslam.serving.answerers import AnswerLostError, BusyError, as_json
 from lpslam.serving.atlas import NoSuchMapError
 from lpslam.serving.ground import NoGroundError
+from lpslam.serving.http.saying import problem, problem_record
 from lpslam.serving.hub import TooManyListenersError
 from lpslam.serving.jobs.queue import NameTakenError, TooLargeError, TooManyJobsError
 from lpslam.serving.summaries import NoSuchLandmarkError
 from lpslam.text.correcting.changing import NoSuchCorrectionError
 from lpslam.text.correcting.corrections import Corrections
-from lpslam.views.drawable import printable
 
 logger = logging.getLogger(__name__)
-
-TITLES = {
-    400: "Bad request", 401: "Unauthorized", 403: "Forbidden", 404: "Not found", 405: "Method not allowed",
-    408: "Request timeout", 409: "Conflict", 411: "Length required", 413: "Content too large",
-    415: "Unsupported media type", 421: "Misdirected request", 422: "Unprocessable content", 429: "Too many requests",
-    500: "Internal server error", 501: "Not implemented", 503: "Service unavailable", 504: "Gateway timeout",
-}  # fmt: skip
 
 # The first that an error is counts.
 _STATUS: tuple[tuple[type[LpSlamError], int], ...] = (
@@ -47,26 +38,10 @@ _STATUS: tuple[tuple[type[LpSlamError], int], ...] = (
 )
 
 
-def problem(status: int, detail: str, headers: Mapping[str, str] | None = None) -> Response:
-    """A response that says what is wrong."""
-    body = problem_record(status, detail)
-    more = dict(headers or {})
-    if status == 503:
-        more.setdefault("retry-after", "1")
-    encoded = json.dumps(body, ensure_ascii=False).encode("utf-8", "replace")
-    return Response(encoded, status, more, media_type="application/problem+json")
-
-
 def conflict(detail: str, now: Corrections) -> Response:
     """A response to who was late with a correction: what is wrong, and what there is now."""
     encoded = as_json(problem_record(409, detail) | corrections_record(now))
     return Response(encoded, 409, media_type="application/problem+json")
-
-
-def problem_record(status: int, detail: str) -> dict[str, Any]:
-    """What is wrong, as RFC 9457 has it."""
-    title = TITLES.get(status, "Error")
-    return {"type": "about:blank", "title": title, "status": status, "detail": printable(detail, longest=500)}
 
 
 def handle_problems(app: FastAPI) -> None:

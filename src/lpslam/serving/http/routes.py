@@ -19,7 +19,7 @@ from lpslam.serving.filters import Filter, Judged, listed
 from lpslam.serving.ground import Start
 from lpslam.serving.http.services import Services
 from lpslam.serving.hub import Event
-from lpslam.serving.questions import Asked
+from lpslam.serving.questions import Asked, wish_text
 from lpslam.serving.summaries import landmark_of, summary
 from lpslam.text.types import Landmark
 
@@ -73,7 +73,8 @@ def asked_of(body: records.Question | records.Destination, services: Services) -
     most = services.config.serving.question_letters
     position = None if body.position is None else tuple(body.position)
     if isinstance(body, records.Question):
-        asked = Asked(body.question, body.before, position, body.heading, tuple(body.excluded))
+        wish = None if body.wish is None else wish_text(body.wish)
+        asked = Asked(body.question, body.before, position, body.heading, tuple(body.excluded), wish)
     else:
         asked = Asked(body.question or "", None, position, body.heading)
     if max(len(asked.question), len(asked.before or "")) > most:

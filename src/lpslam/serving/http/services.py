@@ -4,7 +4,7 @@ import asyncio
 import contextlib
 import gc
 import logging
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -40,8 +40,6 @@ class Services:
         language: judges names that a person gives.
         editor: corrects maps.
         pictures, grounds: of the maps.
-        before_answers: done first, in a thread, when whoever answers may begin beside the first requests; None where
-            questions are to be answered from the first request on.
     """
 
     atlas: Atlas
@@ -54,7 +52,6 @@ class Services:
     editor: Editor = field(init=False)
     pictures: Pictures = field(default_factory=Pictures)
     grounds: Grounds = field(init=False)
-    before_answers: Callable[[], object] | None = None
 
     def __post_init__(self) -> None:
         """Have a place for uploads, where they are taken."""
@@ -65,9 +62,7 @@ class Services:
     @asynccontextmanager
     async def running(self) -> AsyncIterator[None]:
         """From the first request to the last."""
-        starting = asyncio.create_task(self._start_answers())
-        if self.before_answers is None:
-            await starting
+        await self._start_answers()
         if self.jobs is not None:
             self.jobs.start()
         # Maps and programs stay: the collector need not go through them while somebody waits.
@@ -77,19 +72,16 @@ class Services:
         try:
             yield
         finally:
-            for task in (starting, looking):
-                task.cancel()
-                # What went wrong in it is logged.
-                with contextlib.suppress(asyncio.CancelledError, Exception):
-                    await task
+            looking.cancel()
+            # What went wrong in it is logged.
+            with contextlib.suppress(asyncio.CancelledError, Exception):
+                await looking
             if self.jobs is not None:
                 await self.jobs.close()
             await self.answerer.close()
 
     async def _start_answers(self) -> None:
         try:
-            if self.before_answers is not None:
-                await asyncio.to_thread(self.before_answers)
             await self.answerer.start(self.atlas.maps.values())
         except Exception as error:
             logger.error("no questions can be answered: %s", error or type(error).__name__)

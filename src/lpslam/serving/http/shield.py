@@ -13,7 +13,7 @@ from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from lpslam.config import ServingConfig
-from lpslam.serving.http.problems import problem
+from lpslam.serving.http.saying import problem
 from lpslam.serving.rates import Rates
 from lpslam.serving.tokens import SCOPES, Holder, TokenError, Tokens
 

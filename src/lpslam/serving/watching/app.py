@@ -21,12 +21,13 @@ from lpslam.language.registry import language_model
 from lpslam.mapfile.export import corrections_record
 from lpslam.page.building import growing_page, policy
 from lpslam.page.pictures import RoomPicture
-from lpslam.page.record import sign_records, way_record
+from lpslam.page.record import lens_record, sign_records, way_record
 from lpslam.serving import records
 from lpslam.serving.answerers import ThreadAnswerer, as_json
-from lpslam.serving.http.problems import conflict, handle_problems, problem
+from lpslam.serving.http.problems import conflict, handle_problems
+from lpslam.serving.http.saying import problem
 from lpslam.serving.http.shield import Door, Shield, allowed_hosts
-from lpslam.serving.questions import Asked
+from lpslam.serving.questions import Asked, wish_text
 from lpslam.serving.watching.board import Board
 from lpslam.serving.watching.grown import Grown
 from lpslam.serving.watching.pace import Pace
@@ -60,7 +61,8 @@ class Watched:
         )
         self._ask_run = on_request
         self._requests, self._pending = 0, {}  # type: int, dict[int, asyncio.Future[Corrected]]
-        self._is_new = threading.Event()
+        self._is_new, self._are_points_wanted = threading.Event(), threading.Event()
+        self._points = b""
         self._gone, self._has_painted = threading.Event(), threading.Event()
 
     def take(self, messages: BinaryIO, loop: asyncio.AbstractEventLoop) -> None:
@@ -85,7 +87,7 @@ class Watched:
                 loop.call_soon_threadsafe(self._settle, message)
             elif isinstance(message, Ground):
                 self.grown.take_ground(message)
-                show("way", {"way": way_record(message.poses[:, :3, 3])})
+                show("way", {"way": way_record(message.poses), "lens": lens_record(message.camera)})
                 self._is_new.set()
             elif isinstance(message, End):
                 ended = message
@@ -137,8 +139,10 @@ class Watched:
                 self._is_new.clear()
                 with pace:
                     self._show_picture(show)
+                    self._show_points(show)
         if self._is_new.is_set() and self.board.watchers:
             self._show_picture(show)
+            self._show_points(show)
         self._has_painted.set()
 
     def _show_picture(self, show: Callable[[str, dict[str, Any]], None]) -> None:
@@ -146,6 +150,19 @@ class Watched:
         if picture is not None:
             data = "data:image/png;base64," + base64.b64encode(picture.png).decode("ascii")
             show("picture", {"picture": data, "extent": [round(each, 3) for each in picture.extent]})
+
+    def _show_points(self, show: Callable[[str, dict[str, Any]], None]) -> None:
+        """Make points, where somebody has asked for some since they were made last, and say that there are new ones."""
+        if not self._are_points_wanted.is_set():
+            return
+        self._are_points_wanted.clear()
+        self._points = self.grown.points().content()
+        show("points", {"bytes": len(self._points)})
+
+    def points(self) -> bytes:
+        """The room's points as they were made last; newer ones are made."""
+        self._are_points_wanted.set()
+        return self._points
 
     @staticmethod
     def _picture(grown: Grown) -> RoomPicture | None:
@@ -174,6 +191,10 @@ def build(watched: Watched) -> Shield:
     def page() -> Response:
         return HTMLResponse(text, headers={"content-security-policy": policy(live=True) + "; frame-ancestors 'none'"})
 
+    @app.get("/points")
+    def points() -> Response:
+        return Response(watched.points(), media_type="application/octet-stream")
+
     @app.get("/watch")
     async def watch() -> Response:
         if watched.board.is_full:
@@ -185,7 +206,8 @@ def build(watched: Watched) -> Shield:
         if max(len(body.question), len(body.before or "")) > limits.question_letters:
             raise UserError(f"a question may have {limits.question_letters:,} letters")
         position = None if body.position is None else tuple(body.position)
-        asked = Asked(body.question, body.before, position, body.heading, tuple(body.excluded))
+        wish = None if body.wish is None else wish_text(body.wish)
+        asked = Asked(body.question, body.before, position, body.heading, tuple(body.excluded), wish)
         # Only what is asked is read of it.
         answer = await watched.answerer.ask(asked, watched.grown.known)  # type: ignore[arg-type]
         return Response(answer, media_type="application/json")
@@ -237,7 +259,5 @@ def _state_record(state: State) -> dict[str, Any]:
         "at": None,
     }
     if state.pose is not None and np.isfinite(state.pose).all():
-        x, y, _ = state.pose[:3, 3]
-        ahead = state.pose[:2, 2]
-        record["at"] = [*(round(float(each), 3) for each in (x, y)), round(float(np.arctan2(ahead[1], ahead[0])), 3)]
+        (record["at"],) = way_record(state.pose[None])
     return record

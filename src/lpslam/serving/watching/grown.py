@@ -13,7 +13,10 @@ from lpslam.ground.scans import Scans, room_from_above
 from lpslam.navigation.asking import last_view
 from lpslam.navigation.directory import Directory
 from lpslam.page.pictures import RoomPicture, picture_of
+from lpslam.page.points import PackedPoints, packed_points
 from lpslam.serving.watching.wire import Ground, Signs
+
+_TIMES_AS_MANY = 2  # points that are fused, of those that are shown
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -77,6 +80,18 @@ class Grown:
                 else:
                     self._scans.add(new)
         self.known = KnownSoFar("", self.known.version, self.known.directory, last_view(ground.poses))
+
+    def points(self) -> PackedPoints:
+        """The room as points, as far as it was seen."""
+        config = self._config.page
+        with self._lock:
+            scans, keyframes = None if self._scans is None else self._scans.copy(), dict(self._keyframes)
+        if scans is None:
+            return packed_points(np.empty((0, 3)), np.empty((0, 3), np.uint8), 0, config)
+        cloud, colours = scans.cloud(keyframes.get)
+        # Of many a few are taken before they are fused: what is shown soon need not be the best of all.
+        step = max(1, len(cloud) // (_TIMES_AS_MANY * max(config.growing_points, 1)))
+        return packed_points(cloud[::step], colours[::step], config.growing_points, config)
 
     def picture(self) -> RoomPicture | None:
         """The room from above, as far as it was seen; None before anything was."""

@@ -1,0 +1,41 @@
+"""How many frames a second the map in space is shown with, while it turns, where a processor draws all of it.
+
+Needs Debian's chromium and playwright. Usage: python benchmarks/page_frames.py [POINTS ...]
+"""
+
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+
+from in_chromium import CHROMIUM
+from lpslam.page.building import write_page
+from page_hall import hall, turned
+from small_maps import small_map
+
+SIZES = ((1920, 1080), (1280, 800), (390, 844))
+
+
+def main(counts: list[int]) -> None:
+    from playwright.sync_api import sync_playwright
+
+    folder = Path(tempfile.mkdtemp())
+    file = write_page(small_map(), folder / "page.html")
+    with sync_playwright() as started:
+        browser = started.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        for count in counts:
+            for wide, high in SIZES:
+                page = browser.new_context(viewport={"width": wide, "height": high}).new_page()
+                page.goto(file.as_uri())
+                page.locator("#in-space").click()
+                hall(page, count)
+                print(f"{count:,} points, {wide} x {high}: {turned(page, 6.0)}")
+                page.context.close()
+        browser.close()
+    shutil.rmtree(folder)
+
+
+if __name__ == "__main__":
+    main([int(each) for each in sys.argv[1:]] or [200_000, 1_000_000])

@@ -1,0 +1,22 @@
+"""Thresholds of the page that shows a map."""
+
+from pydantic import Field
+
+from lpslam.config.section import Section
+
+
+class PageConfig(Section):
+    """What of a map a page shows, and how much."""
+
+    # Metres, the side of the cubes of which each has one point: readings of a keyframe lie 3 cm apart at 3 m.
+    cube: float = Field(default=0.02, gt=0.0, le=1.0)
+    # Points beside a server: of a whole floor of a mall; 8 bytes each.
+    points: int = Field(default=1_500_000, ge=0)
+    # Points in one self-contained file: 11 bytes each as text, of the ten megabytes that a mail takes.
+    file_points: int = Field(default=600_000, ge=0)
+    # Points of a map that grows: made anew every few seconds, behind tracking.
+    growing_points: int = Field(default=150_000, ge=0)
+    # Bytes of all pictures of signs in one self-contained file; those of the surest landmarks come first.
+    file_picture_bytes: int = Field(default=1_500_000, ge=0)
+    # Metres around a landmark, beyond its own reach, within which a picture was taken of it.
+    picture_reach: float = Field(default=0.4, ge=0.0)
