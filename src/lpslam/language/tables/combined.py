@@ -1,0 +1,56 @@
+"""What words mean together wherever they stand in a question: “borrow … wheelchair”.
+
+The rows are those of `concepts.py` with `+`: each part is the beginning of a word, or, in scripts without spaces, a run
+of characters.
+"""
+
+from collections.abc import Sequence
+
+from lpslam.language.languages import LATIN
+from lpslam.language.tables.concepts import load_buildings
+from lpslam.language.tables.states import Trouble
+from lpslam.language.tables.words import Folder
+
+_WHOLE = 4  # letters below which a part is a whole word
+_FARTHEST_WORDS, _FARTHEST_LETTERS = 14, 24  # from the first part to the last
+
+
+class Combined:
+    """The rows of one language."""
+
+    def __init__(self, language: str, folder: Folder) -> None:
+        self._is_spaced = language in LATIN
+        self._farthest = _FARTHEST_WORDS if self._is_spaced else _FARTHEST_LETTERS
+        self._rows = [
+            (tuple(self._part(folder.fold(part)) for part in parts), entry.name)
+            for entry in load_buildings().concepts
+            for parts in entry.apart.get(language, ())
+        ]
+
+    def _part(self, part: str) -> str:
+        if not self._is_spaced:
+            return part.replace(" ", "")
+        return f" {part} " if len(part) < _WHOLE else f" {part}"
+
+    def found(self, units: Sequence[str]) -> list[Trouble]:
+        """Return what the units of a question mean together, and which units say so."""
+        text, at_letter = "", list[int]()
+        for at, unit in enumerate(units):
+            piece = f" {unit}" if self._is_spaced else unit
+            text += piece
+            at_letter += [at] * len(piece)
+        text += " "
+        at_letter.append(len(units) - 1)
+        found: dict[str, set[int]] = {}
+        for parts, concept in self._rows:
+            if all(part in text for part in parts):
+                own = {at for part in parts for at in at_letter[slice(*_letters(part, text))]}
+                if max(own) - min(own) <= self._farthest:
+                    found.setdefault(concept, set()).update(own)
+        return [Trouble(concept, frozenset(own)) for concept, own in found.items()]
+
+
+def _letters(part: str, text: str) -> tuple[int, int]:
+    """Where the letters of a part stand, without the spaces around them."""
+    start = text.index(part)
+    return start + part.startswith(" "), start + len(part.rstrip())
