@@ -78,7 +78,7 @@ def solve(
     found = [each.place.id for each in solved if each.place is not None]
     if wish.instead is not None and len(set(found)) < len(solved):
         alone = _in_order(solver, (wish.instead,))
-        solved = alone if alone[0].place is not None else solved
+        solved = alone
     return Solution(replace(wish, stops=tuple(each.stop for each in solved)), tuple(solved))
 
 

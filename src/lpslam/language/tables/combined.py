@@ -28,6 +28,7 @@ class Combined:
         ]
 
     def _part(self, part: str) -> str:
+        part = part.replace("-", " ")
         if not self._is_spaced:
             return part.replace(" ", "")
         return f" {part} " if len(part) < _WHOLE else f" {part}"

@@ -7,7 +7,7 @@ language or topic is a further file, not further code.
 
 import json
 import lzma
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from importlib.resources import files
@@ -222,7 +222,7 @@ def load_knowledge() -> Knowledge:
         instead=kinds["instead"],
         instead_of=kinds["instead_of"],
         offers=_with_sellers(kinds["offers"], buildings),
-        isa={kind: tuple(parents) for kind, parents in kinds["isa"].items()} | _above_of(buildings),
+        isa=_above_of(buildings, kinds["isa"]),
         contained={thing: frozenset(split(joined)) for thing, joined in kinds["contained"].items()},
         apart={kind: frozenset(split(joined)) for kind, joined in kinds["apart"].items()},
         light_food=frozenset(kinds["light_food"]),
@@ -242,12 +242,20 @@ def load_knowledge() -> Knowledge:
 
 def _with_sellers(offers: Mapping[str, Mapping[str, float]], buildings: Buildings) -> Mapping[str, Mapping[str, float]]:
     """What serves a concept, with what its entry says of that."""
-    own = {entry.name: {**offers.get(entry.name, {}), **entry.sellers} for entry in buildings.concepts if entry.sellers}
-    return {**offers, **own}
+    found = {concept: dict(shares) for concept, shares in offers.items()}
+    for entry in buildings.concepts:
+        if entry.sellers:
+            found.setdefault(entry.name, {}).update(entry.sellers)
+    return found
 
 
-def _above_of(buildings: Buildings) -> dict[str, tuple[str, ...]]:
-    return {entry.name: entry.above for entry in buildings.concepts if entry.above}
+def _above_of(buildings: Buildings, isa: Mapping[str, Sequence[str]]) -> Mapping[str, tuple[str, ...]]:
+    """The kinds above each kind, with those that entries name."""
+    found = {kind: tuple(parents) for kind, parents in isa.items()}
+    for entry in buildings.concepts:
+        if entry.above:
+            found[entry.name] = tuple(dict.fromkeys((*found.get(entry.name, ()), *entry.above)))
+    return found
 
 
 def _in_any(lexicons: Mapping[str, Mapping[str, Any]], role: str, folder: Folder) -> frozenset[str]:

@@ -82,6 +82,9 @@ def _plan(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> Wish |
 
 def _pieces(text: str, languages: Sequence[str], knowledge: Knowledge) -> list[str]:
     """The stops that a part of a plan names, each something of its own; the part itself where it names one."""
+    chain = chained(text, languages)
+    if len(chain) >= _FEWEST_LISTED and all(_are_things((piece,), knowledge) for piece in chain):
+        return chain
     for pieces in (chained(text, languages), _listed(text, knowledge)):
         if len(pieces) > 1 and _are_things(pieces, knowledge):
             return pieces

@@ -24,6 +24,7 @@ from lpslam.language.tables.words import is_mark, is_unspaced, longest_phrases
 from lpslam.language.wishes.asked_words import SHORTEST, AskedWords
 from lpslam.language.wishes.attributes import attributes_of, told_apart
 from lpslam.language.wishes.certainty import clues_of, probability
+from lpslam.language.wishes.codes import without_codes
 from lpslam.language.wishes.form import Ask, Stop, Which, with_meaning
 from lpslam.language.wishes.identities import Identities
 from lpslam.language.wishes.names import Names
@@ -184,7 +185,7 @@ class EmbeddedScorer:
         if failed:
             return Served(stop, {}, f"no board bears {failed}", 0.8, self._of_what(stop), ignored)
         if allowed is not None:
-            scores = self._trusted(allowed)
+            scores = self._of_the_kind(stop, self._trusted(allowed))
             return Served(stop, scores, "the board bears it", 0.97, ignored=ignored, way=Way.IDENTITY)
         meaning = read_question(stop.what, self._knowledge, self._index.names)
         stop = with_meaning(stop, [kind for kind, _ in meaning.wanted], (*meaning.refused, *meaning.refused_names))
@@ -231,6 +232,18 @@ class EmbeddedScorer:
             way=Way.KIND,
             strength=top,
         )
+
+    def _of_the_kind(self, stop: Stop, scores: dict[int, float]) -> dict[int, float]:
+        """Of several that bear a code, those of the kind that the words say: who flies out of A27 wants a gate."""
+        if len(scores) < _FEWEST_TO_TELL_APART:
+            return scores
+        meaning = read_question(without_codes(stop.what), self._knowledge)
+        fitting = {
+            id_: score
+            for id_, score in scores.items()
+            if any(match(kind, self._index.signs[id_].kinds, self._knowledge) >= FITS for kind in meaning.main)
+        }
+        return fitting or scores
 
     def _guessed(self, stop: Stop, within: set[int] | None) -> Served | None:
         """What the words of a stop are nearest to; who asks whether there is a hotel is not shown a taxi."""
