@@ -187,8 +187,7 @@ class _Reading:
         pains = [trouble for trouble in troubles if trouble.concept in knowledge.symptoms]
         self._hurts = hurting(self._spans, [trouble.units for trouble in pains], self._units, knowledge)
         self._troubles = [trouble for trouble in troubles if not (self._hurts and trouble in pains)]
-        if not any(span.value.role.startswith("refuse") for span in spans):
-            self._troubles += knowledge.combined(language).found(knowledge.folder.units(self._text))
+        self._troubles += knowledge.combined(language).found(knowledge.folder.units(self._text))
         self._stains = [trouble.units for trouble in self._troubles if trouble.concept == "laundry"]
 
     def _phrases(self, tables: tuple[Mapping[str, Meaning], ...]) -> tuple[list[str], list[Span[Meaning]]]:

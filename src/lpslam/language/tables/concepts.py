@@ -6,9 +6,9 @@ A file of `data/lexicon/buildings/` is one kind of building. An entry reads
     en elephants|elephant house // tusks|long+trunk
 
 First the concept, after `<` the kinds above it, after `~` other kinds of place that serve it, and how well. Then a
-line a language: words on signs (and in questions), after `//` words of questions only. Parts joined by `+` are
-beginnings of words that may stand apart, in any order. `family NAME: START …` says that rooms whose concepts begin so
-tell what the building is.
+line a language (`any` is every language): words on signs and in questions, after `//` words of questions only. Parts
+joined by `+` are beginnings of words that may stand apart, in any order. `family NAME: START …` says that rooms whose
+concepts begin so tell what the building is.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -20,6 +20,7 @@ from lpslam.language.languages import LANGUAGES
 
 SIDES = " // "
 APART = "+"
+EVERY = "any"
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +76,10 @@ def _concepts(lines: Sequence[str]) -> Iterator[Concept]:
     concept: Concept | None = None
     for line in lines:
         language, _, said = line.partition(" ")
-        if concept is not None and language in LANGUAGES:
+        if concept is not None and language == EVERY:
+            for each in LANGUAGES:
+                _add(concept, each, said)
+        elif concept is not None and language in LANGUAGES:
             _add(concept, language, said)
         elif line and not line.startswith(("#", "family ")):
             concept = _headed(line)

@@ -51,6 +51,7 @@ _OF_THE_HOUSE = (
     *("museum/", "aisle/", "warehouse/", "dock/", "office/", "faculty/", "ride/", "ferry/", "factory/"),
 )
 _FEWEST_TO_TELL_APART = 2
+_DESTINATION = "city/"
 _NEARLY = 0.8  # of the best score: among such places the words on the boards decide
 _TELLING = 0.5  # of such places: a word that more of them bear tells nothing
 _BEHIND = 0.9  # of the best score, for those that do not say it
@@ -203,6 +204,7 @@ class EmbeddedScorer:
             return Served(stop, scores, "any of this sort", 0.9, ignored=ignored, way=Way.SORT)
         choice, scores = ranked(stop.what, self._index, self._signs, self._knowledge, self.model)
         scores = self._not_by_the_whole(meaning, _within(self._trusted(scores), within))
+        scores = self._going_there(meaning, scores)
         scores = self._told_apart(stop, self._bearing_the_words(stop, meaning, self._of_the_family(meaning, scores)))
         if not scores or self._is_another(stop, meaning, scores):
             literal = self._by_words(stop, meaning, ignored)
@@ -334,6 +336,17 @@ class EmbeddedScorer:
                     }
                     return kept | more
         return dict(scores)
+
+    def _going_there(self, meaning: Meaning, scores: dict[int, float]) -> dict[int, float]:
+        """Where boards name destinations, who asks for one gets no other: the ferry to Oslo."""
+        asked = {kind for kind, _ in meaning.wanted if kind.startswith(_DESTINATION)}
+        if not asked or self._families["destinations"] < _FEWEST_TO_TELL_APART:
+            return scores
+        return {
+            id_: score
+            for id_, score in scores.items()
+            if any(kind in asked for kind, _ in self._index.signs[id_].kinds)
+        }
 
     def _bearing_the_words(self, stop: Stop, meaning: Meaning, scores: Mapping[int, float]) -> dict[int, float]:
         """Of several that serve, those whose boards bear the words themselves: “meeting room Alpha”, 烤鸭."""
