@@ -11,7 +11,7 @@ from lpslam.language.tables.concepts import load_buildings
 from lpslam.language.tables.states import Trouble
 from lpslam.language.tables.words import Folder
 
-_WHOLE = 4  # letters below which a part is a whole word
+_WHOLE = 4  # letters, with the space before them, up to which a part is a whole word
 _FARTHEST_WORDS, _FARTHEST_LETTERS = 14, 24  # from the first part to the last
 
 
@@ -31,7 +31,7 @@ class Combined:
         part = part.replace("-", " ")
         if not self._is_spaced:
             return part.replace(" ", "")
-        return f" {part} " if len(part) < _WHOLE else f" {part}"
+        return f" {part}"
 
     def found(self, units: Sequence[str]) -> list[Trouble]:
         """Return what the units of a question mean together, and which units say so."""
@@ -44,14 +44,26 @@ class Combined:
         at_letter.append(len(units) - 1)
         found: dict[str, set[int]] = {}
         for parts, concept in self._rows:
-            if all(part in text for part in parts):
-                own = {at for part in parts for at in at_letter[slice(*_letters(part, text))]}
+            if all(part in text for part in parts) and all(spans := [_letters(part, text) for part in parts]):
+                own = {at for start, end in spans for at in at_letter[start:end]}
                 if max(own) - min(own) <= self._farthest:
                     found.setdefault(concept, set()).update(own)
         return [Trouble(concept, frozenset(own)) for concept, own in found.items()]
 
 
-def _letters(part: str, text: str) -> tuple[int, int]:
-    """Where the letters of a part stand, without the spaces around them."""
+def _letters(part: str, text: str) -> tuple[int, ...]:
+    """Where the letters of a part stand, without the space before it; a short one stands as a word of its own only."""
     start = text.index(part)
-    return start + part.startswith(" "), start + len(part.rstrip())
+    end = start + len(part)
+    if part.startswith(" ") and len(part) <= _WHOLE:
+        while not _is_whole(text, end):
+            start = text.find(part, start + 1)
+            if start < 0:
+                return ()
+            end = start + len(part)
+    return (start + part.startswith(" "), end)
+
+
+def _is_whole(text: str, end: int) -> bool:
+    """Whether a word ends here, but for the s of a plural."""
+    return text[end] == " " or text[end : end + 2] == "s "

@@ -96,7 +96,7 @@ def _headed(line: str) -> Concept:
 
 
 def _add(concept: Concept, language: str, said: str) -> None:
-    signs, _, asked = f"{said} ".partition(SIDES)
+    signs, _, asked = f" {said} ".partition(SIDES)
     phrases = [text.strip() for text in asked.split("|") if text.strip()]
     concept.signs[language] = signs.strip()
     concept.asked[language] = "|".join(text for text in phrases if APART not in text)
