@@ -22,7 +22,7 @@ class Combined:
         self._is_spaced = language in LATIN
         self._farthest = _FARTHEST_WORDS if self._is_spaced else _FARTHEST_LETTERS
         self._rows = [
-            (tuple(self._part(folder.fold(part)) for part in parts), entry.name)
+            (sorted((self._part(folder.fold(part)) for part in parts), key=len, reverse=True), entry.name)
             for entry in load_buildings().concepts
             for parts in entry.apart.get(language, ())
         ]
@@ -44,7 +44,11 @@ class Combined:
         at_letter.append(len(units) - 1)
         found: dict[str, set[int]] = {}
         for parts, concept in self._rows:
-            if all(part in text for part in parts) and all(spans := [_letters(part, text) for part in parts]):
+            # The longest part is the rarest: few rows are looked at further.
+            if parts[0] not in text or any(part not in text for part in parts):
+                continue
+            spans = [_letters(part, text) for part in parts]
+            if all(spans):
                 own = {at for start, end in spans for at in at_letter[start:end]}
                 if max(own) - min(own) <= self._farthest:
                     found.setdefault(concept, set()).update(own)
