@@ -22,13 +22,14 @@ class Combined:
         self._is_spaced = language in LATIN
         self._farthest = _FARTHEST_WORDS if self._is_spaced else _FARTHEST_LETTERS
         self._rows = [
-            (sorted((self._part(folder.fold(part)) for part in parts), key=len, reverse=True), entry.name)
+            (sorted((self._part(part, folder) for part in parts), key=len, reverse=True), entry.name)
             for entry in load_buildings().concepts
             for parts in entry.apart.get(language, ())
         ]
 
-    def _part(self, part: str) -> str:
-        part = part.replace("-", " ")
+    def _part(self, part: str, folder: Folder) -> str:
+        """A part as the units of a question are joined: “can't find” is “ca not find” there."""
+        part = " ".join(folder.units(part)) if "'" in part else folder.fold(part).replace("-", " ")
         if not self._is_spaced:
             return part.replace(" ", "")
         return f" {part}"
