@@ -14,7 +14,7 @@ import json
 import sys
 import zlib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +26,8 @@ sys.path.insert(0, str(ROOT / "benchmarks"))
 
 from lpslam.language.offline import OfflineModel  # noqa: E402
 from lpslam.language.signs.reader import load_sign_reader  # noqa: E402
-from lpslam.language.tables import knowledge  # noqa: E402
+from lpslam.language.tables import combined, knowledge  # noqa: E402
+from lpslam.language.tables.concepts import APART, Buildings, load_buildings  # noqa: E402
 from lpslam.language.tables.lexicon import load_lexicons, split  # noqa: E402
 from lpslam.language.wishes import certainty, scoring  # noqa: E402
 from lpslam.language.wishes.served import UNQUESTIONED  # noqa: E402
@@ -36,7 +37,7 @@ from wishes import is_right, places_of  # noqa: E402
 
 WRITTEN = ROOT / "src" / "lpslam" / "language" / "data" / "wishes" / "certainty.json"
 SETS = ROOT / "benchmarks" / "language"
-REPORTED = ("development", "own_second", "blind_first", "blind_second", "blind_third", "blind_fourth")
+REPORTED = ("development", "own_second", "blind_first", "blind_second", "blind_third", "blind_fourth", "blind_fifth")
 RIDGE = 1000.0  # of the weights, in columns of spread 1: few of the products of two tell anything
 STEPS = 15  # of Newton's method, more than it takes
 OF_WISHES = 5.0  # what an answer to a wish weighs: there are five times as many to questions in malls
@@ -93,20 +94,22 @@ def rows_of(worlds: dict[str, Any], model: OfflineModel) -> Rows:
     return rows
 
 
+def is_kept(seed: int, phrase: str) -> bool:
+    """Whether a phrase is left in the tables of a round."""
+    is_turn = " " in phrase or APART in phrase or (len(phrase) > 4 and not phrase.isascii() and ord(phrase[0]) > 0x3000)
+    drawn = zlib.crc32(f"{seed} {phrase}".encode()) / 2**32
+    return drawn >= (HIDDEN_TURNS if is_turn else HIDDEN_WORDS)
+
+
 def hiding(seed: int) -> Callable[[], dict[str, dict[str, Any]]]:
     """Lexicons of which a part is hidden."""
-
-    def is_kept(phrase: str) -> bool:
-        is_turn = " " in phrase or (len(phrase) > 4 and not phrase.isascii() and ord(phrase[0]) > 0x3000)
-        drawn = zlib.crc32(f"{seed} {phrase}".encode()) / 2**32
-        return drawn >= (HIDDEN_TURNS if is_turn else HIDDEN_WORDS)
 
     def load() -> dict[str, dict[str, Any]]:
         lexicons = load_lexicons()
         for lexicon in lexicons.values():
             for section in SECTIONS:
                 lexicon[section] = {
-                    concept: "|".join(filter(is_kept, split(joined)))
+                    concept: "|".join(phrase for phrase in split(joined) if is_kept(seed, phrase))
                     for concept, joined in lexicon.get(section, {}).items()
                 }
         return lexicons
@@ -114,9 +117,30 @@ def hiding(seed: int) -> Callable[[], dict[str, dict[str, Any]]]:
     return load
 
 
+def hiding_apart(seed: int) -> Callable[[], Buildings]:
+    """Entries of buildings of which a part of the words that stand apart is hidden."""
+
+    def load() -> Buildings:
+        entries = load_buildings()
+        concepts = tuple(
+            replace(
+                entry,
+                apart={
+                    language: tuple(parts for parts in rows if is_kept(seed, APART.join(parts)))
+                    for language, rows in entry.apart.items()
+                },
+            )
+            for entry in entries.concepts
+        )
+        return replace(entries, concepts=concepts)
+
+    return load
+
+
 def model_of(seed: int | None) -> OfflineModel:
     """The embedded model, with a part of its tables hidden unless `seed` is None."""
     knowledge.load_lexicons = load_lexicons if seed is None else hiding(seed)  # type: ignore[attr-defined]
+    combined.load_buildings = load_buildings if seed is None else hiding_apart(seed)  # type: ignore[attr-defined]
     knowledge.load_knowledge.cache_clear()
     load_sign_reader.cache_clear()
     return OfflineModel()

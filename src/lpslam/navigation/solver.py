@@ -78,7 +78,7 @@ def solve(
     found = [each.place.id for each in solved if each.place is not None]
     if wish.instead is not None and len(set(found)) < len(solved):
         alone = _in_order(solver, (wish.instead,))
-        solved = alone if alone[0].place is not None else solved
+        solved = alone
     return Solution(replace(wish, stops=tuple(each.stop for each in solved)), tuple(solved))
 
 
@@ -123,6 +123,8 @@ class _Solver:
 
     def stop(self, stop: Stop, previous: Place | None, is_later: bool) -> Solved:
         """Answer one stop; `previous` is the place of the stop before."""
+        if stop.among:
+            return self._one_of(stop, previous)
         ignored = self._idle_relation(stop)
         if ignored:
             stop = replace(stop, what=stop.whole or stop.what, relation=None, anchor=())
@@ -152,6 +154,36 @@ class _Solver:
             notes.append(f"{' and '.join(missing)}: not on this map, so “{stop.relation.value}” cannot be decided")
             return self._none(served, notes, self._listed(served))
         return self._related(served, anchors, previous, notes)
+
+    def _one_of(self, stop: Stop, previous: Place | None) -> Solved:
+        """The alternative that comes first by the order; none where one of them is not on the map."""
+        anchors = [self._anchors(each, previous) for each in stop.anchor]
+        found = [self._anchors(each, previous) for each in stop.among]
+        missing = [
+            each.what
+            for each, places in zip((*stop.anchor, *stop.among), (*anchors, *found), strict=True)
+            if not places
+        ]
+        scores = {place.id: 1.0 for places in found for place in places}
+        served = Served(stop, scores, "one of those that are named", 0.9)
+        if missing:
+            said = f"{' and '.join(missing)}: not on this map, so “{stop.which.value}” cannot be decided"
+            return self._none(served, [said], self._listed(served))
+        if not anchors:
+            return self._ordered(served, self._scene.here.position, [])
+        sign = -1.0 if stop.which is Which.FARTHEST else 1.0
+        serving = Serving(self._scene, scores)
+        metres = {
+            id_: min(each) for id_, each in zip(serving.ids.tolist(), self._apart(serving, anchors[0]), strict=True)
+        }
+        nearest = [min(places, key=lambda place: (metres[place.id], place.id)) for places in found]
+        ranked = [_Ranked(sign * metres[place.id], place, 1.0) for place in dict.fromkeys(nearest)]
+        ranked.sort(key=lambda each: (each.cost, each.place.id))
+        return self._picked(served, ranked, [])
+
+    def _apart(self, serving: Serving, anchors: Sequence[Place]) -> NDArray[np.float64]:
+        """(n, m) metres from each place to each anchor."""
+        return np.stack([self._from(each.position, serving) for each in anchors], axis=1)
 
     def _on_its_floor(self, stop: Stop) -> tuple[Stop, set[int] | None, str]:
         """Where a floor is named: the stop without it, the places of that floor, and what is not sure of it.

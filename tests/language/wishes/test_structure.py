@@ -127,6 +127,37 @@ ON_THE_WAY = [
     ("은행에 가는데 가는 길에 화장실 있어요?", "Toilets 2"),
 ]
 
+AMONG = [
+    ("Which is nearer to Exit B: the bank or the optician?", "Optician"),
+    ("Is the bakery or the library closer to the elevator?", "Bakery"),
+    ("Of the bakery, the bank and the optician, which is second nearest to Exit B?", "Bank"),
+    ("The library or the pharmacy: which is farther away?", "Library"),
+    ("Was liegt näher am Ausgang B: die Bank oder der Optiker?", "Optician"),
+    ("Die Apotheke oder die Bank – was ist weiter weg vom Ausgang A?", "Bank"),
+    ("¿Qué está más cerca de la salida B, el banco o la óptica?", "Optician"),
+    ("La farmacia o el banco: ¿cuál queda más lejos de la salida A?", "Bank"),
+    ("Lequel est le plus proche de la sortie B : la banque ou l'opticien ?", "Optician"),
+    ("Entre la pharmacie et la banque, laquelle est la plus éloignée de la sortie A ?", "Bank"),
+    ("药店和银行哪个离B出口更近？", "Bank"),
+    ("离电梯最远的是药店、银行还是眼镜店？", "Optician"),
+    ("薬局と銀行ではどちらが出口Bに近いですか", "Bank"),
+    ("エレベーターから一番遠いのはどれ？薬局、銀行、図書館", "Bank"),
+    ("약국과 은행 중 어디가 B출구에 더 가까워요?", "Bank"),
+    ("엘리베이터에서 더 먼 건 약국이야 도서관이야?", "Library"),
+    ("Which is nearer to Exit B: the bank or the swimming pool?", None),
+]
+
+CHAINS = [
+    ("buy some bread, get some cash, borrow a book", ["Bakery", "Bank", "Library"]),
+    ("Brot kaufen, Geld abheben, ein Buch ausleihen", ["Bakery", "Bank", "Library"]),
+    ("comprar pan, sacar dinero y tomar un café", ["Bakery", "Bank", "Café Luna"]),
+    ("acheter du pain, retirer de l'argent et boire un café", ["Bakery", "Bank", "Café Luna"]),
+    ("先买面包，再取钱，最后喝咖啡", ["Bakery", "Bank", "Café Luna"]),
+    ("パンを買って、お金を下ろして、コーヒーを飲みたい", ["Bakery", "Bank", "Café Luna"]),
+    ("빵 사고, 돈 찾고, 커피 마시자", ["Bakery", "Bank", "Café Luna"]),
+    ("먼저 빵 사고 돈 찾고 커피 마실래", ["Bakery", "Bank", "Café Luna"]),
+]
+
 COMPARED = [
     ("Which exit is farther away?", "Exit B"),
     ("Welche Toilette ist näher?", "Toilets 2"),
@@ -134,7 +165,9 @@ COMPARED = [
 ]
 
 
-@pytest.mark.parametrize(("question", "expected"), [*FACING, *NEAREST, *LEFT_OUT, *NUMBERS, *COMPARED, *ON_THE_WAY])
+@pytest.mark.parametrize(
+    ("question", "expected"), [*FACING, *NEAREST, *LEFT_OUT, *NUMBERS, *AMONG, *COMPARED, *ON_THE_WAY]
+)
 def test_one_place_is_told_from_others(question: str, expected: str | None) -> None:
     assert answer(question) == [expected]
 
@@ -157,7 +190,7 @@ def test_a_wish_that_contradicts_itself_is_answered_by_none_in_one_line(question
     assert wish.stops[0].contradiction == "farthest and nearest"
 
 
-@pytest.mark.parametrize(("question", "expected"), PLANS)
+@pytest.mark.parametrize(("question", "expected"), [*PLANS, *CHAINS])
 def test_stops_come_in_the_order_in_which_they_are_said(question: str, expected: list[str]) -> None:
     assert answer(question) == expected
 

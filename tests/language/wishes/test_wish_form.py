@@ -12,6 +12,7 @@ QUESTIONS = (
     "Was liegt zwischen der Bank und der Bäckerei?",
     "离出口最近的厕所",
     "On my way from the bank to the exit, is there a café?",
+    "Which is nearer to the exit: the bank or the café?",
 )
 
 
@@ -104,3 +105,8 @@ def test_a_wish_is_told_in_a_line(model: OfflineModel) -> None:
     assert str(model.read_wish("the toilet nearest to gate B31")) == (
         "“the toilet”, nearest, near (“gate B31”, must be gate b31)"
     )
+
+
+def test_alternatives_that_are_named_are_told(model: OfflineModel) -> None:
+    wish = model.read_wish("Which is nearer to the exit: the bank or the café?")
+    assert str(wish) == "one of (“the bank” or “the café”), nearest, near (“the exit”), asks: which"

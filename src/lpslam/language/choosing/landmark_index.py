@@ -7,7 +7,7 @@ from lpslam.language.choosing.serving import Kinds, likeness
 from lpslam.language.model import Candidate
 from lpslam.language.questions.question import spoken_key
 from lpslam.language.signs.hours import without_hours
-from lpslam.language.signs.meaning import SignMeaning
+from lpslam.language.signs.meaning import SignMeaning, joined
 from lpslam.language.signs.reader import SignReader
 from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.lexicon import Meaning
@@ -187,12 +187,17 @@ def _sign_of(landmark: Candidate, signs: SignReader) -> SignMeaning:
     # “9–17 Uhr” sells no watches.
     name = without_hours(landmark.name)
     sign = signs.read(name)
-    if sign.kinds:
-        return sign
     bare = _NUMBERED.sub(" ", name).strip(" -–—,.:·~〜")
-    if bare and bare != name and (numbered := signs.read(bare)).kinds:
-        return numbered
+    if not sign.kinds and bare and bare != name:
+        sign = signs.read(bare)
+    if sign.kinds and (bare == name or sign.identity or not sign.is_place):
+        return sign
+    said = [signs.read(without_hours(line)) for line in landmark.lines]
+    lines = [other for other in said if other.kinds and other.is_place]
+    if sign.kinds:
+        # “Aisle 6” and “Pier 2” say which one it is; their other lines say what is there.
+        return joined([sign, *lines]) if lines else sign
     # The name says nothing: another line of the same board may, or another reading.
-    said = (signs.read(without_hours(line)) for line in landmark.lines)
-    line = next((other for other in said if other.kinds and other.is_place), None)
-    return line or next((other for alias in landmark.aliases if (other := signs.read(alias)).kinds), sign)
+    return next(iter(lines), None) or next(
+        (other for alias in landmark.aliases if (other := signs.read(alias)).kinds), signs.read(name)
+    )

@@ -187,6 +187,7 @@ class _Reading:
         pains = [trouble for trouble in troubles if trouble.concept in knowledge.symptoms]
         self._hurts = hurting(self._spans, [trouble.units for trouble in pains], self._units, knowledge)
         self._troubles = [trouble for trouble in troubles if not (self._hurts and trouble in pains)]
+        self._troubles += knowledge.combined(language).found(knowledge.folder.units(self._text))
         self._stains = [trouble.units for trouble in self._troubles if trouble.concept == "laundry"]
 
     def _phrases(self, tables: tuple[Mapping[str, Meaning], ...]) -> tuple[list[str], list[Span[Meaning]]]:
@@ -257,7 +258,30 @@ class _Reading:
                     said.want(
                         span, concept, weight * (ASIDE if is_aside and has_main else _importance(concept, knowledge))
                     )
+            if span.value.role == "means" and not is_refused:
+                for concept in self._within(span):
+                    said.want(span, concept, ASIDE if is_aside and has_main else MAIN)
         return said
+
+    def _within(self, span: Span[Meaning]) -> set[str]:
+        """Rooms and shelves that words within a phrase name and that sell the same: the tap of “my tap is dripping”."""
+        knowledge = self._knowledge
+        if span.end - span.start < 2:
+            return set()
+        sold = {seller for concept, _ in span.value.concepts for seller in knowledge.offers.get(concept, ())}
+        units, tables = self._units[span.start : span.end], knowledge.tables_of(self._language)
+        inner = [
+            each
+            for piece in (units[1:], units[:-1])
+            for each in longest_phrases(piece, tables)
+            if each.value.role == "means"
+        ]
+        return {
+            concept
+            for each in inner
+            for concept, _ in each.value.concepts
+            if knowledge.family(concept) and not sold.isdisjoint(knowledge.offers.get(concept, ()))
+        }
 
     def _settle(self, said: _Said) -> None:
         """Tell what is truly refused from what is only named beside it."""

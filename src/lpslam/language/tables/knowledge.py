@@ -7,12 +7,14 @@ language or topic is a further file, not further code.
 
 import json
 import lzma
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from importlib.resources import files
 from typing import Any, NamedTuple
 
+from lpslam.language.tables.combined import Combined
+from lpslam.language.tables.concepts import Buildings, load_buildings
 from lpslam.language.tables.forms import load_folder
 from lpslam.language.tables.lexicon import (
     BY_HAND,
@@ -108,6 +110,10 @@ class Knowledge:
         """Return the things and states of a language."""
         return self._tables.states_of(language)
 
+    def combined(self, language: str) -> Combined:
+        """Return what words of a language mean together, wherever they stand."""
+        return self._tables.combined_of(language)
+
     def family(self, kind: str) -> str:
         """Return the sort of building whose rooms are of this kind: a hospital for a department; "" for none."""
         return next((name for name, starts in self.families.items() if kind.startswith(starts)), "")
@@ -164,6 +170,7 @@ class Knowledge:
 def load_knowledge() -> Knowledge:
     """Read the tables of the package (about 0.25 s, once a process)."""
     kinds = read_table("lexicon/kinds.json")
+    buildings = load_buildings()
     folder = load_folder()
     lexicons = load_lexicons()
     gazetteer = json.loads(lzma.decompress((files("lpslam.language") / "data" / "gazetteer.json.xz").read_bytes()))
@@ -214,8 +221,8 @@ def load_knowledge() -> Knowledge:
         treatments=frozenset(kinds["treatments"]),
         instead=kinds["instead"],
         instead_of=kinds["instead_of"],
-        offers=kinds["offers"],
-        isa={kind: tuple(parents) for kind, parents in kinds["isa"].items()},
+        offers=_with_sellers(kinds["offers"], buildings),
+        isa=_above_of(buildings, kinds["isa"]),
         contained={thing: frozenset(split(joined)) for thing, joined in kinds["contained"].items()},
         apart={kind: frozenset(split(joined)) for kind, joined in kinds["apart"].items()},
         light_food=frozenset(kinds["light_food"]),
@@ -227,10 +234,28 @@ def load_knowledge() -> Knowledge:
         trade_goods=frozenset(kinds["trade_goods"]),
         imperatives=frozenset(kinds["imperatives"]),
         company_forms=frozenset(kinds["company_forms"]),
-        families={name: tuple(starts) for name, starts in kinds["families"].items()},
+        families=buildings.families,
         doors=frozenset(map(folder.key, kinds["doors"])),
         _tables=SpokenTables(folder, lexicons, gazetteer, kinds["cuisine_kinds"], frozenset(kinds["unspoken"])),
     )
+
+
+def _with_sellers(offers: Mapping[str, Mapping[str, float]], buildings: Buildings) -> Mapping[str, Mapping[str, float]]:
+    """What serves a concept, with what its entry says of that."""
+    found = {concept: dict(shares) for concept, shares in offers.items()}
+    for entry in buildings.concepts:
+        if entry.sellers:
+            found.setdefault(entry.name, {}).update(entry.sellers)
+    return found
+
+
+def _above_of(buildings: Buildings, isa: Mapping[str, Sequence[str]]) -> Mapping[str, tuple[str, ...]]:
+    """The kinds above each kind, with those that entries name."""
+    found = {kind: tuple(parents) for kind, parents in isa.items()}
+    for entry in buildings.concepts:
+        if entry.above:
+            found[entry.name] = tuple(dict.fromkeys((*found.get(entry.name, ()), *entry.above)))
+    return found
 
 
 def _in_any(lexicons: Mapping[str, Mapping[str, Any]], role: str, folder: Folder) -> frozenset[str]:

@@ -7,12 +7,12 @@ from typing import Any, NamedTuple
 
 from lpslam.language.building import building
 from lpslam.language.languages import LANGUAGES
+from lpslam.language.tables.combined import Combined
+from lpslam.language.tables.concepts import load_buildings
 from lpslam.language.tables.states import StateTables
 from lpslam.language.tables.words import Folder
 
 TOPICS = ("food", "goods", "services", "facilities", "trades")
-VENUES = ("venues",)  # kinds of places in other buildings than malls: they stand beside what a word means else
-SAID_IN_VENUES = ("venue_needs",)  # how one asks for those kinds without naming them
 SAID_ONLY = ("needs",)  # topics of which nothing is painted on a sign
 _ROLES = (
     *("context_before", "context_after", "past", "refuse_before", "refuse_after", "refuse_back", "neutral"),
@@ -36,14 +36,22 @@ def read_table(path: str) -> Any:
 
 
 def load_lexicons() -> dict[str, dict[str, Any]]:
-    """The lexicon of each language, with what the topics say in it."""
+    """The lexicon of each language, with what topics and buildings say in it.
+
+    Concepts of buildings stand beside what a word means else: `venues` on signs, `said_in_venues` in questions only.
+    """
     lexicons: dict[str, dict[str, Any]] = {language: read_table(f"lexicon/{language}.json") for language in LANGUAGES}
-    sections = {"needs": "said", "venues": "venues", "venue_needs": "said_in_venues"}
-    for topic in (*TOPICS, *VENUES, *SAID_IN_VENUES, *SAID_ONLY):
+    sections = {"needs": "said"}
+    for topic in (*TOPICS, *SAID_ONLY):
         for concept, by_language in read_table(f"lexicon/topics/{topic}.json").items():
             for language, joined in by_language.items():
                 means = lexicons[language].setdefault(sections.get(topic, "means"), {})
                 means[concept] = f"{means[concept]}|{joined}" if concept in means else joined
+    for entry in load_buildings().concepts:
+        for section, said in (("venues", entry.signs), ("said_in_venues", entry.asked)):
+            for language, joined in said.items():
+                means = lexicons[language].setdefault(section, {})
+                means[entry.name] = f"{means[entry.name]}|{joined}" if entry.name in means else joined
     return lexicons
 
 
@@ -85,6 +93,7 @@ class SpokenTables:
         self._plain: dict[str, dict[str, Meaning]] = {}
         self._borrowed: dict[str, dict[str, Meaning]] = {}
         self._states: dict[str, StateTables] = {}
+        self._combined: dict[str, Combined] = {}
 
     def of(self, language: str) -> dict[str, Meaning]:
         """Return what a language's phrases mean, by `Folder.phrase`; built when it is first asked for."""
@@ -119,6 +128,12 @@ class SpokenTables:
                 {(pair.split("+")[0], pair.split("+")[1]): want for pair, want in tree["together"].items()},
             )
         return self._states[language]
+
+    def combined_of(self, language: str) -> Combined:
+        """Return what words of a language mean together."""
+        if language not in self._combined:
+            self._combined[language] = Combined(language, self._folder)
+        return self._combined[language]
 
     def word_for(self, concept: str, language: str) -> str | None:
         """Return how a language calls a concept; "zh-Hant" is traditional Chinese."""

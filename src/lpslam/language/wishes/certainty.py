@@ -56,6 +56,11 @@ def clues_of(served: Served, index: LandmarkIndex, asked: AskedWords, knowledge:
             telling.update(range(span.start, span.end))
             longest = max(longest, min(len(span.key), 20))
             several = several or span.end - span.start > 1
+    for together in knowledge.combined(language).found(units):
+        known.update(together.units)
+        if together.concept in meant:
+            telling.update(together.units)
+            several = True
     words = max(len(own), 1)
     weight = dict(wish.wanted)
     direct = max((weight[each] * likeness(each, kinds, knowledge) for each in meant), default=0.0)

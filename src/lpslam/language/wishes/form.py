@@ -107,6 +107,7 @@ class Stop:
         which: of several places; `rank` 2 is the second of that order.
         relation: to the anchor or, for BETWEEN, to both; None without one.
         anchor: stops themselves. PREVIOUS is the stop before.
+        among: alternatives that are named, as stops: it is one of these, by the order: “the bank or the café”.
         same_side: whether it must hang on the anchor's side: “the second shop from the entrance, on that side”.
         start: where a way begins that does not begin here.
         ask: what is asked of it.
@@ -134,6 +135,7 @@ class Stop:
     floor: Floor | None = None
     unplaced: str = ""
     same_side: bool = False
+    among: tuple["Stop", ...] = ()
 
 
 PREVIOUS = Stop("the stop before")
@@ -189,7 +191,8 @@ def told(stop: Stop) -> str:
     """One stop in words."""
     if stop == PREVIOUS:
         return stop.what
-    parts = [f"“{stop.what}”" if stop.what else "any place"]
+    said = f"one of ({' or '.join(told(each) for each in stop.among)})" if stop.among else "any place"
+    parts = [f"“{stop.what}”" if stop.what else said]
     if stop.kinds:
         parts.append(f"[{', '.join(stop.kinds)}]")
     if stop.identity:
@@ -243,6 +246,7 @@ def _stop_of(tree: Mapping[str, Any], depth: int = 0) -> Stop:
         None if floor is None else Floor(Counting(floor["counting"]), int(floor["number"])),
         str(tree.get("unplaced", "")),
         bool(tree.get("same_side", False)),
+        tuple(_stop_of(each, depth + 1) for each in tree.get("among", ())),
     )
 
 

@@ -13,6 +13,7 @@ from lpslam.language.signs.hours import asked_time
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.words import is_mark
 from lpslam.language.wishes.attributes import attributes_of
+from lpslam.language.wishes.chains import chained, is_brief, says_an_order
 from lpslam.language.wishes.codes import asked_codes, identities
 from lpslam.language.wishes.floors import floor_of
 from lpslam.language.wishes.form import PREVIOUS, Ask, Identity, Relation, Sort, Stop, Which, Wish
@@ -28,6 +29,8 @@ _COUNTED = frozenset(map(str, (Relation.NEAR, Relation.BEFORE, Relation.BEHIND, 
 """Relations of which places come one after the other."""
 _MOST_LISTED_WORDS = 4  # of each: longer ones tell of something
 _FEWEST_LISTED = 3  # things that are listed without a word for their order: “pharmacy, bank, coffee”
+_FEWEST_ALTERNATIVES = 2
+_MOST_NAMED_WORDS = 7  # of an alternative: longer ones tell of something
 _DEEPEST = 2  # anchors of anchors
 _POSSESSIVE = re.compile(r"['’]s?$")
 
@@ -45,23 +48,90 @@ def read_wish(question: str, knowledge: Knowledge) -> Wish:
     text = clean_text(question, _LONGEST).strip(_ENDS)
     languages = wish_languages(text, knowledge)
     likely = languages_of(text, knowledge)
-    for language in languages:
-        parts = _in_sequence(text, rules_of(language))
-        if len(parts) > 1:
-            parts = [each for part in parts for each in _listed(part, knowledge)]
-        if len(parts) > 1 and sum(_says_a_place(part, knowledge) for part in parts) >= max(2, len(parts) - 1):
-            stops = tuple(_stop(part, languages, knowledge) for part in parts)
-            found = rules_of(language).first(rules_of(language).sequences, text)
-            is_sure = found is None or not found[0].then.get("perhaps")
-            instead = None if is_sure else _stop(text, languages, knowledge)
-            return Wish(stops[:_MOST_STOPS], language, instead=instead)
+    alternatives = _among(text, languages, knowledge)
+    if alternatives is not None:
+        return Wish((alternatives,), likely[0] if likely else None)
+    plan = _plan(text, languages, knowledge)
+    if plan is not None:
+        return plan
     alone = _stop(text, languages, knowledge)
-    listed = _listed(text, knowledge)
-    is_bare = len(listed) >= _FEWEST_LISTED and all(len(each.split()) <= _MOST_LISTED_WORDS for each in listed)
-    if is_bare and alone.relation is None and not alone.without and not alone.contradiction:
+    is_plain = alone.relation is None and not alone.without and not alone.contradiction
+    listed = _unordered(text, languages, knowledge) if is_plain else []
+    if listed:
         stops = tuple(_stop(part, languages, knowledge) for part in listed[:_MOST_STOPS])
         return Wish(stops, likely[0] if likely else None, instead=alone)
     return Wish((alone,), likely[0] if likely else None)
+
+
+def _plan(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> Wish | None:
+    """Read stops that a text puts in order by a word for it: “first … then …”, 먼저 …고."""
+    for language in languages:
+        rules = rules_of(language)
+        found = rules.first(rules.sequences, text)
+        rest, parts = _in_sequence(text, rules), list[str]()
+        if len(rest) > 1 or says_an_order(text, (language,)):
+            parts = [each for part in rest for each in _pieces(part, (language,), knowledge)]
+        says = sum(_says_a_place(part, knowledge) for part in parts)
+        if len(parts) > 1 and says >= max(2, len(parts) - 1):
+            stops = tuple(_stop(part, languages, knowledge) for part in parts)
+            is_sure = found is None or not found[0].then.get("perhaps") or says_an_order(text, (language,))
+            instead = None if is_sure else _stop(text, languages, knowledge)
+            return Wish(stops[:_MOST_STOPS], language, instead=instead)
+    return None
+
+
+def _pieces(text: str, languages: Sequence[str], knowledge: Knowledge) -> list[str]:
+    """The stops that a part of a plan names, each something of its own; the part itself where it names one."""
+    chain = chained(text, languages)
+    if len(chain) >= _FEWEST_LISTED and all(_are_things((piece,), knowledge) for piece in chain):
+        return chain
+    for pieces in (chained(text, languages), _listed(text, knowledge)):
+        if len(pieces) > 1 and _are_things(pieces, knowledge):
+            return pieces
+    return [text]
+
+
+def _unordered(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> list[str]:
+    """Things that are listed without a word for their order: three at least, each something of its own."""
+    pieces = chained(text, languages)
+    wanting = sum(_are_things((piece,), knowledge) for piece in pieces)
+    if len(pieces) >= _FEWEST_LISTED and wanting >= len(pieces) - 1 and all(map(is_brief, pieces)):
+        return pieces
+    listed = _listed(text, knowledge)
+    is_bare = len(listed) >= _FEWEST_LISTED and all(len(each.split()) <= _MOST_LISTED_WORDS for each in listed)
+    return listed if is_bare else []
+
+
+def _among(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> Stop | None:
+    """Read which of several named places is the nearest, farthest or largest, to an anchor or from here."""
+    for language in languages:
+        rules = rules_of(language)
+        found = rules.first(rules.among, text)
+        order, rank = _ordered(text, (language,))
+        if found is None or order is None:
+            continue
+        groups = {name: (value or "").strip(_ENDS) for name, value in found[1].groupdict().items()}
+        listed = [groups.get("first", ""), groups.get("second", "")]
+        if "among" in groups:
+            listed = [
+                rules.alternative_ends.sub("", each.strip(_ENDS)) for each in rules.between.split(groups["among"])
+            ]
+        named = [each for each in listed if content_left(each, rules)]
+        if len(named) < _FEWEST_ALTERNATIVES or not all(len(each.split()) <= _MOST_NAMED_WORDS for each in named):
+            continue
+        anchor = groups.get("anchor") or groups.get("near", "")
+        is_here = not anchor or rules.here.match(anchor) is not None
+        return Stop(
+            "",
+            which=order,
+            rank=rank,
+            relation=None if is_here else Relation.NEAR,
+            anchor=() if is_here else (_anchor(anchor, languages, knowledge, rules, 0),),
+            among=tuple(_anchor(each, languages, knowledge, rules, 0) for each in named),
+            ask=Ask.WHICH,
+            whole=text,
+        )
+    return None
 
 
 def _says_a_place(text: str, knowledge: Knowledge) -> bool:
@@ -82,11 +152,12 @@ def _listed(text: str, knowledge: Knowledge) -> list[str]:
 
 
 def _are_things(pieces: Sequence[str], knowledge: Knowledge) -> bool:
-    """Whether each piece wants something of its own and refuses nothing."""
+    """Whether each piece wants something of its own, or bears a code or name, and refuses nothing."""
     reads = [read_question(piece, knowledge) for piece in pieces]
     wanted = [{concept for concept, weight in read.wanted if weight >= MAIN} for read in reads]
     apart = len(set().union(*wanted)) == sum(map(len, wanted))
-    return all(wanted) and apart and not any(read.refused or read.refused_names for read in reads)
+    says = all(mine or asked_codes(piece) for mine, piece in zip(wanted, pieces, strict=True))
+    return says and apart and not any(read.refused or read.refused_names for read in reads)
 
 
 def _in_sequence(text: str, rules: Rules) -> list[str]:

@@ -35,13 +35,14 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class Rules:
-    """The rows of one language: asks, orders, sequences, relations, exclusions; and words that say no place."""
+    """The rows of one language: asks, orders, sequences and so on; words that say no place, or part alternatives."""
 
     asks: tuple[Row, ...]
     orders: tuple[Row, ...]
     sequences: tuple[Row, ...]
     relations: tuple[Row, ...]
     exclusions: tuple[Row, ...]
+    among: tuple[Row, ...]
     persons: tuple[Row, ...]
     counts: tuple[Row, ...]
     ranks: Mapping[str, int]
@@ -50,6 +51,10 @@ class Rules:
     filler: re.Pattern[str]
     any: re.Pattern[str]
     unsaid: re.Pattern[str]
+    between: re.Pattern[str]
+    alternative_ends: re.Pattern[str]
+    joints: re.Pattern[str]
+    ordering: re.Pattern[str]
 
     def first(self, rows: Sequence[Row], text: str) -> tuple[Row, re.Match[str]] | None:
         """The first row that holds; rows stand in order, the most particular first."""
@@ -86,6 +91,7 @@ def rules_of(language: str) -> Rules:
         rows("sequences"),
         rows("relations"),
         rows("exclusions"),
+        rows("among"),
         rows("persons"),
         rows("counts"),
         ranks,
@@ -94,6 +100,10 @@ def rules_of(language: str) -> Rules:
         compiled(tree["filler"]),
         compiled(tree["any"]),
         compiled(tree["unsaid"]),
+        compiled(tree["between"]),
+        compiled(tree["alternative_ends"]),
+        compiled(tree["joints"]),
+        compiled(tree["ordering"]),
     )
 
 

@@ -24,6 +24,7 @@ from lpslam.language.tables.words import is_mark, is_unspaced, longest_phrases
 from lpslam.language.wishes.asked_words import SHORTEST, AskedWords
 from lpslam.language.wishes.attributes import attributes_of, told_apart
 from lpslam.language.wishes.certainty import clues_of, probability
+from lpslam.language.wishes.codes import without_codes
 from lpslam.language.wishes.form import Ask, Stop, Which, with_meaning
 from lpslam.language.wishes.identities import Identities
 from lpslam.language.wishes.names import Names
@@ -50,6 +51,7 @@ _OF_THE_HOUSE = (
     *("museum/", "aisle/", "warehouse/", "dock/", "office/", "faculty/", "ride/", "ferry/", "factory/"),
 )
 _FEWEST_TO_TELL_APART = 2
+_DESTINATION = "city/"
 _NEARLY = 0.8  # of the best score: among such places the words on the boards decide
 _TELLING = 0.5  # of such places: a word that more of them bear tells nothing
 _BEHIND = 0.9  # of the best score, for those that do not say it
@@ -184,7 +186,7 @@ class EmbeddedScorer:
         if failed:
             return Served(stop, {}, f"no board bears {failed}", 0.8, self._of_what(stop), ignored)
         if allowed is not None:
-            scores = self._trusted(allowed)
+            scores = self._of_the_kind(stop, self._trusted(allowed))
             return Served(stop, scores, "the board bears it", 0.97, ignored=ignored, way=Way.IDENTITY)
         meaning = read_question(stop.what, self._knowledge, self._index.names)
         stop = with_meaning(stop, [kind for kind, _ in meaning.wanted], (*meaning.refused, *meaning.refused_names))
@@ -202,6 +204,7 @@ class EmbeddedScorer:
             return Served(stop, scores, "any of this sort", 0.9, ignored=ignored, way=Way.SORT)
         choice, scores = ranked(stop.what, self._index, self._signs, self._knowledge, self.model)
         scores = self._not_by_the_whole(meaning, _within(self._trusted(scores), within))
+        scores = self._going_there(meaning, scores)
         scores = self._told_apart(stop, self._bearing_the_words(stop, meaning, self._of_the_family(meaning, scores)))
         if not scores or self._is_another(stop, meaning, scores):
             literal = self._by_words(stop, meaning, ignored)
@@ -231,6 +234,18 @@ class EmbeddedScorer:
             way=Way.KIND,
             strength=top,
         )
+
+    def _of_the_kind(self, stop: Stop, scores: dict[int, float]) -> dict[int, float]:
+        """Of several that bear a code, those of the kind that the words say: who flies out of A27 wants a gate."""
+        if len(scores) < _FEWEST_TO_TELL_APART:
+            return scores
+        meaning = read_question(without_codes(stop.what), self._knowledge)
+        fitting = {
+            id_: score
+            for id_, score in scores.items()
+            if any(match(kind, self._index.signs[id_].kinds, self._knowledge) >= FITS for kind in meaning.main)
+        }
+        return fitting or scores
 
     def _guessed(self, stop: Stop, within: set[int] | None) -> Served | None:
         """What the words of a stop are nearest to; who asks whether there is a hotel is not shown a taxi."""
@@ -321,6 +336,17 @@ class EmbeddedScorer:
                     }
                     return kept | more
         return dict(scores)
+
+    def _going_there(self, meaning: Meaning, scores: dict[int, float]) -> dict[int, float]:
+        """Where boards name destinations, who asks for one gets no other: the ferry to Oslo."""
+        asked = {kind for kind, _ in meaning.wanted if kind.startswith(_DESTINATION)}
+        if not asked or self._families["destinations"] < _FEWEST_TO_TELL_APART:
+            return scores
+        return {
+            id_: score
+            for id_, score in scores.items()
+            if any(kind in asked for kind, _ in self._index.signs[id_].kinds)
+        }
 
     def _bearing_the_words(self, stop: Stop, meaning: Meaning, scores: Mapping[int, float]) -> dict[int, float]:
         """Of several that serve, those whose boards bear the words themselves: “meeting room Alpha”, 烤鸭."""
