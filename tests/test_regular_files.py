@@ -56,3 +56,22 @@ def test_every_command_refuses_a_map_that_is_a_pipe(lpslam: Command, tmp_path: P
     more = {"draw": ["map.png"], "export": ["exported"], "ask": ["pizza"], "correct": ["1", "--hide"]}
     said = lpslam(command, tmp_path / "map.lpmap", *more.get(command, [])).complaint
     assert "no file but a device or a pipe" in said
+
+
+@pytest.mark.parametrize("option", ["--output", "--trajectory", "--continue", "SOURCE"])
+def test_links_that_lead_around_are_one_line(lpslam: Command, walk: Path, tmp_path: Path, option: str) -> None:
+    loop = tmp_path / "loop.lpmap"
+    loop.symlink_to(loop)
+    given = {"SOURCE": walk, "--output": tmp_path / "map.lpmap", "--trajectory": tmp_path / "poses.txt"} | {
+        option: loop
+    }
+    words = [word for name, path in given.items() for word in (name, path) if word != "SOURCE"]
+    done = lpslam("run", *words, "--max-frames", "1", "--no-text")
+    assert done.code in (0, 2)
+    assert done.code == 0 or done.err.splitlines()[-1].startswith("lpslam: ")
+
+
+def test_poses_do_not_wait_for_who_reads_a_pipe(lpslam: Command, walk: Path, tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    said = lpslam("run", walk, "-o", tmp_path / "map.lpmap", "--trajectory", tmp_path / "pipe").complaint
+    assert "it is a pipe" in said

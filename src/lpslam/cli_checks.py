@@ -1,6 +1,7 @@
 """What is wrong with the options of a command, before anything is begun."""
 
 import os
+from os.path import realpath
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +31,8 @@ def refuse_unwritable(path: Path) -> None:
     """A result that cannot be written is refused before the work for it is done."""
     if path.is_dir() or not path.absolute().parent.is_dir():
         raise UserError(f"{path} cannot be written: {'it is a folder' if path.is_dir() else 'its folder is missing'}")
+    if path.is_fifo():
+        raise UserError(f"{path} cannot be written: it is a pipe, which may wait for ever; give a file")
     if not os.access(path if path.exists() else path.absolute().parent, os.W_OK):
         raise UserError(f"{path} cannot be written: that is not allowed there; choose another place")
 
@@ -40,9 +43,9 @@ def refuse_overwriting(output: Path | None, trajectory: Path | None, base: Path 
         refuse_unwritable(trajectory)
     places = {"--output": output, "--trajectory": trajectory}
     for option, path in places.items():
-        if path is not None and base is not None and path.resolve() == base.resolve():
+        if path is not None and base is not None and realpath(path) == realpath(base):
             raise UserError(f"{option} {path} is the map that is read, which is not overwritten; choose another name")
-    if output is not None and trajectory is not None and output.resolve() == trajectory.resolve():
+    if output is not None and trajectory is not None and realpath(output) == realpath(trajectory):
         raise UserError(f"--output and --trajectory are both {output}; choose another name for one of them")
 
 

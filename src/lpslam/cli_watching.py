@@ -1,6 +1,7 @@
 """The options that write down a run while it goes."""
 
 from collections.abc import Callable, Sequence
+from os.path import realpath
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -43,18 +44,18 @@ def refuse_watching(
     """What is written while a run goes replaces nothing unasked, and no other file of the run."""
     from importlib.util import find_spec
 
-    taken = [path.resolve() for path in others if path is not None]
+    taken = [realpath(path) for path in others if path is not None]
     for option, path in (("--mcap", mcap), ("--rerun", rerun)):
         if path is None:
             continue
         if localize is not None:
             raise UserError(f"--localize and {option} exclude each other: nothing is mapped")
         refuse_unwritable(path)
-        if path.resolve() in taken:
+        if realpath(path) in taken:
             raise UserError(f"{option} {path} is another file of this run; choose another name")
         if path.exists() and not force:
             raise UserError(f"{path} is there already; choose another name, or give --force to replace it")
-        taken.append(path.resolve())
+        taken.append(realpath(path))
     if rerun is not None and find_spec("rerun") is None:
         raise MissingExtraError("--rerun", "rerun")
     if foxglove is not None and localize is not None:

@@ -58,6 +58,22 @@ def test_frames_that_come_late_or_twice_are_faults_beside_the_sources_own() -> N
     assert (source.name, source.camera) == ("listed", CAMERA)
 
 
+@pytest.mark.parametrize("where", [0, 1, 3, 4])
+def test_one_time_far_ahead_is_one_fault_and_not_the_end(where: int) -> None:
+    times: list[float | None] = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5]
+    times[where] = 1e6
+    source = InOrder(Listed(times))
+    assert [frame.index for frame in source] == [number for number in range(6) if number != where]
+    assert [fault.index for fault in source.faults] == [where]
+    assert "ahead of the frame after it" in source.faults[0].reason
+
+
+def test_pauses_are_no_leaps() -> None:
+    source = InOrder(Listed([5.0, 5.1, 100.0, 100.1, float("nan"), 200.0, 300.0, 1e6]))
+    assert [frame.index for frame in source] == [0, 1, 2, 3, 5, 6, 7]
+    assert [fault.index for fault in source.faults] == [4]
+
+
 def test_a_misshapen_frame_is_a_fault() -> None:
     source = InOrder(Listed([0.0, 0.1, 0.2], {1: (6, 8)}))
     assert [frame.index for frame in source] == [0, 2]

@@ -1,6 +1,6 @@
 """Frames in order of time, each once, whatever a camera or a recording delivers."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,11 +36,12 @@ class InOrder(PassedOn):
         Raises:
             UserError: at the end, if the source gave frames and not one could be used.
         """
-        self._own_faults = faults = []
+        faults: list[FrameFault] = []
+        self._own_faults = faults
         latest = -np.inf
         shown: NDArray[np.uint8] | None = None
         repeats = 0
-        for frame in self.source:
+        for frame in _without_leaps(self.source, faults):
             defect = self._shape_defect(frame) or _time_defect(frame.timestamp, latest)
             if not defect:
                 repeats = repeats + 1 if shown is not None and _is_repeated(frame.rgb, shown) else 0
@@ -60,6 +61,36 @@ class InOrder(PassedOn):
             if found != wanted:
                 return f"its {kind} is {'×'.join(map(str, found[::-1]))}; the camera is {wanted[1]}×{wanted[0]}"
         return ""
+
+
+_LEAP = 1.0
+"""Seconds: a frame whose time lies so far after the one before waits for the next, which tells whether it is true."""
+
+
+def _without_leaps(frames: Iterable[RgbdFrame], faults: list[FrameFault]) -> Iterator[RgbdFrame]:
+    """Frames but those whose time lies far ahead of what is before and after: all that follow would come too late."""
+    latest = -np.inf
+    held: RgbdFrame | None = None
+    for frame in frames:
+        if not np.isfinite(frame.timestamp):
+            yield frame
+            continue
+        if held is not None:
+            ahead = held.timestamp - frame.timestamp
+            if frame.timestamp > latest and ahead > _LEAP:
+                reason = f"its time lies {ahead:.6g} s ahead of the frame after it"
+                faults.append(FrameFault(held.index, held.timestamp, reason))
+            else:
+                latest = held.timestamp
+                yield held
+            held = None
+        if frame.timestamp - latest > _LEAP:
+            held = frame
+        else:
+            latest = max(latest, frame.timestamp)
+            yield frame
+    if held is not None:
+        yield held
 
 
 _SLOW = 1
