@@ -43,9 +43,7 @@ function pictureOf(sign) {
 
 async function havePictures() {
   data.pictures = {};
-  const response = await fetch(`/page/${encodeURIComponent(data.name)}/pictures`);
-  if (!response.ok) return;
-  data.pictures = await response.json();
+  data.pictures = await givenLater("pictures", "json") || {};
   if (!card.contains(document.activeElement)) showCard();
 }
 
