@@ -38,9 +38,10 @@ from lpslam.text.reading.certainty import READING, Certainty, terms
 from lpslam.text.reading.spotting import PaddleSpotter, accepted_texts
 from lpslam.text.remembering.evidence import Glance, Look, note, readings_of
 from lpslam.text.remembering.similarity import comparison_key
-from text_drawn_lines import Font, Seen, drawn
+from text_drawn_lines import FAR, PAST, Font, Seen, drawn
 
-SIGNS = {"dev": (71, 480), "held": (72, 320)}
+SIGNS = {"dev": (71, 480, PAST), "held": (72, 320, PAST), "dev-far": (73, 120, FAR), "held-far": (74, 80, FAR)}
+"""Sets of signs: seed, number and how they are passed; the fonts of those that are held are held out."""
 COVERED = 0.6  # share of a line's ink that a box must cover to be a reading of it
 SIZES = ((0, 16), (16, 28), (28, 48), (48, 999))  # pixels, of boxes
 FITTED, RIDGE = 60, 1e-3  # Newton's steps, and what keeps the coefficients small
@@ -97,7 +98,7 @@ def main() -> None:
         fitted = fit(read_rows(given.rows / "dev.jsonl"))
         print("READING = Certainty(" + ", ".join(f"{value:.3f}" for value in astuple(fitted)) + ")")
     elif given.what == "names":
-        values = fit_names(read_rows(given.rows / "dev.jsonl"))
+        values = fit_names([read_rows(given.rows / f"{which}.jsonl") for which in ("dev", "dev-far")])
         print("_CERTAINTY = (" + ", ".join(f"{value:.3f}" for value in values) + ")")
     elif given.what == "odds":
         show_odds(read_rows(given.rows / "dev.jsonl"))
@@ -128,15 +129,15 @@ def fonts_of(which: str, folders: Sequence[Path]) -> list[Font]:
     ]
     by_name = {path.stem: path for path in paths}
     held = {name for name in by_name if zlib.crc32(name.encode()) % 3 == 0}
-    return [Font.at(path) for name, path in sorted(by_name.items()) if (name in held) == (which == "held")]
+    return [Font.at(path) for name, path in sorted(by_name.items()) if (name in held) == which.startswith("held")]
 
 
 def _read(which: str, folders: Sequence[Path]) -> Iterator[Row]:
     config = SpottingConfig()
     spotter = PaddleSpotter(config)
-    seed, count = SIGNS[which]
+    seed, count, walk = SIGNS[which]
     fonts = [font for font in fonts_of(which, folders) if set("AZaz") <= font.letters]
-    for image, lines in drawn(seed, count, words(), fonts):
+    for image, lines in drawn(seed, count, words(), fonts, walk):
         boxes, _ = spotter.detect(image)
         boxes = boxes[~cut_by_border(image, boxes)]
         boxes = boxes[letter_heights(boxes) >= config.min_letter_height]
@@ -191,12 +192,13 @@ def _logistic(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.floa
     return beta
 
 
-def fit_names(rows: Sequence[Row]) -> list[float]:
-    """Coefficients of `naming/namer.py`: whether a name is right, from its posterior, best reading and looks."""
+def fit_names(sets: Sequence[Sequence[Row]]) -> list[float]:
+    """Coefficients of `naming/namer.py`: whether a name is right, from its posterior."""
     x, y = [], []
-    for name, right in named(rows):
-        x.append(name.terms)
-        y.append(right)
+    for rows in sets:
+        for name, right in named(rows):
+            x.append(name.terms)
+            y.append(right)
     return _logistic(np.array(x), np.array(y, np.float64)).tolist()
 
 

@@ -21,10 +21,23 @@ Rgb = NDArray[np.uint8]
 
 KINDS = ("flat", "shadow", "outlined", "raised", "glowing", "faded", "spaced")
 DRAWN = 120  # pixels, of a letter as it is drawn
-VIEWS, FRAMES = 4, 3  # of a sign, and of a view
-HEIGHTS = (8.0, 90.0)  # pixels, of letters as they are seen
 STEEPEST = 72.0  # degrees from straight ahead
+SMALLEST = 8.0  # pixels, of letters that are drawn
 SIZE = (480, 640)  # of an image
+
+
+@dataclass(frozen=True)
+class Walk:
+    """How signs are passed: views of a sign, frames of a view, pixels of letters in the first view and the last."""
+
+    views: int
+    frames: int
+    heights: tuple[float, float]
+
+
+PAST = Walk(4, 3, (8.0, 90.0))
+FAR = Walk(14, 2, (8.0, 22.0))
+"""Signs that one comes close to, and signs that are only ever seen from afar, in many poor views."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +72,9 @@ class Seen:
     frontal: float
 
 
-def drawn(seed: int, count: int, texts: Sequence[str], fonts: Sequence[Font]) -> Iterator[tuple[Rgb, list[Seen]]]:
+def drawn(
+    seed: int, count: int, texts: Sequence[str], fonts: Sequence[Font], walk: Walk = PAST
+) -> Iterator[tuple[Rgb, list[Seen]]]:
     """Images (480, 640, 3) of `count` signs, four beside each other, with the lines that they show."""
     rng = np.random.default_rng(seed)
     for first in range(0, count, 4):
@@ -69,14 +84,14 @@ def drawn(seed: int, count: int, texts: Sequence[str], fonts: Sequence[Font]) ->
             usable = [font for font in fonts if set(text) <= font.letters]
             if usable:
                 signs.append((sign, text, *_painted(rng, text, usable[int(rng.integers(len(usable)))])))
-        for view in range(VIEWS):
+        for view in range(walk.views):
             # From afar to near, as the camera comes.
-            share = (view + rng.uniform(0.0, 1.0)) / VIEWS
-            height = HEIGHTS[0] * (HEIGHTS[1] / HEIGHTS[0]) ** share
+            share = (view + rng.uniform(0.0, 1.0)) / walk.views
+            height = walk.heights[0] * (walk.heights[1] / walk.heights[0]) ** share
             angles = rng.uniform(-STEEPEST, STEEPEST, len(signs)) * rng.uniform(0.0, 1.0)
             blur = float(rng.choice([0.0, 0.4, 0.8, 1.4])) * rng.uniform(0.5, 1.3)
             light, noise = rng.uniform(0.35, 1.1), rng.uniform(1.0, 9.0)
-            for _ in range(FRAMES):
+            for _ in range(walk.frames):
                 image = np.full((*SIZE, 3), rng.uniform(60.0, 190.0), np.float32)
                 image *= 1 + 0.15 * textures.clouds(rng, SIZE[0], SIZE[1], 160, 4)[..., None]
                 seen = []
@@ -146,7 +161,7 @@ def _placed(
         across = np.column_stack([flat[:, 0] * np.cos(np.radians(angle)), flat[:, 1]]) * (distance / away)[:, None]
         return np.asarray(across + np.array([SIZE[1] / 2, (row + 0.5) * quarter[1]]), np.float32)
 
-    if height * shrink < HEIGHTS[0]:
+    if height * shrink < SMALLEST:
         return None
     shift = rng.uniform(-1.0, 1.0, 2).astype(np.float32)
     homography = cv2.getPerspectiveTransform(corners, seen(corners) + shift)

@@ -14,7 +14,7 @@ PACKAGE = Path(lpslam.__file__).parent
 FOUNDATION = {
     *("_version", "assets", "camera", "config", "errors", "frames", "interruption", "isolated"),
     "kernel_cache",
-    *("poses", "priority", "small_depth", "timestamps"),
+    *("poses", "priority", "regular_files", "small_depth", "timestamps"),
 }
 
 # What each part may import, besides itself and the foundation. An entry with a dot opens one module only.
@@ -29,6 +29,7 @@ ALLOWED: dict[str, set[str]] = {
         "language.model",
         "language.sanitise",
         "language.tables.forms",
+        "language.tables.knowledge",
         "language.tables.spelling",
         "slam.state",
         "slam.advice",

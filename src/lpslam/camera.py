@@ -1,6 +1,7 @@
 """The pinhole camera of an RGB-D sensor: projection and back-projection (paper, Eq. 4-7)."""
 
 from dataclasses import dataclass
+from numbers import Real
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,6 +9,9 @@ from numpy.typing import NDArray
 from lpslam.errors import UserError
 
 Points = NDArray[np.float64]
+_LARGEST = 1e9
+"""Pixels, units in a metre, frames a second: what single precision still computes with."""
+_MOST_PIXELS = 64_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,13 +42,22 @@ class PinholeCamera:
         """Refuse what no camera can be."""
         for label in ("width", "height", "fx", "fy", "depth_scale", "fps"):
             value = getattr(self, label)
-            if not np.isfinite(value) or value <= 0:
-                raise UserError(f"camera calibration: {label} is {value!r}; it must be a positive number")
+            if not _is_finite(value) or value <= 0:
+                raise UserError(f"camera calibration: {label} is {_said(value)}; it must be a positive number")
+            if label not in ("width", "height") and not 1 / _LARGEST <= value <= _LARGEST:
+                raise UserError(f"camera calibration: {label} is {value:g}, which no camera has; is it in its unit?")
+        if not float(self.width).is_integer() or not float(self.height).is_integer():
+            raise UserError(f"camera calibration: {self.width}×{self.height} is no size in whole pixels")
+        if self.width * self.height > _MOST_PIXELS:
+            raise UserError(f"camera calibration: {self.width:g}×{self.height:g} pixels are more than any camera has")
         for label in ("cx", "cy"):
-            if not np.isfinite(getattr(self, label)):
-                raise UserError(f"camera calibration: {label} is {getattr(self, label)!r}; it must be a finite number")
-        if not np.isfinite(self.distortion).all():
+            value = getattr(self, label)
+            if not _is_finite(value) or abs(value) > _LARGEST:
+                raise UserError(f"camera calibration: {label} is {_said(value)}; it must be a finite number of pixels")
+        if not all(map(_is_finite, self.distortion)):
             raise UserError(f"camera calibration: distortion is {self.distortion!r}; it must be finite numbers")
+        for label in ("width", "height"):
+            object.__setattr__(self, label, int(getattr(self, label)))
 
     @property
     def is_distorted(self) -> bool:
@@ -104,6 +117,17 @@ class PinholeCamera:
         raw_x = x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x)
         raw_y = y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y
         return np.column_stack([self.fx * raw_x + self.cx, self.fy * raw_y + self.cy])
+
+
+def _is_finite(value: object) -> bool:
+    # Whole numbers of any length are real, and beyond a float's reach.
+    if isinstance(value, int):
+        return abs(value) < 1 << 1000
+    return isinstance(value, Real) and -np.inf < float(value) < np.inf
+
+
+def _said(value: object) -> str:
+    return repr(value) if isinstance(value, float) else f"{value!s:.40}"
 
 
 def transform_points(to_from_frame: NDArray[np.float64], points: Points) -> Points:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.errors import UserError
+from lpslam.regular_files import text_of
 
 Array = NDArray[np.float64]
 
@@ -115,12 +116,7 @@ def quaternions_from_rotations(rotations: Array) -> Array:
 
 def _read_rows(path: Path) -> Array:
     """Read the (n, 8) numbers of a TUM trajectory."""
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise UserError(f"trajectory {path} cannot be read ({error.strerror})") from error
-    except UnicodeDecodeError as error:
-        raise UserError(f"trajectory {path} is not a text file") from error
+    text = text_of(path, "trajectory")
     rows: list[list[float]] = []
     for number, line in enumerate(text.splitlines(), start=1):
         words = line.partition("#")[0].replace(",", " ").split()

@@ -2,7 +2,10 @@
 
 import asyncio
 import threading
+import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +13,10 @@ import numpy as np
 import pytest
 
 import lpslam
+from lpslam.errors import UserError
 from lpslam.frames import RgbdFrame
 from lpslam.mapfile.language_map import LanguageMap
+from lpslam.session import listeners
 from lpslam.sources.open import open_source
 
 FRAMES = 60
@@ -194,3 +199,103 @@ def test_a_map_is_continued(walk: Path, world: LanguageMap, frames: list[RgbdFra
     assert later[0].index >= count
     assert len(session.close().trajectory) == count + 5
     assert {mark.id for mark in session.landmarks()} >= {mark.id for mark in known}
+
+
+@pytest.mark.parametrize(
+    "timestamp", [None, "now", np.array([1.0]), np.array([1.0, 2.0]), 1j, np.datetime64("2024-01-01"), 10**400, [1]]
+)
+def test_a_time_that_is_no_number_is_told(session: lpslam.Session, frames: list[RgbdFrame], timestamp: object) -> None:
+    with pytest.raises(UserError, match="give seconds"):
+        session.step(frames[0].rgb, frames[0].depth, timestamp)  # type: ignore[arg-type]
+    assert session.step(frames[0].rgb, frames[0].depth, 0).timestamp == 0.0
+    assert session.frames == 1
+
+
+def test_depth_that_is_masked_or_beyond_single_precision_is_no_depth(
+    session: lpslam.Session, frames: list[RgbdFrame]
+) -> None:
+    shape = frames[0].depth.shape
+    for number, depth in enumerate((np.ma.masked_array(np.full(shape, 2.0), mask=True), np.full(shape, 1e300))):
+        session.step(frames[0].rgb, depth, float(number))
+    assert session.keyframes == 0
+
+
+def test_two_threads_do_not_step_at_once(walk: Path, frames: list[RgbdFrame]) -> None:
+    session = lpslam.Session(open_source(walk).camera, text=False)
+    taken: list[bool] = []
+    refused: list[bool] = []
+
+    def steps() -> None:
+        for frame in frames:
+            before = len(taken)
+            with suppress(UserError):
+                session.step(frame.rgb, frame.depth, time.perf_counter())
+                taken.append(True)
+            refused.append(len(taken) == before)
+
+    threads = [threading.Thread(target=steps) for _ in range(3)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert any(refused)
+    assert session.frames == len(taken) == session.close().trajectory.tracked_count
+
+
+def test_a_callback_can_neither_step_nor_close(walk: Path, frames: list[RgbdFrame]) -> None:
+    refused: list[str] = []
+
+    def again(_: object) -> None:
+        for attempt in (lambda: session.step(frames[0].rgb, frames[0].depth, 1e6), session.close):
+            with pytest.raises(UserError, match="a frame is being taken") as caught:
+                attempt()
+            refused.append(str(caught.value))
+
+    session = lpslam.Session(open_source(walk).camera, text=False, on_event=again)
+    for number, frame in enumerate([*frames[:3], *[replace(frames[0], rgb=frames[0].rgb * 0)] * 40]):
+        session.step(frame.rgb, frame.depth if number < 3 else frame.depth * 0, number / 15)
+    assert refused
+    assert session.close().trajectory.tracked_count >= 3
+
+
+def test_who_dropped_the_iterator_or_does_not_keep_up_fills_no_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(listeners, "_MOST_WAITING", 5)
+
+    async def listening() -> list[int]:
+        told = listeners.Listeners()
+        slow = told.listen()
+        dropped = [told.listen() for _ in range(3)]
+        assert len(told._iterators) == 4
+        dropped.clear()
+        assert len(told._iterators) == 1
+        for number in range(20):
+            told.tell(number)  # type: ignore[arg-type]
+        told.tell(None)
+        await asyncio.sleep(0)
+        return [step async for step in slow]  # type: ignore[misc]
+
+    assert asyncio.run(listening()) == [16, 17, 18, 19]
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"width": "a"}, "width is a"),
+        ({"width": 160.5}, "no size in whole pixels"),
+        ({"width": 10**400}, "width is 1"),
+        ({"width": 10**9, "height": 10**9}, "more than any camera has"),
+        ({"fx": None}, "fx is None"),
+        ({"fx": 1e300}, "which no camera has"),
+        ({"cx": -1e300}, "cx is -1e"),
+        ({"depth_scale": 1e-300}, "which no camera has"),
+        ({"distortion": ("a", 0, 0, 0, 0)}, "distortion is"),
+    ],
+)
+def test_a_camera_that_cannot_be_is_told(walk: Path, change: dict[str, Any], said: str) -> None:
+    with pytest.raises(UserError, match=said):
+        replace(open_source(walk).camera, **change)
+
+
+def test_what_is_no_camera_is_told() -> None:
+    with pytest.raises(UserError, match="the camera is a NoneType"):
+        lpslam.Session(None)  # type: ignore[arg-type]

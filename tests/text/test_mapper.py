@@ -149,7 +149,7 @@ def test_what_only_looks_like_a_pattern_is_left_unread_where_its_other_views_can
     def likenesses(_: object, boxes: NDArray[np.float64]) -> list[Likeness]:
         return [like] * len(boxes)
 
-    monkeypatch.setattr("lpslam.text.mapper.pattern_likenesses", likenesses)
+    monkeypatch.setattr("lpslam.text.frame_reader.pattern_likenesses", likenesses)
     placed, unplaced = (ScriptedSpotter((box(100, 200), "GUCCI", 0.98)) for _ in range(2))
     mapper = run(TextMapper(CAMERA, placed, CONFIG), 10)
     assert (placed.recognised, mapper.statistics.boxes_ornamental > 0) == (0, True)
@@ -168,6 +168,31 @@ def test_new_text_is_read_at_a_quicker_pace_than_none() -> None:
     new = run(TextMapper(CAMERA, ScriptedSpotter((box(100, 200), "GUCCI", 0.98)), CONFIG), 15)
     none = run(TextMapper(CAMERA, ScriptedSpotter(), CONFIG), 15)
     assert new.statistics.frames_read >= 2 * none.statistics.frames_read
+
+
+class SpotterOfSmallImages(ScriptedSpotter):
+    """Misses in whole images what it finds in smaller ones."""
+
+    def __init__(self, *seen: tuple[NDArray[np.float64], str, float]) -> None:
+        super().__init__(*seen)
+        self.shares: list[float] = []
+
+    def detect(self, rgb: NDArray[np.uint8]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        self.shares.append(1.0)
+        return np.zeros((0, 4, 2)), np.zeros(0)
+
+    def detect_at(self, rgb: NDArray[np.uint8], share: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        self.shares.append(share)
+        return super().detect(rgb)
+
+
+def test_what_is_missed_at_one_size_is_found_at_another() -> None:
+    spotter = SpotterOfSmallImages((box(100, 200), "GUCCI", 0.98))
+    mapper = run(TextMapper(CAMERA, spotter, CONFIG), 60)
+    assert [each.name for each in mapper.text_map.long_term] == ["GUCCI"]
+    assert spotter.shares[:4] == [1.0, 0.85, 1.0, 0.85]
+    whole = CONFIG.model_copy(update={"spotting": CONFIG.spotting.model_copy(update={"other_size": 1.0})})
+    assert run(TextMapper(CAMERA, spotter, whole), 60).text_map.long_term == []
 
 
 def test_frames_are_read_at_the_set_interval() -> None:
@@ -272,7 +297,7 @@ def test_a_part_of_a_frieze_is_no_text() -> None:
 
 
 def test_text_of_the_world_is_cleaned() -> None:
-    spotter = ScriptedSpotter((box(100, 200), "ＫＦ\u202eＣ\u200b\n" + "xy" * 250, 0.99))
+    spotter = ScriptedSpotter((box(100, 200), "ＫＦ\u202eＣ\u200b\n" + "xanthic words " * 40, 0.99))
     reading = TextMapper(CAMERA, spotter, CONFIG).observe(frame(0), tracked(0))
     assert reading is not None
     assert reading.texts[0].text.startswith("KFC x")
@@ -319,7 +344,7 @@ def test_readings_without_a_place_weigh_less_than_those_with_one() -> None:
     mapper = TextMapper(CAMERA, ScriptedSpotter((box(100, 200), "Newfrrivals", 0.98)), CONFIG)
     run(mapper, 60, depth=0.0)
     near = ScriptedSpotter((box(100, 200), "New Arrivals", 0.98))
-    mapper._spotter = near
+    mapper._reader._spotter = near
     for index in range(60, 75):
         mapper.observe(frame(index), tracked(index))
     variants = mapper.text_map.long_term[0].variants

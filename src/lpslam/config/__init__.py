@@ -307,13 +307,10 @@ class Config(Section):
     def from_yaml(cls, path: Path) -> "Config":
         """Read overrides from a YAML file; unknown or ill-typed keys are a `UserError`."""
         from lpslam.config.hostile_yaml import yaml_of
+        from lpslam.regular_files import text_of
 
         try:
-            return cls.model_validate(yaml_of(path.read_text(encoding="utf-8")) or {})
-        except OSError as error:
-            raise UserError(f"configuration {path} cannot be read ({error.strerror})") from error
-        except UnicodeDecodeError as error:
-            raise UserError(f"configuration {path} is not a text file; write it as YAML in UTF-8") from error
+            return cls.model_validate(yaml_of(text_of(path, "configuration")) or {})
         except ValidationError as error:
             first = error.errors()[0]
             where = ".".join(str(part) for part in first["loc"])

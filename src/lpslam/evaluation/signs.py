@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.errors import UserError
+from lpslam.regular_files import text_of
 
 Vector3 = tuple[float, float, float]
 Array = NDArray[np.float64]
@@ -121,11 +122,9 @@ def read_signs(path: Path) -> list[TrueSign] | None:
     """
     path = path / "signs.json" if path.is_dir() else path
     try:
-        tree = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        return None
-    except OSError as error:
-        raise UserError(f"{path} cannot be read ({error.strerror})") from error
+        if not path.exists():
+            return None
+        tree = json.loads(text_of(path))
     except (ValueError, RecursionError) as error:
         raise UserError(f"{path} is not JSON: {' '.join(str(error).split())}") from error
     listed = tree.get("signs") if isinstance(tree, dict) else tree

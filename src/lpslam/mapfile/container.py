@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from lpslam._version import __version__
 from lpslam.errors import UserError
+from lpslam.regular_files import refuse_endless
 
 FORMAT = "lpslam map"
 FORMAT_VERSION = 2
@@ -155,6 +156,7 @@ def refuse_foreign_file(path: Path | str) -> None:
 @contextmanager
 def _opened(path: Path) -> Iterator[tuple[zipfile.ZipFile, dict[str, Any]]]:
     """Open an archive with its manifest; whatever is wrong with it, also later, becomes one clear line."""
+    refuse_endless(path, "map")
     try:
         with zipfile.ZipFile(path) as archive:
             _check_members(archive)

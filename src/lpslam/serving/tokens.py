@@ -16,6 +16,7 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from lpslam.errors import LpSlamError, UserError
+from lpslam.regular_files import bytes_of
 
 SCOPES = ("read", "ask", "map", "write")
 """`read` lists maps and landmarks, `ask` asks and plans, `map` uploads recordings, `write` corrects landmarks."""
@@ -121,9 +122,8 @@ def read_tokens(path: Path) -> tuple[_Entry, ...]:
         UserError: it cannot be read, or is no file of tokens.
     """
     try:
-        entries = _File.model_validate_json(path.read_bytes()).tokens
-    except OSError as error:
-        raise UserError(f"tokens {path} cannot be read ({error.strerror}); make them: lpslam token {path}") from error
+        data = bytes_of(path, "tokens", f"make them: lpslam token {path}")
+        entries = _File.model_validate_json(data).tokens
     except ValidationError as error:
         first = error.errors()[0]
         where = ".".join(str(part) for part in first["loc"])

@@ -1,5 +1,7 @@
 """What is wrong with the arrays of a frame, said with the remedy; what can be mended without loss is mended."""
 
+from numbers import Real
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -48,6 +50,8 @@ def checked_depth(depth: object, camera: PinholeCamera) -> NDArray[np.float32]:
     Raises:
         UserError: it is something else.
     """
+    if isinstance(depth, np.ma.MaskedArray):
+        depth = depth.filled(0)
     if not isinstance(depth, np.ndarray):
         raise UserError(f"the depth image is a {type(depth).__name__}; give a numpy array: numpy.asarray(image)")
     if depth.ndim != 2:
@@ -58,11 +62,18 @@ def checked_depth(depth: object, camera: PinholeCamera) -> NDArray[np.float32]:
             f" {camera.depth_scale:g} units are a metre"
         )
     _refuse_other_size("depth image", depth.shape, camera)
-    metres = np.ascontiguousarray(depth, dtype=np.float32)
+    with np.errstate(over="ignore"):
+        metres = np.ascontiguousarray(depth, dtype=np.float32)
     # Bit patterns of floats from 0 up to infinity are in order, and those of all else are above: one pass tells.
     if metres.view(np.uint32).max() >= _INFINITE_BITS:
         metres = np.where(np.isfinite(metres) & (metres > 0.0), metres, np.float32(0.0))
     return metres
+
+
+def refuse_no_camera(camera: object) -> None:
+    """Raise a `UserError` unless a camera is one."""
+    if not isinstance(camera, PinholeCamera):
+        raise UserError(f"the camera is a {type(camera).__name__}; give lpslam.PinholeCamera(width, height, fx, fy, …)")
 
 
 def refuse_no_metres(depth: NDArray[np.float32]) -> None:
@@ -75,15 +86,29 @@ def refuse_no_metres(depth: NDArray[np.float32]) -> None:
         )
 
 
-def refuse_time(timestamp: float, latest: float) -> None:
-    """Raise a `UserError` unless a time is finite and later than the latest before it."""
-    if not np.isfinite(timestamp):
-        raise UserError(f"the time of the frame is {timestamp}; give seconds")
-    if timestamp <= latest:
+def checked_time(timestamp: object, latest: float) -> float:
+    """The time of a frame, seconds.
+
+    Args:
+        timestamp: should be a number.
+        latest: of the frame before.
+
+    Raises:
+        UserError: it is something else, not finite, or not later than the latest before it.
+    """
+    try:
+        seconds = float(timestamp) if isinstance(timestamp, Real) else np.nan
+    except OverflowError:
+        seconds = np.inf
+    if not np.isfinite(seconds):
+        said = f"{timestamp}" if isinstance(timestamp, float) else f"a {type(timestamp).__name__}"
+        raise UserError(f"the time of the frame is {said}; give seconds, as a finite float")
+    if seconds <= latest:
         raise UserError(
-            f"the time of the frame is {timestamp:.6f} s, not later than {latest:.6f} s of the frame before it; give"
+            f"the time of the frame is {seconds:.6f} s, not later than {latest:.6f} s of the frame before it; give"
             " the frames in order, with the time at which the camera took each"
         )
+    return seconds
 
 
 def _refuse_other_size(kind: str, shape: tuple[int, ...], camera: PinholeCamera) -> None:

@@ -24,7 +24,7 @@ from lpslam.mapfile.language_map import LanguageMap
 from lpslam.navigation.asking import Answer, answer, last_view
 from lpslam.priority import READING
 from lpslam.session.announcing import AnnouncingMapper
-from lpslam.session.checks import checked_colour, checked_depth, refuse_no_metres, refuse_time
+from lpslam.session.checks import checked_colour, checked_depth, checked_time, refuse_no_camera, refuse_no_metres
 from lpslam.session.growth import Growth, growth_of
 from lpslam.session.listeners import Listeners
 from lpslam.session.parts import load_spotter, naming_beside, reading_thread
@@ -89,6 +89,7 @@ class Session:
         on_landmark: Callable[[Landmark], None] = lambda landmark: None,
         on_event: Callable[[SlamEvent], None] = lambda event: None,
     ) -> None:
+        refuse_no_camera(camera)
         self._config = config = config or Config()
         if base is not None:
             refuse_other_camera(base.camera, camera, "the map", config.continued_camera)
@@ -105,6 +106,7 @@ class Session:
         self._slam = RgbdSlam(camera, config.slam, live=live, base=base.slam if base else None, advisor=advisor)
         # Whoever needs both takes the text map's lock first: reading takes long, and a step must not wait for it.
         self._stepping = threading.RLock()
+        self._taking, self._taker = threading.Lock(), 0
         self._changes = threading.Lock()
         self._changed: dict[int, tuple[Landmark, bool]] = {}
         self._told: dict[int, str] = {}
@@ -179,15 +181,25 @@ class Session:
         colour, metres = checked_colour(rgb, self.camera), checked_depth(depth, self.camera)
         if not self.frames:
             refuse_no_metres(metres)
-        refuse_time(timestamp, self._latest)
-        return self.take(RgbdFrame(self.frames, float(timestamp), colour, metres))
+        seconds = checked_time(timestamp, self._latest)
+        return self.take(RgbdFrame(self.frames, seconds, colour, metres))
 
     def take(self, frame: RgbdFrame) -> Step:
         """As `step`, for a frame that is known to be in order, with an index of the caller's.
 
         Raises:
-            UserError: the session is closed.
+            UserError: the session is closed, or another frame is being taken.
         """
+        if not self._taking.acquire(blocking=False):
+            raise UserError("a frame is being taken: step from one thread at a time, and not from a callback")
+        self._taker = threading.get_ident()
+        try:
+            return self._take(frame)
+        finally:
+            self._taker = 0
+            self._taking.release()
+
+    def _take(self, frame: RgbdFrame) -> Step:
         if self._has_ended:
             raise UserError("the session is closed: it takes no more frames; open another one, with base=… to go on")
         if self._first_index:
@@ -318,6 +330,12 @@ class Session:
         Raises:
             UserError: the session ended by an error.
         """
+        if self._taker == threading.get_ident():
+            raise UserError("a frame is being taken: close the session when its step is done, not from a callback")
+        with self._taking:
+            return self._closed(hurry)
+
+    def _closed(self, hurry: bool) -> LanguageMap:
         if self._result is not None:
             return self._result
         if self._has_ended:

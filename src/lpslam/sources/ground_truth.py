@@ -5,7 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
+from lpslam.errors import UserError
 from lpslam.poses import StampedPoses
+from lpslam.regular_files import text_of
 from lpslam.sources.clocks import in_seconds
 from lpslam.sources.sevenscenes import FRAMES_PER_SECOND
 
@@ -29,8 +31,8 @@ def read_ground_truth(folder: Path | str) -> StampedPoses | None:
     for path in sorted(folder.glob("frame-*.pose.txt")):
         match = _POSE.fullmatch(path.name)
         try:
-            numbers = [float(word) for word in path.read_text(encoding="utf-8").split()]
-        except (OSError, ValueError):
+            numbers = [float(word) for word in text_of(path).split()]
+        except (UserError, ValueError):
             continue
         if match is None or len(numbers) != 16:
             continue

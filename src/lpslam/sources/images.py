@@ -18,7 +18,7 @@ _PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _JPEG_START, _JPEG_END = b"\xff\xd8", b"\xff\xd9"
 # Some cameras write a few bytes after the end marker.
 _JPEG_TAIL = 4096
-_MOST_PIXELS = 64_000_000
+MOST_PIXELS = 64_000_000
 """More than any depth camera has; what unpacks to more is made to fill the memory."""
 _MOST_BYTES = 1 << 30
 """Of an image's file."""
@@ -49,7 +49,7 @@ def read_depth(path: Path, depth_scale: float, invalid: tuple[int, ...] = ()) ->
     Raises:
         BadImageError: missing, truncated, or no depth image.
     """
-    raw = _decode(path, cv2.IMREAD_UNCHANGED)
+    raw = read_raw(path)
     if raw.ndim != 2 or raw.dtype not in (np.uint16, np.float32):
         channels = 1 if raw.ndim == 2 else raw.shape[2]
         raise BadImageError(f"{path.name} has {channels} channel(s) of {raw.dtype}; depth is one channel of 16 bits")
@@ -60,6 +60,15 @@ def read_depth(path: Path, depth_scale: float, invalid: tuple[int, ...] = ()) ->
     for value in invalid:
         depth[raw == value] = 0.0
     return depth
+
+
+def read_raw(path: Path) -> NDArray[Any]:
+    """Read an image as it is stored: (height, width) or (height, width, channels), of its own type.
+
+    Raises:
+        BadImageError: missing, truncated, or no image.
+    """
+    return _decode(path, cv2.IMREAD_UNCHANGED)
 
 
 def image_size(path: Path) -> tuple[int, int] | None:
@@ -112,7 +121,7 @@ def image_defect(data: bytes) -> str:
     except (OSError, ValueError):
         # Whether it can be decoded is its decoder's to say.
         return ""
-    return _TOO_LARGE if width * height > _MOST_PIXELS else ""
+    return _TOO_LARGE if width * height > MOST_PIXELS else ""
 
 
 def _size_in_header(file: Path | BinaryIO) -> tuple[int, int]:
@@ -126,7 +135,7 @@ def _size_in_header(file: Path | BinaryIO) -> tuple[int, int]:
 def _png_defect(data: bytes) -> str:
     view, start = memoryview(data), len(_PNG_SIGNATURE)
     # The header is the first part: its length and name, then width and height.
-    if int.from_bytes(view[16:20], "big") * int.from_bytes(view[20:24], "big") > _MOST_PIXELS:
+    if int.from_bytes(view[16:20], "big") * int.from_bytes(view[20:24], "big") > MOST_PIXELS:
         return _TOO_LARGE
     while start + 12 <= len(data):
         end = start + 12 + int.from_bytes(view[start : start + 4], "big")

@@ -8,6 +8,7 @@ from typing import Any, Protocol
 
 from lpslam.config import CalibrationCheckConfig
 from lpslam.errors import UserError
+from lpslam.regular_files import is_regular
 from lpslam.sources.bags.topics import TopicChoice
 from lpslam.sources.captures.layouts import CAPTURES
 from lpslam.sources.focal_check import doubts_about_focal
@@ -171,9 +172,11 @@ def _opened(
     place = Path(path)
     calibration = Path(camera_file) if camera_file is not None else None
     _refuse_span(options)
-    if not place.exists():
-        raise UserError(f"{place} does not exist; give the folder of a recording, or {BAGS}")
     try:
+        if not place.exists():
+            raise UserError(f"{place} does not exist; give the folder of a recording, or {BAGS}")
+        if not place.is_dir() and not is_regular(place):
+            raise UserError(f"{place} is a device or a pipe, which cannot be read twice; give a file or a folder")
         found = next((layout for layout in FORMATS if layout.is_at(place)), None)
         if found is None and (_is_bag(place) or (place.is_file() and not place.stat().st_size)):
             return _open_bag(place, calibration, max_frames, options)
@@ -188,8 +191,8 @@ def _opened(
             return found.open(place, calibration, max_frames, nominal=nominal)
         whole: Any = found.open(place, calibration, None, nominal=nominal)
         return whole.part(options.start, options.end, max_frames)  # type: ignore[no-any-return]
-    except PermissionError as error:
-        raise UserError(f"{error.filename or place} cannot be read ({error.strerror})") from error
+    except OSError as error:
+        raise UserError(f"{error.filename or place} cannot be read ({error.strerror or error})") from error
 
 
 def _refuse_span(options: SourceOptions) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 
 from lpslam.camera import PinholeCamera
 from lpslam.errors import UserError
+from lpslam.regular_files import text_of
 from lpslam.sources.calibration import read_calibration
 from lpslam.sources.image_pairs import ImagePair, ImagePairSource, first_image_size, in_depth_pauses
 
@@ -69,9 +70,9 @@ def _find_camera(folder: Path, camera_file: Path | None, colours: list[Path]) ->
         camera = PinholeCamera(width, height, 585.0, 585.0, 320.0, 240.0, depth_scale=_DEPTH_SCALE)
         return camera, (f"no {_INTRINSICS}: the focal length 585 of 7-Scenes is used",)
     try:
-        words = path.read_text(encoding="utf-8-sig").split()
+        words = text_of(path).split()
         matrix = np.array([float(word) for word in words], dtype=np.float64).reshape(3, 3)
-    except (OSError, ValueError) as error:
+    except ValueError as error:
         raise UserError(f"{path}: expected the nine numbers of a 3×3 intrinsic matrix") from error
     fx, fy, cx, cy = (float(matrix[i]) for i in ((0, 0), (1, 1), (0, 2), (1, 2)))
     try:

@@ -7,6 +7,7 @@ import numpy as np
 
 from lpslam.camera import PinholeCamera
 from lpslam.errors import UserError
+from lpslam.regular_files import text_of
 from lpslam.sources.calibration import read_calibration
 from lpslam.sources.clocks import in_seconds
 from lpslam.sources.image_pairs import ImagePair, ImagePairSource, first_image_size, in_depth_pauses
@@ -117,12 +118,7 @@ def _find_camera(
 
 def _read_list(path: Path) -> tuple[list[tuple[float, Path]], str]:
     """Read lines `timestamp file`, in order of time, and what was made of the stamps; `#` begins a comment."""
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise UserError(f"{path} cannot be read ({error.strerror}); a TUM folder lists its images there") from error
-    except UnicodeDecodeError as error:
-        raise UserError(f"{path} is not a text file; a TUM folder lists its images there") from error
+    text = text_of(path, remedy="a TUM folder lists its images there")
     entries: list[tuple[float, Path]] = []
     for number, line in enumerate(text.splitlines(), start=1):
         words = line.strip().split(maxsplit=1)

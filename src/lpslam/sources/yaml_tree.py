@@ -8,6 +8,7 @@ import yaml
 
 from lpslam.config.hostile_yaml import yaml_of
 from lpslam.errors import UserError
+from lpslam.regular_files import text_of
 
 Tree = dict[str, Any]
 
@@ -37,12 +38,7 @@ def read_yaml_tree(path: Path, what: str) -> Tree:
     Raises:
         UserError: the file cannot be read or is no YAML mapping.
     """
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise UserError(f"{what} {path} cannot be read ({error.strerror})") from error
-    except UnicodeDecodeError as error:
-        raise UserError(f"{what} {path} is not a text file") from error
+    text = text_of(path, what)
     # OpenCV writes "%YAML:1.0", which is not YAML, and reads "key:1" without a space.
     text = re.sub(r"\A\s*%YAML.*\n(?:---.*\n)?", "", text)
     text = re.sub(r"(?m)^(\s*[A-Za-z_][\w.]*):(?=[-+.\d\[\"])", r"\1: ", text)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from time import perf_counter, thread_time
+from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,24 +15,23 @@ from lpslam.slam.state import TrackedFrame, TrackingState
 from lpslam.text.again.crops import Crop, cut_out
 from lpslam.text.again.looking import look_again
 from lpslam.text.boards.surroundings import surroundings
+from lpslam.text.frame_reader import FrameReader
 from lpslam.text.placing.bearings import bearing_of
 from lpslam.text.placing.instances import KeyframePoses
-from lpslam.text.placing.placement import PlacementFault, is_squeezed
 from lpslam.text.placing.spots import Spots
 from lpslam.text.reading.certainty import probability_right
 from lpslam.text.reading.gate import ReadingGate
 from lpslam.text.reading.legibility import UNPLACED, SeenSize, frontal_cosine
-from lpslam.text.reading.ornaments import pattern_likenesses
-from lpslam.text.reading.spotting import ReadsElsewhere, TextSpotter, accepted_texts
+from lpslam.text.reading.spotting import TextSpotter
 from lpslam.text.remembering.evidence import Glance
 from lpslam.text.remembering.memory import Pool, TextClass
 from lpslam.text.remembering.naming import BesideNaming, name_class, needs_name, rename_class
 from lpslam.text.remembering.similarity import comparison_key
 from lpslam.text.remembering.waiting import CutText, WaitingTexts
 from lpslam.text.sightings import Sighting, pictured
-from lpslam.text.sorting import CUT, NOWHERE, BoxSorter
+from lpslam.text.sorting import NOWHERE, BoxSorter
 from lpslam.text.text_map import TextMap
-from lpslam.text.types import BoxFate, FrameReading, Placement, SpottedText, TextObservation, TextStatistics
+from lpslam.text.types import FrameReading, Placement, SpottedText, TextObservation, TextStatistics
 
 Array = NDArray[np.float64]
 
@@ -74,6 +73,7 @@ class TextMapper:
         self._gate = ReadingGate(config.reading)
         self._spots = Spots()
         self._sorter = BoxSorter(camera, config, self.text_map.memory, self._spots, points_seen_by)
+        self._reader = FrameReader(spotter, self._sorter, config, self.statistics)
         self._waiting = WaitingTexts(config.memory.visit_pause)
 
     def resume(self, world_from_keyframe: KeyframePoses) -> None:
@@ -131,7 +131,7 @@ class TextMapper:
         world_from_keyframe = None
         if tracked.world_from_camera is not None and not tracked.is_doubted:
             world_from_keyframe = tracked.world_from_camera @ inverse_transform(tracked.keyframe_from_camera)
-        reading = self._read(frame, tracked.keyframe_from_camera, world_from_keyframe, tracked.keyframe)
+        reading = self._reader.read(frame, tracked.keyframe_from_camera, world_from_keyframe, tracked.keyframe)
         if reading is None:
             return None
         if tracked.is_doubted:
@@ -171,67 +171,11 @@ class TextMapper:
         """Tell what a lost camera sees and where before it; nothing is remembered, since it stands nowhere."""
         if self._on_lost is None:
             return
-        reading = self._read(frame, np.eye(4), None, NOWHERE)
+        reading = self._reader.read(frame, np.eye(4), None, NOWHERE)
         if reading is not None:
             placed = zip(reading.texts, reading.placements, strict=True)
             sure = [(text, where) for text, where in placed if where is not None and self._sorter.is_sure(where)]
             self._on_lost([self._observation(frame, NOWHERE, np.eye(4), text, where) for text, where in sure])
-
-    def _read(
-        self, frame: RgbdFrame, keyframe_from_camera: Array, world_from_keyframe: Array | None, keyframe: int
-    ) -> FrameReading | None:
-        """Detect (III-B), drop what is cut off, too small or no text, place (III-F), recognise; None when that failed.
-
-        What stands where a text was read often enough, and no less legibly, is confirmed without being read again.
-        """
-        self.statistics.frames_read += 1
-        config = self._config.spotting
-        processor = self._processor_seconds()
-        # A reader may raise anything, on one image in a thousand; the map is worth more than that image.
-        try:
-            started = perf_counter()
-            boxes, _ = self._spotter.detect(frame.rgb)
-            self.statistics.detection_ms += 1000.0 * (perf_counter() - started)
-            started = perf_counter()
-            fates, placements = self._sorter.sort(frame, boxes, keyframe_from_camera, world_from_keyframe, keyframe)
-            self.statistics.mapping_ms += 1000.0 * (perf_counter() - started)
-
-            started = perf_counter()
-            rows = np.array(sorted(placements), np.intp)
-            likenesses = pattern_likenesses(frame.rgb, boxes[rows])
-            is_ornament = [
-                self._sorter.is_ornament(like, placements[row], world_from_keyframe)
-                for row, like in zip(rows.tolist(), likenesses, strict=True)
-            ]
-            fates[rows[is_ornament]] = [fate if fate in CUT else BoxFate.ORNAMENT for fate in fates[rows[is_ornament]]]
-            rows = rows[np.logical_not(is_ornament)]
-            readings = self._spotter.recognise(frame.rgb, boxes[rows]) if len(rows) else []
-            self.statistics.recognition_ms += 1000.0 * (perf_counter() - started)
-            accepted = [
-                None if text is not None and is_squeezed(text.text, placements[row]) else text
-                for row, text in zip(rows.tolist(), accepted_texts(boxes[rows], readings, config), strict=True)
-            ]
-        except Exception as error:
-            if not self.statistics.reader_errors:
-                self.statistics.first_reader_error = f"frame {frame.index}: {error!r}"
-            self.statistics.reader_errors += 1
-            return None
-        finally:
-            self.statistics.reader_processor_ms += 1000.0 * (self._processor_seconds() - processor)
-        read = {row: text for row, text in zip(rows.tolist(), accepted, strict=True) if text is not None}
-        texts = [(read[row], placements[row]) for row in read if fates[row] == BoxFate.KEPT]
-        parts = [(read[row], placements[row]) for row in read if fates[row] in CUT]
-        unread = [row for row in rows.tolist() if row not in read and fates[row] == BoxFate.KEPT]
-        fates[unread] = BoxFate.UNREAD
-        self.statistics.count(fates.tolist(), sum(isinstance(each, PlacementFault) for _, each in texts))
-        return FrameReading(
-            frame=frame.index,
-            boxes=boxes,
-            fates=tuple(fates),
-            texts=tuple(text for text, _ in texts),
-            placements=tuple(None if isinstance(each, PlacementFault) else each for _, each in texts),
-            parts=tuple((text, each) for text, each in parts if isinstance(each, Placement)),
-        )
 
     def _observation(
         self,
@@ -310,10 +254,6 @@ class TextMapper:
         self.statistics.second_looks += looked.texts
         self.statistics.second_readings += looked.readings
         self.statistics.second_look_ms += 1000.0 * (perf_counter() - started)
-
-    def _processor_seconds(self) -> float:
-        spotter = self._spotter
-        return thread_time() + (spotter.seconds_elsewhere if isinstance(spotter, ReadsElsewhere) else 0.0)
 
     def _glance(self, text: SpottedText, placement: Placement | None, keyframe_from_camera: Array) -> Glance:
         is_placed = placement is not None and self._sorter.is_sure(placement)

@@ -15,7 +15,7 @@ from lpslam.text.again.crops import CropStore
 from lpslam.text.boards.boards import boards
 from lpslam.text.boards.lines import lines_of
 from lpslam.text.boards.overlaps import without_overlaps
-from lpslam.text.boards.scripts import in_one_script
+from lpslam.text.boards.scripts import in_one_script, script_ahead
 from lpslam.text.correcting.applying import corrected, judged_by_hand
 from lpslam.text.correcting.corrections import Corrections
 from lpslam.text.placing.instances import KeyframePoses
@@ -89,7 +89,11 @@ class TextMap:
             place for each in self.long_term for place in places_of_class(each, world_from_keyframe, instances, memory)
         ]
         groups = boards(without_overlaps(places, instances), instances)
-        return [self._landmark(in_one_script(group, self._slots_of)) for group in groups]
+        ahead = script_ahead(groups)
+        return [
+            self._landmark(in_one_script(group, self._slots_of, around))
+            for group, around in zip(groups, ahead, strict=True)
+        ]
 
     def _slots_of(self, place: Place) -> Iterator[Slots]:
         return (look.slots for look in self.memory.long_term[place.id // PLACES_OF_A_CLASS].looks)

@@ -56,3 +56,14 @@ def test_a_misread_piece_of_a_long_line_is_dropped() -> None:
     assert kept(place(0, "MARLOWE GARDENS", 0, 0, 2.0, 0.2, 30), place(1000, "WE GARQEMS", 0.4, 0, 1.2, 0.2, 5)) == {
         "MARLOWE GARDENS"
     }
+
+
+def test_of_a_block_of_columns_the_lines_across_go_whose_characters_stand_farther_apart() -> None:
+    columns = [
+        place(1000 * n, name, 0.14 * (1 - n), 0.0, 0.11, 0.36, 6)
+        for n, name in enumerate(["烏龍茶", "豆花湯", "芋圓冰"])
+    ]
+    across = [place(9000, "芋豆烏", 0.0, -0.12, 0.42, 0.12, 40), place(9001, "冰湯茶", 0.0, 0.12, 0.42, 0.12, 30)]
+    assert kept(*columns, *across) == {"烏龍茶", "豆花湯", "芋圓冰"}
+    lines = [replace(each, height=0.50) for each in columns]
+    assert kept(*lines, *across) == {"芋豆烏", "冰湯茶"}

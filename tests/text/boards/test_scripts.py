@@ -3,7 +3,7 @@ from dataclasses import replace
 import pytest
 
 from lpslam.language.model import Slots
-from lpslam.text.boards.scripts import in_one_script
+from lpslam.text.boards.scripts import in_one_script, script_ahead
 from lpslam.text.placing.places import Place, places_of_class
 from small_maps import small_map
 
@@ -46,3 +46,21 @@ def test_a_form_that_is_clearly_painted_stays() -> None:
 def test_a_traditional_name_stays_on_a_simplified_board() -> None:
     painted = ["飛鶴", "正宗粤菜", "订餐热线"]
     assert names(board(*painted), read_as("飛", "飞", 0.3)) == painted
+
+
+STREET = ["永豐銀樓", "石橋麵館", "飛鶴書店", "恆發藥局", "華新電器", "東門燒臘", "鴻興眼鏡", "聯合診所"]
+
+
+def in_a_street(own: str, around: list[str], slots: Slots) -> str:
+    boards = [board(name) for name in [own, *around]]
+    ahead = script_ahead(boards)[0]
+    return in_one_script(boards[0], lambda place: [slots], ahead)[0].name
+
+
+def test_a_lone_line_is_in_the_script_of_its_street_where_the_reader_held_that_for_possible() -> None:
+    possible, hardly = read_as("满", "滿", 0.15), read_as("满", "滿", 0.005)
+    assert in_a_street("金玉满堂", STREET, possible) == "金玉滿堂"
+    assert in_a_street("金玉满堂", STREET, hardly) == "金玉满堂"
+    assert in_a_street("金玉满堂", [], possible) == "金玉满堂"
+    assert in_a_street("金玉满堂", ["永丰银楼", "石桥面馆", *STREET[:2]], possible) == "金玉满堂"
+    assert in_a_street("鸿兴银楼满", STREET, possible) == "鸿兴银楼满"

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from lpslam.config import InstanceConfig, MemoryConfig
+from lpslam.language.model import Naming
 from lpslam.text.placing.places import places_of_class
 from lpslam.text.remembering.memory import TextClass, Variant
 from lpslam.text.types import Placement, TextObservation
@@ -27,6 +28,16 @@ def test_few_letters_read_badly_every_time_are_no_text(text: str) -> None:
 def test_one_good_reading_makes_a_short_text_believed(text: str) -> None:
     assert count(read(text, [0.2, 0.9, 0.1, 0.4])) == 1
     assert count(read(text, [None, None, None])) == 1
+
+
+def test_few_letters_whose_name_is_unsure_are_no_text() -> None:
+    for sure, expected in ((0.2, 0), (0.8, 1)):
+        text_class = read("80E", [0.2, 0.7, 0.1, 0.6])
+        text_class.naming = Naming("80E", sure, "", "offline")
+        assert count(text_class) == expected
+    longer = read("Willow & Pine", [0.2, 0.7])
+    longer.naming = Naming("Willow & Pine", 0.2, "", "offline")
+    assert count(longer) == 1
 
 
 @pytest.mark.parametrize("text", ["Willow & Pine", "危险"])

@@ -21,7 +21,7 @@ _ALIKE, _OTHER, _LOST, _ADDED, _OTHER_IDEOGRAPH = 0.0, 1.2, 1.2, 1.5, 4.0
 # A slip costs so much more than the letter itself, however poor the reading.
 _LEAST_SLIP = 0.3
 # An end that is hidden, and each letter of it; an end that is another text's, and each of its letters.
-_CUT_END, _CUT_LETTER = 2.0, 0.3
+CUT_END, _CUT_LETTER = 2.0, 0.3
 _JOINED_END, _JOINED_LETTER = 4.0, 0.8
 # A round or square logo beside Chinese is read as a letter of another script, again and again.
 _LOGO = 0.8
@@ -32,7 +32,7 @@ _OWN_ODDS = 0.7
 # reader that fails on a letter of a sign fails on it in the next view as well.
 _AGAIN = 0.7
 # A slip that another reading of the same sign shows as well.
-_KNOWN = 1.5
+KNOWN = 1.5
 # A thin letter for which a mark was read, 1 as : or ]; a mark says nothing of any other.
 _MARKED, _THIN = 0.7, frozenset("1lijtı")
 # A reading of something else altogether.
@@ -177,41 +177,46 @@ def _costs(painted: str, seen: Seen, looks: Callable[[str], str], known: set[_Sl
     Slips that are `known` of this sign cost little; those of this reading are, from then on.
     """
     read = seen.key
-    letter_right = seen.right ** (1.0 / len(read))
-    slip = max(-log(1.0 - letter_right) + log(letter_right), _LEAST_SLIP)
+    slip = slip_of(seen)
     if looks(painted) == looks(read):
         return 0.0, slip + _ALIKE
     steps = Levenshtein.editops(painted, read)
-    cut = _ends({step.src_pos for step in steps if step.tag == "delete"}, len(painted))
-    joined = _ends({step.dest_pos for step in steps if step.tag == "insert"}, len(read))
+    cut = ends_of({step.src_pos for step in steps if step.tag == "delete"}, len(painted))
+    joined = ends_of({step.dest_pos for step in steps if step.tag == "insert"}, len(read))
     ends = sum(_cut_cost(painted, end, at in seen.marks) for end, at in zip(cut, (0, len(read)), strict=True) if end)
     for end in joined:
-        slips = sum(_added_cost(painted, seen, at, slip) for at in end)
+        slips = sum(added_cost(painted, seen, at, slip) for at in end)
         ends += min(_JOINED_END + _JOINED_LETTER * len(end), slips) if end else 0.0
     ends_lost, ends_added = cut[0] | cut[1], joined[0] | joined[1]
     cost = 0.0
     for step in steps:
         own = (step.tag, step.src_pos, read[step.dest_pos] if step.tag != "delete" else "")
         if step.tag == "replace":
-            one = _replaced_cost(painted[step.src_pos], seen, step.dest_pos, slip, looks)
+            one = replaced_cost(painted[step.src_pos], seen, step.dest_pos, slip, looks)
         elif step.tag == "delete" and step.src_pos not in ends_lost:
-            one = _lost_cost(painted[step.src_pos], seen, step.dest_pos, slip)
+            one = lost_cost(painted[step.src_pos], seen, step.dest_pos, slip)
         elif step.tag == "insert" and step.dest_pos not in ends_added:
-            one = _added_cost(painted, seen, step.dest_pos, slip)
+            one = added_cost(painted, seen, step.dest_pos, slip)
         else:
             continue
-        cost += min(one, _KNOWN) if own in known else one
+        cost += min(one, KNOWN) if own in known else one
         known.add(own)
     return ends, cost
+
+
+def slip_of(seen: Seen) -> float:
+    """Cost of some slip in one letter of a reading: all are as sure as their mean."""
+    letter_right = seen.right ** (1.0 / len(seen.key))
+    return max(-log(1.0 - letter_right) + log(letter_right), _LEAST_SLIP)
 
 
 def _cut_cost(painted: str, end: set[int], is_marked: bool) -> float:
     """Cost of letters missing at an end; where a mark was read for thin ones, they were seen and not hidden."""
     is_seen = is_marked and all(painted[at] in _THIN for at in end)
-    return (_MARKED if is_seen else _CUT_END) + _CUT_LETTER * (len(end) - 1)
+    return (_MARKED if is_seen else CUT_END) + _CUT_LETTER * (len(end) - 1)
 
 
-def _ends(places: set[int], length: int) -> tuple[set[int], set[int]]:
+def ends_of(places: set[int], length: int) -> tuple[set[int], set[int]]:
     """Which of the places reach from the first on, and which to the last."""
     first = next(at for at in range(length + 1) if at not in places)
     last = next(at for at in range(length - 1, -2, -1) if at not in places)
@@ -219,7 +224,8 @@ def _ends(places: set[int], length: int) -> tuple[set[int], set[int]]:
     return head, set(range(last + 1, length)) - head
 
 
-def _replaced_cost(letter: str, seen: Seen, at: int, slip: float, looks: Callable[[str], str]) -> float:
+def replaced_cost(letter: str, seen: Seen, at: int, slip: float, looks: Callable[[str], str]) -> float:
+    """Cost of what was read in place `at` where `letter` is painted."""
     other = seen.key[at]
     if is_alike(letter, other, looks):
         kind = _ALIKE
@@ -228,12 +234,14 @@ def _replaced_cost(letter: str, seen: Seen, at: int, slip: float, looks: Callabl
     return min(slip + kind, _own_cost(seen.letters[at] if seen.letters else {}, other, letter))
 
 
-def _lost_cost(letter: str, seen: Seen, at: int, slip: float) -> float:
+def lost_cost(letter: str, seen: Seen, at: int, slip: float) -> float:
+    """Cost of nothing read before place `at` where `letter` is painted."""
     gap = seen.gaps.get(at, {}) if seen.gaps else {}
     return min(slip + _LOST, _own_cost(gap, "", letter))
 
 
-def _added_cost(painted: str, seen: Seen, at: int, slip: float) -> float:
+def added_cost(painted: str, seen: Seen, at: int, slip: float) -> float:
+    """Cost of the letter in place `at` of a reading where nothing is painted."""
     letter = seen.key[at]
     is_end = at in (0, len(seen.key) - 1)
     if is_end and letter.isascii() and letter.isalpha() and not any(map(str.isascii, painted)):

@@ -31,11 +31,10 @@ _READINGS_WEIGHED = 24  # spellings, the weightiest; what many readings explain,
 _READINGS_LOOKED_UP = 8  # spellings whose known neighbours are tried
 _READINGS_RESPELLED = 8  # spellings of which one word is tried as the known one a slip away
 
-# Log odds that a name is exactly right: bias, and what they grow by with the posterior's, with those of its best
-# reading, and with the logarithm of the looks that read it.
+# Log odds that a name is exactly right: bias, and what they grow by with the posterior's.
 # python benchmarks/text_calibration.py names --rows DIR
-_CERTAINTY = (1.336, 0.480, 0.191, -0.792)
-_SUREST = 7.0  # of log odds that are believed
+_CERTAINTY = (-0.711, 0.570)
+_SUREST = 9.0  # of log odds that are believed
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,12 +43,12 @@ class Certain:
 
     Attributes:
         name, evidence: as of a `Naming`.
-        terms: one, log odds of the posterior and of the best reading, logarithm of the looks.
+        terms: one, and the posterior's log odds.
     """
 
     name: str
     evidence: str
-    terms: tuple[float, float, float, float]
+    terms: tuple[float, float]
 
     @property
     def certainty(self) -> float:
@@ -89,7 +88,7 @@ class Namer:
         # On a tie the weightiest reading stays.
         best = max((key for key in forms if key != ELSE), key=lambda key: (probabilities[key], -list(forms).index(key)))
         name, evidence = self._painted(best, forms[best], known[best], readings, best in read)
-        return Certain(name, evidence, _certainty_terms(best, probabilities[best], seen))
+        return Certain(name, evidence, (1.0, _log_odds(probabilities[best])))
 
     def _looks(self, text: str) -> str:
         return self._fold.skeleton(self._fold.fold(text))
@@ -188,12 +187,6 @@ def respaced(key: str, text: str) -> str:
         else:
             letters[at] = new
     return clean_text("".join(letters))
-
-
-def _certainty_terms(best: str, probability: float, seen: Sequence[Seen]) -> tuple[float, float, float, float]:
-    own = [each for each in seen if each.key == best]
-    right = max((each.right for each in own), default=0.0)
-    return 1.0, _log_odds(probability), _log_odds(right), log(1.0 + sum(each.weight for each in own))
 
 
 def _log_odds(probability: float) -> float:

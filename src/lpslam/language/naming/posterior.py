@@ -5,17 +5,18 @@ from parts. Each is judged by how likely all readings are if it is painted, and 
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from math import exp, log
+from math import exp
 
 from rapidfuzz.fuzz import partial_ratio
 
 from lpslam.language.naming.channel import Seen, log_likelihood
+from lpslam.language.naming.doubts import log_odds_against
 
 ELSE = ""
 """Key of the candidate that stands for anything else."""
 
-# What anything else costs before a look, and in every look beside that the reading is wrong.
-_ELSE, _ELSE_LOOK = 3.0, 1.0
+# What anything else is behind before a look.
+_ELSE = 3.0
 # Spellings, the weightiest, whose letters are doubted one by one, and a runner-up's least share of the letter taken.
 _DOUBTED, _RUNNER_UP = 6, 0.05
 # Spellings, the weightiest, that are tried as parts of a longer one; and letters of a part.
@@ -36,8 +37,10 @@ def posterior(candidates: Mapping[str, float], seen: Sequence[Seen], looks: Look
         seen: what was read.
         looks: takes a letter to what it looks like.
     """
-    scores = {key: prior + log_likelihood(key, seen, looks) for key, prior in candidates.items()}
-    scores[ELSE] = -_ELSE + sum(each.weight * (log(1.0 - each.right) - _ELSE_LOOK) for each in seen)
+    likely = {key: log_likelihood(key, seen, looks) for key in candidates}
+    scores = {key: prior + likely[key] for key, prior in candidates.items()}
+    best = max(scores, key=lambda key: scores[key])
+    scores[ELSE] = likely[best] + log_odds_against(best, seen, looks) - _ELSE
     top = max(scores.values())
     weights = {key: exp(score - top) for key, score in scores.items()}
     total = sum(weights.values())

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.errors import UserError
+from lpslam.regular_files import bytes_of, text_of
 
 Image = NDArray[np.uint8]
 Box = tuple[float, float, float, float]
@@ -114,9 +115,7 @@ def read_labelled(folder: Path) -> list[LabelledBoard]:
 
 def _tree(path: Path) -> dict[str, Any]:
     try:
-        tree = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise UserError(f"{path} cannot be read ({error.strerror})") from error
+        tree = json.loads(text_of(path))
     except (ValueError, RecursionError) as error:
         raise UserError(f"{path} is not JSON: {' '.join(str(error).split())}") from error
     if not isinstance(tree, dict):
@@ -183,10 +182,7 @@ def _numbers(value: Any, shape: tuple[int, ...], what: str) -> NDArray[np.float6
 
 
 def _picture(path: Path) -> Image:
-    try:
-        data = np.frombuffer(path.read_bytes(), np.uint8)
-    except (OSError, ValueError) as error:
-        raise UserError(f"{path} cannot be read ({getattr(error, 'strerror', None) or error})") from error
+    data = np.frombuffer(bytes_of(path), np.uint8)
     try:
         picture = cv2.imdecode(data, cv2.IMREAD_COLOR) if len(data) else None
     except cv2.error:

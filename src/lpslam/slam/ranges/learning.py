@@ -46,6 +46,7 @@ class DepthRanges:
         self._first_keyframe = slam_map.keyframe_count
         self._farthest = farthest
         self._better: DepthCurve | None = None
+        self._changes = 0
         count = int(np.ceil(farthest / config.knots)) + 2
         self._knots: _Matrix = config.knots * np.arange(count, dtype=np.float64)
         self._prior = self._stiffness()
@@ -56,25 +57,27 @@ class DepthRanges:
 
         Its lock is taken here. What a keyframe saw is known the better the more of the others have seen it since.
         """
-        if self._better is not None or self._config.certain_gain <= 0.0:
+        if self._better is not None or self._config.certain_gain <= 0.0 or self._changes >= self._config.most_changes:
             return
         with self._map.lock:
             for keyframe in keyframes.tolist():
                 if keyframe >= self._first_keyframe and self._map.is_alive(keyframe):
                     self._vote(keyframe)
+        self._judge()
+
+    def _judge(self) -> None:
+        """Take a curve for better that explains the votes, if what it leaves is no more than their errors."""
+        config = self._config
         excess = np.linalg.solve(self._prior + self._information, self._vector).astype(np.float64)
         gain = float(2.0 * self._vector @ excess - excess @ self._information @ excess)
-        # Votes that no curve explains, of people who walk by, count less by as much as they differ.
-        spare = self._freedom - _PARAMETERS
-        if spare < _PARAMETERS:
-            return
-        gain /= max((self._square - gain) / spare, 1.0)
         is_voted = np.diag(self._information) > _LEAST_INFORMATION
-        if not is_voted.any():
+        spare = self._freedom - _PARAMETERS
+        if spare < _PARAMETERS or np.abs(excess[is_voted]).max(initial=0.0) < config.least_change:
             return
-        is_first = self._map.depth_curve.is_straight
-        needed = self._config.certain_gain if is_first else self._config.refined_gain
-        if gain > needed and np.abs(excess[is_voted]).max() > self._config.least_change:
+        # Where people walk by, votes differ by more than any curve says.
+        unexplained = (self._square - gain) / spare
+        needed = config.certain_gain if self._map.depth_curve.is_straight else config.refined_gain
+        if unexplained < config.most_unexplained and gain > needed * max(unexplained, 1.0):
             self._better = self._map.depth_curve.reaching(self._farthest).then(self._knots, excess)
 
     def apply(self) -> DepthChange | None:
@@ -91,6 +94,7 @@ class DepthRanges:
                 if keyframe >= self._first_keyframe:
                     self._read_again(int(keyframe), change)
             self._forget()
+            self._changes += 1
         return change
 
     def _forget(self) -> None:

@@ -77,5 +77,8 @@ def _numbers(info: Any, name: str) -> list[float]:
     value = getattr(info, name, None)
     if value is None:
         value = getattr(info, name.upper(), None)
-    numbers = [float(number) for number in (() if value is None else value)]
+    try:
+        numbers = [float(number) for number in (() if value is None else value)]
+    except (TypeError, ValueError, OverflowError):
+        return []
     return numbers if np.isfinite(numbers).all() else []

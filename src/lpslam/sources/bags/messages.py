@@ -44,6 +44,10 @@ _DEFINITIONS = {
 }
 
 
+_LARGEST_NUMBER = 1 << 31
+"""Of pixels and bytes, as ROS's fields hold them."""
+
+
 class BadMessageError(LpSlamError):
     """A message that cannot be decoded; says why in a few words."""
 
@@ -119,7 +123,8 @@ def _from_json(kind: str, tree: Any) -> Any:
     )
     fields = {key: value for key, value in tree.items() if isinstance(key, str)}
     for name in _NEEDED.get(known_type(kind), ()):
-        if not isinstance(fields[name], _JSON_TYPES[name]):
+        value = fields[name]
+        if not isinstance(value, _JSON_TYPES[name]) or (isinstance(value, int) and abs(value) > _LARGEST_NUMBER):
             raise TypeError(name)
     if "data" in fields:
         fields["data"] = np.frombuffer(base64.b64decode(fields["data"], validate=True), np.uint8)

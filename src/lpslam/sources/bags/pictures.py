@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.sources.bags.rvl import decode_rvl
-from lpslam.sources.images import BadImageError, image_defect
+from lpslam.sources.images import MOST_PIXELS, BadImageError, image_defect
 
 DEPTH_ENCODINGS = ("16UC1", "mono16", "Z16", "32FC1")
 _PIXELS: dict[str, tuple[str, int, int | None]] = {
@@ -34,8 +34,6 @@ _PIXELS: dict[str, tuple[str, int, int | None]] = {
     "bayer_grbg8": ("u1", 1, cv2.COLOR_BayerGRBG2RGB),
 }
 _DEPTHS = {"16UC1": "u2", "mono16": "u2", "Z16": "u2", "32FC1": "f4"}
-_LARGEST_SIDE = 16384
-"""Pixels; a picture that claims more is damage."""
 _DEPTH_HEADER = 12
 
 
@@ -62,7 +60,7 @@ def colour_of(message: Any) -> NDArray[np.uint8]:
     encoding = str(message.encoding)
     known = _PIXELS.get(encoding) or _PIXELS.get(encoding.lower())
     if known is None:
-        raise BadImageError(f"colour pictures in {encoding!r} are not known; record rgb8, bgr8 or compressed ones")
+        raise BadImageError(f"colour pictures in {encoding[:40]!r} are not known; record rgb8, bgr8 or compressed ones")
     dtype, channels, conversion = known
     pixels = _rows(message, dtype, channels)
     if conversion is None:
@@ -79,7 +77,7 @@ def depth_of(message: Any) -> NDArray[np.uint16] | NDArray[np.float32]:
     if not hasattr(message, "format"):
         encoding = str(message.encoding)
         if encoding not in _DEPTHS:
-            raise BadImageError(f"depth in {encoding!r} is not known; depth is 16UC1 (millimetres) or 32FC1 (metres)")
+            raise BadImageError(f"depth in {encoding[:40]!r} is not known; it is 16UC1 (millimetres) or 32FC1 (metres)")
         return np.ascontiguousarray(_rows(message, _DEPTHS[encoding], 1))
     data = bytes(memoryview(message.data))
     if _is_wrapped(message.data):
@@ -105,8 +103,8 @@ def _rows(message: Any, dtype: str, channels: int) -> Any:
     order = ">" if message.is_bigendian and dtype != "u1" else "<"
     kind = np.dtype(order + dtype)
     length = width * channels * kind.itemsize
-    if not (0 < height <= _LARGEST_SIDE and 0 < width <= _LARGEST_SIDE):
-        raise BadImageError(f"a picture of {width}×{height} pixels")
+    if not (height > 0 and width > 0 and height * width <= MOST_PIXELS):
+        raise BadImageError(f"a picture of {width:.6g}×{height:.6g} pixels")
     step = step or length
     data = np.frombuffer(memoryview(message.data), np.uint8)
     if step < length or len(data) < step * (height - 1) + length:
@@ -144,7 +142,7 @@ def _rvl(body: bytes) -> NDArray[np.uint16]:
     if len(body) < 8:
         raise BadImageError("a depth picture is truncated")
     width, height = struct.unpack_from("<ii", body)
-    if not (0 < height <= _LARGEST_SIDE and 0 < width <= _LARGEST_SIDE):
+    if not (height > 0 and width > 0 and height * width <= MOST_PIXELS):
         raise BadImageError(f"a depth picture of {width}×{height} pixels")
     words = np.frombuffer(body, "<u4", (len(body) - 8) // 4, 8).astype(np.uint32)
     pixels = np.zeros(width * height, np.uint16)

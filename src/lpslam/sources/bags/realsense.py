@@ -33,7 +33,7 @@ def depth_scale_of(container: Container, depth: str) -> float | None:
     value = _first(container, f"{match[1]}/option/Depth_Units/value")
     try:
         units = float(value.data)
-    except (AttributeError, ValueError):
+    except (AttributeError, ValueError, TypeError):
         return None
     # Kept as a 32-bit number: 0.001 comes back as 0.0010000000474974513.
     return float(f"{1 / units:.6g}") if 1e-6 < units < 1 else None
@@ -91,7 +91,7 @@ def _stream_from_reference(container: Container, picture: str) -> NDArray[np.flo
     if value is None:
         return None
     if not hasattr(value, "data"):
-        return rigid(value)
+        return rigid(value) if hasattr(value, "rotation") else None
     try:
         fields = _fields(value.data)
         # librealsense keeps rotations column by column.

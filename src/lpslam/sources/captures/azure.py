@@ -29,6 +29,8 @@ from lpslam.timestamps import associate
 _TOLERANCE = 0.017
 """Seconds between colour and its depth: half of what lies between frames."""
 _MILLIMETRES = 1000.0
+_MOST_KEPT = 256
+"""Packets between a colour picture and its depth; two tracks have some sixty in a second."""
 # Width and height of a mode, to the size of the image that its calibration is in parts of, and what is cut off at its
 # left and top.
 _DEPTH_MODES = {
@@ -86,18 +88,22 @@ class _Video:
         except ImportError:
             raise MissingExtraError("Azure Kinect's .mkv", "azure") from None
         self._av, self._path = av, path
-        self._errors = (av.error.FFmpegError, OSError, ValueError)
+        self._errors = (av.error.FFmpegError, OSError, ValueError, ArithmeticError, AttributeError)
         self._lock = threading.Lock()
         try:
-            self._file = av.open(str(path))
+            # Another format might lead to other files, or to addresses.
+            self._file = av.open(str(path), format="matroska")
         except self._errors as error:
             raise UserError(f"{path} is no video that can be read ({type(error).__name__})") from error
         tracks = {str(track.metadata.get("title", "")).upper(): track for track in self._file.streams.video}
         if "COLOR" not in tracks or "DEPTH" not in tracks:
             raise UserError(f"{path} has no tracks COLOR and DEPTH; it is no recording of an Azure Kinect")
         self._colour, self._depth = tracks["COLOR"], tracks["DEPTH"]
-        self.colour_size = self._colour.width, self._colour.height
-        self.depth_size = self._depth.width, self._depth.height
+        try:
+            self.colour_size = self._colour.width, self._colour.height
+            self.depth_size = self._depth.width, self._depth.height
+        except AttributeError:
+            raise UserError(f"{path}: a track is of a kind that cannot be decoded; copy it again") from None
         self._packets: Iterator[Any] = iter(())
         self._kept: dict[tuple[int, int], Any] = {}
 
@@ -163,7 +169,7 @@ class _Video:
         last = max(pts for _, pts in wanted) + round(1 / _seconds(self._colour))
         while not all(key in self._kept for key in wanted):
             packet = next(self._packets, None)
-            if packet is None or packet.pts > last:
+            if packet is None or packet.pts > last or len(self._kept) > _MOST_KEPT:
                 return False
             self._kept[packet.stream.index, packet.pts] = packet
         return True

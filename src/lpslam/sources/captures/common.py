@@ -10,7 +10,6 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.errors import UserError
 from lpslam.sources.images import BadImageError, image_defect
 
 RATE = 30.0
@@ -57,15 +56,3 @@ def rising_times(seconds: Sequence[float], count: int, rate: float = RATE) -> tu
     if len(times) == count and is_rising and all(map(math.isfinite, times)):
         return times, ()
     return [number / rate for number in range(count)], (f"its frames carry no times: {rate:g} a second are taken",)
-
-
-def texts_of(path: Path) -> str:
-    """A small text file.
-
-    Raises:
-        UserError: it cannot be read.
-    """
-    try:
-        return path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise UserError(f"{path} cannot be read as text; it belongs to the recording") from error

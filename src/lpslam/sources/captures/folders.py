@@ -8,8 +8,9 @@ from pathlib import Path
 
 from lpslam.camera import PinholeCamera
 from lpslam.errors import UserError
+from lpslam.regular_files import text_of
 from lpslam.sources.calibration import read_calibration
-from lpslam.sources.captures.common import RATE, numbered, texts_of
+from lpslam.sources.captures.common import RATE, numbered
 from lpslam.sources.image_pairs import ImagePair, ImagePairSource, first_image_size
 from lpslam.sources.tum import CAMERA_FILES
 
@@ -71,7 +72,7 @@ def open3d_camera(path: Path) -> PinholeCamera:
         UserError: it is something else.
     """
     try:
-        tree = json.loads(texts_of(path))
+        tree = json.loads(text_of(path))
         matrix = [float(value) for value in tree["intrinsic_matrix"]]
         fx, fy, cx, cy = matrix[0], matrix[4], matrix[6], matrix[7]
         return PinholeCamera(int(tree["width"]), int(tree["height"]), fx, fy, cx, cy, depth_scale=_MILLIMETRES)

@@ -36,7 +36,11 @@ class Capture:
 
 
 def _has(*names: str) -> Callable[[Path], bool]:
-    return lambda path: path.is_dir() and all((path / name).exists() for name in names)
+    """Files by names with an ending, folders by those with a slash."""
+    return lambda path: (
+        path.is_dir()
+        and all((path / name).is_dir() if name.endswith("/") else (path / name).is_file() for name in names)
+    )
 
 
 def _ends(suffix: str) -> Callable[[Path], bool]:
@@ -49,10 +53,10 @@ def _is_replica(path: Path) -> bool:
 
 CAPTURES = (
     Capture("Record3D", "NAME.r3d", _ends(".r3d"), "record3d"),
-    Capture("Stray Scanner", "rgb.mp4 and depth/", _has("rgb.mp4", "depth", "camera_matrix.csv"), "stray"),
+    Capture("Stray Scanner", "rgb.mp4 and depth/", _has("rgb.mp4", "depth/", "camera_matrix.csv"), "stray"),
     Capture("Azure Kinect", "NAME.mkv", _ends(".mkv"), "azure"),
     Capture("ScanNet", "NAME.sens", _ends(".sens"), "scannet"),
     Capture("Replica", "results/frame*.jpg and depth*.png", _is_replica, "replica", True),
-    Capture("Redwood, Open3D", "color/ and depth/", _has("color", "depth"), "folders", True),
-    Capture("folders", "rgb/ and depth/ of equal names", _has("rgb", "depth"), "folders", True),
+    Capture("Redwood, Open3D", "color/ and depth/", _has("color/", "depth/"), "folders", True),
+    Capture("folders", "rgb/ and depth/ of equal names", _has("rgb/", "depth/"), "folders", True),
 )

@@ -4,6 +4,7 @@ The layout: https://github.com/marek-simonik/record3d and https://record3d.app/f
 """
 
 import json
+import struct
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -20,8 +21,13 @@ _SIZES = ((192, 256), (256, 192), (480, 640), (640, 480), (360, 640), (640, 360)
 _ENCRYPTED = 0x1
 """The flag of members that need a password."""
 _LARGEST = 1 << 26
-"""Bytes of one member; a depth image has a megabyte."""
-_MALFORMED = (OSError, zipfile.BadZipFile, KeyError, ValueError, OverflowError, TypeError, IndexError, RecursionError)
+"""Bytes of one member, packed or not; a depth image has a megabyte."""
+_LONGEST_MATCH, _LIE = 2359, 16
+"""Bytes that one match of LZFSE copies at most, and how much more than `_LARGEST` all of them might be."""
+_LONGEST_SIDE = 4096
+"""Pixels of a depth image; phones have 640."""
+_MALFORMED = (OSError, zipfile.BadZipFile, KeyError, ValueError, OverflowError, TypeError, IndexError, RecursionError,
+              NotImplementedError)  # fmt: skip
 
 
 def open_capture(folder: Path, camera_file: Path | None, max_frames: int | None, *, nominal: bool) -> ListedSource:
@@ -47,6 +53,8 @@ def open_capture(folder: Path, camera_file: Path | None, max_frames: int | None,
         camera = PinholeCamera(width, height, fx, fy, cx, cy, fps=rate)
         times = [float(time) for time in tree.get("frameTimestamps", ())]
         depth_size = (int(tree["dh"]), int(tree["dw"])) if "dh" in tree and "dw" in tree else None
+        if depth_size is not None and not 0 < min(depth_size) <= max(depth_size) <= _LONGEST_SIDE:
+            raise ValueError("no depth image has that size")
     except _MALFORMED as error:
         raise UserError(f"{folder} is no recording of Record3D that can be read ({type(error).__name__})") from error
     names = set(archive.namelist())
@@ -56,8 +64,8 @@ def open_capture(folder: Path, camera_file: Path | None, max_frames: int | None,
     def decode(number: int) -> Picture:
         try:
             rgb = decoded_colour(_member(archive, f"rgbd/{number}.jpg"), f"rgbd/{number}.jpg")
-            metres = np.frombuffer(liblzfse.decompress(_member(archive, f"rgbd/{number}.depth")), np.float32)
-        except (KeyError, zipfile.BadZipFile, ValueError, RuntimeError, OSError, liblzfse.error) as error:
+            metres = np.frombuffer(liblzfse.decompress(_bounded(_member(archive, f"rgbd/{number}.depth"))), np.float32)
+        except (KeyError, zipfile.BadZipFile, ValueError, RuntimeError, OSError, struct.error, liblzfse.error) as error:
             raise BadImageError(f"frame {number} cannot be unpacked ({type(error).__name__})") from error
         size = depth_size if depth_size else next((each for each in _SIZES if each[0] * each[1] == len(metres)
                                                    and (each[0] > each[1]) == (height > width)), None)  # fmt: skip
@@ -69,6 +77,32 @@ def open_capture(folder: Path, camera_file: Path | None, max_frames: int | None,
         return rgb, enlarged(depth, (rgb.shape[1], rgb.shape[0]))
 
     return ListedSource(folder.stem, camera, stamps, decode, notes=notes, max_frames=max_frames)
+
+
+def _bounded(packed: bytes) -> bytes:
+    """LZFSE as it is, if its blocks say that they unpack to what a depth image may have.
+
+    Raises:
+        ValueError: they say more, or are no such blocks.
+    """
+    begin = stated = possible = 0
+    while packed[begin : begin + 4] != b"bvx$":
+        kind, raw = packed[begin : begin + 4], int.from_bytes(packed[begin + 4 : begin + 8], "little")
+        stated += raw
+        if kind == b"bvx-":
+            begin += 8 + raw
+        elif kind == b"bvxn":
+            begin += 12 + int.from_bytes(packed[begin + 8 : begin + 12], "little")
+        elif kind == b"bvx2":
+            first, second, third = struct.unpack_from("<3Q", packed, begin + 8)
+            # What the block says of itself is not held to by who unpacks it; this is.
+            possible += _LONGEST_MATCH * (first >> 40 & 0xFFFFF)
+            begin += (third & 0xFFFFFFFF) + (first >> 20 & 0xFFFFF) + (second >> 40 & 0xFFFFF)
+        else:
+            raise ValueError("no LZFSE")
+        if stated > _LARGEST or possible > _LIE * _LARGEST:
+            raise ValueError("it unpacks to more than a depth image")
+    return packed
 
 
 def _member(archive: zipfile.ZipFile, name: str) -> bytes:

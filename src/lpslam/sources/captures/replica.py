@@ -8,8 +8,9 @@ from pathlib import Path
 
 from lpslam.camera import PinholeCamera
 from lpslam.errors import UserError
+from lpslam.regular_files import text_of
 from lpslam.sources.calibration import read_calibration
-from lpslam.sources.captures.common import RATE, numbered, texts_of
+from lpslam.sources.captures.common import RATE, numbered
 from lpslam.sources.image_pairs import ImagePair, ImagePairSource, first_image_size
 
 _SCALE = 6553.5
@@ -44,7 +45,7 @@ def _camera(
         camera = PinholeCamera(1200, 680, 600.0, 600.0, 599.5, 339.5, depth_scale=_SCALE)
         return camera, ("no cam_params.json: Replica's own calibration is used",)
     try:
-        tree = json.loads(texts_of(path))["camera"]
+        tree = json.loads(text_of(path))["camera"]
         width, height = int(tree["w"]), int(tree["h"])
         fx, fy, cx, cy = (float(tree[name]) for name in ("fx", "fy", "cx", "cy"))
         return PinholeCamera(width, height, fx, fy, cx, cy, depth_scale=float(tree.get("scale", _SCALE))), ()

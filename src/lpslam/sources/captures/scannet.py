@@ -95,7 +95,8 @@ def _offsets(file: BinaryIO, path: Path) -> list[tuple[int, int, int, int]]:
     found: list[tuple[int, int, int, int]] = []
     for _ in range(min(count, size // _HEADER)):
         head = file.read(_HEADER)
-        if len(head) < _HEADER:
+        # A hole of zeros is where a copy broke off.
+        if len(head) < _HEADER or not any(head):
             break
         taken, _, colour_length, depth_length = struct.unpack_from("<4Q", head, _POSE)
         begin = file.tell()

@@ -11,11 +11,14 @@ import numpy as np
 
 from lpslam.camera import PinholeCamera
 from lpslam.errors import UserError
-from lpslam.sources.captures.common import enlarged, numbered, rising_times, texts_of
-from lpslam.sources.images import BadImageError, read_depth
+from lpslam.regular_files import text_of
+from lpslam.sources.captures.common import enlarged, numbered, rising_times
+from lpslam.sources.images import BadImageError, read_depth, read_raw
 from lpslam.sources.listed import ListedSource, Picture
 
 _MILLIMETRES = 1000.0
+_BOXES = (b"ftyp", b"moov", b"mdat", b"free", b"skip", b"wide", b"pnot")
+"""What an MP4 may begin with."""
 _SURE = 1
 """Of Apple's confidences 0, 1 and 2: below this, readings are guesses."""
 
@@ -28,7 +31,7 @@ def open_capture(folder: Path, camera_file: Path | None, max_frames: int | None,
     """
     video = _Video(folder / "rgb.mp4")
     try:
-        rows = [[float(word) for word in line.split(",")] for line in texts_of(folder / "camera_matrix.csv").split()]
+        rows = [[float(word) for word in line.split(",")] for line in text_of(folder / "camera_matrix.csv").split()]
         matrix = np.array(rows, np.float64).reshape(3, 3)
     except ValueError as error:
         raise UserError(f"{folder / 'camera_matrix.csv'}: expected the nine numbers of a 3×3 matrix") from error
@@ -45,8 +48,8 @@ def open_capture(folder: Path, camera_file: Path | None, max_frames: int | None,
             raise BadImageError(f"frame {number} has no depth image")
         depth = read_depth(depths[number], _MILLIMETRES)
         if number in sure:
-            confidence = cv2.imread(str(sure[number]), cv2.IMREAD_UNCHANGED)
-            if confidence is not None and confidence.shape == depth.shape:
+            confidence = read_raw(sure[number])
+            if confidence.shape == depth.shape:
                 depth[confidence < _SURE] = 0.0
         return rgb, enlarged(depth, (rgb.shape[1], rgb.shape[0]))
 
@@ -58,6 +61,11 @@ class _Video:
 
     def __init__(self, path: Path) -> None:
         self._path = path
+        with path.open("rb") as file:
+            begin = file.read(8)
+        if begin[4:] not in _BOXES:
+            # What else a decoder takes may lead to other files, or to addresses.
+            raise UserError(f"{path} is no MP4 video; copy it again")
         reader = cv2.VideoCapture(str(path))
         self.size = int(reader.get(cv2.CAP_PROP_FRAME_WIDTH)), int(reader.get(cv2.CAP_PROP_FRAME_HEIGHT))
         self.count = int(reader.get(cv2.CAP_PROP_FRAME_COUNT))
@@ -96,7 +104,7 @@ class _Video:
 def _stamps(path: Path, count: int) -> tuple[list[float], tuple[str, ...]]:
     """Seconds of the frames: the first column of odometry.csv."""
     try:
-        lines = texts_of(path).splitlines()[1:]
+        lines = text_of(path).splitlines()[1:]
         seconds = [float(line.split(",")[0]) for line in lines if line.strip()]
     except (UserError, ValueError):
         seconds = []

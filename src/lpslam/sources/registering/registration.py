@@ -8,8 +8,11 @@ from numba import njit
 from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera
+from lpslam.errors import UserError
 
 Depth = NDArray[np.float32]
+_MOST_PIXELS = 1 << 24
+"""Of a picture that depth is registered in or from; each takes some hundred bytes."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,6 +42,9 @@ class DepthRegistration:
     """
 
     def __init__(self, rig: DepthRig) -> None:
+        for camera in (rig.depth_camera, rig.colour_camera):
+            if camera.width * camera.height > _MOST_PIXELS:
+                raise UserError(f"a camera of {camera.width}×{camera.height} pixels is larger than any that is known")
         self._rig = rig
         rotated = _corner_rays(rig.depth_camera) @ rig.colour_from_depth[:3, :3].T
         self._rotated = np.ascontiguousarray(np.moveaxis(rotated, 2, 1), np.float32)

@@ -11,7 +11,7 @@ import numpy as np
 from rapidfuzz import fuzz
 
 from lpslam.config import InstanceConfig
-from lpslam.text.placing.places import Place
+from lpslam.text.placing.places import IDEOGRAPHS, Place
 from lpslam.text.remembering.similarity import comparison_key, is_fragment
 
 # A whole text is believed over its fragment with this share of the fragment's evidence: from near, pieces are read.
@@ -24,6 +24,8 @@ _APART = 0.3
 _PIECE = 50.0
 # Letters of one row differ in height by this factor at most, and their middles by this share of it.
 _ROW_HEIGHT, _ROW_SHIFT = 1.4, 0.35
+# Ratio of its sides from which a text runs along the longer one.
+_LONG = 1.3
 
 
 def without_overlaps(places: Sequence[Place], config: InstanceConfig) -> list[Place]:
@@ -42,6 +44,8 @@ def _are_one_paint(first: Place, second: Place, config: InstanceConfig) -> bool:
     shared = overlap(first, second)
     if shared <= config.overlap:
         return False
+    if _cross(first, second):
+        return True
     part, whole = sorted((first, second), key=lambda each: len(comparison_key(each.name)))
     if comparison_key(part.name) == comparison_key(whole.name) or is_fragment(part.name, whole.name):
         return True
@@ -52,6 +56,19 @@ def _are_one_paint(first: Place, second: Place, config: InstanceConfig) -> bool:
         return True
     alike = fuzz.partial_ratio(comparison_key(part.name), comparison_key(whole.name))
     return _in_one_row(first, second) and alike >= _PIECE
+
+
+def _cross(first: Place, second: Place) -> bool:
+    """Whether one text runs across and the other down through it, by a character that both have: a block of columns."""
+    runs_across = [each.width > _LONG * each.height for each in (first, second)]
+    runs_down = [each.height > _LONG * each.width for each in (first, second)]
+    is_crossed = (runs_across[0] and runs_down[1]) or (runs_down[0] and runs_across[1])
+    return is_crossed and any(ch >= IDEOGRAPHS and ch in second.name for ch in first.name)
+
+
+def _pitch(place: Place) -> float:
+    """Metres from one character to the next."""
+    return max(place.width, place.height) / max(len(comparison_key(place.name)), 1)
 
 
 def _seen_apart(first: Place, second: Place) -> bool:
@@ -75,6 +92,9 @@ def _in_one_row(first: Place, second: Place) -> bool:
 
 
 def _outranks(place: Place, rival: Place) -> bool:
+    if _cross(place, rival):
+        # What is nearest belongs together.
+        return _pitch(place) < _pitch(rival)
     if is_fragment(rival.name, place.name):
         return place.evidence >= _WHOLE_OVER_FRAGMENT * rival.evidence
     if is_fragment(place.name, rival.name):

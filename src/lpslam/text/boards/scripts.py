@@ -1,4 +1,4 @@
-"""A board is written in one script: what its other lines are written in decides between two forms of a character.
+"""A board is written in one script, and so are most boards of a place: that decides between two forms of a character.
 
 Readers prefer the commoner form, time and again alike, so more views of the same line do not mend it.
 """
@@ -18,7 +18,30 @@ _OWN_ODDS = 0.7
 """Share of the reader's own log odds between two letters that holds, as in names."""
 
 
-def in_one_script(board: Sequence[Place], slots_of: Callable[[Place], Iterable[Slots]]) -> list[Place]:
+def script_ahead(boards: Sequence[Sequence[Place]]) -> list[float]:
+    """For each board how far ahead, in log odds, traditional characters are by what the other boards are written in.
+
+    Of n boards one more is counted for either script, as long as little is known (Laplace's rule of succession).
+    """
+    scripts = [_script(board) for board in boards]
+    counts = [scripts.count(True), scripts.count(False)]
+    ahead = []
+    for own in scripts:
+        traditional, simplified = counts[0] - (own is True), counts[1] - (own is False)
+        ahead.append(log((traditional + 1.0) / (simplified + 1.0)))
+    return ahead
+
+
+def _script(board: Sequence[Place]) -> bool | None:
+    """Whether a board is in traditional characters; None where nothing tells."""
+    painted = "".join(place.name for place in board)
+    difference = sum(map(is_traditional_only, painted)) - sum(map(is_simplified_only, painted))
+    return None if difference == 0 else difference > 0
+
+
+def in_one_script(
+    board: Sequence[Place], slots_of: Callable[[Place], Iterable[Slots]], around: float = 0.0
+) -> list[Place]:
     """Give characters of a traditional board that were read in their simplified form the traditional one.
 
     Only where the reader held that for possible: signs do mix forms, and what is clearly painted stays.
@@ -26,10 +49,11 @@ def in_one_script(board: Sequence[Place], slots_of: Callable[[Place], Iterable[S
     Args:
         board: its texts.
         slots_of: the runners-up of a text's letters, reading by reading.
+        around: log odds for traditional characters by the boards around.
     """
     painted = "".join(place.name for place in board)
     simplified = sum(map(is_simplified_only, painted))
-    ahead = _ODDS_A_LETTER * (sum(map(is_traditional_only, painted)) - simplified + 1)
+    ahead = _ODDS_A_LETTER * (sum(map(is_traditional_only, painted)) - simplified + 1) + around
     if not simplified or ahead <= 0.0:
         return list(board)
     return [replace(place, name=_in_traditional(place, slots_of(place), min(ahead, _MOST_ODDS))) for place in board]

@@ -24,6 +24,8 @@ PLACES_OF_A_CLASS = 1000
 # Letters of a text that is only believed if some reading of it is likelier right than wrong: ornaments and lamps are
 # read as few, and badly each time. An ideograph counts for two.
 _FEW_LETTERS, _LIKELY = 3, 0.5
+# A name of so few letters that is less sure is one of an ornament: of 21 such names of drawn lettering none was right.
+_UNSURE = 0.35
 # Letter heights by which the middle of a part may lie beside that of the whole: boxes are drawn as loosely.
 _SAME_MIDDLE = 0.5
 # Most log odds by which one name is ahead of another that are believed.
@@ -105,9 +107,11 @@ def places_of_class(
     places = []
     for number, rows in groups:
         seen = [observations[row] for row in rows]
-        if len(rows) < enough or not _is_large_enough(seen, config) or _is_hardly_text(seen):
+        if len(rows) < enough or not _is_large_enough(seen, config):
             continue
         name, sure = _name_here(text_class, seen, len(groups) > 1, memory)
+        if _is_hardly_text(name, sure, seen):
+            continue
         whole = rows[_show_all_of(name, seen)]
         position, kept = trimmed_position(positions[whole], config.rounds, config.drop_share)
         trusted = _on_the_side_seen_most(whole[kept], normals)
@@ -166,12 +170,17 @@ def _is_large_enough(observations: Sequence[TextObservation], config: InstanceCo
     return max(each.letter_height for each in observations) >= needed
 
 
-def _is_hardly_text(observations: Sequence[TextObservation]) -> bool:
-    """Whether a text is so short and was read so badly, every time, that it is likelier no text at all."""
+def _is_hardly_text(name: str, sure: float, observations: Sequence[TextObservation]) -> bool:
+    """Whether a text is so short, and was read so badly or so differently, that it is likelier no text at all."""
     right = [each.right for each in observations if each.right is not None]
     commonest = Counter(each.text for each in observations).most_common(1)[0][0]
-    letters = sum(1 + (ch >= IDEOGRAPHS) for ch in paint_key(commonest))
-    return letters <= _FEW_LETTERS and bool(right) and max(right) < _LIKELY
+    if min(_letters(commonest), _letters(name)) > _FEW_LETTERS:
+        return False
+    return sure < _UNSURE or (bool(right) and max(right) < _LIKELY)
+
+
+def _letters(text: str) -> int:
+    return sum(1 + (ch >= IDEOGRAPHS) for ch in paint_key(text))
 
 
 IDEOGRAPHS = "\u2e80"

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.text.reading.boxes import Boxes, along_the_lines
-from lpslam.text.reading.patterns import Likeness, likely_lags, likeness
+from lpslam.text.reading.patterns import ALIKE, SUSPECT_ALIKE, Likeness, likely_lags, likeness
 from lpslam.text.reading.recognition import rectify
+from lpslam.text.reading.spelt_patterns import CLEAR, SUSPECT, pattern_odds
 
 Array = NDArray[np.float64]
 
@@ -68,6 +69,14 @@ def pattern_likenesses(rgb: NDArray[np.uint8], boxes: Boxes) -> list[Likeness]:
     return [Likeness.IS if is_pattern(_strip(rgb, box)) else _along_its_line(rgb, box) for box in boxes]
 
 
+def says_a_pattern(rgb: NDArray[np.uint8], box: NDArray[np.float64], text: str) -> bool:
+    """Whether what was read in a (4, 2) box is spelt as patterns are, beyond doubt or with the picture for it."""
+    odds = pattern_odds(text)
+    if odds < SUSPECT:
+        return False
+    return odds >= CLEAR or _along_its_line(rgb, box, SUSPECT_ALIKE) is Likeness.IS
+
+
 class PatternVotes:
     """What single views cannot tell, all views of a place do: a word looks like a pattern in few of them."""
 
@@ -116,7 +125,7 @@ def repetition(strip: Array) -> tuple[float, float]:
     return width / (period + shift), float(here)
 
 
-def _along_its_line(rgb: NDArray[np.uint8], box: Boxes) -> Likeness:
+def _along_its_line(rgb: NDArray[np.uint8], box: Boxes, alike: float = ALIKE) -> Likeness:
     """Whether a box holds a piece of a pattern that goes on along its line."""
     line = along_the_lines(box[None])[0]
     height = max(float(np.linalg.norm(line[3] - line[0] + line[2] - line[1])) / 2.0, 1.0)
@@ -127,11 +136,13 @@ def _along_its_line(rgb: NDArray[np.uint8], box: Boxes) -> Likeness:
     strip = _blurred(_strip(rgb, wide))
     share = strip.shape[1] / max(float(np.linalg.norm(wide[1] - wide[0] + wide[2] - wide[3])) / 2.0, 1.0)
     own = slice(round(before * share), strip.shape[1] - round(after * share))
+    if own.stop <= own.start:
+        return Likeness.NONE
     # Of a wall seen aslant each part has a period of its own.
     third = max(strip.shape[1] // 3, 1)
     parts = [strip[:, own], strip, *(strip[:, start : start + third] for start in range(0, 3 * third, third))]
     lags = {lag for part in parts for lag in likely_lags(_autocorrelation(part), _HEIGHT)}
-    return likeness(strip, own, sorted(lags), _pieces)
+    return likeness(strip, own, sorted(lags), _pieces, alike)
 
 
 def _room(rgb: NDArray[np.uint8], sides: Boxes, height: float) -> float:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-_ALIKE = 0.9
+ALIKE = 0.9
 """Correlation from which two neighbouring motifs are the same: letters of one word correlate less, blurred too."""
 
 _NEARLY_ALIKE = 0.86
@@ -50,7 +50,13 @@ class Likeness(IntEnum):
     IS = 2
 
 
-def likeness(strip: Array, box: slice, lags: Iterable[int], pieces: Callable[[Array], int]) -> Likeness:
+SUSPECT_ALIKE = 0.74
+"""The same where the letters that were read speak for a pattern: drawn words, of equal letters too, correlate less."""
+
+
+def likeness(
+    strip: Array, box: slice, lags: Iterable[int], pieces: Callable[[Array], int], alike: float = ALIKE
+) -> Likeness:
     """Whether runs of equal motifs lead through the columns of a box in a strip (height, width), perhaps beyond it.
 
     Args:
@@ -58,14 +64,15 @@ def likeness(strip: Array, box: slice, lags: Iterable[int], pieces: Callable[[Ar
         box: the columns that were taken for text.
         lags: periods to try, columns.
         pieces: counts the pieces of ink in a strip.
+        alike: correlation from which two neighbouring motifs are the same.
     """
     spread = float(strip[:, box].std())
     if spread < 1.0:
         return Likeness.NONE
-    alike = [(lag, neighbours_alike(strip, lag, _FAINT * spread)) for lag in lags]
-    for least, found in ((_ALIKE, Likeness.IS), (_NEARLY_ALIKE, Likeness.LIKE)):
+    by_lag = [(lag, neighbours_alike(strip, lag, _FAINT * spread)) for lag in lags]
+    for least, found in ((alike, Likeness.IS), (min(_NEARLY_ALIKE, alike), Likeness.LIKE)):
         explained = np.zeros(strip.shape[1], np.bool_)
-        for lag, correlations in alike:
+        for lag, correlations in by_lag:
             for first, last in runs(correlations >= least):
                 if _are_motifs(strip, first, last, lag, pieces):
                     explained[first : last + lag] = True

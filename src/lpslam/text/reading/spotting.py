@@ -42,6 +42,15 @@ class ReadsElsewhere(Protocol):
     seconds_elsewhere: float
 
 
+@runtime_checkable
+class SearchesSmaller(Protocol):
+    """A `TextSpotter` that can search an image at a share of its size."""
+
+    def detect_at(self, rgb: NDArray[np.uint8], share: float) -> tuple[Boxes, NDArray[np.float64]]:
+        """As `TextSpotter.detect`."""
+        ...
+
+
 class PaddleSpotter:
     """DBNet detection and CTC recognition with PaddleOCR's networks.
 
@@ -56,6 +65,10 @@ class PaddleSpotter:
     def detect(self, rgb: NDArray[np.uint8]) -> tuple[Boxes, NDArray[np.float64]]:
         """See `TextSpotter`."""
         return self._detector.detect(rgb)
+
+    def detect_at(self, rgb: NDArray[np.uint8], share: float) -> tuple[Boxes, NDArray[np.float64]]:
+        """See `SearchesSmaller`."""
+        return self._detector.detect(rgb, share)
 
     def recognise(self, rgb: NDArray[np.uint8], boxes: Boxes) -> list[Recognition]:
         """See `TextSpotter`."""
@@ -82,6 +95,9 @@ _LOGO_LIKE = frozenset("*·•°~^_|<>=←↑→↓")
 
 _RINGS = RINGS | {"Q", "@"}
 
+
+SURE = 0.8
+"""Confidence of a reading from which a box is not looked at in any other way."""
 
 _RUN = 5
 """Equal letters in a row, more than half of a text, that no text has: a frieze is read so."""

@@ -9,7 +9,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection
@@ -73,6 +73,11 @@ class SpottingProcess:
     def detect(self, rgb: NDArray[np.uint8]) -> tuple[Boxes, NDArray[np.float64]]:
         """See `TextSpotter`."""
         boxes, scores = self._asked("detect", rgb, ())
+        return boxes, scores
+
+    def detect_at(self, rgb: NDArray[np.uint8], share: float) -> tuple[Boxes, NDArray[np.float64]]:
+        """See `SearchesSmaller`."""
+        boxes, scores = self._asked("detect_at", rgb, (share,))
         return boxes, scores
 
     def recognise(self, rgb: NDArray[np.uint8], boxes: Boxes) -> list[Recognition]:
@@ -142,6 +147,11 @@ def serve(channel: Connection) -> None:
         channel.send(error)
         return
     channel.send(None)
+    ways: dict[str, Callable[..., Any]] = {
+        "detect": spotter.detect,
+        "detect_at": spotter.detect_at,
+        "recognise": spotter.recognise,
+    }
     while True:
         what, shape, more = channel.recv()
         rgb = np.frombuffer(channel.recv_bytes(), np.uint8).reshape(shape)
@@ -149,7 +159,7 @@ def serve(channel: Connection) -> None:
         answer: Any
         # The parent counts what goes wrong and goes on with the next image.
         try:
-            answer = spotter.detect(rgb) if what == "detect" else spotter.recognise(rgb, *more)
+            answer = ways[what](rgb, *more)
         except Exception as error:
             answer = RuntimeError(repr(error))
         channel.send((answer, time.process_time() - started))

@@ -8,19 +8,45 @@ from bisect import bisect_left
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
 from copy import copy
-from io import BytesIO
+from io import SEEK_CUR, BytesIO
 from pathlib import Path
 from typing import BinaryIO
 
 from rosbags.rosbag1 import Reader
-from rosbags.rosbag1.reader import Header, RecordType, decompressors
+from rosbags.rosbag1.reader import Chunk, Header, IndexData, ReaderError, RecordType
 
 from lpslam.errors import UserError
 from lpslam.sources.bags.containers.container import Damage, Encoding, Message, Topic, ros2_type, say_before_a_pass
+from lpslam.sources.bags.containers.unpacking import LARGEST, LARGEST_SHARE, unpacked
 
 MAGIC = b"#ROSBAG V2.0\n"
-_LARGEST_RECORD = 1 << 30
-"""Bytes; a chunk of a recording is a megabyte, and one record that claims more than this is damage."""
+
+
+class _Indexed(Reader):
+    """A reader of rosbags that unpacks no more than a recording has, nor reads its index more than once."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(path)
+        self._left = self._size = path.stat().st_size
+
+    def read_chunk(self) -> Chunk:
+        """Where a chunk lies, and how it is unpacked."""
+        assert self.bio
+        header = Header.read(self.bio, RecordType.CHUNK)
+        length = struct.unpack("<I", self.bio.read(4))[0]
+        begun = self.bio.tell()
+        self.bio.seek(length, SEEK_CUR)
+        compression, most = header.get_string("compression"), header.get_uint32("size")
+        return Chunk(length, begun, lambda data: unpacked(compression, data, most))
+
+    def read_index_data(self, pos: int, indexes: dict[int, list[IndexData]]) -> None:
+        """Which messages of a connection a chunk has."""
+        assert self.bio
+        begun = self.bio.tell()
+        super().read_index_data(pos, indexes)
+        self._left -= self.bio.tell() - begun
+        if self._left < 0:
+            raise ReaderError("its index lists itself again and again")
 
 
 class Ros1Bag:
@@ -93,7 +119,7 @@ class Ros1Bag:
 
     def _read_index(self) -> bool:
         try:
-            self._index = reader = Reader(self.path)
+            self._index = reader = _Indexed(self.path)
             reader.open()
             # Closing it would drop its index.
             file, reader.bio = reader.bio, None
@@ -116,6 +142,7 @@ class Ros1Bag:
         self._types: dict[str, str] = {}
         self._names: dict[int, str] = {}
         self._spans: dict[int, tuple[int, int]] = {}
+        self._unpacked_bytes = 0
         for begun, name, logged in self._scanned():
             self._times.setdefault(name, []).append(logged)
             first, last = self._spans.get(begun, (logged, logged))
@@ -143,6 +170,8 @@ class Ros1Bag:
                 begun = file.tell()
                 try:
                     header, data = _record(file)
+                    if self._unpacked_bytes > LARGEST + LARGEST_SHARE * size:
+                        raise ValueError(f"it unpacks to more than {LARGEST_SHARE} times its size")
                     for name, logged, _ in self._unpacked(header, data, self._names):
                         yield begun, name, logged
                 except GeneratorExit:
@@ -154,13 +183,18 @@ class Ros1Bag:
                     return
         self._damage.note("it has no index, as after a power failure")
 
-    def _unpacked(self, header: Header, data: bytes, names: dict[int, str]) -> Iterator[tuple[str, int, bytes]]:
+    def _unpacked(
+        self, header: Header, data: bytes, names: dict[int, str], *, inside: bool = False
+    ) -> Iterator[tuple[str, int, bytes]]:
         kind = header.get_uint8("op")
         if kind == RecordType.CHUNK:
-            inner = BytesIO(decompressors[header.get_string("compression")](data))
-            end = len(inner.getbuffer())
+            if inside:
+                raise ValueError("a chunk lies in another one")
+            found = unpacked(header.get_string("compression"), data, header.get_uint32("size"))
+            self._unpacked_bytes += len(found)
+            inner, end = BytesIO(found), len(found)
             while inner.tell() < end:
-                yield from self._unpacked(*_record(inner), names)
+                yield from self._unpacked(*_record(inner), names, inside=True)
         elif kind == RecordType.CONNECTION:
             names[header.get_uint32("conn")] = name = header.get_string("topic")
             fields = BytesIO(struct.pack("<I", len(data)) + data)
@@ -173,7 +207,7 @@ def _record(file: BinaryIO | BytesIO) -> tuple[Header, bytes]:
     header = Header.read(file)
     prefix = file.read(4)
     length = struct.unpack("<I", prefix)[0]
-    if length > _LARGEST_RECORD:
+    if length > LARGEST:
         raise ValueError(f"a record of {length} bytes")
     data = file.read(length)
     if len(data) != length:

@@ -15,10 +15,12 @@ from urllib.parse import quote
 
 from lpslam.errors import UserError
 from lpslam.sources.bags.containers.container import Damage, Encoding, Message, Topic, ros2_type
+from lpslam.sources.bags.containers.unpacking import LARGEST
 
 MAGIC = b"SQLite format 3\0"
 _LEAPS = 40
 """How often rows that cannot be read are leapt over, each time twice as many: pages of a database are missing."""
+_MOST_TOPICS = 10_000
 _LEAST_ROW = 4
 """Bytes that a row takes at least: its number, its lengths and its cell's place."""
 
@@ -77,7 +79,7 @@ class Ros2Database:
                     yield Message(wanted[topic_id], int(logged), bytes(data or b""))
                     # Where it breaks off, what is after it may be whole.
                     bounds = (int(logged) + 1, bounds[1])
-        except (sqlite3.Error, TypeError, ValueError) as error:
+        except (sqlite3.Error, TypeError, ValueError, OverflowError) as error:
             self._damage.note(f"a part of it cannot be read ({error})")
             yield from self._salvaged(wanted, *bounds)
 
@@ -102,12 +104,15 @@ class Ros2Database:
         connection = sqlite3.connect(f"file:{quote(str(self.path.absolute()))}?{self._options}", uri=True)
         # Else SQLite refuses a database whose file is shorter than its header says. It is read-only.
         connection.execute("PRAGMA writable_schema = ON")
+        connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST)
         connection.text_factory = lambda data: data.decode("utf-8", "replace")
         return connection
 
     def _topic_rows(self) -> list[tuple[Any, ...]]:
         with closing(self._connection()) as connection:
-            return connection.execute("SELECT id, name, type, serialization_format FROM topics").fetchall()
+            _refuse_programs(connection)
+            query = "SELECT id, name, type, serialization_format FROM topics"
+            return [row for row in connection.execute(query).fetchmany(_MOST_TOPICS) if isinstance(row[0], int)]
 
     def _tables_or_refusal(self) -> list[tuple[Any, ...]]:
         try:
@@ -179,6 +184,20 @@ class Ros2Database:
                     return
                 except (sqlite3.Error, TypeError, ValueError, OverflowError):
                     row, step = row + step, 2 * step
+
+
+def _refuse_programs(connection: sqlite3.Connection) -> None:
+    """A view, or a column that is computed, is a program: it may run for ever. Recorders write plain tables.
+
+    Raises:
+        sqlite3.DatabaseError: there is one under a name that is read.
+    """
+    for name in ("topics", "messages"):
+        kinds = connection.execute("SELECT type, sql FROM sqlite_master WHERE name = ? LIMIT 9", (name,)).fetchall()
+        columns = connection.execute(f"PRAGMA table_xinfo({name})").fetchmany(_MOST_TOPICS)
+        is_plain = all(kind == "table" and not str(sql).upper().startswith("CREATE VIRTUAL") for kind, sql in kinds)
+        if not is_plain or any(column[6] for column in columns):
+            raise sqlite3.DatabaseError(f"its {name} are computed, not recorded")
 
 
 def _encoding(name: str) -> Encoding:

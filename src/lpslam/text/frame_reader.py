@@ -1,0 +1,182 @@
+"""One frame read: boxes found, sorted, held against patterns, recognised, and taken apart where they are blocks."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from time import perf_counter, thread_time
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.config import TextConfig
+from lpslam.frames import RgbdFrame
+from lpslam.text.placing.placement import PlacementFault, is_squeezed
+from lpslam.text.reading.blocks import around, read_in_parts, stacks_of
+from lpslam.text.reading.boxes import Boxes
+from lpslam.text.reading.colours import read_in_colours
+from lpslam.text.reading.ornaments import pattern_likenesses, says_a_pattern
+from lpslam.text.reading.spotting import ReadsElsewhere, SearchesSmaller, TextSpotter, accepted_texts
+from lpslam.text.sorting import CUT, BoxSorter
+from lpslam.text.types import BoxFate, FrameReading, Placement, SpottedText, TextStatistics
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Stand:
+    """Where a frame was taken: its pose in its keyframe, that keyframe's in the world if known, and its id."""
+
+    keyframe_from_camera: Array
+    world_from_keyframe: Array | None
+    keyframe: int
+
+
+@dataclass(slots=True, eq=False)
+class _Sorted:
+    """The (n, 4, 2) boxes of a frame, what becomes of each, where those stand that are read, and what they say."""
+
+    boxes: Boxes
+    fates: NDArray[np.object_]
+    placements: dict[int, Placement | PlacementFault]
+    texts: dict[int, SpottedText] = field(default_factory=dict)
+
+    def add(self, other: "_Sorted") -> None:
+        """Take in more boxes."""
+        first = len(self.boxes)
+        self.boxes = np.concatenate([self.boxes, other.boxes])
+        self.fates = np.concatenate([self.fates, other.fates])
+        self.placements |= {first + row: each for row, each in other.placements.items()}
+        self.texts |= {first + row: each for row, each in other.texts.items()}
+
+    def said(self, fates: Sequence[BoxFate]) -> list[tuple[SpottedText, Placement | PlacementFault]]:
+        """Texts of boxes with one of the fates, and where they stand."""
+        return [(text, self.placements[row]) for row, text in self.texts.items() if self.fates[row] in fates]
+
+
+class FrameReader:
+    """Reads frames; remembers nothing."""
+
+    def __init__(self, spotter: TextSpotter, sorter: BoxSorter, config: TextConfig, statistics: TextStatistics) -> None:
+        self._spotter = spotter
+        self._sorter = sorter
+        self._config = config
+        self._statistics = statistics
+        self._is_idle = False
+
+    def read(
+        self, frame: RgbdFrame, keyframe_from_camera: Array, world_from_keyframe: Array | None, keyframe: int
+    ) -> FrameReading | None:
+        """Detect (III-B), drop what is cut off, too small or no text, place (III-F), recognise; None when that failed.
+
+        What stands where a text was read often enough, and no less legibly, is confirmed without being read again.
+        """
+        self._statistics.frames_read += 1
+        stand = _Stand(keyframe_from_camera, world_from_keyframe, keyframe)
+        processor = self._processor_seconds()
+        # A reader may raise anything, on one image in a thousand; the map is worth more than that image.
+        try:
+            found = self._detected(frame, stand)
+            started = perf_counter()
+            rows = self._without_ornaments(frame, found, stand)
+            self._recognise(frame, found, rows)
+            self._take_apart(frame, found, rows, stand)
+            self._statistics.recognition_ms += 1000.0 * (perf_counter() - started)
+        except Exception as error:
+            if not self._statistics.reader_errors:
+                self._statistics.first_reader_error = f"frame {frame.index}: {error!r}"
+            self._statistics.reader_errors += 1
+            return None
+        finally:
+            self._statistics.reader_processor_ms += 1000.0 * (self._processor_seconds() - processor)
+        texts, parts = found.said((BoxFate.KEPT,)), found.said(CUT)
+        self._is_idle &= not texts
+        unread = [row for row in rows if row not in found.texts and found.fates[row] == BoxFate.KEPT]
+        found.fates[unread] = BoxFate.UNREAD
+        self._statistics.count(found.fates.tolist(), sum(isinstance(each, PlacementFault) for _, each in texts))
+        return FrameReading(
+            frame=frame.index,
+            boxes=found.boxes,
+            fates=tuple(found.fates),
+            texts=tuple(text for text, _ in texts),
+            placements=tuple(None if isinstance(each, PlacementFault) else each for _, each in texts),
+            parts=tuple((text, each) for text, each in parts if isinstance(each, Placement)),
+        )
+
+    def _detected(self, frame: RgbdFrame, stand: _Stand) -> _Sorted:
+        started = perf_counter()
+        share = self._config.spotting.other_size
+        # Where the last frame had nothing to read, another size may find what is there; what comes is seen again soon.
+        if self._is_idle and share < 1.0 and isinstance(self._spotter, SearchesSmaller):
+            boxes, _ = self._spotter.detect_at(frame.rgb, share)
+            self._is_idle = False
+        else:
+            boxes, _ = self._spotter.detect(frame.rgb)
+            self._is_idle = True
+        self._statistics.detection_ms += 1000.0 * (perf_counter() - started)
+        return self._sorted(frame, boxes, stand)
+
+    def _sorted(self, frame: RgbdFrame, boxes: Boxes, stand: _Stand) -> _Sorted:
+        started = perf_counter()
+        fates, placements = self._sorter.sort(
+            frame, boxes, stand.keyframe_from_camera, stand.world_from_keyframe, stand.keyframe
+        )
+        self._statistics.mapping_ms += 1000.0 * (perf_counter() - started)
+        return _Sorted(boxes, fates, placements)
+
+    def _without_ornaments(self, frame: RgbdFrame, found: _Sorted, stand: _Stand) -> list[int]:
+        """Rows of boxes that are worth reading; patterns among them are marked."""
+        kept = []
+        rows = sorted(found.placements)
+        likenesses = pattern_likenesses(frame.rgb, found.boxes[rows])
+        for row, like in zip(rows, likenesses, strict=True):
+            if not self._sorter.is_ornament(like, found.placements[row], stand.world_from_keyframe):
+                kept.append(row)
+            elif found.fates[row] not in CUT:
+                found.fates[row] = BoxFate.ORNAMENT
+        return kept
+
+    def _recognise(self, frame: RgbdFrame, found: _Sorted, rows: Sequence[int]) -> None:
+        if not rows:
+            return
+        boxes = found.boxes[rows]
+        accepted = accepted_texts(boxes, self._spotter.recognise(frame.rgb, boxes), self._config.spotting)
+        for row, text in zip(rows, accepted, strict=True):
+            text = read_in_colours(frame.rgb, found.boxes[row], text, self._spotter, self._config.spotting)
+            if text is None or is_squeezed(text.text, found.placements[row]):
+                continue
+            if not says_a_pattern(frame.rgb, text.box, text.text):
+                found.texts[row] = text
+            elif found.fates[row] not in CUT:
+                found.fates[row] = BoxFate.ORNAMENT
+
+    def _take_apart(self, frame: RgbdFrame, found: _Sorted, rows: Sequence[int], stand: _Stand) -> None:
+        """Read boxes that say nothing as one line in their columns and lines, and columns that were found as lines."""
+        kept = [row for row in rows if found.fates[row] == BoxFate.KEPT]
+        for row in kept:
+            self._replace(frame, found, [row], found.boxes[row], found.texts.get(row), stand)
+        lines = [row for row in kept if row in found.texts]
+        for stack in stacks_of([found.texts[row] for row in lines]):
+            own = [lines[at] for at in stack]
+            self._replace(frame, found, own, around([found.texts[row] for row in own]), None, stand)
+
+    def _replace(
+        self,
+        frame: RgbdFrame,
+        found: _Sorted,
+        rows: Sequence[int],
+        box: Array,
+        whole: SpottedText | None,
+        stand: _Stand,
+    ) -> None:
+        """Put what the parts of a box say in the place of what its rows said, if they say anything."""
+        parts = read_in_parts(frame.rgb, box, whole, self._spotter, self._config.spotting)
+        if not parts:
+            return
+        for row in rows:
+            found.texts.pop(row, None)
+        own = self._sorted(frame, np.array([each.box for each in parts]), stand)
+        own.texts = {at: text for at, text in enumerate(parts) if at in own.placements}
+        found.add(own)
+
+    def _processor_seconds(self) -> float:
+        spotter = self._spotter
+        return thread_time() + (spotter.seconds_elsewhere if isinstance(spotter, ReadsElsewhere) else 0.0)

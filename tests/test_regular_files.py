@@ -1,0 +1,58 @@
+"""Devices and pipes where files should be, and files without end: one line, at once."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from command_line import Command
+from lpslam.config import Config
+from lpslam.errors import UserError
+from lpslam.evaluation.signs import read_signs
+from lpslam.mapfile.container import read_manifest, refuse_foreign_file
+from lpslam.poses import StampedPoses
+from lpslam.regular_files import bytes_of, text_of
+from lpslam.serving.tokens import read_tokens
+from lpslam.simulation.boards.labels import read_labelled
+
+READERS = {
+    "map": read_manifest,
+    "map to write": refuse_foreign_file,
+    "configuration": Config.from_yaml,
+    "trajectory": StampedPoses.from_tum_file,
+    "signs": read_signs,
+    "tokens": read_tokens,
+    "text": text_of,
+}
+
+
+@pytest.mark.parametrize("read", READERS.values(), ids=READERS)
+def test_a_pipe_or_a_device_is_refused_at_once(tmp_path: Path, read: object) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "device").symlink_to("/dev/zero")
+    for name in ("pipe", "device"):
+        with pytest.raises(UserError, match="no file but a device or a pipe"):
+            read(tmp_path / name)  # type: ignore[operator]
+
+
+def test_labels_of_boards_are_no_pipe(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "labels.json")
+    with pytest.raises(UserError, match="no file but a device or a pipe"):
+        read_labelled(tmp_path)
+
+
+def test_what_is_longer_than_any_such_file_is_not_read(tmp_path: Path) -> None:
+    path = tmp_path / "text"
+    path.write_text("a" * 1000)
+    assert text_of(path) == "a" * 1000
+    os.truncate(path, 1 << 40)
+    with pytest.raises(UserError, match="more than 64 MB"):
+        bytes_of(path)
+
+
+@pytest.mark.parametrize("command", ["info", "distill", "draw", "export", "ask", "correct"])
+def test_every_command_refuses_a_map_that_is_a_pipe(lpslam: Command, tmp_path: Path, command: str) -> None:
+    os.mkfifo(tmp_path / "map.lpmap")
+    more = {"draw": ["map.png"], "export": ["exported"], "ask": ["pizza"], "correct": ["1", "--hide"]}
+    said = lpslam(command, tmp_path / "map.lpmap", *more.get(command, [])).complaint
+    assert "no file but a device or a pipe" in said
