@@ -4,10 +4,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from in_chromium import chromium, shown, until
+from lpslam.config import SightingConfig
 from lpslam.page.building import write_page
+from lpslam.text.sightings import Sighting, pictured
 from small_maps import small_map, with_floor
 
 pytestmark = pytest.mark.slow
@@ -86,3 +89,19 @@ def test_a_dialogue_is_kept_as_it_goes_on(page: Any) -> None:
         page.press("#question", "Enter")
     assert page.locator("#log .question").all_inner_texts() == ["KFC", "no such thing", "必胜客"]
     assert page.locator("#log .answer").all_inner_texts() == ["KFC", "Kein Schild sagt das.", "Pizza Hut 必胜客"]
+
+
+def test_a_card_shows_how_its_sign_was_seen(browser: Any, tmp_path: Path) -> None:
+    world = small_map(signs=SIGNS)
+    image = np.full((60, 160, 3), 90, np.uint8)
+    box = np.array([[20, 10], [140, 10], [140, 50], [20, 50]], np.float64)
+    jpeg = pictured(image, box, 10.0, SightingConfig())
+    # The first board stands at the origin, a metre up.
+    world.text.sightings.keep(0, Sighting(0, (0.0, -1.0, 0.0), 20.0, jpeg), lambda key: True)
+    with shown(browser, write_page(world, tmp_path / "page.html").as_uri(), locale="en-US") as page:
+        page.locator("#signs button").first.click()
+        picture = page.locator("#card img")
+        assert picture.get_attribute("alt") == "How it was seen: KFC (1/1)"
+        until(page, "document.querySelector('#card img').naturalWidth > 100")
+        page.locator("#signs button").nth(1).click()
+        assert page.locator("#card img").count() == 0

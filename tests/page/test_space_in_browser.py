@@ -62,7 +62,7 @@ def test_far_away_one_label_stands_for_many_and_a_click_on_it_comes_nearer(brows
     with shown(browser, file.as_uri()) as page:
         page.locator("#in-space").click()
         page.locator("#map").focus()
-        for _ in range(14):
+        for _ in range(24):
             page.keyboard.press("-")
         until(page, "lpslamPage.shownSigns().length < 10")
         clusters = page.evaluate("lpslamPage.shownSigns()")

@@ -11,8 +11,9 @@ from lpslam.config import PageConfig, SightingConfig
 from lpslam.errors import UserError
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.page.signs import sign_pictures
+from lpslam.slam.features import Features
 from lpslam.text.sightings import Sighting, SightingStore, pictured
-from small_maps import small_map
+from small_maps import WORLD_FROM_CAMERA, small_map
 
 CONFIG = SightingConfig()
 JPEG = b"\xff\xd8\xff"
@@ -109,8 +110,31 @@ def test_each_landmark_has_the_picture_that_was_taken_of_it(tmp_path: Path) -> N
     pictures = sign_pictures(world, None, PageConfig())
     assert sorted(pictures) == ["0", "1000"]
     for landmark, size in (("0", 60), ("1000", 61)):
-        kind, _, content = pictures[landmark].partition(",")
+        (address,) = pictures[landmark]
+        kind, _, content = address.partition(",")
         assert kind == "data:image/jpeg;base64"
         assert len(base64.b64decode(content)) == size
-    assert sign_pictures(world, len(pictures["0"]) + 5, PageConfig()).keys() == {"0"}
+    assert sign_pictures(world, len(pictures["0"][0]) + 5, PageConfig()).keys() == {"0"}
     assert sign_pictures(small_map(), None, PageConfig()) == {}
+
+
+def test_the_best_of_each_come_before_second_ones_and_one_keyframe_shows_a_sign_once() -> None:
+    world = small_map(signs=("KFC", "ATM"))
+    nothing = np.zeros(1, np.float32)
+    blank = Features(
+        np.zeros((1, 2), np.float32), nothing, nothing, np.zeros(1, bool), np.zeros(1, np.uint8), nothing,
+        np.zeros((1, 4), np.uint64),
+    )  # fmt: skip
+    assert world.slam.add_keyframe(np.linalg.inv(WORLD_FROM_CAMERA), blank, nothing, 1.0, 1, 0) == 1
+    for key in (0, 1):
+        place = (0.0, -1.0, 4.0 * key)
+        for keyframe, seen in ((0, 10.0 + key), (1, 20.0 + key)):
+            world.text.sightings.keep(key, sighting(keyframe, seen, 60, place), always)
+        # Another line of the same board, of the same keyframe.
+        world.text.sightings.keep(7 + key, sighting(0, 5.0, 60, place), always)
+    pictures = sign_pictures(world, None, PageConfig())
+    assert {key: len(each) for key, each in pictures.items()} == {"0": 2, "1000": 2}
+    assert base64.b64decode(pictures["0"][0].partition(",")[2])[-1] == 1, "the largest comes first"
+    three = sum(len(address) for each in pictures.values() for address in each) * 3 // 4 + 5
+    assert sorted(len(each) for each in sign_pictures(world, three, PageConfig()).values()) == [1, 2]
+    assert {len(each) for each in sign_pictures(world, None, PageConfig(pictures=1)).values()} == {1}

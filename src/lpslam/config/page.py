@@ -16,7 +16,9 @@ class PageConfig(Section):
     file_points: int = Field(default=600_000, ge=0)
     # Points of a map that grows: made anew every few seconds, behind tracking.
     growing_points: int = Field(default=150_000, ge=0)
-    # Bytes of all pictures of signs in one self-contained file; those of the surest landmarks come first.
+    # Pictures of a sign on its card: its best sightings, from several sides.
+    pictures: int = Field(default=3, ge=0)
+    # Bytes of all pictures of signs in one self-contained file; the best of each come first.
     file_picture_bytes: int = Field(default=1_500_000, ge=0)
     # Metres around a landmark, beyond its own reach, within which a picture was taken of it.
     picture_reach: float = Field(default=0.4, ge=0.0)

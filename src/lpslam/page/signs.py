@@ -17,28 +17,31 @@ _CLASS = 1000  # a landmark's id is its class's times this, and a number
 _OWN = 1.5  # times as large another line of a board must have been seen to show the landmark rather than its own
 
 
-def sign_pictures(world: LanguageMap, most_bytes: int | None, config: PageConfig) -> dict[str, str]:
-    """For each landmark, by its id, the picture in which it was seen best, as a JPEG's address within the page.
+def sign_pictures(world: LanguageMap, most_bytes: int | None, config: PageConfig) -> dict[str, list[str]]:
+    """For each landmark, by its id, the pictures in which it was seen best, as JPEGs' addresses within the page.
 
     Args:
         world: the map.
-        most_bytes: of all addresses together; the surest landmarks come first. Without, all.
-        config: how near a picture must have been taken.
+        most_bytes: of all addresses together; the best of each landmark come first, the surest landmarks' before the
+            others'. Without, all.
+        config: how many, and how near they must have been taken.
     """
     taken = _placed(world)
     if not taken:
         return {}
     places = np.array([place for _, place, _ in taken])
-    pictures: dict[str, str] = {}
+    marks = sorted(world.landmarks(), key=lambda each: (-each.confidence, each.id))
+    best = {mark.id: _best(mark, taken, places, config) for mark in marks}
+    pictures: dict[str, list[str]] = {}
     left = np.inf if most_bytes is None else most_bytes
-    for mark in sorted(world.landmarks(), key=lambda each: (-each.confidence, each.id)):
-        best = _best(mark, taken, places, config)
-        if best is None:
-            continue
-        address = "data:image/jpeg;base64," + base64.b64encode(best.jpeg).decode("ascii")
-        if len(address) <= left:
-            left -= len(address)
-            pictures[str(mark.id)] = address
+    for rank in range(config.pictures):
+        for mark in marks:
+            if rank >= len(best[mark.id]):
+                continue
+            address = "data:image/jpeg;base64," + base64.b64encode(best[mark.id][rank].jpeg).decode("ascii")
+            if len(address) <= left:
+                left -= len(address)
+                pictures.setdefault(str(mark.id), []).append(address)
     return pictures
 
 
@@ -55,12 +58,17 @@ def _placed(world: LanguageMap) -> list[tuple[int, Array, Sighting]]:
 
 def _best(
     mark: Landmark, taken: list[tuple[int, Array, Sighting]], places: Array, config: PageConfig
-) -> Sighting | None:
-    """Of the pictures taken of a landmark the one in which its letters are largest, its own line's by preference."""
+) -> list[Sighting]:
+    """Of the pictures taken of a landmark those in which its letters are largest, its own line's by preference.
+
+    One a keyframe: others of the same keyframe show the same.
+    """
     reach = config.picture_reach + 0.5 * float(np.hypot(mark.width, mark.height))
     near = np.flatnonzero(np.linalg.norm(places - mark.position, axis=1) <= reach)
-    return max(
-        (taken[row] for row in near),
-        key=lambda each: each[2].seen * (_OWN if each[0] == mark.id // _CLASS else 1.0),
-        default=(0, None, None),
-    )[2]
+    ranked = sorted(
+        (taken[row] for row in near), key=lambda each: -each[2].seen * (_OWN if each[0] == mark.id // _CLASS else 1.0)
+    )
+    chosen: dict[int, Sighting] = {}
+    for _, _, sighting in ranked:
+        chosen.setdefault(sighting.keyframe, sighting)
+    return list(chosen.values())[: config.pictures]

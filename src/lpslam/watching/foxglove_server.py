@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import foxglove as sdk
-from foxglove.websocket import ChannelView, Client, ServerListener
+from foxglove.websocket import ServerListener
 
 from lpslam.camera import PinholeCamera
 from lpslam.errors import UserError
@@ -16,7 +16,7 @@ _HOST = "127.0.0.1"
 _WAITING = 64  # messages that wait for one viewer: two seconds of a camera; of a slow one's the oldest are dropped
 
 
-class ServerWatcher(Telling, ServerListener):
+class ServerWatcher(Telling):
     """A `Watcher` that serves Foxglove's viewers on loopback. What no viewer has subscribed to is not even made.
 
     Args:
@@ -29,7 +29,7 @@ class ServerWatcher(Telling, ServerListener):
     """
 
     def __init__(self, port: int, camera: PinholeCamera, title: str) -> None:
-        Telling.__init__(self, camera)
+        super().__init__(camera)
         self.name = "the Foxglove server"
         self._asking, self._asked = threading.Lock(), set[str]()
         # Channels are gone with their context.
@@ -41,7 +41,12 @@ class ServerWatcher(Telling, ServerListener):
             self._channels[topic] = sdk.Channel(topic, schema=schema, message_encoding="json", context=context)
         try:
             self._server = sdk.start_server(
-                name=title, host=_HOST, port=port, context=context, server_listener=self, message_backlog_size=_WAITING
+                name=title,
+                host=_HOST,
+                port=port,
+                context=context,
+                server_listener=self._listener(),
+                message_backlog_size=_WAITING,
             )
         except (OSError, RuntimeError) as error:
             raise UserError(
@@ -53,10 +58,14 @@ class ServerWatcher(Telling, ServerListener):
         """What a viewer connects to."""
         return f"ws://{_HOST}:{self._server.port}"
 
-    def on_subscribe(self, client: Client, channel: ChannelView) -> None:
-        """A viewer wants a topic; called in a thread of the server."""
-        with self._asking:
-            self._asked.add(channel.topic)
+    def _listener(self) -> Any:
+        """What the server tells, in a thread of its own, when a viewer wants a topic."""
+
+        def on_subscribe(listener: object, client: object, channel: Any) -> None:
+            with self._asking:
+                self._asked.add(channel.topic)
+
+        return type("Subscriptions", (ServerListener,), {"on_subscribe": on_subscribe})()
 
     def _is_asked_for(self, topic: str) -> bool:
         with self._asking:

@@ -14,3 +14,13 @@ function make(tag, properties = {}, ...children) {
   element.append(...children);
   return element;
 }
+
+/* A part of the map that the server gives when it is wanted; null where it does not. */
+async function givenLater(name, kind) {
+  try {
+    const response = await fetch(data.grows ? `/${name}` : `/page/${encodeURIComponent(data.name)}/${name}`);
+    return response.ok ? await response[kind]() : null;
+  } catch {
+    return null;
+  }
+}

@@ -1,5 +1,5 @@
 /* From where the map is seen in space: around a point, or through the camera's own lens. World: metres, z up. */
-const NEAR = 0.05, FIELD = 0.9;  // metres; radians from bottom to top of a view around a point
+const NEAR = 0.05, FAR = 1500, FARTHEST = 600, FIELD = 0.9;  // metres, the third of the eye; radians from bottom to top
 const around = { at: [0, 0, 0], yaw: -1.9, pitch: 0.75, far: 12 };
 let lens = null;  // of the view that is drawn: its eye, axes, matrix and pixels
 
@@ -57,7 +57,7 @@ function lensFor(wide, high, pose) {
     [eye, right, up, ahead] = [plus(around.at, axes.back, around.far), axes.right, axes.up, axes.back.map(value => -value)];
     focal = (high - bottom) / 2 / Math.tan(FIELD / 2);
   }
-  const middle = [left / wide, bottom / high], far = 400;
+  const middle = [left / wide, bottom / high], far = FAR;
   const rows = [
     [...right.map((value, axis) => value * focal * 2 / wide + middle[0] * ahead[axis]), 0],
     [...up.map((value, axis) => value * focal * 2 / high + middle[1] * ahead[axis]), 0],
@@ -84,5 +84,5 @@ function aim(low, high) {
   const { back, right, up } = aroundAxes(), slope = Math.tan(FIELD / 2) * 0.92;
   const corners = Array.from({ length: 8 }, (_, each) => half.map((value, axis) => each >> axis & 1 ? value : -value));
   const needed = corners.map(corner => dot(corner, back) + Math.max(Math.abs(dot(corner, up)) / slope, Math.abs(dot(corner, right)) / slope * tall / wide));
-  around.far = clamped(Math.max(...needed), 1.5, 150);
+  around.far = clamped(Math.max(...needed), 1.5, FARTHEST);
 }

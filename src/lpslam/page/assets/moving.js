@@ -36,7 +36,7 @@ canvas.addEventListener("pointermove", event => {
     const [other] = [...fingers].filter(([id]) => id !== event.pointerId).map(([, at]) => at);
     const nearer = Math.hypot(event.clientX - other[0], event.clientY - other[1]) / Math.max(Math.hypot(x - other[0], y - other[1]), 1);
     if (state.isSpatial) {
-      around.far = clamped(around.far / nearer, 0.4, 150);
+      around.far = clamped(around.far / nearer, 0.4, FARTHEST);
       slide((event.clientX - x) / 2, (event.clientY - y) / 2);
     } else view.scale *= nearer;
   } else if (state.isSpatial) {
@@ -75,7 +75,7 @@ canvas.addEventListener("wheel", event => {
   event.preventDefault();
   if (state.isSpatial) {
     leaveLens();
-    around.far = clamped(around.far * Math.exp(event.deltaY / 700), 0.4, 150);
+    around.far = clamped(around.far * Math.exp(event.deltaY / 700), 0.4, FARTHEST);
     return moved();
   }
   const factor = Math.exp(-event.deltaY / 500), dx = event.clientX - canvas.clientWidth / 2, dy = canvas.clientHeight / 2 - event.clientY;
@@ -89,7 +89,7 @@ function keyInSpace(event) {
   const [x, y] = { ArrowLeft: [1, 0], ArrowRight: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key] || [0, 0];
   if (x || y) event.shiftKey ? slide(x * 60, y * 60) : turnBy(x * 0.12, y * 0.08);
   else if (event.key === "+" || event.key === "=") around.far = Math.max(around.far / 1.2, 0.4);
-  else if (event.key === "-") around.far = Math.min(around.far * 1.2, 150);
+  else if (event.key === "-") around.far = Math.min(around.far * 1.2, FARTHEST);
   else return false;
   return true;
 }

@@ -134,7 +134,7 @@ function finish(wide, high) {
   gl.uniform1i(used.uniforms.picture, 0);
   gl.uniform1i(used.uniforms.depths, 1);
   gl.uniform1f(used.uniforms.near, NEAR);
-  gl.uniform1f(used.uniforms.far, 400);
+  gl.uniform1f(used.uniforms.far, FAR);
   gl.drawArrays(gl.TRIANGLES, 0, 3);
 }
 

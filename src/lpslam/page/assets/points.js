@@ -26,8 +26,8 @@ async function havePoints(isNewer = false) {
   const text = part("map-points").textContent;
   if (text) takePoints(Uint8Array.from(atob(text), letter => letter.charCodeAt(0)).buffer);
   else if (data.live) {
-    const response = await fetch(data.grows ? "/points" : `/page/${encodeURIComponent(data.name)}/points`);
-    if (response.ok) takePoints(await response.arrayBuffer());
+    const bytes = await givenLater("points", "arrayBuffer");
+    if (bytes) takePoints(bytes);
   }
   if (state.isSpatial) isWholeShown ? fit() : draw();
 }

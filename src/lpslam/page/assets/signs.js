@@ -34,18 +34,17 @@ function showCard() {
   card.append(make("h2", { textContent: sign.name }), ...pictureOf(sign), facts, ...correctingTools(sign));
 }
 
-/* How a sign was seen best. A server gives the pictures once one is wanted. */
+/* How a sign was seen best, and from where else. A server gives the pictures once one is wanted. */
 function pictureOf(sign) {
   if (!data.pictures && data.live && !data.grows) havePictures();
-  const source = data.pictures && data.pictures[sign.id];
-  return source ? [make("img", { src: source, alt: `${words.sighting}: ${sign.name}`, className: "sighting" })] : [];
+  const sources = (data.pictures && data.pictures[sign.id]) || [];
+  const shown = sources.map((src, at) => make("img", { src, alt: `${words.sighting}: ${sign.name} (${at + 1}/${sources.length})` }));
+  return shown.length ? [make("div", { className: "sightings" }, ...shown)] : [];
 }
 
 async function havePictures() {
   data.pictures = {};
-  const response = await fetch(`/page/${encodeURIComponent(data.name)}/pictures`);
-  if (!response.ok) return;
-  data.pictures = await response.json();
+  data.pictures = await givenLater("pictures", "json") || {};
   if (!card.contains(document.activeElement)) showCard();
 }
 

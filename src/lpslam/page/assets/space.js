@@ -164,7 +164,10 @@ function showSpace(isSpatial) {
 }
 
 if (gl) {
-  scene.addEventListener("webglcontextlost", () => showSpace(false));
+  scene.addEventListener("webglcontextlost", () => {
+    showSpace(false);
+    part("modes").hidden = true;
+  });
   part("as-plan").addEventListener("click", () => showSpace(false));
   part("in-space").addEventListener("click", () => showSpace(true));
 } else part("modes").hidden = true;
@@ -172,8 +175,6 @@ groundPicture.addEventListener("load", draw);
 
 /* The ground comes after the page: it takes longer than the rest. */
 async function haveGround() {
-  const response = await fetch(`/page/${encodeURIComponent(data.name)}/ground`);
-  if (!response.ok) return;
-  data.ground = await response.json();
+  data.ground = await givenLater("ground", "json");
   if (data.ground) groundPicture.src = data.ground.picture;
 }
