@@ -245,7 +245,8 @@ def _with_sellers(offers: Mapping[str, Mapping[str, float]], buildings: Building
     found = {concept: dict(shares) for concept, shares in offers.items()}
     for entry in buildings.concepts:
         if entry.sellers:
-            found.setdefault(entry.name, {}).update(entry.sellers)
+            known = found.setdefault(entry.name, {})
+            known.update({kind: max(share, known.get(kind, 0.0)) for kind, share in entry.sellers.items()})
     return found
 
 
