@@ -69,6 +69,7 @@ def assemble(
         config,
         uploads,
         language=language,
+        answers_later=opened is not None,
     )
     door = Door(allowed_hosts(host, names), tokens, limits, streams=frozenset({"/jobs"}))
     # A browser cannot give a token with a page's first request.

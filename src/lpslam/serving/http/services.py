@@ -40,6 +40,8 @@ class Services:
         language: judges names that a person gives.
         editor: corrects maps.
         pictures, grounds: of the maps.
+        answers_later: whether whoever answers may begin beside the first requests; else questions are answered from the
+            first request on.
     """
 
     atlas: Atlas
@@ -52,6 +54,7 @@ class Services:
     editor: Editor = field(init=False)
     pictures: Pictures = field(default_factory=Pictures)
     grounds: Grounds = field(init=False)
+    answers_later: bool = False
 
     def __post_init__(self) -> None:
         """Have a place for uploads, where they are taken."""
@@ -62,7 +65,9 @@ class Services:
     @asynccontextmanager
     async def running(self) -> AsyncIterator[None]:
         """From the first request to the last."""
-        await self._start_answers()
+        starting = asyncio.create_task(self._start_answers())
+        if not self.answers_later:
+            await starting
         if self.jobs is not None:
             self.jobs.start()
         # Maps and programs stay: the collector need not go through them while somebody waits.
@@ -72,10 +77,11 @@ class Services:
         try:
             yield
         finally:
-            looking.cancel()
-            # What went wrong in it is logged.
-            with contextlib.suppress(asyncio.CancelledError, Exception):
-                await looking
+            for task in (starting, looking):
+                task.cancel()
+                # What went wrong in it is logged.
+                with contextlib.suppress(asyncio.CancelledError, Exception):
+                    await task
             if self.jobs is not None:
                 await self.jobs.close()
             await self.answerer.close()
