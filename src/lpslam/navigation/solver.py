@@ -159,11 +159,8 @@ class _Solver:
         """The alternative that comes first by the order; none where one of them is not on the map."""
         anchors = [self._anchors(each, previous) for each in stop.anchor]
         found = [self._anchors(each, previous) for each in stop.among]
-        missing = [
-            each.what
-            for each, places in zip((*stop.anchor, *stop.among), (*anchors, *found), strict=True)
-            if not places
-        ]
+        looked_for = zip((*stop.anchor, *stop.among), (*anchors, *found), strict=True)
+        missing = [each.what for each, places in looked_for if not places]
         scores = {place.id: 1.0 for places in found for place in places}
         served = Served(stop, scores, "one of those that are named", 0.9)
         if missing:
@@ -173,17 +170,12 @@ class _Solver:
             return self._ordered(served, self._scene.here.position, [])
         sign = -1.0 if stop.which is Which.FARTHEST else 1.0
         serving = Serving(self._scene, scores)
-        metres = {
-            id_: min(each) for id_, each in zip(serving.ids.tolist(), self._apart(serving, anchors[0]), strict=True)
-        }
+        apart = np.min([self._from(each.position, serving) for each in anchors[0]], axis=0)
+        metres = dict(zip(serving.ids.tolist(), apart.tolist(), strict=True))
         nearest = [min(places, key=lambda place: (metres[place.id], place.id)) for places in found]
         ranked = [_Ranked(sign * metres[place.id], place, 1.0) for place in dict.fromkeys(nearest)]
         ranked.sort(key=lambda each: (each.cost, each.place.id))
         return self._picked(served, ranked, [])
-
-    def _apart(self, serving: Serving, anchors: Sequence[Place]) -> NDArray[np.float64]:
-        """(n, m) metres from each place to each anchor."""
-        return np.stack([self._from(each.position, serving) for each in anchors], axis=1)
 
     def _on_its_floor(self, stop: Stop) -> tuple[Stop, set[int] | None, str]:
         """Where a floor is named: the stop without it, the places of that floor, and what is not sure of it.

@@ -270,12 +270,8 @@ class _Reading:
             return set()
         sold = {seller for concept, _ in span.value.concepts for seller in knowledge.offers.get(concept, ())}
         units, tables = self._units[span.start : span.end], knowledge.tables_of(self._language)
-        inner = [
-            each
-            for piece in (units[1:], units[:-1])
-            for each in longest_phrases(piece, tables)
-            if each.value.role == "means"
-        ]
+        found = (each for piece in (units[1:], units[:-1]) for each in longest_phrases(piece, tables))
+        inner = [each for each in found if each.value.role == "means"]
         return {
             concept
             for each in inner
