@@ -3,7 +3,6 @@
 Ids and strings only: where landmarks stand is the map's own knowledge.
 """
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -11,12 +10,11 @@ from itertools import pairwise
 
 from lpslam.language.choosing.choosing import guessed, ranked
 from lpslam.language.choosing.landmark_index import LandmarkIndex
-from lpslam.language.choosing.serving import FITS, Kinds, likeness, match
+from lpslam.language.choosing.serving import FITS, match
 from lpslam.language.model import Candidate
 from lpslam.language.questions.question import Wish as Meaning
 from lpslam.language.questions.question import asks_for_another, read_question
 from lpslam.language.signs.distrust import commands
-from lpslam.language.signs.hours import Hours, board_hours, told_hours
 from lpslam.language.signs.reader import SignReader
 from lpslam.language.signs.wording import WARNING
 from lpslam.language.tables.knowledge import Knowledge, load_words
@@ -25,44 +23,25 @@ from lpslam.language.wishes.asked_words import SHORTEST, AskedWords
 from lpslam.language.wishes.attributes import attributes_of, told_apart
 from lpslam.language.wishes.certainty import clues_of, probability
 from lpslam.language.wishes.codes import without_codes
-from lpslam.language.wishes.form import Ask, Stop, Which, with_meaning
+from lpslam.language.wishes.form import Ask, Stop, with_meaning
 from lpslam.language.wishes.identities import Identities
 from lpslam.language.wishes.names import Names
+from lpslam.language.wishes.opening import Opening
 from lpslam.language.wishes.reading import content_left, content_of, wish_languages
 from lpslam.language.wishes.rules import rules_of
 from lpslam.language.wishes.served import LEAST_SURE, UNQUESTIONED, Served, Way
+from lpslam.language.wishes.sorts import Sorts
 
-_ANY_SORT = frozenset({"shop", "business", "place"})
-_FEW_OF_A_FAMILY = 3  # rooms of one sort of building that make the map one of it, at least
-_MUCH_OF_A_FAMILY = 0.25  # of all landmarks: fewer aisles of goods are shops of a mall
-_SOLD_AT_DESKS = frozenset({"shop/ticket", "facility/tickets"})
-_WHOLE_SHOPS = frozenset({"groceries", "shop/supermarket", "shop/convenience"})
-_OF_THE_HOUSE = (
-    *(
-        f"amenity/{each}"
-        for each in ("toilets", "drinking_water", "shower", "telephone", "bench", "waste", "recycling")
-    ),
-    *(f"amenity/{each}" for each in ("vending_machine", "atm", "parking", "bicycle_parking", "luggage_locker")),
-    *(
-        f"amenity/{each}"
-        for each in ("charging_station", "smoking_area", "water_point", "clock", "lounge", "taxi", "recycling")
-    ),
-    *("facility", "highway/", "emergency/", "indoor/", "entrance", "aeroway/", "railway/", "department/"),
-    *("museum/", "aisle/", "warehouse/", "dock/", "office/", "faculty/", "ride/", "ferry/", "factory/"),
-)
 _FEWEST_TO_TELL_APART = 2
-_DESTINATION = "city/"
 _NEARLY = 0.8  # of the best score: among such places the words on the boards decide
 _TELLING = 0.5  # of such places: a word that more of them bear tells nothing
 _BEHIND = 0.9  # of the best score, for those that do not say it
 _SHORT_QUESTION = 8  # words of a question whose capital is the name that it asks for
 _SHORT_NAME = 5  # words of an anchor that is a name
-_ROOMS = ("facility/", "indoor/", "department/", "office/", "aeroway/", "amenity/doctors", "museum/")
 _CAPITALS_ARE_NAMES = frozenset({"en", "es", "fr"})
 _SURE, _NAMED, _ACROSS = 1.0, 0.9, 0.85  # of a code or person, of a part of a name, of a name in another script
 _WHOLE = 0.95  # of a name's letters: the name itself
 _FEWEST_BORNE, _MOST_BORNE = 2, 0.5  # words of a question that a board bears, and their share of its letters
-_OPEN_SERVES = 0.8  # of the best score: what is known to be open and serves so well goes before what may be shut
 _OFFERED = 5  # places that are told where none is sure enough
 _LEAST_LITERAL = 0.3  # of a board's letters that are asked for word by word
 
@@ -81,11 +60,8 @@ class EmbeddedScorer:
         self._asked = AskedWords(knowledge)
         self._names = Names(landmarks, knowledge, signs.repair)
         self._identities = Identities(landmarks, self._names, knowledge)
-        families = [
-            {self._knowledge.family(kind) for kind, weight in sign.kinds if weight >= 0.5}
-            for sign in index.signs.values()
-        ]
-        self._families = Counter(family for found in families for family in found if family)
+        self._sorts = Sorts(landmarks, index, knowledge)
+        self._opening = Opening(landmarks)
         self._by_id = {mark.id: mark for mark in landmarks}
         self._heard: set[int] = set()
         self._commanding: set[int] = set()
@@ -99,41 +75,7 @@ class EmbeddedScorer:
     def serve(self, stop: Stop) -> Served:
         """Return the landmarks that serve a stop: by identity, by name, else by what they are."""
         served = self._as_sure(self._found(stop)) if stop.what else self._any_place(stop)
-        return self._open(served) if stop.at else served
-
-    @cached_property
-    def _hours(self) -> Mapping[int, tuple[Hours, ...]]:
-        """What boards say of their hours; those that say nothing are not in it."""
-        said = {
-            mark.id: tuple(hours for text in (mark.name, *mark.lines) for hours in board_hours(text))
-            for mark in self._landmarks
-        }
-        return {id_: hours for id_, hours in said.items() if hours}
-
-    def _open(self, served: Served) -> Served:
-        """Of what serves, what is open when it is asked for; where that is not said of any, what may be."""
-        best = max(served.scores.values(), default=0.0)
-        is_open = {
-            id_: any(each.holds(minute) for each in self._hours[id_] for minute in served.stop.at)
-            for id_ in served.scores
-            if id_ in self._hours
-        }
-        sure = {
-            id_: served.scores[id_] for id_ in is_open if is_open[id_] and served.scores[id_] >= _OPEN_SERVES * best
-        }
-        if sure or not served.scores:
-            return replace(served, scores=sure)
-        left = {
-            id_: score for id_, score in served.scores.items() if id_ not in is_open and score >= _OPEN_SERVES * best
-        }
-        if left and served.stop.what:
-            return replace(
-                served, scores=left, ignored=(*served.ignored, "when it is open, which its board does not say")
-            )
-        shut = sorted(is_open, key=lambda id_: (-served.scores[id_], id_))
-        told = "; ".join(f"{self._by_id[id_].name}: {told_hours(self._hours[id_])}" for id_ in shut[:1])
-        evidence = f"nothing that serves is known to be open then ({told})" if told else "no board says its hours"
-        return replace(served, scores={}, evidence=evidence, confidence=0.9, others=tuple(shut[:_OFFERED]))
+        return self._opening.open(served) if stop.at else served
 
     def clues(self, served: Served) -> dict[str, float]:
         """What tells how sure it is that what serves a stop is what was meant."""
@@ -159,7 +101,7 @@ class EmbeddedScorer:
         """Whether the board of the best says both the kind and what tells it from others: the north gate."""
         asked = attributes_of(served.stop.what)
         best = max(served.scores, key=lambda id_: (served.scores[id_], -id_))
-        is_told = bool(asked) and self._is_of_the_house(best)
+        is_told = bool(asked) and self._sorts.is_of_the_house(best)
         return is_told and told_apart(asked, attributes_of(self._by_id[best].name)) > 0
 
     def _numbered(self, stop: Stop, ignored: tuple[str, ...]) -> Served | None:
@@ -198,14 +140,15 @@ class EmbeddedScorer:
             strength = max(scores.values(), default=0.0)
             said = "the board says the name"
             return Served(stop, scores, said, 0.95, ignored=ignored, exact=named, way=Way.NAME, strength=strength)
-        general = self._of_any_sort(stop, meaning)
+        general = self._sorts.of_any_sort(stop, meaning)
         if general:
             scores = self._trusted(_within(general, within))
             return Served(stop, scores, "any of this sort", 0.9, ignored=ignored, way=Way.SORT)
         choice, scores = ranked(stop.what, self._index, self._signs, self._knowledge, self.model)
-        scores = self._not_by_the_whole(meaning, _within(self._trusted(scores), within))
-        scores = self._going_there(meaning, scores)
-        scores = self._told_apart(stop, self._bearing_the_words(stop, meaning, self._of_the_family(meaning, scores)))
+        scores = self._sorts.not_by_the_whole(meaning, _within(self._trusted(scores), within))
+        scores = self._sorts.going_there(meaning, scores)
+        scores = self._bearing_the_words(stop, meaning, self._sorts.of_the_family(meaning, scores))
+        scores = self._told_apart(stop, scores)
         if not scores or self._is_another(stop, meaning, scores):
             literal = self._by_words(stop, meaning, ignored)
             if literal is not None:
@@ -256,97 +199,11 @@ class EmbeddedScorer:
         choice, found = guess
         meaning = read_question(stop.what, self._knowledge)
         if meaning.wanted:
-            found = self._of_the_family(meaning, found)
+            found = self._sorts.of_the_family(meaning, found)
         scores = self._told_apart(stop, _within(self._trusted(found), within))
         strength = max(scores.values(), default=0.0)
         guess_ = Served(stop, scores, choice.evidence, choice.confidence, way=Way.GUESS, strength=strength)
         return guess_ if scores else None
-
-    def _of_any_sort(self, stop: Stop, meaning: Meaning) -> dict[int, float]:
-        """“The shop next to …” is any shop: what the map says of where it stands is all that tells it from others."""
-        wanted = {kind for kind, _ in meaning.wanted}
-        if not wanted or not wanted <= _ANY_SORT or meaning.refused:
-            return {}
-        is_told_by_place = stop.relation is not None or stop.ask in (Ask.LIST, Ask.HERE) or stop.which is not Which.ANY
-        if not is_told_by_place:
-            return self._the_only_shop(stop, meaning)
-        if wanted == {"place"}:
-            return {mark.id: 1.0 for mark in self._landmarks}
-        return {
-            id_: 1.0
-            for kinds, ids in self._index.groups.items()
-            if self._are_shops(kinds)
-            for id_ in ids
-            if kinds or self._index.signs[id_].name_like
-        }
-
-    def _the_only_shop(self, stop: Stop, meaning: Meaning) -> dict[int, float]:
-        """“The shop” of a museum is the one that it has."""
-        if meaning.unknown or len(stop.what.split()) > _SHORT_NAME:
-            return {}
-        shops = [
-            id_
-            for kinds, ids in self._index.groups.items()
-            if likeness("shop", kinds, self._knowledge) >= 0.5 and not any(kind in _SOLD_AT_DESKS for kind, _ in kinds)
-            for id_ in ids
-        ]
-        return dict.fromkeys(shops, _SURE) if len(shops) == 1 else {}
-
-    def _are_shops(self, kinds: Kinds) -> bool:
-        """Whether places may be called shops where their place tells which: anything that is no part of the house.
-
-        Of names that say nothing, those that read like names may be.
-        """
-        if likeness("business", kinds, self._knowledge) >= 0.5:
-            return True
-        return not any(kind.startswith((*_OF_THE_HOUSE, "sign/")) for kind, _ in kinds)
-
-    def _not_by_the_whole(self, meaning: Meaning, scores: Mapping[int, float]) -> dict[int, float]:
-        """An aisle of a supermarket sells what it says, not what supermarkets sell."""
-        if self._families["supermarket"] < max(_FEW_OF_A_FAMILY, _MUCH_OF_A_FAMILY * len(self._landmarks)):
-            return dict(scores)
-
-        def sells(id_: int) -> bool:
-            kinds = self._index.signs[id_].kinds
-            own = tuple(each for each in kinds if each[0] not in _WHOLE_SHOPS)
-            is_aisle = any(self._knowledge.family(kind) == "supermarket" for kind, _ in kinds)
-            return not is_aisle or any(match(concept, own, self._knowledge) >= FITS for concept, _ in meaning.wanted)
-
-        return {id_: score for id_, score in scores.items() if sells(id_)}
-
-    def _of_the_family(self, meaning: Meaning, scores: Mapping[int, float]) -> dict[int, float]:
-        """Who asks for one department of a hospital wants no other; an aisle goes before the rest of a supermarket."""
-        for kind, _ in meaning.wanted:
-            family = self._knowledge.family(kind)
-            if family and self._families[family] >= max(_FEW_OF_A_FAMILY, _MUCH_OF_A_FAMILY * len(self._landmarks)):
-                own = {
-                    id_ for id_, sign in self._index.signs.items() if likeness(kind, sign.kinds, self._knowledge) >= 0.5
-                }
-                others = {
-                    other for other, _ in meaning.wanted if other != kind and (self._knowledge.family(other) == family)
-                }
-                if own or not others:
-                    kept = {id_: score for id_, score in scores.items() if id_ in own}
-                    more = {
-                        id_: score
-                        for id_, score in scores.items()
-                        if any(
-                            likeness(other, self._index.signs[id_].kinds, self._knowledge) >= 0.5 for other in others
-                        )
-                    }
-                    return kept | more
-        return dict(scores)
-
-    def _going_there(self, meaning: Meaning, scores: dict[int, float]) -> dict[int, float]:
-        """Where boards name destinations, who asks for one gets no other: the ferry to Oslo."""
-        asked = {kind for kind, _ in meaning.wanted if kind.startswith(_DESTINATION)}
-        if not asked or self._families["destinations"] < _FEWEST_TO_TELL_APART:
-            return scores
-        return {
-            id_: score
-            for id_, score in scores.items()
-            if any(kind in asked for kind, _ in self._index.signs[id_].kinds)
-        }
 
     def _bearing_the_words(self, stop: Stop, meaning: Meaning, scores: Mapping[int, float]) -> dict[int, float]:
         """Of several that serve, those whose boards bear the words themselves: “meeting room Alpha”, 烤鸭."""
@@ -376,7 +233,7 @@ class EmbeddedScorer:
         if not asked:
             return dict(scores)
         told = {
-            id_: told_apart(asked, attributes_of(self._by_id[id_].name)) if self._is_of_the_house(id_) else 0
+            id_: told_apart(asked, attributes_of(self._by_id[id_].name)) if self._sorts.is_of_the_house(id_) else 0
             for id_ in scores
         }
         best = max(0, *told.values()) if told else 0
@@ -388,11 +245,8 @@ class EmbeddedScorer:
         rules = rules_of(next(iter(wish_languages(stop.what, self._knowledge)), "en"))
         if not asked or len(content_left(rules.any.sub(" ", stop.what), rules).split()) > len(asked):
             return {}
-        ids = [id_ for id_ in self._by_id if self._is_of_the_house(id_)]
+        ids = [id_ for id_ in self._by_id if self._sorts.is_of_the_house(id_)]
         return {id_: _NAMED for id_ in ids if told_apart(asked, attributes_of(self._by_id[id_].name)) > 0}
-
-    def _is_of_the_house(self, id_: int) -> bool:
-        return any(kind.startswith(_OF_THE_HOUSE) for kind, _ in self._index.signs[id_].kinds)
 
     def _is_another(self, stop: Stop, meaning: Meaning, scores: Mapping[int, float]) -> bool:
         """Whether a name is asked for that stands on no board, where boards of the sort bear names: room Gamma."""
@@ -413,11 +267,8 @@ class EmbeddedScorer:
         top = max(scores.values())
         best = [id_ for id_, score in scores.items() if score >= 0.97 * top]
         return len(stop.what.split()) <= _SHORT_QUESTION and all(
-            self._is_a_room(id_) and self._bears_a_name(id_, self._asked.likely(stop.what)) for id_ in best
+            self._sorts.is_a_room(id_) and self._bears_a_name(id_, self._asked.likely(stop.what)) for id_ in best
         )
-
-    def _is_a_room(self, id_: int) -> bool:
-        return any(kind.startswith(_ROOMS) for kind, _ in self._index.signs[id_].kinds)
 
     def _refuses(self, text: str, meaning: Meaning) -> bool:
         """Whether a text says no to something: then a name in it may be what is refused."""

@@ -1,0 +1,142 @@
+"""Places by the sort of building that they are of: departments of a hospital, aisles of a shop, doors of a house."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+
+from lpslam.language.choosing.landmark_index import LandmarkIndex
+from lpslam.language.choosing.serving import FITS, Kinds, likeness, match
+from lpslam.language.model import Candidate
+from lpslam.language.questions.question import Wish as Meaning
+from lpslam.language.tables.knowledge import Knowledge
+from lpslam.language.wishes.form import Ask, Stop, Which
+
+_ANY_SORT = frozenset({"shop", "business", "place"})
+_FEW_OF_A_FAMILY = 3  # rooms of one sort of building that make the map one of it, at least
+_MUCH_OF_A_FAMILY = 0.25  # of all landmarks: fewer aisles of goods are shops of a mall
+_SOLD_AT_DESKS = frozenset({"shop/ticket", "facility/tickets"})
+_WHOLE_SHOPS = frozenset({"groceries", "shop/supermarket", "shop/convenience"})
+_OF_THE_HOUSE = (
+    *(
+        f"amenity/{each}"
+        for each in ("toilets", "drinking_water", "shower", "telephone", "bench", "waste", "recycling")
+    ),
+    *(f"amenity/{each}" for each in ("vending_machine", "atm", "parking", "bicycle_parking", "luggage_locker")),
+    *(
+        f"amenity/{each}"
+        for each in ("charging_station", "smoking_area", "water_point", "clock", "lounge", "taxi", "recycling")
+    ),
+    *("facility", "highway/", "emergency/", "indoor/", "entrance", "aeroway/", "railway/", "department/"),
+    *("museum/", "aisle/", "warehouse/", "dock/", "office/", "faculty/", "ride/", "ferry/", "factory/"),
+)
+_DESTINATION = "city/"
+_ROOMS = ("facility/", "indoor/", "department/", "office/", "aeroway/", "amenity/doctors", "museum/")
+_FEWEST_TO_TELL_APART = 2
+_SHORT_NAME = 5  # words of an anchor that is a name
+_SURE = 1.0  # of the only place of its sort
+
+
+class Sorts:
+    """What the landmarks of one map are together, and what that says of each."""
+
+    def __init__(self, landmarks: Sequence[Candidate], index: LandmarkIndex, knowledge: Knowledge) -> None:
+        self._landmarks = landmarks
+        self._index = index
+        self._knowledge = knowledge
+        families = [
+            {knowledge.family(kind) for kind, weight in sign.kinds if weight >= 0.5} for sign in index.signs.values()
+        ]
+        self._families = Counter(family for found in families for family in found if family)
+
+    def of_any_sort(self, stop: Stop, meaning: Meaning) -> dict[int, float]:
+        """“The shop next to …” is any shop: what the map says of where it stands is all that tells it from others."""
+        wanted = {kind for kind, _ in meaning.wanted}
+        if not wanted or not wanted <= _ANY_SORT or meaning.refused:
+            return {}
+        is_told_by_place = stop.relation is not None or stop.ask in (Ask.LIST, Ask.HERE) or stop.which is not Which.ANY
+        if not is_told_by_place:
+            return self.the_only_shop(stop, meaning)
+        if wanted == {"place"}:
+            return {mark.id: 1.0 for mark in self._landmarks}
+        return {
+            id_: 1.0
+            for kinds, ids in self._index.groups.items()
+            if self.are_shops(kinds)
+            for id_ in ids
+            if kinds or self._index.signs[id_].name_like
+        }
+
+    def the_only_shop(self, stop: Stop, meaning: Meaning) -> dict[int, float]:
+        """“The shop” of a museum is the one that it has."""
+        if meaning.unknown or len(stop.what.split()) > _SHORT_NAME:
+            return {}
+        shops = [
+            id_
+            for kinds, ids in self._index.groups.items()
+            if likeness("shop", kinds, self._knowledge) >= 0.5 and not any(kind in _SOLD_AT_DESKS for kind, _ in kinds)
+            for id_ in ids
+        ]
+        return dict.fromkeys(shops, _SURE) if len(shops) == 1 else {}
+
+    def are_shops(self, kinds: Kinds) -> bool:
+        """Whether places may be called shops where their place tells which: anything that is no part of the house.
+
+        Of names that say nothing, those that read like names may be.
+        """
+        if likeness("business", kinds, self._knowledge) >= 0.5:
+            return True
+        return not any(kind.startswith((*_OF_THE_HOUSE, "sign/")) for kind, _ in kinds)
+
+    def not_by_the_whole(self, meaning: Meaning, scores: Mapping[int, float]) -> dict[int, float]:
+        """An aisle of a supermarket sells what it says, not what supermarkets sell."""
+        if self._families["supermarket"] < max(_FEW_OF_A_FAMILY, _MUCH_OF_A_FAMILY * len(self._landmarks)):
+            return dict(scores)
+
+        def sells(id_: int) -> bool:
+            kinds = self._index.signs[id_].kinds
+            own = tuple(each for each in kinds if each[0] not in _WHOLE_SHOPS)
+            is_aisle = any(self._knowledge.family(kind) == "supermarket" for kind, _ in kinds)
+            return not is_aisle or any(match(concept, own, self._knowledge) >= FITS for concept, _ in meaning.wanted)
+
+        return {id_: score for id_, score in scores.items() if sells(id_)}
+
+    def of_the_family(self, meaning: Meaning, scores: Mapping[int, float]) -> dict[int, float]:
+        """Who asks for one department of a hospital wants no other; an aisle goes before the rest of a supermarket."""
+        for kind, _ in meaning.wanted:
+            family = self._knowledge.family(kind)
+            if family and self._families[family] >= max(_FEW_OF_A_FAMILY, _MUCH_OF_A_FAMILY * len(self._landmarks)):
+                own = {
+                    id_ for id_, sign in self._index.signs.items() if likeness(kind, sign.kinds, self._knowledge) >= 0.5
+                }
+                others = {
+                    other for other, _ in meaning.wanted if other != kind and (self._knowledge.family(other) == family)
+                }
+                if own or not others:
+                    kept = {id_: score for id_, score in scores.items() if id_ in own}
+                    more = {
+                        id_: score
+                        for id_, score in scores.items()
+                        if any(
+                            likeness(other, self._index.signs[id_].kinds, self._knowledge) >= 0.5 for other in others
+                        )
+                    }
+                    return kept | more
+        return dict(scores)
+
+    def going_there(self, meaning: Meaning, scores: dict[int, float]) -> dict[int, float]:
+        """Where boards name destinations, who asks for one gets no other: the ferry to Oslo."""
+        asked = {kind for kind, _ in meaning.wanted if kind.startswith(_DESTINATION)}
+        if not asked or self._families["destinations"] < _FEWEST_TO_TELL_APART:
+            return scores
+        return {
+            id_: score
+            for id_, score in scores.items()
+            if any(kind in asked for kind, _ in self._index.signs[id_].kinds)
+        }
+
+    def is_of_the_house(self, id_: int) -> bool:
+        """Whether a landmark is a part of the building and no business in it: a toilet, a lift, a gate."""
+        return any(kind.startswith(_OF_THE_HOUSE) for kind, _ in self._index.signs[id_].kinds)
+
+    def is_a_room(self, id_: int) -> bool:
+        """Whether a landmark is of a kind of which a building has several, told apart by names."""
+        return any(kind.startswith(_ROOMS) for kind, _ in self._index.signs[id_].kinds)
