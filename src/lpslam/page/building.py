@@ -21,7 +21,7 @@ from lpslam.page.signs import sign_pictures
 
 SCRIPTS = (
     *("common", "plan", "lenses", "painting", "points", "plates", "space", "moving", "replay"),
-    *("correcting", "signs", "wishes", "asking", "memory", "growing", "start"),
+    *("correcting", "signs", "wishes", "asking", "speech", "memory", "growing", "start"),
 )
 """The parts of the page's program: each uses what those before it define."""
 
