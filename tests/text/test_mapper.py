@@ -190,7 +190,7 @@ def test_what_is_missed_at_one_size_is_found_at_another() -> None:
     spotter = SpotterOfSmallImages((box(100, 200), "GUCCI", 0.98))
     mapper = run(TextMapper(CAMERA, spotter, CONFIG), 60)
     assert [each.name for each in mapper.text_map.long_term] == ["GUCCI"]
-    assert spotter.shares[:4] == [1.0, 0.85, 1.0, 0.85]
+    assert spotter.shares[:5] == [1.0, 1.0, 1.0, 1.0, 0.85]
     whole = CONFIG.model_copy(update={"spotting": CONFIG.spotting.model_copy(update={"other_size": 1.0})})
     assert run(TextMapper(CAMERA, spotter, whole), 60).text_map.long_term == []
 

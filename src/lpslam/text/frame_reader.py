@@ -60,7 +60,7 @@ class FrameReader:
         self._sorter = sorter
         self._config = config
         self._statistics = statistics
-        self._is_idle = False
+        self._idle_frames = 0
 
     def read(
         self, frame: RgbdFrame, keyframe_from_camera: Array, world_from_keyframe: Array | None, keyframe: int
@@ -88,7 +88,7 @@ class FrameReader:
         finally:
             self._statistics.reader_processor_ms += 1000.0 * (self._processor_seconds() - processor)
         texts, parts = found.said((BoxFate.KEPT,)), found.said(CUT)
-        self._is_idle &= not texts
+        self._idle_frames = 0 if texts else self._idle_frames + 1
         unread = [row for row in rows if row not in found.texts and found.fates[row] == BoxFate.KEPT]
         found.fates[unread] = BoxFate.UNREAD
         self._statistics.count(found.fates.tolist(), sum(isinstance(each, PlacementFault) for _, each in texts))
@@ -103,14 +103,14 @@ class FrameReader:
 
     def _detected(self, frame: RgbdFrame, stand: _Stand) -> _Sorted:
         started = perf_counter()
-        share = self._config.spotting.other_size
-        # Where the last frame had nothing to read, another size may find what is there; what comes is seen again soon.
-        if self._is_idle and share < 1.0 and isinstance(self._spotter, SearchesSmaller):
-            boxes, _ = self._spotter.detect_at(frame.rgb, share)
-            self._is_idle = False
+        config = self._config.spotting
+        # Where frames in a row had nothing to read, another size may find what is there; small letters it may miss.
+        is_due = self._idle_frames >= config.idle_frames and config.other_size < 1.0
+        if is_due and isinstance(self._spotter, SearchesSmaller):
+            boxes, _ = self._spotter.detect_at(frame.rgb, config.other_size)
+            self._idle_frames = -1
         else:
             boxes, _ = self._spotter.detect(frame.rgb)
-            self._is_idle = True
         self._statistics.detection_ms += 1000.0 * (perf_counter() - started)
         return self._sorted(frame, boxes, stand)
 
