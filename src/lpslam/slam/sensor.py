@@ -51,6 +51,12 @@ class SensorModel:
         """Metres, of depths (n,) in metres: σ_z = c + q z², since disparity noise is seen through a baseline."""
         return self.depth_sigma + self.depth_sigma_quadratic * z**2
 
+    def disparity(self, depth: NDArray[np.float32]) -> NDArray[np.float32]:
+        """The virtual disparity u − u_r = b·fx / z, pixels, of depths (n,) in metres; 0 where there is none."""
+        disparity = np.zeros(len(depth), np.float32)
+        np.divide(self.intrinsics[4], depth, out=disparity, where=depth > 0, casting="unsafe")
+        return disparity
+
     def disparity_information(self, depth: NDArray[np.float32]) -> NDArray[np.float32]:
         """1/σ² of the disparity b·fx / z for depths (n,) in metres; 0 where there is none.
 

@@ -100,9 +100,7 @@ class DepthChange:
     def of(self, features: Features, sensor: SensorModel) -> Features:
         """Keypoints with other depths."""
         depth = self(features.depth)
-        disparity = np.zeros(len(depth), np.float32)
-        np.divide(sensor.intrinsics[4], depth, out=disparity, where=features.has_depth, casting="unsafe")
-        return features._replace(depth=depth, u_right=features.pixels[:, 0] - disparity)
+        return features._replace(depth=depth, u_right=features.pixels[:, 0] - sensor.disparity(depth))
 
 
 _MOST_ENTRIES = 10_000

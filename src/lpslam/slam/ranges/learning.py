@@ -36,7 +36,6 @@ class DepthRanges:
         sensor: of the camera.
         farthest: metres that are trusted at all.
         config: thresholds.
-
     """
 
     def __init__(self, slam_map: SlamMap, sensor: SensorModel, farthest: float, config: DepthRangeConfig) -> None:
@@ -173,7 +172,7 @@ class DepthRanges:
         moved = sensor.back_project(m.pixels[slot, rows[own]], becomes[own] - was[own])
         m.position[points[own]] += moved @ m.camera_from_world[keyframe, :3, :3]
         m.depth[slot, rows] = becomes
-        m.u_right[slot, rows] = m.pixels[slot, rows, 0] - (sensor.intrinsics[4] / becomes).astype(np.float32)
+        m.u_right[slot, rows] = m.pixels[slot, rows, 0] - sensor.disparity(becomes)
         m.disparity_information[slot, rows] = sensor.disparity_information(becomes)
 
 

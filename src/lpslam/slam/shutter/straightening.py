@@ -84,9 +84,7 @@ class RollingShutter:
         pixels, depth = kernels.straighten(
             seen.pixels, seen.depth, twist, self.readout, self.sensor.image_size[1], self.sensor.intrinsics
         )
-        disparity = np.zeros(len(depth), np.float32)
-        np.divide(self.sensor.intrinsics[4], depth, out=disparity, where=seen.has_depth, casting="unsafe")
-        return seen._replace(pixels=pixels, depth=depth, u_right=pixels[:, 0] - disparity)
+        return seen._replace(pixels=pixels, depth=depth, u_right=pixels[:, 0] - self.sensor.disparity(depth))
 
     def bends(self, twist: _Matrix, other: _Matrix) -> bool:
         """Whether two velocities bend the image noticeably differently."""
