@@ -6,12 +6,14 @@ import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import cv2
 import pytest
 from hypothesis import settings
 
 from command_line import Command, command_line
+from in_chromium import chromium
 from lpslam import pipeline
 from lpslam.config import SimulationConfig
 from lpslam.frames import RgbdFrame
@@ -121,3 +123,10 @@ def clip(walk: Path, tmp_path: Path) -> Callable[[int], Path]:
 def lpslam(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Command:
     """The command line: `lpslam("info", map)`."""
     return command_line(monkeypatch, capsys)
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    """A browser for the tests of a module; they are skipped where there is none."""
+    with chromium() as opened:
+        yield opened

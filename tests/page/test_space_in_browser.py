@@ -7,19 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from in_chromium import chromium, shown, until
+from in_chromium import shown, until
 from lpslam.page.building import write_page
 from page_hall import hall, turned
 from small_maps import small_map, with_floor
 
 pytestmark = pytest.mark.slow
 SIGNS = ("KFC", "Pizza Hut 必胜客", "<b>BOLD</b>")
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with chromium() as opened:
-        yield opened
 
 
 @pytest.fixture

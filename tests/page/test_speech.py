@@ -1,12 +1,11 @@
 """Asking aloud: offered only where the browser hears on this machine itself."""
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from in_chromium import chromium, until
+from in_chromium import until
 from lpslam.page.building import write_page
 from small_maps import small_map
 
@@ -23,12 +22,6 @@ window.SpeechRecognition = class {
   }
 };
 """
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with chromium() as opened:
-        yield opened
 
 
 def opened(browser: Any, folder: Path, answer: str) -> Any:

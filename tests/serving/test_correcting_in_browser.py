@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from in_chromium import chromium, need_chromium, shown, until
+from in_chromium import need_chromium, shown, until
 from lpslam.isolated import python_command
 from lpslam.mapfile.language_map import LanguageMap
 from small_maps import small_map, with_floor
@@ -19,12 +19,6 @@ pytestmark = pytest.mark.slow
 CODE = "import sys; sys.argv = ['lpslam', *sys.argv[1:]]; from lpslam.__main__ import main; main()"
 SIGNS = ("KFO", "Pizza Hut 必胜客", "Toilets", "KFC")
 HOSTILE = "<img src=x onerror=alert(1)>"
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with chromium() as opened:
-        yield opened
 
 
 @pytest.fixture
