@@ -31,6 +31,19 @@ def test_a_constraint_that_is_taken_out_no_longer_holds(client: TestClient) -> N
     assert near.json()["answer"]["distance"] < nearest["answer"]["distance"]
 
 
+def test_a_corrected_wish_holds_for_another_one_and_for_no_other_question(client: TestClient) -> None:
+    books = ask(client, "Where can I buy a book?").json()["answer"]
+    body = {"before": "Where is a restaurant?", "before_wish": books["wish"]}
+    more = client.post("/ask", json={"question": "and another one?", **body}).json()
+    assert more["answer"]["wish"] == books["wish"]
+    assert more["answer"]["landmark"]["id"] == books["landmark"]["id"]
+    named = {"excluded": [books["landmark"]["id"]]}
+    further = client.post("/ask", json={"question": "and another one?", **body, **named}).json()
+    assert further["answer"]["landmark"] is None or further["answer"]["landmark"]["id"] != books["landmark"]["id"]
+    other = client.post("/ask", json={"question": "Where are the toilets?", **body}).json()
+    assert other["answer"]["wish"] != books["wish"]
+
+
 STOP = {"what": "a place"}
 DEEP: dict[str, Any] = STOP
 for _ in range(6):

@@ -135,3 +135,9 @@ def test_what_was_understood_is_opened_and_corrected(browser: Any, viewed: tuple
         until(page, "document.querySelector('#log .answer').textContent.startsWith('KFC')", 60)
         assert page.locator("#log .answer").count() == 1
         assert page.get_by_label("Take out: which nearest").count() == 0
+        # And another one is another of what was put right.
+        page.fill("#question", "and another one?")
+        page.press("#question", "Enter")
+        until(page, "(document.querySelectorAll('#log .answer')[1]?.textContent ?? '…') !== '…'", 60)
+        assert page.evaluate("lpslamPage.chosen()") == 1000
+        assert page.get_by_label("Take out: which nearest").count() == 0

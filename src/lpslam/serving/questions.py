@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from lpslam.errors import UserError
 from lpslam.language.model import LanguageModel
 from lpslam.language.offline import OfflineModel, embedded_model
-from lpslam.language.questions.follow_up import follow_up
+from lpslam.language.questions.follow_up import FollowUp, follow_up
 from lpslam.language.wishes.form import Wish
 from lpslam.navigation.asking import answer
 from lpslam.navigation.directory import Directory
@@ -28,6 +28,8 @@ class Asked:
         heading: degrees counter-clockwise from the map's x axis, which way the asker looks.
         excluded: ids of landmarks that were named before.
         wish: what the question means, where the asker has corrected what was understood: JSON, as `wish_text` gives it.
+        before_wish: what the question before it means, where the asker has corrected that; counts where more of
+            the same is asked.
     """
 
     question: str
@@ -36,6 +38,7 @@ class Asked:
     heading: float | None = None
     excluded: tuple[int, ...] = ()
     wish: str | None = None
+    before_wish: str | None = None
 
 
 class Known(Protocol):
@@ -87,14 +90,17 @@ def _stops(tree: Any) -> int:
     return sum(map(_stops, tree)) if isinstance(tree, list | tuple) else 0
 
 
-def _wish_of(asked: Asked) -> Wish | None:
-    return None if asked.wish is None else Wish.from_document(json.loads(asked.wish))
+def _wish_of(asked: Asked, read: FollowUp) -> Wish | None:
+    """What the asker has said that is meant; None where the question is to be read."""
+    said = asked.wish or (asked.before_wish if read.keeps else None)
+    return None if said is None else Wish.from_document(json.loads(said))
 
 
 def understood(asked: Asked, language: LanguageModel) -> dict[str, Any]:
     """What is understood of a question, before any map is looked at."""
     model = language if isinstance(language, OfflineModel) else embedded_model()
-    wish = _wish_of(asked) or model.read_wish(follow_up(asked.question, asked.before).question)
+    read = follow_up(asked.question, asked.before)
+    wish = _wish_of(asked, read) or model.read_wish(read.question)
     return {"wish": wish.to_document(), "words": str(wish)}
 
 
@@ -120,7 +126,7 @@ def answered(asked: Asked, served: Known, language: LanguageModel, longest: int)
         None if asked.position is None else np.array(asked.position, dtype=np.float64),
         None if asked.heading is None else float(np.radians(asked.heading)),
         named,
-        wish=_wish_of(asked),
+        wish=_wish_of(asked, read),
     )
     notes = []
     if len(asked.question) > longest:

@@ -53,6 +53,9 @@ class Question(Inward):
     wish: dict[str, Any] | None = Field(
         None, description="What the question means, as an answer's `wish` with what was misunderstood put right."
     )
+    before_wish: dict[str, Any] | None = Field(
+        None, description="The same of the question before, where it was put right: for “and another one?”."
+    )
 
 
 class Destination(Inward):

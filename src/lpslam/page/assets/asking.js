@@ -33,12 +33,12 @@ async function askServer(question, tell, wish = null) {
   if (data.name) body.map = data.name;
   const last = asked[asked.length - 1];
   // “And another one?” asks the question before it again, for what was not named yet.
-  if (last && !wish) Object.assign(body, { before: last.question, excluded: last.named.slice(-200) });
+  if (last && !wish) Object.assign(body, { before: last.question, excluded: last.named.slice(-200), ...(last.wish ? { before_wish: last.wish } : {}) });
   const [response, found] = await post("/ask", body);
   if (!response.ok) throw new Error(found.detail || response.statusText);
   const id = found.answer.landmark && found.answer.landmark.id;
   const isFurther = last && !wish && found.understood === last.understood;
-  asked.push({ question: isFurther ? last.question : question, understood: found.understood, named: [...(isFurther ? last.named : []), ...(id === null ? [] : [id])] });
+  asked.push({ question: isFurther ? last.question : question, wish: isFurther ? last.wish : wish, understood: found.understood, named: [...(isFurther ? last.named : []), ...(id === null ? [] : [id])] });
   const understood = understoodOf(found, changed => answerTo(question, tell, changed));
   tell(found.text, understood);
   choose(data.signs.find(sign => sign.id === id) || null);

@@ -73,8 +73,8 @@ def asked_of(body: records.Question | records.Destination, services: Services) -
     most = services.config.serving.question_letters
     position = None if body.position is None else tuple(body.position)
     if isinstance(body, records.Question):
-        wish = None if body.wish is None else wish_text(body.wish)
-        asked = Asked(body.question, body.before, position, body.heading, tuple(body.excluded), wish)
+        wish, before_wish = (None if each is None else wish_text(each) for each in (body.wish, body.before_wish))
+        asked = Asked(body.question, body.before, position, body.heading, tuple(body.excluded), wish, before_wish)
     else:
         asked = Asked(body.question or "", None, position, body.heading)
     if max(len(asked.question), len(asked.before or "")) > most:

@@ -206,8 +206,8 @@ def build(watched: Watched) -> Shield:
         if max(len(body.question), len(body.before or "")) > limits.question_letters:
             raise UserError(f"a question may have {limits.question_letters:,} letters")
         position = None if body.position is None else tuple(body.position)
-        wish = None if body.wish is None else wish_text(body.wish)
-        asked = Asked(body.question, body.before, position, body.heading, tuple(body.excluded), wish)
+        wish, before_wish = (None if each is None else wish_text(each) for each in (body.wish, body.before_wish))
+        asked = Asked(body.question, body.before, position, body.heading, tuple(body.excluded), wish, before_wish)
         # Only what is asked is read of it.
         answer = await watched.answerer.ask(asked, watched.grown.known)  # type: ignore[arg-type]
         return Response(answer, media_type="application/json")
