@@ -86,6 +86,10 @@ class Names:
         )
         return Words(units, in_order, tuple(UNSPACED_RUN.findall(folded)), _latin(text), fold.key(text))
 
+    def bearing(self, piece: str) -> set[int]:
+        """Landmarks whose boards bear a word just so, or two characters of a script without spaces."""
+        return self._ids_of.get(piece, set())
+
     def _bearing(self, word: str) -> set[int]:
         """Landmarks that may bear a word: its own, one a slip away, or all pairs of its characters."""
         if is_unspaced(word):

@@ -8,9 +8,10 @@ from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
 
-from lpslam.language.choosing.choosing import guessed, ranked
+from lpslam.language.choosing.choosing import ranked
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import FITS, match
+from lpslam.language.choosing.support import Support, Supported
 from lpslam.language.model import Candidate
 from lpslam.language.questions.question import Wish as Meaning
 from lpslam.language.questions.question import asks_for_another, read_question
@@ -23,7 +24,7 @@ from lpslam.language.wishes.asked_words import SHORTEST, AskedWords
 from lpslam.language.wishes.attributes import attributes_of, told_apart
 from lpslam.language.wishes.certainty import clues_of, probability
 from lpslam.language.wishes.codes import without_codes
-from lpslam.language.wishes.form import Ask, Stop, with_meaning
+from lpslam.language.wishes.form import Ask, Stop, Which, with_meaning
 from lpslam.language.wishes.identities import Identities
 from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.opening import Opening
@@ -43,6 +44,7 @@ _SURE, _NAMED, _ACROSS = 1.0, 0.9, 0.85  # of a code or person, of a part of a n
 _WHOLE = 0.95  # of a name's letters: the name itself
 _FEWEST_BORNE, _MOST_BORNE = 2, 0.5  # words of a question that a board bears, and their share of its letters
 _OFFERED = 5  # places that are told where none is sure enough
+_READ = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
 _LEAST_LITERAL = 0.3  # of a board's letters that are asked for word by word
 
 
@@ -63,6 +65,7 @@ class EmbeddedScorer:
         self._sorts = Sorts(landmarks, index, knowledge)
         self._opening = Opening(landmarks)
         self._by_id = {mark.id: mark for mark in landmarks}
+        self._support: Support | None = None
         self._heard: set[int] = set()
         self._commanding: set[int] = set()
 
@@ -149,7 +152,10 @@ class EmbeddedScorer:
         scores = self._sorts.going_there(meaning, scores)
         scores = self._bearing_the_words(stop, meaning, self._sorts.of_the_family(meaning, scores))
         scores = self._told_apart(stop, scores)
-        if not scores or self._is_another(stop, meaning, scores):
+        is_another = bool(scores) and self._is_another(stop, meaning, scores)
+        scores = {} if is_another else scores
+        supported = None if is_another else self._supported(stop, meaning, scores, within)
+        if not scores:
             literal = self._by_words(stop, meaning, ignored)
             if literal is not None:
                 return literal
@@ -160,23 +166,43 @@ class EmbeddedScorer:
             if told:
                 scores = self._trusted(told)
                 return Served(stop, scores, "the board says so", 0.8, ignored=ignored, way=Way.TOLD)
-            guess = self._guessed(stop, within) if not scores else None
-            if guess is not None:
-                return replace(guess, ignored=ignored)
-            return Served(stop, {}, choice.evidence, choice.confidence, choice.alternatives, ignored)
-        top = max(scores.values())
+            if supported is None:
+                return Served(stop, {}, choice.evidence, choice.confidence, choice.alternatives, ignored)
+        top = max(scores.values(), default=0.0)
         scores = {id_: score / top for id_, score in scores.items()}
         words, _ = self._asked.asked(stop.what)
         exact = frozenset(id_ for id_, share in self._names.covered(words).items() if share >= _WHOLE and id_ in scores)
         if meaning.wanted_names:
             exact = frozenset(scores)
         return Served(
-            *(stop, scores, choice.evidence, choice.confidence),
+            *(stop, scores if supported is None else supported.scores, choice.evidence, choice.confidence),
             ignored=ignored,
             exact=exact,
-            way=Way.KIND,
+            way=Way.KIND if scores else Way.GUESS,
             strength=top,
+            heard={} if supported is None else supported.clues,
         )
+
+    def _supported(
+        self, stop: Stop, meaning: Meaning, scores: Mapping[int, float], within: set[int] | None
+    ) -> Supported | None:
+        """What the words of a stop speak for, beside what the tables read; None where that is not theirs to say.
+
+        Nothing that is refused is weighed; and what a place, an order or a list tells apart is a sort that is read.
+        """
+        is_told = stop.relation is not None or stop.which is not Which.ANY or bool(stop.without)
+        if (is_told and scores) or meaning.wanted_names or meaning.contested or self._refuses(stop.what, meaning):
+            return None
+        is_read = any(weight >= _READ for _, weight in meaning.wanted)
+        if not scores and is_read and not self._asked.asked(stop.what)[1]:
+            # “The swimming pool” is no place that has to do with water.
+            return None
+        if self._support is None:
+            self._support = Support(self._index, self._names.bearing, self._knowledge)
+        language = meaning.language or next(iter(self._asked.likely(stop.what)), "en")
+        found = self._support.of(stop.what, language, scores)
+        kept = _within(self._trusted(found.scores), within)
+        return Supported(kept, found.clues) if kept else None
 
     def _of_the_kind(self, stop: Stop, scores: dict[int, float]) -> dict[int, float]:
         """Of several that bear a code, those of the kind that the words say: who flies out of A27 wants a gate."""
@@ -189,21 +215,6 @@ class EmbeddedScorer:
             if any(match(kind, self._index.signs[id_].kinds, self._knowledge) >= FITS for kind in meaning.main)
         }
         return fitting or scores
-
-    def _guessed(self, stop: Stop, within: set[int] | None) -> Served | None:
-        """What the words of a stop are nearest to; who asks whether there is a hotel is not shown a taxi."""
-        in_other_words = stop.ask is not Ask.IS_THERE
-        guess = guessed(stop.what, self._index, self._signs, self._knowledge, self.model, in_other_words)
-        if guess is None:
-            return None
-        choice, found = guess
-        meaning = read_question(stop.what, self._knowledge)
-        if meaning.wanted:
-            found = self._sorts.of_the_family(meaning, found)
-        scores = self._told_apart(stop, _within(self._trusted(found), within))
-        strength = max(scores.values(), default=0.0)
-        guess_ = Served(stop, scores, choice.evidence, choice.confidence, way=Way.GUESS, strength=strength)
-        return guess_ if scores else None
 
     def _bearing_the_words(self, stop: Stop, meaning: Meaning, scores: Mapping[int, float]) -> dict[int, float]:
         """Of several that serve, those whose boards bear the words themselves: “meeting room Alpha”, 烤鸭."""
