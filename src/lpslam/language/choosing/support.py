@@ -36,10 +36,12 @@ class Supported:
     Attributes:
         scores: by id, 0 < score <= 1, of those that come near the best.
         clues: how sure that is, by name.
+        words: those that speak for the best, as the tables have them.
     """
 
     scores: Mapping[int, float]
     clues: Mapping[str, float]
+    words: tuple[str, ...] = ()
 
 
 class Support:
@@ -91,7 +93,8 @@ class Support:
         )
         top = found[best]
         scores = {id_: math.exp(each - top) for id_, each in found.items() if each >= top - _FARTHEST}
-        return Supported(scores, dict(zip(CLUES, clues, strict=True)))
+        words = tuple(term.replace(" ", "") for term, each in zip(terms, said, strict=True) if each > _SAYS)
+        return Supported(scores, dict(zip(CLUES, clues, strict=True)), words)
 
     def _evidence(self, question: str, language: str) -> tuple[list[str], NDArray[np.float64], float]:
         """The words of a question that say something, (words, groups) how much each speaks for each group, and how

@@ -31,6 +31,7 @@ _MOST_LISTED_WORDS = 4  # of each: longer ones tell of something
 _FEWEST_LISTED = 3  # things that are listed without a word for their order: “pharmacy, bank, coffee”
 _FEWEST_ALTERNATIVES = 2
 _MOST_NAMED_WORDS = 7  # of an alternative: longer ones tell of something
+_OF_ANY_PLACE = (Ask.HERE, Ask.FORBIDDEN, Ask.BARRED)
 _DEEPEST = 2  # anchors of anchors
 _POSSESSIVE = re.compile(r"['’]s?$")
 
@@ -192,10 +193,10 @@ def _stop(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: in
         left = content_left(rules.any.sub(" ", what), rules)
     if is_placed:
         left = _uncommon(left, languages, knowledge)
-    is_any = ask in (Ask.HERE, Ask.FORBIDDEN) or (not left and (is_placed or ask is Ask.LIST))
+    is_any = ask in _OF_ANY_PLACE or (not left and (is_placed or ask is Ask.LIST))
     which = stop.which
     opposed = sorted({each.value for each in _orders(what, languages)} & _OPPOSED)
-    if which is Which.ANY and ask in (Ask.LIST, Ask.HERE, Ask.FORBIDDEN):
+    if which is Which.ANY and ask in (Ask.LIST, *_OF_ANY_PLACE):
         which = Which.ALL
     return replace(
         stop,

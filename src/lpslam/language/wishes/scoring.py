@@ -12,9 +12,11 @@ from lpslam.language.choosing.choosing import ranked
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import FITS, match
 from lpslam.language.choosing.support import Support, Supported
-from lpslam.language.model import Candidate
+from lpslam.language.model import Candidate, Choice
+from lpslam.language.questions.phrasing import answer_language, phrases_in
 from lpslam.language.questions.question import Wish as Meaning
 from lpslam.language.questions.question import asks_for_another, read_question
+from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.distrust import commands
 from lpslam.language.signs.reader import SignReader
 from lpslam.language.signs.wording import WARNING
@@ -22,6 +24,7 @@ from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.words import is_mark, is_unspaced, longest_phrases
 from lpslam.language.wishes.asked_words import SHORTEST, AskedWords
 from lpslam.language.wishes.attributes import attributes_of, told_apart
+from lpslam.language.wishes.barred import barred
 from lpslam.language.wishes.certainty import clues_of, probability
 from lpslam.language.wishes.codes import without_codes
 from lpslam.language.wishes.form import Ask, Stop, Which, with_meaning
@@ -174,8 +177,9 @@ class EmbeddedScorer:
         exact = frozenset(id_ for id_, share in self._names.covered(words).items() if share >= _WHOLE and id_ in scores)
         if meaning.wanted_names:
             exact = frozenset(scores)
+        evidence = choice.evidence if supported is None else self._spoken_for(stop, choice, supported)
         return Served(
-            *(stop, scores if supported is None else supported.scores, choice.evidence, choice.confidence),
+            *(stop, scores if supported is None else supported.scores, evidence, choice.confidence),
             ignored=ignored,
             exact=exact,
             way=Way.KIND if scores else Way.GUESS,
@@ -202,7 +206,16 @@ class EmbeddedScorer:
         language = meaning.language or next(iter(self._asked.likely(stop.what)), "en")
         found = self._support.of(stop.what, language, scores)
         kept = _within(self._trusted(found.scores), within)
-        return Supported(kept, found.clues) if kept else None
+        return replace(found, scores=kept) if kept else None
+
+    def _spoken_for(self, stop: Stop, choice: Choice, supported: Supported) -> str:
+        """Why the best is chosen: as the tables read the question, else by its words."""
+        best = max(supported.scores, key=lambda id_: (supported.scores[id_], -id_))
+        if best == choice.landmark:
+            return choice.evidence
+        phrases = phrases_in(answer_language(stop.what))
+        name = clean_text(self._index.name_of[best])
+        return phrases.say("words_speak", words=phrases.join(supported.words) or stop.what, name=name)
 
     def _of_the_kind(self, stop: Stop, scores: dict[int, float]) -> dict[int, float]:
         """Of several that bear a code, those of the kind that the words say: who flies out of A27 wants a gate."""
@@ -316,6 +329,8 @@ class EmbeddedScorer:
     def _any_place(self, stop: Stop) -> Served:
         if stop.ask is Ask.FORBIDDEN:
             return Served(stop, dict.fromkeys(sorted(self._warning), 1.0), "what warns or forbids", 0.9)
+        if stop.ask is Ask.BARRED:
+            return Served(stop, dict.fromkeys(sorted(barred(self._landmarks)), 1.0), "its board keeps people out", 0.9)
         return Served(stop, self._places, "any place", 0.9)
 
     @cached_property
