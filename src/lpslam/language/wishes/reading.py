@@ -49,6 +49,7 @@ def read_wish(question: str, knowledge: Knowledge) -> Wish:
     text = clean_text(question, _LONGEST).strip(_ENDS)
     languages = wish_languages(text, knowledge)
     likely = languages_of(text, knowledge)
+    text = _corrected(text, languages)
     alternatives = _among(text, languages, knowledge)
     if alternatives is not None:
         return Wish((alternatives,), likely[0] if likely else None)
@@ -62,6 +63,14 @@ def read_wish(question: str, knowledge: Knowledge) -> Wish:
         stops = tuple(_stop(part, languages, knowledge) for part in listed[:_MOST_STOPS])
         return Wish(stops, likely[0] if likely else None, instead=alone)
     return Wish((alone,), likely[0] if likely else None)
+
+
+def _corrected(text: str, languages: tuple[str, ...]) -> str:
+    """Return what stands after whoever asks has thought better of it: “chicken … no, scrap that, noodles”."""
+    rules = rules_of(languages[0] if languages else "en")
+    found = rules.first(rules.corrections, text)
+    last = "" if found is None else found[1].group("what").strip(_ENDS)
+    return _corrected(last, languages) if content_left(last, rules) else text
 
 
 def _plan(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> Wish | None:
