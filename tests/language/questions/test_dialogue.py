@@ -151,7 +151,7 @@ def test_every_language_says_everything_and_directions_go_round(language: str) -
     english, own = phrases_in("en"), phrases_in(language)
     assert own.language == language
     said = ("name", "x", "y", "z", "distance", "direction", "count", "why", "sure", "model", "others", "things")
-    parts = dict.fromkeys((*said, "wanted", "sign", "degrees"), "#")
+    parts = dict.fromkeys((*said, "words", "wanted", "sign", "degrees"), "#")
     for what in english._templates:
         if what not in ("directions", "joint", "words"):
             assert own.say(what, **parts).count("#") >= min(1, english.say(what, **parts).count("#")), what

@@ -12,7 +12,7 @@ BOARDS = (
     *("Accès interdit", "Réservé au personnel", "Prohibido el paso", "Solo personal", "非工作人员止步", "员工专用"),
     *("関係者以外立入禁止", "従業員専用", "관계자 외 출입금지", "직원 전용"),
 )
-OPEN = ("Staff restaurant", "Personalabteilung", "Entrée", "No smoking", "从业人员体检", "直営店", "직원 식당", "Private Dining")
+OPEN = ("Staff restaurant", "Personalabteilung", "Entrée", "No smoking", "从业人员体检", "直営店", "직원 식당")
 
 
 @pytest.mark.parametrize("board", BOARDS)

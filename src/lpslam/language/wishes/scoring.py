@@ -151,9 +151,7 @@ class EmbeddedScorer:
             scores = self._trusted(_within(general, within))
             return Served(stop, scores, "any of this sort", 0.9, ignored=ignored, way=Way.SORT)
         choice, scores = ranked(stop.what, self._index, self._signs, self._knowledge, self.model)
-        scores = self._sorts.not_by_the_whole(meaning, _within(self._trusted(scores), within))
-        scores = self._sorts.going_there(meaning, scores)
-        scores = self._bearing_the_words(stop, meaning, self._sorts.of_the_family(meaning, scores))
+        scores = self._sorts.of_the_family(meaning, _within(self._trusted(scores), within))
         scores = self._told_apart(stop, scores)
         is_another = bool(scores) and self._is_another(stop, meaning, scores)
         scores = {} if is_another else scores
@@ -162,6 +160,13 @@ class EmbeddedScorer:
             literal = self._by_words(stop, meaning, ignored)
             if literal is not None:
                 return literal
+            sounding = (
+                {} if self._refuses(stop.what, meaning) else self._names.sounding(self._asked.asked(stop.what)[1])
+            )
+            if sounding:
+                scores = self._trusted(sounding)
+                said = "a name that sounds so"
+                return Served(stop, scores, said, 0.7, ignored=ignored, way=Way.WORDS, strength=max(sounding.values()))
             numbered = self._numbered(stop, ignored)
             if numbered is not None:
                 return numbered
@@ -228,28 +233,6 @@ class EmbeddedScorer:
             if any(match(kind, self._index.signs[id_].kinds, self._knowledge) >= FITS for kind in meaning.main)
         }
         return fitting or scores
-
-    def _bearing_the_words(self, stop: Stop, meaning: Meaning, scores: Mapping[int, float]) -> dict[int, float]:
-        """Of several that serve, those whose boards bear the words themselves: “meeting room Alpha”, 烤鸭."""
-        if len(scores) < _FEWEST_TO_TELL_APART or self._refuses(stop.what, meaning):
-            return dict(scores)
-        _, proper = self._asked.asked(stop.what)
-        bearing = self._names.covered(proper)
-        kept = {id_: score for id_, score in scores.items() if id_ in bearing}
-        if kept:
-            return kept
-        top = max(scores.values())
-        near = [id_ for id_, score in scores.items() if score >= _NEARLY * top]
-        letters: dict[int, int] = {}
-        for words in self._asked.telling(stop.what, meaning):
-            said = self._names.covered(words).keys() & set(near)
-            if said and len(said) <= _TELLING * len(near):
-                letters |= {id_: letters.get(id_, 0) + sum(map(len, words)) for id_ in said}
-        most = max(letters.values(), default=0)
-        best = {id_ for id_, each in letters.items() if each == most}
-        return {
-            id_: top if id_ in best else min(score, _BEHIND * top) if best else score for id_, score in scores.items()
-        }
 
     def _told_apart(self, stop: Stop, scores: Mapping[int, float]) -> dict[int, float]:
         """Of rooms and doors of one kind, those that the wish tells from the others: “the blue lounge”, 北口."""
