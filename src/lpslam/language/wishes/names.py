@@ -189,21 +189,24 @@ class Names:
         runs = {
             _latin("".join(words[start:end])) for end in range(len(words) + 1) for start in range(max(0, end - 4), end)
         }
+        sounds, spelt, ids = self._heard_as
         found: dict[int, float] = {}
         for run in sorted(runs):
             sought = heard_as(run)
             if len(sought) < _CONSONANTS:
                 continue
-            for said, latin, id_ in self._heard_as:
-                alike = fuzz.ratio(run, latin) / 100.0
-                if alike >= _SPELT_ALIKE and fuzz.ratio(sought, said) >= _SOUNDS_ALIKE and sought[0] == said[0]:
-                    found[id_] = max(alike, found.get(id_, 0.0))
+            for said, _, at in process.extract(
+                sought, sounds, scorer=fuzz.ratio, score_cutoff=_SOUNDS_ALIKE, limit=None
+            ):
+                alike = fuzz.ratio(run, spelt[at]) / 100.0
+                if alike >= _SPELT_ALIKE and sought[0] == said[0]:
+                    found[ids[at]] = max(alike, found.get(ids[at], 0.0))
         best = max(found.values(), default=0.0)
         near = {id_: alike for id_, alike in found.items() if alike >= best - _APART}
         return near if len(near) == 1 else {}
 
     @cached_property
-    def _heard_as(self) -> list[tuple[str, str, int]]:
+    def _heard_as(self) -> tuple[list[str], list[str], list[int]]:
         """How names and their words sound, how they are spelt in Latin letters, and their landmarks."""
         rows: dict[tuple[str, str, int], None] = {}
         for id_, lines in self._words.items():
@@ -213,7 +216,7 @@ class Names:
                     sound = heard_as(latin)
                     if len(sound) >= _CONSONANTS:
                         rows[sound, latin, id_] = None
-        return list(rows)
+        return [sound for sound, _, _ in rows], [latin for _, latin, _ in rows], [id_ for _, _, id_ in rows]
 
     def persons(self, name: str) -> list[int]:
         """Landmarks whose board bears every word of a person's name on one line."""
