@@ -126,6 +126,15 @@ def dialogue_text(question: str, **place: Any) -> str:
     return talk.said(talk.ask(question))
 
 
+def test_several_doors_that_are_closed_are_each_a_line_of_the_answer() -> None:
+    signs = [("Café Luna", 1.0, 0.0), ("Staff only", 3.0, 0.0), ("No entry", 5.0, 0.0)]
+    talk = dialogue(signs)
+    text = talk.said(talk.ask("Which doors is the public not allowed through?"))
+    lines = [line for line in text.splitlines() if line.startswith("- ")]
+    assert len(lines) == 2
+    assert not any("Luna" in line for line in lines)
+
+
 def test_distance_and_direction_are_from_where_the_robot_is() -> None:
     assert "4.0 m away, ahead" in dialogue_text("Where can I eat pizza?")
     position, heading = parsed_place("4,2,0")
