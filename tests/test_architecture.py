@@ -13,7 +13,7 @@ import lpslam
 PACKAGE = Path(lpslam.__file__).parent
 FOUNDATION = {
     *("_version", "assets", "camera", "config", "errors", "frames", "interruption", "isolated"),
-    "kernel_cache",
+    *("kernel_cache", "leaps"),
     *("poses", "priority", "regular_files", "small_depth", "timestamps"),
 }
 
