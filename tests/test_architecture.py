@@ -92,6 +92,7 @@ ALLOWED: dict[str, set[str]] = {
     "cli_watching": {"watching", "views", "cli_checks"},
     "cli_ground": {"language", "mapfile", "navigation", "views"},
     "cli_runs": {"simulation", "language", "mapfile.correcting", "pipeline", "views"},
+    "cli_simulate": {"demo", "views", "cli_checks", "cli_runs"},
     "cli_robots": {"language.registry", "robots", "session", "views", "cli_checks", "cli_runs"},
     "cli": {
         *("sources", "simulation", "language", "mapfile", "pipeline", "evaluation", "views", "demo"),
@@ -103,6 +104,7 @@ ALLOWED: dict[str, set[str]] = {
             "cli_robots",
             "cli_runs",
             "cli_serving",
+            "cli_simulate",
             "cli_sources",
             "cli_watching",
             "page",
