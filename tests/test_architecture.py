@@ -13,7 +13,7 @@ import lpslam
 PACKAGE = Path(lpslam.__file__).parent
 FOUNDATION = {
     *("_version", "assets", "camera", "config", "errors", "frames", "interruption", "isolated"),
-    "kernel_cache",
+    *("kernel_cache", "leaps"),
     *("poses", "priority", "regular_files", "small_depth", "timestamps"),
 }
 
@@ -92,6 +92,7 @@ ALLOWED: dict[str, set[str]] = {
     "cli_watching": {"watching", "views", "cli_checks"},
     "cli_ground": {"language", "mapfile", "navigation", "views"},
     "cli_runs": {"simulation", "language", "mapfile.correcting", "pipeline", "views"},
+    "cli_simulate": {"demo", "views", "cli_checks", "cli_runs"},
     "cli_robots": {"language.registry", "robots", "session", "views", "cli_checks", "cli_runs"},
     "cli": {
         *("sources", "simulation", "language", "mapfile", "pipeline", "evaluation", "views", "demo"),
@@ -103,6 +104,7 @@ ALLOWED: dict[str, set[str]] = {
             "cli_robots",
             "cli_runs",
             "cli_serving",
+            "cli_simulate",
             "cli_sources",
             "cli_watching",
             "page",

@@ -13,7 +13,7 @@ import argparse
 import json
 import sys
 import zlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -24,10 +24,11 @@ from numpy.typing import NDArray
 ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT / "benchmarks"))
 
+from lpslam.language.choosing import evidence  # noqa: E402
 from lpslam.language.offline import OfflineModel  # noqa: E402
 from lpslam.language.signs.reader import load_sign_reader  # noqa: E402
 from lpslam.language.tables import combined, knowledge  # noqa: E402
-from lpslam.language.tables.concepts import APART, Buildings, load_buildings  # noqa: E402
+from lpslam.language.tables.concepts import APART, Buildings, load_associations, load_buildings  # noqa: E402
 from lpslam.language.tables.lexicon import load_lexicons, split  # noqa: E402
 from lpslam.language.wishes import certainty, scoring  # noqa: E402
 from lpslam.language.wishes.served import UNQUESTIONED  # noqa: E402
@@ -37,7 +38,16 @@ from wishes import is_right, places_of  # noqa: E402
 
 WRITTEN = ROOT / "src" / "lpslam" / "language" / "data" / "wishes" / "certainty.json"
 SETS = ROOT / "benchmarks" / "language"
-REPORTED = ("development", "own_second", "blind_first", "blind_second", "blind_third", "blind_fourth", "blind_fifth")
+REPORTED = (
+    "development",
+    "own_second",
+    "blind_first",
+    "blind_second",
+    "blind_third",
+    "blind_fourth",
+    "blind_fifth",
+    "blind_sixth",
+)
 RIDGE = 1000.0  # of the weights, in columns of spread 1: few of the products of two tell anything
 STEPS = 15  # of Newton's method, more than it takes
 OF_WISHES = 5.0  # what an answer to a wish weighs: there are five times as many to questions in malls
@@ -137,10 +147,22 @@ def hiding_apart(seed: int) -> Callable[[], Buildings]:
     return load
 
 
+def hiding_associations(seed: int) -> Callable[[str], Iterator[tuple[str, list[str]]]]:
+    """Associations of which a part is hidden."""
+
+    def load(language: str) -> Iterator[tuple[str, list[str]]]:
+        for concept, phrases in load_associations(language):
+            yield concept, [phrase for phrase in phrases if is_kept(seed, phrase)]
+
+    return load
+
+
 def model_of(seed: int | None) -> OfflineModel:
     """The embedded model, with a part of its tables hidden unless `seed` is None."""
     knowledge.load_lexicons = load_lexicons if seed is None else hiding(seed)  # type: ignore[attr-defined]
     combined.load_buildings = load_buildings if seed is None else hiding_apart(seed)  # type: ignore[attr-defined]
+    evidence.load_buildings = combined.load_buildings  # type: ignore[attr-defined]
+    evidence.load_associations = load_associations if seed is None else hiding_associations(seed)  # type: ignore[attr-defined]
     knowledge.load_knowledge.cache_clear()
     load_sign_reader.cache_clear()
     return OfflineModel()

@@ -211,6 +211,48 @@ def test_a_time_that_is_no_number_is_told(session: lpslam.Session, frames: list[
     assert session.frames == 1
 
 
+def steps_at(session: lpslam.Session, frames: list[RgbdFrame], times: list[float]) -> list[lpslam.Step]:
+    return [session.step(frame.rgb, frame.depth, time) for frame, time in zip(frames[: len(times)], times, strict=True)]
+
+
+@pytest.mark.parametrize("wrong", [1e9, 100.0])
+def test_one_time_far_ahead_costs_one_frame(session: lpslam.Session, frames: list[RgbdFrame], wrong: float) -> None:
+    steps = steps_at(session, frames, [0.0, 0.1, wrong, 0.3, 0.4])
+    assert [step.pose is not None for step in steps] == [True, True, False, True, True]
+    assert "it waits for the next one to confirm that" in steps[2].reason
+    assert [step.index for step in steps] == [0, 1, 2, 2, 3]
+    world = session.close()
+    assert world.frame_poses().timestamps.tolist() == [0.0, 0.1, 0.3, 0.4]
+    assert world.statistics["run"]["frames_skipped"] == 1
+
+
+def test_a_pause_costs_nothing(session: lpslam.Session, frames: list[RgbdFrame]) -> None:
+    heard: list[lpslam.Step] = []
+    session._listeners.tell = heard.append  # type: ignore[method-assign]
+    steps = steps_at(session, frames, [0.0, 0.1, 7200.0, 7200.1, 7200.2])
+    assert [step.pose is not None for step in steps] == [True, True, False, True, True]
+    assert [step.index for step in heard] == [0, 1, 2, 3, 4]
+    assert session.close().frame_poses().timestamps.tolist() == [0.0, 0.1, 7200.0, 7200.1, 7200.2]
+
+
+def test_a_slow_camera_waits_once(session: lpslam.Session, frames: list[RgbdFrame]) -> None:
+    steps = steps_at(session, frames, [0.0, 30.0, 61.0, 89.0, 120.0])
+    assert [step.pose is not None for step in steps] == [True, False, True, True, True]
+
+
+def test_a_first_time_that_is_wrong_is_told_with_the_remedy(session: lpslam.Session, frames: list[RgbdFrame]) -> None:
+    session.step(frames[0].rgb, frames[0].depth, 1e9)
+    with pytest.raises(UserError, match="open another session if the first one's time was wrong"):
+        session.step(frames[1].rgb, frames[1].depth, 0.1)
+
+
+def test_a_closed_session_lets_no_frame_wait(session: lpslam.Session, frames: list[RgbdFrame]) -> None:
+    session.step(frames[0].rgb, frames[0].depth, 0.0)
+    session.close()
+    with pytest.raises(UserError, match="the session is closed"):
+        session.step(frames[1].rgb, frames[1].depth, 1e9)
+
+
 def test_depth_that_is_masked_or_beyond_single_precision_is_no_depth(
     session: lpslam.Session, frames: list[RgbdFrame]
 ) -> None:

@@ -5,6 +5,7 @@ and it rather chooses nothing than guesses.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 
 from lpslam.language.building import building
@@ -14,17 +15,21 @@ from lpslam.language.choosing.serving import likeness, match
 from lpslam.language.model import Candidate, Choice, Judgement, Naming, Reading
 from lpslam.language.naming.namer import Namer
 from lpslam.language.questions.question import Wish, read_question
+from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.reader import load_sign_reader
 from lpslam.language.tables.knowledge import load_knowledge
+from lpslam.language.wishes.form import Stop
 from lpslam.language.wishes.form import Wish as WishForm
 from lpslam.language.wishes.reading import read_wish
 from lpslam.language.wishes.scoring import EmbeddedScorer
+from lpslam.language.wishes.served import LEAST_SURE, Way
 
 CANNOT_JUDGE = (
     "I cannot judge this: the question names no kind of place that is known; "
     "ask for a kind of place (“Is this a restaurant?”), or with another model (--llm)"
 )
 _MAPS_KEPT = 4  # sets of landmarks whose tables are kept: those of the maps that are asked in turn
+_WORDS_SPEAK = 0.55  # how sure the words of a question make us where no table reads it
 _YES = 0.5  # a sign is a kind when its words say so at least this surely
 _NAME_GUESS = 0.55  # how sure we are that an unknown proper name in a mall is a shop
 
@@ -72,7 +77,15 @@ class OfflineModel:
 
     def choose(self, question: str, landmarks: Sequence[Candidate]) -> Choice:
         """Choose the landmark whose kinds serve the wish best; none rather than one that does not (III-I)."""
-        return choose(question, self.index(landmarks), self._signs, self._knowledge, self.model)
+        choice = choose(question, self.index(landmarks), self._signs, self._knowledge, self.model)
+        if choice.landmark is not None or not landmarks:
+            return choice
+        # Where the tables find nothing, the words of the question may speak for one all the same.
+        served = self.scorer(landmarks).serve(Stop(clean_text(question)))
+        if served.way is not Way.GUESS or served.sure < LEAST_SURE or not served.scores:
+            return choice
+        best = max(served.scores, key=lambda id_: (served.scores[id_], -id_))
+        return replace(choice, landmark=best, evidence=served.evidence, confidence=min(served.confidence, _WORDS_SPEAK))
 
     def read_wish(self, question: str) -> WishForm:
         """Return what a question means, as a form that the map answers."""

@@ -44,6 +44,11 @@ class Floors:
         if floor.counting is Counting.TOP:
             return self._ids(len(self) - 1), ""
         if floor.counting is Counting.FROM_HERE:
+            if here is None and floor.number:
+                # “Upstairs” is above the ground floor for whoever comes in, and says so of anybody.
+                rows = [at for at, index in enumerate(self._index) if index * floor.number > 0]
+                ids = {id_ for at in rows for id_ in self._ids(at)}
+                return ids, f"where you stand is not known: “{floor}” is taken from the ground floor"
             if here is None:
                 return set(), f"where you stand is not known, so “{floor}” cannot be decided"
             at = int(np.abs(self._heights - float(here[2])).argmin()) + floor.number

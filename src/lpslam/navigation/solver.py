@@ -22,6 +22,7 @@ _OUTWARDS = frozenset({Relation.NEXT_TO, Relation.NEAR, Relation.OPPOSITE, Relat
 """Relations that cost at least the straight way to the anchor."""
 _WEAK = frozenset({Relation.NEAR, Relation.BEFORE, Relation.BEHIND})  # said of times and manners as well
 _ALTERNATIVES = 5  # further places that are told where one is asked for
+_LEAST_SURE_IN_PLAN = 0.4  # of a stop beside others: a plan with a gap serves nobody, so the likeliest is told
 _DECIDED = 2.0  # standard deviations by which two distances must differ to be told apart
 
 
@@ -85,7 +86,8 @@ def solve(
 def _in_order(solver: "_Solver", stops: Sequence[Stop]) -> list[Solved]:
     solved: list[Solved] = []
     for stop in stops:
-        solved.append(solver.stop(stop, solved[-1].place if solved else None, bool(solved)))
+        previous = solved[-1].place if solved else None
+        solved.append(solver.stop(stop, previous, bool(solved), LEAST_SURE if len(stops) == 1 else _LEAST_SURE_IN_PLAN))
     return solved
 
 
@@ -121,8 +123,8 @@ class _Solver:
         self._scorer = scorer
         self._by_id = {place.id: place for place in scene.places}
 
-    def stop(self, stop: Stop, previous: Place | None, is_later: bool) -> Solved:
-        """Answer one stop; `previous` is the place of the stop before."""
+    def stop(self, stop: Stop, previous: Place | None, is_later: bool, least: float = LEAST_SURE) -> Solved:
+        """Answer one stop, if it is sure enough; `previous` is the place of the stop before."""
         if stop.among:
             return self._one_of(stop, previous)
         ignored = self._idle_relation(stop)
@@ -143,7 +145,7 @@ class _Solver:
             return self._none(served, (said, *notes), self._listed(served))
         if not served.scores:
             return self._none(served, (served.evidence, *notes))
-        if served.sure < LEAST_SURE:
+        if served.sure < least:
             return self._none(served, ("it is not sure what is meant", *notes), self._listed(served)[:_ALTERNATIVES])
         if stop.relation is None:
             start = previous.position if is_later and previous is not None else self._scene.here.position

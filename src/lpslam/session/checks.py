@@ -86,12 +86,13 @@ def refuse_no_metres(depth: NDArray[np.float32]) -> None:
         )
 
 
-def checked_time(timestamp: object, latest: float) -> float:
+def checked_time(timestamp: object, latest: float, taken: int) -> float:
     """The time of a frame, seconds.
 
     Args:
         timestamp: should be a number.
         latest: of the frame before.
+        taken: frames before this one.
 
     Raises:
         UserError: it is something else, not finite, or not later than the latest before it.
@@ -103,6 +104,11 @@ def checked_time(timestamp: object, latest: float) -> float:
     if not np.isfinite(seconds):
         said = f"{timestamp}" if isinstance(timestamp, float) else f"a {type(timestamp).__name__}"
         raise UserError(f"the time of the frame is {said}; give seconds, as a finite float")
+    if seconds <= latest and taken == 1:
+        raise UserError(
+            f"the time of the frame is {seconds:.6f} s, not later than {latest:.6f} s of the first frame; give the"
+            " frames in order, or open another session if the first one's time was wrong: nothing is mapped yet"
+        )
     if seconds <= latest:
         raise UserError(
             f"the time of the frame is {seconds:.6f} s, not later than {latest:.6f} s of the frame before it; give"

@@ -2,7 +2,6 @@
 
 import threading
 import time
-from collections import deque
 from collections.abc import AsyncIterator, Callable, Collection
 from contextlib import ExitStack
 from dataclasses import asdict, replace
@@ -25,15 +24,17 @@ from lpslam.navigation.asking import Answer, answer, last_view
 from lpslam.priority import READING
 from lpslam.session.announcing import AnnouncingMapper
 from lpslam.session.checks import checked_colour, checked_depth, checked_time, refuse_no_camera, refuse_no_metres
+from lpslam.session.copying import copied, poses_now
 from lpslam.session.growth import Growth, growth_of
 from lpslam.session.listeners import Listeners
+from lpslam.session.news import News
 from lpslam.session.parts import load_spotter, naming_beside, reading_thread
 from lpslam.session.step import Step
+from lpslam.session.time_screen import Picture, TimeScreen
+from lpslam.session.turns import Turns
 from lpslam.slam.advice import NO_ADVICE
-from lpslam.slam.map import SlamMap
 from lpslam.slam.state import SlamEvent
 from lpslam.slam.system import RgbdSlam
-from lpslam.slam.trajectory import Trajectory
 from lpslam.text.advice.advising import TextAdvisor
 from lpslam.text.correcting.changing import Change, correct, take_back
 from lpslam.text.correcting.corrections import Corrections
@@ -42,7 +43,7 @@ from lpslam.text.reading.reading_thread import ReadingThread
 from lpslam.text.reading.spotting import TextSpotter
 from lpslam.text.reading.spotting_process import SpottingProcess
 from lpslam.text.text_map import TextMap
-from lpslam.text.types import FrameReading, Landmark
+from lpslam.text.types import Landmark
 
 
 class Session:
@@ -96,7 +97,6 @@ class Session:
         self.camera, self.name = camera, name
         self.frames = self.frames_skipped = self.frames_dropped = 0
         self._language, self._live = language, live
-        self._on_landmark, self._on_event = on_landmark, on_event
         self._text = base.text if base else TextMap(config.text)
         self._scans = base.scans if base is not None else None
         if self._scans is None and config.ground.enabled:
@@ -106,12 +106,9 @@ class Session:
         self._slam = RgbdSlam(camera, config.slam, live=live, base=base.slam if base else None, advisor=advisor)
         # Whoever needs both takes the text map's lock first: reading takes long, and a step must not wait for it.
         self._stepping = threading.RLock()
-        self._taking, self._taker = threading.Lock(), 0
-        self._changes = threading.Lock()
-        self._changed: dict[int, tuple[Landmark, bool]] = {}
-        self._told: dict[int, str] = {}
-        self._events_told = 0
-        self._readings: deque[FrameReading] = deque(maxlen=_MOST_READINGS)
+        self._turns = Turns()
+        self._news = News(on_landmark, on_event)
+        self._screen: TimeScreen | None = None
         self._latest = -np.inf
         self._pose: NDArray[np.float64] | None = None
         self._listeners = Listeners()
@@ -152,11 +149,11 @@ class Session:
             on_lost=self._words.note_lost,
             points_seen_by=self._slam.map.points_seen_by,
             on_news=self._note_landmarks,
-            on_reading=self._readings.append,
+            on_reading=self._news.readings.append,
         )
         if base is not None:
             self._mapper.resume(base.world_from_keyframe)
-            self._told = {mark.id: mark.name for mark in base.landmarks()}
+            self._news.begin(base.landmarks())
         if live or not sequential:
             self._reader = opened.enter_context(reading_thread(self._mapper, config.text.reading, live))
 
@@ -170,7 +167,8 @@ class Session:
                 cannot be told from the numbers: `cv2.cvtColor(image, cv2.COLOR_BGR2RGB)`.
             depth: (height, width) float32, metres along the optical axis, registered to the colour; 0 or not-a-number
                 where there is none.
-            timestamp: seconds, later than that of the frame before.
+            timestamp: seconds, later than that of the frame before. A frame that lies more than ten seconds ahead
+                waits for the next one, and is taken with it if that one's time follows; it is left out if not.
 
         Returns:
             The pose, or why there is none, and what is new.
@@ -179,10 +177,15 @@ class Session:
             UserError: the frame is not as above, and was not taken, or the session is closed.
         """
         colour, metres = checked_colour(rgb, self.camera), checked_depth(depth, self.camera)
-        if not self.frames:
-            refuse_no_metres(metres)
-        seconds = checked_time(timestamp, self._latest)
-        return self.take(RgbdFrame(self.frames, seconds, colour, metres))
+        with self._turns.step():
+            self._refuse_closed()
+            seconds = checked_time(timestamp, self._latest, self.frames)
+            if self._screen is None:
+                refuse_no_metres(metres)
+                step = self._take_picture((seconds, colour, metres))
+                self._screen = TimeScreen(seconds)
+                return step
+            return self._screen.steps((seconds, colour, metres), self._take_picture, self._first_index + self.frames)
 
     def take(self, frame: RgbdFrame) -> Step:
         """As `step`, for a frame that is known to be in order, with an index of the caller's.
@@ -190,18 +193,19 @@ class Session:
         Raises:
             UserError: the session is closed, or another frame is being taken.
         """
-        if not self._taking.acquire(blocking=False):
-            raise UserError("a frame is being taken: step from one thread at a time, and not from a callback")
-        self._taker = threading.get_ident()
-        try:
+        with self._turns.step():
+            self._refuse_closed()
             return self._take(frame)
-        finally:
-            self._taker = 0
-            self._taking.release()
 
-    def _take(self, frame: RgbdFrame) -> Step:
+    def _refuse_closed(self) -> None:
         if self._has_ended:
             raise UserError("the session is closed: it takes no more frames; open another one, with base=… to go on")
+
+    def _take_picture(self, picture: Picture) -> Step:
+        seconds, colour, depth = picture
+        return self._take(RgbdFrame(self.frames, checked_time(seconds, self._latest, self.frames), colour, depth))
+
+    def _take(self, frame: RgbdFrame) -> Step:
         if self._first_index:
             frame = replace(frame, index=self._first_index + frame.index)
         with self._stepping:
@@ -220,8 +224,8 @@ class Session:
                 self._reader.wait_for_place()
         elif self._mapper is not None:
             self._mapper.observe(frame, tracked)
-        step = Step(tracked, *self._take_landmarks(), self._take_events(), self._take_readings())
-        self._tell(step)
+        step = Step(tracked, *self._news.take(self._slam.events))
+        self._news.tell(step.new_landmarks, step.renamed_landmarks, step.events)
         self._listeners.tell(step)
         return step
 
@@ -317,9 +321,9 @@ class Session:
     def snapshot(self) -> LanguageMap:
         """The map as it is now, which later frames do not change: to save, to distil, to draw."""
         if self._result is not None:
-            return self._copied(self._result)
+            return copied(self._result)
         with self._text_lock(), self._stepping, self._slam.map.lock:
-            return self._copied(self._whole())
+            return copied(self._whole())
 
     def close(self, *, hurry: bool = False) -> LanguageMap:
         """End the session and give its map; once more, the same.
@@ -330,9 +334,7 @@ class Session:
         Raises:
             UserError: the session ended by an error.
         """
-        if self._taker == threading.get_ident():
-            raise UserError("a frame is being taken: close the session when its step is done, not from a callback")
-        with self._taking:
+        with self._turns.end():
             return self._closed(hurry)
 
     def _closed(self, hurry: bool) -> LanguageMap:
@@ -357,11 +359,8 @@ class Session:
             self._result = self._whole()
         finally:
             self._listeners.tell(None)
-        new, renamed = self._take_landmarks()
-        for mark in (*new, *renamed):
-            self._on_landmark(mark)
-        for event in self._take_events():
-            self._on_event(event)
+        new, renamed, events, _ = self._news.take(self._slam.events)
+        self._news.tell(new, renamed, events)
         return self._result
 
     def __enter__(self) -> Self:
@@ -386,50 +385,10 @@ class Session:
 
     def _keyframe_poses(self) -> KeyframePoses:
         """Of the keyframes on which texts hang, at one moment; with the lock of the text map held."""
-        keyframes = {seen.keyframe for each in self._text.long_term for seen in each.observations}
-        slam = self._slam.map
-        with self._stepping, slam.lock:
-            poses = {each: slam.world_from_keyframe(each) for each in keyframes if slam.is_home(each)}
-        return poses.get
+        return poses_now(self._text, self._slam.map, self._stepping)
 
     def _note_landmarks(self) -> None:
-        """Find out which landmarks are new or have another name."""
-        marks = self._text.landmarks(self._keyframe_poses())
-        with self._changes:
-            for mark in marks:
-                if self._told.get(mark.id) != mark.name:
-                    is_new = mark.id not in self._told or self._changed.get(mark.id, (mark, False))[1]
-                    self._changed[mark.id] = (mark, is_new)
-                    self._told[mark.id] = mark.name
-
-    def _take_landmarks(self) -> tuple[tuple[Landmark, ...], tuple[Landmark, ...]]:
-        """New and renamed landmarks that nobody was told of yet."""
-        if not self._changed:
-            return (), ()
-        with self._changes:
-            changed, self._changed = self._changed, {}
-        new = tuple(mark for mark, is_new in changed.values() if is_new)
-        return new, tuple(mark for mark, is_new in changed.values() if not is_new)
-
-    def _take_events(self) -> tuple[SlamEvent, ...]:
-        events = self._slam.events
-        if len(events) == self._events_told:
-            return ()
-        fresh = tuple(events[self._events_told :])
-        self._events_told += len(fresh)
-        return fresh
-
-    def _take_readings(self) -> tuple[FrameReading, ...]:
-        fresh = []
-        while self._readings:
-            fresh.append(self._readings.popleft())
-        return tuple(fresh)
-
-    def _tell(self, step: Step) -> None:
-        for mark in (*step.new_landmarks, *step.renamed_landmarks):
-            self._on_landmark(mark)
-        for event in step.events:
-            self._on_event(event)
+        self._news.note(self._text.landmarks(self._keyframe_poses()))
 
     def _whole(self) -> LanguageMap:
         slam = self._slam
@@ -445,35 +404,15 @@ class Session:
         )
 
     def _statistics(self) -> dict[str, dict[str, float]]:
-        return {
-            "run": {
-                "frames": self.frames,
-                "frames_tracked": self._slam.trajectory.tracked_count,
-                "frames_skipped": self.frames_skipped,
-                "frames_dropped": self.frames_dropped,
-                "frames_unread_for_lack_of_time": self._reader.dropped if self._reader is not None else 0,
-                "keyframes_abandoned": self._slam.keyframes_abandoned,
-                "seconds": self.seconds,
-                "seconds_tracking_and_mapping": self._seconds_tracking,
-            },
-            "reading": asdict(self._mapper.statistics) if self._mapper is not None else {},
+        slam, reader, mapper = self._slam, self._reader, self._mapper
+        run = {
+            "frames": self.frames,
+            "frames_tracked": slam.trajectory.tracked_count,
+            "frames_skipped": self.frames_skipped + (self._screen.left_out if self._screen is not None else 0),
+            "frames_dropped": self.frames_dropped,
+            "frames_unread_for_lack_of_time": reader.dropped if reader is not None else 0,
+            "keyframes_abandoned": slam.keyframes_abandoned,
+            "seconds": self.seconds,
+            "seconds_tracking_and_mapping": self._seconds_tracking,
         }
-
-    @staticmethod
-    def _copied(world: LanguageMap) -> LanguageMap:
-        slam = SlamMap.from_arrays(world.slam.to_arrays())
-        slam.settle()
-        text = TextMap.from_document(world.text.to_document())
-        text.corrections = world.text.corrections
-        return replace(
-            world,
-            slam=slam,
-            trajectory=Trajectory.from_arrays(world.trajectory.to_arrays()),
-            text=text,
-            events=list(world.events),
-            scans=None if world.scans is None else world.scans.copy(),
-        )
-
-
-_MOST_READINGS = 16
-"""Readings that wait for a step; more come only where nobody steps any more."""
+        return {"run": run, "reading": asdict(mapper.statistics) if mapper is not None else {}}

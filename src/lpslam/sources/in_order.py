@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from lpslam.errors import UserError
 from lpslam.frames import FrameFault, FrameSource, PassedOn, RgbdFrame
+from lpslam.leaps import Leaps
 
 
 class InOrder(PassedOn):
@@ -65,32 +66,34 @@ class InOrder(PassedOn):
 
 _LEAP = 1.0
 """Seconds: a frame whose time lies so far after the one before waits for the next, which tells whether it is true."""
+_LAST_LEAP = 10.0
+"""Seconds: a last frame that lies farther ahead has none after it to confirm it; one played live would wait so long."""
 
 
 def _without_leaps(frames: Iterable[RgbdFrame], faults: list[FrameFault]) -> Iterator[RgbdFrame]:
     """Frames but those whose time lies far ahead of what is before and after: all that follow would come too late."""
-    latest = -np.inf
-    held: RgbdFrame | None = None
+    leaps: Leaps[RgbdFrame] = Leaps(_LEAP)
     for frame in frames:
         if not np.isfinite(frame.timestamp):
             yield frame
             continue
-        if held is not None:
-            ahead = held.timestamp - frame.timestamp
-            if frame.timestamp > latest and ahead > _LEAP:
-                reason = f"its time lies {ahead:.6g} s ahead of the frame after it"
-                faults.append(FrameFault(held.index, held.timestamp, reason))
-            else:
-                latest = held.timestamp
-                yield held
-            held = None
-        if frame.timestamp - latest > _LEAP:
-            held = frame
+        ready, wrong = leaps.take(frame.timestamp, frame)
+        if wrong is not None:
+            apart = wrong.timestamp - frame.timestamp
+            where = "ahead of" if apart > 0 else "before"
+            faults.append(_fault(wrong, f"its time lies {abs(apart):.6g} s {where} the frame after it"))
+        yield from ready
+    if leaps.held is not None:
+        last = leaps.held[1]
+        if _LAST_LEAP < leaps.ahead < np.inf:
+            reason = f"its time lies {leaps.ahead:.6g} s after the frame before it, and none follows that confirms it"
+            faults.append(_fault(last, reason))
         else:
-            latest = max(latest, frame.timestamp)
-            yield frame
-    if held is not None:
-        yield held
+            yield last
+
+
+def _fault(frame: RgbdFrame, reason: str) -> FrameFault:
+    return FrameFault(frame.index, frame.timestamp, reason)
 
 
 _SLOW = 1

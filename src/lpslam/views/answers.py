@@ -10,6 +10,7 @@ from lpslam.pipeline import Answer
 from lpslam.text.types import Landmark
 from lpslam.views.drawable import printable
 
+_LISTED = (Ask.LIST, Ask.HERE, Ask.FORBIDDEN, Ask.BARRED)  # questions that several places answer at once
 _INSTEAD = " (instead of "
 
 
@@ -28,7 +29,7 @@ def answer_text(
     why = printable(answer.choice.evidence, longest=300)
     others = phrases.join([_other(mark, answer, phrases) for mark in answer.alternatives])
     embedded, _, absent = answer.choice.model.partition(_INSTEAD)
-    if answer.landmark is not None and answer.wish.stops[-1].ask in (Ask.LIST, Ask.HERE):
+    if answer.landmark is not None and answer.wish.stops[-1].ask in _LISTED:
         shown = [_other(mark, answer, phrases) for mark in (answer.landmark, *answer.alternatives)]
         lines, others, more = [f"- {each}" for each in shown], "", ""
     elif answer.landmark is None:

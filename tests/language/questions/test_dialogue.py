@@ -126,6 +126,15 @@ def dialogue_text(question: str, **place: Any) -> str:
     return talk.said(talk.ask(question))
 
 
+def test_several_doors_that_are_closed_are_each_a_line_of_the_answer() -> None:
+    signs = [("Café Luna", 1.0, 0.0), ("Staff only", 3.0, 0.0), ("No entry", 5.0, 0.0)]
+    talk = dialogue(signs)
+    text = talk.said(talk.ask("Which doors is the public not allowed through?"))
+    lines = [line for line in text.splitlines() if line.startswith("- ")]
+    assert len(lines) == 2
+    assert not any("Luna" in line for line in lines)
+
+
 def test_distance_and_direction_are_from_where_the_robot_is() -> None:
     assert "4.0 m away, ahead" in dialogue_text("Where can I eat pizza?")
     position, heading = parsed_place("4,2,0")
@@ -151,7 +160,7 @@ def test_every_language_says_everything_and_directions_go_round(language: str) -
     english, own = phrases_in("en"), phrases_in(language)
     assert own.language == language
     said = ("name", "x", "y", "z", "distance", "direction", "count", "why", "sure", "model", "others", "things")
-    parts = dict.fromkeys((*said, "wanted", "sign", "degrees"), "#")
+    parts = dict.fromkeys((*said, "words", "wanted", "sign", "degrees"), "#")
     for what in english._templates:
         if what not in ("directions", "joint", "words"):
             assert own.say(what, **parts).count("#") >= min(1, english.say(what, **parts).count("#")), what

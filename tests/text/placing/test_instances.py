@@ -5,7 +5,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from lpslam.config import InstanceConfig
-from lpslam.text.placing.instances import split_places, trimmed_position, world_placements
+from lpslam.text.placing.columns import WorldSightings
+from lpslam.text.placing.instances import split_places, trimmed_position
 from lpslam.text.types import Placement, TextObservation
 
 CONFIG = InstanceConfig()
@@ -91,8 +92,29 @@ def test_observations_move_with_their_keyframes() -> None:
     poses = {0: np.eye(4), 1: np.eye(4)}
     poses[1][:3, :3] = [[0, 0, 1], [0, 1, 0], [-1, 0, 0]]
     poses[1][:3, 3] = [5, 0, 0]
-    positions, normals, baselines = world_placements(observations, poses.__getitem__)
-    assert positions[0] == pytest.approx([0, 0, 2])
-    assert positions[3] == pytest.approx([7, 0, 0])
-    assert normals[1] == pytest.approx([-1, 0, 0])
-    assert baselines[1] == pytest.approx([0, 0, -1])
+    placed = WorldSightings.of(observations, poses.__getitem__)
+    assert placed.positions[0] == pytest.approx([0, 0, 2])
+    assert placed.positions[3] == pytest.approx([7, 0, 0])
+    assert placed.normals[1] == pytest.approx([-1, 0, 0])
+    assert placed.baselines[1] == pytest.approx([0, 0, -1])
+
+
+@given(st.lists(st.integers(0, 5), max_size=12), st.booleans())
+def test_some_rows_of_all_columns_are_those_of_the_same_sightings(rows: list[int], as_mask: bool) -> None:
+    observations = [
+        TextObservation(
+            row, 0.1 * row, row % 2, "AB"[row % 2], 0.9, Placement((row, 0, 2), (0, 0, -1), (1, 0, 0), row, 1, row), row
+        )
+        for row in range(6)
+    ]
+    placed = WorldSightings.of(observations, lambda keyframe: np.eye(4))
+    chosen = np.isin(np.arange(6), rows) if as_mask else np.array(rows, np.intp)
+    numbers = np.arange(6)[chosen].tolist()
+    some = placed[chosen]
+    assert len(some) == len(numbers)
+    assert some.positions[:, 0].tolist() == some.sizes[:, 0].tolist() == some.frames.tolist() == numbers
+    assert some.uncertainties.tolist() == some.letter_heights.tolist() == numbers
+    assert some.timestamps.tolist() == [0.1 * row for row in numbers]
+    assert some.texts == tuple("AB"[row % 2] for row in numbers)
+    assert sum(some.variants.values()) == len(numbers)
+    assert some.normals.shape == some.baselines.shape == (len(numbers), 3)

@@ -3,7 +3,6 @@
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from lpslam.language.choosing.cues import cues_of
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import FITS, FITS_INSTEAD, Kinds, Served, likeness, merged, serve
 from lpslam.language.languages import LATIN
@@ -24,7 +23,6 @@ _SPECIAL = 0.5  # a wanted concept of this weight is more than “food” or “
 _ALTERNATIVES = 5
 _FEW_WORDS = 2  # words of a question that may be in another language than it seems
 _MALL = 0.3  # of the landmarks: so many shops make a mall of a building
-_GUESS = 0.55  # how sure a guess by the pieces of words makes us
 _SAME_SORT = 0.25  # what the sort of a refused place weighs where nothing else is wanted
 _BARE_NO = 5  # letters of a plain “not” in any language; longer phrases refuse
 _FEW = 3  # landmarks that one word may stand for
@@ -52,9 +50,7 @@ def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Kn
 
     The evidence is in the language of the question.
     """
-    choice, _ = ranked(question, index, signs, knowledge, model)
-    guess = None if choice.landmark is not None else guessed(question, index, signs, knowledge, model)
-    return choice if guess is None else guess[0]
+    return ranked(question, index, signs, knowledge, model)[0]
 
 
 Scores = dict[int, float]
@@ -62,37 +58,6 @@ Scores = dict[int, float]
 
 Understood = tuple[Wish, set[int], list[int]]
 """A wish, and the landmarks that are refused and that are wanted by a part of their name."""
-
-
-def guessed(
-    question: str,
-    index: LandmarkIndex,
-    signs: SignReader,
-    knowledge: Knowledge,
-    model: str,
-    is_in_other_words: bool = True,
-) -> tuple[Choice, Scores] | None:
-    """What serves the concepts that a question's words are nearest to, where no table reads what is wanted.
-
-    None where something else comes near, or a refusal or name is said; and, unless it may be `is_in_other_words`,
-    where the tables do read what is wanted.
-    """
-    wish, refused, _ = understand(question, index, signs, knowledge)
-    is_plain = not (refused or wish.refused or wish.wanted_names or wish.refused_names or wish.contested)
-    is_read = any(weight >= _SPECIAL for _, weight in wish.wanted)
-    if not is_plain or wish.language is None or wish.unknown or (is_read and not is_in_other_words):
-        return None
-    meant, near = cues_of(wish.language, knowledge).guessed(clean_text(question), is_read)
-    phrases = phrases_in(answer_language(question))
-
-    def serving(concepts: Sequence[str]) -> tuple[Choice, Scores]:
-        wanted = tuple((concept, 1.0) for concept in concepts)
-        return _best(replace(wish, wanted=wanted), index, set(), knowledge, model, phrases)
-
-    choice, scores = serving(meant)
-    if choice.landmark is None or not serving(meant[:1])[1] or serving(near)[1].keys() - scores.keys():
-        return None
-    return replace(choice, confidence=min(choice.confidence, _GUESS)), scores
 
 
 def ranked(

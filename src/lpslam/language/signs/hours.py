@@ -223,7 +223,10 @@ def _meant(found: re.Match[str]) -> tuple[int, ...]:
     minute = _minute(found, "")
     hour = minute // _HOUR
     part = next(iter(_parts_of_day(found)), "")
-    if part in ("afternoon", "evening") or (part == "night" and hour >= _NIGHT_BEGINS):
+    if part in ("evening", "night") and hour == 12:
+        # “半夜十二点” is midnight.
+        minutes = [(minute + _NOON) % _DAY]
+    elif part in ("afternoon", "evening") or (part == "night" and hour >= _NIGHT_BEGINS):
         minutes = [minute + _NOON if hour < 12 else minute]
     elif part or found["half"] or found["unit"] or hour > 12 or not found["lead"]:
         minutes = [minute]

@@ -65,6 +65,22 @@ def load_buildings() -> Buildings:
     return Buildings(tuple(concepts), families)
 
 
+def load_associations(language: str) -> Iterator[tuple[str, list[str]]]:
+    """Return the words of a language that are associated with concepts, though they do not say them.
+
+    The files of `data/lexicon/associations` have entries as those of buildings have, without sides.
+    """
+    folder = files("lpslam.language") / "data" / "lexicon" / "associations"
+    for path in sorted(folder.iterdir(), key=lambda each: each.name):
+        concept = ""
+        for line in path.read_text(encoding="utf-8").splitlines():
+            head, _, said = line.partition(" ")
+            if head == language:
+                yield concept, [text.strip() for text in said.split("|") if text.strip()]
+            elif head and head not in LANGUAGES and not head.startswith("#"):
+                concept = head
+
+
 def _families(lines: Sequence[str]) -> Iterator[tuple[str, tuple[str, ...]]]:
     for line in lines:
         if line.startswith("family "):

@@ -93,6 +93,7 @@ class Knowledge:
     _tables: "SpokenTables"
     _above: dict[str, tuple[str, ...]] = field(default_factory=dict)
     _shares: dict[tuple[str, str], float] = field(default_factory=dict)
+    _served: dict[str, Mapping[str, float]] = field(default_factory=dict)
 
     def spoken(self, language: str) -> Mapping[str, Meaning]:
         """Return what the phrases of a language mean in a question; built when it is first asked for."""
@@ -155,6 +156,26 @@ class Knowledge:
             trust * next((table[above] for above in self.above(kind) if above in table), 0.0) for trust, table in tables
         ]
         return max(shares, default=0.0)
+
+    def served_by(self, kind: str) -> Mapping[str, float]:
+        """Return all concepts that a place of `kind` serves, and how well: `share`, the other way round."""
+        if kind not in self._served:
+            above = self.above(kind)
+            offered = {concept for each in above for concept in self._offered_by.get(each, ())}
+            # A shop serves as another that sells the same first of all.
+            alike = {next(iter(self.offers[concept])) for concept in offered}
+            concepts = sorted({*above, *offered, *(each for each in alike if each.startswith("shop/"))})
+            self._served[kind] = {concept: self.share(concept, kind) for concept in concepts}
+        return self._served[kind]
+
+    @cached_property
+    def _offered_by(self) -> Mapping[str, list[str]]:
+        """The concepts that each kind is said to offer."""
+        found: dict[str, list[str]] = {}
+        for concept, table in self.offers.items():
+            for kind in table:
+                found.setdefault(kind, []).append(concept)
+        return found
 
     @cached_property
     def _goods_of(self) -> Mapping[str, list[Mapping[str, float]]]:

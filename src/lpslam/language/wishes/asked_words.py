@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 
-from lpslam.language.questions.question import Wish as Meaning
 from lpslam.language.questions.speaking import languages_of
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.words import is_mark, is_unspaced, longest_phrases
@@ -24,17 +23,6 @@ class AskedWords:
         # “Sala de reuniones” is one phrase with its filler only.
         proper = set(self.of(text, self.likely(text))[1])
         return words, [word for word in bare if is_unspaced(word) or word in proper]
-
-    def telling(self, text: str, meaning: Meaning) -> list[list[str]]:
-        """The phrases of a question that mean what is wanted first of all, as words of boards."""
-        main = {kind for kind, _ in meaning.wanted if kind in meaning.main} - self._knowledge.general
-        units = self._knowledge.folder.units(text)
-        return [
-            _joined(units[span.start : span.end])
-            for language in self.likely(text)[:1]
-            for span in longest_phrases(units, self._knowledge.tables_of(language))
-            if main.intersection(concept for concept, _ in span.value.concepts)
-        ]
 
     def likely(self, text: str) -> tuple[str, ...]:
         """The languages that a text may be in; a few words may be in any that knows them."""

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import FITS, likeness, match
+from lpslam.language.choosing.support import CLUES
 from lpslam.language.questions.question import read_question
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.words import is_mark, longest_phrases
@@ -105,6 +106,7 @@ def clues_of(served: Served, index: LandmarkIndex, asked: AskedWords, knowledge:
         "no spaces": float(language in _UNSPACED),
         "language not told": float(wish.language is None),
     }
+    clues |= {name: served.heard.get(name, 0.0) for name in CLUES}
     for way in (Way.NAME, Way.WORDS, Way.TOLD, Way.GUESS):
         clues[way.value] = float(served.way is way)
     return clues

@@ -19,6 +19,7 @@ class Ask(StrEnum):
     WHICH = "which"
     HERE = "what is here"
     FORBIDDEN = "forbidden here"
+    BARRED = "closed to the public"
 
 
 class Which(StrEnum):

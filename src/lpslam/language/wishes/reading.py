@@ -31,6 +31,7 @@ _MOST_LISTED_WORDS = 4  # of each: longer ones tell of something
 _FEWEST_LISTED = 3  # things that are listed without a word for their order: “pharmacy, bank, coffee”
 _FEWEST_ALTERNATIVES = 2
 _MOST_NAMED_WORDS = 7  # of an alternative: longer ones tell of something
+_OF_ANY_PLACE = (Ask.HERE, Ask.FORBIDDEN, Ask.BARRED)
 _DEEPEST = 2  # anchors of anchors
 _POSSESSIVE = re.compile(r"['’]s?$")
 
@@ -48,6 +49,7 @@ def read_wish(question: str, knowledge: Knowledge) -> Wish:
     text = clean_text(question, _LONGEST).strip(_ENDS)
     languages = wish_languages(text, knowledge)
     likely = languages_of(text, knowledge)
+    text = _corrected(text, languages)
     alternatives = _among(text, languages, knowledge)
     if alternatives is not None:
         return Wish((alternatives,), likely[0] if likely else None)
@@ -61,6 +63,14 @@ def read_wish(question: str, knowledge: Knowledge) -> Wish:
         stops = tuple(_stop(part, languages, knowledge) for part in listed[:_MOST_STOPS])
         return Wish(stops, likely[0] if likely else None, instead=alone)
     return Wish((alone,), likely[0] if likely else None)
+
+
+def _corrected(text: str, languages: tuple[str, ...]) -> str:
+    """Return what stands after whoever asks has thought better of it: “chicken … no, scrap that, noodles”."""
+    rules = rules_of(languages[0] if languages else "en")
+    found = rules.first(rules.corrections, text)
+    last = "" if found is None else found[1].group("what").strip(_ENDS)
+    return _corrected(last, languages) if content_left(last, rules) else text
 
 
 def _plan(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> Wish | None:
@@ -192,10 +202,10 @@ def _stop(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: in
         left = content_left(rules.any.sub(" ", what), rules)
     if is_placed:
         left = _uncommon(left, languages, knowledge)
-    is_any = ask in (Ask.HERE, Ask.FORBIDDEN) or (not left and (is_placed or ask is Ask.LIST))
+    is_any = ask in _OF_ANY_PLACE or (not left and (is_placed or ask is Ask.LIST))
     which = stop.which
     opposed = sorted({each.value for each in _orders(what, languages)} & _OPPOSED)
-    if which is Which.ANY and ask in (Ask.LIST, Ask.HERE, Ask.FORBIDDEN):
+    if which is Which.ANY and ask in (Ask.LIST, *_OF_ANY_PLACE):
         which = Which.ALL
     return replace(
         stop,

@@ -39,6 +39,7 @@ class Rules:
 
     asks: tuple[Row, ...]
     orders: tuple[Row, ...]
+    corrections: tuple[Row, ...]
     sequences: tuple[Row, ...]
     relations: tuple[Row, ...]
     exclusions: tuple[Row, ...]
@@ -88,6 +89,7 @@ def rules_of(language: str) -> Rules:
     return Rules(
         rows("asks"),
         rows("orders"),
+        rows("corrections"),
         rows("sequences"),
         rows("relations"),
         rows("exclusions"),

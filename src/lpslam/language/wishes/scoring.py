@@ -8,12 +8,15 @@ from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
 
-from lpslam.language.choosing.choosing import guessed, ranked
+from lpslam.language.choosing.choosing import ranked
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import FITS, match
-from lpslam.language.model import Candidate
+from lpslam.language.choosing.support import Support, Supported
+from lpslam.language.model import Candidate, Choice
+from lpslam.language.questions.phrasing import answer_language, phrases_in
 from lpslam.language.questions.question import Wish as Meaning
 from lpslam.language.questions.question import asks_for_another, read_question
+from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.distrust import commands
 from lpslam.language.signs.reader import SignReader
 from lpslam.language.signs.wording import WARNING
@@ -21,9 +24,10 @@ from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.words import is_mark, is_unspaced, longest_phrases
 from lpslam.language.wishes.asked_words import SHORTEST, AskedWords
 from lpslam.language.wishes.attributes import attributes_of, told_apart
+from lpslam.language.wishes.barred import barred
 from lpslam.language.wishes.certainty import clues_of, probability
 from lpslam.language.wishes.codes import without_codes
-from lpslam.language.wishes.form import Ask, Stop, with_meaning
+from lpslam.language.wishes.form import Ask, Stop, Which, with_meaning
 from lpslam.language.wishes.identities import Identities
 from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.opening import Opening
@@ -43,6 +47,7 @@ _SURE, _NAMED, _ACROSS = 1.0, 0.9, 0.85  # of a code or person, of a part of a n
 _WHOLE = 0.95  # of a name's letters: the name itself
 _FEWEST_BORNE, _MOST_BORNE = 2, 0.5  # words of a question that a board bears, and their share of its letters
 _OFFERED = 5  # places that are told where none is sure enough
+_READ = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
 _LEAST_LITERAL = 0.3  # of a board's letters that are asked for word by word
 
 
@@ -63,6 +68,7 @@ class EmbeddedScorer:
         self._sorts = Sorts(landmarks, index, knowledge)
         self._opening = Opening(landmarks)
         self._by_id = {mark.id: mark for mark in landmarks}
+        self._support: Support | None = None
         self._heard: set[int] = set()
         self._commanding: set[int] = set()
 
@@ -145,14 +151,22 @@ class EmbeddedScorer:
             scores = self._trusted(_within(general, within))
             return Served(stop, scores, "any of this sort", 0.9, ignored=ignored, way=Way.SORT)
         choice, scores = ranked(stop.what, self._index, self._signs, self._knowledge, self.model)
-        scores = self._sorts.not_by_the_whole(meaning, _within(self._trusted(scores), within))
-        scores = self._sorts.going_there(meaning, scores)
-        scores = self._bearing_the_words(stop, meaning, self._sorts.of_the_family(meaning, scores))
+        scores = self._sorts.of_the_family(meaning, _within(self._trusted(scores), within))
         scores = self._told_apart(stop, scores)
-        if not scores or self._is_another(stop, meaning, scores):
+        is_another = bool(scores) and self._is_another(stop, meaning, scores)
+        scores = {} if is_another else scores
+        supported = None if is_another else self._supported(stop, meaning, scores, within)
+        if not scores:
             literal = self._by_words(stop, meaning, ignored)
             if literal is not None:
                 return literal
+            sounding = (
+                {} if self._refuses(stop.what, meaning) else self._names.sounding(self._asked.asked(stop.what)[1])
+            )
+            if sounding:
+                scores = self._trusted(sounding)
+                said = "a name that sounds so"
+                return Served(stop, scores, said, 0.7, ignored=ignored, way=Way.WORDS, strength=max(sounding.values()))
             numbered = self._numbered(stop, ignored)
             if numbered is not None:
                 return numbered
@@ -160,23 +174,53 @@ class EmbeddedScorer:
             if told:
                 scores = self._trusted(told)
                 return Served(stop, scores, "the board says so", 0.8, ignored=ignored, way=Way.TOLD)
-            guess = self._guessed(stop, within) if not scores else None
-            if guess is not None:
-                return replace(guess, ignored=ignored)
-            return Served(stop, {}, choice.evidence, choice.confidence, choice.alternatives, ignored)
-        top = max(scores.values())
+            if supported is None:
+                return Served(stop, {}, choice.evidence, choice.confidence, choice.alternatives, ignored)
+        top = max(scores.values(), default=0.0)
         scores = {id_: score / top for id_, score in scores.items()}
         words, _ = self._asked.asked(stop.what)
         exact = frozenset(id_ for id_, share in self._names.covered(words).items() if share >= _WHOLE and id_ in scores)
         if meaning.wanted_names:
             exact = frozenset(scores)
+        evidence = choice.evidence if supported is None else self._spoken_for(stop, choice, supported)
         return Served(
-            *(stop, scores, choice.evidence, choice.confidence),
+            *(stop, scores if supported is None else supported.scores, evidence, choice.confidence),
             ignored=ignored,
             exact=exact,
-            way=Way.KIND,
+            way=Way.KIND if scores else Way.GUESS,
             strength=top,
+            heard={} if supported is None else supported.clues,
         )
+
+    def _supported(
+        self, stop: Stop, meaning: Meaning, scores: Mapping[int, float], within: set[int] | None
+    ) -> Supported | None:
+        """What the words of a stop speak for, beside what the tables read; None where that is not theirs to say.
+
+        Nothing that is refused is weighed; and what a place, an order or a list tells apart is a sort that is read.
+        """
+        is_told = stop.relation is not None or stop.which is not Which.ANY or bool(stop.without)
+        if (is_told and scores) or meaning.wanted_names or meaning.contested or self._refuses(stop.what, meaning):
+            return None
+        is_read = any(weight >= _READ for _, weight in meaning.wanted)
+        if not scores and is_read and not self._asked.asked(stop.what)[1]:
+            # “The swimming pool” is no place that has to do with water.
+            return None
+        if self._support is None:
+            self._support = Support(self._index, self._names.bearing, self._knowledge)
+        language = meaning.language or next(iter(self._asked.likely(stop.what)), "en")
+        found = self._support.of(stop.what, language, scores)
+        kept = _within(self._trusted(found.scores), within)
+        return replace(found, scores=kept) if kept else None
+
+    def _spoken_for(self, stop: Stop, choice: Choice, supported: Supported) -> str:
+        """Why the best is chosen: as the tables read the question, else by its words."""
+        best = max(supported.scores, key=lambda id_: (supported.scores[id_], -id_))
+        if best == choice.landmark:
+            return choice.evidence
+        phrases = phrases_in(answer_language(stop.what))
+        name = clean_text(self._index.name_of[best])
+        return phrases.say("words_speak", words=phrases.join(supported.words) or stop.what, name=name)
 
     def _of_the_kind(self, stop: Stop, scores: dict[int, float]) -> dict[int, float]:
         """Of several that bear a code, those of the kind that the words say: who flies out of A27 wants a gate."""
@@ -189,43 +233,6 @@ class EmbeddedScorer:
             if any(match(kind, self._index.signs[id_].kinds, self._knowledge) >= FITS for kind in meaning.main)
         }
         return fitting or scores
-
-    def _guessed(self, stop: Stop, within: set[int] | None) -> Served | None:
-        """What the words of a stop are nearest to; who asks whether there is a hotel is not shown a taxi."""
-        in_other_words = stop.ask is not Ask.IS_THERE
-        guess = guessed(stop.what, self._index, self._signs, self._knowledge, self.model, in_other_words)
-        if guess is None:
-            return None
-        choice, found = guess
-        meaning = read_question(stop.what, self._knowledge)
-        if meaning.wanted:
-            found = self._sorts.of_the_family(meaning, found)
-        scores = self._told_apart(stop, _within(self._trusted(found), within))
-        strength = max(scores.values(), default=0.0)
-        guess_ = Served(stop, scores, choice.evidence, choice.confidence, way=Way.GUESS, strength=strength)
-        return guess_ if scores else None
-
-    def _bearing_the_words(self, stop: Stop, meaning: Meaning, scores: Mapping[int, float]) -> dict[int, float]:
-        """Of several that serve, those whose boards bear the words themselves: “meeting room Alpha”, 烤鸭."""
-        if len(scores) < _FEWEST_TO_TELL_APART or self._refuses(stop.what, meaning):
-            return dict(scores)
-        _, proper = self._asked.asked(stop.what)
-        bearing = self._names.covered(proper)
-        kept = {id_: score for id_, score in scores.items() if id_ in bearing}
-        if kept:
-            return kept
-        top = max(scores.values())
-        near = [id_ for id_, score in scores.items() if score >= _NEARLY * top]
-        letters: dict[int, int] = {}
-        for words in self._asked.telling(stop.what, meaning):
-            said = self._names.covered(words).keys() & set(near)
-            if said and len(said) <= _TELLING * len(near):
-                letters |= {id_: letters.get(id_, 0) + sum(map(len, words)) for id_ in said}
-        most = max(letters.values(), default=0)
-        best = {id_ for id_, each in letters.items() if each == most}
-        return {
-            id_: top if id_ in best else min(score, _BEHIND * top) if best else score for id_, score in scores.items()
-        }
 
     def _told_apart(self, stop: Stop, scores: Mapping[int, float]) -> dict[int, float]:
         """Of rooms and doors of one kind, those that the wish tells from the others: “the blue lounge”, 北口."""
@@ -305,6 +312,8 @@ class EmbeddedScorer:
     def _any_place(self, stop: Stop) -> Served:
         if stop.ask is Ask.FORBIDDEN:
             return Served(stop, dict.fromkeys(sorted(self._warning), 1.0), "what warns or forbids", 0.9)
+        if stop.ask is Ask.BARRED:
+            return Served(stop, dict.fromkeys(sorted(barred(self._landmarks)), 1.0), "its board keeps people out", 0.9)
         return Served(stop, self._places, "any place", 0.9)
 
     @cached_property

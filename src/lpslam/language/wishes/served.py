@@ -42,6 +42,7 @@ class Served:
         way: how they were found.
         sure: probability, 0 to 1, that the best is what was meant.
         strength: of the best, before scores were divided by it.
+        heard: what tells how sure the words of a question make us, by name.
         exact: of those, the landmarks whose board says these very words, and no more.
         sees_all: whether every landmark that serves has its score; a model names a few only.
     """
@@ -57,6 +58,7 @@ class Served:
     exact: frozenset[int] = field(default=frozenset())
     way: Way = Way.PLACE
     strength: float = 1.0
+    heard: Mapping[str, float] = field(default_factory=dict)
     sure: float = 1.0
 
 

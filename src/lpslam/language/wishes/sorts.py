@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 
 from lpslam.language.choosing.landmark_index import LandmarkIndex
-from lpslam.language.choosing.serving import FITS, Kinds, likeness, match
+from lpslam.language.choosing.serving import Kinds, likeness
 from lpslam.language.model import Candidate
 from lpslam.language.questions.question import Wish as Meaning
 from lpslam.language.tables.knowledge import Knowledge
@@ -86,19 +86,6 @@ class Sorts:
             return True
         return not any(kind.startswith((*_OF_THE_HOUSE, "sign/")) for kind, _ in kinds)
 
-    def not_by_the_whole(self, meaning: Meaning, scores: Mapping[int, float]) -> dict[int, float]:
-        """An aisle of a supermarket sells what it says, not what supermarkets sell."""
-        if self._families["supermarket"] < max(_FEW_OF_A_FAMILY, _MUCH_OF_A_FAMILY * len(self._landmarks)):
-            return dict(scores)
-
-        def sells(id_: int) -> bool:
-            kinds = self._index.signs[id_].kinds
-            own = tuple(each for each in kinds if each[0] not in _WHOLE_SHOPS)
-            is_aisle = any(self._knowledge.family(kind) == "supermarket" for kind, _ in kinds)
-            return not is_aisle or any(match(concept, own, self._knowledge) >= FITS for concept, _ in meaning.wanted)
-
-        return {id_: score for id_, score in scores.items() if sells(id_)}
-
     def of_the_family(self, meaning: Meaning, scores: Mapping[int, float]) -> dict[int, float]:
         """Who asks for one department of a hospital wants no other; an aisle goes before the rest of a supermarket."""
         for kind, _ in meaning.wanted:
@@ -121,17 +108,6 @@ class Sorts:
                     }
                     return kept | more
         return dict(scores)
-
-    def going_there(self, meaning: Meaning, scores: dict[int, float]) -> dict[int, float]:
-        """Where boards name destinations, who asks for one gets no other: the ferry to Oslo."""
-        asked = {kind for kind, _ in meaning.wanted if kind.startswith(_DESTINATION)}
-        if not asked or self._families["destinations"] < _FEWEST_TO_TELL_APART:
-            return scores
-        return {
-            id_: score
-            for id_, score in scores.items()
-            if any(kind in asked for kind, _ in self._index.signs[id_].kinds)
-        }
 
     def is_of_the_house(self, id_: int) -> bool:
         """Whether a landmark is a part of the building and no business in it: a toilet, a lift, a gate."""

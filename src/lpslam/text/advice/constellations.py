@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from lpslam.camera import transform_points
 from lpslam.config import AdviceConfig
-from lpslam.text.placing.instances import KeyframePoses, world_placements
+from lpslam.text.placing.columns import WorldSightings
+from lpslam.text.placing.instances import KeyframePoses
 from lpslam.text.remembering.similarity import comparison_key, is_fragment, similarity
 from lpslam.text.types import TextObservation
 
@@ -103,8 +104,8 @@ def seen_texts(
     if not sightings:
         return []
     classes = np.array([text_class for text_class, _ in sightings])
-    observations = [observation for _, observation in sightings]
-    positions, normals, baselines = world_placements(observations, world_from_keyframe)
+    placed = WorldSightings.of([observation for _, observation in sightings], world_from_keyframe)
+    positions, normals = placed.positions, placed.normals
     texts = []
     left = np.arange(len(sightings))
     while len(left):
@@ -115,33 +116,27 @@ def seen_texts(
             & (normals[left] @ normals[first] > 0.0)
         )
         rows, left = left[here], left[~here]
-        readings = [observations[row] for row in rows]
-        texts.append(
-            _text(int(classes[first]), readings, np.median(positions[rows], axis=0), normals[rows], baselines[rows])
-        )
+        texts.append(_text(int(classes[first]), placed[rows]))
     return texts
 
 
-def _text(
-    text_class: int, readings: Sequence[TextObservation], position: Array, normals: Array, baselines: Array
-) -> Seen:
-    counts: dict[str, int] = {}
-    for each in readings:
-        counts[each.text] = counts.get(each.text, 0) + 1
+def _text(text_class: int, seen: WorldSightings) -> Seen:
+    counts = seen.variants
     spellings = sorted(counts, key=lambda text: (-counts[text], text))
     key = comparison_key(spellings[0])
     same = [count for text, count in counts.items() if similarity(comparison_key(text), key) >= NEARLY_THE_SAME]
+    width, height = np.median(seen.sizes, axis=0).tolist()
     return Seen(
         text_class,
         tuple(spellings[:_SPELLINGS]),
-        len(readings),
-        float(np.mean([each.confidence for each in readings])),
-        sum(same) / len(readings),
-        position,
-        _unit(normals.mean(axis=0)),
-        _unit(baselines.mean(axis=0)),
-        float(np.median([each.place.width for each in readings])),
-        float(np.median([each.place.height for each in readings])),
+        len(seen),
+        float(np.mean([each.confidence for each in seen.observations])),
+        sum(same) / len(seen),
+        np.median(seen.positions, axis=0),
+        _unit(seen.normals.mean(axis=0)),
+        _unit(seen.baselines.mean(axis=0)),
+        width,
+        height,
     )
 
 

@@ -1,14 +1,12 @@
 """From a class's observations to the places where it stands (paper, III-H)."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.cluster.hierarchy import fcluster, linkage
 
-from lpslam.camera import transform_points
 from lpslam.config import InstanceConfig
-from lpslam.text.types import TextObservation
 
 Array = NDArray[np.float64]
 
@@ -39,7 +37,9 @@ def trimmed_position(positions: Array, rounds: int, drop_share: float) -> tuple[
     return positions[kept].mean(axis=0), kept
 
 
-def split_places(positions: Array, normals: Array, frames: Array, config: InstanceConfig) -> list[NDArray[np.intp]]:
+def split_places(
+    positions: Array, normals: Array, frames: NDArray[np.int64], config: InstanceConfig
+) -> list[NDArray[np.intp]]:
     """Split the observations of one class by where they stand and where they face.
 
     One class may hang in several places: every exit says EXIT. Average linkage puts together what is nearer than
@@ -89,34 +89,10 @@ def _both_sides(
     return joined
 
 
-def _distance_within_frames(features: Array, frames: Array) -> float | None:
+def _distance_within_frames(features: Array, frames: NDArray[np.int64]) -> float | None:
     """How far apart sightings of the same frame are, if two or more frames saw the class more than once."""
     first, second = np.triu_indices(len(frames), 1)
     same = frames[first] == frames[second]
     if len(np.unique(frames[first[same]])) < 2:
         return None
     return float(np.median(np.linalg.norm(features[first[same]] - features[second[same]], axis=1)))
-
-
-def world_placements(
-    observations: Sequence[TextObservation], world_from_keyframe: KeyframePoses
-) -> tuple[Array, Array, Array]:
-    """Positions, normals and baselines of observations in the world, each (n, 3), by their keyframes' present poses.
-
-    Raises:
-        ValueError: the place of a keyframe, or of an observation in it, is not known.
-    """
-    keyframes = np.array([each.keyframe for each in observations], dtype=np.int64)
-    local = np.array(
-        [(each.place.position, each.place.normal, each.place.baseline) for each in observations],
-        dtype=np.float64,
-    ).reshape(-1, 3, 3)
-    world = np.empty_like(local)
-    for keyframe in np.unique(keyframes):
-        rows = keyframes == keyframe
-        pose = world_from_keyframe(int(keyframe))
-        if pose is None:
-            raise ValueError(f"keyframe {keyframe} has no place in the map")
-        world[rows, 0] = transform_points(pose, local[rows, 0])
-        world[rows, 1:] = local[rows, 1:] @ pose[:3, :3].T
-    return world[:, 0], world[:, 1], world[:, 2]

@@ -1,6 +1,5 @@
 """The places of long-term texts: where each class stands (III-H), and what it says there."""
 
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import exp
@@ -12,7 +11,8 @@ from scipy.spatial import KDTree
 from lpslam.config import InstanceConfig, MemoryConfig
 from lpslam.language.naming.channel import evidence_of, log_likelihood, paint_key
 from lpslam.text.placing.bearings import placed
-from lpslam.text.placing.instances import KeyframePoses, split_places, trimmed_position, world_placements
+from lpslam.text.placing.columns import WorldSightings
+from lpslam.text.placing.instances import KeyframePoses, split_places, trimmed_position
 from lpslam.text.remembering.evidence import looks_of, readings_of
 from lpslam.text.remembering.memory import TextClass
 from lpslam.text.types import TextObservation
@@ -92,68 +92,68 @@ def places_of_class(
     A place seen but once is a slip of depth or of reading, unless the class has no other.
     """
     known = [each for each in text_class.observations if world_from_keyframe(each.keyframe) is not None]
-    observations = placed(known, world_from_keyframe, config)
-    positions, normals, baselines = world_placements(observations, world_from_keyframe)
+    sightings = WorldSightings.of(placed(known, world_from_keyframe, config), world_from_keyframe)
     for leave_out in (_doubtful, _carried):
-        kept = np.flatnonzero(~leave_out(observations, positions, config))
-        observations = [observations[row] for row in kept]
-        positions, normals, baselines = positions[kept], normals[kept], baselines[kept]
-    if not observations:
+        sightings = sightings[~leave_out(sightings, config)]
+    if not len(sightings):
         return []
-    frames = np.array([each.frame for each in observations])
-    groups = list(enumerate(split_places(positions, normals, frames, config)))
+    groups = list(enumerate(split_places(sightings.positions, sightings.normals, sightings.frames, config)))
     enough = min(config.min_observations, max(len(rows) for _, rows in groups))
 
     places = []
     for number, rows in groups:
-        seen = [observations[row] for row in rows]
-        if len(rows) < enough or not _is_large_enough(seen, config):
+        seen = sightings[rows]
+        if len(seen) < enough or not _is_large_enough(seen, config):
             continue
         name, sure = _name_here(text_class, seen, len(groups) > 1, memory)
-        if _is_hardly_text(name, sure, seen):
-            continue
-        whole = rows[_show_all_of(name, seen)]
-        position, kept = trimmed_position(positions[whole], config.rounds, config.drop_share)
-        trusted = _on_the_side_seen_most(whole[kept], normals)
-        normal = _mean_direction(normals[trusted])
-        baseline = _mean_direction(baselines[trusted])
-        places.append(
-            Place(
-                id=text_class.id * PLACES_OF_A_CLASS + number,
-                name=name,
-                variants=dict(Counter(each.text for each in seen).most_common()),
-                position=position,
-                normal=normal,
-                baseline=_mean_direction((baseline - normal * (baseline @ normal))[None]),
-                spread=float(np.sqrt(np.mean(np.sum((positions[whole[kept]] - position) ** 2, axis=1)))),
-                width=float(np.median([observations[row].place.width for row in trusted])),
-                height=float(np.median([observations[row].place.height for row in trusted])),
-                positions_by_frame={observations[row].frame: positions[row] for row in rows},
-                normals_by_frame={observations[row].frame: normals[row] for row in rows},
-                grounds_by_frame={each.frame: each.ground for each in seen if each.ground is not None},
-                observations=len(rows),
-                evidence=sum(each.confidence for each in seen),
-                confidence=sure,
-                inks_by_frame={each.frame: each.ink for each in seen if each.ink is not None},
-                sizes_by_frame={each.frame: (each.placement.width, each.placement.height) for each in seen},
-                clear=_clear(seen),
-            )
-        )
+        if not _is_hardly_text(name, sure, seen):
+            places.append(_place(text_class.id * PLACES_OF_A_CLASS + number, name, sure, seen, config))
     return places
 
 
-def _show_all_of(name: str, observations: Sequence[TextObservation]) -> NDArray[np.bool_]:
-    """Which observations (n,) show the whole name: those that read it, and others whose middle is its middle too.
+def _place(key: int, name: str, sure: float, seen: WorldSightings, config: InstanceConfig) -> Place:
+    """The place that some sightings of a class are, by an id and the name that stands there."""
+    whole = seen[_show_all_of(name, seen)]
+    position, kept = trimmed_position(whole.positions, config.rounds, config.drop_share)
+    whole = whole[kept]
+    trusted = whole[_on_the_side_seen_most(whole.normals)]
+    normal = _mean_direction(trusted.normals)
+    baseline = _mean_direction(trusted.baselines)
+    width, height = np.median(trusted.sizes, axis=0).tolist()
+    frames = seen.frames.tolist()
+    return Place(
+        id=key,
+        name=name,
+        variants=seen.variants,
+        position=position,
+        normal=normal,
+        baseline=_mean_direction((baseline - normal * (baseline @ normal))[None]),
+        spread=float(np.sqrt(np.mean(np.sum((whole.positions - position) ** 2, axis=1)))),
+        width=width,
+        height=height,
+        positions_by_frame=dict(zip(frames, seen.positions, strict=True)),
+        normals_by_frame=dict(zip(frames, seen.normals, strict=True)),
+        grounds_by_frame={each.frame: each.ground for each in seen.observations if each.ground is not None},
+        observations=len(seen),
+        evidence=sum(each.confidence for each in seen.observations),
+        confidence=sure,
+        inks_by_frame={each.frame: each.ink for each in seen.observations if each.ink is not None},
+        sizes_by_frame={frame: (size[0], size[1]) for frame, size in zip(frames, seen.sizes.tolist(), strict=True)},
+        clear=_clear(seen.observations),
+    )
+
+
+def _show_all_of(name: str, sightings: WorldSightings) -> NDArray[np.bool_]:
+    """Which sightings (n,) show the whole name: those that read it, and others whose middle is its middle too.
 
     The middle of a part lies off that of the whole by half of what is missing.
     """
     key = paint_key(name)
-    reads = np.array([paint_key(each.text) == key for each in observations], np.bool_)
+    reads = np.array([paint_key(text) == key for text in sightings.texts], np.bool_)
     if not reads.any():
-        return np.ones(len(observations), np.bool_)
-    sizes = np.array([(each.place.width, each.place.height) for each in observations])
-    width, height = np.median(sizes[reads], axis=0)
-    missing = np.abs(sizes[:, 0] - width)
+        return np.ones(len(sightings), np.bool_)
+    width, height = np.median(sightings.sizes[reads], axis=0)
+    missing = np.abs(sightings.sizes[:, 0] - width)
     return np.asarray(reads | (0.5 * missing <= _SAME_MIDDLE * min(width, height)), np.bool_)
 
 
@@ -162,18 +162,18 @@ def _clear(observations: Sequence[TextObservation]) -> Array | None:
     return np.asarray(np.median(known, axis=0), np.float64) if known else None
 
 
-def _is_large_enough(observations: Sequence[TextObservation], config: InstanceConfig) -> bool:
+def _is_large_enough(sightings: WorldSightings, config: InstanceConfig) -> bool:
     """Whether a text was once seen as large as it takes to be read right."""
-    latin = sum(any(ch.isalpha() and ch < IDEOGRAPHS for ch in each.text) for each in observations)
-    is_latin = 2 * latin >= len(observations)
+    latin = sum(any(ch.isalpha() and ch < IDEOGRAPHS for ch in text) for text in sightings.texts)
+    is_latin = 2 * latin >= len(sightings)
     needed = config.min_landmark_height if is_latin else config.min_landmark_height_ideographs
-    return max(each.letter_height for each in observations) >= needed
+    return bool(sightings.letter_heights.max() >= needed)
 
 
-def _is_hardly_text(name: str, sure: float, observations: Sequence[TextObservation]) -> bool:
+def _is_hardly_text(name: str, sure: float, sightings: WorldSightings) -> bool:
     """Whether a text is so short, and was read so badly or so differently, that it is likelier no text at all."""
-    right = [each.right for each in observations if each.right is not None]
-    commonest = Counter(each.text for each in observations).most_common(1)[0][0]
+    right = [each.right for each in sightings.observations if each.right is not None]
+    commonest = next(iter(sightings.variants))
     if min(_letters(commonest), _letters(name)) > _FEW_LETTERS:
         return False
     return sure < _UNSURE or (bool(right) and max(right) < _LIKELY)
@@ -187,26 +187,26 @@ IDEOGRAPHS = "\u2e80"
 """The first character of the East Asian scripts."""
 
 
-def _doubtful(observations: Sequence[TextObservation], positions: Array, config: InstanceConfig) -> NDArray[np.bool_]:
-    """Which observations (n,) are much less certain than others near: those say where the text stands."""
-    uncertain = np.array([each.place.uncertainty > config.doubtful_uncertainty for each in observations], np.bool_)
+def _doubtful(sightings: WorldSightings, config: InstanceConfig) -> NDArray[np.bool_]:
+    """Which sightings (n,) are much less certain than others near: those say where the text stands."""
+    uncertain = sightings.uncertainties > config.doubtful_uncertainty
     if uncertain.all() or not uncertain.any():
-        return np.zeros(len(observations), np.bool_)
-    distances, _ = KDTree(positions[~uncertain]).query(positions)
+        return np.zeros(len(sightings), np.bool_)
+    distances, _ = KDTree(sightings.positions[~uncertain]).query(sightings.positions)
     return np.asarray(uncertain & (distances < config.doubtful_distance), np.bool_)
 
 
-def _carried(observations: Sequence[TextObservation], positions: Array, config: InstanceConfig) -> NDArray[np.bool_]:
-    """Which observations (n,) move along; visit by visit, since someone may walk by again later.
+def _carried(sightings: WorldSightings, config: InstanceConfig) -> NDArray[np.bool_]:
+    """Which sightings (n,) move along; visit by visit, since someone may walk by again later.
 
     Before they are split into places: where few are read, a walker's fall into several.
     """
-    times = np.array([each.timestamp for each in observations])
+    times = sightings.timestamps
     ordered = np.argsort(times, kind="stable")
     visits = np.split(ordered, np.flatnonzero(np.diff(times[ordered]) > config.visit_pause) + 1)
-    carried = np.zeros(len(observations), np.bool_)
+    carried = np.zeros(len(sightings), np.bool_)
     for visit in visits:
-        carried[visit] = _is_carried(positions[visit], times[visit], config)
+        carried[visit] = _is_carried(sightings.positions[visit], times[visit], config)
     return carried
 
 
@@ -230,11 +230,10 @@ def _is_carried(positions: Array, timestamps: Array, config: InstanceConfig) -> 
     return bool(np.sqrt(np.mean(strayed**2)) < 0.25 * distance and np.median(steps) > 0.5 * speed)
 
 
-def _on_the_side_seen_most(rows: NDArray[np.intp], normals: Array) -> NDArray[np.intp]:
-    """Of a sign that was seen from both sides, the observations of the side that was seen more often."""
-    same_side = normals[rows] @ normals[rows].T > 0.0
-    most = int(same_side.sum(axis=1).argmax())
-    return np.asarray(rows[same_side[most]], dtype=np.intp)
+def _on_the_side_seen_most(normals: Array) -> NDArray[np.bool_]:
+    """Of a sign that was seen from both sides, which sightings (n,) are of the side that was seen more often."""
+    same_side = normals @ normals.T > 0.0
+    return np.asarray(same_side[int(same_side.sum(axis=1).argmax())], np.bool_)
 
 
 def _mean_direction(directions: Array) -> Array:
@@ -243,7 +242,7 @@ def _mean_direction(directions: Array) -> Array:
 
 
 def _name_here(
-    text_class: TextClass, readings: Sequence[TextObservation], stands_elsewhere: bool, config: MemoryConfig
+    text_class: TextClass, sightings: WorldSightings, stands_elsewhere: bool, config: MemoryConfig
 ) -> tuple[str, float]:
     """The class's name, unless it stands elsewhere too and another one explains what was read here; and how sure it is.
 
@@ -253,7 +252,7 @@ def _name_here(
     naming = text_class.naming
     name, sure = (naming.name, naming.confidence) if naming is not None else (text_class.name, 0.5)
     key = paint_key(name)
-    here = evidence_of(readings_of(looks_of(readings), config))
+    here = evidence_of(readings_of(looks_of(sightings.observations), config))
     if not stands_elsewhere or not here or not key:
         return name, sure
     by_class = log_likelihood(key, here, _looks)
@@ -269,8 +268,8 @@ def _name_here(
     best = max(ahead, key=lambda each: own[each], default=None)
     if best is None or max(ahead.values()) <= 0.0:
         return name, sure
-    counts = Counter(each.text for each in readings if paint_key(each.text) == best.key)
-    return counts.most_common(1)[0][0], best.right / (1.0 + exp(-min(max(ahead.values()), _SUREST)))
+    spelling = next(text for text in sightings.variants if paint_key(text) == best.key)
+    return spelling, best.right / (1.0 + exp(-min(max(ahead.values()), _SUREST)))
 
 
 def _looks(text: str) -> str:

@@ -1,0 +1,165 @@
+"""The words of a question as weighed evidence for concepts: what each is said of, and how rarely of others.
+
+Every phrase of a language's tables, and the words that are associated with concepts (`data/lexicon/associations`),
+stand in one text that is searched by the words of a question. A word speaks for the concepts whose phrases have it, or
+another form of it, the more the fewer concepts share it: the logarithm of how much likelier the concept is made by it.
+"""
+
+import math
+import re
+from collections import Counter, defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from functools import lru_cache
+
+import numpy as np
+
+from lpslam.language.building import building
+from lpslam.language.tables.concepts import load_associations, load_buildings
+from lpslam.language.tables.knowledge import Knowledge
+from lpslam.language.tables.words import is_mark, is_unspaced
+
+Weights = Mapping[str, float]
+"""By concept, how much a word speaks for it, in units of a natural logarithm."""
+
+_SHORTEST = 3  # letters of a word that says something
+_WHOLE = 4  # letters up to which a word has no other forms
+_BEGINS_ALIKE = 0.65  # of a word's letters: another form of it begins with them
+_ALIKE = 0.6  # of the longer word's letters, in common, that two forms of one word have
+_PART = 5  # letters of a part of a compound
+_SHORTEST_COMPOUND = 8
+_IN_COMPOUND = 0.6  # what a phrase for a part of a compound says
+_OF_SIZE = 0.7  # power of the number of a concept's phrases by which its words count less
+_FEW_PHRASES = 4.0  # added to that number: concepts of one phrase are no surer than others
+_DOUBT = 0.3  # added to what all concepts have of a word: one phrase is no proof
+_LIKELIER = 40.0  # how much likelier a word makes the only concept that has it
+_ASKS = "ask"  # said of all that one may ask about
+
+
+class Heard:
+    """The phrases of one language, searched by words."""
+
+    def __init__(self, language: str, knowledge: Knowledge) -> None:
+        self._language = language
+        self._folder = knowledge.folder
+        self._common = knowledge.common[language]
+        self._rows = list(_rows(language, knowledge))
+        self._text = "\n" + "".join(f" {phrase} \n" for phrase, _ in self._rows)
+        ends = np.cumsum([len(phrase) + 3 for phrase, _ in self._rows])
+        self._starts = np.concatenate([[1], 1 + ends[:-1]])
+        self._said = Counter(concept for _, concepts in self._rows for concept in concepts)
+        self._kept: dict[str, Weights] = {}
+
+    def terms(self, question: str) -> list[str]:
+        """Return the words of a question that say something; of scripts without spaces every two characters."""
+        units = self._folder.units(question)
+        starts = self._folder.word_starts(question)
+        found: list[str] = []
+        for at, unit in enumerate(units):
+            if is_mark(unit) or unit.isdigit():
+                continue
+            if not is_unspaced(unit):
+                found += [unit] if len(unit) >= _SHORTEST and unit not in self._common else []
+            elif at + 1 < len(units) and is_unspaced(units[at + 1]) and at + 1 not in starts:
+                pair = unit + units[at + 1]
+                is_filler = all("\u3040" <= each <= "\u309f" for each in pair) or self._common.issuperset(pair)
+                found += [] if is_filler else [" ".join(pair)]
+        return list(dict.fromkeys(found))
+
+    def weights(self, term: str) -> Weights:
+        """Return what a word speaks for."""
+        if term not in self._kept:
+            if len(self._kept) >= _KEPT:
+                self._kept = {}
+            self._kept[term] = self._weighed(term)
+        return self._kept[term]
+
+    def _weighed(self, term: str) -> Weights:
+        said: dict[str, float] = defaultdict(float)
+        for row, alike in self._having(term).items():
+            phrase, concepts = self._rows[row]
+            share = alike / math.sqrt(self._size(phrase))
+            for concept in concepts:
+                said[concept] += share
+        shares = {concept: each / (self._said[concept] + _FEW_PHRASES) ** _OF_SIZE for concept, each in said.items()}
+        whole = sum(shares.values()) + _DOUBT
+        return {
+            concept: math.log1p(_LIKELIER * share / whole * min(1.0, said[concept]))
+            for concept, share in shares.items()
+        }
+
+    def _size(self, phrase: str) -> int:
+        """How many words of a phrase say something."""
+        words = phrase.split(" ")
+        if is_unspaced(words[0]):
+            return max(1, len(words) - 1)
+        return max(1, sum(word not in self._common for word in words))
+
+    def _having(self, term: str) -> dict[int, float]:
+        """The phrases that have a word or another form of it, and how alike that is."""
+        found: dict[int, float] = {}
+        if is_unspaced(term):
+            for at in _places(term, self._text):
+                found[self._row(at)] = 1.0
+            return found
+        kept = len(term) if len(term) <= _WHOLE else max(_WHOLE, math.ceil(_BEGINS_ALIKE * len(term)))
+        for hit in re.finditer(f" ({re.escape(term[:kept])}[^ ]*)", self._text):
+            alike = _in_common(hit[1], term) / max(len(hit[1]), len(term))
+            if alike >= _ALIKE:
+                row = self._row(hit.start() + 1)
+                found[row] = max(found.get(row, 0.0), alike * alike)
+        if self._language == "de" and len(term) >= _SHORTEST_COMPOUND:
+            for part in _parts(term):
+                for at in _places(f" {part} ", self._text) if part not in self._common else ():
+                    row = self._row(at)
+                    found[row] = max(found.get(row, 0.0), _IN_COMPOUND)
+        return found
+
+    def _row(self, at: int) -> int:
+        return int(np.searchsorted(self._starts, at, "right")) - 1
+
+
+_KEPT = 4096  # words of a language whose weights are kept
+
+
+def _rows(language: str, knowledge: Knowledge) -> Iterator[tuple[str, Sequence[str]]]:
+    """The phrases of a language with the concepts that they are said of."""
+    unsaid = knowledge.general | knowledge.modifiers | {_ASKS}
+    for phrase, meaning in knowledge.spoken(language).items():
+        concepts = [concept for concept, _ in meaning.concepts if concept not in unsaid]
+        if meaning.role == "means" and concepts:
+            yield phrase, concepts
+    for entry in load_buildings().concepts:
+        for parts in entry.apart.get(language, ()):
+            yield " ".join(map(knowledge.folder.phrase, parts)), (entry.name,)
+    for concept, phrases in load_associations(language):
+        if concept not in unsaid:
+            for phrase in phrases:
+                yield knowledge.folder.phrase(phrase), (concept,)
+
+
+def _places(part: str, text: str) -> Iterator[int]:
+    at = text.find(part)
+    while at >= 0:
+        yield at
+        at = text.find(part, at + 1)
+
+
+def _in_common(one: str, other: str) -> int:
+    """How many letters two words begin with in common."""
+    return next(
+        (at for at, (mine, its) in enumerate(zip(one, other, strict=False)) if mine != its), min(len(one), len(other))
+    )
+
+
+def _parts(compound: str) -> set[str]:
+    """Beginnings and ends of a compound, with and without the s that joins them."""
+    cuts = range(_PART - 1, len(compound) - _PART + 2)
+    parts = {part for cut in cuts for part in (compound[:cut], compound[:cut].removesuffix("s"), compound[cut:])}
+    return {part for part in parts if len(part) >= _PART}
+
+
+@lru_cache(maxsize=8)
+def heard_in(language: str, knowledge: Knowledge) -> Heard:
+    """Return the phrases of a language, made when they are first asked for."""
+    with building():
+        return Heard(language, knowledge)

@@ -1,0 +1,98 @@
+"""Sightings of texts in the world, column by column."""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.camera import transform_points
+from lpslam.text.placing.instances import KeyframePoses
+from lpslam.text.types import TextObservation
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.intp] | NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class WorldSightings:
+    """n sightings where they stand; `sightings[rows]` are some of them, in that order.
+
+    Attributes:
+        observations: as they were made.
+        positions: (n, 3) metres.
+        normals, baselines: (n, 3) unit.
+    """
+
+    observations: tuple[TextObservation, ...]
+    positions: Array
+    normals: Array
+    baselines: Array
+
+    @classmethod
+    def of(cls, observations: Sequence[TextObservation], world_from_keyframe: KeyframePoses) -> "WorldSightings":
+        """Place observations by their keyframes' present poses.
+
+        Raises:
+            ValueError: the place of a keyframe, or of an observation in it, is not known.
+        """
+        keyframes = np.array([each.keyframe for each in observations], dtype=np.int64)
+        local = np.array(
+            [(each.place.position, each.place.normal, each.place.baseline) for each in observations],
+            dtype=np.float64,
+        ).reshape(-1, 3, 3)
+        world = np.empty_like(local)
+        for keyframe in np.unique(keyframes):
+            rows = keyframes == keyframe
+            pose = world_from_keyframe(int(keyframe))
+            if pose is None:
+                raise ValueError(f"keyframe {keyframe} has no place in the map")
+            world[rows, 0] = transform_points(pose, local[rows, 0])
+            world[rows, 1:] = local[rows, 1:] @ pose[:3, :3].T
+        return cls(tuple(observations), world[:, 0], world[:, 1], world[:, 2])
+
+    def __len__(self) -> int:
+        return len(self.observations)
+
+    def __getitem__(self, rows: Rows) -> "WorldSightings":
+        chosen = np.arange(len(self))[rows]
+        observations = tuple(self.observations[row] for row in chosen)
+        return WorldSightings(observations, self.positions[chosen], self.normals[chosen], self.baselines[chosen])
+
+    @cached_property
+    def frames(self) -> NDArray[np.int64]:
+        """(n,) in which frame each was seen."""
+        return np.array([each.frame for each in self.observations], np.int64)
+
+    @cached_property
+    def timestamps(self) -> Array:
+        """(n,) seconds."""
+        return np.array([each.timestamp for each in self.observations], np.float64)
+
+    @cached_property
+    def sizes(self) -> Array:
+        """(n, 2) metres of width and height."""
+        sizes = [(each.place.width, each.place.height) for each in self.observations]
+        return np.array(sizes, np.float64).reshape(-1, 2)
+
+    @cached_property
+    def uncertainties(self) -> Array:
+        """(n,) metres, standard deviations of the positions."""
+        return np.array([each.place.uncertainty for each in self.observations], np.float64)
+
+    @cached_property
+    def letter_heights(self) -> Array:
+        """(n,) pixels, as they were seen."""
+        return np.array([each.letter_height for each in self.observations], np.float64)
+
+    @cached_property
+    def texts(self) -> tuple[str, ...]:
+        """As read."""
+        return tuple(each.text for each in self.observations)
+
+    @cached_property
+    def variants(self) -> dict[str, int]:
+        """How often each text was read, the commonest first."""
+        return dict(Counter(self.texts).most_common())
