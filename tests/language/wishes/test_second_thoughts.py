@@ -82,3 +82,8 @@ def test_upstairs_is_above_the_ground_floor_where_nobody_says_where_they_stand()
 def test_a_plan_has_no_gap_where_its_stops_are_likely() -> None:
     names = ("Reception", "Nurse Clinic", "Payments")
     assert found("Check in first, then the jab at the nurse's, then pay", names)[:2] == ["Reception", "Nurse Clinic"]
+
+
+@pytest.mark.parametrize("question", ["Where is a restaurant?", "Is there a restaurant?", "restaurant"])
+def test_a_kind_asked_for_in_so_many_words_is_not_doubted_beside_unread_signs(question: str) -> None:
+    assert found(question, ("KFO", "Pizza Hut 必胜客", "Toilets", "KFC")) in (["KFC"], ["Pizza Hut 必胜客"])
