@@ -17,6 +17,7 @@ from lpslam.cli_checks import (
     refuse_with_localize,
 )
 from lpslam.cli_correct import correct
+from lpslam.cli_options import Json, Llm
 from lpslam.cli_robots import COMMANDS as ROBOTS
 from lpslam.cli_runs import (
     call_to_its_end,
@@ -55,13 +56,6 @@ app = typer.Typer(
 MapFile = Annotated[
     Path, typer.Argument(metavar="MAP", help="A map made by 'lpslam run' (.lpmap).", show_default=False)
 ]
-Llm = Annotated[
-    str | None,
-    typer.Option(
-        "--llm", metavar="MODEL", help="offline (default), openai:, anthropic:, google: or ollama:MODEL, or URL#MODEL."
-    ),
-]
-Json = Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")]
 ConfigFile = Annotated[
     Path | None, typer.Option("--config", metavar="FILE", help="YAML overrides of thresholds; see 'lpslam config'.")
 ]

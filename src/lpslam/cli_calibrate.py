@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from lpslam.cli_checks import config_of
+from lpslam.cli_options import Json
 from lpslam.views.printed import print_json, print_table, say
 
 
@@ -22,7 +23,7 @@ def calibrate(
     config: Annotated[
         Path | None, typer.Option("--config", metavar="FILE", help="YAML overrides of thresholds; see 'lpslam config'.")
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+    as_json: Json = False,
 ) -> None:
     """Estimate the camera's calibration from a recording of any textured room.
 

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 import typer
 
 from lpslam.cli_checks import config_of
+from lpslam.cli_options import Json
 from lpslam.errors import UserError
 from lpslam.views.printed import print_json, print_table, say
 
@@ -22,7 +23,7 @@ def correct(
         Literal["yes", "no"] | None, typer.Option("--judge", help="By the map's current question; see 'distill'.")
     ] = None,
     undo: Annotated[int | None, typer.Option("--undo", metavar="NUMBER", help="Take a correction back.")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+    as_json: Json = False,
 ) -> None:
     """Say what a landmark is: it wins over what was read, and is kept in the map. Without an id, list what was said."""
     from lpslam.language.registry import language_model

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from lpslam.cli_checks import config_of, refuse_old_map, refuse_unwritable
+from lpslam.cli_options import Json
 from lpslam.errors import MissingExtraError, UserError
 from lpslam.views.printed import print_facts, say
 
@@ -44,7 +45,7 @@ def robot(
     config: Annotated[
         Path | None, typer.Option("--config", metavar="FILE", help="YAML overrides; topics are in 'robots'.")
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+    as_json: Json = False,
 ) -> None:
     """Map what a robot's camera publishes on ROS 2's topics, and tell it where it is and what signs say.
 

@@ -9,18 +9,13 @@ from typing import Annotated, Any
 import typer
 
 from lpslam.cli_checks import config_of
+from lpslam.cli_options import Json, Llm
 from lpslam.errors import MissingExtraError, UserError
 from lpslam.views.browser import open_browser
 from lpslam.views.printed import load_matplotlib, print_json, say
 
 Maps = Annotated[
     list[Path] | None, typer.Argument(metavar="MAP...", help="Maps made by 'lpslam run'.", show_default=False)
-]
-Llm = Annotated[
-    str | None,
-    typer.Option(
-        "--llm", metavar="MODEL", help="offline (default), openai:, anthropic:, google: or ollama:MODEL, or URL#MODEL."
-    ),
 ]
 ConfigFile = Annotated[
     Path | None, typer.Option("--config", metavar="FILE", help="YAML overrides of limits; see 'lpslam config'.")
@@ -220,7 +215,7 @@ def token(
         typer.Option("--scope", metavar="SCOPE", help="read, ask, map, write; without: read, ask."),
     ] = None,
     days: Annotated[float | None, typer.Option("--days", min=0, max=36500, help="Until it expires.")] = 90.0,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")] = False,
+    as_json: Json = False,
 ) -> None:
     """Make a token for 'lpslam serve --tokens FILE'. It is shown once; to withdraw it, remove its entry."""
     from lpslam.serving.tokens import add_token

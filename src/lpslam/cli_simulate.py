@@ -6,16 +6,9 @@ from typing import Annotated
 import typer
 
 from lpslam.cli_checks import config_of, refuse_with_fronts
+from lpslam.cli_options import Json, Llm
 from lpslam.cli_runs import render_fronts, render_simulation
 from lpslam.views.printed import load_matplotlib, print_json
-
-_Json = Annotated[bool, typer.Option("--json", help="Print JSON on standard output.")]
-_Llm = Annotated[
-    str | None,
-    typer.Option(
-        "--llm", metavar="MODEL", help="offline (default), openai:, anthropic:, google: or ollama:MODEL, or URL#MODEL."
-    ),
-]
 
 
 def simulate(
@@ -39,7 +32,7 @@ def simulate(
     fronts: Annotated[
         Path | None, typer.Option(metavar="FOLDER", help="No mall: shops with your pictures and labels.json.")
     ] = None,
-    as_json: _Json = False,
+    as_json: Json = False,
 ) -> None:
     """Render a mock mall, or another world: a recording in TUM layout with its ground truth and signs.json."""
     given = {
@@ -66,8 +59,8 @@ def demo(
     output: Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="Where the results go.")] = Path("demo"),
     seed: Annotated[int, typer.Option(min=0, help="Which mall.")] = 4,
     frames: Annotated[int | None, typer.Option(min=1, help="Stop after N frames.")] = None,
-    llm: _Llm = None,
-    as_json: _Json = False,
+    llm: Llm = None,
+    as_json: Json = False,
 ) -> None:
     """Render a mall, map it, distil, ask the paper's three questions, and write map, pictures and report."""
     load_matplotlib()

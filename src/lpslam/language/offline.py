@@ -11,7 +11,7 @@ from functools import lru_cache
 from lpslam.language.building import building
 from lpslam.language.choosing.choosing import choose
 from lpslam.language.choosing.landmark_index import LandmarkIndex
-from lpslam.language.choosing.serving import likeness, match
+from lpslam.language.choosing.serving import best_of, likeness, match
 from lpslam.language.model import Candidate, Choice, Judgement, Naming, Reading
 from lpslam.language.naming.namer import Namer
 from lpslam.language.questions.question import Wish, read_question
@@ -84,7 +84,7 @@ class OfflineModel:
         served = self.scorer(landmarks).serve(Stop(clean_text(question)))
         if served.way is not Way.GUESS or served.sure < LEAST_SURE or not served.scores:
             return choice
-        best = max(served.scores, key=lambda id_: (served.scores[id_], -id_))
+        best = best_of(served.scores)
         return replace(choice, landmark=best, evidence=served.evidence, confidence=min(served.confidence, _WORDS_SPEAK))
 
     def read_wish(self, question: str) -> WishForm:

@@ -4,13 +4,12 @@ from dataclasses import asdict
 from typing import Any
 
 from lpslam.language.questions.phrasing import Phrases, answer_language, phrases_in
-from lpslam.language.wishes.form import Ask
+from lpslam.language.wishes.form import LISTED
 from lpslam.mapfile.export import landmark_record
 from lpslam.pipeline import Answer
 from lpslam.text.types import Landmark
 from lpslam.views.drawable import printable
 
-_LISTED = (Ask.LIST, Ask.HERE, Ask.FORBIDDEN, Ask.BARRED)  # questions that several places answer at once
 _INSTEAD = " (instead of "
 
 
@@ -29,7 +28,7 @@ def answer_text(
     why = printable(answer.choice.evidence, longest=300)
     others = phrases.join([_other(mark, answer, phrases) for mark in answer.alternatives])
     embedded, _, absent = answer.choice.model.partition(_INSTEAD)
-    if answer.landmark is not None and answer.wish.stops[-1].ask in _LISTED:
+    if answer.landmark is not None and answer.wish.stops[-1].ask in LISTED:
         shown = [_other(mark, answer, phrases) for mark in (answer.landmark, *answer.alternatives)]
         lines, others, more = [f"- {each}" for each in shown], "", ""
     elif answer.landmark is None:

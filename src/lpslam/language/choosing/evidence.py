@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 
 import numpy as np
+from rapidfuzz.distance import Prefix
 
 from lpslam.language.building import building
 from lpslam.language.tables.concepts import load_associations, load_buildings
@@ -103,7 +104,7 @@ class Heard:
             return found
         kept = len(term) if len(term) <= _WHOLE else max(_WHOLE, math.ceil(_BEGINS_ALIKE * len(term)))
         for hit in re.finditer(f" ({re.escape(term[:kept])}[^ ]*)", self._text):
-            alike = _in_common(hit[1], term) / max(len(hit[1]), len(term))
+            alike = Prefix.similarity(hit[1], term) / max(len(hit[1]), len(term))
             if alike >= _ALIKE:
                 row = self._row(hit.start() + 1)
                 found[row] = max(found.get(row, 0.0), alike * alike)
@@ -142,13 +143,6 @@ def _places(part: str, text: str) -> Iterator[int]:
     while at >= 0:
         yield at
         at = text.find(part, at + 1)
-
-
-def _in_common(one: str, other: str) -> int:
-    """How many letters two words begin with in common."""
-    return next(
-        (at for at, (mine, its) in enumerate(zip(one, other, strict=False)) if mine != its), min(len(one), len(other))
-    )
 
 
 def _parts(compound: str) -> set[str]:

@@ -32,6 +32,11 @@ class Served:
     reasons: tuple[str, ...]
 
 
+def best_of(scores: Mapping[int, float]) -> int:
+    """The landmark of the highest score, of equals the one of the lowest id."""
+    return max(scores, key=lambda id_: (scores[id_], -id_))
+
+
 def likeness(concept: str, kinds: Kinds, knowledge: Knowledge) -> float:
     """How surely a place of these kinds is the concept itself or a kind of it."""
     return _any_of({concept}, kinds, knowledge)

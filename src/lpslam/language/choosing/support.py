@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from lpslam.language.choosing.evidence import heard_in
 from lpslam.language.choosing.landmark_index import LandmarkIndex
-from lpslam.language.choosing.serving import Kinds
+from lpslam.language.choosing.serving import Kinds, best_of
 from lpslam.language.tables.knowledge import Knowledge
 
 _LEAST_SERVED = 0.3  # a kind that serves a concept less than this does not speak for it
@@ -77,7 +77,7 @@ class Support:
         found = self._scored(total, own, read)
         if not found:
             return Supported({}, {})
-        best = max(found, key=lambda id_: (found[id_], -id_))
+        best = best_of(found)
         said = evidence[:, self._group_of[best]] if terms else np.zeros(0)
         by_board = own.get(best, 0.0)
         rivals = [each for id_, each in found.items() if self._group_of[id_] != self._group_of[best]]

@@ -1,15 +1,14 @@
 """Questions that only mean something after another one: “and another one?”, 还有别的吗, “but not pizza”."""
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from importlib.resources import files
 
 from lpslam.language.questions.phrasing import answer_language
 from lpslam.language.questions.question import read_question
 from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.knowledge import Knowledge, load_knowledge
+from lpslam.language.tables.lexicon import read_table
 from lpslam.language.tables.words import is_mark, longest_phrases
 
 _MORE, _FILLER = "more", "filler"
@@ -64,7 +63,7 @@ def _in_script(language: str, detected: str) -> str:
 
 @lru_cache(maxsize=1)
 def _tables() -> Mapping[str, Mapping[str, str]]:
-    tree = json.loads((files("lpslam.language") / "data" / "follow_ups.json").read_text(encoding="utf-8"))
+    tree = read_table("follow_ups.json")
     phrase = load_knowledge().folder.phrase
     return {
         language: {phrase(text): role for role in (_FILLER, _MORE) for text in roles[role].split("|")}

@@ -1,14 +1,13 @@
 """How an answer is said in the language of its question: one table of templates a language (`data/answers.json`)."""
 
-import json
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
-from importlib.resources import files
 from typing import Any
 
 from lpslam.language.questions.question import language_of
 from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.knowledge import load_knowledge
+from lpslam.language.tables.lexicon import read_table
 
 _ENGLISH, _TRADITIONAL = "en", "zh-Hant"
 
@@ -61,6 +60,5 @@ def phrases_in(language: str) -> Phrases:
 
 @lru_cache(maxsize=1)
 def _tables() -> Mapping[str, Mapping[str, Any]]:
-    path = files("lpslam.language") / "data" / "answers.json"
-    tables: Mapping[str, Mapping[str, Any]] = json.loads(path.read_text(encoding="utf-8"))
+    tables: Mapping[str, Mapping[str, Any]] = read_table("answers.json")
     return tables

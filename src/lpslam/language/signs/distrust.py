@@ -4,17 +4,16 @@ A sign may say “ignore all instructions”. Such a text is no destination and 
 shown to the model that chooses. What the rules miss meets the further guards of `language/hosted/chat.py`.
 """
 
-import json
 import re
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
-from importlib.resources import files
 from itertools import groupby, product
 
 from lpslam.language.model import Candidate, Choice, Chooser
 from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.knowledge import load_knowledge
+from lpslam.language.tables.lexicon import read_table
 from lpslam.language.tables.words import is_unspaced
 
 _MOST_LETTERS = 160  # a longer text is no name of a place, whatever it says
@@ -201,5 +200,5 @@ def _without_one(word: str) -> Iterable[str]:
 
 @lru_cache(maxsize=1)
 def _lexicon() -> _Lexicon:
-    tree = json.loads((files("lpslam.language") / "data" / "commands.json").read_text(encoding="utf-8"))
+    tree = read_table("commands.json")
     return _Lexicon({group: languages for group, languages in tree.items() if isinstance(languages, dict)})

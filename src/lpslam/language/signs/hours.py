@@ -1,14 +1,13 @@
 """Opening hours: what boards say of them, and the time that a question asks for, in any language."""
 
-import json
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from importlib.resources import files
 from typing import Any
 
 from lpslam.language.sanitise import clean_text
+from lpslam.language.tables.lexicon import read_table
 from lpslam.language.tables.words import is_unspaced
 from lpslam.language.wishes.numerals import number_of, with_digits
 
@@ -35,7 +34,7 @@ ALL_DAY = Hours(0, 2 * _DAY)
 
 @lru_cache(maxsize=1)
 def _table() -> Mapping[str, Any]:
-    tree: Mapping[str, Any] = json.loads((files("lpslam.language") / "data" / "hours.json").read_text(encoding="utf-8"))
+    tree: Mapping[str, Any] = read_table("hours.json")
     return tree
 
 

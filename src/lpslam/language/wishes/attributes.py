@@ -1,21 +1,18 @@
 """What tells places of one kind from one another: the blue room, the north gate, the back door, in any language."""
 
-import json
 import re
 from collections.abc import Mapping
 from functools import lru_cache
-from importlib.resources import files
 
 from lpslam.language.sanitise import clean_text
+from lpslam.language.tables.lexicon import read_table
 from lpslam.language.tables.words import is_unspaced
 
 
 @lru_cache(maxsize=1)
 def _patterns() -> Mapping[str, tuple[tuple[str, re.Pattern[str]], ...]]:
     """By group, what it may be and how that is said; of a group a place has one."""
-    tree: Mapping[str, Mapping[str, str]] = json.loads(
-        (files("lpslam.language") / "data" / "wishes" / "attributes.json").read_text(encoding="utf-8")
-    )
+    tree: Mapping[str, Mapping[str, str]] = read_table("wishes/attributes.json")
     return {
         group: tuple((value, _pattern(joined)) for value, joined in values.items()) for group, values in tree.items()
     }

@@ -1,13 +1,12 @@
 """Which boards say that not everybody may go in, in any language (`data/wishes/barred.json`)."""
 
-import json
 import re
 from collections.abc import Sequence
 from functools import lru_cache
-from importlib.resources import files
 
 from lpslam.language.languages import LATIN
 from lpslam.language.model import Candidate
+from lpslam.language.tables.lexicon import read_table
 
 
 def barred(landmarks: Sequence[Candidate]) -> frozenset[int]:
@@ -20,8 +19,6 @@ def barred(landmarks: Sequence[Candidate]) -> frozenset[int]:
 
 @lru_cache(maxsize=1)
 def _pattern() -> re.Pattern[str]:
-    said: dict[str, str] = json.loads(
-        (files("lpslam.language") / "data" / "wishes" / "barred.json").read_text(encoding="utf-8")
-    )
+    said: dict[str, str] = read_table("wishes/barred.json")
     rows = (rf"(?<!\w)(?:{row})" if language in LATIN else row for language, row in said.items())
     return re.compile("|".join(rows), re.IGNORECASE)

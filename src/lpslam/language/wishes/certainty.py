@@ -4,22 +4,21 @@ A logistic model of how the best landmark was found, by how much it leads, and h
 weights are in `data/wishes/certainty.json` (`tools/train_certainty.py`).
 """
 
-import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from importlib.resources import files
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.language.choosing.landmark_index import LandmarkIndex
-from lpslam.language.choosing.serving import FITS, likeness, match
+from lpslam.language.choosing.serving import FITS, best_of, likeness, match
 from lpslam.language.choosing.support import CLUES
 from lpslam.language.questions.question import read_question
 from lpslam.language.tables.knowledge import Knowledge
+from lpslam.language.tables.lexicon import read_table
 from lpslam.language.tables.words import is_mark, longest_phrases
 from lpslam.language.wishes.asked_words import AskedWords
 from lpslam.language.wishes.form import Which
@@ -34,7 +33,7 @@ def clues_of(served: Served, index: LandmarkIndex, asked: AskedWords, knowledge:
     """Return what tells how sure it is that the best of what serves is what was meant, each about 0 to 1."""
     text = served.stop.what
     wish = read_question(text, knowledge)
-    best = max(served.scores, key=lambda id_: (served.scores[id_], -id_))
+    best = best_of(served.scores)
     top = served.scores[best]
     kinds = index.signs[best].kinds
     stop = served.stop
@@ -136,6 +135,5 @@ class _Model:
 
 @lru_cache(maxsize=1)
 def _model() -> _Model | None:
-    path = files("lpslam.language") / "data" / "wishes" / "certainty.json"
-    tree: Mapping[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    tree: Mapping[str, Any] = read_table("wishes/certainty.json")
     return _Model(tuple(tree["names"]), np.array(tree["weights"]), float(tree["bias"])) if tree else None

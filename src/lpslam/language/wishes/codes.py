@@ -3,15 +3,14 @@
 A code is a number, a letter with one (B31, 3.14, 2-105), or a letter that stands beside what is numbered (Zone C).
 """
 
-import json
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from importlib.resources import files
 
 from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.hours import without_hours
+from lpslam.language.tables.lexicon import read_table
 from lpslam.language.tables.words import is_unspaced
 from lpslam.language.wishes.form import Identity, Sort
 from lpslam.language.wishes.numerals import digit_ordinal, number_of, with_digits
@@ -88,9 +87,7 @@ class Code:
 @lru_cache(maxsize=1)
 def _classes() -> tuple[re.Pattern[str], Mapping[str, frozenset[str]]]:
     """A pattern of all words for what is numbered, longest first, and what each word may stand for."""
-    tree: Mapping[str, str] = json.loads(
-        (files("lpslam.language") / "data" / "wishes" / "numbered.json").read_text(encoding="utf-8")
-    )
+    tree: Mapping[str, str] = read_table("wishes/numbered.json")
     of: dict[str, set[str]] = {}
     for name, joined in tree.items():
         for word in joined.split("|"):

@@ -1,11 +1,10 @@
 """Which floor a wish names, in any language; where the floors lie is the map's knowledge."""
 
-import json
 import re
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
-from importlib.resources import files
 
+from lpslam.language.tables.lexicon import read_table
 from lpslam.language.tables.words import is_unspaced
 from lpslam.language.wishes.codes import in_digits
 from lpslam.language.wishes.form import Counting, Floor
@@ -17,9 +16,7 @@ _MOST = 60  # floors of a building: a larger number is none
 
 @lru_cache(maxsize=1)
 def _patterns() -> Mapping[str, re.Pattern[str]]:
-    table: Mapping[str, str] = json.loads(
-        (files("lpslam.language") / "data" / "wishes" / "floors.json").read_text(encoding="utf-8")
-    )
+    table: Mapping[str, str] = read_table("wishes/floors.json")
 
     def compiled(words: str) -> re.Pattern[str]:
         return re.compile(f"{table['lead']}(?:{words}){table['tail']}", re.IGNORECASE)

@@ -22,6 +22,13 @@ class Ask(StrEnum):
     BARRED = "closed to the public"
 
 
+OF_ANY_PLACE = (Ask.HERE, Ask.FORBIDDEN, Ask.BARRED)
+"""What is asked of places whatever they are."""
+
+LISTED = (Ask.LIST, *OF_ANY_PLACE)
+"""What several places answer at once."""
+
+
 class Which(StrEnum):
     """Which of several places that serve."""
 

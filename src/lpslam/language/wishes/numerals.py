@@ -4,16 +4,15 @@ The words and how they are put together follow Unicode CLDR's rule-based number 
 spellout-ordinal); Chinese, Japanese and Korean numerals are read digit by digit.
 """
 
-import json
 import re
 import unicodedata
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import lru_cache
-from importlib.resources import files
 from itertools import product
 from typing import Any
 
 from lpslam.language.languages import LATIN
+from lpslam.language.tables.lexicon import read_table
 
 _ARTICLES = frozenset({"un", "una", "une", "ein", "eine", "einen", "einer"})
 """Numbers that are articles wherever more follows."""
@@ -27,8 +26,7 @@ _STEPS = {"十": 10, "百": 100, "십": 10, "백": 100}
 
 @lru_cache(maxsize=1)
 def _tables() -> Mapping[str, Mapping[str, Any]]:
-    path = files("lpslam.language") / "data" / "wishes" / "numerals.json"
-    tables: Mapping[str, Mapping[str, Any]] = json.loads(path.read_text(encoding="utf-8"))
+    tables: Mapping[str, Mapping[str, Any]] = read_table("wishes/numerals.json")
     return tables
 
 

@@ -1,14 +1,13 @@
 """People whose names are asked for in another script than their boards are painted in: 田辺 and Yuki Tanabe."""
 
-import json
 import re
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
-from importlib.resources import files
 
 from anyascii import anyascii
 from rapidfuzz import fuzz
 
+from lpslam.language.tables.lexicon import read_table
 from lpslam.language.tables.words import is_unspaced
 
 _SOUNDS = str.maketrans("vbplgckqzjxd", "fffrkkkksss" + "t", "aeiouhwy")
@@ -33,9 +32,7 @@ def heard_as(latin: str) -> str:
 @lru_cache(maxsize=1)
 def _surnames() -> Mapping[str, tuple[str, ...]]:
     """How surnames of Chinese characters and Hangul are written in Latin letters, where it is not as they are read."""
-    tree: Mapping[str, Mapping[str, str]] = json.loads(
-        (files("lpslam.language") / "data" / "wishes" / "surnames.json").read_text(encoding="utf-8")
-    )
+    tree: Mapping[str, Mapping[str, str]] = read_table("wishes/surnames.json")
     found: dict[str, tuple[str, ...]] = {}
     for names in tree.values():
         for name, joined in names.items():

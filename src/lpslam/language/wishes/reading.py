@@ -16,7 +16,18 @@ from lpslam.language.wishes.attributes import attributes_of
 from lpslam.language.wishes.chains import chained, is_brief, says_an_order
 from lpslam.language.wishes.codes import asked_codes, identities
 from lpslam.language.wishes.floors import floor_of
-from lpslam.language.wishes.form import PREVIOUS, Ask, Identity, Relation, Sort, Stop, Which, Wish
+from lpslam.language.wishes.form import (
+    LISTED,
+    OF_ANY_PLACE,
+    PREVIOUS,
+    Ask,
+    Identity,
+    Relation,
+    Sort,
+    Stop,
+    Which,
+    Wish,
+)
 from lpslam.language.wishes.rules import Row, Rules, rules_of
 
 _LONGEST = 400  # letters of a question
@@ -31,7 +42,6 @@ _MOST_LISTED_WORDS = 4  # of each: longer ones tell of something
 _FEWEST_LISTED = 3  # things that are listed without a word for their order: “pharmacy, bank, coffee”
 _FEWEST_ALTERNATIVES = 2
 _MOST_NAMED_WORDS = 7  # of an alternative: longer ones tell of something
-_OF_ANY_PLACE = (Ask.HERE, Ask.FORBIDDEN, Ask.BARRED)
 _DEEPEST = 2  # anchors of anchors
 _POSSESSIVE = re.compile(r"['’]s?$")
 
@@ -202,10 +212,10 @@ def _stop(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: in
         left = content_left(rules.any.sub(" ", what), rules)
     if is_placed:
         left = _uncommon(left, languages, knowledge)
-    is_any = ask in _OF_ANY_PLACE or (not left and (is_placed or ask is Ask.LIST))
+    is_any = ask in OF_ANY_PLACE or (not left and (is_placed or ask is Ask.LIST))
     which = stop.which
     opposed = sorted({each.value for each in _orders(what, languages)} & _OPPOSED)
-    if which is Which.ANY and ask in (Ask.LIST, *_OF_ANY_PLACE):
+    if which is Which.ANY and ask in LISTED:
         which = Which.ALL
     return replace(
         stop,

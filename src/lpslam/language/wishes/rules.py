@@ -4,14 +4,13 @@ A row has a pattern of its own (`when`), or words (`said`) that stand in each of
 pattern is the part of that name; `<ordinal>` is every ordinal number of the language.
 """
 
-import json
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from importlib.resources import files
 from typing import Any
 
+from lpslam.language.tables.lexicon import read_table
 from lpslam.language.wishes.numerals import ordinals
 
 _NAMED = re.compile(r"(?<!\(\?P)<(\w+)>")
@@ -65,8 +64,7 @@ class Rules:
 @lru_cache(maxsize=8)
 def rules_of(language: str) -> Rules:
     """Read the rules of a language, once a process."""
-    path = files("lpslam.language") / "data" / "wishes" / f"{language}.json"
-    tree: Mapping[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    tree: Mapping[str, Any] = read_table(f"wishes/{language}.json")
     ranks = ordinals(language)
     parts: Mapping[str, str] = {**tree.get("parts", {}), "ordinal": _any_of(ranks)}
 

@@ -10,7 +10,7 @@ from itertools import pairwise
 
 from lpslam.language.choosing.choosing import ranked
 from lpslam.language.choosing.landmark_index import LandmarkIndex
-from lpslam.language.choosing.serving import FITS, match
+from lpslam.language.choosing.serving import FITS, best_of, match
 from lpslam.language.choosing.support import Support, Supported
 from lpslam.language.model import Candidate, Choice
 from lpslam.language.questions.phrasing import answer_language, phrases_in
@@ -37,16 +37,12 @@ from lpslam.language.wishes.served import LEAST_SURE, UNQUESTIONED, Served, Way
 from lpslam.language.wishes.sorts import Sorts
 
 _FEWEST_TO_TELL_APART = 2
-_NEARLY = 0.8  # of the best score: among such places the words on the boards decide
-_TELLING = 0.5  # of such places: a word that more of them bear tells nothing
-_BEHIND = 0.9  # of the best score, for those that do not say it
 _SHORT_QUESTION = 8  # words of a question whose capital is the name that it asks for
 _SHORT_NAME = 5  # words of an anchor that is a name
 _CAPITALS_ARE_NAMES = frozenset({"en", "es", "fr"})
 _SURE, _NAMED, _ACROSS = 1.0, 0.9, 0.85  # of a code or person, of a part of a name, of a name in another script
 _WHOLE = 0.95  # of a name's letters: the name itself
 _FEWEST_BORNE, _MOST_BORNE = 2, 0.5  # words of a question that a board bears, and their share of its letters
-_OFFERED = 5  # places that are told where none is sure enough
 _READ = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
 _LEAST_LITERAL = 0.3  # of a board's letters that are asked for word by word
 
@@ -110,7 +106,7 @@ class EmbeddedScorer:
     def _says_what_tells(self, served: Served) -> bool:
         """Whether the board of the best says both the kind and what tells it from others: the north gate."""
         asked = attributes_of(served.stop.what)
-        best = max(served.scores, key=lambda id_: (served.scores[id_], -id_))
+        best = best_of(served.scores)
         is_told = bool(asked) and self._sorts.is_of_the_house(best)
         return is_told and told_apart(asked, attributes_of(self._by_id[best].name)) > 0
 
@@ -159,27 +155,12 @@ class EmbeddedScorer:
         scores = self._told_apart(stop, scores)
         is_another = bool(scores) and self._is_another(stop, meaning, scores)
         scores = {} if is_another else scores
+        otherwise = None if scores else self._by_the_board(stop, meaning, ignored)
+        if otherwise is not None:
+            return otherwise
         supported = None if is_another else self._supported(stop, meaning, scores, within)
-        if not scores:
-            literal = self._by_words(stop, meaning, ignored)
-            if literal is not None:
-                return literal
-            sounding = (
-                {} if self._refuses(stop.what, meaning) else self._names.sounding(self._asked.asked(stop.what)[1])
-            )
-            if sounding:
-                scores = self._trusted(sounding)
-                said = "a name that sounds so"
-                return Served(stop, scores, said, 0.7, ignored=ignored, way=Way.WORDS, strength=max(sounding.values()))
-            numbered = self._numbered(stop, ignored)
-            if numbered is not None:
-                return numbered
-            told = self._told_only(stop)
-            if told:
-                scores = self._trusted(told)
-                return Served(stop, scores, "the board says so", 0.8, ignored=ignored, way=Way.TOLD)
-            if supported is None:
-                return Served(stop, {}, choice.evidence, choice.confidence, choice.alternatives, ignored)
+        if not scores and supported is None:
+            return Served(stop, {}, choice.evidence, choice.confidence, choice.alternatives, ignored)
         top = max(scores.values(), default=0.0)
         scores = {id_: score / top for id_, score in scores.items()}
         words, _ = self._asked.asked(stop.what)
@@ -195,6 +176,25 @@ class EmbeddedScorer:
             strength=top,
             heard={} if supported is None else supported.clues,
         )
+
+    def _by_the_board(self, stop: Stop, meaning: Meaning, ignored: tuple[str, ...]) -> Served | None:
+        """What the words of a board say where no kind serves: themselves, their sound, a number, what tells apart."""
+        literal = self._by_words(stop, meaning, ignored)
+        if literal is not None:
+            return literal
+        sounding = {} if self._refuses(stop.what, meaning) else self._names.sounding(self._asked.asked(stop.what)[1])
+        if sounding:
+            scores = self._trusted(sounding)
+            said = "a name that sounds so"
+            return Served(stop, scores, said, 0.7, ignored=ignored, way=Way.WORDS, strength=max(sounding.values()))
+        numbered = self._numbered(stop, ignored)
+        if numbered is not None:
+            return numbered
+        told = self._told_only(stop)
+        if told:
+            scores = self._trusted(told)
+            return Served(stop, scores, "the board says so", 0.8, ignored=ignored, way=Way.TOLD)
+        return None
 
     def _supported(
         self, stop: Stop, meaning: Meaning, scores: Mapping[int, float], within: set[int] | None
@@ -219,7 +219,7 @@ class EmbeddedScorer:
 
     def _spoken_for(self, stop: Stop, choice: Choice, supported: Supported) -> str:
         """Why the best is chosen: as the tables read the question, else by its words."""
-        best = max(supported.scores, key=lambda id_: (supported.scores[id_], -id_))
+        best = best_of(supported.scores)
         if best == choice.landmark:
             return choice.evidence
         phrases = phrases_in(answer_language(stop.what))

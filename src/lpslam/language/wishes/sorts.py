@@ -14,7 +14,6 @@ _ANY_SORT = frozenset({"shop", "business", "place"})
 _FEW_OF_A_FAMILY = 3  # rooms of one sort of building that make the map one of it, at least
 _MUCH_OF_A_FAMILY = 0.25  # of all landmarks: fewer aisles of goods are shops of a mall
 _SOLD_AT_DESKS = frozenset({"shop/ticket", "facility/tickets"})
-_WHOLE_SHOPS = frozenset({"groceries", "shop/supermarket", "shop/convenience"})
 _OF_THE_HOUSE = (
     *(
         f"amenity/{each}"
@@ -28,9 +27,7 @@ _OF_THE_HOUSE = (
     *("facility", "highway/", "emergency/", "indoor/", "entrance", "aeroway/", "railway/", "department/"),
     *("museum/", "aisle/", "warehouse/", "dock/", "office/", "faculty/", "ride/", "ferry/", "factory/"),
 )
-_DESTINATION = "city/"
 _ROOMS = ("facility/", "indoor/", "department/", "office/", "aeroway/", "amenity/doctors", "museum/")
-_FEWEST_TO_TELL_APART = 2
 _SHORT_NAME = 5  # words of an anchor that is a name
 _SURE = 1.0  # of the only place of its sort
 

@@ -17,9 +17,10 @@ from lpslam.serving.answerers import as_json
 from lpslam.serving.atlas import ServedMap
 from lpslam.serving.filters import Filter, Judged, listed
 from lpslam.serving.ground import Start
+from lpslam.serving.http.asking import asked_of
 from lpslam.serving.http.services import Services
 from lpslam.serving.hub import Event
-from lpslam.serving.questions import Asked, wish_text
+from lpslam.serving.questions import Asked
 from lpslam.serving.summaries import landmark_of, summary
 from lpslam.text.types import Landmark
 
@@ -62,24 +63,6 @@ def point_of(text: str | None, name: str) -> tuple[float, ...] | None:
     if len(values) not in (2, 3) or not all(-_FARTHEST <= value <= _FARTHEST for value in values):
         raise UserError(f"{name}: give a place as X,Y or X,Y,Z in metres, as in {name}=1.5,-2")
     return values
-
-
-def asked_of(body: records.Question | records.Destination, services: Services) -> Asked:
-    """A question as the core takes it.
-
-    Raises:
-        UserError: it is longer than it may be.
-    """
-    most = services.config.serving.question_letters
-    position = None if body.position is None else tuple(body.position)
-    if isinstance(body, records.Question):
-        wish, before_wish = (None if each is None else wish_text(each) for each in (body.wish, body.before_wish))
-        asked = Asked(body.question, body.before, position, body.heading, tuple(body.excluded), wish, before_wish)
-    else:
-        asked = Asked(body.question or "", None, position, body.heading)
-    if max(len(asked.question), len(asked.before or "")) > most:
-        raise UserError(f"a question may have {most:,} letters")
-    return asked
 
 
 def map_routes(services: Services) -> APIRouter:
@@ -160,7 +143,7 @@ def question_routes(services: Services) -> APIRouter:
     @router.post("/ask", response_model=records.AnswerEnvelope, tags=["questions"])
     async def ask(body: records.Question, request: Request) -> Response:
         """A place that serves; with `Accept: text/event-stream`, first what was understood, then the answer."""
-        served, asked = services.atlas.get(body.map), asked_of(body, services)
+        served, asked = services.atlas.get(body.map), asked_of(body, services.config.serving.question_letters)
         if _EVENTS in request.headers.get("accept", ""):
             return StreamingResponse(_steps(services, asked, served), media_type=_EVENTS)
         return Response(await services.answerer.ask(asked, served), media_type="application/json")
@@ -190,7 +173,8 @@ async def _destination(services: Services, body: records.Destination) -> tuple[S
     start = None if body.position is None else (tuple(body.position), body.heading)
     if body.landmark is not None:
         return served, landmark_of(served, body.landmark), start, "en"
-    answer = json.loads(await services.answerer.ask(asked_of(body, services), served))["answer"]
+    asked = asked_of(body, services.config.serving.question_letters)
+    answer = json.loads(await services.answerer.ask(asked, served))["answer"]
     if answer["landmark"] is None:
         raise UserError(f"nothing in this map serves that: {answer['choice']['evidence']}")
     return served, landmark_of(served, answer["landmark"]["id"]), start, answer_language(body.question or "")

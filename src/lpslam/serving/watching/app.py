@@ -16,7 +16,6 @@ from fastapi import FastAPI, Path, Request
 from starlette.exceptions import HTTPException
 from starlette.responses import HTMLResponse, Response, StreamingResponse
 
-from lpslam.errors import UserError
 from lpslam.language.registry import language_model
 from lpslam.mapfile.export import corrections_record
 from lpslam.page.building import growing_page, policy
@@ -24,10 +23,10 @@ from lpslam.page.pictures import RoomPicture
 from lpslam.page.record import lens_record, sign_records, way_record
 from lpslam.serving import records
 from lpslam.serving.answerers import ThreadAnswerer, as_json
+from lpslam.serving.http.asking import asked_of
 from lpslam.serving.http.problems import conflict, handle_problems
 from lpslam.serving.http.saying import problem
 from lpslam.serving.http.shield import Door, Shield, allowed_hosts
-from lpslam.serving.questions import Asked, wish_text
 from lpslam.serving.watching.board import Board
 from lpslam.serving.watching.grown import Grown
 from lpslam.serving.watching.pace import Pace
@@ -203,11 +202,7 @@ def build(watched: Watched) -> Shield:
 
     @app.post("/ask")
     async def ask(body: records.Question, request: Request) -> Response:
-        if max(len(body.question), len(body.before or "")) > limits.question_letters:
-            raise UserError(f"a question may have {limits.question_letters:,} letters")
-        position = None if body.position is None else tuple(body.position)
-        wish, before_wish = (None if each is None else wish_text(each) for each in (body.wish, body.before_wish))
-        asked = Asked(body.question, body.before, position, body.heading, tuple(body.excluded), wish, before_wish)
+        asked = asked_of(body, limits.question_letters)
         # Only what is asked is read of it.
         answer = await watched.answerer.ask(asked, watched.grown.known)  # type: ignore[arg-type]
         return Response(answer, media_type="application/json")
