@@ -84,9 +84,9 @@ class DepthRangeConfig(Section):
     min_readings: int = Field(default=3, ge=1)  # of a keyframe at a distance, of which the median counts
     reading_error: float = Field(default=0.03, gt=0)  # by which one of them is off, as a share of the distance ...
     common_error: float = Field(default=0.01, gt=0)  # ... and by which all of a keyframe's at one distance are
-    certain_gain: float = Field(default=50.0, ge=0)  # χ² that a curve must explain; 0: depth is never corrected
-    refined_gain: float = Field(default=20.0, ge=0)  # the same, once depth is corrected: that it is wrong is known
-    most_unexplained: float = Field(default=4.0, ge=1)  # χ² a vote that may remain: else votes contradict one another
+    certain_gain: float = Field(default=6.0, ge=0)  # times what is left, that a curve must explain; 0: never corrected
+    refined_gain: float = Field(default=4.0, ge=0)  # the same, once depth is corrected: that it is wrong is known
+    most_unexplained: float = Field(default=10.0, ge=1)  # χ² a vote that may remain: else votes contradict one another
     most_changes: int = Field(default=8, ge=0)  # of the curve in a recording; one that needs more does not settle
     least_change: float = Field(default=0.02, ge=0)  # the same; what sensors state as their accuracy is not corrected
 

@@ -109,20 +109,23 @@ def fill(slam_map: SlamMap, read: Read, sigma: float = 0.005) -> None:
             graph.link_all(slam_map.columns, ids, int(slam_map.columns.keyframe_slot[keyframe]))
 
 
-def learned(read: Read, **config: float) -> tuple[SlamMap, DepthChange | None]:
-    """A map of a room, and what was found when all of its keyframes had voted."""
+def learned(read: Read, rounds: int = 1, **config: float) -> tuple[SlamMap, DepthChange | None]:
+    """A map of a room, and what was found at last when all of its keyframes had voted so many times."""
     slam_map = SlamMap(POINTS, SENSOR.scales)
     ranges = DepthRanges(slam_map, SENSOR, FARTHEST, DepthRangeConfig(**config))
     fill(slam_map, read)
-    ranges.learn(slam_map.living_keyframes())
-    return slam_map, ranges.apply()
+    change = None
+    for _ in range(rounds):
+        ranges.learn(slam_map.living_keyframes())
+        change = ranges.apply() or change
+    return slam_map, change
 
 
 def test_what_is_read_too_near_is_put_where_it_is() -> None:
-    slam_map, change = learned(too_near)
+    slam_map, change = learned(too_near, rounds=3)
     assert change is not None
     true = np.array([2.5, 4.0, 5.8, 6.6, 7.2])
-    np.testing.assert_allclose(slam_map.depth_curve.true(too_near(true).astype(np.float32)), true, rtol=0.02)
+    np.testing.assert_allclose(slam_map.depth_curve.true(too_near(true).astype(np.float32)), true, rtol=0.025)
 
 
 def test_depths_of_the_map_are_corrected_with_it() -> None:
@@ -155,6 +158,16 @@ def test_depths_that_contradict_one_another_show_no_curve() -> None:
         return true * np.exp(random.normal(scale=0.2, size=int(bins.max()) + 1)[bins])
 
     assert learned(scattered)[1] is None
+
+
+def test_what_all_keyframes_have_from_the_same_pixels_is_told_once() -> None:
+    """As where blur puts the points of a distance a little astray: eight keyframes are not eight votes."""
+    found = 0
+    for seed in range(30):
+        astray = np.random.default_rng(seed).normal(scale=0.01, size=20)
+        _, change = learned(lambda true, astray=astray: true * np.exp(astray[np.floor(true * 2).astype(int)]))
+        found += change is not None
+    assert found <= 2
 
 
 def test_learning_can_be_turned_off() -> None:

@@ -21,11 +21,17 @@ _Matrix = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Votes:
-    """What one keyframe says of some distances: where they lie (n,), their excess (n,), and weights (n,)."""
+    """What one keyframe says of some distances.
+
+    Attributes:
+        metres, excess, weights: (n,) where they lie, by how much depth exceeds them, and 1/σ² of that.
+        own: the share of it that no other keyframe says as well.
+    """
 
     metres: _Matrix
     excess: _Matrix
     weights: _Matrix
+    own: float
 
 
 class DepthRanges:
@@ -65,16 +71,18 @@ class DepthRanges:
         self._judge()
 
     def _judge(self) -> None:
-        """Take a curve for better that explains the votes, if what it leaves is no more than their errors."""
+        """Take a curve for better that explains far more of the votes than any would, by how much they differ."""
         config = self._config
-        excess = np.linalg.solve(self._prior + self._information, self._vector).astype(np.float64)
+        known = self._prior + self._information
+        excess = np.linalg.solve(known, self._vector).astype(np.float64)
         gain = float(2.0 * self._vector @ excess - excess @ self._information @ excess)
         is_voted = np.diag(self._information) > _LEAST_INFORMATION
-        spare = self._freedom - _PARAMETERS
-        if spare < _PARAMETERS or np.abs(excess[is_voted]).max(initial=0.0) < config.least_change:
+        # What a smooth curve takes up of the votes: its effective parameters.
+        spare = self._freedom - float(np.trace(np.linalg.solve(known, self._information)))
+        if np.abs(excess[is_voted]).max(initial=0.0) < config.least_change:
             return
         # Where people walk by, votes differ by more than any curve says.
-        unexplained = (self._square - gain) / spare
+        unexplained = (self._square - gain + _SUPPOSED_VOTES * _SUPPOSED_CHI2) / (spare + _SUPPOSED_VOTES)
         needed = config.certain_gain if self._map.depth_curve.is_straight else config.refined_gain
         if unexplained < config.most_unexplained and gain > needed * max(unexplained, 1.0):
             self._better = self._map.depth_curve.reaching(self._farthest).then(self._knots, excess)
@@ -101,7 +109,7 @@ class DepthRanges:
         self._votes_of: dict[int, _Votes] = {}
         self._information = np.zeros_like(self._prior)
         self._vector = np.zeros(len(self._knots))
-        self._square, self._freedom = 0.0, 0
+        self._square, self._freedom = 0.0, 0.0
 
     def _stiffness(self) -> _Matrix:
         """1/σ² of the excess before anything is known: none near the camera, then a random walk by distance."""
@@ -130,6 +138,9 @@ class DepthRanges:
         if len(rows) < 2 * config.min_readings:
             return None
         excess = np.log(columns.depth[columns.keyframe_slot[keyframe], rows] / far)
+        # All keyframes that see a point have its distance from the same pixels: together they tell it once.
+        slot = columns.keyframe_slot[keyframe]
+        own = 1.0 / float(columns.observations[columns.point[slot, rows]].mean())
         scale = float(np.median(excess))
         # By what pixels say and not by the reading: where little lies, readings that are wrong would be most of it.
         metres = far * np.exp(scale)
@@ -143,7 +154,8 @@ class DepthRanges:
         return _Votes(
             np.array([np.median(metres[here]) for here in distances]) * np.exp(middles - scale),
             middles,
-            1.0 / (config.common_error**2 + config.reading_error**2 / counts),
+            own / (config.common_error**2 + config.reading_error**2 / counts),
+            own,
         )
 
     def _count(self, votes: _Votes, sign: float) -> None:
@@ -158,7 +170,7 @@ class DepthRanges:
         self._information += sign * (rows.T @ weights @ rows)
         self._vector += sign * (rows.T @ weights @ votes.excess)
         self._square += sign * float(votes.excess @ weights @ votes.excess)
-        self._freedom += int(sign) * (len(at) - 1)
+        self._freedom += sign * votes.own * (len(at) - 1)
 
     def _read_again(self, keyframe: int, change: DepthChange) -> None:
         """Correct a keyframe's depths by the new curve; points that it brought to the map move as they do."""
@@ -179,8 +191,8 @@ class DepthRanges:
 _LEAST_INFORMATION = 1.0
 """1/σ² of an excess, of which more is not the rounding of votes that were taken away."""
 
-_PARAMETERS = 4
-"""Of a curve: it is nearly straight up to some distance, and bends there."""
+_SUPPOSED_VOTES, _SUPPOSED_CHI2 = 4.0, 2.0
+"""Votes that are supposed to differ from the curve by so much each, χ², until there are enough to say how much."""
 
 _FIXED = 1e8
 """1/σ² of an excess that is taken for none."""
