@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from lpslam.camera import PinholeCamera, inverse_transform, transform_points
 from lpslam.config import InstanceConfig
 from lpslam.text.placing.instances import KeyframePoses
-from lpslam.text.placing.triangulation import Triangulated, angles, meetings, middles, triangulate
+from lpslam.text.placing.triangulation import Triangulated, angles, meetings, middles, on_plane, triangulate
 from lpslam.text.remembering.similarity import comparison_key
 from lpslam.text.types import Bearing, Placement, TextObservation, Vector3
 
@@ -144,7 +144,7 @@ class Views:
 def _views(
     observations: Sequence[TextObservation], world_from_keyframe: KeyframePoses, config: InstanceConfig
 ) -> Views:
-    origins, corners, placements = [], [], []
+    origins, corners, placements, towards = [], [], [], []
     for each in observations:
         pose = world_from_keyframe(each.keyframe)
         if pose is None or each.bearing is None:
@@ -152,6 +152,7 @@ def _views(
         origins.append(transform_points(pose, np.array([each.bearing.origin]))[0])
         corners.append(np.array(each.bearing.corners) @ pose[:3, :3].T)
         placements.append(_moved(each.placement, pose) if each.placement is not None else None)
+        towards.append(np.array(placements[-1].position) - origins[-1] if placements[-1] is not None else None)
     rays = np.array(corners)
     heights = np.linalg.norm(rays[:, 3] + rays[:, 2] - rays[:, 0] - rays[:, 1], axis=1) / 2.0
     widths = np.linalg.norm(rays[:, 1] + rays[:, 2] - rays[:, 0] - rays[:, 3], axis=1) / 2.0
@@ -159,7 +160,7 @@ def _views(
     _, spellings = np.unique([comparison_key(each.text) for each in observations], return_inverse=True)
     return Views(
         origins=np.array(origins),
-        directions=middles(rays),
+        directions=middles(rays, towards),
         corners=rays,
         noise=np.hypot(np.hypot(_BOX_STRAY * np.minimum(heights, widths), _POSE_NOISE), lacking),
         lacking=lacking,
@@ -333,7 +334,7 @@ def _placements(
     for row in here.tolist():
         own = views.placements[row] if has_depth else None
         facing = np.array(own.normal) if own is not None else normal
-        corners = _on_plane(views.origins[row], views.corners[row], place.position, facing)
+        corners = on_plane(views.origins[row], views.corners[row], place.position, facing)
         along = (corners[1] + corners[2] - corners[0] - corners[3]) / 2.0
         across = (corners[2] + corners[3] - corners[0] - corners[1]) / 2.0
         found[row] = Placement(
@@ -345,18 +346,6 @@ def _placements(
             uncertainty=place.uncertainty,
         )
     return found
-
-
-def _on_plane(origin: Array, corners: Array, point: Array, normal: Array) -> Array:
-    """Where rays (4, 3) meet the plane; on a plane seen all but edge-on, where they are as far as the point is."""
-    slants = corners @ normal
-    if (slants > -_EDGE_ON).any():
-        return np.asarray(origin + corners * np.linalg.norm(point - origin), np.float64)
-    return np.asarray(origin + corners * (((point - origin) @ normal) / slants)[:, None], np.float64)
-
-
-_EDGE_ON = 0.17
-"""Cosine of 80 degrees."""
 
 
 def _facing(views: Views, rows: Rows, place: Triangulated) -> Array:
