@@ -16,15 +16,14 @@ def is_ideograph(letter: str) -> bool:
 
 
 def words_of(text: str, words: frozenset[str]) -> Iterator[str]:
-    """The words of a text: spaces part them, and marks do (salt&pepper) unless the letters around them are one (don't).
+    """The words of a text: spaces part them, and marks do (salt&pepper), but for the apostrophe of one word (don't).
 
     Args:
         text: without case and accents.
         words: the known ones.
     """
     for joined in text.split():
-        letters = _MARKS.sub("", joined)
-        if letters in words:
+        if (letters := joined.replace("'", "")) in words:
             yield letters
         else:
             yield from (part for part in _MARKS.split(joined)[::2] if part)
