@@ -144,7 +144,7 @@ class Views:
 def _views(
     observations: Sequence[TextObservation], world_from_keyframe: KeyframePoses, config: InstanceConfig
 ) -> Views:
-    origins, corners, placements, towards = [], [], [], []
+    origins, corners, placements = [], [], []
     for each in observations:
         pose = world_from_keyframe(each.keyframe)
         if pose is None or each.bearing is None:
@@ -152,7 +152,12 @@ def _views(
         origins.append(transform_points(pose, np.array([each.bearing.origin]))[0])
         corners.append(np.array(each.bearing.corners) @ pose[:3, :3].T)
         placements.append(_moved(each.placement, pose) if each.placement is not None else None)
-        towards.append(np.array(placements[-1].position) - origins[-1] if placements[-1] is not None else None)
+    # The surface around a text is none to measure its middle on: it may not be the text's.
+    sure = [each is not None and each.uncertainty <= config.doubtful_uncertainty for each in placements]
+    towards = [
+        np.array(each.position) - origin if each is not None and is_sure else None
+        for each, origin, is_sure in zip(placements, origins, sure, strict=True)
+    ]
     rays = np.array(corners)
     heights = np.linalg.norm(rays[:, 3] + rays[:, 2] - rays[:, 0] - rays[:, 1], axis=1) / 2.0
     widths = np.linalg.norm(rays[:, 1] + rays[:, 2] - rays[:, 0] - rays[:, 3], axis=1) / 2.0
@@ -167,9 +172,7 @@ def _views(
         spellings=spellings,
         keyframes=np.array([each.keyframe for each in observations], np.int64),
         placements=placements,
-        sure=np.array(
-            [each is not None and each.uncertainty <= config.doubtful_uncertainty for each in placements], np.bool_
-        ),
+        sure=np.array(sure, np.bool_),
     )
 
 
