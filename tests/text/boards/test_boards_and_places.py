@@ -167,6 +167,17 @@ def test_rooms_that_differ_in_a_digit_keep_their_numbers() -> None:
     assert [each.name for each in found] == ["MEETING ROOM 2", "MEETING ROOM 1"]
 
 
+def test_a_name_is_as_sure_as_its_own_place_says_where_other_places_of_the_class_say_another() -> None:
+    seen = observations("ROOM 201", 0.0, 6, right=0.97) + observations("ROOM 204", 8.0, 6, right=0.97)
+    class_of_two = text_class(seen, "ROOM 201")
+    class_of_two.naming = Naming("ROOM 201", 0.13, "", "test")
+    found = places_of_class(class_of_two, world, CONFIG, MEMORY)
+    assert [(each.name, each.confidence > 0.9) for each in found] == [("ROOM 201", True), ("ROOM 204", True)]
+    badly = observations("ROOM 201", 0.0, 6, right=0.3) + observations("ROOM 204", 8.0, 6, right=0.97)
+    class_of_two.observations = badly
+    assert places_of_class(class_of_two, world, CONFIG, MEMORY)[0].confidence < 0.5
+
+
 def test_of_another_text_the_whole_is_the_name_and_not_the_piece_that_is_like_the_class() -> None:
     seen = observations("Orchid Salon", 0.0, 6) + observations("SALE", 8.0, 1, right=0.99)
     seen += observations("BIG SALE", 8.0, 1, first=20, right=0.99) + observations("BOG SALE", 8.0, 1, 30, right=0.45)
