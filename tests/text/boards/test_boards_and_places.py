@@ -97,6 +97,18 @@ def test_overlap_is_of_the_smaller() -> None:
     assert overlap(whole, place(1, "STAR", -0.25, 0.0, width=0.5, normal=(0, 0, 1))) == 0.0
 
 
+@pytest.mark.parametrize("contact", ["Tel. 0221 403118", "9:00-18:30", "19 Harbour Road", "人民路128號"])
+def test_a_contact_belongs_to_a_name_that_stands_too_far_off_to_share_a_board_with_another(contact: str) -> None:
+    name = place(0, "FERN BOOKS", 0.0, 0.0)
+    far = {"width": 0.8, "height": 0.15}
+    assert names(boards([name, place(1000, contact, 1.4, 0.0, **far)], CONFIG)) == [["FERN BOOKS", contact]]
+    assert len(boards([name, place(1000, "OAK SHOES", 1.4, 0.0, **far)], CONFIG)) == 2
+    # Its own name being nearer, it does not draw the neighbour in.
+    neighbour = place(2000, "OAK SHOES", 2.8, 0.0)
+    found = boards([name, place(1000, contact, 1.2, 0.0, **far), neighbour], CONFIG)
+    assert names(found) == [["FERN BOOKS", contact], ["OAK SHOES"]]
+
+
 def test_fragments_and_misreadings_yield_to_the_text_that_stands_there() -> None:
     whole = place(0, "STARBUCKS", 0.0, 0.0)
     fragment = place(1000, "STARB", -0.2, 0.0, width=0.6, count=25)
