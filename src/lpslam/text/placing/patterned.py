@@ -99,11 +99,16 @@ class Patterns:
 
     def standing(self, world_from_keyframe: KeyframePoses) -> Standing:
         """Where those stand whose keyframe has a place in the map."""
-        posed = [(each, pose) for each in self.seen if (pose := world_from_keyframe(each.keyframe)) is not None]
-        rows = np.array([_row(each) for each, _ in posed]).reshape(-1, _NUMBERS)
-        for row, (_, pose) in zip(rows, posed, strict=True):
-            row[2:5] = transform_points(pose, row[None, 2:5])[0]
-            row[5:8], row[8:11] = pose[:3, :3] @ row[5:8], pose[:3, :3] @ row[8:11]
+        rows = np.array([_row(each) for each in self.seen]).reshape(-1, _NUMBERS)
+        known = np.ones(len(rows), np.bool_)
+        for keyframe in np.unique(rows[:, 0]):
+            own, pose = rows[:, 0] == keyframe, world_from_keyframe(int(keyframe))
+            if pose is None:
+                known &= ~own
+                continue
+            rows[own, 2:5] = transform_points(pose, rows[own, 2:5])
+            rows[own, 5:8], rows[own, 8:11] = rows[own, 5:8] @ pose[:3, :3].T, rows[own, 8:11] @ pose[:3, :3].T
+        rows = rows[known]
         return Standing(rows[:, 2:5], rows[:, 5:8], rows[:, 8:11], rows[:, 11:13], rows[:, 1])
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
