@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from lpslam.assets import font_names, font_path
+from ornament_kinds import KINDS
 
 Picture = NDArray[np.uint8]
 Draw = Callable[[Picture, np.random.Generator, int, tuple[int, int, int]], None]
@@ -218,6 +219,7 @@ ORNAMENTS: dict[str, Draw] = {
     "dentils": _dentils,
     "woven": _woven,
     "loops": _loops,
+    **KINDS,
 }
 
 
@@ -227,11 +229,19 @@ def ornament(kind: str, random: np.random.Generator) -> Picture:
     return _seen(image, random, ground)
 
 
-def ornament_walked_past(kind: str, random: np.random.Generator, views: int) -> list[Picture]:
-    """A wall with an ornament as it is seen in passing: so many pictures, from one side to the other."""
+def ornament_walked_past(
+    kind: str, random: np.random.Generator, views: int
+) -> tuple[list[Picture], float, NDArray[np.float64]]:
+    """A wall with an ornament as it is seen in passing: so many pictures, from one side to the other.
+
+    Returns:
+        The pictures, from how far (times the distance at which the wall fills the picture), and the (views,) degrees
+        by which the wall is turned.
+    """
     image, ground = _wall(kind, random)
     away = float(random.uniform(1.0, 1.6))
-    return [_noisy(_aslant(image, yaw, away, ground), random) for yaw in np.linspace(-50.0, 50.0, views)]
+    yaws = np.linspace(-50.0, 50.0, views)
+    return [_noisy(_aslant(image, yaw, away, ground), random) for yaw in yaws], away, yaws
 
 
 def _aslant(image: Picture, yaw: float, away: float, ground: tuple[int, int, int]) -> Picture:

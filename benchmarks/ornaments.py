@@ -3,8 +3,9 @@
     python benchmarks/ornaments.py               pictures that nothing was tuned on
     python benchmarks/ornaments.py --set dev     those to develop on
 
-Ornaments pass detection and recognition as in mapping; counted are those read surely enough to be remembered. Texts
-are drawn with the box that a detector would give: refusing one loses it, however well it could be read.
+Ornaments pass detection and recognition as in mapping; counted are those read surely enough to be remembered, and what
+stays in a map of walls that are walked past. Texts are drawn with the box that a detector would give: refusing one
+loses it, however well it could be read.
 """
 
 import argparse
@@ -14,15 +15,14 @@ import cv2
 import numpy as np
 
 import ornament_pictures
-from lpslam.config import MemoryConfig, SpottingConfig
-from lpslam.text.reading.borders import cut_by_border
+from lpslam.config import SpottingConfig
+from lpslam.language.offline import OfflineModel
 from lpslam.text.reading.boxes import letter_heights
 from lpslam.text.reading.ornaments import are_ornaments
 from lpslam.text.reading.spotting import PaddleSpotter, accepted_texts
-from lpslam.text.remembering.memory import LongShortTermMemory
+from ornament_walks import walk_past
 
 SEEDS = {"dev": 0, "eval": 20000}
-READ_EVERY = 0.2  # seconds, between views of a wall
 
 
 def main() -> None:
@@ -60,34 +60,21 @@ def measure_ornaments(first: int, count: int) -> None:
     print(f"| **all** | {sums[0]} | {sums[1]} | {sums[2]} | |")
 
 
-def measure_walks(first: int, count: int, views: int = 8) -> None:
-    """Print what is read of walls in passing, and how many classes are remembered, with the refusal and without."""
-    config = SpottingConfig()
-    spotter = PaddleSpotter(config)
-    print("| Walked past | Read as text | Of these not refused | Remembered without, with refusal |\n|---|---|---|---|")
-    sums = np.zeros(4, int)
+def measure_walks(first: int, count: int, views: int = 16) -> None:
+    """Print what is read of walls in passing, and what stays of it in a map."""
+    spotter, model = PaddleSpotter(SpottingConfig()), OfflineModel()
+    print("| Walked past | Read as text | Refused | Landmarks | As what |\n|---|---|---|---|---|")
+    sums = np.zeros(3, int)
     for number, kind in enumerate(ornament_pictures.ORNAMENTS):
-        counts = np.zeros(4, int)
+        counts, names = np.zeros(3, int), Counter[str]()
         for seed in range(first, first + count):
-            memories = [LongShortTermMemory(MemoryConfig()) for _ in range(2)]
-            walk = ornament_pictures.ornament_walked_past(kind, np.random.default_rng([seed, number, 5]), views)
-            for view, image in enumerate(walk):
-                boxes, _ = spotter.detect(image)
-                boxes = boxes[letter_heights(boxes) >= config.min_letter_height]
-                boxes = boxes[~cut_by_border(image, boxes)]
-                texts = accepted_texts(boxes, spotter.recognise(image, boxes), config)
-                for memory, refused in zip(
-                    memories, (np.zeros(len(boxes), bool), are_ornaments(image, boxes)), strict=True
-                ):
-                    memory.forget(READ_EVERY * view)
-                    kept = [text for text, each in zip(texts, refused, strict=True) if text is not None and not each]
-                    for text in kept:
-                        memory.sight(text.text, text.confidence, READ_EVERY * view)
-                    counts[int(memory is memories[1])] += len(kept)
-            counts[2:] += [len(memory.long_term) for memory in memories]
-        print(f"| {kind} | {counts[0]} | {counts[1]} | {counts[2]}, {counts[3]} |")
+            walked = walk_past(kind, np.random.default_rng([seed, number, 5]), views, spotter, model)
+            counts += walked.read, walked.refused, len(walked.landmarks)
+            names.update(line.text for mark in walked.landmarks for line in mark.lines)
+        said = ", ".join(name for name, _ in names.most_common(8))
+        print(f"| {kind} | {counts[0]} | {counts[1]} | {counts[2]} | {said} |", flush=True)
         sums += counts
-    print(f"| **all** | {sums[0]} | {sums[1]} | {sums[2]}, {sums[3]} |")
+    print(f"| **all** | {sums[0]} | {sums[1]} | {sums[2]} | |")
 
 
 def measure_texts(first: int, count: int) -> None:

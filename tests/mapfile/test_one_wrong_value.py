@@ -14,6 +14,7 @@ from lpslam.errors import UserError
 from lpslam.mapfile import correcting
 from lpslam.mapfile.container import read_map_file, write_map_file
 from lpslam.mapfile.language_map import LanguageMap
+from lpslam.text.types import Placement
 from small_maps import small_map, with_floor
 
 JUDGED = {"question": "?", "answer": True, "confidence": 1.0, "evidence": "", "model": "offline"}
@@ -118,3 +119,16 @@ def test_a_correction_reads_the_map_once(lpslam: Command, tmp_path: Path, monkey
     monkeypatch.setattr(LanguageMap, "load", lambda path: read.append(path) or load(path))
     assert lpslam("correct", tmp_path / "a.lpmap", "0", "--name", "Cafe").code == 0
     assert len(read) == 1
+
+
+def test_places_that_were_refused_as_patterns_are_kept_and_hang_on_keyframes(tmp_path: Path) -> None:
+    frieze = Placement((0.0, 0.0, 2.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0), 2.0, 0.1, 0.0)
+    world = small_map()
+    world.text.patterns.add(0, frieze)
+    world.save(tmp_path / "a.lpmap")
+    (again,) = LanguageMap.load(tmp_path / "a.lpmap").text.patterns.seen
+    assert (again.keyframe, again.placement, again.count) == (0, frieze, 1)
+    world.text.patterns.add(77, frieze)
+    world.save(tmp_path / "b.lpmap")
+    with pytest.raises(UserError, match="a pattern names keyframe 77"):
+        LanguageMap.load(tmp_path / "b.lpmap")

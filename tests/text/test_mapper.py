@@ -141,6 +141,25 @@ def test_what_is_settled_is_confirmed_unread_until_it_is_seen_better() -> None:
     assert spotter.recognised > settled
 
 
+def test_what_was_read_is_no_landmark_where_most_views_are_refused_as_patterns(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    like = Likeness.NONE
+
+    def likenesses(_: object, boxes: NDArray[np.float64]) -> list[Likeness]:
+        return [like] * len(boxes)
+
+    monkeypatch.setattr("lpslam.text.frame_reader.pattern_likenesses", likenesses)
+    spotter = ScriptedSpotter((box(100, 200, 80, 20), "0X0", 0.98), (box(300, 200), "GUCCI", 0.98))
+    mapper = run(TextMapper(CAMERA, spotter, CONFIG))
+    assert {each.name for each in mapper.text_map.landmarks(identity)} == {"0X0", "GUCCI"}
+    # The frieze comes into view as a whole, and the word is settled.
+    like, spotter.seen = Likeness.IS, [(box(60, 200, 160, 20), "0X0X0X", 0.98), spotter.seen[1]]
+    for index in range(30, 120):
+        mapper.observe(frame(index), tracked(index))
+    assert [each.name for each in mapper.text_map.landmarks(identity)] == ["GUCCI"]
+
+
 def test_what_only_looks_like_a_pattern_is_left_unread_where_its_other_views_can_be_asked(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

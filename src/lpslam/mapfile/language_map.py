@@ -21,6 +21,7 @@ from lpslam.slam.state import EventKind, SlamEvent
 from lpslam.slam.trajectory import Trajectory
 from lpslam.text.again.crops import CropStore
 from lpslam.text.correcting.corrections import Corrections
+from lpslam.text.placing.patterned import Patterns
 from lpslam.text.sightings import SightingStore
 from lpslam.text.text_map import TextMap
 from lpslam.text.types import Landmark
@@ -108,6 +109,7 @@ class LanguageMap:
         arrays |= {f"crops.{name}": array for name, array in self.text.crops.to_arrays().items()}
         pictures = self.text.sightings.to_arrays(self.text.is_remembered)
         arrays |= {f"sightings.{name}": array for name, array in pictures.items()}
+        arrays |= {f"patterns.{name}": array for name, array in self.text.patterns.to_arrays().items()}
         if self.scans is not None:
             kept = [each for each in self.scans.keyframes if self.slam.is_alive(each)]
             arrays |= {f"scans.{name}": array for name, array in self.scans.to_arrays(kept).items()}
@@ -137,6 +139,7 @@ class LanguageMap:
             text.crops = CropStore.from_arrays(_part(contents.arrays, "crops."), text.config.again)
             pictures = _part(contents.arrays, "sightings.")
             text.sightings = SightingStore.from_arrays(pictures, text.config.sightings)
+            text.patterns = Patterns.from_arrays(_part(contents.arrays, "patterns."))
             if "corrections" in contents.documents:
                 text.corrections = Corrections.from_document(contents.documents["corrections"])
             lens = PinholeCamera(**camera)

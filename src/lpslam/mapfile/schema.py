@@ -67,7 +67,7 @@ def refuse_strangers(text: TextMap, keyframes: int, others: dict[str, NDArray[An
     """Refuse words, and what else hangs on keyframes, that hang on keyframes which a map does not have.
 
     Args:
-        text: with its crops and pictures.
+        text: with its crops, pictures and patterns.
         keyframes: how many there are, removed ones included.
         others: columns of keyframes' ids, by name; -1 is none.
 
@@ -77,7 +77,13 @@ def refuse_strangers(text: TextMap, keyframes: int, others: dict[str, NDArray[An
     seen = (each.keyframe for one in text.memory.classes for each in one.observations)
     crops = (each.keyframe for own in text.crops.by_class.values() for each in own)
     pictures = (each.keyframe for own in text.sightings.by_class.values() for each in own)
-    named: dict[str, Iterable[int]] = {"a sighting": seen, "a crop": crops, "a picture": pictures}
+    patterns = (each.keyframe for each in text.patterns.seen)
+    named: dict[str, Iterable[int]] = {
+        "a sighting": seen,
+        "a crop": crops,
+        "a picture": pictures,
+        "a pattern": patterns,
+    }
     for name, column in others.items():
         named[name] = np.unique(column).tolist()
     for what, ids in named.items():

@@ -32,12 +32,22 @@ class _Stand:
 
 @dataclass(slots=True, eq=False)
 class _Sorted:
-    """The (n, 4, 2) boxes of a frame, what becomes of each, where those stand that are read, and what they say."""
+    """The (n, 4, 2) boxes of a frame, what becomes of each, where those stand that are read, and what they say.
+
+    Rows that are `refused` hold patterns.
+    """
 
     boxes: Boxes
     fates: NDArray[np.object_]
     placements: dict[int, Placement | PlacementFault]
     texts: dict[int, SpottedText] = field(default_factory=dict)
+    refused: list[int] = field(default_factory=list)
+
+    def refuse(self, row: int) -> None:
+        """Note that a box holds a pattern; one that is cut stays so, since what is beyond nobody saw."""
+        self.refused.append(row)
+        if self.fates[row] not in CUT:
+            self.fates[row] = BoxFate.ORNAMENT
 
     def add(self, other: "_Sorted") -> None:
         """Take in more boxes."""
@@ -46,6 +56,7 @@ class _Sorted:
         self.fates = np.concatenate([self.fates, other.fates])
         self.placements |= {first + row: each for row, each in other.placements.items()}
         self.texts |= {first + row: each for row, each in other.texts.items()}
+        self.refused += [first + row for row in other.refused]
 
     def said(self, fates: Sequence[BoxFate]) -> list[tuple[SpottedText, Placement | PlacementFault]]:
         """Texts of boxes with one of the fates, and where they stand."""
@@ -99,6 +110,7 @@ class FrameReader:
             texts=tuple(text for text, _ in texts),
             placements=tuple(None if isinstance(each, PlacementFault) else each for _, each in texts),
             parts=tuple((text, each) for text, each in parts if isinstance(each, Placement)),
+            patterns=tuple(each for row in found.refused if isinstance(each := found.placements[row], Placement)),
         )
 
     def _detected(self, frame: RgbdFrame, stand: _Stand) -> _Sorted:
@@ -130,8 +142,8 @@ class FrameReader:
         for row, like in zip(rows, likenesses, strict=True):
             if not self._sorter.is_ornament(like, found.placements[row], stand.world_from_keyframe):
                 kept.append(row)
-            elif found.fates[row] not in CUT:
-                found.fates[row] = BoxFate.ORNAMENT
+            else:
+                found.refuse(row)
         return kept
 
     def _recognise(self, frame: RgbdFrame, found: _Sorted, rows: Sequence[int]) -> None:
@@ -145,8 +157,8 @@ class FrameReader:
                 continue
             if not says_a_pattern(frame.rgb, text.box, text.text):
                 found.texts[row] = text
-            elif found.fates[row] not in CUT:
-                found.fates[row] = BoxFate.ORNAMENT
+            else:
+                found.refuse(row)
 
     def _take_apart(self, frame: RgbdFrame, found: _Sorted, rows: Sequence[int], stand: _Stand) -> None:
         """Read boxes that say nothing as one line in their columns and lines, and columns that were found as lines."""

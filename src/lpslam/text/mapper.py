@@ -160,6 +160,9 @@ class TextMapper:
                     self._on_sighting(text_class.id, observation)
                 observations.append(observation)
         self._wait_for_rest(reading, frame, tracked, world_from_keyframe)
+        for placement in reading.patterns:
+            if self._sorter.is_sure(placement):
+                self.text_map.patterns.add(tracked.keyframe, placement)
         self.take_waiting(frame.timestamp)
         if is_new:
             self._gate.hurry(frame.timestamp)

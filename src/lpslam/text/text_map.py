@@ -19,6 +19,7 @@ from lpslam.text.boards.scripts import in_one_script, script_ahead
 from lpslam.text.correcting.applying import corrected, judged_by_hand
 from lpslam.text.correcting.corrections import Corrections
 from lpslam.text.placing.instances import KeyframePoses
+from lpslam.text.placing.patterned import Patterns, without_patterned
 from lpslam.text.placing.places import PLACES_OF_A_CLASS, Place, places_of_class
 from lpslam.text.remembering.memory import LongShortTermMemory, TextClass
 from lpslam.text.schema import refuse_other_document
@@ -37,6 +38,7 @@ class TextMap:
         question: what `Landmark.is_landmark` answers; None before anything was judged.
         crops: cut-outs around texts whose names are unsure, until they are looked at again.
         sightings: pictures of texts as they were seen best.
+        patterns: where boxes were refused as patterns.
         corrections: what a person has said of landmarks; it wins over readings.
     """
 
@@ -47,6 +49,7 @@ class TextMap:
         self.question: str | None = None
         self.crops = CropStore(config.again)
         self.sightings = SightingStore(config.sightings)
+        self.patterns = Patterns()
         self.corrections = Corrections()
 
     def copy(self) -> "TextMap":
@@ -88,6 +91,7 @@ class TextMap:
         places = [
             place for each in self.long_term for place in places_of_class(each, world_from_keyframe, instances, memory)
         ]
+        places = without_patterned(places, self.patterns.standing(world_from_keyframe))
         groups = boards(without_overlaps(places, instances), instances)
         ahead = script_ahead(groups)
         return [

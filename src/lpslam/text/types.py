@@ -75,6 +75,7 @@ class FrameReading:
         placements: where each text stands; None where its depth does not say.
         observations: the texts that could be placed.
         parts: what was read of texts that may go on where the view ends, and where it stands.
+        patterns: where the boxes stand that were refused as ornaments.
     """
 
     frame: int
@@ -84,6 +85,7 @@ class FrameReading:
     placements: tuple["Placement | None", ...]
     observations: tuple["TextObservation", ...] = ()
     parts: tuple[tuple[SpottedText, "Placement"], ...] = ()
+    patterns: tuple["Placement", ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -31,11 +31,13 @@ def poses(keyframe: int) -> NDArray[np.float64]:
     return pose
 
 
-def view(keyframe: int, noise: float = 40.0) -> NDArray[np.uint8]:
-    """A wall with a line on it, 2 m away, and noise of its own."""
+def view(keyframe: int, noise: float = 40.0, before: str = "") -> NDArray[np.uint8]:
+    """A wall with a line on it, 2 m away, perhaps with letters before it, and noise of its own."""
     image = np.full((960, 1280, 3), 90, np.uint8)
     shift = -4.0 * 300.0 * 0.004 * keyframe / 2.0
-    cv2.putText(image, "HELLO", (round(480 + shift), 510), cv2.FONT_HERSHEY_SIMPLEX, 3.0, (230, 230, 230), 8)
+    (ahead, _), _ = cv2.getTextSize(before, cv2.FONT_HERSHEY_SIMPLEX, 3.0, 8)
+    at = round(480 + shift) - ahead, 510
+    cv2.putText(image, f"{before}HELLO", at, cv2.FONT_HERSHEY_SIMPLEX, 3.0, (230, 230, 230), 8)
     small = np.asarray(cv2.resize(image, (320, 240), interpolation=cv2.INTER_AREA), np.float64)
     noisy = small + np.random.default_rng(keyframe).normal(0.0, noise, small.shape)
     return np.asarray(np.clip(noisy, 0, 255), np.uint8)
@@ -47,7 +49,7 @@ def crop(keyframe: int, rgb: NDArray[np.uint8] | None = None, height: float = 20
     return Crop(float(keyframe), keyframe, np.eye(4), left, top, pixels, SeenSize(height, 1.0))
 
 
-def text_map(readings: list[str]) -> TextMap:
+def text_map(readings: list[str], before: str = "") -> TextMap:
     """A map in which one text was read in so many ways, each time from the next keyframe."""
     made = TextMap(TextConfig())
     for row, text in enumerate(readings):
@@ -55,7 +57,7 @@ def text_map(readings: list[str]) -> TextMap:
         text_class = made.memory.sight(text, 0.7, float(row))
         seen = TextObservation(row, float(row), row, text, 0.7, PLACEMENT, 20.0, right=0.2)
         text_class.observations.append(seen)
-        made.crops.keep(text_class.id, crop(row), made.is_unsure)
+        made.crops.keep(text_class.id, crop(row, view(row, before=before)), made.is_unsure)
     return made
 
 
@@ -132,6 +134,30 @@ def test_a_piece_of_what_was_read_says_nothing_of_the_ends() -> None:
     looked = look_again(made, poses, CAMERA, Reader("HELL"), by_readings)
     assert (looked.texts, looked.readings) == (1, 0)
     assert made.long_term[0].name == "HELLO"
+
+
+class FindsOne(Reader):
+    """Finds one box, from so many pixels of the drawing's left on, and reads nothing in the known one."""
+
+    def __init__(self, text: str, left: float) -> None:
+        super().__init__(text)
+        self.left = left
+
+    def detect(self, rgb: NDArray[np.uint8]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        height, width = rgb.shape[:2]
+        right, top, bottom = width - 0.2 * width, 0.36 * height, 0.64 * height
+        box = np.array([[self.left, top], [right, top], [right, bottom], [self.left, bottom]])
+        return box[None], np.ones(1)
+
+    def recognise(self, rgb: NDArray[np.uint8], boxes: NDArray[np.float64]) -> list[Recognition]:
+        return [Recognition("", 0.0), *super().recognise(rgb, boxes[1:])]
+
+
+@pytest.mark.parametrize(("before", "left", "counts"), [("WWWW", 0.0, False), ("", 40.0, True)])
+def test_what_the_border_of_the_drawing_cuts_off_is_no_reading(before: str, left: float, counts: bool) -> None:
+    made = text_map(["HELLO", "MY HELLO", "HELLO", "HFLLO", "HELLD"], before)
+    look_again(made, poses, CAMERA, FindsOne("Y HELLO", left), by_readings)
+    assert ("Y HELLO" in made.long_term[0].variants) == counts
 
 
 def test_no_more_is_searched_than_allowed_and_the_rest_keeps_its_crops() -> None:

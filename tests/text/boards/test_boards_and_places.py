@@ -97,6 +97,18 @@ def test_overlap_is_of_the_smaller() -> None:
     assert overlap(whole, place(1, "STAR", -0.25, 0.0, width=0.5, normal=(0, 0, 1))) == 0.0
 
 
+@pytest.mark.parametrize("contact", ["Tel. 0221 403118", "9:00-18:30", "19 Harbour Road", "人民路128號"])
+def test_a_contact_belongs_to_a_name_that_stands_too_far_off_to_share_a_board_with_another(contact: str) -> None:
+    name = place(0, "FERN BOOKS", 0.0, 0.0)
+    far = {"width": 0.8, "height": 0.15}
+    assert names(boards([name, place(1000, contact, 1.4, 0.0, **far)], CONFIG)) == [["FERN BOOKS", contact]]
+    assert len(boards([name, place(1000, "OAK SHOES", 1.4, 0.0, **far)], CONFIG)) == 2
+    # Its own name being nearer, it does not draw the neighbour in.
+    neighbour = place(2000, "OAK SHOES", 2.8, 0.0)
+    found = boards([name, place(1000, contact, 1.2, 0.0, **far), neighbour], CONFIG)
+    assert names(found) == [["FERN BOOKS", contact], ["OAK SHOES"]]
+
+
 def test_fragments_and_misreadings_yield_to_the_text_that_stands_there() -> None:
     whole = place(0, "STARBUCKS", 0.0, 0.0)
     fragment = place(1000, "STARB", -0.2, 0.0, width=0.6, count=25)
@@ -165,6 +177,17 @@ def test_rooms_that_differ_in_a_digit_keep_their_numbers() -> None:
     seen += observations("MEETING ROOM!", 8.0, 2, right=0.5) + observations("MEETING ROOME", 8.0, 1, right=0.5)
     found = places_of_class(text_class(seen, "MEETING ROOM 2"), world, CONFIG, MEMORY)
     assert [each.name for each in found] == ["MEETING ROOM 2", "MEETING ROOM 1"]
+
+
+def test_a_name_is_as_sure_as_its_own_place_says_where_other_places_of_the_class_say_another() -> None:
+    seen = observations("ROOM 201", 0.0, 6, right=0.97) + observations("ROOM 204", 8.0, 6, right=0.97)
+    class_of_two = text_class(seen, "ROOM 201")
+    class_of_two.naming = Naming("ROOM 201", 0.13, "", "test")
+    found = places_of_class(class_of_two, world, CONFIG, MEMORY)
+    assert [(each.name, each.confidence > 0.9) for each in found] == [("ROOM 201", True), ("ROOM 204", True)]
+    badly = observations("ROOM 201", 0.0, 6, right=0.3) + observations("ROOM 204", 8.0, 6, right=0.97)
+    class_of_two.observations = badly
+    assert places_of_class(class_of_two, world, CONFIG, MEMORY)[0].confidence < 0.5
 
 
 def test_of_another_text_the_whole_is_the_name_and_not_the_piece_that_is_like_the_class() -> None:

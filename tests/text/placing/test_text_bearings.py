@@ -177,6 +177,20 @@ def test_true_depth_is_not_overruled(noise: float) -> None:
     assert placed(observations, poses_of(WALK), CONFIG) == observations
 
 
+def test_a_long_text_whose_box_is_lower_at_one_end_stays_where_depth_has_it() -> None:
+    walk = [looking(x, turn=0.2) for x in np.linspace(-1.0, 0.0, 10)]
+    rng = np.random.default_rng(4)
+    observations = []
+    for number, pose in enumerate(walk):
+        corners = sign((0.0, -0.6, 3.0), size=(1.4, 0.13))
+        corners[0, 1] += 0.04 * (1.0 - number / 9.0)
+        corners[1, 1] += 0.04 * number / 9.0
+        one = seen(number, pose, corners, 0.5, 3.0)
+        strayed = np.array(one.place.position) + rng.normal(0.0, 0.006, 3)
+        observations.append(replace(one, placement=replace(one.place, position=tuple(strayed), uncertainty=0.018)))
+    assert where(placed(observations, poses_of(walk), CONFIG), walk) == pytest.approx(where(observations, walk))
+
+
 def test_what_is_carried_towards_the_camera_is_not_on_glass() -> None:
     walker = [(0.3 * n - 0.9, 0.0, 5.0 - 0.3 * n) for n in range(7)]
     observations = [seen(n, WALK[n], sign(middle), depth=middle[2]) for n, middle in enumerate(walker)]

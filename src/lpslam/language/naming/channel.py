@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import exp, log
 
-from rapidfuzz.distance import Levenshtein
+from rapidfuzz.distance import Editop, Levenshtein
 
 from lpslam.language.model import Reading, Slots
 from lpslam.language.tables.spelling import is_alike, is_ideograph
@@ -180,7 +180,7 @@ def _costs(painted: str, seen: Seen, looks: Callable[[str], str], known: set[_Sl
     slip = slip_of(seen)
     if looks(painted) == looks(read):
         return 0.0, slip + _ALIKE
-    steps = Levenshtein.editops(painted, read)
+    steps = steps_between(painted, read)
     cut = ends_of({step.src_pos for step in steps if step.tag == "delete"}, len(painted))
     joined = ends_of({step.dest_pos for step in steps if step.tag == "insert"}, len(read))
     ends = sum(_cut_cost(painted, end, at in seen.marks) for end, at in zip(cut, (0, len(read)), strict=True) if end)
@@ -202,6 +202,21 @@ def _costs(painted: str, seen: Seen, looks: Callable[[str], str], known: set[_Sl
         cost += min(one, KNOWN) if own in known else one
         known.add(own)
     return ends, cost
+
+
+def steps_between(painted: str, read: str) -> Sequence[Editop]:
+    """The fewest steps from what is painted to what was read; all at the ends where one is a piece of the other.
+
+    “Centre” is “copy centre” with its beginning hidden, and not a c, a gap in the middle, and “entre”.
+    """
+    first, second = painted.find(read), read.find(painted)
+    if first >= 0:
+        lost = [at for at in range(len(painted)) if not first <= at < first + len(read)]
+        return [Editop("delete", at, 0 if at < first else len(read)) for at in lost]
+    if second >= 0:
+        added = [at for at in range(len(read)) if not second <= at < second + len(painted)]
+        return [Editop("insert", 0 if at < second else len(painted), at) for at in added]
+    return list(Levenshtein.editops(painted, read))
 
 
 def slip_of(seen: Seen) -> float:

@@ -10,8 +10,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import exp, expm1, log, log1p
 
-from rapidfuzz.distance import Levenshtein
-
 from lpslam.language.naming.channel import (
     CUT_END,
     KNOWN,
@@ -21,6 +19,7 @@ from lpslam.language.naming.channel import (
     lost_cost,
     replaced_cost,
     slip_of,
+    steps_between,
 )
 
 # Spellings, the weightiest, whose letters are counted, and the largest sum of costs that is told apart.
@@ -70,7 +69,7 @@ def log_odds_against(painted: str, seen: Sequence[Seen], looks: Callable[[str], 
 
 def _count(painted: str, seen: Seen, looks: Callable[[str], str], letters: list[_Column], gaps: list[_Column]) -> None:
     """Count a reading in every place of which it says something: hidden ends say nothing."""
-    steps, last, slip = Levenshtein.editops(painted, seen.key), len(painted), slip_of(seen)
+    steps, last, slip = steps_between(painted, seen.key), len(painted), slip_of(seen)
     changed = {step.src_pos for step in steps if step.tag != "insert"}
     if last - len(changed) < _SAME_TEXT * len(seen.key):
         return

@@ -1,6 +1,6 @@
 """The embedded model's names: the posterior over whole strings, what is known being its prior (III-E)."""
 
-from collections.abc import Sequence, Set
+from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass
 from math import exp, log
 
@@ -13,7 +13,7 @@ from lpslam.language.naming.voting import cased_like, painted_like, vote
 from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.reader import SignReader
 from lpslam.language.tables.knowledge import Knowledge, Known, load_words
-from lpslam.language.tables.spelling import respelled
+from lpslam.language.tables.spelling import respelled, words_of
 from lpslam.language.tables.words import is_unspaced
 
 # What a known name is ahead of an unknown one, in logarithms of odds: a letter, and a letter of a word in any name;
@@ -75,7 +75,7 @@ class Namer:
         """Take the string that is most probable, all readings being given; known names are likelier than others."""
         seen = evidence_of(readings)
         forms = self._candidates(seen, readings)
-        read_words = {word for each in readings for word in self._fold.fold(each.text).split()}
+        read_words = {word for each in readings for word in self._words(each.text)}
         words = {key: self._words_ahead(text, read_words) for key, text in forms.items()}
         for each in readings:
             if (own := paint_key(each.text)) in words:
@@ -132,8 +132,11 @@ class Namer:
             (known for edits, known in self._signs.nearest(folded) if self._fold.key(known.painted) == folded), None
         )
 
+    def _words(self, text: str) -> Iterator[str]:
+        return words_of(self._fold.fold(text), load_words())
+
     def _words_ahead(self, text: str, read: Set[str]) -> float:
-        known = [word for word in self._fold.fold(text).split() if word in load_words()]
+        known = [word for word in self._words(text) if word in load_words()]
         return sum(
             max(_ADVANCE_WORD * len(word) - _CHOICE_OF_WORDS, 0.0) * (1.0 if word in read else _ADVANCE_UNREAD)
             for word in known

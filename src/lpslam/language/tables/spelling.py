@@ -1,11 +1,13 @@
 """Letters that are taken for one another, and words a single slip away."""
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Iterator
 from functools import lru_cache
 from importlib.resources import files
 
 # Letters of the shortest word that is replaced by a known one: shorter ones have too many neighbours.
 _LEAST_RESPELLED = 4
+_MARKS = re.compile(r"([\W_]+)")
 
 
 def is_ideograph(letter: str) -> bool:
@@ -13,18 +15,33 @@ def is_ideograph(letter: str) -> bool:
     return "\u4e00" <= letter <= "\u9fff"
 
 
+def words_of(text: str, words: frozenset[str]) -> Iterator[str]:
+    """The words of a text: spaces part them, and marks do (salt&pepper), but for the apostrophe of one word (don't).
+
+    Args:
+        text: without case and accents.
+        words: the known ones.
+    """
+    for joined in text.split():
+        if (letters := joined.replace("'", "")) in words:
+            yield letters
+        else:
+            yield from (part for part in _MARKS.split(joined)[::2] if part)
+
+
 def respelled(text: str, words: frozenset[str]) -> list[str]:
     """Texts in which one unknown word is replaced by a known one that is a single slip away.
 
     Args:
-        text: without case and accents, words separated by spaces.
+        text: without case and accents, words separated by spaces or marks.
         words: the known ones.
     """
-    parts = text.split()
+    unknown = {each for each in words_of(text, words) if each not in words}
+    parts = _MARKS.split(text)
     return [
-        " ".join([*parts[:at], known, *parts[at + 1 :]])
+        "".join([*parts[:at], known, *parts[at + 1 :]])
         for at, word in enumerate(parts)
-        if len(word) >= _LEAST_RESPELLED and word.isascii() and word.isalpha() and word not in words
+        if len(word) >= _LEAST_RESPELLED and word.isascii() and word.isalpha() and word in unknown
         for known in sorted(_one_slip_from(word) & words)
     ]
 

@@ -13,6 +13,7 @@ from lpslam.camera import PinholeCamera
 from lpslam.text.again.averaging import Canvas, canvas_of
 from lpslam.text.placing.instances import KeyframePoses
 from lpslam.text.placing.places import Place, places_of_class
+from lpslam.text.reading.borders import cut_by_border
 from lpslam.text.reading.boxes import letter_heights
 from lpslam.text.reading.certainty import probability_right
 from lpslam.text.reading.spotting import TextSpotter, accepted_texts
@@ -105,7 +106,9 @@ def _read(canvas: Canvas, text_class: TextClass, text_map: TextMap, spotter: Tex
     """Read the text in its own box and in the boxes found anew; how many readings were like its class."""
     config = text_map.config
     found, _ = spotter.detect(canvas.rgb)
-    boxes = np.concatenate([canvas.box[None], found[_are_its(found, canvas.box)]])
+    found = found[_are_its(found, canvas.box)]
+    # What goes on beyond the drawing is a piece, however well its letters are read.
+    boxes = np.concatenate([canvas.box[None], found[~cut_by_border(canvas.rgb, found)]])
     accepted = accepted_texts(boxes, spotter.recognise(canvas.rgb, boxes), config.spotting)
     accepted = [None if each is None else without_neighbours(each, text_class) for each in accepted]
     texts = [

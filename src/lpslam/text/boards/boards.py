@@ -1,7 +1,8 @@
 """Texts of one board are one landmark: a name, its slogan, a telephone number and what is on the menu.
 
 Two groups become one while they are more probably one board than two. What links them is said by their best pair of
-neighbours; what divides them by all pairs, so that no row of weak links joins what stands on different grounds.
+neighbours; what divides them by all pairs, so that no row of weak links joins what stands on different grounds. A
+number or an address by itself is some board's.
 """
 
 from collections.abc import Sequence
@@ -11,7 +12,8 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from lpslam.config import InstanceConfig
-from lpslam.text.boards.kinship import kinship
+from lpslam.text.boards.kinship import CONTACT_ALONE, kinship
+from lpslam.text.boards.roles import Role, role_by_form
 from lpslam.text.placing.places import Place
 
 Array = NDArray[np.float64]
@@ -27,10 +29,11 @@ def boards(places: Sequence[Place], config: InstanceConfig) -> list[list[Place]]
             kin = kinship(places[first], places[second])
             link[first, second] = link[second, first] = kin.link
             divide[first, second] = divide[second, first] = kin.divide
+    contacts = np.array([role_by_form(each.name) is Role.CONTACT for each in places], np.bool_)
     # Groups are known by their first place; only those that a pair links can become one.
     groups = {each: [each] for each in range(count)}
     kin_of: dict[int, set[int]] = {each: set(np.flatnonzero(np.isfinite(link[each])).tolist()) for each in groups}
-    scores = {(a, b): _log_odds(link, divide, [a], [b]) for a in groups for b in kin_of[a] if b < a}
+    scores = {(a, b): _log_odds(link, divide, contacts, [a], [b]) for a in groups for b in kin_of[a] if b < a}
     while scores:
         # Of equals, those that come first.
         (a, b), best = max(scores.items(), key=lambda each: (each[1], -each[0][0], -each[0][1]))
@@ -44,7 +47,7 @@ def boards(places: Sequence[Place], config: InstanceConfig) -> list[list[Place]]
         scores = {pair: score for pair, score in scores.items() if a not in pair and b not in pair}
         for other in around:
             later, earlier = max(b, other), min(b, other)
-            scores[later, earlier] = _log_odds(link, divide, groups[later], groups[earlier])
+            scores[later, earlier] = _log_odds(link, divide, contacts, groups[later], groups[earlier])
     found = [[places[row] for row in sorted(group)] for group in groups.values()]
     return sorted(found, key=lambda group: min(each.id for each in group))
 
@@ -59,9 +62,11 @@ def _pairs_in_reach(places: Sequence[Place], config: InstanceConfig) -> list[tup
     return sorted((max(a, b), min(a, b)) for a, b in near.tolist())
 
 
-def _log_odds(link: Array, divide: Array, first: list[int], second: list[int]) -> float:
+def _log_odds(link: Array, divide: Array, contacts: NDArray[np.bool_], first: list[int], second: list[int]) -> float:
     pairs = np.ix_(first, second)
-    return float(link[pairs].max() + divide[pairs].mean())
+    # Of two groups that are each of one kind, or have a name already, none needs the other.
+    is_needed = bool(contacts[first].all() != contacts[second].all())
+    return float(link[pairs].max() + divide[pairs].mean() + CONTACT_ALONE * is_needed)
 
 
 def _are_near(first: Place, second: Place, config: InstanceConfig) -> bool:

@@ -102,6 +102,10 @@ class Divide:
 
 LINK, DIVIDE = Link(), Divide()
 
+CONTACT_ALONE = 1.5
+"""Log odds for one board where one of two groups is nothing but contacts, fitted to drawn streets: nobody hangs up a
+telephone number, hours or an address without a name."""
+
 
 def kinship(first: Place, second: Place) -> Kinship:
     """Compare two texts."""

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from lpslam.camera import PinholeCamera, inverse_transform, transform_points
 from lpslam.config import InstanceConfig
 from lpslam.text.placing.instances import KeyframePoses
-from lpslam.text.placing.triangulation import Triangulated, angles, meetings, middles, triangulate
+from lpslam.text.placing.triangulation import Triangulated, angles, meetings, middles, on_plane, triangulate
 from lpslam.text.remembering.similarity import comparison_key
 from lpslam.text.types import Bearing, Placement, TextObservation, Vector3
 
@@ -152,6 +152,12 @@ def _views(
         origins.append(transform_points(pose, np.array([each.bearing.origin]))[0])
         corners.append(np.array(each.bearing.corners) @ pose[:3, :3].T)
         placements.append(_moved(each.placement, pose) if each.placement is not None else None)
+    # The surface around a text is none to measure its middle on: it may not be the text's.
+    sure = [each is not None and each.uncertainty <= config.doubtful_uncertainty for each in placements]
+    towards = [
+        np.array(each.position) - origin if each is not None and is_sure else None
+        for each, origin, is_sure in zip(placements, origins, sure, strict=True)
+    ]
     rays = np.array(corners)
     heights = np.linalg.norm(rays[:, 3] + rays[:, 2] - rays[:, 0] - rays[:, 1], axis=1) / 2.0
     widths = np.linalg.norm(rays[:, 1] + rays[:, 2] - rays[:, 0] - rays[:, 3], axis=1) / 2.0
@@ -159,16 +165,14 @@ def _views(
     _, spellings = np.unique([comparison_key(each.text) for each in observations], return_inverse=True)
     return Views(
         origins=np.array(origins),
-        directions=middles(rays),
+        directions=middles(rays, towards),
         corners=rays,
         noise=np.hypot(np.hypot(_BOX_STRAY * np.minimum(heights, widths), _POSE_NOISE), lacking),
         lacking=lacking,
         spellings=spellings,
         keyframes=np.array([each.keyframe for each in observations], np.int64),
         placements=placements,
-        sure=np.array(
-            [each is not None and each.uncertainty <= config.doubtful_uncertainty for each in placements], np.bool_
-        ),
+        sure=np.array(sure, np.bool_),
     )
 
 
@@ -333,7 +337,7 @@ def _placements(
     for row in here.tolist():
         own = views.placements[row] if has_depth else None
         facing = np.array(own.normal) if own is not None else normal
-        corners = _on_plane(views.origins[row], views.corners[row], place.position, facing)
+        corners = on_plane(views.origins[row], views.corners[row], place.position, facing)
         along = (corners[1] + corners[2] - corners[0] - corners[3]) / 2.0
         across = (corners[2] + corners[3] - corners[0] - corners[1]) / 2.0
         found[row] = Placement(
@@ -345,18 +349,6 @@ def _placements(
             uncertainty=place.uncertainty,
         )
     return found
-
-
-def _on_plane(origin: Array, corners: Array, point: Array, normal: Array) -> Array:
-    """Where rays (4, 3) meet the plane; on a plane seen all but edge-on, where they are as far as the point is."""
-    slants = corners @ normal
-    if (slants > -_EDGE_ON).any():
-        return np.asarray(origin + corners * np.linalg.norm(point - origin), np.float64)
-    return np.asarray(origin + corners * (((point - origin) @ normal) / slants)[:, None], np.float64)
-
-
-_EDGE_ON = 0.17
-"""Cosine of 80 degrees."""
 
 
 def _facing(views: Views, rows: Rows, place: Triangulated) -> Array:

@@ -266,10 +266,13 @@ def _name_here(
         if _looks(each.key) != _looks(key) and not (each.marks and each.key in key)
     }
     best = max(ahead, key=lambda each: own[each], default=None)
-    if best is None or max(ahead.values()) <= 0.0:
-        return name, sure
+    most = max(ahead.values(), default=-_SUREST)
+    if best is None or most <= 0.0:
+        # What other places say is of other doors: if they contradict the name, what was read here does not.
+        said = next((each.right for each in here if each.key == key), 0.0)
+        return name, max(sure, said / (1.0 + exp(max(most, -_SUREST))))
     spelling = next(text for text in sightings.variants if paint_key(text) == best.key)
-    return spelling, best.right / (1.0 + exp(-min(max(ahead.values()), _SUREST)))
+    return spelling, best.right / (1.0 + exp(-min(most, _SUREST)))
 
 
 def _looks(text: str) -> str:

@@ -1,5 +1,6 @@
 """Where directions meet: a point from rays of known noise, and how uncertain it is."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -76,14 +77,37 @@ def angles(points: Array, origins: Array, directions: Array) -> Array:
     return np.asarray(np.where(ahead > 0.0, np.arctan2(aside, np.maximum(ahead, 1e-9)), np.pi / 2.0), np.float64)
 
 
-def middles(corners: Array) -> Array:
-    """Directions (n, 3) to the middles of rectangles with corners along (n, 4, 3): where their diagonals cross."""
+def middles(corners: Array, towards: Sequence[Array | None] = ()) -> Array:
+    """Directions (n, 3) to the middles of rectangles with corners along (n, 4, 3): where their diagonals cross.
+
+    Of a long text that is surer where it lies on a known surface: ends that are drawn a tenth too high or too low move
+    the crossing by a tenth of the length.
+
+    Args:
+        corners: unit.
+        towards: for each rectangle the way (3,) to its middle where the surface that it lies on tells it.
+    """
     diagonals = np.cross(corners[:, 0], corners[:, 2]), np.cross(corners[:, 1], corners[:, 3])
     crossing, mean = np.cross(*diagonals), corners.mean(axis=1)
     crossing *= np.sign((crossing * mean).sum(axis=1, keepdims=True))
     sizes = np.linalg.norm(crossing, axis=1, keepdims=True)
     directions = np.where(sizes > 1e-12, crossing / np.maximum(sizes, 1e-12), mean)
+    for row, way in enumerate(towards):
+        if way is not None:
+            directions[row] = way
     return np.asarray(directions / np.linalg.norm(directions, axis=1, keepdims=True), np.float64)
+
+
+def on_plane(origin: Array, corners: Array, point: Array, normal: Array) -> Array:
+    """Where rays (4, 3) meet the plane; on a plane seen all but edge-on, where they are as far as the point is."""
+    slants = corners @ normal
+    if (slants > -_EDGE_ON).any():
+        return np.asarray(origin + corners * np.linalg.norm(point - origin), np.float64)
+    return np.asarray(origin + corners * (((point - origin) @ normal) / slants)[:, None], np.float64)
+
+
+_EDGE_ON = 0.17
+"""Cosine of 80 degrees."""
 
 
 def meetings(

@@ -1,0 +1,27 @@
+"""Readings that are pieces of a text say nothing against the letters that they lack at an end."""
+
+import pytest
+
+from lpslam.language.model import Reading
+from lpslam.language.naming.channel import Seen, log_likelihood, steps_between
+from lpslam.language.offline import OfflineModel
+
+
+@pytest.mark.parametrize(("painted", "piece"), [("candycane", "cane"), ("abaca", "aca"), ("abaca", "aba"), ("xa", "a")])
+def test_a_piece_is_the_whole_with_an_end_hidden_wherever_its_letters_come_again(painted: str, piece: str) -> None:
+    lacks = steps_between(painted, piece)
+    places = {step.src_pos for step in lacks}
+    assert places in ({*range(len(painted) - len(piece))}, {*range(len(piece), len(painted))})
+    more = steps_between(piece, painted)
+    assert {step.dest_pos for step in more} == places
+    one_letter_more = log_likelihood(painted, [Seen(piece, 0.8, 1.0)], str)
+    assert one_letter_more > log_likelihood("z" * len(painted), [Seen(piece, 0.8, 1.0)], str)
+
+
+def test_a_second_look_that_lacks_the_beginning_does_not_win_over_the_whole() -> None:
+    read = [
+        Reading("candle", 4, 1.0, 0.97, 1.5),
+        Reading("y candle", 1, 0.94, 0.4, 1.0),
+        Reading("cosy candle", 1, 1.0, 0.97, 0.4),
+    ]
+    assert OfflineModel().name(read).name == "cosy candle"
