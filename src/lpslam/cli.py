@@ -48,7 +48,6 @@ from lpslam.views.printed import (
 app = typer.Typer(
     name="lpslam",
     help="Language-perceptive RGB-D SLAM: a map whose landmarks are the words in the scene.",
-    no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
 )
@@ -82,10 +81,15 @@ for _command in (*SERVING, *ROBOTS):
 
 
 @app.callback(invoke_without_command=True)
-def _options(version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False) -> None:
+def _options(
+    context: typer.Context, version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False
+) -> None:
     if version:
         print(f"lpslam {__version__}")
         raise typer.Exit
+    if context.invoked_subcommand is None:
+        print(context.get_help(), end="")
+        raise typer.Exit(2)
 
 
 @app.command()
