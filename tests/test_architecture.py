@@ -14,7 +14,7 @@ PACKAGE = Path(lpslam.__file__).parent
 FOUNDATION = {
     *("_version", "assets", "camera", "config", "errors", "frames", "interruption", "isolated"),
     *("kernel_cache", "leaps"),
-    *("poses", "priority", "regular_files", "small_depth", "timestamps"),
+    *("poses", "priority", "regular_files", "small_depth", "timestamps", "whole_files"),
 }
 
 # What each part may import, besides itself and the foundation. An entry with a dot opens one module only.
