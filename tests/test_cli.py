@@ -205,6 +205,19 @@ def test_a_terminal_without_chinese_shows_numbers_and_no_traceback(walked: Path)
         assert done.stderr == b""
 
 
+def test_a_terminal_that_does_not_know_its_width_is_told_all_the_same(
+    lpslam: Command, walked: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = lpslam("info", walked).out
+    monkeypatch.setenv("COLUMNS", "0")
+    assert lpslam("info", walked).out == whole != ""
+
+
+def test_a_map_of_a_recording_whose_name_is_no_text_can_be_read_again(world: LanguageMap, tmp_path: Path) -> None:
+    world.source = os.fsdecode(b"walk\xff")
+    assert LanguageMap.load(copy_of(world, tmp_path)).source == "walk?"
+
+
 def test_simulate_writes_a_recording_but_not_over_one_that_was_recorded(
     lpslam: Command, clip: Callable[[int], Path], tmp_path: Path
 ) -> None:
