@@ -14,7 +14,7 @@ PACKAGE = Path(lpslam.__file__).parent
 FOUNDATION = {
     *("_version", "assets", "camera", "config", "errors", "frames", "interruption", "isolated"),
     *("kernel_cache", "leaps"),
-    *("poses", "priority", "regular_files", "small_depth", "timestamps"),
+    *("poses", "priority", "regular_files", "small_depth", "timestamps", "whole_files"),
 }
 
 # What each part may import, besides itself and the foundation. An entry with a dot opens one module only.
@@ -95,8 +95,12 @@ ALLOWED: dict[str, set[str]] = {
     "cli_runs": {"simulation", "language", "mapfile.correcting", "pipeline", "views"},
     "cli_simulate": {"demo", "views", "cli_checks", "cli_runs", "cli_options"},
     "cli_robots": {"language.registry", "robots", "session", "views", "cli_checks", "cli_runs", "cli_options"},
+    "cli_run": {
+        *("language.registry", "mapfile.container", "pipeline", "sources", "views"),
+        *("cli_checks", "cli_options", "cli_runs", "cli_serving", "cli_sources", "cli_watching"),
+    },
     "cli": {
-        *("sources", "simulation", "language", "mapfile", "pipeline", "evaluation", "views", "demo"),
+        *("language", "mapfile", "pipeline", "evaluation", "views"),
         *(
             "cli_calibrate",
             "cli_checks",
@@ -104,11 +108,11 @@ ALLOWED: dict[str, set[str]] = {
             "cli_ground",
             "cli_options",
             "cli_robots",
+            "cli_run",
             "cli_runs",
             "cli_serving",
             "cli_simulate",
             "cli_sources",
-            "cli_watching",
             "page",
         ),
     },

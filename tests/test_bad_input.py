@@ -10,8 +10,6 @@ import numpy as np
 import pytest
 
 from command_line import Command
-from lpslam.cli_checks import refuse_unwritable
-from lpslam.errors import UserError
 
 pytestmark = pytest.mark.slow
 
@@ -222,12 +220,3 @@ def test_a_doubtful_calibration_is_said_and_used_and_an_impossible_one_refused(
         cv2.imwrite(str(path), np.full((240, 320), 9000, np.uint16))
     camera.write_text(calibration)
     assert "clip: its colour images are 640×480, its depth images 320×240; register" in refused(lpslam, recording)
-
-
-def test_poses_that_cannot_be_written_are_refused_before_the_work(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    refuse_unwritable(tmp_path / "poses.txt")
-    monkeypatch.setattr("os.access", lambda path, mode: Path(path) != tmp_path)
-    with pytest.raises(UserError, match="not allowed there"):
-        refuse_unwritable(tmp_path / "poses.txt")

@@ -38,6 +38,32 @@ def test_help_and_version(lpslam: Command) -> None:
     assert lpslam("fly").code == 2
 
 
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("run rec -o map.lpmap --max-frames 0", "'--max-frames'"),
+        ("run rec -o map.lpmap --from abc", "'--from'"),
+        ("serve map.lpmap --port 65536", "'--port'"),
+        ("correct map.lpmap --judge maybe", "'--judge'"),
+        ("run", "missing argument 'SOURCE'"),
+        ("run rec more", "unexpected extra argument"),
+        ("run rec --nope", "no such option: --nope"),
+        ("info map.lpmap --js\non", "no such option: --js"),
+    ],
+)
+def test_a_mistake_in_the_words_is_one_line_with_the_remedy(lpslam: Command, words: str, said: str) -> None:
+    complaint = lpslam(*words.split(" ")).complaint
+    assert said in complaint
+    assert complaint.endswith(f"see 'lpslam {words.split()[0]} --help'")
+
+
+def test_without_a_command_all_are_listed(lpslam: Command) -> None:
+    done = lpslam()
+    assert done.code == 2
+    assert "calibrate" in done.out
+    assert lpslam("bogus").complaint == "no such command 'bogus'; see 'lpslam --help'"
+
+
 def test_run_says_what_it_made_and_info_says_the_same(
     lpslam: Command, clip: Callable[[int], Path], tmp_path: Path
 ) -> None:
@@ -177,6 +203,19 @@ def test_a_terminal_without_chinese_shows_numbers_and_no_traceback(walked: Path)
         done = subprocess.run([sys.executable, "-c", script, *words], capture_output=True, env=environment, check=True)
         assert b"\\u6d17" in done.stdout
         assert done.stderr == b""
+
+
+def test_a_terminal_that_does_not_know_its_width_is_told_all_the_same(
+    lpslam: Command, walked: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = lpslam("info", walked).out
+    monkeypatch.setenv("COLUMNS", "0")
+    assert lpslam("info", walked).out == whole != ""
+
+
+def test_a_map_of_a_recording_whose_name_is_no_text_can_be_read_again(world: LanguageMap, tmp_path: Path) -> None:
+    world.source = os.fsdecode(b"walk\xff")
+    assert LanguageMap.load(copy_of(world, tmp_path)).source == "walk?"
 
 
 def test_simulate_writes_a_recording_but_not_over_one_that_was_recorded(

@@ -220,6 +220,9 @@ __main__.main()
 """
 
 
+KILL = "os.getpid(), signal.SIGTERM"
+
+
 @pytest.mark.parametrize("delays", [[0.05], [0.2], [0.4], [0.6], [0.3, 0.05], [0.5, 0.01]])
 def test_ctrl_c_at_any_moment_is_one_line(delays: list[float], walked: Path) -> None:
     """Compiled modules that are broken off while they are loaded fail with errors of their own."""
@@ -228,6 +231,16 @@ def test_ctrl_c_at_any_moment_is_one_line(delays: list[float], walked: Path) -> 
         assert process.stderr is not None
         told = process.stderr.read()
         assert (process.wait(30), told) == (130, "lpslam: interrupted\n")
+
+
+@pytest.mark.parametrize("delay", [0.3, 2.5])
+def test_a_polite_kill_is_as_ctrl_c(delay: float, clip: Callable[[int], Path], tmp_path: Path) -> None:
+    """By default it would end the process at once, and leave the part of a recording that nobody finds."""
+    words = [sys.executable, "-c", PRESSED.replace("DELAYS", repr([delay])).replace("os.getpid(), signal.SIGINT", KILL)]
+    words += ["convert", str(clip(30)), str(tmp_path / "copy.mcap")]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=60, check=False)
+    assert (done.returncode, done.stderr) == (130, "lpslam: interrupted\n")
+    assert [path.name for path in tmp_path.iterdir()] == ["clip"], "no part of it is left"
 
 
 def test_ctrl_c_while_it_loads_is_no_traceback() -> None:

@@ -268,7 +268,7 @@ def test_the_frames_that_were_not_tracked_are_counted_in_this_recording_only(
         (["--localize", "MAP", "--trajectory", "LINK"], "is the map that is read"),
         (["-o", "OUT", "--trajectory", "OUT"], "--output and --trajectory are both"),
         (["-o", "OUT", "--live", "--sequential"], "--live and --sequential exclude each other"),
-        (["--localize", "MAP", "--trajectory", "nowhere/poses.txt"], "its folder is missing"),
+        (["--localize", "MAP", "--trajectory", "nowhere/poses.txt"], "does not exist; make it first"),
         (["--localize", "MAP", "--trajectory", "."], "it is a folder"),
         (["--localize", "missing.lpmap", "--trajectory", "POSES"], "missing.lpmap"),
         (["--continue", "missing.lpmap", "-o", "OUT"], "missing.lpmap"),

@@ -54,8 +54,8 @@ class PinholeCamera:
             value = getattr(self, label)
             if not _is_finite(value) or abs(value) > _LARGEST:
                 raise UserError(f"camera calibration: {label} is {_said(value)}; it must be a finite number of pixels")
-        if not all(map(_is_finite, self.distortion)):
-            raise UserError(f"camera calibration: distortion is {self.distortion!r}; it must be finite numbers")
+        if not all(_is_finite(term) and abs(term) <= _LARGEST for term in self.distortion):
+            raise UserError(f"camera calibration: distortion is {self.distortion!r}, which no lens has; give numbers")
         for label in ("width", "height"):
             object.__setattr__(self, label, int(getattr(self, label)))
 

@@ -1,11 +1,11 @@
 """What is wrong with the options of a command, before anything is begun."""
 
-import os
 from os.path import realpath
 from pathlib import Path
 from typing import Any
 
 from lpslam.errors import UserError
+from lpslam.whole_files import refuse_unwritable
 
 
 def refuse_with_localize(
@@ -25,16 +25,6 @@ def refuse_with_fronts(frames: int | None, world: int | None, factor: list[str] 
     for name, value in others.items():
         if value is not None and name != "light":
             raise UserError(f"--fronts and --{name.replace('_', '-')} exclude each other")
-
-
-def refuse_unwritable(path: Path) -> None:
-    """A result that cannot be written is refused before the work for it is done."""
-    if path.is_dir() or not path.absolute().parent.is_dir():
-        raise UserError(f"{path} cannot be written: {'it is a folder' if path.is_dir() else 'its folder is missing'}")
-    if path.is_fifo():
-        raise UserError(f"{path} cannot be written: it is a pipe, which may wait for ever; give a file")
-    if not os.access(path if path.exists() else path.absolute().parent, os.W_OK):
-        raise UserError(f"{path} cannot be written: that is not allowed there; choose another place")
 
 
 def refuse_overwriting(output: Path | None, trajectory: Path | None, base: Path | None) -> None:

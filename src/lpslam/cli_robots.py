@@ -6,10 +6,11 @@ from typing import Annotated, Any
 
 import typer
 
-from lpslam.cli_checks import config_of, refuse_old_map, refuse_unwritable
+from lpslam.cli_checks import config_of, refuse_old_map
 from lpslam.cli_options import Json
 from lpslam.errors import MissingExtraError, UserError
 from lpslam.views.printed import print_facts, say
+from lpslam.whole_files import refuse_unwritable
 
 
 def robot(

@@ -2,7 +2,6 @@
 
 import sys
 import tempfile
-from collections.abc import Callable
 from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
@@ -15,23 +14,27 @@ from lpslam.interruption import INTERRUPTED
 from lpslam.interruption import end as end_at_once
 from lpslam.views.printed import forget_output, print_json, print_table, say
 
+_UsageError: Any = typer.BadParameter.__mro__[1]
+"""What a mistake in the words of the command line is raised as; typer has had it from click, and has its own now."""
 
-def call_to_its_end(command: Callable[[], object]) -> None:
+
+def call_to_its_end(app: typer.Typer) -> None:
     """Run the command line, whose every failure that is the user's or the system's becomes one line and exit code 2."""
     try:
         try:
-            command()
+            _parse_and_call(app)
         finally:
             sys.stdout.flush()
     except LpSlamError as error:
         say(str(error))
         raise SystemExit(2) from None
-    except SystemExit as end:
-        if end.code != INTERRUPTED:
-            raise
-        # What the key broke off says nothing; what was told to stop has said how far it came.
-        is_broken_off = end.__context__ is not None and isinstance(end.__context__.__cause__, KeyboardInterrupt)
-        end_at_once(is_said=not is_broken_off)
+    except typer.Exit as end:
+        if end.exit_code == INTERRUPTED:
+            # What was told to stop has said how far it came.
+            end_at_once(is_said=True)
+        raise SystemExit(end.exit_code) from None
+    except KeyboardInterrupt:
+        end_at_once()
     except BrokenPipeError:
         forget_output()
         raise SystemExit(1) from None
@@ -40,6 +43,23 @@ def call_to_its_end(command: Callable[[], object]) -> None:
         say(f"{error.filename or 'writing'}: {error.strerror or error}")
         forget_output()
         raise SystemExit(2) from None
+
+
+def _parse_and_call(app: typer.Typer) -> None:
+    """Call what the words of the command line say.
+
+    Raises:
+        UserError: they say nothing that there is.
+    """
+    command = typer.main.get_command(app)
+    try:
+        # `app()` would print a mistake as a box of five lines, and end the process by itself.
+        with command.make_context("lpslam", sys.argv[1:]) as context:
+            command.invoke(context)
+    except _UsageError as error:
+        reason = error.format_message().rstrip(".")
+        where = error.ctx.command_path if error.ctx is not None else "lpslam"
+        raise UserError(f"{reason[:1].lower()}{reason[1:]}; see '{where} --help'") from None
 
 
 def partial_name(output: Path) -> Path:

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from lpslam.cli_checks import refuse_unwritable
 from lpslam.errors import MissingExtraError, UserError
 from lpslam.views.printed import say
+from lpslam.whole_files import refuse_unwritable
 
 if TYPE_CHECKING:
     from lpslam.frames import FrameSource

@@ -8,7 +8,6 @@ from typing import Any
 
 from lpslam import pipeline
 from lpslam.config import Config, SimulationConfig
-from lpslam.errors import UserError
 from lpslam.evaluation.language import paper_cases, score_language
 from lpslam.evaluation.report import evaluate
 from lpslam.evaluation.signs import TrueSign, listed_signs
@@ -25,6 +24,7 @@ from lpslam.views.pictures import draw_language_map, draw_score_histories
 from lpslam.views.run_progress import InterruptFlag, RunProgress, prepare
 from lpslam.views.scores import score_facts, score_record
 from lpslam.views.trajectory_plot import draw_trajectories
+from lpslam.whole_files import refuse_unwritable_folder, written_whole
 
 PAPER_SIGNS = (
     "KFC", "Pizza Hut", "ALIENWARE", "HUAWEI", "GUCCI", "WASHROOM", "NO SMOKING", "DANGER", "HIGH TEMPERATURE",
@@ -55,10 +55,8 @@ def run_demo(
     started = time.perf_counter()
     config = Config(simulation=SimulationConfig(featured=PAPER_SIGNS))
     language = language_model(llm, config.language)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UserError(f"{folder} cannot be made ({error.strerror}); choose another folder") from error
+    refuse_unwritable_folder(folder)
+    folder.mkdir(parents=True, exist_ok=True)
     refuse_foreign_file(folder / "map.lpmap")
 
     say("Building a mock mall, and walking through it with a simulated RGB-D camera ...")
@@ -96,13 +94,9 @@ def run_demo(
         "language": str(language_score),
         "seconds": round(seconds, 1),
     }
-    try:
-        _write_report(folder, source.name, lines, asked, str(language_score), seconds)
-        (folder / "report.json").write_text(json.dumps(report, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
-    except OSError as error:
-        raise UserError(
-            f"the report cannot be written to {folder} ({error.strerror}); choose another folder"
-        ) from error
+    _write_report(folder, source.name, lines, asked, str(language_score), seconds)
+    with written_whole(folder / "report.json", "the report") as part:
+        part.write_text(json.dumps(report, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
 
     say("\n".join(["", *lines, "", *asked, "", f"language, on the paper's own examples: {language_score}"]))
     say(f"\nWritten to {folder}/ in {seconds:.0f} s: map.lpmap, map.png, memory.png, trajectory.png, report.md")
@@ -141,4 +135,5 @@ def _write_report(
         "![memory scores](memory.png)",
         "![trajectory](trajectory.png)",
     ]
-    (folder / "report.md").write_text("\n".join(report) + "\n", encoding="utf-8")
+    with written_whole(folder / "report.md", "the report") as part:
+        part.write_text("\n".join(report) + "\n", encoding="utf-8")

@@ -1,4 +1,6 @@
-"""The process's edges: Ctrl-C at any moment is one line and exit code 130, and standard streams may be closed."""
+"""The process's edges: Ctrl-C or a polite kill at any moment is one line and exit code 130, and standard streams may be
+closed.
+"""
 
 import os
 import signal
@@ -9,15 +11,19 @@ from types import FrameType
 from typing import NoReturn, TextIO
 
 INTERRUPTED = 130
-"""Exit code after Ctrl-C, as shells have it."""
+"""Exit code after Ctrl-C, as shells have it, and after a polite kill."""
 _LINE = "lpslam: interrupted\n"
 _was_pressed = False
 
 
 def watch() -> None:
-    """Note the key from now on, unless whoever started the process lets it be ignored."""
-    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        signal.signal(signal.SIGINT, _press)
+    """Note the key from now on, and the kill that containers and services end with, which is the same to us.
+
+    What whoever started the process lets be ignored stays ignored.
+    """
+    for number in (signal.SIGINT, signal.SIGTERM):
+        if signal.getsignal(number) in (signal.default_int_handler, signal.SIG_DFL):
+            signal.signal(number, _press)
     sys.unraisablehook = _unraisable
 
 

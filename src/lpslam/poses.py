@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from lpslam.errors import UserError
 from lpslam.regular_files import text_of
+from lpslam.whole_files import written_whole
 
 Array = NDArray[np.float64]
 
@@ -77,10 +78,8 @@ class StampedPoses:
         for timestamp, position, quaternion in zip(self.timestamps, self.positions, quaternions, strict=True):
             numbers = [*(f"{value:.6f}" for value in position), *(f"{value:.9f}" for value in quaternion)]
             lines.append(f"{timestamp:.6f} {' '.join(numbers)}")
-        try:
-            path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-        except OSError as error:
-            raise UserError(f"trajectory {path} cannot be written ({error.strerror}); choose another place") from error
+        with written_whole(path, "trajectory") as part:
+            part.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def rotations_from_quaternions(quaternions: Array) -> Array:

@@ -1,5 +1,6 @@
 """A rendered walk, seen through a lens with distortion, tells that lens; what tells nothing is refused."""
 
+import math
 import shutil
 from collections.abc import Callable
 from dataclasses import replace
@@ -13,6 +14,7 @@ from command_line import Command
 from lpslam.calibration.lens import gap
 from lpslam.camera import PinholeCamera
 from lpslam.sources.calibration import read_calibration
+from lpslam.views import run_progress
 
 pytestmark = pytest.mark.slow
 
@@ -59,8 +61,10 @@ def check_lens(true: PinholeCamera, record: dict[str, float], written: PinholeCa
 
 
 def test_the_lens_is_found_though_its_focal_length_is_stated_twice_as_long(
-    lpslam: Command, walk: Path, tmp_path: Path, lighter: Path
+    lpslam: Command, walk: Path, tmp_path: Path, lighter: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    # On a loaded machine it would say how far it is.
+    monkeypatch.setattr(run_progress, "_LINE_EVERY", math.inf)
     true = replace(read_calibration(walk / "camera.yaml").camera, distortion=(-0.1, 0.0, 0.0, 0.0, 0.0))
     recording = through_a_lens(walk, tmp_path / "bent", true, 2.0, 5000)
     output = tmp_path / "found.yaml"
@@ -80,8 +84,10 @@ def test_the_lens_is_found_though_its_focal_length_is_stated_twice_as_long(
 
 
 def test_the_lens_is_found_from_half_the_focal_length_and_the_depth_scale_from_the_true_path(
-    lpslam: Command, walk: Path, tmp_path: Path, lighter: Path
+    lpslam: Command, walk: Path, tmp_path: Path, lighter: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    # On a loaded machine it would say how far it is.
+    monkeypatch.setattr(run_progress, "_LINE_EVERY", math.inf)
     true = replace(read_calibration(walk / "camera.yaml").camera, distortion=(0.1, -0.05, 0.001, -0.001, 0.0))
     recording = through_a_lens(walk, tmp_path / "bent", true, 0.5, 4500)
     shutil.copy(walk / "groundtruth.txt", recording)
@@ -95,7 +101,8 @@ def test_the_lens_is_found_from_half_the_focal_length_and_the_depth_scale_from_t
 
 def test_places_that_cannot_be_written_are_refused_first(lpslam: Command, tmp_path: Path) -> None:
     assert "it is a folder" in lpslam("calibrate", tmp_path / "nowhere", "-o", tmp_path).complaint
-    assert "its folder is missing" in lpslam("calibrate", tmp_path / "nowhere", "-o", tmp_path / "a" / "b").complaint
+    missing = tmp_path / "a" / "found.yaml"
+    assert "does not exist; make it first" in lpslam("calibrate", tmp_path / "nowhere", "-o", missing).complaint
     complaint = lpslam("calibrate", tmp_path / "nowhere", "-o", tmp_path / "found.yaml").complaint
     assert "nowhere does not exist; give the folder of a recording" in complaint
 

@@ -229,6 +229,12 @@ def test_mistakes_are_one_line(lpslam: Command, server: Server, tmp_path: Path) 
         assert lpslam("serve", *words).complaint
 
 
+def test_a_file_that_is_none_of_tokens_is_said_to_be(lpslam: Command, tmp_path: Path) -> None:
+    (tmp_path / "tokens.json").write_text("no tokens")
+    said = lpslam("token", tmp_path / "tokens.json", "--name", "a").complaint
+    assert "is no file of tokens: Invalid JSON" in said
+
+
 def test_a_token_is_made_once_and_kept_as_a_digest(lpslam: Command, tmp_path: Path) -> None:
     file = tmp_path / "tokens.json"
     made = lpslam("token", file, "--name", "robot", "--scope", "ask", "--days", "1", "--json").json["token"]

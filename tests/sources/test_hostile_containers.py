@@ -242,6 +242,15 @@ def test_json_that_is_no_picture_is_one_line(tmp_path: Path, data: bytes) -> Non
     complaint(_foxglove(tmp_path / "odd.mcap", lambda name, message: data if name == "/c" else message))
 
 
+def test_the_name_of_a_type_is_quoted_in_one_line(tmp_path: Path) -> None:
+    """A byte that was lost shifts columns: what stood for a type is then all that stood beside it."""
+    path = write(tmp_path / "bag.db3", walk)
+    with closing(sqlite3.connect(path)) as connection:
+        connection.execute("UPDATE topics SET type = ?", ("a: 1\nb: 2\r\n" * 500,))
+        connection.commit()
+    assert len(complaint(path)) <= 1000
+
+
 @pytest.mark.parametrize("what", ["image", "info"])
 @pytest.mark.parametrize("kind", KINDS)
 def test_topics_of_a_maker_with_messages_of_other_types_are_left_out(tmp_path: Path, kind: str, what: str) -> None:

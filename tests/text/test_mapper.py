@@ -17,7 +17,7 @@ from lpslam.text.distilling import distil
 from lpslam.text.mapper import TextMapper
 from lpslam.text.reading.patterns import Likeness
 from lpslam.text.text_map import TextMap
-from lpslam.text.types import BoxFate, Recognition, TextObservation
+from lpslam.text.types import BoxFate, PlacedTexts, Recognition, TextObservation
 
 CAMERA = PinholeCamera(640, 480, 570.0, 570.0, 320.0, 240.0)
 CONFIG = TextConfig()
@@ -240,9 +240,28 @@ def test_boxes_at_the_border_and_tiny_ones_are_no_texts_and_are_counted() -> Non
         BoxFate.UNREAD,
         BoxFate.UNREAD,
     ]
-    assert [each.text for each in reading.texts] == ["KFC"]
-    assert [text.text for text, _ in reading.parts] == ["SMOKING", "FLOOR"], "they may go on outside"
+    assert list(reading.texts.spellings) == ["KFC"]
+    assert list(reading.parts.spellings) == ["SMOKING", "FLOOR"], "they may go on outside"
     assert spotter.recognised == 5
+
+
+def test_texts_of_a_frame_and_their_places_are_columns_of_one_length() -> None:
+    spotter = ScriptedSpotter((box(300, 300), "KFC", 0.99), (box(100, 200), "GUCCI", 0.98))
+    seen = frame(0)
+    seen.depth[:250] = 0.0
+    reading = TextMapper(CAMERA, spotter, CONFIG).observe(seen, tracked(0))
+    assert reading is not None
+    texts = reading.texts
+    assert texts.spellings == ("KFC", "GUCCI")
+    np.testing.assert_allclose(texts.boxes[1], box(100, 200))
+    assert texts.confidences.tolist() == [0.99, 0.98]
+    assert [placement is None for placement in texts.placements] == [False, True]
+    assert [text.text for text, _ in texts.standing()] == ["KFC"]
+    assert texts[np.array([1])].spellings == ("GUCCI",)
+    assert texts[np.array([True, False])].placements == texts.placements[:1]
+    with pytest.raises(ValueError, match="2 texts have 1 placements"):
+        PlacedTexts(texts.spotted, texts.placements[:1])
+    assert PlacedTexts().boxes.shape == (0, 4, 2)
 
 
 def test_an_ornament_is_not_even_read() -> None:
@@ -284,7 +303,7 @@ def test_text_hidden_by_something_nearer_waits_for_the_rest() -> None:
     assert reading is not None
     assert reading.fates == (BoxFate.HIDDEN,)
     assert mapper.statistics.boxes_hidden == 1
-    assert [text.text for text, _ in reading.parts] == ["RMATION"]
+    assert list(reading.parts.spellings) == ["RMATION"]
     assert not mapper.text_map.memory.classes
     # Seen as a whole, it needs no parts.
     spotter.seen = [(box(255, 200, 165), "INFORMATION", 0.99)]
@@ -319,8 +338,8 @@ def test_text_of_the_world_is_cleaned() -> None:
     spotter = ScriptedSpotter((box(100, 200), "ＫＦ\u202eＣ\u200b\n" + "xanthic words " * 40, 0.99))
     reading = TextMapper(CAMERA, spotter, CONFIG).observe(frame(0), tracked(0))
     assert reading is not None
-    assert reading.texts[0].text.startswith("KFC x")
-    assert len(reading.texts[0].text) <= CONFIG.spotting.max_length
+    assert reading.texts.spellings[0].startswith("KFC x")
+    assert len(reading.texts.spellings[0]) <= CONFIG.spotting.max_length
 
 
 def test_lost_frames_are_not_read() -> None:
@@ -598,7 +617,7 @@ def test_readings_whose_place_is_a_guess_weigh_as_little_as_those_without_one() 
         seen = frame(index)
         seen.depth[190:240, 190:330] = 0.0
         reading = mapper.observe(seen, tracked(index))
-        assert reading is None or reading.placements[0] is not None, "the wall around it stands in"
+        assert reading is None or reading.texts.placements[0] is not None, "the wall around it stands in"
     (text_class,) = mapper.text_map.memory.classes
     guessed = text_class.variants["Newfrrivals"].confidence / text_class.variants["Newfrrivals"].count
     near = run(TextMapper(CAMERA, ScriptedSpotter((box(100, 200), "Newfrrivals", 0.98)), CONFIG), 12)

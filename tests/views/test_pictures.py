@@ -13,7 +13,7 @@ from lpslam.evaluation.trajectory import absolute_trajectory_error
 from lpslam.poses import StampedPoses
 from lpslam.text.remembering.histories import ScoreHistory, score_histories
 from lpslam.text.remembering.memory import LongShortTermMemory
-from lpslam.text.types import BoxFate, FrameReading, SpottedText
+from lpslam.text.types import BoxFate, FrameReading, PlacedTexts, SpottedText
 from lpslam.views.labels import place_labels
 from lpslam.views.map_picture import draw_map
 from lpslam.views.memory_plot import draw_memory
@@ -154,7 +154,7 @@ def test_a_reading_is_drawn_by_the_fate_of_its_boxes() -> None:
     kept = np.array([[20, 60], [80, 60], [80, 80], [20, 80]], float)
     boxes = np.stack([kept + np.array([200, 0]), kept])
     text = SpottedText("KFC", 0.9, kept, 20.0)
-    out = draw_reading(image, FrameReading(0, boxes, (BoxFate.BORDER, BoxFate.KEPT), (text,), ()))
+    out = draw_reading(image, FrameReading(0, boxes, (BoxFate.BORDER, BoxFate.KEPT), PlacedTexts((text,), (None,))))
     np.testing.assert_array_equal(out, draw_boxes(image, boxes, [False, True], ["border", "KFC 0.90"]))
     assert near(out, (40, 200, 80))[:, :150].any()
     assert not near(out, (40, 200, 80))[:, 200:].any()

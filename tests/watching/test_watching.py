@@ -220,7 +220,7 @@ def test_a_run_that_is_killed_leaves_a_readable_file(walk: Path, tmp_path: Path)
 @pytest.mark.parametrize(
     ("options", "expected"),
     [
-        (("--mcap", "{missing}/run.mcap"), "its folder is missing"),
+        (("--mcap", "{missing}/run.mcap"), "does not exist; make it first"),
         (("--mcap", "{there}"), "is there already"),
         (("--mcap", "{out}"), "is another file of this run"),
         (("--mcap", "{new}", "--rerun", "{new}"), "is another file of this run"),

@@ -1,6 +1,5 @@
 """A calibration in words: as a file that can be read back, as a record, and as lines for people."""
 
-import os
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +8,7 @@ import numpy as np
 from lpslam.calibration.calibrating import Calibrated
 from lpslam.calibration.lens import NAMES
 from lpslam.errors import UserError
+from lpslam.whole_files import refuse_unwritable, written_whole
 
 _DISTORTION = NAMES[4:9]
 
@@ -18,8 +18,7 @@ NO_METRES = "metres are taken from the depth readings: only a true path that is 
 
 def refuse_to_overwrite(path: Path, overwrite: bool) -> None:
     """Refuse, before the work, a place where the calibration could not be written, or where something is."""
-    if path.is_dir() or not path.absolute().parent.is_dir():
-        raise UserError(f"{path} cannot be written: {'it is a folder' if path.is_dir() else 'its folder is missing'}")
+    refuse_unwritable(path)
     if path.exists() and not overwrite:
         raise UserError(f"{path} is there already; give another --output, or --overwrite")
 
@@ -30,13 +29,8 @@ def write_calibration(found: Calibrated, source: str, path: Path) -> None:
     Raises:
         UserError: the file cannot be written.
     """
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        temporary.write_text(yaml_text(found, source), encoding="utf-8")
-        temporary.replace(path)
-    except OSError as error:
-        temporary.unlink(missing_ok=True)
-        raise UserError(f"{path} cannot be written ({error.strerror}); choose another place") from error
+    with written_whole(path) as part:
+        part.write_text(yaml_text(found, source), encoding="utf-8")
 
 
 def yaml_text(found: Calibrated, source: str) -> str:

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from lpslam._version import __version__
 from lpslam.errors import UserError
 from lpslam.regular_files import refuse_endless
+from lpslam.whole_files import refuse_unwritable, written_whole
 
 FORMAT = "lpslam map"
 FORMAT_VERSION = 2
@@ -86,18 +87,11 @@ def write_map_file(
         "documents": sorted(documents),
         "arrays": sorted(arrays),
     }
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        with temporary.open("wb") as file:
-            _write_members(file, manifest, documents, arrays)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(temporary, path)
-    except OSError as error:
-        raise UserError(f"map {path} cannot be written ({error.strerror}); choose another place") from error
-    finally:
-        temporary.unlink(missing_ok=True)
-    _sync_folder(path.parent)
+    with written_whole(path, "map") as part, part.open("wb") as file:
+        _write_members(file, manifest, documents, arrays)
+        file.flush()
+        os.fsync(file.fileno())
+    _sync_folder(Path(os.path.realpath(path)).parent)
 
 
 def read_map_file(path: Path | str) -> MapContents:
@@ -140,12 +134,7 @@ def refuse_foreign_file(path: Path | str) -> None:
     A folder, a file that is not a map, and a map of a newer version are never overwritten; no folder is made.
     """
     path = Path(path)
-    if path.is_dir():
-        raise UserError(f"{path} is a folder; give the name of a map file")
-    if not path.parent.is_dir():
-        raise UserError(f"map {path} cannot be written: the folder {path.parent} does not exist; make it first")
-    if not os.access(path.parent, os.W_OK):
-        raise UserError(f"map {path} cannot be written: the folder {path.parent} is read-only; choose another place")
+    refuse_unwritable(path, "map")
     if path.exists():
         try:
             read_manifest(path)
@@ -226,7 +215,8 @@ def _write_member(archive: zipfile.ZipFile, name: str, data: bytes) -> None:
 
 
 def _json_bytes(value: Any) -> bytes:
-    return json.dumps(value, ensure_ascii=False, separators=(",", ":")).encode("utf-8", "surrogatepass")
+    # A name of a file may have bytes that are no text; as they are, the map could not be read again.
+    return json.dumps(value, ensure_ascii=False, separators=(",", ":")).encode("utf-8", "replace")
 
 
 def _checked_name(name: str) -> str:

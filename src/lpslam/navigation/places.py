@@ -8,6 +8,9 @@ from numpy.typing import NDArray
 
 Point = NDArray[np.float64]
 
+FARTHEST = 1e6
+"""Metres from the origin of a map within which a place means anything."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Place:

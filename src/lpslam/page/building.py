@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import Any
 
 from lpslam.config import PageConfig
-from lpslam.errors import UserError
 from lpslam.language.languages import LANGUAGES
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.page.record import empty_record, ground_record, map_record, room_points
 from lpslam.page.signs import sign_pictures
+from lpslam.whole_files import written_whole
 
 SCRIPTS = (
     *("common", "plan", "lenses", "painting", "points", "plates", "space", "moving", "replay"),
@@ -37,10 +37,8 @@ def write_page(world: LanguageMap, out: Path, config: PageConfig | None = None) 
     Raises:
         UserError: the file cannot be written.
     """
-    try:
-        out.write_text(page_of(world, live=False, config=config), encoding="utf-8")
-    except OSError as error:
-        raise UserError(f"page {out} cannot be written ({error.strerror}); choose another place") from error
+    with written_whole(out, "page") as part:
+        part.write_text(page_of(world, live=False, config=config), encoding="utf-8")
     return out
 
 

@@ -7,7 +7,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StringConstraints
 
-_FARTHEST = 1e6  # metres from the origin that mean anything
+from lpslam.navigation.places import FARTHEST
+
 _LARGEST_ID = 2**53 - 1  # whole numbers that every JSON reader keeps
 
 
@@ -19,7 +20,7 @@ def _encodable(text: str) -> str:
     return text
 
 
-Metres = Annotated[float, Field(ge=-_FARTHEST, le=_FARTHEST, allow_inf_nan=False)]
+Metres = Annotated[float, Field(ge=-FARTHEST, le=FARTHEST, allow_inf_nan=False)]
 Position = Annotated[list[Metres], Field(min_length=2, max_length=3, description="(x, y) or (x, y, z), metres.")]
 Degrees = Annotated[float, Field(ge=-36_000, le=36_000, allow_inf_nan=False)]
 LandmarkId = Annotated[int, Field(ge=0, le=_LARGEST_ID, strict=True)]

@@ -126,8 +126,8 @@ def read_tokens(path: Path) -> tuple[_Entry, ...]:
         entries = _File.model_validate_json(data).tokens
     except ValidationError as error:
         first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"])
-        raise UserError(f"{path} is no file of tokens: {where}: {first['msg']}") from error
+        where = [".".join(str(part) for part in first["loc"])] if first["loc"] else []
+        raise UserError(f"{path} is no file of tokens: {': '.join([*where, first['msg']])}") from error
     for entry in entries:
         if unknown := set(entry.scopes) - set(SCOPES):
             raise UserError(f"{path}: {min(unknown)} is no scope; there are {', '.join(SCOPES)}")

@@ -42,3 +42,8 @@ def growth_of(
     new = [each for each in kept if each not in known][:most]
     at_home = {each: slam.world_from_keyframe(each) for each in kept if slam.is_home(each)}
     return Growth(poses, at_home, {} if scans is None else scans.to_arrays(new))
+
+
+def submap_count(slam: SlamMap) -> int:
+    """Parts of a map that are not joined; whoever asks holds its lock."""
+    return len(np.unique(slam.submaps()[slam.living_keyframes()]))

@@ -1,16 +1,21 @@
 """What a session is put together from."""
 
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
 from functools import partial
 
-from lpslam.config import ReadingConfig, SpottingConfig
+from lpslam.camera import PinholeCamera
+from lpslam.config import GroundConfig, ReadingConfig, SpottingConfig
+from lpslam.ground.scans import Scans
 from lpslam.language.model import LanguageModel
 from lpslam.language.naming.beside import NamingBeside
 from lpslam.language.offline import OfflineModel
+from lpslam.mapfile.language_map import LanguageMap
 from lpslam.priority import READING, yield_to_others
 from lpslam.text.mapper import TextMapper
 from lpslam.text.reading.reading_thread import ReadingThread
-from lpslam.text.reading.spotting import PaddleSpotter
+from lpslam.text.reading.spotting import PaddleSpotter, TextSpotter
+from lpslam.text.reading.spotting_process import SpottingProcess
 
 
 def naming_beside(language: LanguageModel | None) -> NamingBeside | None:
@@ -25,6 +30,20 @@ def reading_thread(mapper: TextMapper, config: ReadingConfig, live: bool) -> Rea
     if live:
         return ReadingThread(mapper, 1, config.live_share, READING)
     return ReadingThread(mapper, config.queue_size)
+
+
+def scans_of(base: LanguageMap | None, camera: PinholeCamera, config: GroundConfig) -> Scans | None:
+    """Those of the map that goes on, or new ones where the ground is wanted."""
+    if base is not None and base.scans is not None:
+        return base.scans
+    return Scans(camera, config.width) if config.enabled else None
+
+
+def opened_spotter(opened: ExitStack, config: SpottingConfig, live: bool) -> TextSpotter:
+    """Who finds and reads text: live in a process of its own, if there can be one, which ends with `opened`."""
+    if live and SpottingProcess.is_possible():
+        return opened.enter_context(SpottingProcess(config))
+    return load_spotter(config, READING if live else 0)
 
 
 def load_spotter(config: SpottingConfig, niceness: int) -> PaddleSpotter:

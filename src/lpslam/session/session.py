@@ -1,10 +1,9 @@
 """A map that grows one frame at a time: the one way in which maps are made (paper, Fig. 1)."""
 
 import threading
-import time
 from collections.abc import AsyncIterator, Callable, Collection
 from contextlib import ExitStack
-from dataclasses import asdict, replace
+from dataclasses import replace
 from types import TracebackType
 from typing import Self
 
@@ -15,20 +14,19 @@ from lpslam.camera import PinholeCamera
 from lpslam.config import Config
 from lpslam.errors import UserError
 from lpslam.frames import RgbdFrame
-from lpslam.ground.scans import Scans
 from lpslam.language.model import LanguageModel
 from lpslam.language.offline import OfflineModel
 from lpslam.mapfile.compatibility import refuse_other_camera
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.navigation.asking import Answer, answer, last_view
-from lpslam.priority import READING
 from lpslam.session.announcing import AnnouncingMapper
 from lpslam.session.checks import checked_colour, checked_depth, checked_time, refuse_no_camera, refuse_no_metres
 from lpslam.session.copying import copied, poses_now
-from lpslam.session.growth import Growth, growth_of
+from lpslam.session.costs import Costs
+from lpslam.session.growth import Growth, growth_of, submap_count
 from lpslam.session.listeners import Listeners
 from lpslam.session.news import News
-from lpslam.session.parts import load_spotter, naming_beside, reading_thread
+from lpslam.session.parts import naming_beside, opened_spotter, reading_thread, scans_of
 from lpslam.session.step import Step
 from lpslam.session.time_screen import Picture, TimeScreen
 from lpslam.session.turns import Turns
@@ -41,7 +39,6 @@ from lpslam.text.correcting.corrections import Corrections
 from lpslam.text.placing.instances import KeyframePoses
 from lpslam.text.reading.reading_thread import ReadingThread
 from lpslam.text.reading.spotting import TextSpotter
-from lpslam.text.reading.spotting_process import SpottingProcess
 from lpslam.text.text_map import TextMap
 from lpslam.text.types import Landmark
 
@@ -98,9 +95,7 @@ class Session:
         self.frames = self.frames_skipped = self.frames_dropped = 0
         self._language, self._live = language, live
         self._text = base.text if base else TextMap(config.text)
-        self._scans = base.scans if base is not None else None
-        if self._scans is None and config.ground.enabled:
-            self._scans = Scans(camera, config.ground.width)
+        self._scans = scans_of(base, camera, config.ground)
         self._words = TextAdvisor(config.text.advice, self._text.memory.classes)
         advisor = self._words if text and config.text.advice.enabled else NO_ADVICE
         self._slam = RgbdSlam(camera, config.slam, live=live, base=base.slam if base else None, advisor=advisor)
@@ -118,14 +113,13 @@ class Session:
         self._mapper: AnnouncingMapper | None = None
         self._reader: ReadingThread | None = None
         self._first_index = 0
-        self._seconds_tracking = 0.0
         self._resources = ExitStack()
         with ExitStack() as opened:
             # Whatever goes wrong in between, its threads end.
             opened.callback(self._slam.finish)
             self._open(opened, base, spotter, text, sequential)
             self._resources = opened.pop_all()
-        self._started = time.perf_counter()
+        self._costs = Costs()
 
     def _open(
         self, opened: ExitStack, base: LanguageMap | None, spotter: TextSpotter | None, text: bool, sequential: bool
@@ -135,11 +129,9 @@ class Session:
             self._slam.trajectory, self._first_index = base.trajectory, base.trajectory.begin_session()
         if not text:
             return
-        if spotter is None and live and SpottingProcess.is_possible():
-            spotter = opened.enter_context(SpottingProcess(config.text.spotting))
         self._mapper = AnnouncingMapper(
             self.camera,
-            spotter or load_spotter(config.text.spotting, READING if live else 0),
+            spotter or opened_spotter(opened, config.text.spotting, live),
             config.text,
             OfflineModel(),
             self._text,
@@ -209,9 +201,8 @@ class Session:
         if self._first_index:
             frame = replace(frame, index=self._first_index + frame.index)
         with self._stepping:
-            before = time.perf_counter()
-            tracked = self._slam.process(frame)
-            self._seconds_tracking += time.perf_counter() - before
+            with self._costs.tracking():
+                tracked = self._slam.process(frame)
             frame = self._slam.measured(frame)
             self.frames += 1
             self._latest, self._pose = frame.timestamp, tracked.world_from_camera
@@ -243,7 +234,7 @@ class Session:
     def submaps(self) -> int:
         """Parts of the map that are not joined: 1 when all is one, 0 before the first keyframe."""
         with self._slam.map.lock:
-            return len(np.unique(self._slam.map.submaps()[self._slam.map.living_keyframes()]))
+            return submap_count(self._slam.map)
 
     @property
     def texts(self) -> int:
@@ -253,7 +244,7 @@ class Session:
     @property
     def seconds(self) -> float:
         """Since the session is open."""
-        return time.perf_counter() - self._started
+        return self._costs.seconds
 
     def landmarks(self) -> list[Landmark]:
         """All landmarks as known now, by id. May wait until the frame at hand is read."""
@@ -350,8 +341,8 @@ class Session:
             # A live reader has ended with its process: `distill` looks at what was kept.
             if self._mapper is not None:
                 self._mapper.take_waiting()
-            if self._mapper is not None and not hurry and not self._live:
-                self._mapper.look_again(self._whole().world_from_keyframe)
+                if not hurry and not self._live:
+                    self._mapper.look_again(self._whole().world_from_keyframe)
             if self._beside is not None:
                 self._beside.finish(0.0 if hurry else self._config.language.patience_s)
             if self._mapper is not None:
@@ -359,8 +350,7 @@ class Session:
             self._result = self._whole()
         finally:
             self._listeners.tell(None)
-        new, renamed, events, _ = self._news.take(self._slam.events)
-        self._news.tell(new, renamed, events)
+        self._news.tell(*self._news.take(self._slam.events)[:3])
         return self._result
 
     def __enter__(self) -> Self:
@@ -404,15 +394,6 @@ class Session:
         )
 
     def _statistics(self) -> dict[str, dict[str, float]]:
-        slam, reader, mapper = self._slam, self._reader, self._mapper
-        run = {
-            "frames": self.frames,
-            "frames_tracked": slam.trajectory.tracked_count,
-            "frames_skipped": self.frames_skipped + (self._screen.left_out if self._screen is not None else 0),
-            "frames_dropped": self.frames_dropped,
-            "frames_unread_for_lack_of_time": reader.dropped if reader is not None else 0,
-            "keyframes_abandoned": slam.keyframes_abandoned,
-            "seconds": self.seconds,
-            "seconds_tracking_and_mapping": self._seconds_tracking,
-        }
-        return {"run": run, "reading": asdict(mapper.statistics) if mapper is not None else {}}
+        skipped = self.frames_skipped + (self._screen.left_out if self._screen is not None else 0)
+        frames = {"frames": self.frames, "frames_skipped": skipped, "frames_dropped": self.frames_dropped}
+        return self._costs.statistics(frames, self._slam, self._reader, self._mapper)

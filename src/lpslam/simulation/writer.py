@@ -11,12 +11,14 @@ from scipy.spatial.transform import Rotation
 from lpslam.errors import UserError
 from lpslam.simulation.recording import as_png, recorded, write_list
 from lpslam.simulation.source import WalkSource
+from lpslam.whole_files import refuse_unwritable_folder
 
 
 def refuse_recording(folder: Path) -> None:
-    """Raise a `UserError` if `folder` holds anything: two recordings would mix, and one could not be made again."""
+    """Raise a `UserError` if `folder` holds anything, or can hold nothing: two recordings would mix."""
     if folder.is_dir() and any(folder.iterdir()):
         raise UserError(f"simulation: {folder} is not empty, and is not overwritten; choose another folder")
+    refuse_unwritable_folder(folder, "simulation")
 
 
 def write_sequence(source: WalkSource, folder: Path, on_progress: Callable[[int, int], None] | None = None) -> None:

@@ -16,7 +16,7 @@ from lpslam.text.reading.colours import read_in_colours
 from lpslam.text.reading.ornaments import pattern_likenesses, says_a_pattern
 from lpslam.text.reading.spotting import ReadsElsewhere, SearchesSmaller, TextSpotter, accepted_texts
 from lpslam.text.sorting import CUT, BoxSorter
-from lpslam.text.types import BoxFate, FrameReading, Placement, SpottedText, TextStatistics
+from lpslam.text.types import BoxFate, FrameReading, PlacedTexts, Placement, SpottedText, TextStatistics
 
 Array = NDArray[np.float64]
 
@@ -58,9 +58,14 @@ class _Sorted:
         self.texts |= {first + row: each for row, each in other.texts.items()}
         self.refused += [first + row for row in other.refused]
 
-    def said(self, fates: Sequence[BoxFate]) -> list[tuple[SpottedText, Placement | PlacementFault]]:
+    def said(self, fates: Sequence[BoxFate]) -> PlacedTexts:
         """Texts of boxes with one of the fates, and where they stand."""
-        return [(text, self.placements[row]) for row, text in self.texts.items() if self.fates[row] in fates]
+        rows = [row for row in self.texts if self.fates[row] in fates]
+        return PlacedTexts.of((self.texts[row], self._placement(row)) for row in rows)
+
+    def _placement(self, row: int) -> Placement | None:
+        found = self.placements[row]
+        return None if isinstance(found, PlacementFault) else found
 
 
 class FrameReader:
@@ -102,14 +107,13 @@ class FrameReader:
         self._idle_frames = 0 if texts else self._idle_frames + 1
         unread = [row for row in rows if row not in found.texts and found.fates[row] == BoxFate.KEPT]
         found.fates[unread] = BoxFate.UNREAD
-        self._statistics.count(found.fates.tolist(), sum(isinstance(each, PlacementFault) for _, each in texts))
+        self._statistics.count(found.fates.tolist(), sum(placement is None for placement in texts.placements))
         return FrameReading(
             frame=frame.index,
             boxes=found.boxes,
             fates=tuple(found.fates),
-            texts=tuple(text for text, _ in texts),
-            placements=tuple(None if isinstance(each, PlacementFault) else each for _, each in texts),
-            parts=tuple((text, each) for text, each in parts if isinstance(each, Placement)),
+            texts=texts,
+            parts=PlacedTexts.of(parts.standing()),
             patterns=tuple(each for row in found.refused if isinstance(each := found.placements[row], Placement)),
         )
 

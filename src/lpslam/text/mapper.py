@@ -16,9 +16,9 @@ from lpslam.text.again.crops import Crop, cut_out
 from lpslam.text.again.looking import look_again
 from lpslam.text.boards.surroundings import surroundings
 from lpslam.text.frame_reader import FrameReader
-from lpslam.text.placing.bearings import bearing_of
 from lpslam.text.placing.instances import KeyframePoses
 from lpslam.text.placing.spots import Spots
+from lpslam.text.placing.views import bearing_of
 from lpslam.text.reading.certainty import probability_right
 from lpslam.text.reading.gate import ReadingGate
 from lpslam.text.reading.legibility import UNPLACED, SeenSize, frontal_cosine
@@ -136,17 +136,14 @@ class TextMapper:
             return None
         if tracked.is_doubted:
             # Where a text stands would be wrong with the place: nothing is remembered until that is known.
-            for text, placement in zip(reading.texts, reading.placements, strict=True):
-                if placement is not None and self._sorter.is_sure(placement):
-                    self._on_doubtful(
-                        self._observation(frame, tracked.keyframe, tracked.keyframe_from_camera, text, placement)
-                    )
+            for observation in self._sure(reading, frame, tracked.keyframe, tracked.keyframe_from_camera):
+                self._on_doubtful(observation)
             self._gate.hurry(frame.timestamp)
             return reading
         started = perf_counter()
         observations = []
         is_new = False
-        for text, placement in zip(reading.texts, reading.placements, strict=True):
+        for text, placement in reading.texts:
             glance = self._glance(text, placement, tracked.keyframe_from_camera)
             observation = self._observation(
                 frame, tracked.keyframe, tracked.keyframe_from_camera, text, placement, glance.right
@@ -176,9 +173,14 @@ class TextMapper:
             return
         reading = self._reader.read(frame, np.eye(4), None, NOWHERE)
         if reading is not None:
-            placed = zip(reading.texts, reading.placements, strict=True)
-            sure = [(text, where) for text, where in placed if where is not None and self._sorter.is_sure(where)]
-            self._on_lost([self._observation(frame, NOWHERE, np.eye(4), text, where) for text, where in sure])
+            self._on_lost(self._sure(reading, frame, NOWHERE, np.eye(4)))
+
+    def _sure(
+        self, reading: FrameReading, frame: RgbdFrame, keyframe: int, keyframe_from_camera: Array
+    ) -> list[TextObservation]:
+        """The texts of a frame whose places are measured and no guess."""
+        sure = [(text, where) for text, where in reading.texts.standing() if self._sorter.is_sure(where)]
+        return [self._observation(frame, keyframe, keyframe_from_camera, text, where) for text, where in sure]
 
     def _observation(
         self,
@@ -270,7 +272,7 @@ class TextMapper:
         pose = tracked.keyframe_from_camera
         if world_from_keyframe is None or pose is None:
             return
-        for text, placement in reading.parts:
+        for text, placement in reading.parts.standing():
             glance = self._glance(text, placement, pose)
             observation = self._observation(frame, tracked.keyframe, pose, text, placement, glance.right)
             if self._says_what_is_known(text, placement, world_from_keyframe):

@@ -1,9 +1,10 @@
 """The value types of reading: what was seen in a frame, where it stands, and what the map makes of it."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +14,7 @@ from lpslam.language.model import Judgement, Slots
 from lpslam.text.correcting.corrections import Correction
 
 Vector3 = tuple[float, float, float]
+Rows = NDArray[np.intp] | NDArray[np.bool_]
 
 
 class Recognition(NamedTuple):
@@ -63,31 +65,6 @@ class BoxFate(StrEnum):
     UNREAD = "unread"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class FrameReading:
-    """All that reading one frame gave: the boxes, what became of each, and the texts kept.
-
-    Attributes:
-        frame: index of the frame.
-        boxes: (n, 4, 2) raw pixels.
-        fates: one a box.
-        texts: the texts read, in the order of the boxes that were kept.
-        placements: where each text stands; None where its depth does not say.
-        observations: the texts that could be placed.
-        parts: what was read of texts that may go on where the view ends, and where it stands.
-        patterns: where the boxes stand that were refused as ornaments.
-    """
-
-    frame: int
-    boxes: NDArray[np.float64]
-    fates: tuple[BoxFate, ...]
-    texts: tuple[SpottedText, ...]
-    placements: tuple["Placement | None", ...]
-    observations: tuple["TextObservation", ...] = ()
-    parts: tuple[tuple[SpottedText, "Placement"], ...] = ()
-    patterns: tuple["Placement", ...] = ()
-
-
 @dataclass(frozen=True, slots=True)
 class Placement:
     """Where a text box stands, in the frame of its reference keyframe's camera (III-F).
@@ -106,6 +83,86 @@ class Placement:
     width: float
     height: float
     uncertainty: float
+
+
+@dataclass(frozen=True, eq=False)
+class PlacedTexts:
+    """n texts of one frame and where they stand, column by column; `texts[rows]` are some of them, in that order.
+
+    Iterating gives each text with its placement.
+
+    Attributes:
+        spotted: as they were read.
+        placements: one a text; None where its depth does not say.
+
+    Raises:
+        ValueError: there are not as many placements as texts.
+    """
+
+    spotted: tuple[SpottedText, ...] = ()
+    placements: tuple[Placement | None, ...] = ()
+
+    def __post_init__(self) -> None:
+        if len(self.spotted) != len(self.placements):
+            raise ValueError(f"{len(self.spotted)} texts have {len(self.placements)} placements")
+
+    @classmethod
+    def of(cls, pairs: Iterable[tuple[SpottedText, Placement | None]]) -> "PlacedTexts":
+        """Of texts, each with its placement."""
+        listed = tuple(pairs)
+        return cls(tuple(text for text, _ in listed), tuple(placement for _, placement in listed))
+
+    def __len__(self) -> int:
+        return len(self.spotted)
+
+    def __iter__(self) -> Iterator[tuple[SpottedText, Placement | None]]:
+        return zip(self.spotted, self.placements, strict=True)
+
+    def __getitem__(self, rows: Rows) -> "PlacedTexts":
+        chosen = np.arange(len(self))[rows]
+        return PlacedTexts(tuple(self.spotted[row] for row in chosen), tuple(self.placements[row] for row in chosen))
+
+    def standing(self) -> Iterator[tuple[SpottedText, Placement]]:
+        """Those whose place is known, each with it."""
+        return ((text, placement) for text, placement in self if placement is not None)
+
+    @cached_property
+    def spellings(self) -> tuple[str, ...]:
+        """As painted."""
+        return tuple(text.text for text in self.spotted)
+
+    @cached_property
+    def confidences(self) -> NDArray[np.float64]:
+        """(n,) 0 to 1."""
+        return np.array([text.confidence for text in self.spotted], np.float64)
+
+    @cached_property
+    def boxes(self) -> NDArray[np.float64]:
+        """(n, 4, 2) raw pixels, ordered as those of `SpottedText`."""
+        return np.array([text.box for text in self.spotted], np.float64).reshape(-1, 4, 2)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FrameReading:
+    """All that reading one frame gave: the boxes, what became of each, and the texts kept.
+
+    Attributes:
+        frame: index of the frame.
+        boxes: (n, 4, 2) raw pixels.
+        fates: one a box.
+        texts: the texts read and where they stand, in the order of the boxes that were kept.
+        observations: the texts that could be placed.
+        parts: what was read of texts that may go on where the view ends; all of them stand somewhere.
+        patterns: where the boxes stand that were refused as ornaments.
+    """
+
+    frame: int
+    boxes: NDArray[np.float64]
+    fates: tuple[BoxFate, ...]
+    texts: PlacedTexts = PlacedTexts()
+    observations: tuple["TextObservation", ...] = ()
+    parts: PlacedTexts = PlacedTexts()
+    patterns: tuple["Placement", ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

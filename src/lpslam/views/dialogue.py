@@ -14,6 +14,7 @@ from lpslam.errors import UserError
 from lpslam.language.model import Converses, LanguageModel
 from lpslam.language.questions.follow_up import follow_up
 from lpslam.mapfile.language_map import LanguageMap
+from lpslam.navigation.places import FARTHEST
 from lpslam.pipeline import Answer
 from lpslam.views.answers import answer_text
 
@@ -77,7 +78,7 @@ def parsed_place(text: str) -> tuple[NDArray[np.float64], float | None]:
         values = [float(part) for part in text.split(",")]
     except ValueError:
         values = []
-    if len(values) not in (2, 3) or not np.isfinite(values).all():
+    if len(values) not in (2, 3) or not (np.abs(values) <= FARTHEST).all():
         raise UserError(
             f"--from {text}: give a place as X,Y or X,Y,HEADING, in metres and in degrees counter-clockwise from the "
             "map's x axis, as in --from 1.5,-2,90"

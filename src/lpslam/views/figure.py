@@ -1,6 +1,5 @@
 """What all pictures share: a figure without global state, the carried font, and saving with clear errors."""
 
-import os
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ from matplotlib.font_manager import FontProperties, get_font
 from lpslam.assets import font_path
 from lpslam.errors import UserError
 from lpslam.views.drawable import printable, with_known_glyphs
+from lpslam.whole_files import written_whole
 
 BLUE, PINK, GREY, GREEN = "#1f4fd8", "#e0479e", "#6b7280", "#12813d"
 DOTS_PER_INCH = 150
@@ -63,14 +63,8 @@ def save_figure(figure: Figure, out: Path) -> None:
         raise UserError(
             f"picture {out}: {out.suffix or 'no suffix'} is no picture format; end its name in .png or .pdf"
         )
-    unfinished = out.with_name(f".{out.name}.part")
-    try:
-        # A disk that fills leaves the old picture and no part of the new one.
-        figure.savefig(unfinished, format=suffix, metadata={"Software": None} if suffix == "png" else None)
-        os.replace(unfinished, out)
-    except OSError as error:
-        unfinished.unlink(missing_ok=True)
-        raise UserError(f"picture {out} cannot be written ({error.strerror}); choose another place") from error
+    with written_whole(out, "picture") as part:
+        figure.savefig(part, format=suffix, metadata={"Software": None} if suffix == "png" else None)
 
 
 @cache

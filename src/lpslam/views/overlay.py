@@ -21,7 +21,7 @@ def draw_reading(rgb: NDArray[np.uint8], reading: FrameReading) -> NDArray[np.ui
         rgb: (height, width, 3), the frame's image.
         reading: of this frame.
     """
-    texts = iter(reading.texts)
+    texts = iter(reading.texts.spotted)
     kept = [fate == BoxFate.KEPT for fate in reading.fates]
     labels: list[str] = []
     for is_kept, fate in zip(kept, reading.fates, strict=True):

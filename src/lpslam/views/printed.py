@@ -25,6 +25,9 @@ def prepare_streams() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
+    # Terminals that do not know their width say 0, in which nothing can be printed.
+    if not os.environ.get("COLUMNS", "80").strip("0"):
+        del os.environ["COLUMNS"]
     logging.getLogger("lpslam").handlers = [Spoken(logging.WARNING)]
 
 

@@ -143,11 +143,11 @@ def boxes(reading: FrameReading, nanoseconds: int) -> dict[str, Any]:
     ]  # fmt: skip
     texts = [
         {
-            "timestamp": time, "position": {"x": float(text.box[0, 0]), "y": float(text.box[0, 1])},
-            "text": clean_text(text.text), "font_size": 14.0,
+            "timestamp": time, "position": {"x": float(box[0, 0]), "y": float(box[0, 1])},
+            "text": clean_text(spelling), "font_size": 14.0,
             "text_color": _colour((1.0, 1.0, 1.0)), "background_color": _colour((0.0, 0.0, 0.0), 0.6),
         }
-        for text in reading.texts
+        for box, spelling in zip(reading.texts.boxes, reading.texts.spellings, strict=True)
     ]  # fmt: skip
     return {"points": points, "texts": texts}
 

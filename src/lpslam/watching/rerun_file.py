@@ -110,8 +110,8 @@ class RerunWatcher:
         self._stream.log(
             "map/camera/image/boxes", rr.LineStrips2D(outlines, colors=colours, labels=labels, show_labels=False)
         )
-        corners = np.array([text.box[0] for text in reading.texts], np.float32).reshape(-1, 2)
-        told = [clean_text(text.text) for text in reading.texts]
+        corners = reading.texts.boxes[:, 0].astype(np.float32)
+        told = [clean_text(spelling) for spelling in reading.texts.spellings]
         self._stream.log("map/camera/image/texts", rr.Points2D(corners, labels=told, show_labels=True))
 
     def _log_landmarks(self, marks: list[Landmark]) -> None:

@@ -148,7 +148,7 @@ def test_distance_and_direction_are_from_where_the_robot_is() -> None:
     assert (record["direction"], record["direction_is_from"]) == (45.0, "map x axis")
 
 
-@pytest.mark.parametrize("place", ["", "1", "1,2,3,4", "a,b", "nan,1", "inf,0", "1;2"])
+@pytest.mark.parametrize("place", ["", "1", "1,2,3,4", "a,b", "nan,1", "inf,0", "1e300,0", "1;2"])
 def test_a_place_that_is_none_is_one_line(place: str) -> None:
     with pytest.raises(UserError, match="X,Y,HEADING") as told:
         parsed_place(place)

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from lpslam.camera import PinholeCamera, inverse_transform, transform_points
 from lpslam.config import InstanceConfig, MemoryConfig
 from lpslam.text import documents
-from lpslam.text.placing.bearings import bearing_of, placed
+from lpslam.text.placing.bearings import placed
 from lpslam.text.placing.instances import KeyframePoses
 from lpslam.text.placing.places import places_of_class
+from lpslam.text.placing.views import bearing_of
 from lpslam.text.remembering.memory import LongShortTermMemory, Pool, TextClass, Variant
 from lpslam.text.types import Placement, TextObservation
 

@@ -12,6 +12,7 @@ from starlette.responses import Response, StreamingResponse
 from lpslam._version import __version__
 from lpslam.errors import LpSlamError, UserError
 from lpslam.language.questions.phrasing import answer_language
+from lpslam.navigation.places import FARTHEST
 from lpslam.serving import records
 from lpslam.serving.answerers import as_json
 from lpslam.serving.atlas import ServedMap
@@ -25,7 +26,6 @@ from lpslam.serving.summaries import landmark_of, summary
 from lpslam.text.types import Landmark
 
 _EVENTS = "text/event-stream"
-_FARTHEST = 1e6  # metres
 
 
 def needs(scope: Literal["read", "ask", "map", "write"]) -> Any:
@@ -60,7 +60,7 @@ def point_of(text: str | None, name: str) -> tuple[float, ...] | None:
     except ValueError:
         values = ()
     # What is no number is not within any bounds.
-    if len(values) not in (2, 3) or not all(-_FARTHEST <= value <= _FARTHEST for value in values):
+    if len(values) not in (2, 3) or not all(-FARTHEST <= value <= FARTHEST for value in values):
         raise UserError(f"{name}: give a place as X,Y or X,Y,Z in metres, as in {name}=1.5,-2")
     return values
 
@@ -90,7 +90,7 @@ def map_routes(services: Services) -> APIRouter:
         role: Annotated[Literal["primary", "list", "contact"] | None, Query()] = None,
         judged: Annotated[Judged | None, Query(description="By the map's current question.")] = None,
         near: Annotated[str | None, Query(description="X,Y or X,Y,Z in metres: nearest first.")] = None,
-        within: Annotated[float | None, Query(ge=0, le=_FARTHEST, allow_inf_nan=False)] = None,
+        within: Annotated[float | None, Query(ge=0, le=FARTHEST, allow_inf_nan=False)] = None,
         confidence: Annotated[float, Query(ge=0, le=1, allow_inf_nan=False, description="At least.")] = 0.0,
         page: Annotated[int, Query(ge=1, le=1_000_000)] = 1,
         size: Annotated[int, Query(ge=1, le=limits.page_size)] = limits.usual_page_size,

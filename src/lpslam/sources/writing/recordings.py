@@ -3,10 +3,7 @@
 Colour is PNG. Depth is 16-bit where that keeps every reading, else 32-bit floating point.
 """
 
-import os
-import shutil
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol
 
@@ -15,8 +12,12 @@ from lpslam.frames import FrameSource, RgbdFrame
 from lpslam.sources.writing.mcap_recording import McapSink
 from lpslam.sources.writing.messages import FoxgloveMessages, RosMessages
 from lpslam.sources.writing.tum_folder import FolderSink
+from lpslam.whole_files import refuse_unwritable_folder, written_whole
 
 OnProgress = Callable[[int, int], None]
+
+_NOT_WRITTEN = (".bag", ".db3", ".mkv", ".r3d", ".sens", ".lpmap", ".zip", ".tar")
+"""Ends of names that promise a file: a folder of that name would be taken for a broken one."""
 
 
 class Sink(Protocol):
@@ -60,12 +61,16 @@ def written(
         raise UserError(f"{output} is there already and is not overwritten; choose another name")
     if foxglove and not is_mcap:
         raise UserError(f"{output} is no .mcap; Foxglove's messages are written to that alone")
-    count = 0
-    part = output.with_name(f".{output.name}.part")
+    if not is_mcap and output.suffix.lower() in _NOT_WRITTEN:
+        raise UserError(f"{output}: {output.suffix} is not written; end the name in .mcap, or give that of a folder")
+    refuse_unwritable_folder(output.parent)
     kept = output.with_name(f"{output.stem}.partial{output.suffix}") if keeps_part else None
     if kept is not None and kept.exists():
         raise UserError(f"{kept} is there already, of a recording that was broken off; move it away first")
-    with _removed_on_failure(part, output, kept):
+    remedy = "choose another place" if kept is None else f"what was recorded until then is in {kept}"
+    count = 0
+    with written_whole(output, remedy=remedy, kept=kept) as part:
+        part.parent.mkdir(parents=True, exist_ok=True)
         sink = _sink(part, source, is_mcap, foxglove)
         try:
             for frame in source:
@@ -75,9 +80,6 @@ def written(
             sink.finish()
         finally:
             sink.close()
-        if output.is_dir():
-            output.rmdir()
-        os.replace(part, output)
     return count
 
 
@@ -85,21 +87,3 @@ def _sink(part: Path, source: FrameSource, is_mcap: bool, foxglove: bool) -> Sin
     if not is_mcap:
         return FolderSink(part, source.camera)
     return McapSink(part, FoxgloveMessages(source.camera) if foxglove else RosMessages(source.camera))
-
-
-@contextmanager
-def _removed_on_failure(part: Path, output: Path, kept: Path | None) -> Iterator[None]:
-    """What was begun is removed, or kept under another name."""
-    try:
-        part.parent.mkdir(parents=True, exist_ok=True)
-        yield
-    except OSError as error:
-        remedy = "choose another place" if kept is None else f"what was recorded until then is in {kept}"
-        raise UserError(f"{output} cannot be written ({error.strerror or error}); {remedy}") from error
-    finally:
-        if kept is not None and part.exists():
-            os.replace(part, kept)
-        elif part.is_dir():
-            shutil.rmtree(part, ignore_errors=True)
-        else:
-            part.unlink(missing_ok=True)

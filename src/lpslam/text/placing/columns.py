@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 
 from lpslam.camera import transform_points
 from lpslam.text.placing.instances import KeyframePoses
-from lpslam.text.types import TextObservation
+from lpslam.text.types import Rows, TextObservation
 
 Array = NDArray[np.float64]
-Rows = NDArray[np.intp] | NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
