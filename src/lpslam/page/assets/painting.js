@@ -5,9 +5,11 @@ const paint = { programs: {}, target: null, textures: new Map() };
 
 const HEAD = "#version 300 es\nprecision highp float;\nprecision highp int;\n";
 const SHADERS = {
-  points: [`uniform mat4 view; uniform vec3 low, size; uniform float spread, most, highest; in uvec4 row; out vec3 shade;
+  points: [`uniform mat4 view; uniform sampler2D places; uniform float spread, most, highest; in uvec4 row; in uint owner; out vec3 shade;
     void main() {
-      vec3 at = low + size * vec3(row.xyz) / 65535.0;
+      ivec2 part = ivec2(int(owner & 255u) * 3, int(owner >> 8));
+      vec4 share = vec4(vec3(row.xyz) / 65535.0, 1.0);
+      vec3 at = vec3(dot(texelFetch(places, part, 0), share), dot(texelFetch(places, part + ivec2(1, 0), 0), share), dot(texelFetch(places, part + ivec2(2, 0), 0), share));
       gl_Position = at.z > highest ? vec4(2.0, 2.0, 2.0, 1.0) : view * vec4(at, 1.0);
       gl_PointSize = clamp(spread / gl_Position.w, 1.0, most);
       shade = vec3(float(row.w >> 11) / 31.0, float((row.w >> 5) & 63u) / 63.0, float(row.w & 31u) / 31.0);

@@ -158,7 +158,7 @@ function showSpace(isSpatial) {
   leaveLens();
   flight++;
   showReplay();
-  if (state.isSpatial) havePoints();
+  if (state.isSpatial) havePoints(); else if (data.grows && isPictureOld) growPicture();
   fit();
   if (state.chosen) flyToSign(state.chosen);
 }
