@@ -57,11 +57,15 @@ function row(sign) {
   return make("li", {}, button);
 }
 
+const LISTED = 500;  // signs at most: more are found by typing
+
 /* The signs whose words hold what is typed; all where none does. */
 function listSigns() {
   const text = fold(field.value.trim());
   const found = data.signs.filter(sign => fold([sign.name, ...sign.lines].join(" ")).includes(text));
-  list.replaceChildren(...(found.length ? found : data.signs).map(row));
+  const listed = found.length ? found : data.signs;
+  list.replaceChildren(...listed.slice(0, LISTED).map(row));
+  if (listed.length > LISTED) list.append(make("li", { className: "soft", textContent: `… +${listed.length - LISTED}` }));
   part("count").textContent = filled(words.count, { count: data.signs.length });
 }
 
