@@ -20,9 +20,11 @@ _HALL = """([count, isRoofed]) => {
 _SIGNS = """count => {
   const side = Math.ceil(Math.sqrt(count)), faces = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]];
   lpslamPage.takeSigns(Array.from({ length: count }, (_, at) => ({
-    id: at * 1000, name: `SHOP ${at} 商店`, lines: [`SHOP ${at}`], variants: {}, normal: faces[at % 4], width: 1.2, height: 0.3,
+    id: at * 1000, name: `SHOP ${at} 商店`,
+    lines: [`SHOP ${at}`], variants: {}, normal: faces[at % 4], width: 1.2, height: 0.3,
     position: [(at % side / side - 0.5) * 38, (Math.floor(at / side) / side - 0.5) * 38, 1 + at % 3 / 2], spread: 0.05,
-    observations: 1 + at % 40, confidence: at * 7919 % 100 / 100, is_landmark: [true, false, null][at % 3], corrections: [],
+    observations: 1 + at % 40, confidence: at * 7919 % 100 / 100, corrections: [],
+    is_landmark: [true, false, null][at % 3],
   })));
 }"""
 

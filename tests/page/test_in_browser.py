@@ -99,3 +99,23 @@ def test_a_card_shows_how_its_sign_was_seen(browser: Any, tmp_path: Path) -> Non
         until(page, "document.querySelector('#card img').naturalWidth > 100")
         page.locator("#signs button").nth(1).click()
         assert page.locator("#card img").count() == 0
+
+
+@pytest.mark.parametrize(("wide", "high"), [(390, 844), (768, 1024), (844, 390), (1280, 800)])
+def test_the_panel_leaves_the_map_room_and_all_of_it_can_be_reached(
+    browser: Any, tmp_path: Path, wide: int, high: int
+) -> None:
+    file = write_page(with_floor(small_map(signs=SIGNS)), tmp_path / "page.html")
+    with shown(browser, file.as_uri(), viewport={"width": wide, "height": high}) as page:
+        for each in (SIGNS[0], SIGNS[1], SIGNS[0]):
+            page.fill("#question", each)
+            page.press("#question", "Enter")
+        panel = page.locator("#panel").bounding_box()
+        assert panel["width"] <= (wide if wide <= 640 else max(0.36 * wide, 264))
+        assert panel["height"] <= (high / 2 if wide <= 640 else high)
+        assert page.evaluate("document.documentElement.scrollWidth") == wide
+        # The last fact of the card, by scrolling alone, and inside of what is shown.
+        last = page.locator("#card dd").last
+        last.scroll_into_view_if_needed()
+        at = last.bounding_box()
+        assert panel["y"] <= at["y"] <= at["y"] + at["height"] <= panel["y"] + panel["height"] + 1

@@ -6,10 +6,13 @@ let flight = 0, isWholeShown = true;
 const tint = sign => style(sign.is_landmark === true ? "--shop" : sign.is_landmark === false ? "--text" : "--unjudged");
 const toScreen = (x, y) => [canvas.clientWidth / 2 + (x - view.x) * view.scale, canvas.clientHeight / 2 - (y - view.y) * view.scale];
 
+/* As the style has it, pixels. */
+const panelWidth = () => canvas.clientWidth <= 900 ? 264 : 340;
+
 /* What the panel hides: at the left of a wide window, at the bottom of a narrow one. */
 function covered() {
-  if (canvas.clientWidth <= 640) return [0, canvas.clientHeight * 0.52];
-  return [360, part("memory").hidden ? 0 : part("memory").offsetHeight + 16];
+  if (canvas.clientWidth <= 640) return [0, canvas.clientHeight * 0.5];
+  return [panelWidth() + 20, part("memory").hidden ? 0 : part("memory").offsetHeight + 16];
 }
 
 /* The same as a box of the canvas, where no label is to be read. */
@@ -171,7 +174,7 @@ function label(sign, [x, y], taken) {
   const name = shortened(sign.name), width = letters(sign, is) + 10;
   for (const [dx, dy] of [[10, -11], [-width - 10, -11], [-width / 2, -32], [-width / 2, 12]]) {
     const box = [x + dx, y + dy, x + dx + width, y + dy + 22];
-    if (!is && taken.meets(box)) continue;
+    if (!is && (box[2] > canvas.clientWidth || taken.meets(box))) continue;
     taken.add({ box });
     pen.fillStyle = style("--glass");
     pen.fillRect(box[0], box[1], width, 22);
@@ -193,7 +196,8 @@ function letters(sign, isChosen) {
 
 function scaleBar() {
   const metres = [0.5, 1, 2, 5, 10, 20, 50, 100].find(each => each * view.scale > 60) || 200, width = metres * view.scale;
-  const x = canvas.clientWidth - width - 24, y = canvas.clientHeight - 24 - covered()[1];
+  // On a telephone it is above the walk.
+  const x = canvas.clientWidth - width - 24, y = canvas.clientHeight - (canvas.clientWidth <= 640 ? 64 : 24) - covered()[1];
   pen.fillStyle = style("--ink");
   pen.fillRect(x, y, width, 3);
   pen.font = "12px system-ui, sans-serif";

@@ -123,7 +123,7 @@ function arrangeLabels(plates, rest) {
     const [x, y] = at;
     if (x < -20 || y < -20 || x > lens.wide + 20 || y > lens.high + 20) continue;
     const size = 10.5 + 3.5 * sign.confidence, wide = letters * size / 44 + 12, high = size + 9;
-    const box = [[8, -high / 2], [-wide - 8, -high / 2], [-wide / 2, -high - 8], [-wide / 2, 8]].map(([dx, dy]) => [x + dx, y + dy, x + dx + wide, y + dy + high]).find(each => !boxes.meets(each));
+    const box = [[8, -high / 2], [-wide - 8, -high / 2], [-wide / 2, -high - 8], [-wide / 2, 8]].map(([dx, dy]) => [x + dx, y + dy, x + dx + wide, y + dy + high]).find(each => each[0] >= 0 && each[2] <= lens.wide && !boxes.meets(each));
     if (box) {
       const label = { box, at, name, size, isHidden, signs: [sign] };
       boxes.add(label);

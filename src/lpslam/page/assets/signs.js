@@ -31,6 +31,7 @@ function showCard() {
     [words.judged, sign.is_landmark === null ? "–" : sign.is_landmark ? words.yes : words.no],
   ];
   for (const [key, value] of rows) if (value) facts.append(make("dt", { textContent: key }), make("dd", { textContent: value }));
+  part("panel").scrollTop = 0;
   card.append(make("h2", { textContent: sign.name }), ...pictureOf(sign), facts, ...correctingTools(sign));
 }
 
