@@ -101,6 +101,29 @@ def test_a_card_shows_how_its_sign_was_seen(browser: Any, tmp_path: Path) -> Non
         assert page.locator("#card img").count() == 0
 
 
+def test_a_sign_that_means_harm_is_shown_and_found_as_words(browser: Any, tmp_path: Path) -> None:
+    signs = (
+        "<img src=x onerror=alert(1)>",
+        "</script><script>alert(1)</script>",
+        "Pizza \u202e\x07Hut",
+        "javascript:alert(1)",
+    )
+    with shown(browser, write_page(small_map(signs=signs), tmp_path / "page.html").as_uri()) as page:
+        page.on("dialog", lambda dialog: pytest.fail("a sign was run"))
+        for number, sign in enumerate(("<img src=x onerror=alert(1)>", "</script><script>", "Pizza Hut", "javascript")):
+            page.fill("#question", sign)
+            page.press("#question", "Enter")
+            until(page, f"lpslamPage.chosen() === {1000 * number}")
+        page.locator("#in-space").click()
+        page.wait_for_timeout(300)
+        assert page.locator("img").count() == 0
+        assert page.locator("script:not([type])").count() == 1
+        assert page.locator("a").count() == 0
+        told = page.evaluate("document.getElementById('panel').textContent + document.title")
+        assert "Pizza Hut" in told
+        assert not set("\u202e\x07") & set(told)
+
+
 @pytest.mark.parametrize(("wide", "high"), [(390, 844), (768, 1024), (844, 390), (1280, 800)])
 def test_the_panel_leaves_the_map_room_and_all_of_it_can_be_reached(
     browser: Any, tmp_path: Path, wide: int, high: int
