@@ -124,6 +124,33 @@ def test_a_sign_that_means_harm_is_shown_and_found_as_words(browser: Any, tmp_pa
         assert not set("\u202e\x07") & set(told)
 
 
+def test_on_paper_the_signs_are_below_the_map_and_no_buttons(page: Any) -> None:
+    page.emulate_media(media="print")
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    drawn, panel = page.locator("#map").bounding_box(), page.locator("#panel").bounding_box()
+    assert panel["y"] >= drawn["y"] + drawn["height"]
+    assert panel["width"] == drawn["width"]
+    for each in ("#modes", "#replay", "#question", "#go"):
+        assert not page.locator(each).is_visible()
+    assert page.locator("#signs button").last.is_visible()
+    # The map is in the middle, and not beside a panel.
+    middle = page.evaluate("lpslamPage.view()")["x"]
+    page.evaluate("dispatchEvent(new Event('afterprint'))")
+    assert page.evaluate("lpslamPage.view()")["x"] < middle
+
+
+def test_everything_that_can_be_used_has_a_name(page: Any) -> None:
+    nameless = page.evaluate("""
+      [...document.querySelectorAll("button, input, canvas, nav, aside, section, [role]")].filter(
+      each => !each.closest("[hidden]") && !["status", "alert"].includes(each.getAttribute("role")) &&
+      !(each.getAttribute("aria-label") || each.textContent.trim())).map(each => each.outerHTML.slice(0, 80))""")
+    assert nameless == []
+    page.locator("#map").focus()
+    page.keyboard.press("Tab")
+    page.keyboard.press("Shift+Tab")
+    assert page.evaluate("getComputedStyle(document.getElementById('map')).outlineStyle") == "solid"
+
+
 @pytest.mark.parametrize(("wide", "high"), [(390, 844), (768, 1024), (844, 390), (1280, 800)])
 def test_the_panel_leaves_the_map_room_and_all_of_it_can_be_reached(
     browser: Any, tmp_path: Path, wide: int, high: int

@@ -1,7 +1,7 @@
 /* The map from above: a picture of the ground, the camera's way, and signs as labels that do not overlap. */
 const picture = new Image();
 const view = { x: 0, y: 0, scale: 60 };
-let flight = 0, isWholeShown = true;
+let flight = 0, isWholeShown = true, isPrinted = false;
 
 const tint = sign => style(sign.is_landmark === true ? "--shop" : sign.is_landmark === false ? "--text" : "--unjudged");
 const toScreen = (x, y) => [canvas.clientWidth / 2 + (x - view.x) * view.scale, canvas.clientHeight / 2 - (y - view.y) * view.scale];
@@ -11,6 +11,7 @@ const panelWidth = () => canvas.clientWidth <= 900 ? 264 : 340;
 
 /* What the panel hides: at the left of a wide window, at the bottom of a narrow one. */
 function covered() {
+  if (isPrinted) return [0, 0];
   if (canvas.clientWidth <= 640) return [0, canvas.clientHeight * 0.5];
   return [panelWidth() + 20, part("memory").hidden ? 0 : part("memory").offsetHeight + 16];
 }
@@ -18,6 +19,7 @@ function covered() {
 /* The same as a box of the canvas, where no label is to be read. */
 function panelBox() {
   const [left, bottom] = covered(), wide = canvas.clientWidth, high = canvas.clientHeight;
+  if (isPrinted) return [0, 0, 0, 0];
   return wide <= 640 ? [0, high - bottom, wide, high] : [0, 0, left, high];
 }
 
