@@ -49,7 +49,7 @@ def watch(url: str, received: list[int], in_space: bool) -> None:
                 elif line == b"event: end\n":
                     # As the page does: the last of both.
                     take_points()
-                    take("picture")
+                    take("picture?last=true")
     except OSError:
         pass
     received.append(count)

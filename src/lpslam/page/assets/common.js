@@ -26,9 +26,11 @@ function make(tag, properties = {}, ...children) {
 }
 
 /* A part of the map that the server gives when it is wanted; null where it does not. */
-async function givenLater(name, kind) {
+const givenLater = (name, kind) => askedOf(`page/${encodeURIComponent(data.name)}/${name}`, kind);
+
+async function askedOf(path, kind) {
   try {
-    const response = await fetch(data.grows ? `/${name}` : `/page/${encodeURIComponent(data.name)}/${name}`);
+    const response = await fetch(`/${path}`);
     return response.ok ? await response[kind]() : null;
   } catch {
     return null;

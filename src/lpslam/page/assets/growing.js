@@ -48,8 +48,7 @@ const news = {
   end(told) {
     source.close();
     // The last of the room is asked for while somebody still answers.
-    growPoints();
-    growPicture();
+    growPoints().then(() => growPicture("picture?last=true"));
     // Nobody answers any more: names are still found.
     data.live = data.grows = false;
     state.camera = null;
@@ -63,9 +62,9 @@ const news = {
 };
 
 /* The room from above and in space: asked for by who sees it, when the server has told that there is a newer one. */
-async function growPicture() {
+async function growPicture(name = "picture") {
   isPictureOld = false;
-  const told = await givenLater("picture", "json");
+  const told = await askedOf(name, "json");
   if (!told) return;
   data.picture_extent = told.extent;
   picture.src = told.picture;
@@ -73,7 +72,7 @@ async function growPicture() {
 
 async function growPoints() {
   cloud.isAskedFor = true;
-  const bytes = await givenLater(`points?since=${cloud.version}`, "arrayBuffer");
+  const bytes = await askedOf(`points?since=${cloud.version}`, "arrayBuffer");
   if (!bytes) return;
   takeParts(bytes);
   if (state.isSpatial) isWholeShown ? fit() : draw();

@@ -139,8 +139,8 @@ def build(watched: Watched) -> Shield:
         return Response(watched.room.points(since), media_type="application/octet-stream")
 
     @app.get("/picture")
-    async def picture() -> Response:
-        drawn = watched.room.picture()
+    async def picture(last: bool = False) -> Response:
+        drawn = watched.room.picture(is_last=last)
         return Response(drawn, media_type="application/json") if drawn else Response(status_code=204)
 
     @app.get("/watch")

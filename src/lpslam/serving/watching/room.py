@@ -58,10 +58,14 @@ class Room:
         self._are_points_wanted.set()
         return self._grown.points_since(version)
 
-    def picture(self) -> bytes:
-        """The picture as it was made last, as JSON; empty before there is one. A newer one is made."""
+    def picture(self, *, is_last: bool = False) -> bytes:
+        """The picture as it was made last, as JSON; empty before there is one. A newer one is made.
+
+        Args:
+            is_last: whoever asks knows that the run has ended, and asks for nothing after it.
+        """
         self._is_picture_wanted.set()
-        self.farewells += self._gone.is_set()
+        self.farewells += is_last and self._gone.is_set()
         return self._picture
 
     def _make(self, show: Show) -> None:
