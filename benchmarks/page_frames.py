@@ -1,8 +1,9 @@
 """How many frames a second the map in space is shown with, while it turns, where a processor draws all of it.
 
-Needs Debian's chromium and playwright. Usage: python benchmarks/page_frames.py [POINTS ...]
+Needs Debian's chromium and playwright. Usage: python benchmarks/page_frames.py [POINTS ...] [--signs 10000]
 """
 
+import argparse
 import shutil
 import sys
 import tempfile
@@ -12,13 +13,13 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from in_chromium import CHROMIUM
 from lpslam.page.building import write_page
-from page_hall import hall, turned
+from page_hall import hall, signs, turned
 from small_maps import small_map
 
 SIZES = ((1920, 1080), (1280, 800), (390, 844))
 
 
-def main(counts: list[int]) -> None:
+def main(counts: list[int], sign_count: int) -> None:
     from playwright.sync_api import sync_playwright
 
     folder = Path(tempfile.mkdtemp())
@@ -31,6 +32,8 @@ def main(counts: list[int]) -> None:
                 page.goto(file.as_uri())
                 page.locator("#in-space").click()
                 hall(page, count)
+                if sign_count:
+                    signs(page, sign_count)
                 print(f"{count:,} points, {wide} x {high}: {turned(page, 6.0)}")
                 page.context.close()
         browser.close()
@@ -38,4 +41,8 @@ def main(counts: list[int]) -> None:
 
 
 if __name__ == "__main__":
-    main([int(each) for each in sys.argv[1:]] or [200_000, 1_000_000])
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("points", type=int, nargs="*")
+    parser.add_argument("--signs", type=int, default=0)
+    given = parser.parse_args()
+    main(given.points or [200_000, 1_000_000], given.signs)

@@ -2,7 +2,7 @@
 
     python benchmarks/watching.py RECORDING [--rounds 3] [--live] [--frames 300] [--space]
 
-With --space every watcher takes the room's points too, as often as there are new ones.
+Every watcher takes the room's picture whenever there is a newer one, or with --space its new points.
 
 Processor time of the run and of the page's process together; with --live also frames dropped.
 """
@@ -12,6 +12,7 @@ import json
 import re
 import resource
 import statistics
+import struct
 import subprocess
 import sys
 import tempfile
@@ -23,15 +24,32 @@ CODE = "import sys; sys.argv = ['lpslam', *sys.argv[1:]]; from lpslam.__main__ i
 
 
 def watch(url: str, received: list[int], in_space: bool) -> None:
-    """Read events until the page ends; in space, take the points at first and whenever there are new ones."""
-    count = 0
+    """Read events until the page ends; take the room's picture, or in space its new points, whenever there are any."""
+    count, version = 0, 0
+
+    def take(name: str) -> bytes:
+        nonlocal count
+        with urllib.request.urlopen(f"{url}/{name}", timeout=60) as response:
+            content: bytes = response.read()
+        count += len(content)
+        return content
+
+    def take_points() -> None:
+        nonlocal version
+        (version,) = struct.unpack("<I", take(f"points?since={version}")[:4])
+
     try:
         with urllib.request.urlopen(f"{url}/watch", timeout=60) as events:
             for number, line in enumerate(events):
                 count += len(line)
                 if in_space and (number == 0 or line == b"event: points\n"):
-                    with urllib.request.urlopen(f"{url}/points", timeout=60) as points:
-                        count += len(points.read())
+                    take_points()
+                elif not in_space and (number == 0 or line == b"event: picture\n"):
+                    take("picture")
+                elif line == b"event: end\n":
+                    # As the page does: the last of both.
+                    take_points()
+                    take("picture?last=true")
     except OSError:
         pass
     received.append(count)

@@ -17,6 +17,17 @@ _HALL = """([count, isRoofed]) => {
   lpslamPage.take(bytes);
 }"""
 
+_SIGNS = """count => {
+  const side = Math.ceil(Math.sqrt(count)), faces = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]];
+  lpslamPage.takeSigns(Array.from({ length: count }, (_, at) => ({
+    id: at * 1000, name: `SHOP ${at} 商店`,
+    lines: [`SHOP ${at}`], variants: {}, normal: faces[at % 4], width: 1.2, height: 0.3,
+    position: [(at % side / side - 0.5) * 38, (Math.floor(at / side) / side - 0.5) * 38, 1 + at % 3 / 2], spread: 0.05,
+    observations: 1 + at % 40, confidence: at * 7919 % 100 / 100, corrections: [],
+    is_landmark: [true, false, null][at % 3],
+  })));
+}"""
+
 _TURNING = """seconds => new Promise(done => {
   const began = performance.now(), first = lpslamPage.pace().frames, map = document.getElementById("map");
   (function on() {
@@ -35,6 +46,11 @@ def hall(page: Any, count: int, *, is_roofed: bool = False) -> None:
     Its points are in an order that is a sample at every length.
     """
     page.evaluate(_HALL, [count, is_roofed])
+
+
+def signs(page: Any, count: int) -> None:
+    """Hang so many signs all over the hall."""
+    page.evaluate(_SIGNS, count)
 
 
 def turned(page: Any, seconds: float) -> dict[str, float]:

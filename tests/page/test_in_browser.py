@@ -99,3 +99,73 @@ def test_a_card_shows_how_its_sign_was_seen(browser: Any, tmp_path: Path) -> Non
         until(page, "document.querySelector('#card img').naturalWidth > 100")
         page.locator("#signs button").nth(1).click()
         assert page.locator("#card img").count() == 0
+
+
+def test_a_sign_that_means_harm_is_shown_and_found_as_words(browser: Any, tmp_path: Path) -> None:
+    signs = (
+        "<img src=x onerror=alert(1)>",
+        "</script><script>alert(1)</script>",
+        "Pizza \u202e\x07Hut",
+        "javascript:alert(1)",
+    )
+    with shown(browser, write_page(small_map(signs=signs), tmp_path / "page.html").as_uri()) as page:
+        page.on("dialog", lambda dialog: pytest.fail("a sign was run"))
+        for number, sign in enumerate(("<img src=x onerror=alert(1)>", "</script><script>", "Pizza Hut", "javascript")):
+            page.fill("#question", sign)
+            page.press("#question", "Enter")
+            until(page, f"lpslamPage.chosen() === {1000 * number}")
+        page.locator("#in-space").click()
+        page.wait_for_timeout(300)
+        assert page.locator("img").count() == 0
+        assert page.locator("script:not([type])").count() == 1
+        assert page.locator("a").count() == 0
+        told = page.evaluate("document.getElementById('panel').textContent + document.title")
+        assert "Pizza Hut" in told
+        assert not set("\u202e\x07") & set(told)
+
+
+def test_on_paper_the_signs_are_below_the_map_and_no_buttons(page: Any) -> None:
+    page.emulate_media(media="print")
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    drawn, panel = page.locator("#map").bounding_box(), page.locator("#panel").bounding_box()
+    assert panel["y"] >= drawn["y"] + drawn["height"]
+    assert panel["width"] == drawn["width"]
+    for each in ("#modes", "#replay", "#question", "#go"):
+        assert not page.locator(each).is_visible()
+    assert page.locator("#signs button").last.is_visible()
+    # The map is in the middle, and not beside a panel.
+    middle = page.evaluate("lpslamPage.view()")["x"]
+    page.evaluate("dispatchEvent(new Event('afterprint'))")
+    assert page.evaluate("lpslamPage.view()")["x"] < middle
+
+
+def test_everything_that_can_be_used_has_a_name(page: Any) -> None:
+    nameless = page.evaluate("""
+      [...document.querySelectorAll("button, input, canvas, nav, aside, section, [role]")].filter(
+      each => !each.closest("[hidden]") && !["status", "alert"].includes(each.getAttribute("role")) &&
+      !(each.getAttribute("aria-label") || each.textContent.trim())).map(each => each.outerHTML.slice(0, 80))""")
+    assert nameless == []
+    page.locator("#map").focus()
+    page.keyboard.press("Tab")
+    page.keyboard.press("Shift+Tab")
+    assert page.evaluate("getComputedStyle(document.getElementById('map')).outlineStyle") == "solid"
+
+
+@pytest.mark.parametrize(("wide", "high"), [(390, 844), (768, 1024), (844, 390), (1280, 800)])
+def test_the_panel_leaves_the_map_room_and_all_of_it_can_be_reached(
+    browser: Any, tmp_path: Path, wide: int, high: int
+) -> None:
+    file = write_page(with_floor(small_map(signs=SIGNS)), tmp_path / "page.html")
+    with shown(browser, file.as_uri(), viewport={"width": wide, "height": high}) as page:
+        for each in (SIGNS[0], SIGNS[1], SIGNS[0]):
+            page.fill("#question", each)
+            page.press("#question", "Enter")
+        panel = page.locator("#panel").bounding_box()
+        assert panel["width"] <= (wide if wide <= 640 else max(0.36 * wide, 264))
+        assert panel["height"] <= (high / 2 if wide <= 640 else high)
+        assert page.evaluate("document.documentElement.scrollWidth") == wide
+        # The last fact of the card, by scrolling alone, and inside of what is shown.
+        last = page.locator("#card dd").last
+        last.scroll_into_view_if_needed()
+        at = last.bounding_box()
+        assert panel["y"] <= at["y"] <= at["y"] + at["height"] <= panel["y"] + panel["height"] + 1

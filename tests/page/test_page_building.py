@@ -4,6 +4,7 @@ import base64
 import hashlib
 import json
 import re
+import unicodedata
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -61,6 +62,38 @@ def test_a_sign_that_is_markup_is_text() -> None:
     names = [sign["name"] for sign in data_of(page)["signs"]]  # type: ignore[attr-defined]
     assert "KFC" in names
     assert any("onerror" in name for name in names)
+
+
+UNSEEN = (
+    "Pizza \u202eHut", "ATM\x00\x07", "a\u200bb\u2066c\u2069", "Bakery\nBrot\r\u2028x", "\ufeffKFC", "\x1b[31mred",
+    "@data@ @script@", "{{sign}} ${sign} `x`", "\u0007",
+)  # fmt: skip
+
+
+def strings_of(tree: object) -> list[str]:
+    """All strings of a tree, keys included."""
+    if isinstance(tree, dict):
+        return [each for pair in tree.items() for part in pair for each in strings_of(part)]
+    if isinstance(tree, list):
+        return [each for part in tree for each in strings_of(part)]
+    return [tree] if isinstance(tree, str) else []
+
+
+@pytest.mark.parametrize("live", [False, True])
+def test_nothing_unseen_of_a_sign_comes_onto_the_page(live: bool) -> None:
+    world = small_map(signs=UNSEEN, source="a\u202eb\x07")
+    for each in world.text.memory.long_term.values():
+        each.history = [(0.0, 0.0), (1.0, 3.0)]
+    page = page_of(world, live=live)
+    tree = data_of(page)
+    said = [each for key in ("title", "signs", "memory", "edits", "question") for each in strings_of(tree[key])]
+    assert not [each for each in said for char in each if unicodedata.category(char) in ("Cc", "Cf", "Co", "Cs", "Zl")]
+    assert tree["title"] == "ab"
+    names = {sign["name"] for sign in tree["signs"]}  # type: ignore[attr-defined]
+    assert {"Pizza Hut", "ATM", "abc", "Bakery Brot x", "KFC", "@data@ @script@", "{{sign}} ${sign} `x`"} <= names
+    # Marks of the page in a sign are words.
+    assert page.count('"@data@ @script@"') >= 1
+    assert Seen(page).tags.count("script") == 3
 
 
 def test_the_policy_allows_the_pages_own_style_and_script_and_nothing_else() -> None:

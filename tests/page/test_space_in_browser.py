@@ -9,7 +9,7 @@ import pytest
 
 from in_chromium import shown, until
 from lpslam.page.building import write_page
-from page_hall import hall, turned
+from page_hall import hall, signs, turned
 from small_maps import small_map, with_floor
 
 pytestmark = pytest.mark.slow
@@ -125,6 +125,52 @@ def test_a_million_points_are_moved_at_five_frames_a_second(browser: Any, tmp_pa
         until(page, "lpslamPage.drawnPoints() === 1000000", 60)
         assert turned(page, 6.0)["rate"] >= 5.0
         until(page, "lpslamPage.drawnPoints() === 1000000", 60)
+
+
+def test_ten_thousand_signs_cost_less_than_the_points_around_them(browser: Any, tmp_path: Path) -> None:
+    page_file = tmp_path / "page.html"
+    write_page(small_map(signs=SIGNS), page_file)
+    with shown(browser, page_file.as_uri(), viewport={"width": 1280, "height": 800}) as page:
+        page.locator("#in-space").click()
+        hall(page, 1_000_000)
+        until(page, "lpslamPage.drawnPoints() === 1000000", 60)
+        # Against the same view without them, so that it does not matter what else this machine does.
+        bare = turned(page, 5.0)["rate"]
+        signs(page, 10_000)
+        until(page, "lpslamPage.drawnPoints() === 1000000", 60)
+        assert turned(page, 5.0)["rate"] >= 0.5 * bare
+        assert page.locator("#signs button").count() == 500
+
+
+def look_from_the_side(page: Any, steps_back: int) -> None:
+    """Look at the middle of the map from its own height, so many keys farther off than to see it whole."""
+    page.locator("#map").focus()
+    page.keyboard.press("0")
+    for _ in range(40):
+        pitch = page.evaluate("lpslamPage.around().pitch")
+        if abs(pitch) < 0.06:
+            break
+        page.keyboard.press("ArrowUp" if pitch < 0 else "ArrowDown")
+    for _ in range(steps_back):
+        page.keyboard.press("-")
+
+
+def test_what_a_wall_hides_is_faint_and_what_is_chosen_is_not(browser: Any, tmp_path: Path) -> None:
+    page_file = write_page(with_floor(small_map(signs=SIGNS)), tmp_path / "page.html")
+    with shown(browser, page_file.as_uri(), locale="en-US") as page:
+        page.locator("#in-space").click()
+        # The hall's walls stand 20 m off, on all sides.
+        hall(page, 400_000)
+        look_from_the_side(page, 0)
+        until(page, "lpslamPage.drawnPoints() === lpslamPage.points()", 60)
+        assert page.evaluate("lpslamPage.hidden()") == []
+        look_from_the_side(page, 12)
+        until(page, "lpslamPage.hidden().length === 3", 60)
+        # Who is asked for is in sight, wherever it hangs.
+        page.locator("#signs button").first.click()
+        look_from_the_side(page, 12)
+        until(page, "lpslamPage.hidden().length === 2", 60)
+        assert names(page)[0] == SIGNS[0]
 
 
 def test_a_room_is_shown_without_its_ceiling_and_one_without_a_ceiling_whole(page: Any) -> None:

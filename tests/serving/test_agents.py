@@ -9,9 +9,11 @@ from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from lpslam.config import Config
+from lpslam.ground.scans import Scans
 from lpslam.language.offline import OfflineModel
 from lpslam.serving.agents import NOTICE, agent_server
 from lpslam.serving.atlas import Atlas
@@ -115,10 +117,61 @@ def test_a_mistake_is_one_line(mall: Path, tool: str, arguments: dict[str, Any])
             assert result.is_error
             said = result.content[0].text
         assert "Traceback" not in said
+        assert "\n" not in said
+        assert "http" not in said, "an agent cannot look there"
+        assert "/landmarks" not in said
+        assert "/maps" not in said
         assert str(mall.parent) not in said
         assert not (await client.call_tool("list_places", {})).is_error
 
     in_memory(use, mall)
+
+
+def test_a_mistake_says_how_it_is_mended(mall: Path) -> None:
+    async def use(client: Any) -> None:
+        said = {
+            words: (await client.call_tool(tool, arguments)).content[0].text
+            for words, tool, arguments in (
+                ("place: Input should be a valid integer", "describe", {"place": "the first"}),
+                ("question: Field required", "ask_place", {}),
+                ("there are: mall", "ask_place", {"question": "pizza", "map": "other"}),
+                ("list_places and ask_place give their ids", "describe", {"place": 99}),
+                ("there are list_places, ask_place, describe, route, where_am_i", "delete_map", {}),
+            )
+        }
+        for words, text in said.items():
+            assert words in text
+
+    in_memory(use, mall)
+
+
+def test_all_that_a_tool_takes_is_described(mall: Path) -> None:
+    async def use(client: Any) -> None:
+        for tool in (await client.list_tools()).tools:
+            assert tool.description
+            assert tool.output_schema
+            bare = [name for name, each in tool.input_schema["properties"].items() if not each.get("description")]
+            assert bare == [], tool.name
+
+    in_memory(use, mall)
+
+
+def test_without_a_floor_the_way_is_a_straight_line_and_says_so(tmp_path: Path) -> None:
+    # Scans of a wall alone: what the ground follows from was kept, and no floor was in sight.
+    world = small_map()
+    world.scans = Scans(world.camera, 64)
+    world.scans.take(0, np.zeros((240, 320, 3), np.uint8), np.full((240, 320), 2.0, np.float32))
+    for name, each in (("without", small_map()), ("wall", world)):
+        path = tmp_path / f"{name}.lpmap"
+        each.save(path)
+
+        async def use(client: Any) -> None:
+            way = await call(client, "route", place=1000, position=[0, 0])
+            assert not way["is_route"]
+            assert "straight line" in way["remark"]
+            assert len(way["points"]) == 2
+
+        in_memory(use, path)
 
 
 def test_the_way_is_told_where_the_map_has_ground(tmp_path: Path) -> None:

@@ -51,9 +51,9 @@ class WatchingConfig(Section):
     events: int = Field(default=100, ge=1)
     # Scans of keyframes that are told at once, of 100 KB each.
     scans: int = Field(default=20, ge=1)
-    # Share of one core, in the page's process and behind tracking, that pictures of the room may cost.
-    painting_share: float = Field(default=0.02, gt=0.0, le=1.0)
-    # Seconds between two pictures of the room.
+    # Share of one core, in the page's process and behind tracking, that the room's pictures and points may cost.
+    painting_share: float = Field(default=0.01, gt=0.0, le=1.0)
+    # Seconds between two pictures of the room, or two lots of new points.
     picture_s: float = Field(default=3.0, gt=0.0)
 
 

@@ -20,7 +20,7 @@ from lpslam.page.signs import sign_pictures
 from lpslam.whole_files import written_whole
 
 SCRIPTS = (
-    *("common", "plan", "lenses", "painting", "points", "plates", "space", "moving", "replay"),
+    *("common", "boxes", "plan", "lenses", "hiding", "painting", "points", "plates", "space", "moving", "replay"),
     *("correcting", "signs", "wishes", "asking", "speech", "memory", "growing", "start"),
 )
 """The parts of the page's program: each uses what those before it define."""

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.ground.grid import FREE, OCCUPIED, Grid
-from lpslam.ground.raster import room_image
+from lpslam.ground.raster import FINEST, room_image
 
 Array = NDArray[np.float64]
 
@@ -55,9 +55,19 @@ def ground_picture(grid: Grid) -> GroundPicture | None:
     return GroundPicture(png.tobytes(), extent, float(np.median(known)))
 
 
-def picture_of(cloud: Array, colours: NDArray[np.uint8], grid: Grid | None, compression: int = 9) -> RoomPicture | None:
-    """The picture of (n, 3) points, lowest first, in their colours, on the ground; None without points."""
-    image = room_image(cloud, colours, grid)
+def picture_of(
+    cloud: Array, colours: NDArray[np.uint8], grid: Grid | None, compression: int = 9, finest: float = FINEST
+) -> RoomPicture | None:
+    """The picture of (n, 3) points, lowest first, in their colours, on the ground; None without points.
+
+    Args:
+        cloud: metres, map frame.
+        colours: red, green, blue.
+        grid: the ground, if it is to be below them.
+        compression: of PNG, 0 to 9: the more, the smaller and the later.
+        finest: metres a pixel at least.
+    """
+    image = room_image(cloud, colours, grid, finest)
     if image is None:
         return None
     bgra = cv2.cvtColor(image.rgba, cv2.COLOR_RGBA2BGRA)

@@ -16,7 +16,9 @@ from lpslam.ground.scans import Pose, Scans
 
 Array = NDArray[np.float64]
 
-_STEPS = 65535  # of sixteen bits
+STEPS = 65535
+"""Of sixteen bits."""
+
 _SEED = 7  # of the order within a level, so that the same map gives the same page
 _ONE_SURFACE = 0.04  # of the depth: how far neighbours of a scan may lie apart on one surface
 _PATCH = 3  # powers of two: patches of eight cubes to a side hold many points, and one surface
@@ -96,15 +98,15 @@ def packed_points(points: Array, colours: NDArray[np.uint8], most: int, config: 
     means, shades, cells = _fused(points, colours, cells)
     order = _order(cells)[:most]
     size = np.maximum(points.max(axis=0) - low, 1e-3)
-    shares = np.clip(np.round((means[order] - low) / size * _STEPS), 0, _STEPS).astype(np.uint16)
+    shares = np.clip(np.round((means[order] - low) / size * STEPS), 0, STEPS).astype(np.uint16)
     return PackedPoints(
-        np.column_stack([shares, _in_sixteen(shades[order])]), low, size, _spacing(cells[order]) * config.cube
+        np.column_stack([shares, in_sixteen(shades[order])]), low, size, _spacing(cells[order]) * config.cube
     )
 
 
 def _spacing(cells: NDArray[np.int64]) -> float:
     """How far apart points on surfaces are, in cubes: the area of the larger cubes they lie in, shared by all."""
-    occupied = len(np.unique(_key(cells >> _PATCH)))
+    occupied = len(np.unique(cube_keys(cells >> _PATCH)))
     return max(1.0, float(np.sqrt(occupied * 4.0**_PATCH / len(cells))))
 
 
@@ -121,7 +123,7 @@ def _fused(
     points: Array, colours: NDArray[np.uint8], cells: NDArray[np.int64]
 ) -> tuple[Array, Array, NDArray[np.int64]]:
     """The mean point and colour of each cell that has points, and the cells."""
-    keys = _key(cells)
+    keys = cube_keys(cells)
     _, first, member, counts = np.unique(keys, return_index=True, return_inverse=True, return_counts=True)
     member = member.ravel()
 
@@ -131,7 +133,7 @@ def _fused(
     return mean(points), mean(colours), cells[first]
 
 
-def _key(cells: NDArray[np.int64]) -> NDArray[np.int64]:
+def cube_keys(cells: NDArray[np.int64]) -> NDArray[np.int64]:
     """One number for each cell; a room has fewer than two million to a side."""
     key: NDArray[np.int64] = (cells[:, 0] << 42) | (cells[:, 1] << 21) | cells[:, 2]
     return key
@@ -144,13 +146,13 @@ def _order(cells: NDArray[np.int64]) -> NDArray[np.int64]:
     level = np.full(len(cells), int(cells.max()).bit_length(), np.int64)
     for finer in range(1, int(cells.max()).bit_length() + 1):
         # The first of each cube of this side, in the order of chance, belongs to this level or to a coarser one.
-        _, first = np.unique(_key(cells[chance] >> finer), return_index=True)
+        _, first = np.unique(cube_keys(cells[chance] >> finer), return_index=True)
         level[chance[first]] = int(cells.max()).bit_length() - finer
     # By another chance: of the first one, whatever was seen often comes early.
     return np.lexsort((generator.permutation(len(cells)), level))
 
 
-def _in_sixteen(colours: Array) -> NDArray[np.uint16]:
+def in_sixteen(colours: Array) -> NDArray[np.uint16]:
     """(n, 3) colours of 0 to 255 in five, six and five bits."""
     red, green, blue = (np.round(colours[:, at] / 255 * most).astype(np.uint16) for at, most in enumerate((31, 63, 31)))
     return np.asarray((red << 11) | (green << 5) | blue, np.uint16)

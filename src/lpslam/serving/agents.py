@@ -14,19 +14,19 @@ import numpy as np
 from mcp.server.mcpserver import MCPServer
 from mcp.server.mcpserver.exceptions import ResourceError, ToolError
 from mcp.types import ToolAnnotations
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, Field, ValidationError
 
 from lpslam._version import __version__
 from lpslam.config import Config
 from lpslam.errors import UserError
 from lpslam.language.model import LanguageModel
 from lpslam.serving import records
-from lpslam.serving.atlas import Atlas, ServedMap
+from lpslam.serving.atlas import Atlas, NoSuchMapError, ServedMap
 from lpslam.serving.filters import Filter, Judged, listed
-from lpslam.serving.ground import Grounds
+from lpslam.serving.ground import Grounds, NoGroundError
 from lpslam.serving.pictures import Pictures
 from lpslam.serving.questions import Asked, answered
-from lpslam.serving.summaries import landmark_of
+from lpslam.serving.summaries import NoSuchLandmarkError, landmark_of
 from lpslam.serving.whereabouts import by_signs, last_known
 from lpslam.serving.whereabouts import near as nearest_to
 from lpslam.text.types import Landmark
@@ -43,12 +43,14 @@ _ABOUT = (
 )
 _READS_ONLY = ToolAnnotations(read_only_hint=True, destructive_hint=False, idempotent_hint=True, open_world_hint=False)
 _MOST_SIGNS, _NEAREST, _LINE, _LINES = 20, 5, 120, 20
+_MOST_FAULTS, _MOST_MAPS = 3, 20  # of a call that are told, and names of maps
 
 Map = Annotated[str | None, Field(max_length=60, description="Name of the map; may be left out where there is one.")]
 Position = Annotated[
     list[records.Metres] | None, Field(min_length=2, max_length=3, description="(x, y) or (x, y, z), metres.")
 ]
 Heading = Annotated[records.Degrees | None, Field(description="Degrees counter-clockwise from the map's x axis.")]
+Question = Annotated[str, Field(description="The wish in the asker's own words, one question at a time.")]
 Id = Annotated[int, Field(ge=0, le=2**53 - 1, description="Id of a place, as other tools give it.")]
 
 
@@ -60,8 +62,11 @@ class Place(BaseModel):
     position: list[float]
     confidence: float
     is_landmark: bool | None
-    distance_m: float | None = None
-    direction_deg: float | None = None
+    distance_m: float | None = Field(default=None, description="From the asker, or from what was asked about.")
+    direction_deg: float | None = Field(
+        default=None,
+        description="Counter-clockwise from the asker's heading; from the map's x axis where it is not known.",
+    )
 
 
 class Places(BaseModel):
@@ -149,7 +154,11 @@ class _Desk:
         if time.monotonic() - self._looked >= self.config.serving.look_s:
             self.atlas.refresh()
             self._looked = time.monotonic()
-        return self.atlas.get(name)
+        try:
+            return self.atlas.get(name)
+        except NoSuchMapError:
+            known = ", ".join(printable(each, longest=_LINE) for each in list(self.atlas.maps)[:_MOST_MAPS])
+            raise UserError(f"say which map by its name; there are: {known}") from None
 
     def answer(self, served: ServedMap, question: str, position: list[float] | None, heading: float | None) -> Any:
         """The answer to a question, as `lpslam ask --json` has it."""
@@ -157,6 +166,22 @@ class _Desk:
             raise UserError(f"a question may have {self.config.serving.question_letters:,} letters")
         asked = Asked(question, None, None if position is None else tuple(position), heading)
         return answered(asked, served, self.language, self.config.language.question_length)["answer"]
+
+
+class _Server(MCPServer[Any]):
+    """Says what is wrong with a call in one line, by which an agent can mend it."""
+
+    async def call_tool(self, name: str, arguments: dict[str, Any], context: Any = None) -> Any:
+        try:
+            return await super().call_tool(name, arguments, context)
+        except ToolError as error:
+            cause = error.__cause__
+            if isinstance(cause, ValidationError):
+                faults = [f"{'.'.join(map(str, each['loc']))}: {each['msg']}" for each in cause.errors()[:_MOST_FAULTS]]
+                raise ToolError(printable(f"{name} cannot be called like that; {'; '.join(faults)}", 500)) from None
+            if cause is None and name not in (known := [tool.name for tool in await self.list_tools()]):
+                raise ToolError(f"there is no such tool; there are {', '.join(known)}") from None
+            raise
 
 
 def agent_server(atlas: Atlas, language: LanguageModel, config: Config) -> MCPServer[Any]:
@@ -167,7 +192,7 @@ def agent_server(atlas: Atlas, language: LanguageModel, config: Config) -> MCPSe
         language: answers questions.
         config: limits.
     """
-    server: MCPServer[Any] = MCPServer(
+    server: MCPServer[Any] = _Server(
         "lpslam", title="lpslam maps", instructions=_ABOUT, version=__version__, log_level="ERROR"
     )
     desk = _Desk(atlas, language, config)
@@ -181,10 +206,12 @@ def _add_tools(server: MCPServer[Any], desk: _Desk) -> None:
     @_for_users
     def list_places(
         map: Map = None,
-        text: Annotated[str, Field(max_length=200, description="Stands on the sign.")] = "",
-        judged: Annotated[Judged | None, Field(description="By the map's current question.")] = None,
+        text: Annotated[str, Field(max_length=200, description="Only places whose sign has this text.")] = "",
+        judged: Annotated[
+            Judged | None, Field(description="Only those that the map's own question was answered so for.")
+        ] = None,
         near: Position = None,
-        page: Annotated[int, Field(ge=1, le=1_000_000)] = 1,
+        page: Annotated[int, Field(ge=1, le=1_000_000, description="Which fifty of them, from 1.")] = 1,
     ) -> Places:
         """List places of the map, 50 a page: all, those whose sign has a text, or the nearest to a position."""
         served = desk.map(map)
@@ -195,7 +222,7 @@ def _add_tools(server: MCPServer[Any], desk: _Desk) -> None:
 
     @server.tool(annotations=_READS_ONLY)
     @_for_users
-    def ask_place(question: str, map: Map = None, position: Position = None, heading: Heading = None) -> Found:
+    def ask_place(question: Question, map: Map = None, position: Position = None, heading: Heading = None) -> Found:
         """Find the place that serves a wish, in any language: “Where can I eat pizza?”, “the toilet next to KFC”."""
         served = desk.map(map)
         answer = desk.answer(served, question, position, heading)
@@ -215,7 +242,7 @@ def _add_tools(server: MCPServer[Any], desk: _Desk) -> None:
     def describe(place: Id, map: Map = None) -> Details:
         """Tell all that the map knows of a place: the lines of its board, its size, judgements and neighbours."""
         served = desk.map(map)
-        mark = landmark_of(served, place)
+        mark = _mark(served, place)
         neighbours = [row for row in nearest_to(served, mark.position, _NEAREST + 1) if row[0] != _row(served, mark)]
         return Details(
             map=served.name,
@@ -238,12 +265,12 @@ def _add_tools(server: MCPServer[Any], desk: _Desk) -> None:
     def route(place: Id, map: Map = None, position: Position = None, heading: Heading = None) -> Way:
         """Tell how to get to a place from a position, or from where the camera was last."""
         served = desk.map(map)
-        mark = landmark_of(served, place)
-        start = np.array(position) if position is not None else served.view[0]
-        if not desk.grounds.has(served):
-            return _straight(served, mark, start)
+        mark = _mark(served, place)
         known = None if position is None else (tuple(position), heading)
-        found = desk.grounds.path(served, mark, known)
+        try:
+            found = desk.grounds.path(served, mark, known)
+        except NoGroundError:
+            return _straight(served, mark, np.array(position) if position is not None else served.view[0])
         return Way(
             map=served.name,
             place=_place(served, mark.id),
@@ -338,6 +365,13 @@ def _straight(served: ServedMap, mark: Landmark, start: np.ndarray[Any, np.dtype
         points=points,
         length_m=round(float(np.linalg.norm(end - start)), 3),
     )
+
+
+def _mark(served: ServedMap, place: int) -> Landmark:
+    try:
+        return landmark_of(served, place)
+    except NoSuchLandmarkError:
+        raise UserError(f"map {served.name} has no place {place}; list_places and ask_place give their ids") from None
 
 
 def _row(served: ServedMap, mark: Landmark) -> int:

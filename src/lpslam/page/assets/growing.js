@@ -1,6 +1,6 @@
 /* A map that is being made: the server tells how far it is, and what was missed meanwhile is told at once. */
 const status = part("status"), counts = part("counts"), happened = part("happened");
-let source = null;
+let source = null, isPictureOld = true;
 
 /* A screen reader says what stands here: it is set when it changes, not with every frame. */
 function show(text, kind) {
@@ -43,13 +43,12 @@ const news = {
     data.trajectory = told.way;
     data.lens = told.lens;
   },
-  picture(told) {
-    data.picture_extent = told.extent;
-    picture.src = told.picture;
-  },
-  points() { if (state.isSpatial) havePoints(true); else cloud.isAskedFor = false; },
+  picture() { if (state.isSpatial) isPictureOld = true; else growPicture(); },
+  points() { if (state.isSpatial) growPoints(); else cloud.isAskedFor = false; },
   end(told) {
     source.close();
+    // The last of the room is asked for while somebody still answers.
+    growPoints().then(() => growPicture("picture?last=true"));
     // Nobody answers any more: names are still found.
     data.live = data.grows = false;
     state.camera = null;
@@ -62,12 +61,30 @@ const news = {
   },
 };
 
+/* The room from above and in space: asked for by who sees it, when the server has told that there is a newer one. */
+async function growPicture(name = "picture") {
+  isPictureOld = false;
+  const told = await askedOf(name, "json");
+  if (!told) return;
+  data.picture_extent = told.extent;
+  picture.src = told.picture;
+}
+
+async function growPoints() {
+  cloud.isAskedFor = true;
+  const bytes = await askedOf(`points?since=${cloud.version}`, "arrayBuffer");
+  if (!bytes) return;
+  takeParts(bytes);
+  if (state.isSpatial) isWholeShown ? fit() : draw();
+}
+
 function nameField() {
   field.placeholder = data.live ? words.ask : words.search;
   field.setAttribute("aria-label", field.placeholder);
 }
 
 function watch() {
+  if (!state.isSpatial) growPicture();
   source = new EventSource("/watch");
   for (const [name, take] of Object.entries(news)) {
     source.addEventListener(name, event => {

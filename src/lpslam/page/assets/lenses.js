@@ -7,7 +7,6 @@ const plus = (a, b, times = 1) => a.map((value, axis) => value + times * b[axis]
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 const unit = a => { const long = Math.hypot(...a) || 1; return a.map(value => value / long); };
-const clamped = (value, least, most) => Math.min(Math.max(value, least), most);
 
 /* The axes of a camera (right, down, ahead) from a pose x, y, z and a quaternion x, y, z, w. */
 function axesOf([, , , x, y, z, w]) {

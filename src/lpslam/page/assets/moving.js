@@ -110,5 +110,10 @@ canvas.addEventListener("keydown", event => {
   event.preventDefault();
   moved();
 });
+/* On paper the panel is below the map, and hides nothing. */
+for (const [name, printed] of [["beforeprint", true], ["afterprint", false]]) window.addEventListener(name, () => {
+  isPrinted = printed;
+  if (!state.isSpatial) isWholeShown ? fitPlan() : paintPlan(Infinity);
+});
 window.addEventListener("resize", () => isWholeShown ? fit() : draw());
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);

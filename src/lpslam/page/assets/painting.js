@@ -5,9 +5,11 @@ const paint = { programs: {}, target: null, textures: new Map() };
 
 const HEAD = "#version 300 es\nprecision highp float;\nprecision highp int;\n";
 const SHADERS = {
-  points: [`uniform mat4 view; uniform vec3 low, size; uniform float spread, most, highest; in uvec4 row; out vec3 shade;
+  points: [`uniform mat4 view; uniform sampler2D places; uniform float spread, most, highest; in uvec4 row; in uint owner; out vec3 shade;
     void main() {
-      vec3 at = low + size * vec3(row.xyz) / 65535.0;
+      ivec2 part = ivec2(int(owner & 255u) * 3, int(owner >> 8));
+      vec4 share = vec4(vec3(row.xyz) / 65535.0, 1.0);
+      vec3 at = vec3(dot(texelFetch(places, part, 0), share), dot(texelFetch(places, part + ivec2(1, 0), 0), share), dot(texelFetch(places, part + ivec2(2, 0), 0), share));
       gl_Position = at.z > highest ? vec4(2.0, 2.0, 2.0, 1.0) : view * vec4(at, 1.0);
       gl_PointSize = clamp(spread / gl_Position.w, 1.0, most);
       shade = vec3(float(row.w >> 11) / 31.0, float((row.w >> 5) & 63u) / 63.0, float(row.w & 31u) / 31.0);
@@ -51,6 +53,22 @@ const SHADERS = {
       if (texelFetch(depths, at, 0).r < 1.0)
         for (int each = 0; each < 4; each++) shade += clamp(depth - logDepth(clamp(at + around[each], ivec2(0), last)) - 0.012, 0.0, 0.06);
       colour = vec4(own.rgb * exp(-shade * 6.0), 1.0);
+    }`],
+  // Of each cell the depth in the middle of nine, in three bytes: single points before it, or gaps, tell nothing.
+  depths: [`void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0); }`,
+    `uniform sampler2D depths; out vec4 colour;
+    void main() {
+      ivec2 size = textureSize(depths, 0);
+      vec2 cell = vec2(size) / vec2(${HIDING.wide}, ${HIDING.high}), corner = floor(gl_FragCoord.xy) * cell;
+      float found[9];
+      for (int each = 0; each < 9; each++) {
+        float depth = texelFetch(depths, min(ivec2(corner + cell * (vec2(each % 3, each / 3) + 0.5) / 3.0), size - 1), 0).r;
+        int at = each;
+        for (; at > 0 && found[at - 1] > depth; at--) found[at] = found[at - 1];
+        found[at] = depth;
+      }
+      uint middle = uint(found[4] * 16777215.0);
+      colour = vec4(float(middle >> 16), float((middle >> 8) & 255u), float(middle & 255u), 255.0) / 255.0;
     }`],
 };
 

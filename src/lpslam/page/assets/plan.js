@@ -1,20 +1,25 @@
 /* The map from above: a picture of the ground, the camera's way, and signs as labels that do not overlap. */
 const picture = new Image();
 const view = { x: 0, y: 0, scale: 60 };
-let flight = 0, isWholeShown = true;
+let flight = 0, isWholeShown = true, isPrinted = false;
 
 const tint = sign => style(sign.is_landmark === true ? "--shop" : sign.is_landmark === false ? "--text" : "--unjudged");
 const toScreen = (x, y) => [canvas.clientWidth / 2 + (x - view.x) * view.scale, canvas.clientHeight / 2 - (y - view.y) * view.scale];
 
+/* As the style has it, pixels. */
+const panelWidth = () => canvas.clientWidth <= 900 ? 264 : 340;
+
 /* What the panel hides: at the left of a wide window, at the bottom of a narrow one. */
 function covered() {
-  if (canvas.clientWidth <= 640) return [0, canvas.clientHeight * 0.52];
-  return [360, part("memory").hidden ? 0 : part("memory").offsetHeight + 16];
+  if (isPrinted) return [0, 0];
+  if (canvas.clientWidth <= 640) return [0, canvas.clientHeight * 0.5];
+  return [panelWidth() + 20, part("memory").hidden ? 0 : part("memory").offsetHeight + 16];
 }
 
 /* The same as a box of the canvas, where no label is to be read. */
 function panelBox() {
   const [left, bottom] = covered(), wide = canvas.clientWidth, high = canvas.clientHeight;
+  if (isPrinted) return [0, 0, 0, 0];
   return wide <= 640 ? [0, high - bottom, wide, high] : [0, 0, left, high];
 }
 
@@ -49,7 +54,17 @@ function clearCanvas() {
   pen.setTransform(ratio, 0, 0, ratio, 0, 0);
 }
 
+const IN_MOTION = 1500, REST = 200;  // marks that a processor alone paints ten times a second; milliseconds
+let resting = 0;
+
+/* While the view moves, the first of many signs; all of them once it rests. */
 function drawPlan() {
+  clearTimeout(resting);
+  if (data.signs.length > IN_MOTION) resting = setTimeout(() => { if (!state.isSpatial) paintPlan(Infinity); }, REST);
+  paintPlan(IN_MOTION);
+}
+
+function paintPlan(most) {
   clearCanvas();
   pen.fillStyle = style("--paper");
   pen.fillRect(0, 0, canvas.clientWidth, canvas.clientHeight);
@@ -60,9 +75,10 @@ function drawPlan() {
   trace(state.way, style("--route"), 5, .9);
   if (state.goal) for (const line of goalLines(state.goal, 0)) trace(line, style("--route"), 3, .9);
   drawCamera();
-  const taken = [panelBox()];
-  const ordered = [...data.signs].sort((a, b) => (b === state.chosen) - (a === state.chosen) || (b.is_landmark === true) - (a.is_landmark === true) || b.observations - a.observations);
-  for (const sign of ordered) label(sign, taken);
+  const taken = new Boxes();
+  taken.add({ box: panelBox() });
+  const marked = marks(most);
+  for (const { sign, at } of marked) label(sign, at, taken);
   scaleBar();
 }
 
@@ -104,28 +120,64 @@ function drawCamera() {
   pen.stroke();
 }
 
-function label(sign, taken) {
-  const [x, y] = toScreen(...sign.position), is = sign === state.chosen;
-  if (x < -50 || y < -50 || x > canvas.clientWidth + 50 || y > canvas.clientHeight + 50) return;
-  pen.fillStyle = tint(sign);
-  pen.strokeStyle = style("--ground");
-  pen.lineWidth = 1.5;
-  pen.beginPath();
-  pen.arc(x, y, is ? 7 : 4.5, 0, 7);
-  pen.fill();
-  pen.stroke();
-  pen.strokeStyle = tint(sign);
-  pen.lineWidth = 2;
-  pen.beginPath();
-  pen.moveTo(x, y);
-  pen.lineTo(x + sign.normal[0] * 14, y - sign.normal[1] * 14);
-  pen.stroke();
+/* All signs, those whose labels come first before the others; sorted once for the signs there are. */
+const ordered = { of: null, signs: [] };
+
+function inOrder() {
+  if (ordered.of !== data.signs) Object.assign(ordered, { of: data.signs, signs: [...data.signs].sort((a, b) => (b.is_landmark === true) - (a.is_landmark === true) || b.observations - a.observations) });
+  return ordered.signs;
+}
+
+/* A mark for each of the first signs on the canvas, the chosen one over the others; where they are, the chosen one first. */
+function marks(most) {
+  const wide = canvas.clientWidth, high = canvas.clientHeight, found = [];
+  for (const sign of state.chosen ? [state.chosen, ...inOrder()] : inOrder()) {
+    const at = toScreen(...sign.position), [x, y] = at;
+    if (x < -50 || y < -50 || x > wide + 50 || y > high + 50 || (sign === state.chosen && found.length)) continue;
+    found.push({ sign, at });
+    if (found.length >= most) break;
+  }
+  for (const { sign, at: [x, y] } of [...found].reverse()) pen.drawImage(markPicture(sign), x - MARK, y - MARK, 2 * MARK, 2 * MARK);
+  return found;
+}
+
+const MARK = 16, TURNS = 64;  // pixels around a mark, and directions that are told apart
+const painted = new Map();
+
+/* A sign's mark, painted once for each colour, size and direction: ten thousand lines in a frame are too slow. */
+function markPicture(sign) {
+  const [x, y] = sign.normal, isChosen = sign === state.chosen, ratio = window.devicePixelRatio || 1;
+  const turn = Math.hypot(x, y) > 0.3 ? Math.round(Math.atan2(y, x) / 2 / Math.PI * TURNS) : null;
+  const key = `${tint(sign)} ${isChosen} ${turn} ${ratio} ${style("--ground")}`;
+  if (painted.has(key)) return painted.get(key);
+  const own = document.createElement("canvas"), brush = own.getContext("2d"), angle = turn * 2 * Math.PI / TURNS;
+  own.width = own.height = Math.ceil(2 * MARK * ratio);
+  brush.scale(own.width / 2 / MARK, own.width / 2 / MARK);
+  brush.translate(MARK, MARK);
+  Object.assign(brush, { fillStyle: tint(sign), strokeStyle: style("--ground"), lineWidth: 1.5 });
+  brush.beginPath();
+  brush.arc(0, 0, isChosen ? 7 : 4.5, 0, 7);
+  brush.fill();
+  brush.stroke();
+  if (turn !== null) {
+    Object.assign(brush, { strokeStyle: tint(sign), lineWidth: 2 });
+    brush.beginPath();
+    brush.moveTo(0, 0);
+    brush.lineTo(Math.cos(angle) * 14, -Math.sin(angle) * 14);
+    brush.stroke();
+  }
+  painted.set(key, own);
+  return own;
+}
+
+function label(sign, [x, y], taken) {
+  const is = sign === state.chosen;
   pen.font = `${is ? "600 15px" : "13px"} system-ui, "Noto Sans", "Noto Sans CJK SC", sans-serif`;
-  const name = sign.name.length > 40 ? sign.name.slice(0, 39) + "…" : sign.name, width = pen.measureText(name).width + 10;
+  const name = shortened(sign.name), width = letters(sign, is) + 10;
   for (const [dx, dy] of [[10, -11], [-width - 10, -11], [-width / 2, -32], [-width / 2, 12]]) {
     const box = [x + dx, y + dy, x + dx + width, y + dy + 22];
-    if (!is && taken.some(other => box[0] < other[2] && other[0] < box[2] && box[1] < other[3] && other[1] < box[3])) continue;
-    taken.push(box);
+    if (!is && (box[2] > canvas.clientWidth || taken.meets(box))) continue;
+    taken.add({ box });
     pen.fillStyle = style("--glass");
     pen.fillRect(box[0], box[1], width, 22);
     pen.fillStyle = tint(sign);
@@ -135,9 +187,19 @@ function label(sign, taken) {
   }
 }
 
+/* How wide a sign's name is on the plan, in pixels: measured once. */
+const measured = new WeakMap();
+
+function letters(sign, isChosen) {
+  if (isChosen) return pen.measureText(shortened(sign.name)).width;
+  if (!measured.has(sign)) measured.set(sign, pen.measureText(shortened(sign.name)).width);
+  return measured.get(sign);
+}
+
 function scaleBar() {
   const metres = [0.5, 1, 2, 5, 10, 20, 50, 100].find(each => each * view.scale > 60) || 200, width = metres * view.scale;
-  const x = canvas.clientWidth - width - 24, y = canvas.clientHeight - 24 - covered()[1];
+  // On a telephone it is above the walk.
+  const x = canvas.clientWidth - width - 24, y = canvas.clientHeight - (canvas.clientWidth <= 640 ? 64 : 24) - covered()[1];
   pen.fillStyle = style("--ink");
   pen.fillRect(x, y, width, 3);
   pen.font = "12px system-ui, sans-serif";

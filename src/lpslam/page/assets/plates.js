@@ -3,7 +3,6 @@
 const FONT = 'system-ui, "Noto Sans", "Noto Sans CJK SC", sans-serif';
 let shownSigns = [];  // boxes of what was drawn last, with the signs that each stands for
 
-const overlaps = (a, b) => a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3];
 const shortened = name => name.length > 40 ? name.slice(0, 39) + "…" : name;
 
 /* A sign's name, painted: white on the colour of its judgement. */
@@ -33,77 +32,116 @@ function platePicture(sign) {
 
 const plateColour = sign => sign.is_landmark === true ? "--plate-shop" : sign.is_landmark === false ? "--plate-text" : "--plate-unjudged";
 
+/* What of signs does not change with the view: made once for the signs there are, the most important first. */
+const shapes = { of: null, all: [] };
+
+function signShapes() {
+  if (shapes.of === data.signs) return shapes.all;
+  pen.font = `600 44px ${FONT}`;
+  shapes.of = data.signs;
+  shapes.all = data.signs.map(sign => {
+    const name = shortened(sign.name), shape = { sign, name, letters: pen.measureText(name).width, high: clamped(0.5 * (sign.height || 0.3), 0.13, 0.3) * (0.6 + 0.4 * sign.confidence) };
+    return { ...shape, plate: Math.hypot(...sign.normal) > 0.5 ? plateOf(shape, unit(sign.normal)) : null };
+  });
+  shapes.all.sort((a, b) => (b.sign.is_landmark === true) - (a.sign.is_landmark === true) || b.sign.confidence - a.sign.confidence);
+  return shapes.all;
+}
+
 /* Where a sign's plate hangs: above it, in its plane, the surer the larger; its middle and two half sides. */
-function plateOf(sign) {
-  const out = Math.hypot(...sign.normal) > 0.5 ? unit(sign.normal) : [lens.eye[0] - sign.position[0], lens.eye[1] - sign.position[1], 0];
+function plateOf({ sign, letters, high }, out) {
   let up = plus([0, 0, 1], out, -out[2]);
   if (Math.hypot(...up) < 0.3) up = plus([0, 1, 0], out, -out[1]);
   up = unit(up);
-  const key = `${sign.id} ${sign.name} ${plateColour(sign)} ${sign === state.chosen} ${style("--paper")}`;
-  const high = clamped(0.5 * (sign.height || 0.3), 0.13, 0.3) * (0.6 + 0.4 * sign.confidence);
-  pen.font = `600 44px ${FONT}`;
-  const wide = high * (Math.min(pen.measureText(shortened(sign.name)).width + 44, 1600) / 72), right = unit(cross(up, out));
+  const wide = high * (Math.min(letters + 44, 1600) / 72), right = unit(cross(up, out));
   const middle = plus(plus(sign.position, up, (sign.height || 0.2) / 2 + high / 2 + 0.05), out, 0.04);
-  return { sign, key, out, middle, high, right: right.map(value => value * wide / 2), up: up.map(value => value * high / 2) };
+  return { out, middle, right: right.map(value => value * wide / 2), up: up.map(value => value * high / 2) };
 }
 
 /* The box of a plate on the canvas; null where it cannot be read from here. */
-function plateBox(plate) {
-  const towards = plus(lens.eye, plate.middle, -1), away = Math.hypot(...towards);
-  if (dot(towards, plate.out) < 0.35 * away * Math.hypot(...plate.out) || plate.high * lens.focal / away < 11) return null;
-  const corners = [[1, 1], [1, -1], [-1, 1], [-1, -1]].map(([x, y]) => projected(plus(plus(plate.middle, plate.right, x), plate.up, y)));
+function plateBox({ out, middle, right, up }, high) {
+  const towards = plus(lens.eye, middle, -1), away = Math.hypot(...towards);
+  if (dot(towards, out) < 0.35 * away * Math.hypot(...out) || high * lens.focal / away < 11) return null;
+  const corners = [[1, 1], [1, -1], [-1, 1], [-1, -1]].map(([x, y]) => projected(plus(plus(middle, right, x), up, y)));
   if (corners.some(corner => !corner)) return null;
   const xs = corners.map(corner => corner[0]), ys = corners.map(corner => corner[1]);
   const box = [Math.min(...xs), Math.min(...ys), Math.max(...xs), Math.max(...ys)];
   return overlaps(box, [0, 0, lens.wide, lens.high]) ? box : null;
 }
 
+/* The signs that are on the canvas or about to be, each with where it is there, how far, and whether something hides it. */
+function signsInView() {
+  const [across, down, , ahead] = lens.rows, [ex, ey, ez] = lens.eye, wide = lens.wide, high = lens.high, found = [];
+  for (const shape of signShapes()) {
+    const { sign } = shape, [x, y, z] = sign.position, w = ahead[0] * x + ahead[1] * y + ahead[2] * z + ahead[3];
+    // A plate that begins behind the eye is none that can be read.
+    if (w < NEAR) continue;
+    const u = ((across[0] * x + across[1] * y + across[2] * z + across[3]) / w + 1) / 2 * wide, v = (1 - (down[0] * x + down[1] * y + down[2] * z + down[3]) / w) / 2 * high;
+    const reach = 40 + 3 * lens.focal * shape.high / w * shape.letters / 72;
+    if (u < -reach || v < -reach || u > wide + reach || v > high + reach) continue;
+    const isChosen = sign === state.chosen, away = Math.hypot(ex - x, ey - y, ez - z);
+    found.push({ ...shape, at: [u, v], away, isChosen, isHidden: !isChosen && isBehind(sign.position) });
+  }
+  return found;
+}
+
 /* What of all signs is shown, and how: plates first, the largest on the canvas before the others. */
 function arrangeSigns() {
-  const found = data.signs.map(sign => { const plate = plateOf(sign); return { ...plate, box: plateBox(plate), away: Math.hypot(...plus(lens.eye, sign.position, -1)) }; });
-  found.sort((a, b) => (b.sign === state.chosen) - (a.sign === state.chosen) || b.high / b.away - a.high / a.away);
-  const plates = [], rest = [];
-  for (const each of found) {
-    if (each.box && !plates.some(other => overlaps(other.box, each.box))) plates.push(each);
-    else rest.push(each);
+  const plates = [], rest = [], boxes = new Boxes();
+  for (const each of signsInView()) {
+    const { sign, high, away } = each;
+    const plate = high * lens.focal / away < 11 || each.isHidden ? null : each.plate || plateOf(each, [lens.eye[0] - sign.position[0], lens.eye[1] - sign.position[1], 0]);
+    each.box = plate && plateBox(plate, high);
+    if (each.box) plates.push(Object.assign(each, plate)); else rest.push(each);
   }
-  return { plates, rest };
+  plates.sort((a, b) => b.isChosen - a.isChosen || b.high / b.away - a.high / a.away);
+  const shown = [];
+  for (const each of plates) {
+    if (boxes.meets(each.box)) rest.push(each);
+    else {
+      boxes.add({ box: each.box, signs: [each.sign] });
+      shown.push(each);
+    }
+  }
+  return { plates: shown, rest };
 }
+
+const plateKey = ({ sign }) => `${sign.id} ${sign.name} ${plateColour(sign)} ${sign === state.chosen} ${style("--paper")}`;
 
 function drawPlates(plates) {
-  for (const each of plates) surface(pictureTexture(each.key, () => platePicture(each.sign)), each.middle, each.right, each.up, 0.5, 0.15);
+  for (const each of plates) surface(pictureTexture(plateKey(each), () => platePicture(each.sign)), each.middle, each.right, each.up, 0.5, 0.15);
 }
 
-/* Labels of the signs whose plates are not shown: those that find no room join the nearest one that did. */
+/* Labels of the signs whose plates are not shown, those in sight first: what finds no room joins the nearest one that did. */
 function arrangeLabels(plates, rest) {
-  const taken = plates.map(each => ({ box: each.box, signs: [each.sign] })), labels = [], panel = panelBox();
-  const ranked = [...rest].sort((a, b) => (b.sign === state.chosen) - (a.sign === state.chosen) || (b.sign.is_landmark === true) - (a.sign.is_landmark === true) || b.sign.confidence - a.sign.confidence || a.away - b.away);
-  for (const { sign, out, away } of ranked) {
-    // Through a camera's lens, backs of signs and far rooms are out of sight.
-    if (lens.isFirstPerson && (away > 12 || dot(plus(lens.eye, sign.position, -1), out) < 0)) continue;
-    const at = projected(sign.position);
-    if (!at || !overlaps([at[0], at[1], at[0], at[1]], [-20, -20, lens.wide + 20, lens.high + 20])) continue;
-    const size = 10.5 + 3.5 * sign.confidence, name = shortened(sign.name);
-    pen.font = `600 ${size}px ${FONT}`;
-    const wide = pen.measureText(name).width + 12, high = size + 9;
-    const box = [[8, -high / 2], [-wide - 8, -high / 2], [-wide / 2, -high - 8], [-wide / 2, 8]].map(([x, y]) => [at[0] + x, at[1] + y, at[0] + x + wide, at[1] + y + high]).find(each => !overlaps(each, panel) && !taken.some(other => overlaps(each, other.box)));
+  const boxes = new Boxes(), labels = [], panel = panelBox(), isPlaced = item => !item.isPanel;
+  boxes.add({ box: panel, isPanel: true });
+  for (const each of plates) boxes.add({ box: each.box, signs: [each.sign] });
+  const inTurn = [...rest.filter(each => each.isChosen), ...rest.filter(each => !each.isChosen && !each.isHidden), ...rest.filter(each => each.isHidden)];
+  for (const { sign, name, letters, at, away, isHidden } of inTurn) {
+    // Through a camera's lens, backs of signs, far rooms and what is behind a wall are out of sight.
+    if (lens.isFirstPerson && sign !== state.chosen && (isHidden || away > 12 || dot(plus(lens.eye, sign.position, -1), sign.normal) < 0)) continue;
+    const [x, y] = at;
+    if (x < -20 || y < -20 || x > lens.wide + 20 || y > lens.high + 20) continue;
+    const size = 10.5 + 3.5 * sign.confidence, wide = letters * size / 44 + 12, high = size + 9;
+    const box = [[8, -high / 2], [-wide - 8, -high / 2], [-wide / 2, -high - 8], [-wide / 2, 8]].map(([dx, dy]) => [x + dx, y + dy, x + dx + wide, y + dy + high]).find(each => each[0] >= 0 && each[2] <= lens.wide && !boxes.meets(each));
     if (box) {
-      const label = { box, at, name, size, signs: [sign] };
-      taken.push(label);
+      const label = { box, at, name, size, isHidden, signs: [sign] };
+      boxes.add(label);
       labels.push(label);
       continue;
     }
     // Behind the panel there is no label to join.
-    if (overlaps([at[0], at[1], at[0], at[1]], panel) || !taken.length) continue;
-    const apart = other => Math.hypot((other.box[0] + other.box[2]) / 2 - at[0], (other.box[1] + other.box[3]) / 2 - at[1]);
-    taken.reduce((best, other) => apart(other) < apart(best) ? other : best).signs.push(sign);
+    if (overlaps([x, y, x, y], panel)) continue;
+    const joined = boxes.nearest(x, y, isPlaced);
+    if (joined) joined.signs.push(sign);
   }
-  return { taken, labels };
+  return { taken: boxes.all.filter(isPlaced), labels };
 }
 
 function drawLabels(labels) {
-  for (const { box, at, name, size, signs: [sign] } of labels) {
+  for (const { box, at, name, size, isHidden, signs: [sign] } of labels) {
     const isChosen = sign === state.chosen, tone = tint(sign), x = clamped(at[0], box[0], box[2]), y = clamped(at[1], box[1], box[3]);
+    pen.globalAlpha = isHidden ? 0.3 : 1;
     pen.strokeStyle = pen.fillStyle = tone;
     pen.lineWidth = 1;
     pen.beginPath();
@@ -123,6 +161,7 @@ function drawLabels(labels) {
     pen.textBaseline = "middle";
     pen.fillText(name, box[0] + 6, (box[1] + box[3]) / 2 + 0.5, box[2] - box[0] - 10);
   }
+  pen.globalAlpha = 1;
 }
 
 /* How many more signs a plate or a label stands for. */

@@ -31,6 +31,7 @@ function showCard() {
     [words.judged, sign.is_landmark === null ? "–" : sign.is_landmark ? words.yes : words.no],
   ];
   for (const [key, value] of rows) if (value) facts.append(make("dt", { textContent: key }), make("dd", { textContent: value }));
+  part("panel").scrollTop = 0;
   card.append(make("h2", { textContent: sign.name }), ...pictureOf(sign), facts, ...correctingTools(sign));
 }
 
@@ -57,11 +58,15 @@ function row(sign) {
   return make("li", {}, button);
 }
 
+const LISTED = 500;  // signs at most: more are found by typing
+
 /* The signs whose words hold what is typed; all where none does. */
 function listSigns() {
   const text = fold(field.value.trim());
   const found = data.signs.filter(sign => fold([sign.name, ...sign.lines].join(" ")).includes(text));
-  list.replaceChildren(...(found.length ? found : data.signs).map(row));
+  const listed = found.length ? found : data.signs;
+  list.replaceChildren(...listed.slice(0, LISTED).map(row));
+  if (listed.length > LISTED) list.append(make("li", { className: "soft", textContent: `… +${listed.length - LISTED}` }));
   part("count").textContent = filled(words.count, { count: data.signs.length });
 }
 

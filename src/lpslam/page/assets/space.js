@@ -23,6 +23,7 @@ function frame() {
     if (gl.getSyncParameter(drawing.fence, gl.SYNC_STATUS) !== gl.SIGNALED) return wantFrame();
     gl.deleteSync(drawing.fence);
     drawing.fence = null;
+    takeDepths();
     drawing.pace = performance.now() - drawing.began;
     drawing.frames++;
     // The first frame makes what the others use.
@@ -33,6 +34,17 @@ function frame() {
   if (isAtRest && drawing.share < 1) drawing.isFresh = true;
   if (drawing.isFresh || drawing.drawn < cloud.count) drawSpace(isAtRest);
   else if (drawing.share < 1) wantFrame();
+  else if (drawing.seen !== hiding.lens) lookAgain();
+}
+
+/* All is drawn and nothing moves: signs are arranged once more by what is in sight. */
+function lookAgain() {
+  drawing.seen = hiding.lens;
+  drawing.signs = arrangeSigns();
+  begin(scene.width, scene.height, false);
+  drawPlates(drawing.signs.plates);
+  finish(scene.width, scene.height);
+  drawOverlay();
 }
 
 function drawSpace(isAtRest) {
@@ -53,6 +65,10 @@ function drawSpace(isAtRest) {
   const count = Math.min(budget, cloud.count - drawing.drawn);
   drawPoints(drawing.drawn, count, drawing.drawn + count);
   drawing.drawn += count;
+  if (isFresh || drawing.drawn === cloud.count) {
+    askDepths();
+    begin(scene.width, scene.height, false);
+  }
   drawWays();
   drawPlates(drawing.signs.plates);
   finish(scene.width, scene.height);
@@ -158,7 +174,7 @@ function showSpace(isSpatial) {
   leaveLens();
   flight++;
   showReplay();
-  if (state.isSpatial) havePoints();
+  if (state.isSpatial) havePoints(); else if (data.grows && isPictureOld) growPicture();
   fit();
   if (state.chosen) flyToSign(state.chosen);
 }

@@ -39,6 +39,8 @@ window.lpslamPage = {
   points: () => cloud.count,
   ceiling: () => cloud.ceiling,
   take(bytes) { takePoints(bytes); fit(); },
+  takeSigns(signs) { takeSigns(signs); fit(); },
+  hidden: () => drawing.signs.rest.filter(each => each.isHidden).map(each => each.sign.name),
   drawnPoints: () => drawing.drawn,
   pace: () => ({ milliseconds: drawing.pace, frames: drawing.frames, budget }),
   shownSigns: () => shownSigns.map(({ box, signs }) => ({ box, names: signs.map(sign => sign.name) })),

@@ -16,7 +16,7 @@ function wishParts(stop) {
 
 /* Opened below an answer: its parts, and the next best places. `askAgain` takes a changed wish. */
 function understoodOf(found, askAgain) {
-  const { wish, alternatives, alternative_ids: ids } = found.answer;
+  const { wish, alternative_ids: ids } = found.answer;
   const box = make("details", { className: "understood" }, make("summary", { textContent: words.understood }));
   wish.stops.forEach((stop, at) => {
     const parts = make("ul", {}, make("li", {}, make("q", { textContent: wishText(stop) })));
@@ -28,8 +28,8 @@ function understoodOf(found, askAgain) {
     }
     box.append(parts);
   });
-  const others = ids.map((id, at) => [data.signs.find(sign => sign.id === id), alternatives[at]]).filter(([sign]) => sign);
-  if (others.length) box.append(make("p", { className: "tools" }, make("span", { className: "soft", textContent: words.orElse }), ...others.map(([sign, name]) => tool(name, () => { pick(sign); leadTo(sign.id); }))));
+  const others = ids.map(id => data.signs.find(sign => sign.id === id)).filter(Boolean);
+  if (others.length) box.append(make("p", { className: "tools" }, make("span", { className: "soft", textContent: words.orElse }), ...others.map(sign => tool(sign.name, () => { pick(sign); leadTo(sign.id); }))));
   // What is not sure is shown opened: it is for the visitor to say.
   box.open = found.answer.landmark === null && others.length > 0;
   return box;

@@ -2,7 +2,7 @@
 
 import asyncio
 import logging
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from math import ceil
 from urllib.parse import urlsplit
@@ -80,7 +80,7 @@ class Shield:
             else:
                 await send({"type": "websocket.close", "code": 1008})
             return
-        guarded = _Guarded(send)
+        guarded = _Guarded(send, lambda: self._is_still_let_in(scope))
         if refusal is not None:
             await refusal(scope, receive, guarded)
             return
@@ -139,13 +139,23 @@ class Shield:
             return problem(403, "pages of other sites are not answered")
         return None
 
+    def _is_still_let_in(self, scope: Scope) -> bool:
+        """Whether the token with which an answer has begun holds yet."""
+        if self._door.tokens is None or scope["path"] in self._door.public:
+            return True
+        try:
+            self._door.tokens.holder(_token_of(Headers(scope=scope)))
+        except TokenError:
+            return False
+        return True
+
     def _holder(self, headers: Headers, client: str) -> Holder | Response:
         assert self._door.tokens is not None
-        scheme, _, token = headers.get("authorization", "").partition(" ")
+        token = _token_of(headers)
         reason, challenge = "a token is needed: Authorization: Bearer TOKEN", "Bearer"
-        if scheme.lower() == "bearer" and token:
+        if token:
             try:
-                return self._door.tokens.holder(token.strip())
+                return self._door.tokens.holder(token)
             except TokenError as error:
                 reason, challenge = str(error), 'Bearer error="invalid_token"'
         if (wait := self._refusals.wait(client)) > 0:
@@ -154,10 +164,10 @@ class Shield:
 
 
 class _Guarded:
-    """Adds the headers that every response has."""
+    """Adds the headers that every response has, and ends one that goes on when whoever asked is let in no longer."""
 
-    def __init__(self, send: Send) -> None:
-        self._send = send
+    def __init__(self, send: Send, is_still_let_in: Callable[[], bool]) -> None:
+        self._send, self._is_still_let_in = send, is_still_let_in
         self.has_begun = False
 
     async def __call__(self, message: Message) -> None:
@@ -169,6 +179,9 @@ class _Guarded:
             # A page says itself what it may load.
             headers.setdefault("content-security-policy", POLICY)
             headers.setdefault("cache-control", "no-store")
+        elif message.get("more_body") and not self._is_still_let_in():
+            await self._send({"type": "http.response.body", "body": b"", "more_body": False})
+            raise TokenError("the token was withdrawn, or has expired, while it was answered")
         await self._send(message)
 
 
@@ -196,6 +209,12 @@ class _Bounded:
             if self._size > self._limits.body_bytes:
                 raise HTTPException(413, _too_large(self._limits), {"connection": "close"})
         return message
+
+
+def _token_of(headers: Headers) -> str:
+    """The token that is shown; empty without."""
+    scheme, _, token = headers.get("authorization", "").partition(" ")
+    return token.strip() if scheme.lower() == "bearer" else ""
 
 
 def _too_large(limits: ServingConfig) -> str:

@@ -1,25 +1,21 @@
 """The page of a growing map, its events, and its questions."""
 
 import asyncio
-import base64
 import json
-import logging
 import os
 import signal
-import threading
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
 from typing import Annotated, Any, BinaryIO
 
 import numpy as np
-from fastapi import FastAPI, Path, Request
+from fastapi import FastAPI, Path, Query, Request
 from starlette.exceptions import HTTPException
 from starlette.responses import HTMLResponse, Response, StreamingResponse
 
 from lpslam.language.registry import language_model
 from lpslam.mapfile.export import corrections_record
 from lpslam.page.building import growing_page, policy
-from lpslam.page.pictures import RoomPicture
 from lpslam.page.record import lens_record, sign_records, way_record
 from lpslam.serving import records
 from lpslam.serving.answerers import ThreadAnswerer, as_json
@@ -29,14 +25,10 @@ from lpslam.serving.http.saying import problem
 from lpslam.serving.http.shield import Door, Shield, allowed_hosts
 from lpslam.serving.watching.board import Board
 from lpslam.serving.watching.grown import Grown
-from lpslam.serving.watching.pace import Pace
+from lpslam.serving.watching.room import Room
 from lpslam.serving.watching.wire import Begin, Corrected, End, Ground, Happened, Signs, State, receive
 
-logger = logging.getLogger(__name__)
-
-_LOOK_S = 0.2  # seconds between looks at whether a new picture may be made
-_LAST_PICTURE_S = 5.0  # seconds in which the last picture is made
-_FAREWELL_S = 1.0  # seconds in which watchers are told the end
+_FAREWELL_S = 2.0  # seconds in which watchers are told the end, and ask for the last
 _PATIENCE_S = 20.0  # seconds in which the run takes a correction: it may be reading a frame
 _LAST = "end"
 
@@ -60,9 +52,7 @@ class Watched:
         )
         self._ask_run = on_request
         self._requests, self._pending = 0, {}  # type: int, dict[int, asyncio.Future[Corrected]]
-        self._is_new, self._are_points_wanted = threading.Event(), threading.Event()
-        self._points = b""
-        self._gone, self._has_painted = threading.Event(), threading.Event()
+        self.room = Room(self.grown, begin.config.serving.watching)
 
     def take(self, messages: BinaryIO, loop: asyncio.AbstractEventLoop) -> None:
         """Take what the run tells, in a thread, until it ends; then end this process."""
@@ -71,7 +61,7 @@ class Watched:
             loop.call_soon_threadsafe(self.board.put, name, as_json(content))
 
         ended = End("")
-        threading.Thread(target=self._paint, args=(show,), name="lpslam-painting", daemon=True).start()
+        self.room.start(show)
         while (message := receive(messages)) is not None:
             if isinstance(message, State):
                 show("state", _state_record(message))
@@ -87,14 +77,13 @@ class Watched:
             elif isinstance(message, Ground):
                 self.grown.take_ground(message)
                 show("way", {"way": way_record(message.poses), "lens": lens_record(message.camera)})
-                self._is_new.set()
             elif isinstance(message, End):
                 ended = message
                 break
-        self._gone.set()
-        self._has_painted.wait(_LAST_PICTURE_S)
+        self.room.finish(is_watched=self.board.watchers > 0)
+        watchers = self.board.watchers
         show(_LAST, {"map": ended.map_file})
-        loop.call_soon_threadsafe(lambda: asyncio.create_task(self._leave()))
+        loop.call_soon_threadsafe(lambda: asyncio.create_task(self._leave(watchers)))
 
     async def change(self, request: dict[str, Any]) -> Corrected:
         """Have the run take what a person said.
@@ -119,58 +108,13 @@ class Watched:
         if promise is not None and not promise.done():
             promise.set_result(message)
 
-    async def _leave(self) -> None:
-        """End once the watchers know, or have had time to."""
+    async def _leave(self, watchers: int) -> None:
+        """End once the watchers know, and have asked for the last there is to see, or have had time to."""
         with suppress(TimeoutError):
             async with asyncio.timeout(_FAREWELL_S):
-                while self.board.watchers:
+                while self.board.watchers or self.room.farewells < watchers:
                     await asyncio.sleep(0.02)
         os.kill(os.getpid(), signal.SIGTERM)
-
-    def _paint(self, show: Callable[[str, dict[str, Any]], None]) -> None:
-        """Make a picture of the room from time to time, and a last one."""
-        limits = self.begin.config.serving.watching
-        pace = Pace(limits.picture_s, limits.painting_share)
-        # What is loaded or compiled at the first time is not what a picture costs.
-        self._picture(Grown.anything(self.begin.config))
-        while not self._gone.wait(_LOOK_S):
-            if self._is_new.is_set() and pace.is_due():
-                self._is_new.clear()
-                with pace:
-                    self._show_picture(show)
-                    self._show_points(show)
-        if self._is_new.is_set() and self.board.watchers:
-            self._show_picture(show)
-            self._show_points(show)
-        self._has_painted.set()
-
-    def _show_picture(self, show: Callable[[str, dict[str, Any]], None]) -> None:
-        picture = self._picture(self.grown)
-        if picture is not None:
-            data = "data:image/png;base64," + base64.b64encode(picture.png).decode("ascii")
-            show("picture", {"picture": data, "extent": [round(each, 3) for each in picture.extent]})
-
-    def _show_points(self, show: Callable[[str, dict[str, Any]], None]) -> None:
-        """Make points, where somebody has asked for some since they were made last, and say that there are new ones."""
-        if not self._are_points_wanted.is_set():
-            return
-        self._are_points_wanted.clear()
-        self._points = self.grown.points().content()
-        show("points", {"bytes": len(self._points)})
-
-    def points(self) -> bytes:
-        """The room's points as they were made last; newer ones are made."""
-        self._are_points_wanted.set()
-        return self._points
-
-    @staticmethod
-    def _picture(grown: Grown) -> RoomPicture | None:
-        try:
-            return grown.picture()
-        except Exception as error:
-            # The page goes on without a picture.
-            logger.warning("the room cannot be drawn: %s", error)
-            return None
 
 
 def build(watched: Watched) -> Shield:
@@ -191,8 +135,13 @@ def build(watched: Watched) -> Shield:
         return HTMLResponse(text, headers={"content-security-policy": policy(live=True) + "; frame-ancestors 'none'"})
 
     @app.get("/points")
-    def points() -> Response:
-        return Response(watched.points(), media_type="application/octet-stream")
+    def points(since: Annotated[int, Query(ge=0)] = 0) -> Response:
+        return Response(watched.room.points(since), media_type="application/octet-stream")
+
+    @app.get("/picture")
+    async def picture(last: bool = False) -> Response:
+        drawn = watched.room.picture(is_last=last)
+        return Response(drawn, media_type="application/json") if drawn else Response(status_code=204)
 
     @app.get("/watch")
     async def watch() -> Response:

@@ -12,11 +12,11 @@ from lpslam.ground.grid import build_grid
 from lpslam.ground.scans import Scans, room_from_above
 from lpslam.navigation.asking import last_view
 from lpslam.navigation.directory import Directory
+from lpslam.page.growing import GrowingPoints
 from lpslam.page.pictures import RoomPicture, picture_of
-from lpslam.page.points import PackedPoints, packed_points
 from lpslam.serving.watching.wire import Ground, Signs
 
-_TIMES_AS_MANY = 2  # points that are fused, of those that are shown
+_PIXEL = 0.04  # metres of the room's picture: it is made again and again, and readings lie as far apart at 4 m
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,14 +37,18 @@ class Grown:
 
     Attributes:
         known: for questions; replaced, never changed.
+        room: rises whenever a scan is new, or one has moved so far that it is seen.
     """
 
     def __init__(self, config: Config) -> None:
-        self._config = config
+        self.config = config
         self._lock = threading.Lock()
         self._scans: Scans | None = None
         self._keyframes: dict[int, NDArray[np.float64]] = {}
         self._poses: NDArray[np.float64] = np.empty((0, 4, 4))
+        self._drawn: dict[int, NDArray[np.float64]] = {}
+        self._points, self._sending = GrowingPoints(config.page), threading.Lock()
+        self.room = 0
         self.known = KnownSoFar()
 
     @classmethod
@@ -74,32 +78,43 @@ class Grown:
             # At the end only the way is told.
             self._keyframes = dict(ground.keyframes) or self._keyframes
             if ground.scans and len(ground.scans["keyframe"]):
-                new = Scans.from_arrays(ground.camera, ground.scans, self._config.ground.width)
+                new = Scans.from_arrays(ground.camera, ground.scans, self.config.ground.width)
                 if self._scans is None:
                     self._scans = new
                 else:
                     self._scans.add(new)
+            if self._differs():
+                self._drawn, self.room = self._keyframes, self.room + 1
         self.known = KnownSoFar("", self.known.version, self.known.directory, last_view(ground.poses))
 
-    def points(self) -> PackedPoints:
-        """The room as points, as far as it was seen."""
-        config = self._config.page
+    def _differs(self) -> bool:
+        """Whether a keyframe with a scan came, went, or moved by more than a pixel of the picture."""
+        old, new = self._drawn, self._keyframes
+        if old.keys() != new.keys():
+            return True
+        return any(np.abs(new[each][:3, 3] - pose[:3, 3]).max() > _PIXEL for each, pose in old.items())
+
+    def update_points(self) -> bool:
+        """Take new scans and places into the points that are sent; whether there were any."""
         with self._lock:
-            scans, keyframes = None if self._scans is None else self._scans.copy(), dict(self._keyframes)
+            scans, keyframes = None if self._scans is None else self._scans.copy(), self._keyframes
         if scans is None:
-            return packed_points(np.empty((0, 3)), np.empty((0, 3), np.uint8), 0, config)
-        cloud, colours = scans.cloud(keyframes.get)
-        # Of many a few are taken before they are fused: what is shown soon need not be the best of all.
-        step = max(1, len(cloud) // (_TIMES_AS_MANY * max(config.growing_points, 1)))
-        return packed_points(cloud[::step], colours[::step], config.growing_points, config)
+            return False
+        with self._sending:
+            return self._points.update(scans, keyframes)
+
+    def points_since(self, version: int) -> bytes:
+        """As `GrowingPoints.since`."""
+        with self._sending:
+            return self._points.since(version)
 
     def picture(self) -> RoomPicture | None:
         """The room from above, as far as it was seen; None before anything was."""
         with self._lock:
             if self._scans is None:
                 return None
-            scans, keyframes, poses = self._scans.copy(), dict(self._keyframes), self._poses
+            scans, keyframes, poses = self._scans.copy(), self._keyframes, self._poses
         cloud, colours = scans.cloud(keyframes.get)
-        grid = build_grid(scans, keyframes.get, self._config.ground, poses[:, :3, 3])
-        # While it grows, a picture is made soon rather than small.
-        return picture_of(*room_from_above(cloud, colours, poses[:, :3, 3]), grid, compression=3)
+        grid = build_grid(scans, keyframes.get, self.config.ground, poses[:, :3, 3])
+        # While it grows, a picture is made soon rather than small and fine.
+        return picture_of(*room_from_above(cloud, colours, poses[:, :3, 3]), grid, compression=3, finest=_PIXEL)
