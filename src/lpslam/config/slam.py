@@ -170,6 +170,16 @@ class SurfaceConfig(Section):
     held_seconds: float = Field(default=10.0, ge=0)  # for which images alone tell the way; they drift by a twentieth
 
 
+class PictureConfig(Section):
+    """Neighbouring keyframes aligned as whole pictures, which holds them together where corners are blurred."""
+
+    enabled: bool = True
+    longest_gap: float = Field(default=1.0, gt=0)  # seconds between two keyframes; images of more share too little
+    judged_first: int = Field(default=16, ge=1)  # ways round three keyframes that are looked at before ...
+    judged_every: int = Field(default=8, ge=2)  # ... only one in so many keyframes: an alignment costs 9 ms
+    largest_excess: float = Field(default=1000.0, gt=0)  # of the variance that pictures say; beyond, they hold nothing
+
+
 class TurningConfig(Section):
     """The camera's turn between two pictures, where nothing else says where a frame was taken."""
 
@@ -321,6 +331,7 @@ class SlamConfig(Section):
     ranges: DepthRangeConfig = DepthRangeConfig()
     tracking: TrackingConfig = TrackingConfig()
     surfaces: SurfaceConfig = SurfaceConfig()
+    pictures: PictureConfig = PictureConfig()
     turning: TurningConfig = TurningConfig()
     places: PlacesConfig = PlacesConfig()
     locating: LocatingConfig = LocatingConfig()

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from lpslam.slam.carrying import inverses
 from lpslam.slam.kernels import bundle, local_bundle
+from lpslam.slam.kernels.relative import RelativeProblem
 from lpslam.slam.map import SlamMap
 from lpslam.slam.sensor import SensorModel
 
@@ -23,12 +24,14 @@ class Gathered:
         version: of the map.
         problem: keyframes that are free come first.
         keyframes, points: ids.
+        relative: relative poses of the problem's keyframes.
     """
 
     version: int
     problem: bundle.BundleProblem
     keyframes: _Rows
     points: _Rows
+    relative: RelativeProblem
 
     @property
     def free(self) -> _Rows:
@@ -69,10 +72,11 @@ class Adjuster:
         """The problem of keyframes of which one may be held."""
         slam_map = self._map
         columns, counts = slam_map.columns, (slam_map.keyframe_count, slam_map.point_count)
-        return Gathered(
-            slam_map.version,
-            *local_bundle.gather_bundle(columns, free, *counts, self._sensor.pixel_information, held),
+        problem, keyframes, points = local_bundle.gather_bundle(
+            columns, free, *counts, self._sensor.pixel_information, held
         )
+        relative = slam_map.relative_poses.among(keyframes, problem.free_count)
+        return Gathered(slam_map.version, problem, keyframes, points, relative)
 
     def solve(self, gathered: Gathered, iterations: tuple[int, int], stop: NDArray[np.bool_]) -> _Solution | None:
         """Poses, positions and which observations agree; None where nothing can move.
@@ -84,7 +88,9 @@ class Adjuster:
         """
         if gathered.problem.free_count == 0 or len(gathered.keyframes) < 2:
             return None
-        return bundle.adjust_bundle(gathered.problem, self._sensor.intrinsics, *iterations, stop)
+        return bundle.adjust_bundle(
+            gathered.problem, self._sensor.intrinsics, *iterations, stop, relative=gathered.relative
+        )
 
     def apply(self, gathered: Gathered, solution: _Solution) -> None:
         """Write a solution into the map, whose version is that of the copy; the caller holds the lock."""

@@ -12,6 +12,7 @@ from lpslam.slam.features import Features
 from lpslam.slam.integrity import refuse_broken_columns
 from lpslam.slam.kernels import graph
 from lpslam.slam.kernels.graph import MapColumns
+from lpslam.slam.mapping.relative_poses import RelativePoses
 from lpslam.slam.ranges.curve import DepthCurve
 
 _FEATURE_COLUMNS: dict[str, tuple[tuple[int, ...], Any, float]] = {
@@ -64,6 +65,7 @@ class SlamMap:
         home: the sub-map whose frame is the map's.
         loop_edges: pairs of keyframes between which a loop was closed or sub-maps were joined.
         depth_curve: by which readings of depth were corrected.
+        relative_poses: what pictures say of pairs of keyframes; not saved.
     """
 
     def __init__(self, features_per_keyframe: int, scales: NDArray[np.float64]) -> None:
@@ -75,6 +77,7 @@ class SlamMap:
         self.home = 0
         self.loop_edges: list[tuple[int, int]] = []
         self.depth_curve = DepthCurve.straight()
+        self.relative_poses = RelativePoses()
         self._capacity = features_per_keyframe
         self._arrays: dict[str, NDArray[Any]] = {}
         for table, rows in ((_KEYFRAME_COLUMNS, 64), (_POINT_COLUMNS, 8192)):

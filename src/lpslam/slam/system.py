@@ -11,11 +11,12 @@ from lpslam.config import SlamConfig
 from lpslam.errors import UserError
 from lpslam.frames import RgbdFrame
 from lpslam.slam.advice import NO_ADVICE, LoopAdvisor
-from lpslam.slam.features import FeatureExtractor
+from lpslam.slam.features import FeatureExtractor, gray_of
 from lpslam.slam.map import SlamMap
 from lpslam.slam.mapping.back_end import BackEnd, Beside, InStep
 from lpslam.slam.mapping.levelling import floor_normal, level_rotation
 from lpslam.slam.mapping.local_mapping import LocalMapper
+from lpslam.slam.mapping.whole_pictures import WholePictures
 from lpslam.slam.places.index import PlaceIndex
 from lpslam.slam.places.locating import Locator
 from lpslam.slam.places.loop_closing import LoopCloser, LoopEvent
@@ -88,7 +89,8 @@ class RgbdSlam:
             advisor,
         )
         self._ranges = DepthRanges(self.map, self.sensor, config.features.max_depth, config.ranges)
-        self._mapper = LocalMapper(self.map, self.sensor, shutter, self._ranges, config)
+        self._pictures = WholePictures(self.map, camera, self.sensor, config)
+        self._mapper = LocalMapper(self.map, self.sensor, shutter, self._ranges, self._pictures, config)
         self._loop_closer = LoopCloser(self.map, self.sensor, places, locator, config, advisor)
         self._back_end: BackEnd = (
             Beside(self._mapper, self._close_loops, self._loop_closer.interrupt)
@@ -113,6 +115,7 @@ class RgbdSlam:
         self._tracker.hindsight.disown(self.trajectory)
         if tracked.is_keyframe:
             self._depths[tracked.keyframe] = frame.depth
+            self._pictures.keep(tracked.keyframe, gray_of(frame.rgb), frame.depth)
         for keyframe in self._tracker.released_keyframes():
             if not self._is_live:
                 self._look_for_floor(keyframe)

@@ -18,6 +18,7 @@ from lpslam.slam.kernels import bundle, graph, matching
 from lpslam.slam.kernels.geometry import median
 from lpslam.slam.map import SlamMap
 from lpslam.slam.mapping.local_mapping import LocalMapper
+from lpslam.slam.mapping.whole_pictures import WholePictures
 from lpslam.slam.places.index import PlaceIndex
 from lpslam.slam.places.loop_correction import LoopCorrector, Tie
 from lpslam.slam.ranges.learning import DepthRanges
@@ -137,7 +138,8 @@ def run_mapping() -> None:
     slam_map = SlamMap(count, sensor.scales)
     shutter = RollingShutter(sensor, slam_map, config.tracking, config.shutter)
     ranges = DepthRanges(slam_map, sensor, config.features.max_depth, config.ranges)
-    mapper = LocalMapper(slam_map, sensor, shutter, ranges, config)
+    pictures = WholePictures(slam_map, camera, sensor, config)
+    mapper = LocalMapper(slam_map, sensor, shutter, ranges, pictures, config)
     for k in range(3):
         camera_from_world = np.eye(4)
         camera_from_world[0, 3] = -0.1 * k

@@ -19,6 +19,13 @@ from lpslam.slam.kernels.reduced_system import (
     moved_points,
     solve_reduced,
 )
+from lpslam.slam.kernels.relative import (
+    RelativeProblem,
+    add_relative_blocks,
+    add_relative_terms,
+    no_relative_poses,
+    relative_cost,
+)
 from lpslam.slam.kernels.reprojection import (
     CHI2_DEPTH,
     CHI2_PIXEL,
@@ -173,6 +180,7 @@ def _optimise(
     dense: int,
     iterations: int,
     stop: NDArray[np.bool_],
+    relative: RelativeProblem,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Levenberg-Marquardt: better poses and points."""
     block_of, rows, columns = pattern
@@ -181,8 +189,9 @@ def _optimise(
     point_hessian, point_gradient, inverse = np.empty((count, 6)), np.empty((count, 3)), np.empty((count, 6))
     cross = np.empty((keyframe.shape[0], 3, 6))
     blocks, right = np.empty((rows.shape[0], 6, 6)), np.empty((free, 6))
+    pair_hessian = np.empty((relative.pairs.shape[0], 6, 6))
     damping = 1e-5
-    cost = _total_cost(measured, keyframe, starts, poses, points, intrinsics)
+    cost = _total_cost(measured, keyframe, starts, poses, points, intrinsics) + relative_cost(relative, poses)
     for _ in range(iterations):
         if stop[0]:
             break
@@ -190,6 +199,7 @@ def _optimise(
             measured, keyframe, starts, poses, points, intrinsics,
             pose_hessian, pose_gradient, point_hessian, point_gradient, cross,
         )  # fmt: skip
+        add_relative_terms(relative, poses, block_of, pose_hessian, pose_gradient, pair_hessian)
         new_cost, new_poses, new_points = cost, poses, points
         for _ in range(6):
             blocks[:] = 0.0
@@ -200,6 +210,7 @@ def _optimise(
                     for b in range(a, 6):
                         block[a, b] = block[b, a] = pose_hessian[k, a, b]
                     block[a, a] += damping * pose_hessian[k, a, a] + 1e-6
+            add_relative_blocks(relative, block_of, pair_hessian, blocks)
             invert_points(point_hessian, damping, inverse)
             eliminate_points(measured, keyframe, starts, inverse, point_gradient, cross, block_of, blocks, right)
             twists = solve_reduced(blocks, rows, columns, right, dense, stop)
@@ -210,6 +221,7 @@ def _optimise(
                 move(new_poses[k], twists[k])
             new_points = moved_points(measured, keyframe, starts, inverse, point_gradient, cross, twists, points)
             new_cost = _total_cost(measured, keyframe, starts, new_poses, new_points, intrinsics)
+            new_cost += relative_cost(relative, new_poses)
             if new_cost < cost:
                 break
             damping *= 10.0
@@ -259,6 +271,7 @@ def adjust_bundle(
     iterations: int,
     stop: NDArray[np.bool_],
     dense: int = _DENSE,
+    relative: RelativeProblem | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
     """Adjust free keyframes and points: a first robust pass, outliers out, a second pass without them.
 
@@ -268,11 +281,13 @@ def adjust_bundle(
         first_iterations, iterations: Levenberg-Marquardt steps of the two passes at most.
         stop: (1,) set to True from another thread to end within the running step.
         dense: free keyframes up to which the reduced system is solved directly.
+        relative: relative poses of the problem's keyframes that something else than points tells.
 
     Returns:
         camera_from_world (k, 4, 4), points (p, 3) and which observations are inliers (o,).
     """
     poses, points = problem.camera_from_world.copy(), problem.points.copy()
+    relative = no_relative_poses() if relative is None else relative
     keyframe, starts = problem.keyframe, problem.starts
     disparity_information = np.where(problem.has_depth, problem.disparity_information, np.float32(0.0))
     disparity = np.where(problem.has_depth, problem.disparity, 0.0)
@@ -280,10 +295,10 @@ def adjust_bundle(
     measured[:, :2], measured[:, 2] = problem.pixels, disparity
     measured[:, 3], measured[:, 4] = problem.pixel_information, disparity_information
     if problem.free_count > 0 and len(points):
-        pattern = block_pattern(keyframe, starts, problem.free_count)
+        pattern = block_pattern(keyframe, starts, problem.free_count, relative.pairs)
         for steps in (first_iterations, iterations) if iterations > 0 else (first_iterations,):
             poses, points = _optimise(
-                measured, keyframe, starts, pattern, poses, points, intrinsics, dense, steps, stop
+                measured, keyframe, starts, pattern, poses, points, intrinsics, dense, steps, stop, relative
             )
             _judge(
                 problem.pixel_information, disparity_information, keyframe, starts, poses, points, intrinsics, measured

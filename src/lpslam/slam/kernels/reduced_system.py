@@ -12,9 +12,9 @@ from lpslam.slam.kernels.linear import solve_blocks, solve_positive
 
 @njit(cache=True, nogil=True, fastmath={"contract"})
 def block_pattern(
-    keyframe: NDArray[np.int32], starts: NDArray[np.int64], free: int
+    keyframe: NDArray[np.int32], starts: NDArray[np.int64], free: int, pairs: NDArray[np.int32]
 ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]:
-    """Which two free keyframes share a point.
+    """Which two free keyframes share a point, or are a pair (t, 2) anyway.
 
     Returns:
         (free, free) the block of each pair, the lower row first, or -1; and row and column of each block, in order.
@@ -29,6 +29,9 @@ def block_pattern(
                 for q in range(starts[j], starts[j + 1]):
                     if k <= keyframe[q] < free:
                         block_of[k, keyframe[q]] = 0
+    for t in range(pairs.shape[0]):
+        if pairs[t, 0] < free and pairs[t, 1] < free:
+            block_of[min(pairs[t, 0], pairs[t, 1]), max(pairs[t, 0], pairs[t, 1])] = 0
     count = 0
     for k in range(free):
         for l in range(k, free):  # noqa: E741

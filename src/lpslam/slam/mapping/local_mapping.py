@@ -8,6 +8,7 @@ from lpslam.slam.adjusting import Adjuster
 from lpslam.slam.kernels import fusing, graph
 from lpslam.slam.map import SlamMap
 from lpslam.slam.mapping.triangulation import Triangulator
+from lpslam.slam.mapping.whole_pictures import WholePictures
 from lpslam.slam.ranges.learning import DepthRanges
 from lpslam.slam.sensor import SensorModel
 from lpslam.slam.shutter.straightening import RollingShutter
@@ -25,12 +26,14 @@ class LocalMapper:
         sensor: SensorModel,
         shutter: RollingShutter,
         ranges: DepthRanges,
+        pictures: WholePictures,
         config: SlamConfig,
     ) -> None:
         self._map = slam_map
         self._sensor = sensor
         self._shutter = shutter
         self._ranges = ranges
+        self._pictures = pictures
         self._config = config.mapping
         self._close_depth = config.keyframes.close_depth
         self._adjuster = Adjuster(slam_map, sensor)
@@ -51,6 +54,7 @@ class LocalMapper:
         with self._map.lock:
             neighbours = self._neighbours(keyframe)
         self._fuse(keyframe, neighbours)
+        self._pictures.compare(keyframe)
         around = self._around(keyframe)
         self._adjust(around)
         self._ranges.learn(around)
@@ -75,6 +79,7 @@ class LocalMapper:
         change = self._ranges.apply()
         if change is not None:
             self._shutter.read_again(change)
+            self._pictures.forget()
         return self._shutter.apply() or change is not None
 
     def _adjust_part(self, keyframe: int) -> None:

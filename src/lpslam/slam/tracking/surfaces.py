@@ -1,7 +1,7 @@
 """The camera's way from surfaces and faint patterns where keypoints do not tell it (Steinbrücker 2011; Kerl 2013)."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
@@ -30,6 +30,7 @@ class Aligned:
         tells_turn: whether they agree, and say how the camera turned.
         likeness: of their grey values, in sigmas of those that have nothing in common.
         is_proven: whether they lie on each other so, and nowhere else nearly as well.
+        information: (6, 6) of a twist (translation, rotation vector) from the left, what the images alone tell.
     """
 
     image_from_reference: _Matrix
@@ -38,6 +39,7 @@ class Aligned:
     tells_turn: bool
     likeness: float = 0.0
     is_proven: bool = False
+    information: _Matrix = field(default_factory=lambda: np.zeros((6, 6)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -207,7 +209,8 @@ class Surfaces:
         is_like = is_proven or alike > config.least_likeness
         told = self._told(level, descent, seen, is_like)
         # By eigenvalues in units of the guess: in the direction that the images tell worst.
-        told *= np.outer(sigmas, sigmas) * config.told_share**2
+        information = told
+        told = told * np.outer(sigmas, sigmas) * config.told_share**2
         is_firm = bool(np.linalg.eigvalsh(told)[0] > 1.0)
         # Of the turn alone, wherever the camera has stepped.
         turn = told[3:, 3:] - told[3:, :3] @ np.linalg.pinv(told[:3, :3], hermitian=True) @ told[:3, 3:]
@@ -218,7 +221,7 @@ class Surfaces:
         astray = logarithm(pose @ inverse_transform(guess))
         is_near = is_proven or bool((np.abs(astray) <= config.guess_sigmas * sigmas).all())
         agrees = descent.agreeing >= least and (is_like or is_blank) and is_near
-        return Aligned(pose, descent.shared, is_firm and agrees, is_turn_firm and agrees, alike, is_proven)
+        return Aligned(pose, descent.shared, is_firm and agrees, is_turn_firm and agrees, alike, is_proven, information)
 
     def _brought(self, reference: _Image, pose: _Matrix) -> "_Brought":
         """Where a pose brings the pixels of a reference that have depth."""

@@ -1,0 +1,87 @@
+"""Relative poses of keyframes, as whole pictures tell them, beside the points that keyframes share."""
+
+from collections import deque
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.camera import inverse_transform
+from lpslam.slam.kernels.relative import RelativeProblem
+
+_Matrix = NDArray[np.float64]
+_Rows = NDArray[np.int32]
+
+
+class RelativePoses:
+    """What pictures say of pairs of keyframes, and how far it is believed.
+
+    A picture says how sure it is as if each of its pixels erred by itself. By how much more it errs shows where three
+    keyframes are compared with one another and the way round does not close.
+    """
+
+    def __init__(self) -> None:
+        self.forget()
+
+    def forget(self) -> None:
+        """Know nothing: what was compared is measured otherwise now."""
+        self._pairs = np.empty((0, 2), np.int32)
+        self._a_from_b: list[_Matrix] = []
+        self._information: list[_Matrix] = []
+        self._gaps: deque[float] = deque(_SUPPOSED_GAPS, maxlen=_REMEMBERED)
+
+    @property
+    def judged(self) -> int:
+        """How many ways round have been looked at, 100 at most."""
+        return len(self._gaps) - len(_SUPPOSED_GAPS)
+
+    @property
+    def excess(self) -> float:
+        """By which factor the variance of relative poses is more than pictures say."""
+        return max(_UNSEEN * float(np.median(self._gaps)) / _MEDIAN_CHI2, 1.0)
+
+    def judge(self, gap: float) -> None:
+        """Learn from a way round three keyframes: χ² (six degrees of freedom) by which it does not close."""
+        self._gaps.append(gap)
+
+    def add(self, a: int, b: int, b_from_a: _Matrix, information: _Matrix) -> None:
+        """Keep a relative pose (4×4, camera b from camera a) with its information.
+
+        Args:
+            a, b: keyframes.
+            b_from_a: (4, 4).
+            information: (6, 6) of a twist (translation, rotation vector) in the frame of camera b, as pictures say it.
+        """
+        self._pairs = np.concatenate([self._pairs, np.array([[a, b]], np.int32)])
+        self._a_from_b.append(inverse_transform(b_from_a))
+        self._information.append(information)
+
+    def among(self, keyframes: _Rows, free: int) -> RelativeProblem:
+        """Those between some keyframes, by their rows, as far as they are believed; the first `free` may move."""
+        highest = max(int(self._pairs.max(initial=-1)), int(keyframes.max(initial=-1)))
+        row = np.full(highest + 1, -1, np.int32)
+        row[keyframes] = np.arange(len(keyframes))
+        rows = row[self._pairs]
+        known = np.flatnonzero((rows >= 0).all(axis=1) & (rows < free).any(axis=1))
+        return RelativeProblem(
+            np.ascontiguousarray(rows[known]),
+            _stacked((self._a_from_b[k] for k in known), 4),
+            _stacked((self._information[k] for k in known), 6) / self.excess,
+        )
+
+
+def _stacked(matrices: Iterable[_Matrix], size: int) -> _Matrix:
+    return np.array([*matrices], np.float64).reshape(-1, size, size)
+
+
+_MEDIAN_CHI2 = 5.348
+"""Median of the χ² distribution with six degrees of freedom."""
+
+_UNSEEN = 15.0
+"""Times the variance that ways round show: what is wrong alike in all three (lens, scale, delay) closes them too."""
+
+_REMEMBERED = 100
+"""Ways round of which the median is taken."""
+
+_SUPPOSED_GAPS = (25.0,) * 5
+"""Before any way round is known: pixels that share their errors with about five around them."""
