@@ -14,7 +14,7 @@ from lpslam.cli_correct import correct
 from lpslam.cli_options import ConfigFile, Json, Llm
 from lpslam.cli_robots import COMMANDS as ROBOTS
 from lpslam.cli_run import run
-from lpslam.cli_runs import call_to_its_end, keep, say_usage
+from lpslam.cli_runs import call_to_its_end, keep, parse_and_call, say_usage
 from lpslam.cli_serving import COMMANDS as SERVING
 from lpslam.cli_simulate import demo, simulate
 from lpslam.cli_sources import convert, record, sources
@@ -49,7 +49,7 @@ def main() -> None:
     for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ.setdefault(variable, "1")
     prepare_streams()
-    call_to_its_end(app)
+    call_to_its_end(lambda: parse_and_call(app))
 
 
 app.command()(calibrate)

@@ -2,6 +2,7 @@
 
 import sys
 import tempfile
+from collections.abc import Callable
 from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
@@ -18,11 +19,11 @@ _UsageError: Any = typer.BadParameter.__mro__[1]
 """What a mistake in the words of the command line is raised as; typer has had it from click, and has its own now."""
 
 
-def call_to_its_end(app: typer.Typer) -> None:
-    """Run the command line, whose every failure that is the user's or the system's becomes one line and exit code 2."""
+def call_to_its_end(work: Callable[[], object]) -> None:
+    """Do what a command line says; each failure that is the user's or the system's becomes one line and exit code 2."""
     try:
         try:
-            _parse_and_call(app)
+            work()
         finally:
             sys.stdout.flush()
     except LpSlamError as error:
@@ -45,7 +46,7 @@ def call_to_its_end(app: typer.Typer) -> None:
         raise SystemExit(2) from None
 
 
-def _parse_and_call(app: typer.Typer) -> None:
+def parse_and_call(app: typer.Typer) -> None:
     """Call what the words of the command line say.
 
     Raises:
