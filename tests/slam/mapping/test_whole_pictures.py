@@ -40,13 +40,19 @@ def compared(frames: int, *, off: np.ndarray | None = None, **config: float) -> 
 
 
 def test_pictures_tell_a_step_that_the_map_has_wrong() -> None:
-    off = rigid([0.01, 0.0, 0.0], [0.0, 0.005, 0.0])
+    off = rigid([0.004, 0.0, 0.0], [0.0, 0.001, 0.0])
     slam_map = compared(2, off=off)
     problem = slam_map.relative_poses.among(np.array([1, 0], np.int32), 1)
     np.testing.assert_array_equal(problem.pairs, [[1, 0]])
     metres, radians = pose_error(problem.a_from_b[0], inverse_transform(STEP))
     assert metres < 0.003
     assert np.degrees(radians) < 0.1
+
+
+def test_pictures_that_the_map_denies_altogether_hold_nothing() -> None:
+    """As where somebody walks by and fills the view: pictures follow him."""
+    slam_map = compared(2, off=rigid([0.3, 0.0, 0.0], [0.0, 0.05, 0.0]), most_disagreement=1.0)
+    assert len(slam_map.relative_poses.among(np.array([1, 0], np.int32), 1).pairs) == 0
 
 
 def test_the_way_round_three_keyframes_is_looked_at() -> None:

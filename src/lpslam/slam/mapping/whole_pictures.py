@@ -77,7 +77,15 @@ class WholePictures:
         with self._map.lock:
             if gap is not None:
                 relative.judge(gap)
-            relative.add(step.a, step.b, step.b_from_a, step.information)
+            # Pictures follow who walks by and fills the view; points know him by how they contradict one another.
+            if self._disagreement(step) < self._config.most_disagreement * relative.excess:
+                relative.add(step.a, step.b, step.b_from_a, step.information)
+
+    def _disagreement(self, step: _Step) -> float:
+        """χ² by which a step differs from the map's; the caller holds the lock."""
+        poses = self._map.columns.camera_from_world[[step.a, step.b]]
+        error = logarithm(poses[1] @ inverses(poses[:1])[0] @ inverses(step.b_from_a[None])[0])
+        return float(error @ step.information @ error)
 
     def _before(self, keyframe: int) -> list[int]:
         """The newest keyframes before one with a picture, in its sub-map; the caller holds the lock."""
