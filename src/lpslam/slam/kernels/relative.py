@@ -58,12 +58,21 @@ def _chi2(error: NDArray[np.float64], information: NDArray[np.float64]) -> float
 
 
 @njit(cache=True, nogil=True)
+def _misfit(
+    relative: RelativeProblem, poses: NDArray[np.float64], t: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
+    """Camera b from camera a (4×4) as the poses have it, its error (6,) against the t-th relative pose, and its χ²."""
+    b_from_a = _relative(poses, relative.pairs[t, 0], relative.pairs[t, 1])
+    error = logarithm(multiply(b_from_a, relative.a_from_b[t]))
+    return b_from_a, error, _chi2(error, relative.information[t])
+
+
+@njit(cache=True, nogil=True)
 def relative_cost(relative: RelativeProblem, poses: NDArray[np.float64]) -> float:
     """Huber's cost of all relative poses at camera_from_world `poses` (k, 4, 4)."""
     cost = 0.0
     for t in range(relative.pairs.shape[0]):
-        b_from_a = _relative(poses, relative.pairs[t, 0], relative.pairs[t, 1])
-        chi2 = _chi2(logarithm(multiply(b_from_a, relative.a_from_b[t])), relative.information[t])
+        _, _, chi2 = _misfit(relative, poses, t)
         cost += chi2 if chi2 <= CHI2_POSE else 2.0 * math.sqrt(CHI2_POSE * chi2) - CHI2_POSE
     return cost
 
@@ -103,9 +112,7 @@ def add_relative_terms(
     free = block_of.shape[0]
     for t in range(relative.pairs.shape[0]):
         a, b = int(relative.pairs[t, 0]), int(relative.pairs[t, 1])
-        b_from_a = _relative(poses, a, b)
-        error = logarithm(multiply(b_from_a, relative.a_from_b[t]))
-        chi2 = _chi2(error, relative.information[t])
+        b_from_a, error, chi2 = _misfit(relative, poses, t)
         weight = 1.0 if chi2 <= CHI2_POSE else math.sqrt(CHI2_POSE / chi2)
         information = weight * relative.information[t]
         through = adjoint(b_from_a)

@@ -5,9 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.camera import PinholeCamera
+from lpslam.camera import PinholeCamera, inverse_transform
 from lpslam.config import SlamConfig
-from lpslam.slam.carrying import inverses
 from lpslam.slam.kernels.geometry import logarithm
 from lpslam.slam.kernels.relative import adjoint
 from lpslam.slam.map import SlamMap
@@ -83,9 +82,12 @@ class WholePictures:
 
     def _disagreement(self, step: _Step) -> float:
         """χ² by which a step differs from the map's; the caller holds the lock."""
-        poses = self._map.columns.camera_from_world[[step.a, step.b]]
-        error = logarithm(poses[1] @ inverses(poses[:1])[0] @ inverses(step.b_from_a[None])[0])
+        error = logarithm(self._step_of_map(step.a, step.b) @ inverse_transform(step.b_from_a))
         return float(error @ step.information @ error)
+
+    def _step_of_map(self, a: int, b: int) -> _Matrix:
+        """Camera b from camera a (4×4) as the map has them; the caller holds the lock."""
+        return self._map.camera_from_world(b) @ inverse_transform(self._map.camera_from_world(a))
 
     def _before(self, keyframe: int) -> list[int]:
         """The newest keyframes before one with a picture, in its sub-map; the caller holds the lock."""
@@ -111,19 +113,18 @@ class WholePictures:
         through = adjoint(second.b_from_a)
         covariance = np.linalg.inv(straight.information) + np.linalg.inv(second.information)
         covariance += through @ np.linalg.inv(first.information) @ through.T
-        error = logarithm(over @ inverses(straight.b_from_a[None])[0])
+        error = logarithm(over @ inverse_transform(straight.b_from_a))
         return float(error @ np.linalg.solve(covariance, error))
 
     def _aligned(self, a: int, b: int, guess: _Matrix | None) -> _Step | None:
         """The step between two keyframes from a guess of it (4×4), the map's without; None where pictures fail."""
         slam_map = self._map
         with slam_map.lock:
-            poses = slam_map.columns.camera_from_world[[a, b]].copy()
+            guess = self._step_of_map(a, b) if guess is None else guess
             seconds = slam_map.frame_of(b)[1] - slam_map.frame_of(a)[1]
             images = self._images.get(a), self._images.get(b)
         if seconds > self._config.longest_gap or images[0] is None or images[1] is None:
             return None
-        guess = poses[1] @ inverses(poses[:1])[0] if guess is None else guess
         aligned = self._surfaces.align(images[0], images[1], guess, seconds)
         if aligned is None or not aligned.holds:
             return None

@@ -137,9 +137,9 @@ class DepthRanges:
         rows, far = rows[known], far[known]
         if len(rows) < 2 * config.min_readings:
             return None
-        excess = np.log(columns.depth[columns.keyframe_slot[keyframe], rows] / far)
-        # All keyframes that see a point have its distance from the same pixels: together they tell it once.
         slot = columns.keyframe_slot[keyframe]
+        excess = np.log(columns.depth[slot, rows] / far)
+        # All keyframes that see a point have its distance from the same pixels: together they tell it once.
         own = 1.0 / float(columns.observations[columns.point[slot, rows]].mean())
         scale = float(np.median(excess))
         # By what pixels say and not by the reading: where little lies, readings that are wrong would be most of it.
