@@ -8,7 +8,9 @@ from numpy.typing import NDArray
 from lpslam.config import TrackingConfig
 from lpslam.slam.consensus import largest_consensus
 from lpslam.slam.features import Features
+from lpslam.slam.carrying import inverses
 from lpslam.slam.kernels import graph, matching, pose
+from lpslam.slam.kernels.rays import RaySights
 from lpslam.slam.map import SlamMap
 from lpslam.slam.sensor import SensorModel
 
@@ -107,6 +109,7 @@ class Associator:
         seen = positions[match[keypoints]]
         unsure = np.zeros(len(keypoints)) if spread is None else spread[match[keypoints]]
         judges = self._judges(points[match[keypoints]])
+        self._ids = points[match[keypoints]]
         camera_from_world, agreeing = self._refine(features, keypoints, guess, seen, unsure)
         if not judges.all():
             by_judges = self._by_judges(features, keypoints, guess, seen, unsure, judges)
@@ -130,11 +133,17 @@ class Associator:
         return Estimate(camera_from_world, held, len(agreeing), agreement, loose)
 
     def _refine(
-        self, features: Features, keypoints: NDArray[np.int64], guess: _Matrix, seen: _Matrix, unsure: _Matrix
+        self, features: Features, keypoints: NDArray[np.int64], guess: _Matrix, seen: _Matrix, unsure: _Matrix, ids: _Rows | None = None
     ) -> tuple[_Matrix, NDArray[np.int64]]:
         """Robust least squares from a guess; the pose, and the rows of `keypoints` and `seen` (m, 3) that agree."""
         information = self._sensor.pixel_information[features.octave[keypoints]]
-        camera_from_world, inlier, _, _ = pose.optimise_pose(
+        if ids is None:
+            ids = self._ids
+        far = (ids >= 0) & (self._map.inverse_sigma[ids] > 0)
+        rays = self._rays(ids[far], features.pixels[keypoints[far]], information[far])
+        near = np.flatnonzero(~far)
+        keypoints, seen, unsure, information = keypoints[near], seen[near], unsure[near], information[near]
+        camera_from_world, inlier, _, agreeing, _ = pose.optimise_pose(
             guess,
             seen,
             features.pixels[keypoints],
@@ -142,11 +151,29 @@ class Associator:
             features.has_depth[keypoints],
             (information / (1.0 + unsure * information)).astype(np.float32),
             self._sensor.disparity_information(features.depth[keypoints]),
+            rays,
             self._sensor.intrinsics,
             self._config.pose_rounds,
             self._config.pose_iterations,
         )
-        return camera_from_world, np.flatnonzero(inlier)
+        everyone = np.zeros(len(far), np.bool_)
+        everyone[near] = inlier
+        everyone[far] = agreeing
+        return camera_from_world, np.flatnonzero(everyone)
+
+    def _rays(self, ids: _Rows, pixels: NDArray[np.float32], information: NDArray[np.float32]) -> RaySights:
+        """Points whose distance is not known, as their first keyframes see them."""
+        m = self._map.columns
+        anchors = m.camera_from_world[m.first_keyframe[ids]]
+        world_from_anchor = inverses(anchors) if len(ids) else np.empty((0, 4, 4))
+        origin = np.ascontiguousarray(world_from_anchor[:, :3, 3])
+        offset = m.position[ids] - origin
+        depth = np.einsum("ni,ni->n", offset, anchors[:, 2, :3]) if len(ids) else np.empty(0)
+        depth = np.maximum(depth, 0.1)
+        return RaySights(
+            origin, offset / depth[:, None], 1.0 / depth, self._map.inverse_sigma[ids].astype(np.float64),
+            np.ascontiguousarray(pixels), np.ascontiguousarray(information.astype(np.float32)),
+        )  # fmt: skip
 
     def _by_judges(
         self,
@@ -162,7 +189,7 @@ class Associator:
         Someone who walks by is new to the map again and again, and a step aside may explain him as well as all that
         stands far away.
         """
-        first, _ = self._refine(features, keypoints[judges], guess, seen[judges], unsure[judges])
+        first, _ = self._refine(features, keypoints[judges], guess, seen[judges], unsure[judges], self._ids[judges])
         pose, agreeing = self._agreeing_with(features, keypoints, seen, unsure, first)
         others = np.count_nonzero(~judges[agreeing])
         return (pose, agreeing) if others < self._config.contradicted_share * np.count_nonzero(~judges) else None
@@ -183,6 +210,8 @@ class Associator:
         """The pose on which most of the judges agree (rows of `keypoints` and `seen`), and all who agree with it."""
         config = self._config
         pixels = features.pixels[keypoints]
+        own = self._ids[judges]
+        judges = judges[(own < 0) | (self._map.inverse_sigma[own] == 0)]
         found = largest_consensus(
             seen[judges], pixels[judges], self._sensor.intrinsics, config.majority_trials, config.majority_pixels
         )
@@ -190,7 +219,7 @@ class Associator:
             return None
         rows = judges[found.rows]
         camera_from_world, _ = self._refine(
-            features, keypoints[rows], found.camera_from_world, seen[rows], unsure[rows]
+            features, keypoints[rows], found.camera_from_world, seen[rows], unsure[rows], self._ids[rows]
         )
         return self._agreeing_with(features, keypoints, seen, unsure, camera_from_world)
 
@@ -207,8 +236,11 @@ class Associator:
         fx, fy, cx, cy, _ = self._sensor.intrinsics
         x, y, z = (seen @ camera_from_world[:3, :3].T + camera_from_world[:3, 3]).T
         projected = np.column_stack([fx * x, fy * y]) / np.maximum(z, 1e-3)[:, None] + [cx, cy]
-        near = np.flatnonzero(np.linalg.norm(projected - pixels, axis=1) < config.majority_pixels)
-        refined, agreeing = self._refine(features, keypoints[near], camera_from_world, seen[near], unsure[near])
+        is_far = (self._ids >= 0) & (self._map.inverse_sigma[self._ids] > 0)
+        near = np.flatnonzero(is_far | (np.linalg.norm(projected - pixels, axis=1) < config.majority_pixels))
+        refined, agreeing = self._refine(
+            features, keypoints[near], camera_from_world, seen[near], unsure[near], self._ids[near]
+        )
         return refined, near[agreeing]
 
     def optimise_on_map(
@@ -296,7 +328,12 @@ class Associator:
         )
 
     def match_predicted(
-        self, view: View, predicted: Predicted, taken: NDArray[np.bool_], widening: float = 1.0
+        self,
+        view: View,
+        predicted: Predicted,
+        taken: NDArray[np.bool_],
+        widening: float = 1.0,
+        camera_from_world: _Matrix | None = None,
     ) -> _Rows:
         """(n,) the predicted map point that each keypoint sees, or -1.
 
@@ -309,9 +346,16 @@ class Associator:
         config = self._config
         frontal = predicted.cosines > config.frontal_cosine
         radius = widening * np.where(frontal, config.local_map_radius_frontal, config.local_map_radius)
+        radius = radius * self._sensor.scales[predicted.levels]
+        sigma = self._map.inverse_sigma[predicted.points]
+        if camera_from_world is not None and sigma.any():
+            far = np.flatnonzero(sigma > 0)
+            anchors = inverses(self._map.columns.camera_from_world[self._map.columns.first_keyframe[predicted.points[far]]])
+            shift = np.linalg.norm(anchors[:, :3, 3] @ camera_from_world[:3, :3].T + camera_from_world[:3, 3], axis=1)
+            radius[far] += np.minimum(self._sensor.intrinsics[0] * shift * sigma[far], 20.0)
         match = matching.search_windows(
             predicted.projections,
-            (radius * self._sensor.scales[predicted.levels]).astype(np.float32),
+            radius.astype(np.float32),
             predicted.levels - 1,
             predicted.levels,
             self._map.columns.point_descriptor[predicted.points],

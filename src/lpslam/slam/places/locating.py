@@ -158,6 +158,8 @@ class Locator:
             rows.append(mapped)
             points.append(seen[mapped])
         ids, first = np.unique(np.concatenate(points), return_index=True)
+        sure = self._map.inverse_sigma[ids] == 0
+        ids, first = ids[sure], first[sure]
         return np.concatenate(slots)[first], np.concatenate(rows)[first], ids.astype(np.int32)
 
     def _judge(self, features: Features, candidate: int, estimate: Estimate, points: _Rows, alike: _Alike) -> Located:
@@ -166,6 +168,7 @@ class Locator:
         expected = self._sensor.intrinsics[4] / (predicted.projections[:, 0] - predicted.projections[:, 2])
         hidden = _nearest_depth(features, predicted.projections[:, :2]) < (1 - self._config.hidden_share) * expected
         seeing = np.flatnonzero((estimate.points >= 0) & features.has_depth)
+        seeing = seeing[self._map.inverse_sigma[estimate.points[seeing]] == 0]
         position = self._map.columns.position[estimate.points[seeing]]
         pose = estimate.camera_from_world
         z = position @ pose[2, :3] + pose[2, 3]

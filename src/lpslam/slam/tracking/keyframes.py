@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,6 +14,7 @@ from lpslam.slam.features import Features
 from lpslam.slam.kernels import graph
 from lpslam.slam.map import SlamMap
 from lpslam.slam.sensor import SensorModel
+from lpslam.slam.tracking.following import choose_followed
 
 
 class Keyframes:
@@ -27,6 +29,7 @@ class Keyframes:
         self._sensor = sensor
         self._config = config
         self._last_time = -np.inf
+        self._reach = 0.0
         self._most_matches = 0
         self._most_at = -np.inf
 
@@ -109,5 +112,39 @@ class Keyframes:
         )
         points = estimate.points.copy()
         points[chosen] = np.arange(first, first + len(chosen))
+        self._add_far(frame, features, estimate, keyframe, points)
         self._last_time, self._most_matches, self._most_at = frame.timestamp, 0, frame.timestamp
         return keyframe, replace(estimate, points=points)
+
+    def _add_far(
+        self, frame: RgbdFrame, features: Features, estimate: Estimate, keyframe: int, points: NDArray[np.int32]
+    ) -> None:
+        """Make points of keypoints that lie where no depth was read at all: only their direction is known."""
+        slam_map = self._map
+        depths = features.depth[features.has_depth]
+        if len(depths) >= 30:
+            self._reach = max(self._reach, float(np.quantile(depths, 0.95)))
+        room = min(self._config.points_in_view - int((points >= 0).sum()), FAR)
+        if self._reach == 0.0 or room <= 0:
+            return
+        side = max(frame.depth.shape[1] // 40, 3)
+        read = cv2.blur((frame.depth > 0).astype(np.float32), (side, side))
+        height, width = read.shape
+        at = np.rint(features.pixels).astype(int)
+        column, row = np.clip(at[:, 0], 0, width - 1), np.clip(at[:, 1], 0, height - 1)
+        free = np.flatnonzero(~features.has_depth & (points < 0) & (read[row, column] < 0.05))
+        if not len(free):
+            return
+        free = free[choose_followed(features.pixels[free], features.octave[free], np.zeros(len(free), np.bool_), room)]
+        depth = np.full(len(free), self._reach / 0.5, np.float32)
+        in_camera = self._sensor.back_project(features.pixels[free], depth)
+        world_from_camera = inverse_transform(estimate.camera_from_world)
+        first = slam_map.add_points(
+            keyframe, free.astype(np.int32), in_camera @ world_from_camera[:3, :3].T + world_from_camera[:3, 3]
+        )
+        slam_map.inverse_sigma[first : slam_map.point_count] = 0.3 / self._reach
+        points[free] = np.arange(first, slam_map.point_count)
+
+
+import os
+FAR = int(os.environ.get("FAR", "150"))
