@@ -181,6 +181,20 @@ class PictureConfig(Section):
     largest_excess: float = Field(default=1000.0, gt=0)  # of the variance that pictures say; beyond, they hold nothing
 
 
+class FarPointConfig(Section):
+    """Points where no depth was read, of which the direction is known first and the distance later."""
+
+    most: int = Field(default=150, ge=0)  # made of one keyframe; 0: none
+    in_view: int = Field(default=500, ge=0)  # points a keyframe sees; with more, no far ones are needed
+    least_depths: int = Field(default=30, ge=1)  # keypoints with depth that tell how far the sensor reaches ...
+    reach_share: float = Field(default=0.95, gt=0, le=1)  # ... by this quantile: the last few may be false
+    hole_width: float = Field(default=0.025, gt=0)  # of the image's width; so far around a keypoint ...
+    hole_share: float = Field(default=0.05, gt=0)  # ... fewer pixels than this have depth; edges and shadows have more
+    sure_share: float = Field(default=0.1, gt=0)  # of the inverse depth, below which its sigma makes a point sure
+    behind_sigmas: float = Field(default=2.0, gt=0)  # behind infinity; such a point was matched wrongly or moves
+    farthest: float = Field(default=1000.0, gt=0)  # metres at which what has no parallax is put
+
+
 class TurningConfig(Section):
     """The camera's turn between two pictures, where nothing else says where a frame was taken."""
 
@@ -333,6 +347,7 @@ class SlamConfig(Section):
     tracking: TrackingConfig = TrackingConfig()
     surfaces: SurfaceConfig = SurfaceConfig()
     pictures: PictureConfig = PictureConfig()
+    far_points: FarPointConfig = FarPointConfig()
     turning: TurningConfig = TurningConfig()
     places: PlacesConfig = PlacesConfig()
     locating: LocatingConfig = LocatingConfig()

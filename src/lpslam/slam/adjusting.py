@@ -95,7 +95,12 @@ class Adjuster:
     def apply(self, gathered: Gathered, solution: _Solution) -> None:
         """Write a solution into the map, whose version is that of the copy; the caller holds the lock."""
         local_bundle.apply_bundle(
-            self._map.columns, gathered.problem, gathered.keyframes, gathered.points, *solution, self._map.scales,
+            self._map.columns,
+            gathered.problem,
+            gathered.keyframes,
+            gathered.points,
+            *solution,
+            self._map.scales,
             self._map.inverse_sigma,
         )
 

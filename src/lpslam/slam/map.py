@@ -396,7 +396,11 @@ class SlamMap:
         slam_map._slot_count = len(arrays["slot_keyframe"])
         slam_map._free_slots = [int(slot) for slot in arrays["free_slots"]]
         for name, old in slam_map._arrays.items():
-            saved = arrays.get(name, np.zeros(slam_map.point_count, np.float32)) if name == "inverse_sigma" else arrays[name]
+            saved = (
+                arrays.get(name, np.zeros(slam_map.point_count, np.float32))
+                if name == "inverse_sigma"
+                else arrays[name]
+            )
             if saved.shape[1:] != old.shape[1:] or saved.dtype != old.dtype:
                 raise ValueError(f"column {name} is {saved.dtype}{saved.shape}")
             fill = {**_FEATURE_COLUMNS, **_POINT_COLUMNS, **_KEYFRAME_COLUMNS}.get(name, ((), None, -1))[2]

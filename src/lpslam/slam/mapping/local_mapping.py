@@ -5,12 +5,13 @@ from numpy.typing import NDArray
 
 from lpslam.config import SlamConfig
 from lpslam.slam.adjusting import Adjuster
-from lpslam.slam.carrying import inverses
-from lpslam.slam.kernels import fusing, graph, rays
+from lpslam.slam.kernels import fusing, graph
 from lpslam.slam.map import SlamMap
+from lpslam.slam.mapping.far_points import FarPoints
 from lpslam.slam.mapping.triangulation import Triangulator
 from lpslam.slam.mapping.whole_pictures import WholePictures
 from lpslam.slam.ranges.learning import DepthRanges
+from lpslam.slam.rays import without_unsure
 from lpslam.slam.sensor import SensorModel
 from lpslam.slam.shutter.straightening import RollingShutter
 
@@ -28,6 +29,7 @@ class LocalMapper:
         shutter: RollingShutter,
         ranges: DepthRanges,
         pictures: WholePictures,
+        far_points: FarPoints,
         config: SlamConfig,
     ) -> None:
         self._map = slam_map
@@ -35,6 +37,7 @@ class LocalMapper:
         self._shutter = shutter
         self._ranges = ranges
         self._pictures = pictures
+        self._far_points = far_points
         self._config = config.mapping
         self._close_depth = config.keyframes.close_depth
         self._adjuster = Adjuster(slam_map, sensor)
@@ -53,8 +56,8 @@ class LocalMapper:
             self._remember(self._born_in(keyframe), self._config.min_observations)
         self._remember(self._triangulator.process(keyframe), self._config.min_triangulated_observations)
         with self._map.lock:
+            self._far_points.measure(keyframe)
             neighbours = self._neighbours(keyframe)
-        self._measure_far(keyframe)
         self._fuse(keyframe, neighbours)
         self._pictures.compare(keyframe)
         around = self._around(keyframe)
@@ -75,6 +78,8 @@ class LocalMapper:
                 break
             for part in np.unique(submaps):
                 self._adjust_part(int(everyone[submaps == part][0]))
+        with self._map.lock:
+            self._far_points.forget_unsure()
 
     def _measure_anew(self) -> bool:
         """Take other pixels and depths for what keyframes saw, where more has become known of the sensor."""
@@ -121,47 +126,6 @@ class LocalMapper:
         watched = ~drop & (age < 3)
         self._recent_points, self._observations_needed = points[watched], needed[watched]
 
-    def _measure_far(self, keyframe: int) -> None:
-        """How far points are of which the direction alone was known, from the widest way between two sights."""
-        slam_map, sensor = self._map, self._sensor
-        with slam_map.lock:
-            m = slam_map.columns
-            points = graph.points_of(m, np.array([keyframe], np.int32), slam_map.point_count)
-            points = points[slam_map.inverse_sigma[points] > 0]
-            if not len(points):
-                return
-            gone = m.keyframe_slot[m.first_keyframe[points]] < 0
-            graph.remove_points(m, points[gone])
-            points = points[~gone]
-            slot = int(m.keyframe_slot[keyframe])
-            row = {int(p): f for f, p in enumerate(m.point[slot, : m.feature_count[slot]].tolist()) if p >= 0}
-            points = points[m.first_keyframe[points] != keyframe]
-            if not len(points):
-                return
-            features = np.array([row[int(p)] for p in points])
-            anchors = m.camera_from_world[m.first_keyframe[points]]
-            world_from_anchor = inverses(anchors)
-            camera_from_anchor = np.ascontiguousarray(m.camera_from_world[keyframe] @ world_from_anchor)
-            offset = m.position[points] - world_from_anchor[:, :3, 3]
-            depth = np.maximum(np.einsum("ni,ni->n", offset, anchors[:, 2, :3]), 0.1)
-            in_anchor = np.einsum("nij,nj->ni", anchors[:, :3, :3], offset) / depth[:, None]
-            information = 0.5 * sensor.pixel_information[m.octave[slot, features]]
-            mean, sigma, left = rays.measure_inverse(
-                camera_from_anchor, in_anchor, m.pixels[slot, features], information.astype(np.float32),
-                (1.0 / depth).astype(np.float64), slam_map.inverse_sigma[points].astype(np.float64), sensor.intrinsics,
-            )
-            bad = (left > 9.0) | (mean < 1e-4) & (sigma < 0.02)
-            graph.remove_points(m, points[bad])
-            good = np.flatnonzero(~bad)
-            points = points[good]
-            mean = np.maximum(mean[good], 1e-3)
-            m.position[points] = world_from_anchor[good, :3, 3] + np.einsum(
-                "nji,nj->ni", anchors[good, :3, :3], in_anchor[good] / mean[:, None]
-            )
-            sure = sigma[good] < self._config.max_depth_uncertainty * mean
-            slam_map.inverse_sigma[points] = np.where(sure, 0.0, sigma[good])
-            graph.refresh_points(m, points, slam_map.scales)
-
     def _neighbours(self, keyframe: int) -> NDArray[np.int32]:
         first = self._map.covisible(keyframe, 1)[: self._config.neighbours]
         second = [
@@ -186,15 +150,14 @@ class LocalMapper:
         )
         with slam_map.lock:
             own = graph.points_of(slam_map.columns, np.array([keyframe], np.int32), slam_map.point_count)
-            own = own[slam_map.inverse_sigma[own] == 0]
+            own = without_unsure(slam_map, own)
         for neighbour in neighbours:
             with slam_map.lock:
                 if slam_map.is_alive(int(neighbour)):
                     fusing.fuse_points(slam_map.columns, own, int(neighbour), *arguments)
         with slam_map.lock:
             theirs = graph.points_of(slam_map.columns, neighbours, slam_map.point_count)
-            theirs = theirs[slam_map.inverse_sigma[theirs] == 0]
-            fusing.fuse_points(slam_map.columns, theirs, keyframe, *arguments)
+            fusing.fuse_points(slam_map.columns, without_unsure(slam_map, theirs), keyframe, *arguments)
             own = graph.points_of(slam_map.columns, np.array([keyframe], np.int32), slam_map.point_count)
             graph.refresh_points(slam_map.columns, own, slam_map.scales)
 

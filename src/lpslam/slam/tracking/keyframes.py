@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,8 +12,8 @@ from lpslam.slam.association import Estimate
 from lpslam.slam.features import Features
 from lpslam.slam.kernels import graph
 from lpslam.slam.map import SlamMap
+from lpslam.slam.mapping.far_points import FarPoints
 from lpslam.slam.sensor import SensorModel
-from lpslam.slam.tracking.following import choose_followed
 
 
 class Keyframes:
@@ -24,12 +23,12 @@ class Keyframes:
     the reference keyframe, that does not depend on how many keyframes have confirmed them.
     """
 
-    def __init__(self, slam_map: SlamMap, sensor: SensorModel, config: KeyframeConfig) -> None:
+    def __init__(self, slam_map: SlamMap, sensor: SensorModel, far_points: FarPoints, config: KeyframeConfig) -> None:
         self._map = slam_map
+        self._far_points = far_points
         self._sensor = sensor
         self._config = config
         self._last_time = -np.inf
-        self._reach = 0.0
         self._most_matches = 0
         self._most_at = -np.inf
 
@@ -81,7 +80,7 @@ class Keyframes:
         return bool(((apart < config.known_distance) & (cosine > np.cos(config.known_turn))).any())
 
     def add(self, frame: RgbdFrame, features: Features, estimate: Estimate, reference: int) -> tuple[int, Estimate]:
-        """Put a frame into the map and make points of its keypoints with depth.
+        """Put a frame into the map and make points of its keypoints: with depth, and where depth does not reach.
 
         Args:
             frame: to be added.
@@ -112,39 +111,7 @@ class Keyframes:
         )
         points = estimate.points.copy()
         points[chosen] = np.arange(first, first + len(chosen))
-        self._add_far(frame, features, estimate, keyframe, points)
+        far = self._far_points.add(keyframe, frame.depth, features, points < 0)
+        points = np.where(far >= 0, far, points)
         self._last_time, self._most_matches, self._most_at = frame.timestamp, 0, frame.timestamp
         return keyframe, replace(estimate, points=points)
-
-    def _add_far(
-        self, frame: RgbdFrame, features: Features, estimate: Estimate, keyframe: int, points: NDArray[np.int32]
-    ) -> None:
-        """Make points of keypoints that lie where no depth was read at all: only their direction is known."""
-        slam_map = self._map
-        depths = features.depth[features.has_depth]
-        if len(depths) >= 30:
-            self._reach = max(self._reach, float(np.quantile(depths, 0.95)))
-        room = min(self._config.points_in_view - int((points >= 0).sum()), FAR)
-        if self._reach == 0.0 or room <= 0:
-            return
-        side = max(frame.depth.shape[1] // 40, 3)
-        read = cv2.blur((frame.depth > 0).astype(np.float32), (side, side))
-        height, width = read.shape
-        at = np.rint(features.pixels).astype(int)
-        column, row = np.clip(at[:, 0], 0, width - 1), np.clip(at[:, 1], 0, height - 1)
-        free = np.flatnonzero(~features.has_depth & (points < 0) & (read[row, column] < 0.05))
-        if not len(free):
-            return
-        free = free[choose_followed(features.pixels[free], features.octave[free], np.zeros(len(free), np.bool_), room)]
-        depth = np.full(len(free), self._reach / 0.5, np.float32)
-        in_camera = self._sensor.back_project(features.pixels[free], depth)
-        world_from_camera = inverse_transform(estimate.camera_from_world)
-        first = slam_map.add_points(
-            keyframe, free.astype(np.int32), in_camera @ world_from_camera[:3, :3].T + world_from_camera[:3, 3]
-        )
-        slam_map.inverse_sigma[first : slam_map.point_count] = 0.3 / self._reach
-        points[free] = np.arange(first, slam_map.point_count)
-
-
-import os
-FAR = int(os.environ.get("FAR", "150"))

@@ -54,9 +54,7 @@ class LocalSearch:
         is_held = np.zeros(slam_map.point_count, np.bool_)
         is_held[held] = True
         predicted = associator.predict(candidates[~is_held[candidates]], start.camera_from_world)
-        found = associator.match_predicted(
-            view, predicted, start.points >= 0, camera_from_world=start.camera_from_world
-        )
+        found = associator.match_predicted(view, predicted, start.points >= 0)
         points = np.where(found >= 0, found, start.points)
         refined = associator.optimise_on_map(view.features, start.camera_from_world, points)
         if refined is not None and refined.matches < self._config.weak_inliers:
