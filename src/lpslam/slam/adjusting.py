@@ -73,7 +73,7 @@ class Adjuster:
         slam_map = self._map
         columns, counts = slam_map.columns, (slam_map.keyframe_count, slam_map.point_count)
         problem, keyframes, points = local_bundle.gather_bundle(
-            columns, free, *counts, self._sensor.pixel_information, held, slam_map.inverse_sigma
+            columns, free, *counts, self._sensor.pixel_information, held
         )
         relative = slam_map.relative_poses.among(keyframes, problem.free_count)
         return Gathered(slam_map.version, problem, keyframes, points, relative)
@@ -95,13 +95,7 @@ class Adjuster:
     def apply(self, gathered: Gathered, solution: _Solution) -> None:
         """Write a solution into the map, whose version is that of the copy; the caller holds the lock."""
         local_bundle.apply_bundle(
-            self._map.columns,
-            gathered.problem,
-            gathered.keyframes,
-            gathered.points,
-            *solution,
-            self._map.scales,
-            self._map.inverse_sigma,
+            self._map.columns, gathered.problem, gathered.keyframes, gathered.points, *solution, self._map.scales
         )
 
     def adjust(

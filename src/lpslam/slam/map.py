@@ -93,11 +93,6 @@ class SlamMap:
         self._columns: MapColumns | None = None
 
     @property
-    def inverse_sigma(self) -> NDArray[np.float32]:
-        """(P,) 1/m, by which the inverse depths of points in their first keyframe are uncertain; 0 of sure points."""
-        return self._arrays["inverse_sigma"]
-
-    @property
     def features_per_keyframe(self) -> int:
         """The most keypoints that a keyframe can have."""
         return self._capacity
@@ -223,7 +218,7 @@ class SlamMap:
         with self.lock:
             seen_by = np.array([self.living_ancestor(keyframe)], np.int32)
             points = graph.points_of(self.columns, seen_by, self.point_count)
-            points = points[self.inverse_sigma[points] == 0]
+            points = points[self.columns.inverse_sigma[points] == 0]
             return transform_points(self.camera_from_world(keyframe), self.columns.position[points])
 
     def features(self, keyframe: int) -> Features:
@@ -304,7 +299,7 @@ class SlamMap:
         """(n, 3) map frame, of the living points of the home sub-map."""
         points = self.living_points()
         at_home = self.submaps()[self._arrays["first_keyframe"][points]] == self.home
-        at_home &= self.inverse_sigma[points] == 0
+        at_home &= self._arrays["inverse_sigma"][points] == 0
         return np.asarray(self._arrays["position"][points[at_home]])
 
     # The whole ---------------------------------------------------------------------------------------------------
@@ -376,6 +371,8 @@ class SlamMap:
         Raises:
             KeyError, ValueError: a column is missing, has another shape, or does not fit the others.
         """
+        # Maps of before 2026-12 have sure points alone.
+        arrays = {"inverse_sigma": np.zeros(len(arrays["head"]), np.float32), **arrays}
         shapes = (arrays["point"].ndim, arrays["scales"].ndim, arrays["free_slots"].ndim, arrays["home"].shape)
         if shapes != (2, 1, 1, (1,)) or arrays["home"].dtype != np.int32:
             raise ValueError("columns point, scales, free_slots or home have another shape or type")
@@ -384,7 +381,7 @@ class SlamMap:
         slam_map = cls(int(arrays["point"].shape[1]), arrays["scales"])
         slot_columns = (*_FEATURE_COLUMNS, "slot_keyframe", "feature_count")
         for table in (tuple(_KEYFRAME_COLUMNS), tuple(_POINT_COLUMNS), slot_columns):
-            lengths = {len(arrays[name]) for name in table if name in arrays or name != "inverse_sigma"}
+            lengths = {len(arrays[name]) for name in table}
             if len(lengths) != 1:
                 raise ValueError(f"columns {', '.join(table)} differ in length")
         slam_map.keyframe_count = len(arrays["keyframe_slot"])
@@ -396,11 +393,7 @@ class SlamMap:
         slam_map._slot_count = len(arrays["slot_keyframe"])
         slam_map._free_slots = [int(slot) for slot in arrays["free_slots"]]
         for name, old in slam_map._arrays.items():
-            saved = (
-                arrays.get(name, np.zeros(slam_map.point_count, np.float32))
-                if name == "inverse_sigma"
-                else arrays[name]
-            )
+            saved = arrays[name]
             if saved.shape[1:] != old.shape[1:] or saved.dtype != old.dtype:
                 raise ValueError(f"column {name} is {saved.dtype}{saved.shape}")
             fill = {**_FEATURE_COLUMNS, **_POINT_COLUMNS, **_KEYFRAME_COLUMNS}.get(name, ((), None, -1))[2]

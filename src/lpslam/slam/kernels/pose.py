@@ -54,8 +54,8 @@ def optimise_pose(
         rounds, iterations: rounds of outlier judgement, and Gauss-Newton steps at most in each.
 
     Returns:
-        The 4×4 pose, which observations are inliers (n,), which depths among them agree (n,), which rays do (m,), and the 6×6 information
-        matrix of the pose (translation, rotation; left perturbation in the camera frame).
+        The 4×4 pose, which observations are inliers (n,), which depths among them agree (n,), which rays do (m,), and
+        the 6×6 information matrix of the pose (translation, rotation; left perturbation in the camera frame).
     """
     n = points.shape[0]
     pose = camera_from_world.copy()

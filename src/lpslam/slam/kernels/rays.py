@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from lpslam.slam.kernels.reprojection import CHI2_PIXEL
 
-LEAST_COSINE_DEPTH = 0.05
+LEAST_AHEAD = 0.05
 """Of the length of a direction; a ray that points more aside of the camera than this is not seen."""
 
 
@@ -37,6 +37,16 @@ class RaySights(NamedTuple):
     information: NDArray[np.float32]
 
 
+NO_RAYS = RaySights(
+    np.empty((0, 3)),
+    np.empty((0, 3)),
+    np.empty(0),
+    np.empty(0),
+    np.empty((0, 2), np.float32),
+    np.empty(0, np.float32),
+)
+
+
 @njit(cache=True, nogil=True, fastmath={"contract"})
 def _terms(
     pose: NDArray[np.float64], i: int, rays: RaySights, intrinsics: NDArray[np.float64], point: NDArray[np.float64]
@@ -55,7 +65,7 @@ def _terms(
             moved += pose[a, b] * rays.origin[i, b]
         c[a] = moved
         point[a] = turned + rays.inverse[i] * moved
-    if point[2] < LEAST_COSINE_DEPTH:
+    if point[2] < LEAST_AHEAD:
         return 0.0, 0.0, 0.0, 0.0, -1.0
     w = 1.0 / point[2]
     x, y = point[0] * w, point[1] * w
@@ -159,7 +169,7 @@ def measure_inverse(
         rho, total, chi2 = mean[i], prior, np.inf
         for _ in range(6):
             z = turned[2] + rho * pose[2, 3]
-            if z < LEAST_COSINE_DEPTH:
+            if z < LEAST_AHEAD:
                 chi2 = np.inf
                 break
             x, y = (turned[0] + rho * pose[0, 3]) / z, (turned[1] + rho * pose[1, 3]) / z

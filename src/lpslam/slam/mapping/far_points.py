@@ -65,14 +65,16 @@ class FarPoints:
         world_from_camera = slam_map.world_from_keyframe(keyframe)
         positions = in_camera @ world_from_camera[:3, :3].T + world_from_camera[:3, 3]
         first = slam_map.add_points(keyframe, chosen.astype(np.int32), positions)
-        slam_map.inverse_sigma[first : slam_map.point_count] = sigma
+        slam_map.columns.inverse_sigma[first : slam_map.point_count] = sigma
         made[chosen] = np.arange(first, slam_map.point_count)
         return made
 
     def measure(self, keyframe: int) -> None:
         """Take what a keyframe tells of the points that are not sure yet; drop those that contradict themselves."""
         slam_map, m = self._map, self._map.columns
-        unsure = np.flatnonzero(slam_map.inverse_sigma[: slam_map.point_count] * m.point_alive[: slam_map.point_count])
+        unsure = np.flatnonzero(
+            slam_map.columns.inverse_sigma[: slam_map.point_count] * m.point_alive[: slam_map.point_count]
+        )
         # The keyframe that saw a point first holds its direction.
         gone = m.keyframe_slot[m.first_keyframe[unsure]] < 0
         graph.remove_points(m, unsure[gone].astype(np.int32))
@@ -80,7 +82,7 @@ class FarPoints:
         if slot < 0:
             return
         points = m.point[slot, : m.feature_count[slot]]
-        rows = np.flatnonzero((points >= 0) & (slam_map.inverse_sigma[points] > 0))
+        rows = np.flatnonzero((points >= 0) & (slam_map.columns.inverse_sigma[points] > 0))
         rows = rows[m.first_keyframe[points[rows]] != keyframe]
         if len(rows):
             self._measure(keyframe, points[rows].copy(), slot, rows)
@@ -101,7 +103,7 @@ class FarPoints:
             m.pixels[slot, rows],
             information.astype(np.float32),
             1.0 / depth,
-            slam_map.inverse_sigma[points].astype(np.float64),
+            slam_map.columns.inverse_sigma[points].astype(np.float64),
             self._sensor.intrinsics,
         )
         contradicts = (left > CHI2_PIXEL) | (mean + config.behind_sigmas * sigma < 0.0)
@@ -110,23 +112,23 @@ class FarPoints:
         points, mean, sigma = points[held], np.maximum(mean[held], 1.0 / config.farthest), sigma[held]
         in_world = np.einsum("nji,nj->ni", anchors[held, :3, :3], bearing[held] / mean[:, None])
         m.position[points] = world_from_anchor[held, :3, 3] + in_world
-        slam_map.inverse_sigma[points] = np.where(sigma < config.sure_share * mean, 0.0, sigma)
+        slam_map.columns.inverse_sigma[points] = np.where(sigma < config.sure_share * mean, 0.0, sigma)
         self._take_depths(keyframe, points, slot, rows[held])
         graph.refresh_points(m, points, slam_map.scales)
 
     def _take_depths(self, keyframe: int, points: _Rows, slot: int, rows: NDArray[np.int64]) -> None:
         """Points whose depth a keyframe has read stand there."""
         m = self._map.columns
-        read = np.flatnonzero(m.has_depth[slot, rows] & (self._map.inverse_sigma[points] > 0))
+        read = np.flatnonzero(m.has_depth[slot, rows] & (self._map.columns.inverse_sigma[points] > 0))
         in_camera = self._sensor.back_project(m.pixels[slot, rows[read]], m.depth[slot, rows[read]])
         world_from_camera = inverse_transform(m.camera_from_world[keyframe])
         m.position[points[read]] = in_camera @ world_from_camera[:3, :3].T + world_from_camera[:3, 3]
-        self._map.inverse_sigma[points[read]] = 0.0
+        self._map.columns.inverse_sigma[points[read]] = 0.0
 
     def forget_unsure(self) -> None:
         """The last keyframe has come: what stands nowhere yet is dropped."""
         living = self._map.living_points()
-        graph.remove_points(self._map.columns, living[self._map.inverse_sigma[living] > 0])
+        graph.remove_points(self._map.columns, living[self._map.columns.inverse_sigma[living] > 0])
 
 
 def _is_in_hole(
