@@ -177,7 +177,8 @@ class PictureConfig(Section):
     longest_gap: float = Field(default=1.0, gt=0)  # seconds between two keyframes; images of more share too little
     judged_first: int = Field(default=16, ge=1)  # ways round three keyframes that are looked at before ...
     judged_every: int = Field(default=8, ge=2)  # ... only one in so many keyframes: an alignment costs 9 ms
-    most_disagreement: float = Field(default=150.0, gt=0)  # χ² with the map; more is somebody who walks by
+    most_disagreement: float = Field(default=150.0, gt=0)  # χ² with the map; for more, most pixels must agree ...
+    unusual: float = Field(default=1.75, gt=1)  # ... and differ by less than so many times what is usual
     largest_excess: float = Field(default=1000.0, gt=0)  # of the variance that pictures say; beyond, they hold nothing
 
 
