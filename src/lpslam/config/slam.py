@@ -191,7 +191,7 @@ class FarPointConfig(Section):
     reach_share: float = Field(default=0.95, gt=0, le=1)  # ... by this quantile: the last few may be false
     hole_width: float = Field(default=0.025, gt=0)  # of the image's width; so far around a keypoint ...
     hole_share: float = Field(default=0.05, gt=0)  # ... fewer pixels than this have depth; edges and shadows have more
-    sure_share: float = Field(default=0.1, gt=0)  # of the inverse depth, below which its sigma makes a point sure
+    sure_share: float = Field(default=0.05, gt=0)  # of the inverse depth, below which its sigma makes a point sure
     behind_sigmas: float = Field(default=2.0, gt=0)  # behind infinity; such a point was matched wrongly or moves
     farthest: float = Field(default=1000.0, gt=0)  # metres at which what has no parallax is put
 

@@ -87,6 +87,9 @@ class LocalMapper:
         if change is not None:
             self._shutter.read_again(change)
             self._pictures.forget()
+            with self._map.lock:
+                # Steps had another length when they were placed.
+                self._far_points.forget_unsure()
         return self._shutter.apply() or change is not None
 
     def _adjust_part(self, keyframe: int) -> None:
