@@ -8,6 +8,7 @@ from slam_scenes import BASELINE_FX, CAMERA, SENSOR, disparities, points_ahead, 
 from lpslam.camera import inverse_transform, transform_points
 from lpslam.slam.kernels.geometry import exponential
 from lpslam.slam.kernels.pose import optimise_pose
+from lpslam.slam.kernels.rays import NO_RAYS
 from lpslam.slam.kernels.reprojection import CHI2_DEPTH, CHI2_PIXEL
 
 
@@ -29,10 +30,11 @@ class View:
     def optimise(
         self, guess: np.ndarray, rounds: int = 4, iterations: int = 10
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        return optimise_pose(
+        pose, inlier, depth_inlier, _, information = optimise_pose(
             guess, self.points, self.pixels, self.disparity, self.has_depth, self.pixel_information,
-            self.disparity_information, SENSOR.intrinsics, rounds, iterations,
+            self.disparity_information, NO_RAYS, SENSOR.intrinsics, rounds, iterations,
         )  # fmt: skip
+        return pose, inlier, depth_inlier, information
 
     def nearby(self, metres: float = 0.08, radians: float = 0.05) -> np.ndarray:
         """A first guess off by so much in a random direction."""
@@ -139,7 +141,7 @@ def test_depth_holds_the_distance_that_pixels_of_a_far_narrow_patch_cannot() -> 
         for with_depth, into in errors.items():
             pose, *_ = optimise_pose(
                 rigid([0.03, 0.0, 0.05], [0, 0.01, 0]), in_camera, pixels, disparity, np.full(60, with_depth),
-                np.ones(60, np.float32), information, SENSOR.intrinsics, 4, 10,
+                np.ones(60, np.float32), information, NO_RAYS, SENSOR.intrinsics, 4, 10,
             )  # fmt: skip
             into.append(abs(pose[2, 3]))
     assert np.median(errors[True]) < 0.004  # 1 cm over √60, with room
@@ -217,7 +219,7 @@ def test_two_rounds_agree_with_a_general_solver() -> None:
     best = least_squares(residuals, np.zeros(6), xtol=1e-12, ftol=1e-12, gtol=1e-12)
     pose, *_ = optimise_pose(
         view.nearby(0.02, 0.01), view.points, view.pixels, view.disparity, view.has_depth, view.pixel_information,
-        view.disparity_information, SENSOR.intrinsics, 2, 40,
+        view.disparity_information, NO_RAYS, SENSOR.intrinsics, 2, 40,
     )  # fmt: skip
     robust = exponential(best.x) @ view.truth
     kept = np.linalg.norm(view.pixels - CAMERA.project(transform_points(robust, view.points)), axis=1) ** 2 < CHI2_PIXEL

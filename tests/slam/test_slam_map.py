@@ -234,8 +234,9 @@ def test_arrays_are_copies() -> None:
 @pytest.mark.parametrize("name", sorted(walked(0).to_arrays()))
 def test_a_missing_or_misshapen_column_is_refused(name: str) -> None:
     arrays = walked(0).to_arrays()
-    with pytest.raises((KeyError, ValueError)):
-        SlamMap.from_arrays({key: array for key, array in arrays.items() if key != name})
+    if name != "inverse_sigma":
+        with pytest.raises((KeyError, ValueError)):
+            SlamMap.from_arrays({key: array for key, array in arrays.items() if key != name})
     wrong: list[np.ndarray] = [arrays[name][..., None]]
     if name not in ("scales", "free_slots", "loop_edges"):  # these may have any length, and the first two any numbers
         wrong += [arrays[name].astype(np.complex128), arrays[name][:-1]]
@@ -372,3 +373,18 @@ def test_columns_that_are_no_trajectory_are_refused(name: str, damage: Any) -> N
     arrays[name] = damage(arrays[name])
     with pytest.raises(ValueError, match=r"."):
         Trajectory.from_arrays(arrays)
+
+
+def test_a_map_without_uncertain_distances_has_sure_points() -> None:
+    arrays = walked(0).to_arrays()
+    del arrays["inverse_sigma"]
+    again = SlamMap.from_arrays(arrays)
+    assert not again.columns.inverse_sigma.any()
+
+
+@pytest.mark.parametrize("sigma", [-0.1, np.nan, np.inf])
+def test_an_impossible_uncertainty_is_refused(sigma: float) -> None:
+    arrays = walked(0).to_arrays()
+    arrays["inverse_sigma"][3] = sigma
+    with pytest.raises(ValueError, match="inverse_sigma"):
+        SlamMap.from_arrays(arrays)

@@ -17,6 +17,7 @@ from lpslam.config.serving import JobsConfig, ServingConfig, WatchingConfig
 from lpslam.config.slam import (
     DepthDelayConfig,
     DepthRangeConfig,
+    FarPointConfig,
     FeatureConfig,
     KeyframeConfig,
     LevellingConfig,
@@ -54,6 +55,7 @@ __all__ = [
     "DepthDelayConfig",
     "DepthRangeConfig",
     "EvaluationConfig",
+    "FarPointConfig",
     "FeatureConfig",
     "FocalCheckConfig",
     "GroundConfig",

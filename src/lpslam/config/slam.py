@@ -177,8 +177,23 @@ class PictureConfig(Section):
     longest_gap: float = Field(default=1.0, gt=0)  # seconds between two keyframes; images of more share too little
     judged_first: int = Field(default=16, ge=1)  # ways round three keyframes that are looked at before ...
     judged_every: int = Field(default=8, ge=2)  # ... only one in so many keyframes: an alignment costs 9 ms
-    most_disagreement: float = Field(default=150.0, gt=0)  # χ² with the map; more is somebody who walks by
+    most_disagreement: float = Field(default=150.0, gt=0)  # χ² with the map; for more, most pixels must agree ...
+    unusual: float = Field(default=1.75, gt=1)  # ... and differ by less than so many times what is usual
     largest_excess: float = Field(default=1000.0, gt=0)  # of the variance that pictures say; beyond, they hold nothing
+
+
+class FarPointConfig(Section):
+    """Points where no depth was read, of which the direction is known first and the distance later."""
+
+    most: int = Field(default=150, ge=0)  # made of one keyframe; 0: none
+    in_view: int = Field(default=500, ge=0)  # points a keyframe sees; with more, no far ones are needed
+    least_depths: int = Field(default=30, ge=1)  # keypoints with depth that tell how far the sensor reaches ...
+    reach_share: float = Field(default=0.95, gt=0, le=1)  # ... by this quantile: the last few may be false
+    hole_width: float = Field(default=0.025, gt=0)  # of the image's width; so far around a keypoint ...
+    hole_share: float = Field(default=0.05, gt=0)  # ... fewer pixels than this have depth; edges and shadows have more
+    sure_share: float = Field(default=0.05, gt=0)  # of the inverse depth, below which its sigma makes a point sure
+    behind_sigmas: float = Field(default=2.0, gt=0)  # behind infinity; such a point was matched wrongly or moves
+    farthest: float = Field(default=1000.0, gt=0)  # metres at which what has no parallax is put
 
 
 class TurningConfig(Section):
@@ -333,6 +348,7 @@ class SlamConfig(Section):
     tracking: TrackingConfig = TrackingConfig()
     surfaces: SurfaceConfig = SurfaceConfig()
     pictures: PictureConfig = PictureConfig()
+    far_points: FarPointConfig = FarPointConfig()
     turning: TurningConfig = TurningConfig()
     places: PlacesConfig = PlacesConfig()
     locating: LocatingConfig = LocatingConfig()

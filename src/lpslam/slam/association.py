@@ -10,6 +10,7 @@ from lpslam.slam.consensus import largest_consensus
 from lpslam.slam.features import Features
 from lpslam.slam.kernels import graph, matching, pose
 from lpslam.slam.map import SlamMap
+from lpslam.slam.rays import is_unsure, ray_sights, sway
 from lpslam.slam.sensor import SensorModel
 
 _Matrix = NDArray[np.float64]
@@ -42,6 +43,27 @@ class Estimate:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class _Sights:
+    """What keypoints see, m of them.
+
+    Attributes:
+        keypoints: (m,) rows of the view's keypoints.
+        positions: (m, 3) world frame.
+        spread: (m,) pixels² by which the projections are uncertain since the positions are.
+        points: (m,) ids of map points, or -1.
+    """
+
+    keypoints: NDArray[np.int64]
+    positions: _Matrix
+    spread: _Matrix
+    points: _Rows
+
+    def kept(self, chosen: NDArray[np.int64] | NDArray[np.bool_]) -> "_Sights":
+        """Some of them."""
+        return _Sights(self.keypoints[chosen], self.positions[chosen], self.spread[chosen], self.points[chosen])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class View:
     """The keypoints of a frame or keyframe, bucketed for window searches."""
 
@@ -68,12 +90,14 @@ class Predicted:
         projections: (m, 3) u, v, u_r.
         levels: (m,) the pyramid level at which each should be found.
         cosines: (m,) between the direction from which it was seen and this one.
+        sway: (m,) pixels by which it may stand beside, since its distance is not known.
     """
 
     points: _Rows
     projections: NDArray[np.float32]
     levels: _Rows
     cosines: NDArray[np.float32]
+    sway: _Matrix
 
 
 class Associator:
@@ -104,66 +128,65 @@ class Associator:
             spread: (m,) pixels² by which the projections are uncertain since the positions are; none where not given.
         """
         keypoints = np.flatnonzero(match >= 0)
-        seen = positions[match[keypoints]]
-        unsure = np.zeros(len(keypoints)) if spread is None else spread[match[keypoints]]
-        judges = self._judges(points[match[keypoints]])
-        camera_from_world, agreeing = self._refine(features, keypoints, guess, seen, unsure)
+        rows = match[keypoints]
+        unsure = np.zeros(len(keypoints)) if spread is None else spread[rows]
+        seen = _Sights(keypoints, positions[rows], unsure, points[rows])
+        judges = self._judges(seen.points)
+        camera_from_world, agreeing = self._refine(features, guess, seen)
         if not judges.all():
-            by_judges = self._by_judges(features, keypoints, guess, seen, unsure, judges)
+            by_judges = self._by_judges(features, guess, seen, judges)
             if by_judges is not None and np.count_nonzero(judges[by_judges[1]]) >= np.count_nonzero(judges[agreeing]):
                 camera_from_world, agreeing = by_judges
         heard = np.count_nonzero(judges[agreeing])
         if heard < self._config.doubtful_share * np.count_nonzero(judges):
             # Least squares is pulled by what moves near the camera, and by a guess that is far off; a majority is not.
-            majority = self._majority(features, keypoints, seen, unsure, np.flatnonzero(judges))
+            majority = self._majority(features, seen, judges)
             if majority is not None and np.count_nonzero(judges[majority[1]]) > heard:
                 camera_from_world, agreeing = majority
         if len(agreeing) < self._config.min_pose_inliers:
             return None
+        agreement, seen = float(judges[agreeing].sum() / judges.sum()), seen.kept(agreeing)
         held = np.full(features.rows, -1, np.int32)
-        held[keypoints[agreeing]] = points[match[keypoints[agreeing]]]
-        agreement = float(judges[agreeing].sum() / judges.sum())
+        held[seen.keypoints] = seen.points
         loose = np.full((features.rows, 4), np.nan)
-        is_loose = points[match[keypoints[agreeing]]] < 0
-        loose[keypoints[agreeing[is_loose]], :3] = seen[agreeing[is_loose]]
-        loose[keypoints[agreeing[is_loose]], 3] = unsure[agreeing[is_loose]]
+        others = seen.kept(seen.points < 0)
+        loose[others.keypoints, :3], loose[others.keypoints, 3] = others.positions, others.spread
         return Estimate(camera_from_world, held, len(agreeing), agreement, loose)
 
-    def _refine(
-        self, features: Features, keypoints: NDArray[np.int64], guess: _Matrix, seen: _Matrix, unsure: _Matrix
-    ) -> tuple[_Matrix, NDArray[np.int64]]:
-        """Robust least squares from a guess; the pose, and the rows of `keypoints` and `seen` (m, 3) that agree."""
-        information = self._sensor.pixel_information[features.octave[keypoints]]
-        camera_from_world, inlier, _, _ = pose.optimise_pose(
+    def _refine(self, features: Features, guess: _Matrix, sights: _Sights) -> tuple[_Matrix, NDArray[np.int64]]:
+        """Robust least squares from a guess; the pose, and the rows (of m sights) that agree."""
+        information = self._sensor.pixel_information[features.octave[sights.keypoints]]
+        is_ray = is_unsure(self._map, sights.points)
+        far = sights.kept(is_ray)
+        rays = ray_sights(self._map, far.points, features.pixels[far.keypoints], information[is_ray])
+        near, information = sights.kept(~is_ray), information[~is_ray]
+        keypoints = near.keypoints
+        agrees = np.empty(len(is_ray), np.bool_)
+        camera_from_world, agrees[~is_ray], _, agrees[is_ray], _ = pose.optimise_pose(
             guess,
-            seen,
+            near.positions,
             features.pixels[keypoints],
             features.pixels[keypoints, 0] - features.u_right[keypoints],
             features.has_depth[keypoints],
-            (information / (1.0 + unsure * information)).astype(np.float32),
+            (information / (1.0 + near.spread * information)).astype(np.float32),
             self._sensor.disparity_information(features.depth[keypoints]),
+            rays,
             self._sensor.intrinsics,
             self._config.pose_rounds,
             self._config.pose_iterations,
         )
-        return camera_from_world, np.flatnonzero(inlier)
+        return camera_from_world, np.flatnonzero(agrees)
 
     def _by_judges(
-        self,
-        features: Features,
-        keypoints: NDArray[np.int64],
-        guess: _Matrix,
-        seen: _Matrix,
-        unsure: _Matrix,
-        judges: NDArray[np.bool_],
+        self, features: Features, guess: _Matrix, sights: _Sights, judges: NDArray[np.bool_]
     ) -> tuple[_Matrix, NDArray[np.int64]] | None:
         """The judges' pose and who agrees with it, if most of the others do not: they move, and pull at the pose.
 
         Someone who walks by is new to the map again and again, and a step aside may explain him as well as all that
         stands far away.
         """
-        first, _ = self._refine(features, keypoints[judges], guess, seen[judges], unsure[judges])
-        pose, agreeing = self._agreeing_with(features, keypoints, seen, unsure, first)
+        first, _ = self._refine(features, guess, sights.kept(judges))
+        pose, agreeing = self._agreeing_with(features, sights, first)
         others = np.count_nonzero(~judges[agreeing])
         return (pose, agreeing) if others < self._config.contradicted_share * np.count_nonzero(~judges) else None
 
@@ -173,42 +196,34 @@ class Associator:
         return confirmed if np.count_nonzero(confirmed) >= self._config.min_judges else np.ones(len(points), np.bool_)
 
     def _majority(
-        self,
-        features: Features,
-        keypoints: NDArray[np.int64],
-        seen: _Matrix,
-        unsure: _Matrix,
-        judges: NDArray[np.int64],
+        self, features: Features, sights: _Sights, judges: NDArray[np.bool_]
     ) -> tuple[_Matrix, NDArray[np.int64]] | None:
-        """The pose on which most of the judges agree (rows of `keypoints` and `seen`), and all who agree with it."""
+        """The pose on which most of the judges agree, and all who agree with it."""
         config = self._config
-        pixels = features.pixels[keypoints]
+        asked = sights.kept(judges & ~is_unsure(self._map, sights.points))
         found = largest_consensus(
-            seen[judges], pixels[judges], self._sensor.intrinsics, config.majority_trials, config.majority_pixels
+            asked.positions,
+            features.pixels[asked.keypoints],
+            self._sensor.intrinsics,
+            config.majority_trials,
+            config.majority_pixels,
         )
         if found is None or len(found.rows) < config.min_motion_matches:
             return None
-        rows = judges[found.rows]
-        camera_from_world, _ = self._refine(
-            features, keypoints[rows], found.camera_from_world, seen[rows], unsure[rows]
-        )
-        return self._agreeing_with(features, keypoints, seen, unsure, camera_from_world)
+        camera_from_world, _ = self._refine(features, found.camera_from_world, asked.kept(found.rows))
+        return self._agreeing_with(features, sights, camera_from_world)
 
     def _agreeing_with(
-        self,
-        features: Features,
-        keypoints: NDArray[np.int64],
-        seen: _Matrix,
-        unsure: _Matrix,
-        camera_from_world: _Matrix,
+        self, features: Features, sights: _Sights, camera_from_world: _Matrix
     ) -> tuple[_Matrix, NDArray[np.int64]]:
         """A pose refined with all who stand where it puts them, and who they are."""
-        config, pixels = self._config, features.pixels[keypoints]
+        pixels = features.pixels[sights.keypoints]
         fx, fy, cx, cy, _ = self._sensor.intrinsics
-        x, y, z = (seen @ camera_from_world[:3, :3].T + camera_from_world[:3, 3]).T
+        x, y, z = (sights.positions @ camera_from_world[:3, :3].T + camera_from_world[:3, 3]).T
         projected = np.column_stack([fx * x, fy * y]) / np.maximum(z, 1e-3)[:, None] + [cx, cy]
-        near = np.flatnonzero(np.linalg.norm(projected - pixels, axis=1) < config.majority_pixels)
-        refined, agreeing = self._refine(features, keypoints[near], camera_from_world, seen[near], unsure[near])
+        allowed = self._config.majority_pixels + sway(self._map, sights.points, camera_from_world, fx)
+        near = np.flatnonzero(np.linalg.norm(projected - pixels, axis=1) < allowed)
+        refined, agreeing = self._refine(features, camera_from_world, sights.kept(near))
         return refined, near[agreeing]
 
     def optimise_on_map(
@@ -280,20 +295,20 @@ class Associator:
     def predict(self, candidates: _Rows, camera_from_world: _Matrix) -> Predicted:
         """Which of some map points (ids) a camera should see, and where."""
         m, sensor = self._map.columns, self._sensor
-        return Predicted(
-            *matching.project_candidates(
-                candidates,
-                m.position,
-                m.normal,
-                m.distance_range,
-                camera_from_world,
-                sensor.intrinsics,
-                sensor.image_size,
-                len(sensor.scales),
-                sensor.log_scale,
-                self._config.min_view_cosine,
-            )
+        points, projections, levels, cosines = matching.project_candidates(
+            candidates,
+            m.position,
+            m.normal,
+            m.distance_range,
+            camera_from_world,
+            sensor.intrinsics,
+            sensor.image_size,
+            len(sensor.scales),
+            sensor.log_scale,
+            self._config.min_view_cosine,
         )
+        aside = sway(self._map, points, camera_from_world, float(sensor.intrinsics[0]))
+        return Predicted(points, projections, levels, cosines, aside)
 
     def match_predicted(
         self, view: View, predicted: Predicted, taken: NDArray[np.bool_], widening: float = 1.0
@@ -309,9 +324,10 @@ class Associator:
         config = self._config
         frontal = predicted.cosines > config.frontal_cosine
         radius = widening * np.where(frontal, config.local_map_radius_frontal, config.local_map_radius)
+        aside = np.minimum(predicted.sway, config.motion_radius)
         match = matching.search_windows(
             predicted.projections,
-            (radius * self._sensor.scales[predicted.levels]).astype(np.float32),
+            (radius * self._sensor.scales[predicted.levels] + aside).astype(np.float32),
             predicted.levels - 1,
             predicted.levels,
             self._map.columns.point_descriptor[predicted.points],

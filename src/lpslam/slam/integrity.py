@@ -82,6 +82,8 @@ def _check_observations(a: dict[str, NDArray[Any]]) -> None:
     _require(_within(a["head"], -1, point.size), "head names an observation that does not exist")
     _require(_within(following, -1, point.size), "next_observation names an observation that does not exist")
     _require(_within(a["first_keyframe"], 0, len(a["keyframe_slot"])), "first_keyframe does not exist")
+    sigma = a["inverse_sigma"]
+    _require((np.isfinite(sigma) & (sigma >= 0.0)).all(), "inverse_sigma is no uncertainty")
 
     linked = np.flatnonzero(point >= 0)
     slot, feature = np.divmod(linked, capacity)

@@ -38,6 +38,7 @@ _POINT_COLUMNS: dict[str, tuple[tuple[int, ...], Any, float]] = {
     "observations": ((), np.int32, 0),
     "first_keyframe": ((), np.int32, -1),
     "point_alive": ((), np.bool_, 0),
+    "inverse_sigma": ((), np.float32, 0),
 }
 _KEYFRAME_COLUMNS: dict[str, tuple[tuple[int, ...], Any, float]] = {
     "camera_from_world": ((4, 4), np.float64, 0),
@@ -217,6 +218,7 @@ class SlamMap:
         with self.lock:
             seen_by = np.array([self.living_ancestor(keyframe)], np.int32)
             points = graph.points_of(self.columns, seen_by, self.point_count)
+            points = points[self.columns.inverse_sigma[points] == 0]
             return transform_points(self.camera_from_world(keyframe), self.columns.position[points])
 
     def features(self, keyframe: int) -> Features:
@@ -297,6 +299,7 @@ class SlamMap:
         """(n, 3) map frame, of the living points of the home sub-map."""
         points = self.living_points()
         at_home = self.submaps()[self._arrays["first_keyframe"][points]] == self.home
+        at_home &= self._arrays["inverse_sigma"][points] == 0
         return np.asarray(self._arrays["position"][points[at_home]])
 
     # The whole ---------------------------------------------------------------------------------------------------
@@ -368,6 +371,8 @@ class SlamMap:
         Raises:
             KeyError, ValueError: a column is missing, has another shape, or does not fit the others.
         """
+        # Maps of before 2026-12 have sure points alone.
+        arrays = {"inverse_sigma": np.zeros(len(arrays["head"]), np.float32), **arrays}
         shapes = (arrays["point"].ndim, arrays["scales"].ndim, arrays["free_slots"].ndim, arrays["home"].shape)
         if shapes != (2, 1, 1, (1,)) or arrays["home"].dtype != np.int32:
             raise ValueError("columns point, scales, free_slots or home have another shape or type")

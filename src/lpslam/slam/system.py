@@ -14,6 +14,7 @@ from lpslam.slam.advice import NO_ADVICE, LoopAdvisor
 from lpslam.slam.features import FeatureExtractor, gray_of
 from lpslam.slam.map import SlamMap
 from lpslam.slam.mapping.back_end import BackEnd, Beside, InStep
+from lpslam.slam.mapping.far_points import FarPoints
 from lpslam.slam.mapping.levelling import floor_normal, level_rotation
 from lpslam.slam.mapping.local_mapping import LocalMapper
 from lpslam.slam.mapping.whole_pictures import WholePictures
@@ -76,12 +77,14 @@ class RgbdSlam:
         locator = Locator(self.map, self.sensor, config.tracking, config.locating)
         relocaliser = Relocaliser(self.map, places, locator, config.tracking, config.locating, advisor)
         shutter = RollingShutter(self.sensor, self.map, config.tracking, config.shutter)
+        far_points = FarPoints(self.map, self.sensor, config.far_points)
         self._tracker = Tracker(
             extractor,
             self.sensor,
             self.map,
             relocaliser,
             shutter,
+            far_points,
             config,
             grows,
             self.events.append,
@@ -90,7 +93,7 @@ class RgbdSlam:
         )
         self._ranges = DepthRanges(self.map, self.sensor, config.features.max_depth, config.ranges)
         self._pictures = WholePictures(self.map, camera, self.sensor, config)
-        self._mapper = LocalMapper(self.map, self.sensor, shutter, self._ranges, self._pictures, config)
+        self._mapper = LocalMapper(self.map, self.sensor, shutter, self._ranges, self._pictures, far_points, config)
         self._loop_closer = LoopCloser(self.map, self.sensor, places, locator, config, advisor)
         self._back_end: BackEnd = (
             Beside(self._mapper, self._close_loops, self._loop_closer.interrupt)

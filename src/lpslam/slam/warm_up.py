@@ -17,6 +17,7 @@ from lpslam.slam.features import Features
 from lpslam.slam.kernels import bundle, graph, matching
 from lpslam.slam.kernels.geometry import median
 from lpslam.slam.map import SlamMap
+from lpslam.slam.mapping.far_points import FarPoints
 from lpslam.slam.mapping.local_mapping import LocalMapper
 from lpslam.slam.mapping.whole_pictures import WholePictures
 from lpslam.slam.places.index import PlaceIndex
@@ -139,7 +140,9 @@ def run_mapping() -> None:
     shutter = RollingShutter(sensor, slam_map, config.tracking, config.shutter)
     ranges = DepthRanges(slam_map, sensor, config.features.max_depth, config.ranges)
     pictures = WholePictures(slam_map, camera, sensor, config)
-    mapper = LocalMapper(slam_map, sensor, shutter, ranges, pictures, config)
+    mapper = LocalMapper(
+        slam_map, sensor, shutter, ranges, pictures, FarPoints(slam_map, sensor, config.far_points), config
+    )
     for k in range(3):
         camera_from_world = np.eye(4)
         camera_from_world[0, 3] = -0.1 * k
@@ -186,6 +189,7 @@ def _show(keyframes: KeyframeConfig, shifts: Sequence[int | None]) -> None:
     slam = RgbdSlam(_camera(), SlamConfig(keyframes=keyframes))
     picture = cv2.resize(np.random.default_rng(0).integers(0, 255, (64, 96, 3), np.uint8), (480, 320))
     depth = np.full((240, 320), 2.0, np.float32)
+    depth[:60] = 0.0  # there are points of which the direction alone is known
     for index, shift in enumerate(shifts):
         seen = np.zeros((240, 320, 3), np.uint8) if shift is None else picture[40:280, shift : shift + 320]
         slam.process(RgbdFrame(index, index / 30.0, np.ascontiguousarray(seen), depth))

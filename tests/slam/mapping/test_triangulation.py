@@ -21,7 +21,7 @@ from slam_scenes import (
 )
 
 from lpslam.camera import transform_points
-from lpslam.config import MappingConfig, SlamConfig, TrackingConfig
+from lpslam.config import FarPointConfig, MappingConfig, SlamConfig, TrackingConfig
 from lpslam.evaluation.trajectory import AteResult, absolute_trajectory_error
 from lpslam.frames import RgbdFrame
 from lpslam.poses import StampedPoses
@@ -343,13 +343,15 @@ class Walk:
             for frame in self.frames
         ]
 
-    def track(self, frames: list[RgbdFrame], neighbours: int) -> tuple[int, AteResult]:
+    def track(self, frames: list[RgbdFrame], neighbours: int, far_points: int = 0) -> tuple[int, AteResult]:
         """How many frames are tracked with so many neighbours searched for new points, and how well.
 
         Nothing carries the camera where the map does not hold it.
         """
         config = SlamConfig(
-            mapping=MappingConfig(triangulated_neighbours=neighbours), tracking=TrackingConfig(coast_seconds=0.0)
+            mapping=MappingConfig(triangulated_neighbours=neighbours),
+            far_points=FarPointConfig(most=far_points),
+            tracking=TrackingConfig(coast_seconds=0.0),
         )
         slam = RgbdSlam(self.camera, config)
         tracked = [slam.process(frame).is_tracked for frame in frames]
@@ -364,13 +366,17 @@ def walk() -> Walk:
     return Walk()
 
 
-def test_a_sensor_that_sees_three_metres_is_enough_with_triangulation_and_not_without(walk: Walk) -> None:
-    frames = walk.seen_to(3.0, after=1)
-    tracked, error = walk.track(frames, 10)
+@pytest.mark.parametrize(("neighbours", "far_points"), [(10, 0), (0, 150), (10, 150)])
+def test_a_sensor_that_sees_three_metres_is_enough(walk: Walk, neighbours: int, far_points: int) -> None:
+    tracked, error = walk.track(walk.seen_to(3.0, after=1), neighbours, far_points)
     assert tracked == WALK
     assert error.rmse < 0.012
     assert error.max < 0.03
-    # Without, flow carries some frames over, and the way is lost sooner or later.
+
+
+def test_a_sensor_that_sees_three_metres_is_not_enough_without_points_beyond(walk: Walk) -> None:
+    frames = walk.seen_to(3.0, after=1)
+    # Flow carries some frames over, and the way is lost sooner or later.
     tracked, error = walk.track(frames, 0)
     assert tracked < WALK
     assert error.count < 0.95 * WALK

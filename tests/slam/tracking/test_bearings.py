@@ -9,7 +9,7 @@ from disturbances import Clip, Disturbed, hardly_any_depth
 from slam_scenes import rigid
 
 from lpslam.camera import inverse_transform, transform_points
-from lpslam.config import MappingConfig, SlamConfig, TrackingConfig
+from lpslam.config import FarPointConfig, MappingConfig, SlamConfig, TrackingConfig
 from lpslam.evaluation.trajectory import absolute_trajectory_error
 from lpslam.poses import StampedPoses
 from lpslam.slam.state import EventKind, TrackedFrame, TrackingState
@@ -31,7 +31,9 @@ def clip(walk: Path) -> Clip:
 
 
 def run(clip: Clip, count: int = FRAMES, **tracking: int) -> tuple[RgbdSlam, list[TrackedFrame]]:
-    config = SlamConfig(tracking=TrackingConfig.model_validate(tracking), mapping=UNTRIANGULATED)
+    config = SlamConfig(
+        tracking=TrackingConfig.model_validate(tracking), mapping=UNTRIANGULATED, far_points=FarPointConfig(most=0)
+    )
     slam = RgbdSlam(clip.camera, config)
     frames = islice(Disturbed(clip, hardly_any_depth(FLAT.start, FLAT.stop)), count)
     return slam, [slam.process(frame) for frame in frames]

@@ -38,6 +38,7 @@ class MapColumns(NamedTuple):
         observations: (P,) how many keyframes observe the point.
         first_keyframe: (P,) the keyframe that created it.
         point_alive: (P,).
+        inverse_sigma: (P,) 1/m, by which the inverse depth in its first keyframe is uncertain; 0 of a sure point.
     """
 
     camera_from_world: NDArray[np.float64]
@@ -64,6 +65,7 @@ class MapColumns(NamedTuple):
     observations: NDArray[np.int32]
     first_keyframe: NDArray[np.int32]
     point_alive: NDArray[np.bool_]
+    inverse_sigma: NDArray[np.float32]
 
 
 @njit(cache=True, nogil=True)
@@ -129,7 +131,11 @@ def observed_in(m: MapColumns, point: int, slot: int) -> bool:
 
 @njit(cache=True, nogil=True)
 def merge_points(m: MapColumns, gone: int, kept: int) -> None:
-    """Hand the observations of one point to another and kill the first."""
+    """Hand the observations of one point to another and kill the first; where one stands somewhere, so do both."""
+    if m.inverse_sigma[gone] == 0.0 and m.inverse_sigma[kept] > 0.0:
+        m.inverse_sigma[kept] = 0.0
+        for a in range(3):
+            m.position[kept, a] = m.position[gone, a]
     capacity = m.point.shape[1]
     o = m.head[gone]
     m.head[gone] = -1
@@ -213,6 +219,7 @@ def add_points(
         m.observations[p] = 0
         m.first_keyframe[p] = keyframe
         m.point_alive[p] = True
+        m.inverse_sigma[p] = 0.0
         link(m, p, slot, features[i])
         refresh_view(m, p, scales)
 

@@ -19,7 +19,8 @@ def gather_bundle(
 ) -> tuple[BundleProblem, NDArray[np.int32], NDArray[np.int32]]:
     """The local adjustment around some keyframes: they and their points are free, other observers hold the frame.
 
-    A point with a single observation binds nothing and is left out; `apply_bundle` carries it along.
+    A point with a single observation, or of which the direction alone is known, binds nothing and is left out;
+    `apply_bundle` carries it along.
 
     Args:
         m: columns.
@@ -46,7 +47,7 @@ def gather_bundle(
     starts = np.zeros(candidates.shape[0] + 1, np.int64)
     n = 0
     for p in candidates:
-        if m.observations[p] >= 2:
+        if m.observations[p] >= 2 and m.inverse_sigma[p] == 0.0:
             points[n] = p
             starts[n + 1] = starts[n] + m.observations[p]
             n += 1
@@ -106,7 +107,7 @@ def apply_bundle(
 ) -> int:
     """Write an adjustment back; outlier observations are unlinked. Returns how many.
 
-    Points that only one keyframe sees move rigidly with it.
+    Points that only one keyframe sees move rigidly with it, and so do those of which it alone tells the direction.
     """
     capacity = m.point.shape[1]
     for row in range(problem.free_count):
@@ -120,7 +121,7 @@ def apply_bundle(
                 m.camera_from_world[k, a, b] = poses[row, a, b]
         for f in range(m.feature_count[slot]):
             p = m.point[slot, f]
-            if p >= 0 and m.observations[p] == 1:
+            if p >= 0 and (m.observations[p] == 1 or (m.inverse_sigma[p] > 0.0 and m.first_keyframe[p] == k)):
                 local = np.empty(3)
                 for a in range(3):
                     q = m.position[p]

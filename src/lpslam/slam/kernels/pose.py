@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from lpslam.slam.kernels.geometry import move
 from lpslam.slam.kernels.linear import solve_positive
+from lpslam.slam.kernels.rays import RaySights, add_ray_terms, judge_rays
 from lpslam.slam.kernels.reprojection import (
     CHI2_DEPTH,
     CHI2_PIXEL,
@@ -30,10 +31,11 @@ def optimise_pose(
     has_depth: NDArray[np.bool_],
     pixel_information: NDArray[np.float32],
     disparity_information: NDArray[np.float32],
+    rays: RaySights,
     intrinsics: NDArray[np.float64],
     rounds: int,
     iterations: int,
-) -> tuple[NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], NDArray[np.float64]]:
+) -> tuple[NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_], NDArray[np.float64]]:
     """Camera pose that minimises the robust reprojection error of fixed points.
 
     Rounds of Gauss-Newton, each from the pose that the last one found and judging outliers anew; the last round runs
@@ -47,17 +49,19 @@ def optimise_pose(
         disparity: (n,) observed u − u_r, pixels.
         has_depth: (n,) which disparities exist.
         pixel_information, disparity_information: (n,) 1/σ², per pixel².
+        rays: points whose distance is not known.
         intrinsics: (fx, fy, cx, cy, b·fx).
         rounds, iterations: rounds of outlier judgement, and Gauss-Newton steps at most in each.
 
     Returns:
-        The 4×4 pose, which observations are inliers (n,), which depths among them agree (n,), and the 6×6 information
-        matrix of the pose (translation, rotation; left perturbation in the camera frame).
+        The 4×4 pose, which observations are inliers (n,), which depths among them agree (n,), which rays do (m,), and
+        the 6×6 information matrix of the pose (translation, rotation; left perturbation in the camera frame).
     """
     n = points.shape[0]
     pose = camera_from_world.copy()
     inlier = np.ones(n, np.bool_)
     depth_inlier = has_depth.copy()
+    ray_inlier = np.ones(len(rays.inverse), np.bool_)
     hessians, gradients, damped = np.zeros((1, 6, 6)), np.zeros((1, 6)), np.empty((6, 6))
     hessian, gradient = hessians[0], gradients[0]
     for turn in range(rounds):
@@ -87,7 +91,8 @@ def optimise_pose(
                 add_pose_terms(x, y, z, m00, m02, m11, m12, m22, g0, g1, g2, 0, hessians, gradients)
                 cost += own_cost
             if used < 3:
-                return pose, np.zeros(n, np.bool_), np.zeros(n, np.bool_), hessian
+                return pose, np.zeros(n, np.bool_), np.zeros(n, np.bool_), np.zeros(len(ray_inlier), np.bool_), hessian
+            cost += add_ray_terms(pose, rays, ray_inlier, pixel_gate, intrinsics, hessian, gradient)
             for a in range(6):
                 for b in range(a):
                     hessian[a, b] = hessian[b, a]
@@ -124,4 +129,5 @@ def optimise_pose(
                 inlier[i] = off * pixel_information[i] <= CHI2_PIXEL
                 agrees = depth_off * disparity_information[i] <= CHI2_DEPTH
                 depth_inlier[i] = has_depth[i] and inlier[i] and agrees
-    return pose, inlier, depth_inlier, hessian
+        judge_rays(pose, rays, intrinsics, ray_inlier)
+    return pose, inlier, depth_inlier, ray_inlier, hessian

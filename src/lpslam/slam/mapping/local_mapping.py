@@ -7,9 +7,11 @@ from lpslam.config import SlamConfig
 from lpslam.slam.adjusting import Adjuster
 from lpslam.slam.kernels import fusing, graph
 from lpslam.slam.map import SlamMap
+from lpslam.slam.mapping.far_points import FarPoints
 from lpslam.slam.mapping.triangulation import Triangulator
 from lpslam.slam.mapping.whole_pictures import WholePictures
 from lpslam.slam.ranges.learning import DepthRanges
+from lpslam.slam.rays import without_unsure
 from lpslam.slam.sensor import SensorModel
 from lpslam.slam.shutter.straightening import RollingShutter
 
@@ -27,6 +29,7 @@ class LocalMapper:
         shutter: RollingShutter,
         ranges: DepthRanges,
         pictures: WholePictures,
+        far_points: FarPoints,
         config: SlamConfig,
     ) -> None:
         self._map = slam_map
@@ -34,6 +37,7 @@ class LocalMapper:
         self._shutter = shutter
         self._ranges = ranges
         self._pictures = pictures
+        self._far_points = far_points
         self._config = config.mapping
         self._close_depth = config.keyframes.close_depth
         self._adjuster = Adjuster(slam_map, sensor)
@@ -52,6 +56,7 @@ class LocalMapper:
             self._remember(self._born_in(keyframe), self._config.min_observations)
         self._remember(self._triangulator.process(keyframe), self._config.min_triangulated_observations)
         with self._map.lock:
+            self._far_points.measure(keyframe)
             neighbours = self._neighbours(keyframe)
         self._fuse(keyframe, neighbours)
         self._pictures.compare(keyframe)
@@ -70,9 +75,11 @@ class LocalMapper:
                 submaps = self._map.submaps()[everyone]
             self._ranges.learn(everyone)
             if not self._measure_anew():
-                return
+                break
             for part in np.unique(submaps):
                 self._adjust_part(int(everyone[submaps == part][0]))
+        with self._map.lock:
+            self._far_points.forget_unsure()
 
     def _measure_anew(self) -> bool:
         """Take other pixels and depths for what keyframes saw, where more has become known of the sensor."""
@@ -80,6 +87,9 @@ class LocalMapper:
         if change is not None:
             self._shutter.read_again(change)
             self._pictures.forget()
+            with self._map.lock:
+                # Steps had another length when they were placed.
+                self._far_points.forget_unsure()
         return self._shutter.apply() or change is not None
 
     def _adjust_part(self, keyframe: int) -> None:
@@ -143,13 +153,14 @@ class LocalMapper:
         )
         with slam_map.lock:
             own = graph.points_of(slam_map.columns, np.array([keyframe], np.int32), slam_map.point_count)
+            own = without_unsure(slam_map, own)
         for neighbour in neighbours:
             with slam_map.lock:
                 if slam_map.is_alive(int(neighbour)):
                     fusing.fuse_points(slam_map.columns, own, int(neighbour), *arguments)
         with slam_map.lock:
             theirs = graph.points_of(slam_map.columns, neighbours, slam_map.point_count)
-            fusing.fuse_points(slam_map.columns, theirs, keyframe, *arguments)
+            fusing.fuse_points(slam_map.columns, without_unsure(slam_map, theirs), keyframe, *arguments)
             own = graph.points_of(slam_map.columns, np.array([keyframe], np.int32), slam_map.point_count)
             graph.refresh_points(slam_map.columns, own, slam_map.scales)
 

@@ -1,5 +1,6 @@
 """Neighbouring keyframes compared as whole pictures: blur spoils corners long before it spoils these."""
 
+from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,6 +43,7 @@ class WholePictures:
         self._images: dict[int, NDArray[np.float32]] = {}
         self._newest: _Step | None = None
         self._count = 0
+        self._usual: deque[float] = deque(maxlen=_REMEMBERED)
 
     def keep(self, keyframe: int, gray: NDArray[np.uint8], depth: NDArray[np.float32]) -> None:
         """Keep the picture (h, w) of a keyframe with its depth, metres, until it has been compared."""
@@ -76,14 +78,26 @@ class WholePictures:
         with self._map.lock:
             if gap is not None:
                 relative.judge(gap)
-            # Pictures follow who walks by and fills the view; points know him by how they contradict one another.
-            if self._disagreement(step) < self._config.most_disagreement * relative.excess:
+            step_of_map = self._step_of_map(step.a, step.b)
+            error = logarithm(step_of_map @ inverse_transform(step.b_from_a))
+            is_denied = error @ step.information @ error > self._config.most_disagreement * relative.excess
+            if self._most_pixels_agree(step, step_of_map, is_denied=bool(is_denied)):
                 relative.add(step.a, step.b, step.b_from_a, step.information)
 
-    def _disagreement(self, step: _Step) -> float:
-        """χ² by which a step differs from the map's; the caller holds the lock."""
-        error = logarithm(self._step_of_map(step.a, step.b) @ inverse_transform(step.b_from_a))
-        return float(error @ step.information @ error)
+    def _most_pixels_agree(self, step: _Step, step_of_map: _Matrix, *, is_denied: bool) -> bool:
+        """Whether most pixels are as alike by a step as they usually are; by one that the map denies, more than by its.
+
+        Who walks by in a coat of strong contrasts takes the picture along; the faint wall behind him does not fit then.
+        The caller holds the lock.
+        """
+        a, b = self._images[step.a], self._images[step.b]
+        unlike = self._surfaces.unlikeness(a, b, step.b_from_a)
+        if not is_denied:
+            self._usual.append(unlike)
+            return True
+        usual = float(np.median(self._usual)) if self._usual else 0.0
+        is_usual = unlike < self._config.unusual * usual
+        return is_usual and unlike < self._surfaces.unlikeness(a, b, step_of_map)
 
     def _step_of_map(self, a: int, b: int) -> _Matrix:
         """Camera b from camera a (4×4) as the map has them; the caller holds the lock."""
@@ -132,6 +146,9 @@ class WholePictures:
         information = (vectors * np.maximum(values, _LEAST_INFORMATION)) @ vectors.T
         return _Step(a, b, aligned.image_from_reference, information)
 
+
+_REMEMBERED = 30
+"""Steps of which the usual unlikeness of pixels is the median."""
 
 _KEPT = 20
 """Keyframes whose pictures are kept: those of a doubted place wait so long."""

@@ -11,6 +11,7 @@ from lpslam.slam.consensus import largest_consensus
 from lpslam.slam.features import Features
 from lpslam.slam.kernels import graph, matching
 from lpslam.slam.map import SlamMap
+from lpslam.slam.rays import is_unsure
 from lpslam.slam.sensor import SensorModel
 
 _Matrix = NDArray[np.float64]
@@ -158,6 +159,8 @@ class Locator:
             rows.append(mapped)
             points.append(seen[mapped])
         ids, first = np.unique(np.concatenate(points), return_index=True)
+        sure = ~is_unsure(self._map, ids)
+        ids, first = ids[sure], first[sure]
         return np.concatenate(slots)[first], np.concatenate(rows)[first], ids.astype(np.int32)
 
     def _judge(self, features: Features, candidate: int, estimate: Estimate, points: _Rows, alike: _Alike) -> Located:
@@ -166,6 +169,7 @@ class Locator:
         expected = self._sensor.intrinsics[4] / (predicted.projections[:, 0] - predicted.projections[:, 2])
         hidden = _nearest_depth(features, predicted.projections[:, :2]) < (1 - self._config.hidden_share) * expected
         seeing = np.flatnonzero((estimate.points >= 0) & features.has_depth)
+        seeing = seeing[~is_unsure(self._map, estimate.points[seeing])]
         position = self._map.columns.position[estimate.points[seeing]]
         pose = estimate.camera_from_world
         z = position @ pose[2, :3] + pose[2, 3]

@@ -17,6 +17,7 @@ from lpslam.slam.carrying import inverses
 from lpslam.slam.kernels import fusing, graph
 from lpslam.slam.map import SlamMap
 from lpslam.slam.places import pose_graph
+from lpslam.slam.rays import without_unsure
 from lpslam.slam.sensor import SensorModel
 
 _Matrix = NDArray[np.float64]
@@ -217,7 +218,7 @@ class LoopCorrector:
         """Look for the points of some keyframes in others."""
         slam_map, sensor, mapping = self._map, self._sensor, self._mapping
         with slam_map.lock:
-            points = graph.points_of(slam_map.columns, seen_from, slam_map.point_count)
+            points = without_unsure(slam_map, graph.points_of(slam_map.columns, seen_from, slam_map.point_count))
         for keyframe in looked_for_in.tolist():
             with slam_map.lock:
                 if slam_map.is_alive(keyframe):

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from lpslam.camera import inverse_transform
 from lpslam.slam.kernels.geometry import exponential, logarithm
 from lpslam.slam.tracking.carrying_on import Doubtful, Told
+from lpslam.slam.tracking.motion import FARTHEST_AHEAD
 
 _Matrix = NDArray[np.float64]
 
@@ -50,6 +51,10 @@ class Coasting:
             return False
         # For a moment the motion is believed whatever its pace.
         return told is Told.NOTHING or (timestamp - self.since <= self.held_seconds and doubtful.metres <= self.metres)
+
+    def is_guess(self, timestamp: float) -> bool:
+        """Whether only the motion has told the way for longer than constant velocity is believed."""
+        return self.guessed_since is not None and timestamp - self.guessed_since >= FARTHEST_AHEAD
 
     def pass_over(self, index: int, timestamp: float, camera_from_keyframe: _Matrix, told: Told) -> None:
         """Take a frame with the pose that it has until it is known better."""

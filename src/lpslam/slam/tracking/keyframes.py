@@ -12,6 +12,7 @@ from lpslam.slam.association import Estimate
 from lpslam.slam.features import Features
 from lpslam.slam.kernels import graph
 from lpslam.slam.map import SlamMap
+from lpslam.slam.mapping.far_points import FarPoints
 from lpslam.slam.sensor import SensorModel
 
 
@@ -22,8 +23,9 @@ class Keyframes:
     the reference keyframe, that does not depend on how many keyframes have confirmed them.
     """
 
-    def __init__(self, slam_map: SlamMap, sensor: SensorModel, config: KeyframeConfig) -> None:
+    def __init__(self, slam_map: SlamMap, sensor: SensorModel, far_points: FarPoints, config: KeyframeConfig) -> None:
         self._map = slam_map
+        self._far_points = far_points
         self._sensor = sensor
         self._config = config
         self._last_time = -np.inf
@@ -78,7 +80,7 @@ class Keyframes:
         return bool(((apart < config.known_distance) & (cosine > np.cos(config.known_turn))).any())
 
     def add(self, frame: RgbdFrame, features: Features, estimate: Estimate, reference: int) -> tuple[int, Estimate]:
-        """Put a frame into the map and make points of its keypoints with depth.
+        """Put a frame into the map and make points of its keypoints: with depth, and where depth does not reach.
 
         Args:
             frame: to be added.
@@ -109,5 +111,7 @@ class Keyframes:
         )
         points = estimate.points.copy()
         points[chosen] = np.arange(first, first + len(chosen))
+        far = self._far_points.add(keyframe, frame.depth, features, points < 0)
+        points = np.where(far >= 0, far, points)
         self._last_time, self._most_matches, self._most_at = frame.timestamp, 0, frame.timestamp
         return keyframe, replace(estimate, points=points)

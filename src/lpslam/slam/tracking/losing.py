@@ -112,8 +112,11 @@ class Losing:
         told = self._carrying_on.told
         if not self._coasting.goes_on(frame.timestamp, told, self._carrying_on.doubtful):
             return None
+        if told is Told.NOTHING and self._shows_enough(picture) and self._coasting.is_guess(frame.timestamp):
+            # After a time without a view, one that fits nothing is of elsewhere.
+            return None
         self._coasting.pass_over(frame.index, frame.timestamp, camera_from_keyframe, told)
-        if self._unknown_since is None and picture.depths >= self._beginnings.patient_start_depths:
+        if self._unknown_since is None and self._shows_enough(picture):
             self._unknown_since = frame.timestamp
         reason = f"{_SAID[told]}: {self._quality.shown(picture)}"
         if where.state is not TrackingState.WEAK:
@@ -146,7 +149,7 @@ class Losing:
             where.tell(EventKind.LOST, frame, reason)
         where.state = TrackingState.LOST
         where.forget()
-        if picture.depths < self._beginnings.patient_start_depths or not self._grows:
+        if not self._shows_enough(picture) or not self._grows:
             self._unknown_since = None
         elif self._unknown_since is None:
             self._unknown_since = frame.timestamp
@@ -200,6 +203,10 @@ class Losing:
         if since is None or not self._grows or picture.depths < self._beginnings.min_start_depths:
             return False
         return self._carrying_on.doubtful.seconds > 0.0 and self._may_begin(picture, since)
+
+    def _shows_enough(self, picture: Picture) -> bool:
+        """Whether a frame shows as much as a patient camera begins a map with."""
+        return picture.depths >= self._beginnings.patient_start_depths
 
     def _may_begin(self, picture: Picture, since: float) -> bool:
         """Whether views have been unknown for long enough, since a time in seconds, and this one shows enough."""

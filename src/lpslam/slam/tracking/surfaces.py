@@ -147,6 +147,19 @@ class Surfaces:
                 return found
         return best
 
+    def unlikeness(self, reference: _Image, image: _Image, pose: _Matrix) -> float:
+        """Grey values by which most pixels of two small images differ at a pose (4×4, image from reference); median.
+
+        Infinite where they do not overlap.
+        """
+        level, residuals = self._level(reference, image, 0), np.empty((2, image[0].size))
+        brightness = float(np.median(reference[0]) - np.median(image[0])), _FIRST_SIGMA
+        hessian, gradient = np.empty((6, 6)), np.empty(6)
+        inside, _, _ = align_terms(
+            level.reference, level.image, level.intrinsics, pose, brightness, self._noise, hessian, gradient, residuals
+        )
+        return float(np.median(np.abs(residuals[0, :inside]))) if inside else np.inf
+
     def _starts(self, reference: _Image, image: _Image, guess: _Matrix, before: _Matrix | None) -> Iterator[_Matrix]:
         """Poses from which to align: the guess, and where the camera was, either also turned as the pictures lie."""
         intrinsics = self.images.intrinsics

@@ -20,6 +20,7 @@ from lpslam.slam.association import Associator, Estimate, View
 from lpslam.slam.delay import DepthDelay
 from lpslam.slam.features import FeatureExtractor, gray_of
 from lpslam.slam.map import SlamMap
+from lpslam.slam.mapping.far_points import FarPoints
 from lpslam.slam.places.relocalising import Relocaliser
 from lpslam.slam.sensor import SensorModel
 from lpslam.slam.shutter.revising import EarlyFrames
@@ -53,6 +54,7 @@ class Tracker:
         slam_map: where the frames are looked for; keyframes are added to it if the map `grows`.
         relocaliser: finds lost frames.
         shutter: straightens what is seen in motion.
+        far_points: makes points where no depth was read.
         config: all thresholds.
         grows: whether new places are mapped; else the map is only read.
         on_event: told every change of state.
@@ -67,6 +69,7 @@ class Tracker:
         slam_map: SlamMap,
         relocaliser: Relocaliser,
         shutter: RollingShutter,
+        far_points: FarPoints,
         config: SlamConfig,
         grows: bool = True,
         on_event: Callable[[SlamEvent], None] = lambda event: None,
@@ -88,7 +91,7 @@ class Tracker:
         self._where = where = Whereabouts(slam_map, on_event, state, slam_map.keyframe_count - 1)
         self._associator = associator = Associator(slam_map, sensor, config.tracking)
         self._search = LocalSearch(slam_map, associator, config.tracking)
-        self._keyframes = Keyframes(slam_map, sensor, config.keyframes)
+        self._keyframes = Keyframes(slam_map, sensor, far_points, config.keyframes)
         self._guesser = Guesser(extractor, sensor, slam_map, associator, where.motion, shutter, config)
         self._backtracking = Backtracking(extractor, sensor, slam_map, associator, self._search, shutter, config)
         self._anchoring = Anchoring(sensor, config.tracking)
