@@ -1,5 +1,6 @@
 """Whether the columns of a map fit together: kernels trust every row number that they meet."""
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,18 @@ _LATEST = 1e12
 """Seconds: beyond any clock."""
 _MOST_LEVELS, _LARGEST_SCALE = 64, 1e3
 """Of a pyramid of pictures."""
+
+
+def refuse_misshapen_columns(arrays: dict[str, NDArray[Any]], tables: Iterable[tuple[str, ...]]) -> None:
+    """Raise ValueError where a column has another shape than its like, or those of one table differ in length."""
+    shapes = (arrays["point"].ndim, arrays["scales"].ndim, arrays["free_slots"].ndim, arrays["home"].shape)
+    if shapes != (2, 1, 1, (1,)) or arrays["home"].dtype != np.int32:
+        raise ValueError("columns point, scales, free_slots or home have another shape or type")
+    if arrays["loop_edges"].shape[1:] != (2,) or arrays["loop_edges"].dtype != np.int32:
+        raise ValueError("column loop_edges has another shape or type")
+    for table in tables:
+        if len({len(arrays[name]) for name in table}) != 1:
+            raise ValueError(f"columns {', '.join(table)} differ in length")
 
 
 def refuse_broken_columns(arrays: dict[str, NDArray[Any]]) -> None:

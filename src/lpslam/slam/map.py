@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from lpslam.camera import inverse_transform, transform_points
 from lpslam.slam import carrying
 from lpslam.slam.features import Features
-from lpslam.slam.integrity import refuse_broken_columns
+from lpslam.slam.integrity import refuse_broken_columns, refuse_misshapen_columns
 from lpslam.slam.kernels import graph
 from lpslam.slam.kernels.graph import MapColumns
 from lpslam.slam.mapping.relative_poses import RelativePoses
@@ -371,19 +371,11 @@ class SlamMap:
         Raises:
             KeyError, ValueError: a column is missing, has another shape, or does not fit the others.
         """
-        # Maps of before 2026-12 have sure points alone.
+        # Maps of older versions have sure points alone.
         arrays = {"inverse_sigma": np.zeros(len(arrays["head"]), np.float32), **arrays}
-        shapes = (arrays["point"].ndim, arrays["scales"].ndim, arrays["free_slots"].ndim, arrays["home"].shape)
-        if shapes != (2, 1, 1, (1,)) or arrays["home"].dtype != np.int32:
-            raise ValueError("columns point, scales, free_slots or home have another shape or type")
-        if arrays["loop_edges"].shape[1:] != (2,) or arrays["loop_edges"].dtype != np.int32:
-            raise ValueError("column loop_edges has another shape or type")
-        slam_map = cls(int(arrays["point"].shape[1]), arrays["scales"])
         slot_columns = (*_FEATURE_COLUMNS, "slot_keyframe", "feature_count")
-        for table in (tuple(_KEYFRAME_COLUMNS), tuple(_POINT_COLUMNS), slot_columns):
-            lengths = {len(arrays[name]) for name in table}
-            if len(lengths) != 1:
-                raise ValueError(f"columns {', '.join(table)} differ in length")
+        refuse_misshapen_columns(arrays, (tuple(_KEYFRAME_COLUMNS), tuple(_POINT_COLUMNS), slot_columns))
+        slam_map = cls(int(arrays["point"].shape[1]), arrays["scales"])
         slam_map.keyframe_count = len(arrays["keyframe_slot"])
         slam_map.home = int(arrays["home"].item())
         slam_map.loop_edges = [(int(a), int(b)) for a, b in arrays["loop_edges"]]
