@@ -235,3 +235,33 @@ def test_in_a_map_that_grows_the_first_frame_is_looked_for_before_anything_is_ad
     assert set(mapping.map.submaps().tolist()) == {0}
     new = [mapping.map.frame_of(k)[0] for k in range(keyframes, mapping.map.keyframe_count)]
     assert min(new) >= 120
+
+
+# Carried away ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seconds", [0.33, 0.6])
+def test_a_view_of_elsewhere_after_a_time_without_one_gets_no_guessed_pose(clip: Clip, seconds: float) -> None:
+    """A hand over the lens while the camera is carried into another room: where it is now is not where it was going."""
+    slam = RgbdSlam(clip.camera)
+    frames = list(clip)[:20]
+    run_up = [slam.process(frame) for frame in frames]
+    assert run_up[-1].is_tracked
+    last = frames[-1]
+    dark = np.zeros_like(last.rgb)
+    count = round(seconds * 30)
+    for k in range(1, count + 1):
+        hidden = RgbdFrame(last.index + k, last.timestamp + k / 30, dark, np.zeros_like(last.depth))
+        slam.process(hidden)
+    random = np.random.default_rng(3)
+    wall = np.kron(random.integers(0, 255, (30, 40, 3)), np.ones((24, 24, 1))).astype(np.uint8)
+    height, width = last.depth.shape
+    elsewhere = RgbdFrame(
+        last.index + count + 1,
+        last.timestamp + (count + 1) / 30,
+        np.ascontiguousarray(wall[:height, :width]),
+        np.full((height, width), 1.7, np.float32),
+    )
+    tracked = slam.process(elsewhere)
+    assert tracked.world_from_camera is None
+    assert tracked.state is TrackingState.LOST
