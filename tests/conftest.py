@@ -3,6 +3,8 @@
 import fcntl
 import os
 import shutil
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -29,6 +31,21 @@ FRAMES = 120
 settings.register_profile("repeatable", derandomize=True, deadline=None)
 settings.register_profile("explore", deadline=None, max_examples=1000)
 settings.load_profile("repeatable")
+
+
+_COMPILED_FIRST = (
+    "from lpslam.slam.warm_up import warm_up; warm_up(lambda line: None)",
+    "from lpslam.config import SimulationConfig; from lpslam.simulation.source import MallSource;"
+    "mall = MallSource(7, 2, options=SimulationConfig(loop_length=26.0)); mall.frame(1), mall.sign_views",
+)
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Has the kernels compiled before there are workers: each would else compile all of them for itself."""
+    if getattr(config.option, "numprocesses", None) and not hasattr(config, "workerinput"):
+        compiling = [subprocess.Popen([sys.executable, "-c", code]) for code in _COMPILED_FIRST]
+        for each in compiling:
+            each.wait()
 
 
 _BY_FRAME = ("letter_pixels", "angle", "distance", "blur_pixels", "inside", "seen_share")
