@@ -7,6 +7,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ from lpslam.mapfile.language_map import LanguageMap
 from lpslam.simulation.source import GroundTruth, MallSource
 from lpslam.simulation.writer import write_sequence
 from lpslam.sources.open import open_source
+from lpslam.text.reading import networks
 
 FRAMES = 120
 
@@ -71,6 +73,15 @@ class _EverySecondFrame:
     def __iter__(self) -> Iterator[RgbdFrame]:
         for index in range(len(self)):
             yield replace(self._walk.frame(2 * index), index=index)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def networks_compiled_once() -> Iterator[None]:
+    """Each process compiles a network once; every spotter has requests of its own to it."""
+    compiled_model = networks.compiled_model
+    networks.compiled_model = cache(compiled_model)
+    yield
+    networks.compiled_model = compiled_model
 
 
 Once = Callable[[str, Callable[[Path], object]], Path]
