@@ -1,8 +1,8 @@
 # lpslam as a user without a home:
 #   docker build -t lpslam . && docker run --rm -v "$PWD:/data" lpslam info map.lpmap
 FROM python:3.12-slim
-# RealSense's library loads libusb; leave both out where there is no camera.
-RUN apt-get update && apt-get install -y --no-install-recommends libusb-1.0-0 && rm -rf /var/lib/apt/lists/*
+# RealSense's library loads libusb; leave both out where there is no camera. `simulate` and `demo` set letters by FriBiDi.
+RUN apt-get update && apt-get install -y --no-install-recommends libusb-1.0-0 libfribidi0 && rm -rf /var/lib/apt/lists/*
 COPY . /src
 RUN pip install --no-cache-dir '/src[phones,azure,realsense]' && rm -rf /src
 # Kernels are compiled for the processor that builds the image; on another kind they are compiled at the first start.

@@ -3,8 +3,11 @@
 import fcntl
 import os
 import shutil
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +24,7 @@ from lpslam.mapfile.language_map import LanguageMap
 from lpslam.simulation.source import GroundTruth, MallSource
 from lpslam.simulation.writer import write_sequence
 from lpslam.sources.open import open_source
+from lpslam.text.reading import networks
 
 FRAMES = 120
 
@@ -29,6 +33,21 @@ FRAMES = 120
 settings.register_profile("repeatable", derandomize=True, deadline=None)
 settings.register_profile("explore", deadline=None, max_examples=1000)
 settings.load_profile("repeatable")
+
+
+_COMPILED_FIRST = (
+    "from lpslam.slam.warm_up import warm_up; warm_up(lambda line: None)",
+    "from lpslam.config import SimulationConfig; from lpslam.simulation.source import MallSource;"
+    "mall = MallSource(7, 2, options=SimulationConfig(loop_length=26.0)); mall.frame(1), mall.sign_views",
+)
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Has the kernels compiled before there are workers: each would else compile all of them for itself."""
+    if getattr(config.option, "numprocesses", None) and not hasattr(config, "workerinput"):
+        compiling = [subprocess.Popen([sys.executable, "-c", code]) for code in _COMPILED_FIRST]
+        for each in compiling:
+            each.wait()
 
 
 _BY_FRAME = ("letter_pixels", "angle", "distance", "blur_pixels", "inside", "seen_share")
@@ -54,6 +73,15 @@ class _EverySecondFrame:
     def __iter__(self) -> Iterator[RgbdFrame]:
         for index in range(len(self)):
             yield replace(self._walk.frame(2 * index), index=index)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def networks_compiled_once() -> Iterator[None]:
+    """Each process compiles a network once; every spotter has requests of its own to it."""
+    compiled_model = networks.compiled_model
+    networks.compiled_model = cache(compiled_model)
+    yield
+    networks.compiled_model = compiled_model
 
 
 Once = Callable[[str, Callable[[Path], object]], Path]

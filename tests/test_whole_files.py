@@ -43,6 +43,32 @@ def test_two_writers_of_one_name_do_not_mix(tmp_path: Path) -> None:
     assert in_it(tmp_path) == ["map"]
 
 
+def test_what_a_killed_writer_left_is_removed_at_the_next_start(tmp_path: Path) -> None:
+    script = (
+        "import os, signal, sys, pathlib; from lpslam.whole_files import written_whole\n"
+        "folder = pathlib.Path(sys.argv[1])\n"
+        "with written_whole(folder / 'map') as part, written_whole(folder / 'bag', kept=folder / 'rest') as kept:\n"
+        "    part.mkdir()\n"
+        "    (part / 'half').write_text('half')\n"
+        "    kept.write_text('cannot be had again')\n"
+        "    os.kill(os.getpid(), signal.SIGKILL)\n"
+    )
+    subprocess.run([sys.executable, "-c", script, str(tmp_path)], check=False)
+    left, foreign, linked = in_it(tmp_path), ".lpslam-1-0123456789abcdef.part", ".lpslam-1-01234567.part"
+    assert sorted(Path(name).suffix for name in left) == [".kept", ".part"]
+    (tmp_path / foreign).write_text("of another machine")
+    (tmp_path / linked).symlink_to(foreign)
+    with written_whole(tmp_path / "map") as part:
+        part.write_text("being written")
+        refuse_unwritable(tmp_path / "map")
+        assert part.exists(), "its writer is alive"
+    gone = next(name for name in left if name.endswith(".part"))
+    assert in_it(tmp_path) == sorted({*left, foreign, linked, "map"} - {gone})
+    os.utime(tmp_path / foreign, (0, 0))
+    refuse_unwritable_folder(tmp_path / "new")
+    assert foreign not in in_it(tmp_path), "nobody has written it for a day"
+
+
 def test_of_a_link_what_it_leads_to_is_replaced(tmp_path: Path) -> None:
     (tmp_path / "disk").mkdir()
     (tmp_path / "disk" / "real").write_text("old")

@@ -90,7 +90,8 @@ def run(
     refuse_watching(mcap, rerun, foxglove, force, localize, [source, output, continued, trajectory])
     settings = config_of(config)
     frames = InOrder(
-        open_source(source, camera, max_frames, settings.calibration, topics_and_span(color, depth, info, start, end))
+        open_source(source, camera, max_frames, settings.calibration, topics_and_span(color, depth, info, start, end)),
+        settings.times,
     )
     base = map_for(localize, continued, frames.camera, settings)
     is_endless = camera_in(frames) is not None

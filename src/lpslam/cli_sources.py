@@ -50,13 +50,13 @@ def record(
 ) -> None:
     """Record a connected camera, without loss, until Ctrl-C."""
     from lpslam.errors import UserError
-    from lpslam.sources.live.opening import CAMERAS, is_camera, open_camera
+    from lpslam.sources.live.opening import addresses, is_camera, open_camera
     from lpslam.sources.writing.recordings import written
     from lpslam.views.printed import print_table
     from lpslam.views.run_progress import InterruptFlag, counting
 
     if not is_camera(camera):
-        raise UserError(f"{camera} is no camera; there are {', '.join(f'{name}:' for name in CAMERAS)}")
+        raise UserError(f"{camera} is no camera; there are {addresses()}")
     source = open_camera(camera, max_frames, backlog=_RECORDED_BACKLOG)
     with InterruptFlag() as interrupted, counting("recording") as progress:
         source.stop_when(interrupted.is_set)

@@ -5,8 +5,6 @@ from typing import Generic, TypeVar
 import numpy as np
 
 Item = TypeVar("Item")
-_SLOWER = 2.0
-"""Times the gap before: a gap up to this is the pace of a slow camera."""
 
 
 class Leaps(Generic[Item]):
@@ -16,15 +14,17 @@ class Leaps(Generic[Item]):
     follows it about as closely; so after a pause one frame waits for the next, and a slow camera's are not held.
 
     Args:
-        seconds: a frame that lies farther ahead of the one before waits.
+        seconds: a frame that lies farther ahead of the one before waits, ...
+        slower: ... unless it does by no more than so many times the gap before.
         latest: the time before the first; without, the first waits too.
 
     Attributes:
         held: what waits, with its time.
     """
 
-    def __init__(self, seconds: float, latest: float = -np.inf) -> None:
+    def __init__(self, seconds: float, slower: float, latest: float = -np.inf) -> None:
         self._seconds = seconds
+        self._slower = slower
         self._latest = latest
         self._gap = 0.0
         self.held: tuple[float, Item] | None = None
@@ -47,13 +47,13 @@ class Leaps(Generic[Item]):
         wrong: Item | None = None
         if self.held is not None:
             held_time, held = self.held
-            if -self._seconds <= time - held_time <= max(self._seconds, _SLOWER * self.ahead):
+            if -self._seconds <= time - held_time <= max(self._seconds, self._slower * self.ahead):
                 ready.append(held)
                 self._pass(held_time)
             else:
                 wrong = held
             self.held = None
-        if time - self._latest > max(self._seconds, _SLOWER * self._gap):
+        if time - self._latest > max(self._seconds, self._slower * self._gap):
             self.held = time, item
         else:
             ready.append(item)

@@ -149,8 +149,8 @@ def _frames_of(source: FrameSource, config: Config, live: bool, should_stop: Cal
     if camera is not None:
         camera.stop_when(should_stop)
         camera.backlog = config.live.backlog
-        return InOrder(source)
-    decoded = Prefetched(InOrder(source))
+        return InOrder(source, config.times)
+    decoded = Prefetched(InOrder(source, config.times))
     return Paced(decoded, config.live.backlog, should_stop) if live else decoded
 
 

@@ -1,11 +1,15 @@
 """Files that are written whole or not at all, and places that nothing can be written to, told before the work."""
 
+import hashlib
 import os
+import re
 import secrets
 import shutil
 import stat
+import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from functools import cache
 from pathlib import Path
 
 from lpslam.errors import UserError
@@ -24,13 +28,13 @@ def written_whole(
         path: where to; nothing, a file, or an empty folder for a folder.
         what: what it is, as it stands before its name in errors ("map").
         remedy: the end of the error.
-        kept: where a part goes that cannot be had again; removed without.
+        kept: where a part goes that cannot be had again; removed without. Neither does `refuse_unwritable` remove it.
 
     Raises:
         UserError: it cannot be written.
     """
     target = Path(os.path.realpath(path))
-    part = _beside(target)
+    part = _beside(target, "part" if kept is None else "kept")
     try:
         try:
             yield part
@@ -47,6 +51,8 @@ def written_whole(
 
 def refuse_unwritable(path: Path, what: str = "") -> None:
     """Refuse, before the work for it is done, a place where no file can be written.
+
+    What writers that were killed have left in its folder is removed.
 
     Args:
         path: of the file that is to be.
@@ -83,7 +89,8 @@ def refuse_unwritable_folder(folder: Path, what: str = "") -> None:
 
 def _try_out(folder: Path, name: str) -> None:
     """Make a file there, and remove it: permissions do not tell what a system of files allows."""
-    trial = _beside(folder / "trial")
+    _remove_stale(folder)
+    trial = _beside(folder / "trial", "part")
     try:
         trial.touch(exist_ok=False)
         trial.unlink()
@@ -91,9 +98,54 @@ def _try_out(folder: Path, name: str) -> None:
         raise UserError(f"{name} cannot be written ({error.strerror}); choose another place") from error
 
 
-def _beside(target: Path) -> Path:
+def _beside(target: Path, ending: str) -> Path:
     """A name of its own for each writer; short, since that of `target` may be as long as names can be."""
-    return target.with_name(f".lpslam-{os.getpid()}-{secrets.token_hex(4)}.part")
+    return target.with_name(f".lpslam-{os.getpid()}-{_here()}{secrets.token_hex(4)}.{ending}")
+
+
+_PART = re.compile(r"\.lpslam-(\d+)-([0-9a-f]{8})?[0-9a-f]{8}\.part")
+
+_LONG_AGO = 86400.0
+"""Seconds without a change after which a part is nobody's, wherever its writer ran: writers write all the time."""
+
+
+@cache
+def _here() -> str:
+    """Eight hexadecimal digits of where numbers of processes mean the same as here; none where that is not told."""
+    try:
+        boot = Path("/proc/sys/kernel/random/boot_id").read_text(encoding="ascii")
+        return hashlib.sha256(f"{boot}{os.stat('/proc/self/ns/pid').st_ino}".encode()).hexdigest()[:8]
+    except OSError:
+        return ""
+
+
+def _remove_stale(folder: Path) -> None:
+    """Remove this user's parts in a folder whose writers are gone; what cannot be removed does not matter."""
+    with suppress(OSError), os.scandir(folder) as entries:
+        for entry in entries:
+            named = _PART.fullmatch(entry.name)
+            if named is not None and not entry.is_symlink():
+                is_own = not hasattr(os, "geteuid") or entry.stat().st_uid == os.geteuid()
+                if is_own and (_is_gone(int(named[1]), named[2]) or _is_old(Path(entry.path))):
+                    _remove(Path(entry.path))
+
+
+def _is_gone(process: int, where: str | None) -> bool:
+    """Whether a process ran here and does no more."""
+    if not where or where != _here():
+        return False
+    try:
+        os.kill(process, 0)
+    except (ProcessLookupError, OverflowError):
+        return True
+    except OSError:
+        return False
+    return False
+
+
+def _is_old(part: Path) -> bool:
+    newest = max(each.stat().st_mtime for each in [part, *part.rglob("*")])
+    return time.time() - newest > _LONG_AGO
 
 
 def _remove(part: Path) -> None:

@@ -40,3 +40,11 @@ def test_result_is_seen_short_and_stable(text: str, limit: int) -> None:
     assert clean == clean.strip()
     assert all(unicodedata.category(ch) not in {"Cc", "Cf", "Cn", "Co", "Cs"} for ch in clean)
     assert clean_text(clean, limit) == clean
+
+
+def test_bytes_of_letters_are_letters() -> None:
+    """As a system whose locale is ASCII passes them on."""
+    question = "哪里有咖啡？"
+    assert clean_text(question.encode().decode("ascii", "surrogateescape")) == clean_text(question)
+    assert clean_text("caf\udcc3\udca9 \udcff") == "café"
+    assert clean_text("a\ud800b") == "ab"

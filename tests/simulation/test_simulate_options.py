@@ -35,6 +35,17 @@ def test_what_no_mall_can_be_is_one_clear_line(lpslam: Command, tmp_path: Path, 
     assert not (tmp_path / "mall").exists()
 
 
+@pytest.mark.parametrize(
+    ("option", "value", "said"),
+    [("--duplicates", 10**9, "can repeat another one; ask for fewer"), ("--frames", 10**15, "108000, an hour's")],
+)
+def test_more_than_a_mall_holds_is_one_clear_line(
+    lpslam: Command, tmp_path: Path, option: str, value: int, said: str
+) -> None:
+    assert said in lpslam("simulate", tmp_path / "mall", option, value).complaint
+    assert not (tmp_path / "mall").exists()
+
+
 @pytest.mark.slow
 def test_a_world_of_a_seed(lpslam: Command, tmp_path: Path) -> None:
     options = ("--world", 5, "--frames", 3, "--factor", "place=corridor", "--factor", "size=320x240", "--json")

@@ -101,7 +101,7 @@ def write_stray(folder: Path) -> Path:
 
 
 def write_record3d(path: Path) -> Path:
-    liblzfse = pytest.importorskip("liblzfse")
+    lzfse = pytest.importorskip("lzfse")
     size = 4 * WIDTH, 4 * HEIGHT
     with zipfile.ZipFile(path, "w") as archive:
         matrix = [4 * FOCAL, 0, 0, 0, 4 * FOCAL, 0, 2.0 * WIDTH, 2.0 * HEIGHT, 1]
@@ -112,7 +112,7 @@ def write_record3d(path: Path) -> Path:
             depth = metres(number)
             depth[depth == 0] = np.nan
             archive.writestr(f"rgbd/{number}.jpg", jpeg(colour(number, *size)))
-            archive.writestr(f"rgbd/{number}.depth", liblzfse.compress(depth.astype("<f4").tobytes()))
+            archive.writestr(f"rgbd/{number}.depth", lzfse.compress(depth.astype("<f4").tobytes()))
     return path
 
 

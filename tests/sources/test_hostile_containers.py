@@ -354,14 +354,14 @@ def test_a_matroska_is_no_playlist(tmp_path: Path) -> None:
 
 
 def test_depth_that_unpacks_to_gigabytes_is_a_fault(tmp_path: Path) -> None:
-    liblzfse = pytest.importorskip("liblzfse")
+    lzfse = pytest.importorskip("lzfse")
     place = write_record3d(tmp_path / "walk.r3d")
-    blocks = liblzfse.compress(bytes(1 << 27))[:-4]
+    blocks = lzfse.compress(bytes(1 << 27))[:-4]
     with zipfile.ZipFile(place) as archive:
         members = {name: archive.read(name) for name in archive.namelist()}
     members["rgbd/0.depth"] = blocks + b"bvx$"
     # Blocks that say that they are small: who unpacks them does not ask.
-    lie = bytearray(liblzfse.compress(bytes(1 << 24)))
+    lie = bytearray(lzfse.compress(bytes(1 << 24)))
     struct.pack_into("<I", lie, 4, 10)
     members["rgbd/1.depth"] = bytes(lie[:-4]) * 100 + b"bvx$"
     with zipfile.ZipFile(place, "w") as archive:
@@ -374,7 +374,7 @@ def test_depth_that_unpacks_to_gigabytes_is_a_fault(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("size", [{"dh": -48, "dw": -64}, {"dh": 0, "dw": 0}, {"dh": 10**9, "dw": 1}])
 def test_a_depth_image_has_a_size(tmp_path: Path, size: dict[str, int]) -> None:
-    pytest.importorskip("liblzfse")
+    pytest.importorskip("lzfse")
     place = write_record3d(tmp_path / "walk.r3d")
     restate(**size)(place)
     assert "no recording of Record3D" in complaint(place)

@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lpslam.camera import PinholeCamera
+from lpslam.config import TimesConfig
 from lpslam.errors import UserError
 from lpslam.frames import FrameFault, FrameSource, RgbdFrame
 from lpslam.sources.in_order import InOrder
@@ -82,6 +83,15 @@ def test_two_wrong_times_in_a_row_cost_two_frames(wrong: tuple[float, float]) ->
     source = InOrder(Listed([0.0, 0.1, 0.2, *wrong, 0.5, 0.6, 0.7]))
     assert [frame.index for frame in source] == [0, 1, 2, 5, 6, 7]
     assert [fault.index for fault in source.faults] == [3, 4]
+
+
+def test_what_counts_as_a_leap_and_as_hanging_is_configured() -> None:
+    times: list[float | None] = [0.0, 0.1, 0.2, 6.0, 0.3, 0.4]
+    used = [frame.index for frame in InOrder(Listed(times), TimesConfig(recorded_leap_s=10.0))]
+    assert used == [0, 1, 2, 3]
+    assert [frame.index for frame in InOrder(Listed(times[:3], shown={2: 1}), TimesConfig(repeats=0))] == [0, 1]
+    last = InOrder(Listed([0.0, 0.1, 0.2, 6.0]), TimesConfig(last_leap_s=5.0))
+    assert [frame.index for frame in last] == [0, 1, 2]
 
 
 def test_a_late_frame_tells_nothing_of_one_that_leaps() -> None:

@@ -15,6 +15,11 @@ def refused(lpslam: Command, recording: Path) -> str:
     return complaint
 
 
+def test_a_camera_that_is_not_known(lpslam: Command, tmp_path: Path) -> None:
+    complaint = lpslam("run", "oak:", "-o", tmp_path / "refused.lpmap").complaint
+    assert complaint == "oak: is no camera; there are realsense:"
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_bag_without_depth(lpslam: Command, tmp_path: Path, kind: str) -> None:
     bag = write(tmp_path / f"walk.{kind}", lambda types: walk(types, depth=False))

@@ -85,6 +85,7 @@ __all__ = [
     "SpottingConfig",
     "SurfaceConfig",
     "TextConfig",
+    "TimesConfig",
     "TrackingConfig",
     "TurningConfig",
     "WatchingConfig",
@@ -266,6 +267,21 @@ class CameraMatchConfig(Section):
     distortion_pixels: float = Field(default=5.0, gt=0)
 
 
+class TimesConfig(Section):
+    """Frames whose times leap ahead: one corrupt stamp must not make all that follow come too late."""
+
+    # Seconds after the frame before from which a recording's frame waits for the next, which tells whether it is true.
+    recorded_leap_s: float = Field(default=1.0, gt=0)
+    # The same of frames that come one by one: longer than a robot's pictures stay away, but when it rests.
+    stepped_leap_s: float = Field(default=10.0, gt=0)
+    # Seconds from which a recording's last frame, which none confirms, is left out: one played live would wait so long.
+    last_leap_s: float = Field(default=10.0, gt=0)
+    # Times the gap before it: a gap up to this is the pace of a slow camera.
+    slower: float = Field(default=2.0, ge=1)
+    # Times that a picture may come again, byte for byte: a slow camera does that, one that hangs goes on.
+    repeats: int = Field(default=1, ge=0)
+
+
 class LiveConfig(Section):
     """Frames as they come from a camera."""
 
@@ -288,6 +304,8 @@ class Config(Section):
     language: LanguageConfig = LanguageConfig()
 
     evaluation: EvaluationConfig = EvaluationConfig()
+
+    times: TimesConfig = TimesConfig()
 
     live: LiveConfig = LiveConfig()
 

@@ -178,8 +178,16 @@ class PictureConfig(Section):
     judged_first: int = Field(default=16, ge=1)  # ways round three keyframes that are looked at before ...
     judged_every: int = Field(default=8, ge=2)  # ... only one in so many keyframes: an alignment costs 9 ms
     most_disagreement: float = Field(default=150.0, gt=0)  # χ² with the map; for more, most pixels must agree ...
-    unusual: float = Field(default=1.75, gt=1)  # ... and differ by less than so many times what is usual
+    unusual: float = Field(default=1.75, gt=1)  # ... and differ by less than so many times the ...
+    remembered_steps: int = Field(default=30, ge=1)  # ... median of the newest steps that it did not deny
     largest_excess: float = Field(default=1000.0, gt=0)  # of the variance that pictures say; beyond, they hold nothing
+    # Times the variance that ways round show: what is wrong alike in all three (lens, scale, delay) closes them too.
+    unseen_errors: float = Field(default=15.0, ge=1)
+    remembered_gaps: int = Field(default=100, ge=1)  # newest ways round, of which the median is taken
+    # χ² (six degrees of freedom) of a way round before any is known: pixels share their errors with five around them;
+    supposed_gap: float = Field(default=25.0, gt=0)
+    supposed_gaps: int = Field(default=5, ge=1)  # ... and for how many ways round that counts
+    kept_pictures: int = Field(default=20, ge=2)  # keyframes: those of a doubted place wait so long
 
 
 class FarPointConfig(Section):

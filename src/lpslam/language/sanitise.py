@@ -13,9 +13,12 @@ def clean_text(text: str, limit: int = 500) -> str:
     """Return `text` in NFKC, on one line, without unseen characters and at most `limit` code points long.
 
     Control, bidirectional and zero-width characters go, every run of white space becomes one space. Case, script and
-    punctuation stay as painted. The function is idempotent; the result may be empty.
+    punctuation stay as painted. What a system whose locale knows no letters but ASCII's passes on byte by byte
+    (`surrogateescape`) is read as UTF-8. The function is idempotent; the result may be empty.
     """
     head = text[: max(limit, 0) * _READ_AHEAD]
+    if not head.isascii() and not head.isprintable():
+        head = _of_bytes(head)
     # Nearly every string is printable as it is.
     seen = (
         head
@@ -26,3 +29,11 @@ def clean_text(text: str, limit: int = 500) -> str:
     )
     composed = " ".join(unicodedata.normalize("NFKC", seen).split())
     return composed[: max(limit, 0)].strip()
+
+
+def _of_bytes(text: str) -> str:
+    """The same with letters for the bytes of letters, PEP 383."""
+    try:
+        return text.encode("utf-8", "surrogateescape").decode("utf-8", "ignore")
+    except UnicodeEncodeError:
+        return text

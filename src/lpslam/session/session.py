@@ -175,7 +175,7 @@ class Session:
             if self._screen is None:
                 refuse_no_metres(metres)
                 step = self._take_picture((seconds, colour, metres))
-                self._screen = TimeScreen(seconds)
+                self._screen = TimeScreen(self._config.times, seconds)
                 return step
             return self._screen.steps((seconds, colour, metres), self._take_picture, self._first_index + self.frames)
 

@@ -5,25 +5,25 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from lpslam.config import TimesConfig
 from lpslam.leaps import Leaps
 from lpslam.session.step import Step
 from lpslam.slam.state import TrackedFrame, TrackingState
 
 Picture = tuple[float, NDArray[np.uint8], NDArray[np.float32]]
 """Seconds, colour and depth of a frame that is not taken yet."""
-LEAP = 10.0
-"""Seconds: longer than a robot's pictures stay away, but when it rests; then one frame waits."""
 
 
 class TimeScreen:
     """Lets one wrong time cost one frame, and not all that follow, which would come too late.
 
     Args:
+        config: thresholds.
         first: seconds; the time of the first frame, which is taken as it is.
     """
 
-    def __init__(self, first: float) -> None:
-        self._leaps: Leaps[Picture] = Leaps(LEAP, first)
+    def __init__(self, config: TimesConfig, first: float) -> None:
+        self._leaps: Leaps[Picture] = Leaps(config.stepped_leap_s, config.slower, first)
         self._wrong = 0
 
     @property

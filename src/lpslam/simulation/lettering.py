@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from PIL import Image as PilImage
 from PIL import ImageDraw, ImageFont
 
-from lpslam.assets import font_path
 from lpslam.simulation import textures
+from lpslam.simulation.fonts import sign_font
 
 Image = NDArray[np.uint8]
 Rgb = tuple[int, int, int]
@@ -144,9 +144,9 @@ def _font_for(rng: np.random.Generator, line: str, style: str) -> str:
 
 def _font(name: str, letter_height: float, chinese: bool) -> ImageFont.FreeTypeFont:
     """The font at which a capital (or a Chinese character) is `letter_height` pixels high."""
-    probe = ImageFont.truetype(str(font_path(name)), 200)
+    probe = sign_font(name, 200)
     _, top, _, bottom = probe.getbbox("国" if chinese else "H")
-    return ImageFont.truetype(str(font_path(name)), 200 * letter_height / (bottom - top))
+    return sign_font(name, 200 * letter_height / (bottom - top))
 
 
 def _ink_width(line: str, name: str, height: float) -> float:

@@ -25,6 +25,7 @@ TARGET_BRIGHTNESS = 118.0  # mean grey value that the exposure aims at
 MAX_GAIN = 2.0  # the exposure cannot do more: a dark mall stays dark
 EXPOSURE_LAG = 0.06  # share by which the exposure moves to its aim every frame
 THREADS = 2
+MOST_FRAMES = 108_000  # an hour: the whole walk is planned before the first frame, at 240 poses a second
 LOOK_AHEAD = 4  # frames drawn ahead of the reader
 
 
@@ -183,7 +184,8 @@ class MallSource(WalkSource):
         visit: which walk through that world with that camera; each begins elsewhere and goes at its own pace.
 
     Raises:
-        UserError: `frames` is not positive, or `seed` or `visit` is negative.
+        UserError: `frames` is not positive or more than an hour, `seed` or `visit` is negative, or more signs should
+            repeat another one than there are.
     """
 
     def __init__(
@@ -191,12 +193,19 @@ class MallSource(WalkSource):
     ) -> None:
         if frames is not None and frames < 1:
             raise UserError(f"simulation: frames is {frames}; it must be at least 1")
+        if frames is not None and frames > MOST_FRAMES:
+            raise UserError(f"simulation: {frames} frames are too many; {MOST_FRAMES}, an hour's, are the most")
         if seed < 0:
             raise UserError(f"simulation: seed is {seed}; it must be 0 or more")
         if visit < 0:
             raise UserError(f"simulation: visit is {visit}; it must be 0 or more")
         options = options or SimulationConfig()
         mall = build_mall(seed, options)
+        if options.duplicates >= len(mall.signs):
+            raise UserError(
+                f"simulation: duplicates is {options.duplicates}; this mall has {len(mall.signs)} signs, of which at "
+                f"most {len(mall.signs) - 1} can repeat another one; ask for fewer, or for a larger mall"
+            )
         walk = stroll(seed, mall.layout, mall.signs, options, frames, visit)
         super().__init__(f"mall-{seed}", seed, mall, walk, options, visit)
 

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.camera import inverse_transform, transform_points
+from lpslam.config import PictureConfig
 from lpslam.slam import carrying
 from lpslam.slam.features import Features
 from lpslam.slam.integrity import refuse_broken_columns, refuse_misshapen_columns
@@ -78,7 +79,7 @@ class SlamMap:
         self.home = 0
         self.loop_edges: list[tuple[int, int]] = []
         self.depth_curve = DepthCurve.straight()
-        self.relative_poses = RelativePoses()
+        self.relative_poses = RelativePoses(PictureConfig())
         self._capacity = features_per_keyframe
         self._arrays: dict[str, NDArray[Any]] = {}
         for table, rows in ((_KEYFRAME_COLUMNS, 64), (_POINT_COLUMNS, 8192)):

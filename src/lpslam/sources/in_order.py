@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from lpslam.config import TimesConfig
 from lpslam.errors import UserError
 from lpslam.frames import FrameFault, FrameSource, PassedOn, RgbdFrame
 from lpslam.leaps import Leaps
@@ -20,10 +21,12 @@ class InOrder(PassedOn):
 
     Args:
         source: where the frames come from.
+        config: thresholds; defaults without.
     """
 
-    def __init__(self, source: FrameSource) -> None:
+    def __init__(self, source: FrameSource, config: TimesConfig | None = None) -> None:
         super().__init__(source)
+        self._config = config or TimesConfig()
         self._own_faults: list[FrameFault] = []
 
     @property
@@ -42,11 +45,11 @@ class InOrder(PassedOn):
         latest = -np.inf
         shown: NDArray[np.uint8] | None = None
         repeats = 0
-        for frame in _without_leaps(self.source, faults):
+        for frame in _without_leaps(self.source, self._config, faults):
             defect = self._shape_defect(frame) or _time_defect(frame.timestamp, latest)
             if not defect:
                 repeats = repeats + 1 if shown is not None and _is_repeated(frame.rgb, shown) else 0
-                if repeats > _SLOW:
+                if repeats > self._config.repeats:
                     defect = f"its colour repeats the frames before, byte for byte, {repeats} times: the camera hangs"
             if defect:
                 faults.append(FrameFault(frame.index, frame.timestamp, defect))
@@ -64,15 +67,9 @@ class InOrder(PassedOn):
         return ""
 
 
-_LEAP = 1.0
-"""Seconds: a frame whose time lies so far after the one before waits for the next, which tells whether it is true."""
-_LAST_LEAP = 10.0
-"""Seconds: a last frame that lies farther ahead has none after it to confirm it; one played live would wait so long."""
-
-
-def _without_leaps(frames: Iterable[RgbdFrame], faults: list[FrameFault]) -> Iterator[RgbdFrame]:
+def _without_leaps(frames: Iterable[RgbdFrame], config: TimesConfig, faults: list[FrameFault]) -> Iterator[RgbdFrame]:
     """Frames but those whose time lies far ahead of what is before and after: all that follow would come too late."""
-    leaps: Leaps[RgbdFrame] = Leaps(_LEAP)
+    leaps: Leaps[RgbdFrame] = Leaps(config.recorded_leap_s, config.slower)
     for frame in frames:
         if not np.isfinite(frame.timestamp):
             yield frame
@@ -85,7 +82,7 @@ def _without_leaps(frames: Iterable[RgbdFrame], faults: list[FrameFault]) -> Ite
         yield from ready
     if leaps.held is not None:
         last = leaps.held[1]
-        if _LAST_LEAP < leaps.ahead < np.inf:
+        if config.last_leap_s < leaps.ahead < np.inf:
             reason = f"its time lies {leaps.ahead:.6g} s after the frame before it, and none follows that confirms it"
             faults.append(_fault(last, reason))
         else:
@@ -94,10 +91,6 @@ def _without_leaps(frames: Iterable[RgbdFrame], faults: list[FrameFault]) -> Ite
 
 def _fault(frame: RgbdFrame, reason: str) -> FrameFault:
     return FrameFault(frame.index, frame.timestamp, reason)
-
-
-_SLOW = 1
-"""Times that a picture may be repeated by a camera that is slow and does not hang."""
 
 
 def _is_repeated(rgb: NDArray[np.uint8], before: NDArray[np.uint8]) -> bool:

@@ -13,7 +13,7 @@ from lpslam.sources.bags.topics import TopicChoice
 from lpslam.sources.captures.layouts import CAPTURES
 from lpslam.sources.focal_check import doubts_about_focal
 from lpslam.sources.followed_pairs import pairs_of
-from lpslam.sources.live.opening import is_camera, open_camera
+from lpslam.sources.live.opening import addresses, is_camera, open_camera
 from lpslam.sources.plausibility import Doubt, doubts_about_depth, doubts_about_intrinsics, doubts_about_timing
 from lpslam.sources.recorded import RecordedSource
 from lpslam.sources.sevenscenes import looks_like_seven_scenes, open_seven_scenes
@@ -174,6 +174,8 @@ def _opened(
     _refuse_span(options)
     try:
         if not place.exists():
+            if str(path).endswith(":"):
+                raise UserError(f"{path} is no camera; there are {addresses()}")
             raise UserError(f"{place} does not exist; give the folder of a recording, or {BAGS}")
         if not place.is_dir() and not is_regular(place):
             raise UserError(f"{place} is a device or a pipe, which cannot be read twice; give a file or a folder")

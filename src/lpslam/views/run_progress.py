@@ -120,14 +120,19 @@ def prepare() -> None:
     from lpslam.kernel_cache import is_kept
     from lpslam.slam.warm_up import warm_up
 
+    is_compiling = False
+
     def announce(line: str) -> None:
+        nonlocal is_compiling
+        is_compiling = True
         # Where kernels cannot be kept, that was said, and what it costs.
         if is_kept():
             write_line(f"lpslam: {line}")
 
     cv2.setNumThreads(1)
     seconds = warm_up(announce)
-    if seconds > _COMPILED_AFTER:
+    # Loading them may take as long where the machine is busy.
+    if is_compiling and seconds > _COMPILED_AFTER:
         announce(f"kernels compiled in {seconds:.0f} s and kept for the next start")
 
 

@@ -95,13 +95,18 @@ def test_the_way_round_three_keyframes_is_looked_at() -> None:
     relative = compared(6, judged_first=3).relative_poses
     assert relative.judged == 3
     # One scene, one sensor: pictures err by no more here than in a mall.
-    assert relative.excess < 10 * RelativePoses().excess
+    assert relative.excess < 10 * RelativePoses(PictureConfig()).excess
+
+
+def test_what_ways_round_do_not_show_is_configured() -> None:
+    doubting, trusting = (compared(2, unseen_errors=unseen).relative_poses.excess for unseen in (30.0, 15.0))
+    np.testing.assert_allclose(doubting, 2 * trusting)
 
 
 def test_how_ways_round_close_decides_what_pictures_weigh() -> None:
     believed = []
     for gap in (2.0, 2000.0):
-        relative = RelativePoses()
+        relative = RelativePoses(PictureConfig())
         relative.add(0, 1, STEP, np.eye(6))
         for _ in range(20):
             relative.judge(gap)
@@ -117,7 +122,7 @@ def test_pictures_that_hold_nothing_are_rarely_compared() -> None:
 
 
 def test_pairs_outside_the_adjusted_part_are_left_out() -> None:
-    relative = RelativePoses()
+    relative = RelativePoses(PictureConfig())
     for k in range(5):
         relative.add(k, k + 1, STEP, np.eye(6))
     problem = relative.among(np.array([3, 2, 4, 0], np.int32), 1)

@@ -71,7 +71,7 @@ def _map(folder: Path, recording: Path, config: Config, say: Any) -> None:
     from lpslam.sources.open import open_source
 
     read_only_inside(folder, kernel_places())
-    frames = InOrder(open_source(recording, checks=config.calibration))
+    frames = InOrder(open_source(recording, checks=config.calibration), config.times)
     total, last = len(frames), 0.0
     say(state="mapping", frames_total=total)
 

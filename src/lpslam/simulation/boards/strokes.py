@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from PIL import Image as PilImage
 from PIL import ImageDraw, ImageFont
 
-from lpslam.assets import font_path
 from lpslam.simulation.boards.fields import grain, slopes, soft
+from lpslam.simulation.fonts import sign_font
 from lpslam.simulation.lettering import is_chinese
 
 Mask = NDArray[np.float32]
@@ -42,21 +42,16 @@ LOOSE = Hand(turn=0.055, shift=0.035, scale=0.07)
 
 
 @cache
-def _font(name: str, size: float) -> ImageFont.FreeTypeFont:
-    return ImageFont.truetype(str(font_path(name)), size)
-
-
-@cache
 def _cap_top_and_height(name: str, letter: str) -> tuple[float, float]:
     """Where a capital (or a character) begins below the drawing point, and its height; in sizes of the font."""
-    _, top, _, bottom = _font(name, _PROBE).getbbox(letter)
+    _, top, _, bottom = sign_font(name, _PROBE).getbbox(letter)
     return top / _PROBE, (bottom - top) / _PROBE
 
 
 @cache
 def covers(name: str, text: str) -> bool:
     """Whether a font has all characters of a text."""
-    font = _font(name, 48)
+    font = sign_font(name, 48)
     absent = _ink(font, "\U0010fffd")
     return all(letter == " " or not np.array_equal(_ink(font, letter), absent) for letter in set(text))
 
@@ -85,7 +80,7 @@ def draw_words(
     """
     top, tall = _cap_top_and_height(font, "国" if is_chinese(text) else "H")
     size = height / tall
-    face = _font(font, round(size, 2))
+    face = sign_font(font, round(size, 2))
     places = _places(face, text, height, course)
     margin = math.ceil(1.6 * size)
     width = math.ceil(max(x for x, _, _ in places) + 2 * margin + size)

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.camera import inverse_transform
+from lpslam.config import PictureConfig
 from lpslam.slam.kernels.relative import RelativeProblem
 
 _Matrix = NDArray[np.float64]
@@ -18,9 +19,13 @@ class RelativePoses:
 
     A picture says how sure it is as if each of its pixels erred by itself. By how much more it errs shows where three
     keyframes are compared with one another and the way round does not close.
+
+    Args:
+        config: thresholds.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, config: PictureConfig) -> None:
+        self._config = config
         self.forget()
 
     def forget(self) -> None:
@@ -28,17 +33,18 @@ class RelativePoses:
         self._pairs = np.empty((0, 2), np.int32)
         self._a_from_b: list[_Matrix] = []
         self._information: list[_Matrix] = []
-        self._gaps: deque[float] = deque(_SUPPOSED_GAPS, maxlen=_REMEMBERED)
+        supposed = [self._config.supposed_gap] * self._config.supposed_gaps
+        self._gaps: deque[float] = deque(supposed, maxlen=self._config.remembered_gaps)
 
     @property
     def judged(self) -> int:
-        """How many ways round have been looked at, 100 at most."""
-        return len(self._gaps) - len(_SUPPOSED_GAPS)
+        """How many ways round have been looked at, as far as they are remembered."""
+        return max(len(self._gaps) - self._config.supposed_gaps, 0)
 
     @property
     def excess(self) -> float:
         """By which factor the variance of relative poses is more than pictures say."""
-        return max(_UNSEEN * float(np.median(self._gaps)) / _MEDIAN_CHI2, 1.0)
+        return max(self._config.unseen_errors * float(np.median(self._gaps)) / _MEDIAN_CHI2, 1.0)
 
     def judge(self, gap: float) -> None:
         """Learn from a way round three keyframes: χ² (six degrees of freedom) by which it does not close."""
@@ -76,12 +82,3 @@ def _stacked(matrices: Iterable[_Matrix], size: int) -> _Matrix:
 
 _MEDIAN_CHI2 = 5.348
 """Median of the χ² distribution with six degrees of freedom."""
-
-_UNSEEN = 15.0
-"""Times the variance that ways round show: what is wrong alike in all three (lens, scale, delay) closes them too."""
-
-_REMEMBERED = 100
-"""Ways round of which the median is taken."""
-
-_SUPPOSED_GAPS = (25.0,) * 5
-"""Before any way round is known: pixels that share their errors with about five around them."""

@@ -11,6 +11,7 @@ from lpslam.config import SlamConfig
 from lpslam.slam.kernels.geometry import logarithm
 from lpslam.slam.kernels.relative import adjoint
 from lpslam.slam.map import SlamMap
+from lpslam.slam.mapping.relative_poses import RelativePoses
 from lpslam.slam.sensor import SensorModel
 from lpslam.slam.tracking.surfaces import Surfaces
 
@@ -40,10 +41,11 @@ class WholePictures:
         self._map = slam_map
         self._surfaces = Surfaces(camera, sensor, config.surfaces)
         self._config = config.pictures
+        slam_map.relative_poses = RelativePoses(config.pictures)
         self._images: dict[int, NDArray[np.float32]] = {}
         self._newest: _Step | None = None
         self._count = 0
-        self._usual: deque[float] = deque(maxlen=_REMEMBERED)
+        self._usual: deque[float] = deque(maxlen=config.pictures.remembered_steps)
 
     def keep(self, keyframe: int, gray: NDArray[np.uint8], depth: NDArray[np.float32]) -> None:
         """Keep the picture (h, w) of a keyframe with its depth, metres, until it has been compared."""
@@ -106,7 +108,7 @@ class WholePictures:
     def _before(self, keyframe: int) -> list[int]:
         """The newest keyframes before one with a picture, in its sub-map; the caller holds the lock."""
         slam_map = self._map
-        for old in [k for k in self._images if k < keyframe - _KEPT]:
+        for old in [k for k in self._images if k < keyframe - self._config.kept_pictures]:
             del self._images[old]
         if keyframe not in self._images:
             return []
@@ -146,12 +148,6 @@ class WholePictures:
         information = (vectors * np.maximum(values, _LEAST_INFORMATION)) @ vectors.T
         return _Step(a, b, aligned.image_from_reference, information)
 
-
-_REMEMBERED = 30
-"""Steps of which the usual unlikeness of pixels is the median."""
-
-_KEPT = 20
-"""Keyframes whose pictures are kept: those of a doubted place wait so long."""
 
 _LEAST_INFORMATION = 1.0
 """1/m² or 1/rad²: where noise was taken off what pictures tell, less than nothing may be left."""

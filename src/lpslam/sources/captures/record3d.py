@@ -38,7 +38,7 @@ def open_capture(folder: Path, camera_file: Path | None, max_frames: int | None,
         MissingExtraError: LZFSE cannot be unpacked here.
     """
     try:
-        import liblzfse
+        import lzfse
     except ImportError:
         raise MissingExtraError("Record3D's depth", "phones") from None
     try:
@@ -64,8 +64,8 @@ def open_capture(folder: Path, camera_file: Path | None, max_frames: int | None,
     def decode(number: int) -> Picture:
         try:
             rgb = decoded_colour(_member(archive, f"rgbd/{number}.jpg"), f"rgbd/{number}.jpg")
-            metres = np.frombuffer(liblzfse.decompress(_bounded(_member(archive, f"rgbd/{number}.depth"))), np.float32)
-        except (KeyError, zipfile.BadZipFile, ValueError, RuntimeError, OSError, struct.error, liblzfse.error) as error:
+            metres = np.frombuffer(lzfse.decompress(_bounded(_member(archive, f"rgbd/{number}.depth"))), np.float32)
+        except (KeyError, zipfile.BadZipFile, ValueError, RuntimeError, OSError, struct.error, lzfse.error) as error:
             raise BadImageError(f"frame {number} cannot be unpacked ({type(error).__name__})") from error
         size = depth_size if depth_size else next((each for each in _SIZES if each[0] * each[1] == len(metres)
                                                    and (each[0] > each[1]) == (height > width)), None)  # fmt: skip

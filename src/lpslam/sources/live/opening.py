@@ -8,6 +8,11 @@ from lpslam.sources.live.source import LiveSource
 CAMERAS = ("realsense",)
 
 
+def addresses() -> str:
+    """Of the kinds of cameras that can be used, as they stand in errors."""
+    return ", ".join(f"{name}:" for name in CAMERAS)
+
+
 def is_camera(path: Path | str) -> bool:
     """Whether this is a camera's address, and no file of that name is there."""
     kind, colon, _ = str(path).partition(":")
