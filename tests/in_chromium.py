@@ -10,6 +10,9 @@ import pytest
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 
+PATIENCE_S = 300.0
+"""Of all waiting: what takes a second on a free machine may take minutes on one that many want, and is right then too."""
+
 _HOW_IT_IS_DRAWN = "GPU stall due to ReadPixels"
 """What Chromium says of its own work where it shows a WebGL canvas without a graphics processor."""
 
@@ -36,6 +39,7 @@ def shown(browser: Any, url: str, own: str = "", troubles_are_meant: bool = Fals
     """A page; whoever else than itself, or `own`, it asks for anything fails the test, and so does any trouble."""
     options = {"viewport": {"width": 1100, "height": 700}, "locale": "de-DE"} | context
     inside = browser.new_context(**options)
+    inside.set_default_timeout(PATIENCE_S * 1000.0)
     page = inside.new_page()
     asked: list[str] = []
     troubles: list[str] = []
@@ -51,7 +55,7 @@ def shown(browser: Any, url: str, own: str = "", troubles_are_meant: bool = Fals
     inside.close()
 
 
-def until(page: Any, expression: str, seconds: float = 20.0) -> None:
+def until(page: Any, expression: str, seconds: float = PATIENCE_S) -> None:
     """Wait until an expression holds in a page, whose policy forbids Playwright's own way of waiting."""
     end = time.monotonic() + seconds
     while not page.evaluate(expression):
