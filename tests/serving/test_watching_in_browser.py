@@ -63,7 +63,7 @@ class Run:
 
     def watch(self) -> socket.socket:
         """A watcher that reads nothing but the first words."""
-        watcher = socket.create_connection(("127.0.0.1", self.port), timeout=20)
+        watcher = socket.create_connection(("127.0.0.1", self.port), timeout=PATIENCE_S)
         watcher.sendall(f"GET /watch HTTP/1.1\r\nhost: 127.0.0.1:{self.port}\r\n\r\n".encode())
         assert watcher.recv(15).startswith(b"HTTP/1.1 200")
         return watcher

@@ -6,6 +6,7 @@ part("go").textContent = words.go;
 canvas.setAttribute("aria-label", words.canvas);
 part("as-plan").textContent = words.plan;
 part("in-space").textContent = words.space;
+part("whole").textContent = words.whole;
 part("modes").setAttribute("aria-label", words.view);
 part("replay").setAttribute("aria-label", words.replay);
 part("moment").setAttribute("aria-label", words.moment);
@@ -45,7 +46,8 @@ window.lpslamPage = {
   pace: () => ({ milliseconds: drawing.pace, frames: drawing.frames, budget }),
   shownSigns: () => shownSigns.map(({ box, signs }) => ({ box, names: signs.map(sign => sign.name) })),
   moment: () => replay.at,
-  goal: () => state.goal && state.goal.position,
+  goal: () => state.legs.length ? state.legs[state.legs.length - 1].position : null,
+  stops: () => state.stops,
   travelled: () => data.trajectory.length,
   remembered: () => memory.shown,
   drawn: () => Boolean(data.picture_extent && picture.complete && picture.naturalWidth),
