@@ -1,5 +1,6 @@
 """The map in space in a real browser: points, plates, the walk, and what it costs; skipped where there is none."""
 
+import statistics
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -122,9 +123,9 @@ def test_a_million_points_are_moved_at_five_frames_a_second(browser: Any, tmp_pa
     with shown(browser, page_file.as_uri()) as page:
         page.locator("#in-space").click()
         hall(page, 1_000_000)
-        until(page, "lpslamPage.drawnPoints() === 1000000", 60)
+        until(page, "lpslamPage.drawnPoints() === 1000000")
         assert turned(page, 6.0)["rate"] >= 5.0
-        until(page, "lpslamPage.drawnPoints() === 1000000", 60)
+        until(page, "lpslamPage.drawnPoints() === 1000000")
 
 
 def test_ten_thousand_signs_cost_less_than_the_points_around_them(browser: Any, tmp_path: Path) -> None:
@@ -133,12 +134,15 @@ def test_ten_thousand_signs_cost_less_than_the_points_around_them(browser: Any, 
     with shown(browser, page_file.as_uri(), viewport={"width": 1280, "height": 800}) as page:
         page.locator("#in-space").click()
         hall(page, 1_000_000)
-        until(page, "lpslamPage.drawnPoints() === 1000000", 60)
-        # Against the same view without them, so that it does not matter what else this machine does.
-        bare = turned(page, 5.0)["rate"]
-        signs(page, 10_000)
-        until(page, "lpslamPage.drawnPoints() === 1000000", 60)
-        assert turned(page, 5.0)["rate"] >= 0.5 * bare
+        until(page, "lpslamPage.drawnPoints() === 1000000")
+        # Against the same view without them, in turn, so that it does not matter what else this machine does.
+        rates: dict[int, list[float]] = {0: [], 10_000: []}
+        for _ in range(3):
+            for count, found in rates.items():
+                signs(page, count)
+                until(page, "lpslamPage.drawnPoints() === 1000000")
+                found.append(turned(page, 3.0)["rate"])
+        assert statistics.median(rates[10_000]) >= 0.5 * statistics.median(rates[0]), rates
         assert page.locator("#signs button").count() == 500
 
 

@@ -40,7 +40,7 @@ function frame() {
 /* All is drawn and nothing moves: signs are arranged once more by what is in sight. */
 function lookAgain() {
   drawing.seen = hiding.lens;
-  drawing.signs = arrangeSigns();
+  drawing.signs = arrangeSigns(Infinity);
   begin(scene.width, scene.height, false);
   drawPlates(drawing.signs.plates);
   finish(scene.width, scene.height);
@@ -57,7 +57,7 @@ function drawSpace(isAtRest) {
     lens = lensFor(wide, high, state.isFirstPerson ? lensPose() : null);
     if (scene.width !== Math.round(wide * ratio) || scene.height !== Math.round(high * ratio)) [scene.width, scene.height] = [Math.round(wide * ratio), Math.round(high * ratio)];
     drawing.drawn = 0;
-    drawing.signs = arrangeSigns();
+    drawing.signs = arrangeSigns(isAtRest ? Infinity : IN_MOTION);
   }
   drawing.isFresh = false;
   begin(scene.width, scene.height, isFresh);
@@ -71,7 +71,8 @@ function drawSpace(isAtRest) {
   }
   drawWays();
   drawPlates(drawing.signs.plates);
-  finish(scene.width, scene.height);
+  // Half of a slow machine's frame is shading.
+  if (drawing.share === LEAST_SHARP) showPlain(scene.width, scene.height); else finish(scene.width, scene.height);
   if (isFresh) drawOverlay();
   drawing.fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
   gl.flush();
