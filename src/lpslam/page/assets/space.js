@@ -29,7 +29,8 @@ function frame() {
     // The first frame makes what the others use.
     if (cloud.count && drawing.frames > 1 && drawing.isMoving) adapt(drawing.pace);
   }
-  const isAtRest = performance.now() - drawing.movedAt > 200;
+  // A view that waits to be drawn is in motion, however long the frame before it took.
+  const isAtRest = !drawing.isFresh && performance.now() - drawing.movedAt > 200;
   // What was drawn with fewer pixels in motion is drawn with all of them at rest.
   if (isAtRest && drawing.share < 1) drawing.isFresh = true;
   if (drawing.isFresh || drawing.drawn < cloud.count) drawSpace(isAtRest);
