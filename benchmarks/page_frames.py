@@ -41,7 +41,7 @@ def main(counts: list[int], sign_count: int) -> None:
                 frames, spent = page.evaluate("lpslamPage.pace().frames"), processor_s()
                 told = turned(page, 10.0)
                 each = (processor_s() - spent) / max(1, page.evaluate("lpslamPage.pace().frames") - frames)
-                print(f"{count:,} points, {wide} x {high}: {told}, {1000 * each:.0f} ms of processors a frame", flush=True)
+                print(f"{count:,} points, {wide} x {high}: {told}, {1000 * each:.0f} ms of processors each", flush=True)
                 page.context.close()
         browser.close()
     shutil.rmtree(folder)

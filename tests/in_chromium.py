@@ -13,7 +13,7 @@ import pytest
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 
 PATIENCE_S = 300.0
-"""Of all waiting: what takes a second on a free machine may take minutes on one that many want, and is right then too."""
+"""Of all waiting: what takes a second on a free machine may take minutes on a busy one, and is right then too."""
 
 _HOW_IT_IS_DRAWN = "GPU stall due to ReadPixels"
 """What Chromium says of its own work where it shows a WebGL canvas without a graphics processor."""

@@ -71,7 +71,7 @@ class Destination(Inward):
     via: Annotated[list[LandmarkId], Field(max_length=24)] = Field(
         default_factory=list, description="Landmarks before which to stand first, in this order."
     )
-    language: Language | None = Field(None, description="Of the steps, as “de”; that of the question, or English, without.")
+    language: Language | None = Field(None, description="Of the steps, as “de”; the question's, or English, without.")
 
 
 class NewCorrection(Inward):

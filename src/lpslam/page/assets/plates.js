@@ -68,7 +68,8 @@ function plateBox({ out, middle, right, up }, high) {
   return overlaps(box, [0, 0, lens.wide, lens.high]) ? box : null;
 }
 
-/* The signs that are on the canvas or about to be, at most so many, the most important first: each with where it is there, how far, and whether something hides it. */
+/* The signs that are on the canvas or about to be, at most so many, the most important first: each with where it is
+   there, how far, and whether something hides it. */
 function signsInView(most) {
   const [across, down, , ahead] = lens.rows, [ex, ey, ez] = lens.eye, wide = lens.wide, high = lens.high, found = [];
   for (const shape of signShapes()) {
