@@ -133,6 +133,22 @@ def test_a_million_points_are_moved_at_five_frames_a_second(browser: Any, tmp_pa
         until(page, "lpslamPage.drawnPoints() === 1000000")
 
 
+def test_a_view_that_is_drawn_late_is_in_motion(page: Any) -> None:
+    """Where frames are slow, the next one must not be drawn as one at rest, which is slower still."""
+    page.locator("#in-space").click()
+    hall(page, 50_000)
+    until(page, "lpslamPage.drawnPoints() === 50000")
+    page.wait_for_timeout(500)
+    assert page.evaluate("""() => new Promise(done => {
+      document.getElementById("map").dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowLeft" }));
+      const began = performance.now();
+      while (performance.now() - began < 300);
+      const look = () => lpslamPage.drawnPoints() < 50000 || lpslamPage.pace().isMoving || performance.now() - began > 3000
+        ? done(lpslamPage.pace().isMoving) : requestAnimationFrame(look);
+      requestAnimationFrame(look);
+    })""")
+
+
 def test_ten_thousand_signs_cost_less_than_the_points_around_them(browser: Any, tmp_path: Path) -> None:
     page_file = tmp_path / "page.html"
     write_page(small_map(signs=SIGNS), page_file)

@@ -43,7 +43,7 @@ window.lpslamPage = {
   takeSigns(signs) { takeSigns(signs); fit(); },
   hidden: () => drawing.signs.rest.filter(each => each.isHidden).map(each => each.sign.name),
   drawnPoints: () => drawing.drawn,
-  pace: () => ({ milliseconds: drawing.pace, frames: drawing.frames, budget }),
+  pace: () => ({ milliseconds: drawing.pace, frames: drawing.frames, budget, isMoving: drawing.isMoving }),
   shownSigns: () => shownSigns.map(({ box, signs }) => ({ box, names: signs.map(sign => sign.name) })),
   moment: () => replay.at,
   goal: () => state.legs.length ? state.legs[state.legs.length - 1].position : null,
