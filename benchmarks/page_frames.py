@@ -1,5 +1,7 @@
 """How many frames a second the map in space is shown with, while it turns, where a processor draws all of it.
 
+Also what a frame costs of all processors, which depends little on what else a machine does.
+
 Needs Debian's chromium and playwright. Usage: python benchmarks/page_frames.py [POINTS ...] [--signs 10000]
 """
 
@@ -11,7 +13,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
-from in_chromium import CHROMIUM
+from in_chromium import CHROMIUM, processor_s
 from lpslam.page.building import write_page
 from page_hall import hall, signs, turned
 from small_maps import small_map
@@ -34,7 +36,12 @@ def main(counts: list[int], sign_count: int) -> None:
                 hall(page, count)
                 if sign_count:
                     signs(page, sign_count)
-                print(f"{count:,} points, {wide} x {high}: {turned(page, 6.0)}")
+                # The first frames are those in which it is found out how much there is time for.
+                turned(page, 6.0)
+                frames, spent = page.evaluate("lpslamPage.pace().frames"), processor_s()
+                told = turned(page, 10.0)
+                each = (processor_s() - spent) / max(1, page.evaluate("lpslamPage.pace().frames") - frames)
+                print(f"{count:,} points, {wide} x {high}: {told}, {1000 * each:.0f} ms of processors each", flush=True)
                 page.context.close()
         browser.close()
     shutil.rmtree(folder)

@@ -6,11 +6,13 @@ A map of so many boards with names as the drawn streets have them is served by t
 questions are asked one after the other; then they come at a fixed rate, whether or not the ones before are answered,
 over connections that stay open, and each one's time counts from when it was due. No question comes twice, unless
 `--distinct N` has as many come in any order, over and over, as visitors ask. The processor time of the server and its
-processes is read from the system, since the machine may be shared.
+processes is read from the system, since the machine may be shared. For the same reason the same questions go first to a
+server that reads none of them and always says the same 2 KB: what lies between the two is this program's.
 """
 
 import argparse
 import asyncio
+import contextlib
 import json
 import os
 import socket
@@ -58,6 +60,21 @@ def served_map(folder: Path, landmarks: int) -> Path:
     path = folder / "mall.lpmap"
     small_map(signs).save(path)
     return path
+
+
+_BARE = """
+import sys, uvicorn
+ANSWER = b"x" * 2048
+HEAD = [(b"content-type", b"application/json"), (b"content-length", b"2048")]
+async def app(scope, receive, send):
+    if scope["type"] == "http":
+        while (await receive()).get("more_body"):
+            pass
+        await send({"type": "http.response.start", "status": 200, "headers": HEAD})
+        await send({"type": "http.response.body", "body": ANSWER})
+uvicorn.run(app, port=int(sys.argv[1]), http="h11", lifespan="off", log_level="critical")
+"""
+"""What any server costs that is made as this one."""
 
 
 class Asker:
@@ -134,6 +151,31 @@ def said(spent: list[float]) -> str:
     )
 
 
+def compared_with(texts: list[str], rate: float) -> None:
+    """The same questions to a server that does nothing, and how long it takes."""
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    with subprocess.Popen([sys.executable, "-c", _BARE, str(port)]) as bare:
+        try:
+            wait_for(port)
+            asyncio.run(alone(port, texts[:300]))
+            print("a bare answer, one after the other:", said(asyncio.run(alone(port, texts[300:600]))))
+            spent, _, seconds = asyncio.run(at_rate(port, texts[600:], rate))
+            print(f"a bare answer, {rate:g} a second for {seconds:.1f} s: {said(spent)}")
+        finally:
+            bare.terminate()
+
+
+def wait_for(port: int) -> None:
+    """Wait until somebody listens."""
+    for _ in range(600):
+        with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", port), timeout=1):
+            return
+        time.sleep(0.1)
+    raise TimeoutError(f"nobody listens at port {port}")
+
+
 def main() -> None:
     """Serve, ask, and say how long it took."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -150,6 +192,7 @@ def main() -> None:
     if options.distinct is not None:
         chosen = np.random.default_rng(5).integers(0, options.distinct, len(texts) - 600).tolist()
         texts = [*texts[:600], *(texts[600 + at] for at in chosen)]
+    compared_with(texts, options.rate)
     with tempfile.TemporaryDirectory() as folder:
         path = served_map(Path(folder), options.landmarks)
         command = ["serve", str(path), "--port", str(port), "--workers", str(options.workers)]

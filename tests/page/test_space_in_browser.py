@@ -1,5 +1,6 @@
 """The map in space in a real browser: points, plates, the walk, and what it costs; skipped where there is none."""
 
+import statistics
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -7,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from in_chromium import shown, until
+from in_chromium import processor_s, shown, until
 from lpslam.page.building import write_page
 from page_hall import hall, signs, turned
 from small_maps import small_map, with_floor
@@ -122,9 +123,30 @@ def test_a_million_points_are_moved_at_five_frames_a_second(browser: Any, tmp_pa
     with shown(browser, page_file.as_uri()) as page:
         page.locator("#in-space").click()
         hall(page, 1_000_000)
-        until(page, "lpslamPage.drawnPoints() === 1000000", 60)
-        assert turned(page, 6.0)["rate"] >= 5.0
-        until(page, "lpslamPage.drawnPoints() === 1000000", 60)
+        until(page, "lpslamPage.drawnPoints() === 1000000")
+        turned(page, 3.0)
+        frames, spent = page.evaluate("lpslamPage.pace().frames"), processor_s()
+        rate = turned(page, 6.0)["rate"]
+        each = (processor_s() - spent) / (page.evaluate("lpslamPage.pace().frames") - frames)
+        # A fifth of a second of one core: on a busy machine there are as many frames as it leaves room for.
+        assert rate >= 5.0 or each <= 0.2, (rate, each)
+        until(page, "lpslamPage.drawnPoints() === 1000000")
+
+
+def test_a_view_that_is_drawn_late_is_in_motion(page: Any) -> None:
+    """Where frames are slow, the next one must not be drawn as one at rest, which is slower still."""
+    page.locator("#in-space").click()
+    hall(page, 50_000)
+    until(page, "lpslamPage.drawnPoints() === 50000")
+    page.wait_for_timeout(500)
+    assert page.evaluate("""() => new Promise(done => {
+      document.getElementById("map").dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowLeft" }));
+      const began = performance.now();
+      while (performance.now() - began < 300);
+      const look = () => lpslamPage.drawnPoints() < 50000 || lpslamPage.pace().isMoving || performance.now() - began > 3000
+        ? done(lpslamPage.pace().isMoving) : requestAnimationFrame(look);
+      requestAnimationFrame(look);
+    })""")
 
 
 def test_ten_thousand_signs_cost_less_than_the_points_around_them(browser: Any, tmp_path: Path) -> None:
@@ -133,12 +155,15 @@ def test_ten_thousand_signs_cost_less_than_the_points_around_them(browser: Any, 
     with shown(browser, page_file.as_uri(), viewport={"width": 1280, "height": 800}) as page:
         page.locator("#in-space").click()
         hall(page, 1_000_000)
-        until(page, "lpslamPage.drawnPoints() === 1000000", 60)
-        # Against the same view without them, so that it does not matter what else this machine does.
-        bare = turned(page, 5.0)["rate"]
-        signs(page, 10_000)
-        until(page, "lpslamPage.drawnPoints() === 1000000", 60)
-        assert turned(page, 5.0)["rate"] >= 0.5 * bare
+        until(page, "lpslamPage.drawnPoints() === 1000000")
+        # Against the same view without them, in turn, so that it does not matter what else this machine does.
+        rates: dict[int, list[float]] = {0: [], 10_000: []}
+        for _ in range(3):
+            for count, found in rates.items():
+                signs(page, count)
+                until(page, "lpslamPage.drawnPoints() === 1000000")
+                found.append(turned(page, 3.0)["rate"])
+        assert statistics.median(rates[10_000]) >= 0.5 * statistics.median(rates[0]), rates
         assert page.locator("#signs button").count() == 500
 
 

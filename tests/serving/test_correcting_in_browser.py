@@ -3,13 +3,14 @@
 import re
 import signal
 import subprocess
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from in_chromium import need_chromium, shown, until
+from in_chromium import PATIENCE_S, need_chromium, shown, until
 from lpslam.isolated import python_command
 from lpslam.mapfile.language_map import LanguageMap
 from small_maps import small_map, with_floor
@@ -110,7 +111,7 @@ def test_and_another_one_means_what_was_asked_before(browser: Any, viewed: tuple
         for number, question in enumerate(("Where is a restaurant?", "and another one?")):
             page.fill("#question", question)
             page.press("#question", "Enter")
-            until(page, f"(document.querySelectorAll('#log .answer')[{number}]?.textContent ?? '…') !== '…'", 60)
+            until(page, f"(document.querySelectorAll('#log .answer')[{number}]?.textContent ?? '…') !== '…'")
             answers.append(page.evaluate("lpslamPage.chosen()"))
         assert None not in answers, page.locator("#log").inner_text()
         assert answers[0] != answers[1]
@@ -121,7 +122,7 @@ def test_what_was_understood_is_opened_and_corrected(browser: Any, viewed: tuple
     with shown(browser, url, own=url, locale="en-US") as page:
         page.fill("#question", "Where is the nearest restaurant?")
         page.press("#question", "Enter")
-        until(page, "lpslamPage.chosen() === 1000", 60)
+        until(page, "lpslamPage.chosen() === 1000")
         until(page, "lpslamPage.way() > 1")
         assert page.evaluate("lpslamPage.goal()") is not None
         page.locator(".understood summary").click()
@@ -132,12 +133,36 @@ def test_what_was_understood_is_opened_and_corrected(browser: Any, viewed: tuple
         until(page, "lpslamPage.goal() !== null")
         # Without the constraint the surest is named, in place of the first answer.
         page.get_by_label("Take out: which nearest").click()
-        until(page, "document.querySelector('#log .answer').textContent.startsWith('KFC')", 60)
+        until(page, "document.querySelector('#log .answer').textContent.startsWith('KFC at')")
         assert page.locator("#log .answer").count() == 1
         assert page.get_by_label("Take out: which nearest").count() == 0
         # And another one is another of what was put right.
         page.fill("#question", "and another one?")
         page.press("#question", "Enter")
-        until(page, "(document.querySelectorAll('#log .answer')[1]?.textContent ?? '…') !== '…'", 60)
+        until(page, "(document.querySelectorAll('#log .answer')[1]?.textContent ?? '…') !== '…'")
         assert page.evaluate("lpslamPage.chosen()") == 1000
         assert page.get_by_label("Take out: which nearest").count() == 0
+
+
+def test_a_plan_is_shown_whole_with_its_stops_in_the_language_of_the_question(
+    browser: Any, viewed: tuple[Path, str]
+) -> None:
+    _, url = viewed
+    with shown(browser, url, own=url, locale="en-US") as page:
+        page.fill("#question", "Zuerst zu Pizza Hut, dann zu KFC")
+        page.press("#question", "Enter")
+        until(page, "lpslamPage.stops().length === 2")
+        until(page, "document.querySelector('#log .answer').textContent.includes('KFC ist vor Ihnen')")
+        steps = page.locator("#log .answer").inner_text().splitlines()
+        assert [line.split(":")[0] for line in steps if "ist vor Ihnen" in line] == ["1. Pizza Hut 必胜客", "2. KFC"]
+        # When the view has come to rest, the panel hides none of the way, and neither does the rim.
+        places = [page.evaluate("lpslamPage.goal()"), *page.evaluate("lpslamPage.stops()"), [4.0, 0.0], [12.0, 0.0]]
+        inside = """places => { const { x, y, scale } = lpslamPage.view(); return places.every(([a, b]) => {
+          const u = innerWidth / 2 + (a - x) * scale, v = innerHeight / 2 - (b - y) * scale;
+          return u > 360 && u < innerWidth && v > 0 && v < innerHeight; }); }"""
+        end = time.monotonic() + PATIENCE_S
+        while not page.evaluate(inside, places):
+            assert time.monotonic() < end, page.evaluate("lpslamPage.view()")
+        # One place of its own leaves no numbers behind.
+        page.locator("#signs button", has_text="Toilets").click()
+        assert page.evaluate("lpslamPage.stops()") == []

@@ -152,11 +152,35 @@ def test_a_map_that_saw_a_floor_gives_its_grid(serve: Serve, tmp_path: Path) -> 
     assert way.points[-1] == pytest.approx(goal.position, abs=0.1)
     assert way.length == pytest.approx(goal.position[0] - 3.6, abs=0.3)
     assert "Pizza Hut" in way.steps[-1]
+    (leg,) = way.legs
+    assert (leg.points, leg.steps) == (way.points, way.steps)
+    german = client.post("/path", json={"landmark": 1000, "position": [3.6, 0], "language": "de"}).json()
+    assert german["steps"] == way.steps != client.post("/path", json={"landmark": 1000, "position": [3.6, 0]}).json()
     for body in ({}, {"landmark": 1000, "question": "pizza"}, {"question": "an aeroplane"}):
         assert client.post("/goal", json=body).status_code == 422
     nowhere = client.post("/path", json={"landmark": 1000, "position": [90, 90]})
     assert (nowhere.status_code, "no way" in nowhere.json()["detail"]) == (422, True)
     assert client.post("/goal", json={"landmark": 77}).status_code == 404
+
+
+def test_a_plan_is_one_way_through_its_stops(serve: Serve, tmp_path: Path) -> None:
+    path = tmp_path / "floor.lpmap"
+    with_floor(small_map(signs=("ATM", "EXIT 1", "Pizza Hut 必胜客", "KFC"), spacing=2.5)).save(path)
+    client = serve(path)
+    ids = {mark["name"]: mark["id"] for mark in client.get("/landmarks").json()["landmarks"]}
+    pizza, kfc = ids["Pizza Hut 必胜客"], ids["KFC"]
+    body = {"landmark": kfc, "via": [pizza], "position": [3.6, 0.0]}
+    way = records.PathRecord.model_validate(client.post("/path", json=body).json())
+    assert [leg.landmark for leg in way.legs] == [pizza, kfc]
+    assert (way.landmark, way.position) == (kfc, way.legs[1].position)
+    assert way.legs[0].position == pytest.approx(way.legs[1].points[0], abs=0.1)
+    assert way.length == pytest.approx(sum(leg.length for leg in way.legs), abs=0.02)
+    assert way.steps == [step for leg in way.legs for step in leg.steps]
+    assert way.points == [*way.legs[0].points, *way.legs[1].points[1:]]
+    asked = client.post("/path", json={"question": "first Pizza Hut, then KFC", "position": [3.6, 0.0]}).json()
+    assert [leg["landmark"] for leg in asked["legs"]] == [pizza, kfc]
+    assert client.post("/path", json={**body, "via": [77]}).status_code == 404
+    assert client.post("/path", json={**body, "via": [pizza] * 25}).status_code == 422
 
 
 def test_the_schema_covers_every_route_and_says_nothing_of_pages_elsewhere(client: TestClient) -> None:

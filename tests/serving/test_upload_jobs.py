@@ -21,7 +21,7 @@ from lpslam.serving.hub import Event, Hub, TooManyListenersError
 
 
 def wait(
-    client: TestClient, id_: str, until: Callable[[dict[str, Any]], bool], seconds: float = 120.0
+    client: TestClient, id_: str, until: Callable[[dict[str, Any]], bool], seconds: float = 400.0
 ) -> dict[str, Any]:
     end = time.monotonic() + seconds
     while time.monotonic() < end:
@@ -38,12 +38,13 @@ def is_over(job: dict[str, Any]) -> bool:
 
 
 def is_cleared(tmp_path: Path) -> bool:
-    """Whether nothing is left of jobs, a moment after they are over."""
-    for _ in range(100):
-        if not os.listdir(tmp_path / "uploads" / "jobs"):
-            return True
+    """Whether nothing is left of jobs, some time after they are over."""
+    end = time.monotonic() + 60.0
+    while os.listdir(tmp_path / "uploads" / "jobs"):
+        if time.monotonic() > end:
+            return False
         time.sleep(0.05)
-    return False
+    return True
 
 
 def send(client: TestClient, data: bytes, name: str = "new", file: str = "walk.zip") -> Any:

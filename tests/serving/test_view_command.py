@@ -22,7 +22,7 @@ def test_the_browser_is_opened_when_the_page_can_be_had(
     seen: list[tuple[int, bytes]] = []
 
     def look(url: str) -> None:
-        with urllib.request.urlopen(url, timeout=20) as answer:
+        with urllib.request.urlopen(url, timeout=120) as answer:
             seen.append((answer.status, answer.read()))
         os.kill(os.getpid(), signal.SIGINT)
 

@@ -7,28 +7,54 @@ import socket
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from command_line import Command
-from in_chromium import chromium, need_chromium, shown, until
+from in_chromium import PATIENCE_S, chromium, need_chromium, shown, until
 from lpslam.isolated import python_command
 from lpslam.mapfile.language_map import LanguageMap
 
 pytestmark = pytest.mark.slow
 
-CODE = "import sys; sys.argv = ['lpslam', *sys.argv[1:]]; from lpslam.__main__ import main; main()"
+FRAMES = 120  # of the walk
+
+CODE = """
+import sys
+from lpslam.session.session import Session
+
+sys.argv = ["lpslam", *sys.argv[1:]]
+take = Session.take
+
+def take_when_let(self, frame):
+    sys.stdin.readline()
+    return take(self, frame)
+
+Session.take = take_when_let
+from lpslam.__main__ import main
+main()
+"""
+"""`lpslam`, whose runs take a frame for each line that they are given, and all the others once these have ended."""
 
 
 class Run:
     """A run with a page, in a process of its own; what is not played at once is stopped at the end."""
 
-    def __init__(self, walk: Path, folder: Path, *options: str) -> None:
+    def __init__(self, walk: Path, folder: Path, *, is_held: bool = False) -> None:
         self.map = folder / "walk.lpmap"
-        words = ["run", str(walk), "-o", str(self.map), "--view", "--port", "0", *options]
+        words = ["run", str(walk), "-o", str(self.map), "--view", "--port", "0"]
         self.process = subprocess.Popen(
-            python_command(CODE, *words), stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True, cwd=folder
+            python_command(CODE, *words),
+            stdin=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            text=True,
+            cwd=folder,
         )
+        self.frames = 0
+        if not is_held:
+            self.go_on()
         assert self.process.stderr is not None
         said = self.process.stderr.readline()
         found = re.search(r"http://127\.0\.0\.1:(\d+)", said)
@@ -37,14 +63,42 @@ class Run:
 
     def watch(self) -> socket.socket:
         """A watcher that reads nothing but the first words."""
-        watcher = socket.create_connection(("127.0.0.1", self.port), timeout=20)
+        watcher = socket.create_connection(("127.0.0.1", self.port), timeout=PATIENCE_S)
         watcher.sendall(f"GET /watch HTTP/1.1\r\nhost: 127.0.0.1:{self.port}\r\n\r\n".encode())
         assert watcher.recv(15).startswith(b"HTTP/1.1 200")
         return watcher
 
-    def end(self, seconds: float = 120) -> LanguageMap:
+    def let(self, frames: int, page: Any) -> None:
+        """Let a held run take so many frames more, and wait until a page has been told of the last of them."""
+        assert self.process.stdin is not None
+        self.frames += frames
+        self.process.stdin.write("\n" * frames)
+        self.process.stdin.flush()
+        until(page, f"document.getElementById('counts').textContent.startsWith('{self.frames} ')")
+
+    def let_until(self, expression: str, page: Any) -> None:
+        """Let a held run go on until an expression holds in a page, however fast either is."""
+        while not page.evaluate(expression):
+            assert self.frames < FRAMES, f"{expression} has not come true when the run has taken all its frames"
+            self.let(3, page)
+
+    def go_on(self) -> None:
+        """Hold the run no longer."""
+        assert self.process.stdin is not None
+        self.process.stdin.close()
+
+    def end(self, seconds: float = PATIENCE_S) -> LanguageMap:
         assert self.process.wait(seconds) == 0
         return LanguageMap.load(self.map)
+
+
+@pytest.fixture
+def held_run(walk: Path, tmp_path: Path) -> Iterator[Run]:
+    """One that takes the frames that the test lets it take."""
+    one = Run(walk, tmp_path, is_held=True)
+    with one.process:
+        yield one
+        one.process.kill()
 
 
 @pytest.fixture
@@ -55,23 +109,24 @@ def run(walk: Path, tmp_path: Path) -> Iterator[Run]:
         one.process.kill()
 
 
-def test_labels_appear_as_they_are_found_and_questions_are_answered(run: Run) -> None:
+def test_labels_appear_as_they_are_found_and_questions_are_answered(held_run: Run) -> None:
     need_chromium()
+    run = held_run
     with chromium() as browser, shown(browser, run.url, own=run.url, troubles_are_meant=True) as page:
-        until(page, "lpslamPage.travelled() > 2", 60)
-        until(page, "document.querySelectorAll('#signs button').length > 0", 60)
+        until(page, "document.getElementById('status').textContent.startsWith('Warten')")
+        run.let_until("lpslamPage.travelled() > 2", page)
+        run.let_until("document.querySelectorAll('#signs button').length > 0", page)
         first = page.locator("#signs button").count()
-        until(page, f"document.querySelectorAll('#signs button').length > {first}", 60)
-        assert run.process.poll() is None, "the run ended before anything was seen to grow"
-        until(page, "lpslamPage.drawn()", 60)
+        run.let_until(f"document.querySelectorAll('#signs button').length > {first}", page)
+        run.let_until("lpslamPage.drawn()", page)
         # How tracking is, and what has happened, in the visitor's language.
-        until(page, "document.getElementById('status').textContent.startsWith('Verfolgt')", 60)
+        until(page, "document.getElementById('status').textContent.startsWith('Verfolgt')")
         assert "Schlüsselbilder" in page.locator("#counts").inner_text()
         page.locator("#happened summary").click()
         assert page.locator("#happened li").last.locator("span").first.inner_text() == "Karte begonnen"
         # In space as well: points of the room so far, the camera, and a view through its lens.
         page.locator("#in-space").click()
-        until(page, "lpslamPage.points() > 1000", 60)
+        run.let_until("lpslamPage.points() > 1000", page)
         page.locator("#lens").click()
         until(page, "document.getElementById('lens').getAttribute('aria-pressed') === 'true'")
         page.locator("#as-plan").click()
@@ -83,11 +138,11 @@ def test_labels_appear_as_they_are_found_and_questions_are_answered(run: Run) ->
         for number, (question, words) in enumerate((("Where can I buy a book?", "at ("), ("哪里可以买书？", "位于"))):
             page.fill("#question", question)
             page.press("#question", "Enter")
-            until(page, f"document.querySelectorAll('#log .answer')[{number}]?.textContent.length > 1", 60)
+            until(page, f"document.querySelectorAll('#log .answer')[{number}]?.textContent.length > 1")
             answer = page.locator("#log .answer").nth(number).inner_text()
             assert words in answer or not page.evaluate("lpslamPage.chosen()"), answer
-        assert run.process.poll() is None, "the run ended before it was asked"
-        until(page, "document.getElementById('status').className === 'ended'", 120)
+        run.go_on()
+        until(page, "document.getElementById('status').className === 'ended'")
         world = run.end()
         until(page, f"document.querySelectorAll('#signs button').length === {len(world.landmarks())}")
         assert any(mark.name == "Zum <b>goldenen</b> Hirsch" for mark in world.landmarks())
@@ -103,12 +158,12 @@ def test_a_page_that_was_away_goes_on_and_one_that_does_not_read_holds_up_nobody
     need_chromium()
     silent = run.watch()
     with chromium() as browser, shown(browser, run.url, own=run.url, troubles_are_meant=True) as page:
-        until(page, "lpslamPage.travelled() > 2", 60)
+        until(page, "lpslamPage.travelled() > 2")
         page.context.set_offline(True)
         page.wait_for_timeout(300)
         page.context.set_offline(False)
         page.reload()
-        until(page, "lpslamPage.travelled() > 10", 60)
+        until(page, "lpslamPage.travelled() > 10")
         # One goes without a word, in the middle of everything.
         page.close()
     run.end()

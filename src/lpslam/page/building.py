@@ -21,7 +21,7 @@ from lpslam.whole_files import written_whole
 
 SCRIPTS = (
     *("common", "boxes", "plan", "lenses", "hiding", "painting", "points", "plates", "space", "moving", "replay"),
-    *("correcting", "signs", "wishes", "asking", "speech", "memory", "growing", "start"),
+    *("correcting", "signs", "ways", "wishes", "asking", "speech", "memory", "growing", "start"),
 )
 """The parts of the page's program: each uses what those before it define."""
 

@@ -268,7 +268,7 @@ def _add_tools(server: MCPServer[Any], desk: _Desk) -> None:
         mark = _mark(served, place)
         known = None if position is None else (tuple(position), heading)
         try:
-            found = desk.grounds.path(served, mark, known)
+            found = desk.grounds.path(served, [mark], known)
         except NoGroundError:
             return _straight(served, mark, np.array(position) if position is not None else served.view[0])
         return Way(

@@ -1,6 +1,7 @@
 """What maps know of the ground: the occupancy grid, goal poses and ways. Older maps know nothing of it."""
 
 import threading
+from collections.abc import Sequence
 from typing import Any
 
 import cv2
@@ -10,7 +11,7 @@ from lpslam.config import Config
 from lpslam.errors import UserError
 from lpslam.ground.grid import FREE, OCCUPIED, Grid, trinary
 from lpslam.navigation.walking.goals import Goal, goal_before
-from lpslam.navigation.walking.routes import route_through, told_legs
+from lpslam.navigation.walking.routes import Leg, route_through, told_legs
 from lpslam.navigation.walking.ways import NoWayError, Walkable
 from lpslam.serving.atlas import ServedMap
 from lpslam.text.types import Landmark
@@ -51,16 +52,24 @@ class Grounds:
         here, _ = _start(served, start)
         return _goal_record(served, mark, goal_before(mark.position, mark.normal, self._walkable(served), here))
 
-    def path(self, served: ServedMap, mark: Landmark, start: Start | None, language: str = "en") -> dict[str, Any]:
-        """The way to a landmark, as `records.PathRecord` has it, told in a language; raises as `goal`."""
+    def path(
+        self, served: ServedMap, marks: Sequence[Landmark], start: Start | None, language: str = "en"
+    ) -> dict[str, Any]:
+        """The way through landmarks in their order, as `records.PathRecord` has it, told in a language.
+
+        Raises:
+            NoGroundError, NoWayError: as `goal`.
+        """
         here, heading = _start(served, start)
-        (leg,) = route_through(here, [mark], self._walkable(served))
-        (steps,) = told_legs([leg], served.directory.landmarks, language, heading)
-        return _goal_record(served, mark, leg.goal) | {
-            "points": [_rounded(point) for point in leg.way.points],
-            "length": round(leg.way.length, 2),
-            "seconds": round(leg.way.seconds, 1),
-            "steps": steps,
+        legs = route_through(here, marks, self._walkable(served))
+        told = told_legs(legs, served.directory.landmarks, language, heading)
+        parts = [_leg_record(served, leg, steps) for leg, steps in zip(legs, told, strict=True)]
+        return parts[-1] | {
+            "points": parts[0]["points"] + [point for part in parts[1:] for point in part["points"][1:]],
+            "length": round(sum(leg.way.length for leg in legs), 2),
+            "seconds": round(sum(leg.way.seconds for leg in legs), 1),
+            "steps": [step for steps in told for step in steps],
+            "legs": parts,
         }
 
     def facts(self, served: ServedMap) -> dict[str, Any]:
@@ -121,6 +130,15 @@ def _goal_record(served: ServedMap, mark: Landmark, goal: Goal) -> dict[str, Any
         "heading": round(float(np.degrees(goal.yaw)) % 360.0, 2),
         "is_before_the_sign": goal.is_before,
         "missing": round(goal.missing, 2),
+    }
+
+
+def _leg_record(served: ServedMap, leg: Leg, steps: Sequence[str]) -> dict[str, Any]:
+    return _goal_record(served, leg.landmark, leg.goal) | {
+        "points": [_rounded(point) for point in leg.way.points],
+        "length": round(leg.way.length, 2),
+        "seconds": round(leg.way.seconds, 1),
+        "steps": list(steps),
     }
 
 

@@ -25,6 +25,7 @@ Position = Annotated[list[Metres], Field(min_length=2, max_length=3, description
 Degrees = Annotated[float, Field(ge=-36_000, le=36_000, allow_inf_nan=False)]
 LandmarkId = Annotated[int, Field(ge=0, le=_LARGEST_ID, strict=True)]
 Text = Annotated[str, AfterValidator(_encodable)]
+Language = Annotated[str, StringConstraints(max_length=35), AfterValidator(_encodable)]
 MapName = Annotated[str, StringConstraints(min_length=1, max_length=60), AfterValidator(_encodable)]
 
 
@@ -67,6 +68,10 @@ class Destination(Inward):
     question: Text | None = Field(None, description="In any language; or give a landmark.")
     position: Position | None = Field(None, description="From where; where the camera was last without.")
     heading: Degrees | None = None
+    via: Annotated[list[LandmarkId], Field(max_length=24)] = Field(
+        default_factory=list, description="Landmarks before which to stand first, in this order."
+    )
+    language: Language | None = Field(None, description="Of the steps, as “de”; the question's, or English, without.")
 
 
 class NewCorrection(Inward):
@@ -249,13 +254,19 @@ class GoalRecord(Outward):
     missing: float = Field(description="Metres from there to the sign, seen from above.")
 
 
-class PathRecord(GoalRecord):
-    """The way to where one stands before a landmark."""
+class LegRecord(GoalRecord):
+    """The way to one stop, from the start or from the stop before it."""
 
     points: list[list[float]] = Field(description="Metres, map frame, from the start to the goal.")
     length: float = Field(description="Metres.")
     seconds: float
     steps: list[str] = Field(description="In the question's language; plain text that names signs.")
+
+
+class PathRecord(LegRecord):
+    """The whole way to where one stands before a landmark."""
+
+    legs: list[LegRecord] = Field(description="Its parts, one to each stop; the last one leads to the landmark.")
 
 
 class JobRecord(Outward):

@@ -45,6 +45,8 @@ def answer_text(
         sure = phrases.say("confidence", sure=f"{answer.choice.confidence:.2f}", model=printable(embedded, longest=100))
         lines.append(f"  {phrases.say('because', why=why)} ({sure})")
         more = "alternatives"
+    if len(answer.stops) > 1:
+        lines[0] = f"{len(answer.stops)}. {lines[0]}"
     lines = [*_stops_before(answer), *lines]
     if understood:
         lines.insert(0, f"? {printable(str(answer.wish), longest=400)}")

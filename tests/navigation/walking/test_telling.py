@@ -21,6 +21,17 @@ def test_a_bend_to_the_left_at_a_sign() -> None:
     assert length_told(BENT, "en") == "9 m, about 9 s"
 
 
+def test_where_one_goes_is_no_mark_of_a_turn_on_the_way() -> None:
+    goal, twin = Sign("Exit", np.array([4.0, 2.0])), Sign("Exit", np.array([4.5, -1.0]))
+    assert told(BENT, [goal], goal, "en", heading=0.0)[1] == "turn left"
+    assert told(BENT, [goal, twin], goal, "en", heading=0.0)[1] == "at Exit, turn left"
+
+
+def test_traditional_chinese_is_told_in_chinese() -> None:
+    goal = Sign("A", np.array([4.0, 6.0]))
+    assert told(BENT, [], goal, "zh-Hant") == told(BENT, [], goal, "zh") != told(BENT, [], goal, "en")
+
+
 def test_hardly_a_turn_is_not_told() -> None:
     straight = Way(np.array([[0.0, 0.0], [3.0, 0.2], [6.0, 0.0], [9.0, 0.3]]), 1.0)
     assert told(straight, [], Sign("A", np.array([10.0, 0.0])), "en") == ["go 9 m", "A is ahead of you"]

@@ -39,6 +39,7 @@ from lpslam.language.wishes.sorts import Sorts
 _FEWEST_TO_TELL_APART = 2
 _SHORT_QUESTION = 8  # words of a question whose capital is the name that it asks for
 _SHORT_NAME = 5  # words of an anchor that is a name
+_DISTRUSTED = "what the only such board says reads as if it spoke to a machine"
 _CAPITALS_ARE_NAMES = frozenset({"en", "es", "fr"})
 _SURE, _NAMED, _ACROSS = 1.0, 0.9, 0.85  # of a code or person, of a part of a name, of a name in another script
 _WHOLE = 0.95  # of a name's letters: the name itself
@@ -126,7 +127,7 @@ class EmbeddedScorer:
             return None
         scores = self._trusted(literal)
         strength = max(scores.values(), default=0.0)
-        said = "the board says these words"
+        said = "the board says these words" if scores else _DISTRUSTED
         return Served(stop, scores, said, 0.7, ignored=ignored, way=Way.WORDS, strength=strength)
 
     def _found(self, stop: Stop) -> Served:
@@ -141,10 +142,11 @@ class EmbeddedScorer:
         within = self._identities.on_level(stop, ignored)
         found = self._by_name(stop, meaning)
         if found:
-            scores = self._trusted(_within(found, within))
+            here = _within(found, within)
+            scores = self._trusted(here)
             named = frozenset(scores)
             strength = max(scores.values(), default=0.0)
-            said = "the board says the name"
+            said = "the board says the name" if scores or not here else _DISTRUSTED
             return Served(stop, scores, said, 0.95, ignored=ignored, exact=named, way=Way.NAME, strength=strength)
         general = self._sorts.of_any_sort(stop, meaning)
         if general:

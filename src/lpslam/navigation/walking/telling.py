@@ -16,8 +16,6 @@ from lpslam.navigation.walking.ways import Way
 
 Array = NDArray[np.float64]
 
-"""Languages in which ways are told; English for all others."""
-
 _SLIGHT, _FULL, _SHARP, _BACK = (np.radians(each) for each in (25.0, 60.0, 120.0, 160.0))
 _GAP = re.compile(r"\{(\w+)\}")
 _AT = 3.0  # metres from a turn at which a sign marks it
@@ -39,11 +37,13 @@ def told(way: Way, signs: Sequence[Sign], goal: Sign, language: str = "en", head
         way: over the ground.
         signs: that may be named at turns.
         goal: the sign to which it leads.
-        language: one of `LANGUAGES`.
+        language: one of `LANGUAGES`, or a tag that begins with it; English for all others.
         heading: radians counter-clockwise from the map's x axis, which way one looks at first; if known, the first
             step says how to turn.
     """
     words, points = _words(language), _legs(way.points)
+    # Where one goes is no mark of a turn before it: one is not there yet.
+    signs = [each for each in signs if each.name != goal.name or not np.array_equal(each.position, goal.position)]
     steps: list[str] = []
     faced = heading
     for start, end in pairwise(points):
@@ -113,6 +113,7 @@ def _difference(first: float, second: float) -> float:
 
 @cache
 def _words(language: str) -> dict[str, str]:
-    language = language if language in LANGUAGES else "en"
+    spoken = language.partition("-")[0]  # "zh-Hant" is Chinese
+    language = spoken if spoken in LANGUAGES else "en"
     text = files("lpslam.navigation.walking").joinpath("data", f"{language}.json").read_text(encoding="utf-8")
     return {str(key): str(value) for key, value in json.loads(text).items()}

@@ -3,13 +3,15 @@ const log = part("log");
 const asked = [];
 
 function say(question) {
-  const answer = make("div", { className: "answer", textContent: "…" });
-  log.append(make("p", { className: "question", textContent: question }), answer);
+  const answer = make("div", { className: "answer", textContent: "…" }), asks = make("p", { className: "question", textContent: question });
+  log.append(asks, answer);
   while (log.childElementCount > 60) log.firstElementChild.remove();
-  log.scrollTop = log.scrollHeight;
+  // A long answer is read from its beginning.
+  const show = () => { log.scrollTop += asks.getBoundingClientRect().top - log.getBoundingClientRect().top; };
+  show();
   return (text, ...more) => {
     answer.replaceChildren(text, ...more);
-    log.scrollTop = log.scrollHeight;
+    show();
   };
 }
 
@@ -36,30 +38,28 @@ async function askServer(question, tell, wish = null) {
   if (last && !wish) Object.assign(body, { before: last.question, excluded: last.named.slice(-200), ...(last.wish ? { before_wish: last.wish } : {}) });
   const [response, found] = await post("/ask", body);
   if (!response.ok) throw new Error(found.detail || response.statusText);
-  const id = found.answer.landmark && found.answer.landmark.id;
+  const { landmark, stops, wish: meant } = found.answer, id = landmark && landmark.id;
   const isFurther = last && !wish && found.understood === last.understood;
   asked.push({ question: isFurther ? last.question : question, wish: isFurther ? last.wish : wish, understood: found.understood, named: [...(isFurther ? last.named : []), ...(id === null ? [] : [id])] });
-  const understood = understoodOf(found, changed => answerTo(question, tell, changed));
+  // Of a plan some of whose stops nothing serves, the way leads to the others.
+  const mine = asked[asked.length - 1], before = stops.filter(stop => stop !== null), to = before.pop() ?? null;
+  const lead = async (text, last) => {
+    const steps = await leadTo([...before, last], meant.language);
+    if (steps) tell(`${text}\n${steps}`, understood);
+  };
+  const understood = understoodOf(found, changed => answerTo(question, tell, changed), sign => {
+    pick(sign);
+    mine.named.push(sign.id);
+    tell(sign.name, understood);
+    lead(sign.name, sign.id);
+  });
   tell(found.text, understood);
-  choose(data.signs.find(sign => sign.id === id) || null);
-  const steps = id === null ? [] : await leadTo(id);
-  if (steps.length) tell([found.text, ...steps.map((step, at) => `${at + 1}. ${step}`)].join("\n"), understood);
-}
-
-/* Draw the way to a place, where the map knows one; its steps. */
-async function leadTo(id) {
-  if (data.grows) return [];
-  const [reached, way] = await post("/path", { landmark: id, ...(data.name ? { map: data.name } : {}) });
-  if (!reached.ok || !state.chosen || state.chosen.id !== id) return [];
-  state.way = way.points;
-  state.goal = way;
-  draw();
-  return way.steps;
+  choose(data.signs.find(sign => sign.id === to) || null);
+  if (to !== null) await lead(found.text, to);
 }
 
 async function answerTo(question, tell, wish = null) {
-  state.way = [];
-  state.goal = null;
+  dropWay();
   try { await askServer(question, tell, wish); } catch (error) { tell(`${words.trouble} ${error.message}`); }
 }
 
@@ -67,9 +67,9 @@ part("ask").addEventListener("submit", async event => {
   event.preventDefault();
   const question = field.value.slice(0, 400).trim();
   if (!question) return;
-  state.way = [];
-  state.goal = null;
+  dropWay();
   const tell = say(question);
+  field.select();
   if (!data.live) {
     const found = byName(question);
     tell(found.length ? found[0].name : words.nothing);

@@ -3,7 +3,7 @@ const data = JSON.parse(document.getElementById("map-data").textContent);
 const words = data.words[(navigator.language || "en").slice(0, 2)] || data.words.en;
 const part = id => document.getElementById(id);
 const canvas = part("map"), pen = canvas.getContext("2d");
-const state = { chosen: null, way: [], goal: null, camera: null, isSpatial: false, isFirstPerson: false };
+const state = { chosen: null, way: [], legs: [], stops: [], isGroundless: false, camera: null, isSpatial: false, isFirstPerson: false };
 
 /* Colours of the style, looked up once as long as it is light or dark. */
 const colours = new Map();

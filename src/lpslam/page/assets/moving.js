@@ -110,6 +110,11 @@ canvas.addEventListener("keydown", event => {
   event.preventDefault();
   moved();
 });
+part("whole").addEventListener("click", () => {
+  flight++;
+  leaveLens();
+  fit();
+});
 /* On paper the panel is below the map, and hides nothing. */
 for (const [name, printed] of [["beforeprint", true], ["afterprint", false]]) window.addEventListener(name, () => {
   isPrinted = printed;

@@ -44,15 +44,14 @@ const SHADERS = {
   // Depth edges darkened as by Boucheny's eye-dome lighting: what lies behind its neighbours is in their shade.
   shading: [`void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0); }`,
     `uniform sampler2D picture, depths; uniform float near, far; out vec4 colour;
-    float logDepth(ivec2 at) { float z = texelFetch(depths, at, 0).r; return log2(2.0 * far * near / (far + near - (2.0 * z - 1.0) * (far - near))); }
+    float depthAt(int x, int y) { return texelFetch(depths, ivec2(x, y), 0).r; }
     void main() {
-      ivec2 at = ivec2(gl_FragCoord.xy), last = textureSize(depths, 0) - 1;
-      vec4 own = texelFetch(picture, at, 0);
-      float depth = logDepth(at), shade = 0.0;
-      ivec2 around[4] = ivec2[4](ivec2(2, 0), ivec2(-2, 0), ivec2(0, 2), ivec2(0, -2));
-      if (texelFetch(depths, at, 0).r < 1.0)
-        for (int each = 0; each < 4; each++) shade += clamp(depth - logDepth(clamp(at + around[each], ivec2(0), last)) - 0.012, 0.0, 0.06);
-      colour = vec4(own.rgb * exp(-shade * 6.0), 1.0);
+      ivec2 at = ivec2(gl_FragCoord.xy), low = max(at - 2, 0), high = min(at + 2, textureSize(depths, 0) - 1);
+      float z = texelFetch(depths, at, 0).r;
+      // By how much of its distance it lies behind its neighbours, in powers of two: with z, distances are near / (1 - z) or so.
+      vec4 behind = (z - vec4(depthAt(high.x, at.y), depthAt(low.x, at.y), depthAt(at.x, high.y), depthAt(at.x, low.y))) * 1.4427 / (far / (far - near) - z);
+      float shade = z < 1.0 ? dot(clamp(behind - 0.012, 0.0, 0.06), vec4(1.0)) : 0.0;
+      colour = vec4(texelFetch(picture, at, 0).rgb * exp(-shade * 6.0), 1.0);
     }`],
   // Of each cell the depth in the middle of nine, in three bytes: single points before it, or gaps, tell nothing.
   depths: [`void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0); }`,
@@ -154,6 +153,13 @@ function finish(wide, high) {
   gl.uniform1f(used.uniforms.near, NEAR);
   gl.uniform1f(used.uniforms.far, FAR);
   gl.drawArrays(gl.TRIANGLES, 0, 3);
+}
+
+/* The image as it is, without shades. */
+function showPlain(wide, high) {
+  gl.bindFramebuffer(gl.READ_FRAMEBUFFER, paint.target.frame);
+  gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, null);
+  gl.blitFramebuffer(0, 0, wide, high, 0, 0, wide, high, gl.COLOR_BUFFER_BIT, gl.NEAREST);
 }
 
 /* A line through points, so many pixels wide. */

@@ -73,12 +73,14 @@ function paintPlan(most) {
   if (data.picture_extent) spread(picture, data.picture_extent);
   trace(data.trajectory, style("--way"), 1.5, .55);
   trace(state.way, style("--route"), 5, .9);
-  if (state.goal) for (const line of goalLines(state.goal, 0)) trace(line, style("--route"), 3, .9);
+  for (const leg of state.legs) for (const line of goalLines(leg, 0)) trace(line, style("--route"), 3, .9);
   drawCamera();
   const taken = new Boxes();
   taken.add({ box: panelBox() });
-  const marked = marks(most);
+  const marked = marks(most), badges = stopBadges(([x, y]) => toScreen(x, y));
+  badges.forEach(badge => taken.add(badge));
   for (const { sign, at } of marked) label(sign, at, taken);
+  drawBadges(badges);
   scaleBar();
 }
 
@@ -174,17 +176,23 @@ function label(sign, [x, y], taken) {
   const is = sign === state.chosen;
   pen.font = `${is ? "600 15px" : "13px"} system-ui, "Noto Sans", "Noto Sans CJK SC", sans-serif`;
   const name = shortened(sign.name), width = letters(sign, is) + 10;
+  const box = roomBeside(x, y, width, taken) || (is && [x + 10, y - 11, x + 10 + width, y + 11]);
+  if (!box) return;
+  taken.add({ box });
+  pen.fillStyle = style("--glass");
+  pen.fillRect(box[0], box[1], width, 22);
+  pen.fillStyle = tint(sign);
+  pen.textBaseline = "middle";
+  pen.fillText(name, box[0] + 5, box[1] + 11.5);
+}
+
+/* Where a label so wide lies beside a mark and on nothing else. */
+function roomBeside(x, y, width, taken) {
   for (const [dx, dy] of [[10, -11], [-width - 10, -11], [-width / 2, -32], [-width / 2, 12]]) {
     const box = [x + dx, y + dy, x + dx + width, y + dy + 22];
-    if (!is && (box[2] > canvas.clientWidth || taken.meets(box))) continue;
-    taken.add({ box });
-    pen.fillStyle = style("--glass");
-    pen.fillRect(box[0], box[1], width, 22);
-    pen.fillStyle = tint(sign);
-    pen.textBaseline = "middle";
-    pen.fillText(name, box[0] + 5, box[1] + 11.5);
-    return;
+    if (box[0] >= 0 && box[2] <= canvas.clientWidth && !taken.meets(box)) return box;
   }
+  return null;
 }
 
 /* How wide a sign's name is on the plan, in pixels: measured once. */

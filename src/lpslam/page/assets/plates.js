@@ -68,8 +68,9 @@ function plateBox({ out, middle, right, up }, high) {
   return overlaps(box, [0, 0, lens.wide, lens.high]) ? box : null;
 }
 
-/* The signs that are on the canvas or about to be, each with where it is there, how far, and whether something hides it. */
-function signsInView() {
+/* The signs that are on the canvas or about to be, at most so many, the most important first: each with where it is
+   there, how far, and whether something hides it. */
+function signsInView(most) {
   const [across, down, , ahead] = lens.rows, [ex, ey, ez] = lens.eye, wide = lens.wide, high = lens.high, found = [];
   for (const shape of signShapes()) {
     const { sign } = shape, [x, y, z] = sign.position, w = ahead[0] * x + ahead[1] * y + ahead[2] * z + ahead[3];
@@ -78,6 +79,7 @@ function signsInView() {
     const u = ((across[0] * x + across[1] * y + across[2] * z + across[3]) / w + 1) / 2 * wide, v = (1 - (down[0] * x + down[1] * y + down[2] * z + down[3]) / w) / 2 * high;
     const reach = 40 + 3 * lens.focal * shape.high / w * shape.letters / 72;
     if (u < -reach || v < -reach || u > wide + reach || v > high + reach) continue;
+    if (found.length >= most && sign !== state.chosen) continue;
     const isChosen = sign === state.chosen, away = Math.hypot(ex - x, ey - y, ez - z);
     found.push({ ...shape, at: [u, v], away, isChosen, isHidden: !isChosen && isBehind(sign.position) });
   }
@@ -85,9 +87,9 @@ function signsInView() {
 }
 
 /* What of all signs is shown, and how: plates first, the largest on the canvas before the others. */
-function arrangeSigns() {
+function arrangeSigns(most) {
   const plates = [], rest = [], boxes = new Boxes();
-  for (const each of signsInView()) {
+  for (const each of signsInView(most)) {
     const { sign, high, away } = each;
     const plate = high * lens.focal / away < 11 || each.isHidden ? null : each.plate || plateOf(each, [lens.eye[0] - sign.position[0], lens.eye[1] - sign.position[1], 0]);
     each.box = plate && plateBox(plate, high);

@@ -1,6 +1,7 @@
 /* The room's points: the first of them are a sample of all, so that as many are drawn as a frame has time for. */
 const cloud = { count: 0, parts: new Map(), spacing: 0.02, ceiling: 1e6, version: 0, isAskedFor: false };
 const BUDGET = { least: 15000, first: 200000, slow: 90, quick: 45 };  // points a frame, and milliseconds of one
+const LEAST_SHARP = 0.5;
 let budget = BUDGET.first, sharpness = 1;  // the second: of the canvas's pixels, the share to a side that are drawn in motion
 
 /* One part, in its order: count, low, size and spacing in eight numbers of four bytes, then eight bytes a point. */
@@ -148,8 +149,8 @@ function drawPoints(from, count, drawn) {
 function adapt(milliseconds) {
   if (milliseconds > BUDGET.slow) {
     // What is far too slow is mended at once.
-    if (sharpness === 0.5 || milliseconds > 2 * BUDGET.slow) budget = Math.max(BUDGET.least, Math.round(budget * Math.max(0.25, BUDGET.slow / milliseconds)));
-    sharpness = Math.max(0.5, sharpness * 0.7);
+    if (sharpness === LEAST_SHARP || milliseconds > 2 * BUDGET.slow) budget = Math.max(BUDGET.least, Math.round(budget * Math.max(0.25, BUDGET.slow / milliseconds)));
+    sharpness = Math.max(LEAST_SHARP, sharpness * 0.7);
   } else if (milliseconds < BUDGET.quick) {
     if (budget < Math.min(cloud.count, BUDGET.first)) budget = Math.round(budget * 1.25);
     else if (sharpness < 1) sharpness = Math.min(1, sharpness * 1.15);

@@ -3,8 +3,7 @@ const list = part("signs"), card = part("card"), field = part("question");
 
 /* Chosen by hand: what was answered before is no longer the matter. */
 function pick(sign, fly = true) {
-  state.way = [];
-  state.goal = null;
+  dropWay();
   choose(sign, fly);
 }
 
@@ -24,7 +23,7 @@ function showCard() {
   const facts = make("dl");
   const rows = [
     [words.lines, sign.lines.filter(line => line !== sign.name).join(" · ")],
-    [words.place, sign.position.map(value => value.toFixed(2)).join(", ") + ` m (± ${sign.spread.toFixed(2)})`],
+    [words.place, sign.position.map(value => value.toFixed(2)).join(", ") + ` m (±\u202f${sign.spread < 0.01 ? "<\u202f1" : Math.round(100 * sign.spread)} cm)`],
     [words.seen, `${sign.observations} ×`],
     [words.sure, `${Math.round(sign.confidence * 100)} %`],
     [words.read, Object.entries(sign.variants).map(([text, count]) => `${text} ×${count}`).join(", ")],

@@ -29,7 +29,8 @@ function frame() {
     // The first frame makes what the others use.
     if (cloud.count && drawing.frames > 1 && drawing.isMoving) adapt(drawing.pace);
   }
-  const isAtRest = performance.now() - drawing.movedAt > 200;
+  // A view that waits to be drawn is in motion, however long the frame before it took.
+  const isAtRest = !drawing.isFresh && performance.now() - drawing.movedAt > 200;
   // What was drawn with fewer pixels in motion is drawn with all of them at rest.
   if (isAtRest && drawing.share < 1) drawing.isFresh = true;
   if (drawing.isFresh || drawing.drawn < cloud.count) drawSpace(isAtRest);
@@ -40,7 +41,7 @@ function frame() {
 /* All is drawn and nothing moves: signs are arranged once more by what is in sight. */
 function lookAgain() {
   drawing.seen = hiding.lens;
-  drawing.signs = arrangeSigns();
+  drawing.signs = arrangeSigns(Infinity);
   begin(scene.width, scene.height, false);
   drawPlates(drawing.signs.plates);
   finish(scene.width, scene.height);
@@ -57,7 +58,7 @@ function drawSpace(isAtRest) {
     lens = lensFor(wide, high, state.isFirstPerson ? lensPose() : null);
     if (scene.width !== Math.round(wide * ratio) || scene.height !== Math.round(high * ratio)) [scene.width, scene.height] = [Math.round(wide * ratio), Math.round(high * ratio)];
     drawing.drawn = 0;
-    drawing.signs = arrangeSigns();
+    drawing.signs = arrangeSigns(isAtRest ? Infinity : IN_MOTION);
   }
   drawing.isFresh = false;
   begin(scene.width, scene.height, isFresh);
@@ -71,7 +72,8 @@ function drawSpace(isAtRest) {
   }
   drawWays();
   drawPlates(drawing.signs.plates);
-  finish(scene.width, scene.height);
+  // Half of a slow machine's frame is shading.
+  if (drawing.share === LEAST_SHARP) showPlain(scene.width, scene.height); else finish(scene.width, scene.height);
   if (isFresh) drawOverlay();
   drawing.fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
   gl.flush();
@@ -96,7 +98,7 @@ function drawWays() {
   if (!state.isFirstPerson) ribbon(data.trajectory, green, 2);
   if (pose && !state.isFirstPerson) for (const line of frustumOf(pose)) ribbon(line, green, 2);
   ribbon(state.way.map(([x, y]) => [x, y, floor]), rgb("--route"), 7);
-  if (state.goal) for (const line of goalLines(state.goal, floor)) ribbon(line, rgb("--route"), 4);
+  for (const leg of state.legs) for (const line of goalLines(leg, floor)) ribbon(line, rgb("--route"), 4);
 }
 
 /* The four sides of what a camera sees, and which side is up. */
@@ -118,6 +120,7 @@ function drawOverlay() {
   const { plates, rest } = drawing.signs, { taken, labels } = arrangeLabels(plates, rest);
   drawLabels(labels);
   drawCounts(taken);
+  drawBadges(stopBadges(([x, y]) => projected([x, y, groundHeight()])));
   shownSigns = taken;
 }
 
@@ -158,11 +161,16 @@ function flyAround(to) {
 /* Signs that one label stands for, seen apart. */
 function flyToAll(signs) {
   const ends = [Math.min, Math.max].map(end => [0, 1, 2].map(axis => end(...signs.map(sign => sign.position[axis]))));
+  flyToBox(plus(ends[0], [0.5, 0.5, 0.5], -1), plus(ends[1], [0.5, 0.5, 0.5]), around.far * 0.6);
+}
+
+/* A box of space, seen whole from no farther than so many metres. */
+function flyToBox(low, high, farthest = FARTHEST) {
   const old = { ...around };
-  aim(plus(ends[0], [0.5, 0.5, 0.5], -1), plus(ends[1], [0.5, 0.5, 0.5]));
+  aim(low, high);
   const to = { ...around };
   Object.assign(around, old);
-  flyAround({ ...to, far: Math.min(to.far, old.far * 0.6) });
+  flyAround({ ...to, far: Math.min(to.far, farthest) });
 }
 
 function showSpace(isSpatial) {
@@ -182,15 +190,15 @@ function showSpace(isSpatial) {
 if (gl) {
   scene.addEventListener("webglcontextlost", () => {
     showSpace(false);
-    part("modes").hidden = true;
+    part("as-plan").hidden = part("in-space").hidden = true;
   });
   part("as-plan").addEventListener("click", () => showSpace(false));
   part("in-space").addEventListener("click", () => showSpace(true));
-} else part("modes").hidden = true;
+} else part("as-plan").hidden = part("in-space").hidden = true;
 groundPicture.addEventListener("load", draw);
 
 /* The ground comes after the page: it takes longer than the rest. */
 async function haveGround() {
   data.ground = await givenLater("ground", "json");
-  if (data.ground) groundPicture.src = data.ground.picture;
+  if (data.ground) groundPicture.src = data.ground.picture; else state.isGroundless = true;
 }

@@ -16,14 +16,23 @@ async function offerSpeech() {
   mouth.hidden = false;
 }
 
+let heard = null;
+
+/* Asked once more while it listens, it stops. */
 function listen() {
-  const hearing = new Hearing();
+  if (heard) return heard.abort();
+  const hearing = heard = new Hearing();
   Object.assign(hearing, { lang: spoken, processLocally: true, interimResults: false, maxAlternatives: 1 });
   hearing.onresult = event => {
     field.value = event.results[0][0].transcript.slice(0, 400);
     part("ask").requestSubmit();
   };
-  hearing.onend = () => mouth.setAttribute("aria-pressed", "false");
+  hearing.onerror = event => { if (event.error !== "aborted") complain(`${words.unheard} (${event.error})`); };
+  hearing.onend = () => {
+    heard = null;
+    mouth.setAttribute("aria-pressed", "false");
+  };
+  complain("");
   mouth.setAttribute("aria-pressed", "true");
   hearing.start();
 }

@@ -6,6 +6,7 @@ part("go").textContent = words.go;
 canvas.setAttribute("aria-label", words.canvas);
 part("as-plan").textContent = words.plan;
 part("in-space").textContent = words.space;
+part("whole").textContent = words.whole;
 part("modes").setAttribute("aria-label", words.view);
 part("replay").setAttribute("aria-label", words.replay);
 part("moment").setAttribute("aria-label", words.moment);
@@ -42,10 +43,11 @@ window.lpslamPage = {
   takeSigns(signs) { takeSigns(signs); fit(); },
   hidden: () => drawing.signs.rest.filter(each => each.isHidden).map(each => each.sign.name),
   drawnPoints: () => drawing.drawn,
-  pace: () => ({ milliseconds: drawing.pace, frames: drawing.frames, budget }),
+  pace: () => ({ milliseconds: drawing.pace, frames: drawing.frames, budget, isMoving: drawing.isMoving }),
   shownSigns: () => shownSigns.map(({ box, signs }) => ({ box, names: signs.map(sign => sign.name) })),
   moment: () => replay.at,
-  goal: () => state.goal && state.goal.position,
+  goal: () => state.legs.length ? state.legs[state.legs.length - 1].position : null,
+  stops: () => state.stops,
   travelled: () => data.trajectory.length,
   remembered: () => memory.shown,
   drawn: () => Boolean(data.picture_extent && picture.complete && picture.naturalWidth),

@@ -14,8 +14,8 @@ function wishParts(stop) {
   return parts;
 }
 
-/* Opened below an answer: its parts, and the next best places. `askAgain` takes a changed wish. */
-function understoodOf(found, askAgain) {
+/* Opened below an answer: its parts, and the next best places. `askAgain` takes a changed wish, `takeInstead` a sign. */
+function understoodOf(found, askAgain, takeInstead) {
   const { wish, alternative_ids: ids } = found.answer;
   const box = make("details", { className: "understood" }, make("summary", { textContent: words.understood }));
   wish.stops.forEach((stop, at) => {
@@ -29,7 +29,8 @@ function understoodOf(found, askAgain) {
     box.append(parts);
   });
   const others = ids.map(id => data.signs.find(sign => sign.id === id)).filter(Boolean);
-  if (others.length) box.append(make("p", { className: "tools" }, make("span", { className: "soft", textContent: words.orElse }), ...others.map(sign => tool(sign.name, () => { pick(sign); leadTo(sign.id); }))));
+  if (others.length) box.append(make("p", { className: "tools" }, make("span", { className: "soft", textContent: words.orElse }), ...others.map(sign => tool(sign.name, () => takeInstead(sign)))));
+  box.addEventListener("toggle", () => { if (box.open) box.scrollIntoView({ block: "nearest" }); });
   // What is not sure is shown opened: it is for the visitor to say.
   box.open = found.answer.landmark === null && others.length > 0;
   return box;

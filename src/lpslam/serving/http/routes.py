@@ -151,33 +151,39 @@ def question_routes(services: Services) -> APIRouter:
     @router.post("/goal", response_model=records.GoalRecord, tags=["ways"])
     async def goal(body: records.Destination) -> Response:
         """Where to stand before a landmark; 501 where the map has no ground."""
-        served, mark, start, _ = await _destination(services, body)
-        return _json(await asyncio.to_thread(services.grounds.goal, served, mark, start))
+        served, marks, start, _ = await _destination(services, body)
+        return _json(await asyncio.to_thread(services.grounds.goal, served, marks[-1], start))
 
     @router.post("/path", response_model=records.PathRecord, tags=["ways"])
     async def path(body: records.Destination) -> Response:
-        """The way there; 501 where the map has no ground."""
-        served, mark, start, language = await _destination(services, body)
-        return _json(await asyncio.to_thread(services.grounds.path, served, mark, start, language))
+        """The way there, through all stops of a plan; 501 where the map has no ground."""
+        served, marks, start, language = await _destination(services, body)
+        return _json(await asyncio.to_thread(services.grounds.path, served, marks, start, language))
 
     return router
 
 
-async def _destination(services: Services, body: records.Destination) -> tuple[ServedMap, Landmark, Start | None, str]:
-    """Where to, from where, and the language of who asks; where a map has no ground, it is not looked for."""
+async def _destination(
+    services: Services, body: records.Destination
+) -> tuple[ServedMap, list[Landmark], Start | None, str]:
+    """Where to, one after the other, from where, and the language of who asks; not where a map has no ground."""
     served = services.atlas.get(body.map)
     if not services.grounds.has(served):
         services.grounds.facts(served)
     if (body.landmark is None) == (body.question is None):
         raise UserError("give either a landmark or a question")
     start = None if body.position is None else (tuple(body.position), body.heading)
+    language, stops = body.language or answer_language(body.question or ""), body.via
     if body.landmark is not None:
-        return served, landmark_of(served, body.landmark), start, "en"
-    asked = asked_of(body, services.config.serving.question_letters)
-    answer = json.loads(await services.answerer.ask(asked, served))["answer"]
-    if answer["landmark"] is None:
-        raise UserError(f"nothing in this map serves that: {answer['choice']['evidence']}")
-    return served, landmark_of(served, answer["landmark"]["id"]), start, answer_language(body.question or "")
+        stops = [*stops, body.landmark]
+    else:
+        asked = asked_of(body, services.config.serving.question_letters)
+        answer = json.loads(await services.answerer.ask(asked, served))["answer"]
+        if answer["landmark"] is None:
+            raise UserError(f"nothing in this map serves that: {answer['choice']['evidence']}")
+        planned = [stop for stop in answer["stops"][:-1] if stop is not None]
+        stops = [*stops, *planned, answer["landmark"]["id"]]
+    return served, [landmark_of(served, stop) for stop in stops], start, language
 
 
 async def _steps(services: Services, asked: Asked, served: ServedMap) -> AsyncIterator[bytes]:
