@@ -1,5 +1,6 @@
 """The embedded model's names: the posterior over whole strings, what is known being its prior (III-E)."""
 
+from collections import Counter
 from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass
 from math import exp, log
@@ -168,8 +169,10 @@ class Namer:
         # mark that it has, and that was read even once, was there.
         evidence = f"the readings agree on {known.painted}"
         if known.source == "brand":
+            # A shop may be called like a brand and have a mark that this has not (FOSTER'S).
+            is_marked_more = bool(_marks_of(text) - _marks_of(known.painted))
             marked = [each.text for each in same if each.text.casefold() == known.painted.casefold()]
-            return (marked or [text])[0], evidence
+            return text if is_marked_more or not marked else marked[0], evidence
         is_same_form = paint_key(known.painted) == key
         return painted_like(known.painted, text) if is_same_form else text, evidence
 
@@ -190,6 +193,10 @@ def respaced(key: str, text: str) -> str:
         else:
             letters[at] = new
     return clean_text("".join(letters))
+
+
+def _marks_of(text: str) -> Counter[str]:
+    return Counter(ch for ch in text if not ch.isalnum() and not ch.isspace())
 
 
 def _log_odds(probability: float) -> float:
