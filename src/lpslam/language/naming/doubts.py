@@ -10,9 +10,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import exp, expm1, log, log1p
 
+from rapidfuzz.distance import Editop
+
 from lpslam.language.naming.channel import (
     CUT_END,
-    KNOWN,
     Seen,
     added_cost,
     ends_of,
@@ -24,6 +25,8 @@ from lpslam.language.naming.channel import (
 
 # Spellings, the weightiest, whose letters are counted, and the largest sum of costs that is told apart.
 _COUNTED, _MOST = 24, 50.0
+# What one more look at the same letter says at most: a reader that fails on it fails again.
+_AGREED = 1.5
 # Share of a reading's letters that must be the candidate's: else it is of something else and no evidence on letters.
 _SAME_TEXT = 0.5
 
@@ -39,7 +42,7 @@ class _Pull:
         """Add a reading of so many looks that would have slipped at such a cost."""
         full = min(weight, max(1.0 - self.spent, 0.0))
         self.spent += weight
-        self.total = min(self.total + full * cost + (weight - full) * min(cost, KNOWN), _MOST)
+        self.total = min(self.total + full * cost + (weight - full) * min(cost, _AGREED), _MOST)
 
 
 @dataclass(slots=True)
@@ -69,25 +72,39 @@ def log_odds_against(painted: str, seen: Sequence[Seen], looks: Callable[[str], 
 
 def _count(painted: str, seen: Seen, looks: Callable[[str], str], letters: list[_Column], gaps: list[_Column]) -> None:
     """Count a reading in every place of which it says something: hidden ends say nothing."""
-    steps, last, slip = steps_between(painted, seen.key), len(painted), slip_of(seen)
+    steps, last = steps_between(painted, seen.key), len(painted)
     changed = {step.src_pos for step in steps if step.tag != "insert"}
     if last - len(changed) < _SAME_TEXT * len(seen.key):
         return
     lost = {step.src_pos for step in steps if step.tag == "delete"}
     hidden = set[int]().union(*ends_of(lost, last))
     filled = {step.src_pos for step in steps if step.tag == "insert"}
-    for at in set(range(last)) - changed:
-        letters[at].own.add(seen.weight, slip)
+    same = _same_letters(steps, last)
+    for at, own in same.items():
+        letters[at].own.add(seen.weight, slip_of(seen, own))
     for at in set(range(last + 1)) - filled:
         if not {at - 1, at} & lost:
+            slip = slip_of(seen, before=same.get(at))
             gaps[at].own.add(seen.weight, slip if 0 < at < last else min(slip, CUT_END))
     for step in steps:
         if step.tag == "replace":
-            cost = replaced_cost(painted[step.src_pos], seen, step.dest_pos, slip, looks)
+            cost = replaced_cost(painted[step.src_pos], seen, step.dest_pos, looks)
             letters[step.src_pos].others[seen.key[step.dest_pos]].add(seen.weight, cost)
         elif step.tag == "insert":
-            cost = added_cost(painted, seen, step.dest_pos, slip)
+            cost = added_cost(painted, seen, step.dest_pos)
             gaps[step.src_pos].others[seen.key[step.dest_pos]].add(seen.weight, cost)
         elif step.src_pos not in hidden:
-            cost = lost_cost(painted[step.src_pos], seen, step.dest_pos, slip)
+            cost = lost_cost(painted[step.src_pos], seen, step.dest_pos)
             letters[step.src_pos].others[""].add(seen.weight, cost)
+
+
+def _same_letters(steps: Sequence[Editop], length: int) -> dict[int, int]:
+    """Where the letters of a key, so long, that no step changes stand in what was read."""
+    changed = {step.src_pos for step in steps if step.tag != "insert"}
+    same, shift = {}, 0
+    for at in range(length):
+        shift += sum(step.tag == "insert" and step.src_pos == at for step in steps)
+        if at not in changed:
+            same[at] = at + shift
+        shift -= sum(step.tag == "delete" and step.src_pos == at for step in steps)
+    return same
