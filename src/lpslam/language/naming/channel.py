@@ -22,6 +22,8 @@ _ALIKE, _OTHER, _LOST, _ADDED, _OTHER_IDEOGRAPH = 0.0, 1.2, 1.2, 1.5, 4.0
 _LEAST_SLIP = 0.3
 # An end that is hidden, and each letter of it; an end that is another text's, and each of its letters.
 CUT_END, _CUT_LETTER = 2.0, 0.3
+# The same end hidden again: what stands before it is there in the next view as well.
+_CUT_AGAIN = 1.5
 _JOINED_END, _JOINED_LETTER = 4.0, 0.8
 # A round or square logo beside Chinese is read as a letter of another script, again and again.
 _LOGO = 0.8
@@ -181,8 +183,11 @@ def _of_one(painted: str, seen: Seen, looks: Callable[[str], str], known: set[_S
         return seen.weight * all_right
     ends, slips = _costs(painted, seen, looks, known)
     first = max(all_right - ends - slips, -_FOREIGN)
-    again = max(min(log(1.0 - seen.right), all_right) - _AGAIN - ends, first) if slips else first
-    return min(seen.weight, 1.0) * first + max(seen.weight - 1.0, 0.0) * again
+    if seen.weight <= 1.0:
+        return seen.weight * first
+    ends, _ = _costs(painted, seen, looks, known)
+    again = max((min(log(1.0 - seen.right), all_right) - _AGAIN if slips else all_right) - ends, first)
+    return first + (seen.weight - 1.0) * again
 
 
 def _costs(painted: str, seen: Seen, looks: Callable[[str], str], known: set[_Slip]) -> tuple[float, float]:
@@ -196,7 +201,11 @@ def _costs(painted: str, seen: Seen, looks: Callable[[str], str], known: set[_Sl
     steps = steps_between(painted, read)
     cut = ends_of({step.src_pos for step in steps if step.tag == "delete"}, len(painted))
     joined = ends_of({step.dest_pos for step in steps if step.tag == "insert"}, len(read))
-    ends = sum(_cut_cost(painted, end, at in seen.marks) for end, at in zip(cut, (0, len(read)), strict=True) if end)
+    ends = sum(
+        _once(("cut", len(end), str(at > 0)), _cut_cost(painted, end, at in seen.marks), _CUT_AGAIN, known)
+        for end, at in zip(cut, (0, len(read)), strict=True)
+        if end
+    )
     for end in joined:
         slips = sum(added_cost(painted, seen, at) for at in end)
         ends += min(_JOINED_END + _JOINED_LETTER * len(end), slips) if end else 0.0
@@ -212,9 +221,16 @@ def _costs(painted: str, seen: Seen, looks: Callable[[str], str], known: set[_Sl
             one = added_cost(painted, seen, step.dest_pos)
         else:
             continue
-        cost += min(one, _KNOWN) if own in known else one
-        known.add(own)
+        cost += _once(own, one, _KNOWN, known)
     return ends, cost
+
+
+def _once(slip: _Slip, cost: float, again: float, known: set[_Slip]) -> float:
+    """What a slip costs: no more than `again` where it is known of this sign, as it is from then on."""
+    if slip in known:
+        return min(cost, again)
+    known.add(slip)
+    return cost
 
 
 def steps_between(painted: str, read: str) -> Sequence[Editop]:
