@@ -22,8 +22,6 @@ _ALIKE, _OTHER, _LOST, _ADDED, _OTHER_IDEOGRAPH = 0.0, 1.2, 1.2, 1.5, 4.0
 _LEAST_SLIP = 0.3
 # An end that is hidden, and each letter of it; an end that is another text's, and each of its letters.
 CUT_END, _CUT_LETTER = 2.0, 0.3
-# The same end hidden again: what stands before it is there in the next view as well.
-_CUT_AGAIN = 1.5
 _JOINED_END, _JOINED_LETTER = 4.0, 0.8
 # A round or square logo beside Chinese is read as a letter of another script, again and again.
 _LOGO = 0.8
@@ -33,8 +31,8 @@ _OWN_ODDS = 0.7
 # The same slip again is this much rarer than another failure, or than the same letters where they are painted: a
 # reader that fails on a letter of a sign fails on it in the next view as well.
 _AGAIN = 0.7
-# A slip that another reading of the same sign shows as well.
-_KNOWN = 1.0
+# A slip that another reading of the same sign shows as well, or the same hidden end: what stands before it is still there.
+KNOWN = 1.5
 # A thin letter for which a mark was read, 1 as : or ]; a mark says nothing of any other.
 _MARKED, _THIN = 0.7, frozenset("1lijtı")
 # A reading of something else altogether.
@@ -202,7 +200,7 @@ def _costs(painted: str, seen: Seen, looks: Callable[[str], str], known: set[_Sl
     cut = ends_of({step.src_pos for step in steps if step.tag == "delete"}, len(painted))
     joined = ends_of({step.dest_pos for step in steps if step.tag == "insert"}, len(read))
     ends = sum(
-        _once(("cut", len(end), str(at > 0)), _cut_cost(painted, end, at in seen.marks), _CUT_AGAIN, known)
+        _once(("cut", len(end), str(at > 0)), _cut_cost(painted, end, at in seen.marks), known)
         for end, at in zip(cut, (0, len(read)), strict=True)
         if end
     )
@@ -221,14 +219,14 @@ def _costs(painted: str, seen: Seen, looks: Callable[[str], str], known: set[_Sl
             one = added_cost(painted, seen, step.dest_pos)
         else:
             continue
-        cost += _once(own, one, _KNOWN, known)
+        cost += _once(own, one, known)
     return ends, cost
 
 
-def _once(slip: _Slip, cost: float, again: float, known: set[_Slip]) -> float:
-    """What a slip costs: no more than `again` where it is known of this sign, as it is from then on."""
+def _once(slip: _Slip, cost: float, known: set[_Slip]) -> float:
+    """What a slip costs, which is known of this sign from then on."""
     if slip in known:
-        return min(cost, again)
+        return min(cost, KNOWN)
     known.add(slip)
     return cost
 

@@ -14,6 +14,7 @@ from rapidfuzz.distance import Editop
 
 from lpslam.language.naming.channel import (
     CUT_END,
+    KNOWN,
     Seen,
     added_cost,
     ends_of,
@@ -25,8 +26,6 @@ from lpslam.language.naming.channel import (
 
 # Spellings, the weightiest, whose letters are counted, and the largest sum of costs that is told apart.
 _COUNTED, _MOST = 24, 50.0
-# What one more look at the same letter says at most: a reader that fails on it fails again.
-_AGREED = 1.5
 # Share of a reading's letters that must be the candidate's: else it is of something else and no evidence on letters.
 _SAME_TEXT = 0.5
 
@@ -42,7 +41,7 @@ class _Pull:
         """Add a reading of so many looks that would have slipped at such a cost."""
         full = min(weight, max(1.0 - self.spent, 0.0))
         self.spent += weight
-        self.total = min(self.total + full * cost + (weight - full) * min(cost, _AGREED), _MOST)
+        self.total = min(self.total + full * cost + (weight - full) * min(cost, KNOWN), _MOST)
 
 
 @dataclass(slots=True)
