@@ -31,7 +31,7 @@ _OWN_ODDS = 0.7
 # The same slip again is this much rarer than another failure, or than the same letters where they are painted: a
 # reader that fails on a letter of a sign fails on it in the next view as well.
 _AGAIN = 0.7
-# A slip that another reading of the same sign shows as well, or the same hidden end: what stands before it is still there.
+# A slip that another reading of the same sign shows as well, or the same hidden end: what hides it is still there.
 KNOWN = 1.5
 # A thin letter for which a mark was read, 1 as : or ]; a mark says nothing of any other.
 _MARKED, _THIN = 0.7, frozenset("1lijtı")
