@@ -9,6 +9,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from lpslam.assets import font_names, font_path
 from ornament_kinds import KINDS
+from ornament_things import THINGS
 
 Picture = NDArray[np.uint8]
 Draw = Callable[[Picture, np.random.Generator, int, tuple[int, int, int]], None]
@@ -220,6 +221,7 @@ ORNAMENTS: dict[str, Draw] = {
     "woven": _woven,
     "loops": _loops,
     **KINDS,
+    **THINGS,
 }
 
 

@@ -4,6 +4,7 @@
     python benchmarks/text_calibration.py fit --rows DIR   the coefficients of `text/reading/certainty.py`
     python benchmarks/text_calibration.py names --rows DIR            the coefficients of `naming/namer.py`
     python benchmarks/text_calibration.py odds --rows DIR                     the reader's own odds between two letters
+    python benchmarks/text_calibration.py letters --rows DIR                  which letters of wrong readings are wrong
     python benchmarks/text_calibration.py report --rows DIR [--plot FILE]     how well all hold on other fonts
 
 Fonts are dealt into those to develop on and those held out by their names; signs and seeds differ as well. Each sign is
@@ -26,7 +27,7 @@ from rapidfuzz.distance import Hamming
 from lpslam.assets import font_names, font_path
 from lpslam.config import MemoryConfig, SpottingConfig
 from lpslam.language.model import Reading
-from lpslam.language.naming.channel import evidence_of, paint_key
+from lpslam.language.naming.channel import evidence_of, paint_key, steps_between
 from lpslam.language.naming.namer import Certain
 from lpslam.language.offline import OfflineModel
 from lpslam.language.sanitise import clean_text
@@ -85,7 +86,7 @@ class Part:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=["read", "fit", "names", "odds", "report"])
+    parser.add_argument("what", choices=["read", "fit", "names", "odds", "letters", "report"])
     parser.add_argument("--rows", type=Path, required=True, help="folder for dev.jsonl and held.jsonl")
     parser.add_argument("--fonts", nargs="*", type=Path, default=[], help="folders with more fonts")
     parser.add_argument("--plot", type=Path, help="picture of stated against measured")
@@ -102,6 +103,8 @@ def main() -> None:
         print("_CERTAINTY = (" + ", ".join(f"{value:.3f}" for value in values) + ")")
     elif given.what == "odds":
         show_odds(read_rows(given.rows / "dev.jsonl"))
+    elif given.what == "letters":
+        show_letters([row for which in SIGNS for row in read_rows(given.rows / f"{which}.jsonl")])
     else:
         parts = [report(which, read_rows(given.rows / f"{which}.jsonl")) for which in SIGNS]
         if given.plot is not None:
@@ -238,6 +241,34 @@ def show_odds(rows: Sequence[Row]) -> None:
         of = (own >= low) & (own < high)
         share = is_right[of].mean()
         print(f"own odds {low} to {high}: {of.sum():5d}  measured {np.log((1 - share) / share):.2f}")
+
+
+def show_letters(rows: Sequence[Row]) -> None:
+    """How well the letters' own doubts tell which letters of wrong readings are wrong, beside an even share of all."""
+    likely = []
+    for row in rows:
+        painted = paint_key(clean_text(row.painted))
+        (seen,) = evidence_of(
+            [Reading(row.text, 1, row.confidence, READING.probability(row.terms), 1.0, row.slots)]
+        ) or [None]
+        if row.is_right or seen is None or not seen.doubts:
+            continue
+        steps = steps_between(painted, seen.key)
+        wrong = {step.dest_pos for step in steps if step.tag != "delete"}
+        if not 0 < len(wrong) <= len(seen.key) / 2:
+            continue
+        even = [1.0 / len(seen.key)] * len(seen.key)
+        likely.append([_log_likely(seen.right, shares, wrong) for shares in (even, seen.doubts)])
+    evenly, by_letters = np.mean(likely, axis=0)
+    print(
+        f"{len(likely)} wrong readings: logarithmic score {evenly:.2f} evenly, {by_letters:.2f} by the letters' doubts"
+    )
+
+
+def _log_likely(right: float, shares: Sequence[float], wrong: set[int]) -> float:
+    """Logarithm of the probability that just these letters are wrong, each being right to its share of a power."""
+    odds = [right**share for share in shares]
+    return float(sum(np.log(max(1.0 - each, 1e-9) if at in wrong else each) for at, each in enumerate(odds)))
 
 
 def report(which: str, rows: Sequence[Row]) -> Part:

@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from pydantic import Field
+from pydantic import Field, PositiveFloat
 
 from lpslam.config.section import Section
 
@@ -178,6 +178,29 @@ class ReadingConfig(Section):
     queue_size: int = Field(default=1, ge=1)
 
 
+class PatternConfig(Section):
+    """Which remembered texts are pieces of a pattern: by what was refused where they stand, and how they are spelt."""
+
+    # Probability that what was read often enough to be remembered is a pattern, before anything else is known of it:
+    # few walls have more friezes than signs.
+    probability: float = Field(default=0.05, gt=0, lt=1)
+    # The share of views that are refused, as beta distributions (refused, read). Of patterns any share is as likely as
+    # any other; of texts it is one in two hundred in the mean, and of most none.
+    refused_of_patterns: tuple[PositiveFloat, PositiveFloat] = (1.0, 1.0)
+    refused_of_texts: tuple[PositiveFloat, PositiveFloat] = (0.05, 10.0)
+    # Log odds for each equal text close by, and how many of them count: motifs come again along a wall, words hardly
+    # ever; a row of four says all that a longer one does.
+    twin: float = Field(default=2.0, ge=0)
+    most_twins: int = Field(default=3, ge=0)
+    # Widths within which an equal text is close by: menus and exits repeat themselves farther apart.
+    twin_reach: float = Field(default=4.0, ge=0)
+    # Metres by which a pattern may stand before or behind a text that is read in it: both are placed by noisy depth.
+    depth: float = Field(default=0.25, gt=0)
+    # Share of the smaller of two boxes that both cover from which they are of one thing; boxes of one text in two views
+    # share more, of neighbours less.
+    covered: float = Field(default=0.5, gt=0, le=1)
+
+
 class AdviceConfig(Section):
     """What texts tell loop closing: which places to try, and which cannot be the same."""
 
@@ -264,6 +287,7 @@ class TextConfig(Section):
     memory: MemoryConfig = MemoryConfig()
     placement: PlacementConfig = PlacementConfig()
     instances: InstanceConfig = InstanceConfig()
+    patterns: PatternConfig = PatternConfig()
     advice: AdviceConfig = AdviceConfig()
     again: SecondLookConfig = SecondLookConfig()
     sightings: SightingConfig = SightingConfig()

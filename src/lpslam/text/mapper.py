@@ -19,6 +19,7 @@ from lpslam.text.frame_reader import FrameReader
 from lpslam.text.placing.instances import KeyframePoses
 from lpslam.text.placing.spots import Spots
 from lpslam.text.placing.views import bearing_of
+from lpslam.text.reading.borders import room_beyond
 from lpslam.text.reading.certainty import probability_right
 from lpslam.text.reading.gate import ReadingGate
 from lpslam.text.reading.legibility import UNPLACED, SeenSize, frontal_cosine
@@ -278,7 +279,8 @@ class TextMapper:
             if self._says_what_is_known(text, placement, world_from_keyframe):
                 self._remember(text, glance, observation, world_from_keyframe)
             else:
-                self._waiting.add(CutText(text, placement, glance, observation, world_from_keyframe))
+                room = room_beyond(frame.rgb, text.box)
+                self._waiting.add(CutText(text, placement, glance, observation, world_from_keyframe, room))
 
     def _says_what_is_known(self, text: SpottedText, placement: Placement, world_from_keyframe: Array) -> bool:
         """Whether what may be cut was read so, as a whole, where it stands."""

@@ -91,7 +91,7 @@ class TextMap:
         places = [
             place for each in self.long_term for place in places_of_class(each, world_from_keyframe, instances, memory)
         ]
-        places = without_patterned(places, self.patterns.standing(world_from_keyframe))
+        places = without_patterned(places, self.patterns.standing(world_from_keyframe), self.config.patterns)
         groups = boards(without_overlaps(places, instances), instances)
         ahead = script_ahead(groups)
         return [

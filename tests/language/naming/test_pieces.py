@@ -25,3 +25,11 @@ def test_a_second_look_that_lacks_the_beginning_does_not_win_over_the_whole() ->
         Reading("cosy candle", 1, 1.0, 0.97, 0.4),
     ]
     assert OfflineModel().name(read).name == "cosy candle"
+
+
+def test_an_end_that_is_hidden_again_says_less_than_one_that_is_hidden_elsewhere() -> None:
+    cost = -log_likelihood("cosycandle", [Seen("candle", 0.98, 1.0)], str)
+    in_three_views = -log_likelihood("cosycandle", [Seen("candle", 0.98, 3.0)], str)
+    elsewhere = [Seen(piece, 0.98, 1.0) for piece in ("candle", "ycandle", "sycandle")]
+    assert in_three_views < 0.75 * 3.0 * cost
+    assert in_three_views < -log_likelihood("cosycandle", elsewhere, str)

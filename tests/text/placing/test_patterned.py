@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from lpslam.config import PatternConfig
 from lpslam.text.placing.patterned import Patterns, without_patterned
 from lpslam.text.placing.places import Place
 from lpslam.text.types import Placement
@@ -34,8 +35,9 @@ def refused(count: int, at: float = 0.0, width: float = 2.0, keyframe: int = 0, 
     return patterns
 
 
-def stays(patterns: Patterns, *places: Place) -> list[str]:
-    return [each.name for each in without_patterned(places, patterns.standing(poses))]
+def stays(patterns: Patterns, *places: Place, config: PatternConfig | None = None) -> list[str]:
+    kept = without_patterned(places, patterns.standing(poses), config or PatternConfig())
+    return [each.name for each in kept]
 
 
 def test_what_is_refused_in_most_views_is_no_text_and_what_is_in_few_stays() -> None:
@@ -47,6 +49,14 @@ def test_what_is_refused_in_most_views_is_no_text_and_what_is_in_few_stays() -> 
 
 def test_a_known_word_stays_however_it_looks() -> None:
     assert stays(refused(40), place("coffee")) == ["coffee"]
+
+
+def test_what_speaks_for_patterns_weighs_as_it_is_configured() -> None:
+    row = [place("ww", 6, 0.5 * number, number) for number in range(4)]
+    assert stays(Patterns(), *row, config=PatternConfig(twin=0.0)) == ["ww"] * 4
+    assert stays(Patterns(), *row, config=PatternConfig(twin_reach=1.0)) == ["ww"] * 4
+    assert stays(Patterns(), place("0XO"), config=PatternConfig(probability=0.999)) == []
+    assert stays(refused(20), place("0XO"), config=PatternConfig(refused_of_texts=(10.0, 10.0))) == ["0XO"]
 
 
 @pytest.mark.parametrize("elsewhere", [refused(20, at=3.0), refused(20, down=0.2), refused(20, keyframe=9), Patterns()])

@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from lpslam.text.reading.borders import cut_by_border, view_of
+from lpslam.text.reading.borders import cut_by_border, room_beyond, view_of
 
 WHITE, BLACK, BLUE = (235, 235, 235), (25, 25, 25), (40, 60, 150)
 HEIGHT, WIDTH = 240, 320
@@ -111,3 +111,13 @@ def test_a_blank_wall_at_one_side_is_no_frame() -> None:
     image, _ = seen("COFFEE", 100, 100, ground=(200, 190, 180))
     image[:12] = 255
     assert [each.tolist() for each in view_of(image)] == [[0, 0], [WIDTH - 1, HEIGHT - 1]]
+
+
+def test_how_far_the_image_goes_on_beyond_the_ends_of_a_text() -> None:
+    image, box = seen("ABC", 20, 100)
+    height, left, right = box[3, 1] - box[0, 1], box[0, 0], WIDTH - 1.0 - box[1, 0]
+    assert room_beyond(image, box) == pytest.approx((left / height, right / height))
+    image, box = seen("LONGER", 230, 100)
+    assert room_beyond(image, box)[1] == 0.0
+    slanted = np.array([[60.0, 40.0], [160.0, 140.0], [140.0, 160.0], [40.0, 60.0]])
+    assert room_beyond(image, slanted) == pytest.approx((2.0, (HEIGHT - 1.0 - 160.0) / 20.0), rel=0.01)

@@ -11,11 +11,20 @@ from lpslam.text.types import Placement, SpottedText, TextObservation
 Array = NDArray[np.float64]
 
 
-def cut(text: str, timestamp: float, x: float = 0.0, right: float = 0.9, width: float = 0.5) -> CutText:
+def cut(
+    text: str,
+    timestamp: float,
+    x: float = 0.0,
+    right: float = 0.9,
+    width: float = 0.5,
+    room: tuple[float, float] = (5.0, 0.3),
+) -> CutText:
     box = np.array([[0, 0], [100, 0], [100, 30], [0, 30.0]])
     placement = Placement((x, 0.0, 2.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0), width, 0.1, 0.01)
     observation = TextObservation(0, timestamp, 0, text, 0.99, placement, 30.0)
-    return CutText(SpottedText(text, 0.99, box, 30.0), placement, Glance(30.0, 1.0, right), observation, np.eye(4))
+    return CutText(
+        SpottedText(text, 0.99, box, 30.0), placement, Glance(30.0, 1.0, right), observation, np.eye(4), room
+    )
 
 
 def named(*names: str) -> Callable[[Placement, Array], list[str]]:
@@ -89,6 +98,14 @@ def test_a_text_that_stays_where_it_ends_is_all_of_it() -> None:
     there = [cut(word, 3.0 + index / 10, -0.25 + each, width=0.5 - each) for index, each in enumerate(jitter)]
     ((*found,),) = spelled(waiting(*coming, *there).gone(None, named()))
     assert found.count(word) >= len(there)
+
+
+@pytest.mark.parametrize("room", [(5.0, 0.0), (0.0, 5.0)])
+def test_where_a_camera_stands_the_view_ends_again_where_it_did(room: tuple[float, float]) -> None:
+    still = [cut("OX", index / 10, room=room) for index in range(12)]
+    assert waiting(*still).gone(None, named()) == []
+    moved = [cut("OX", 2.0 + index / 10) for index in range(2)]
+    assert len(waiting(*still, *moved).gone(None, named())) == 1, "its end was seen twice"
 
 
 def test_letters_seen_beyond_a_spelling_say_that_it_is_a_part() -> None:

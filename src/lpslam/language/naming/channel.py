@@ -31,7 +31,7 @@ _OWN_ODDS = 0.7
 # The same slip again is this much rarer than another failure, or than the same letters where they are painted: a
 # reader that fails on a letter of a sign fails on it in the next view as well.
 _AGAIN = 0.7
-# A slip that another reading of the same sign shows as well.
+# A slip that another reading of the same sign shows as well, or the same hidden end: what hides it is still there.
 KNOWN = 1.5
 # A thin letter for which a mark was read, 1 as : or ]; a mark says nothing of any other.
 _MARKED, _THIN = 0.7, frozenset("1lijtı")
@@ -40,6 +40,9 @@ _FOREIGN = 16.0
 # Where nothing says how many views a reading stands for: its number to this power.
 _REPETITION = 0.75
 _LEAST_RIGHT, _MOST_RIGHT = 0.02, 0.995
+# What may be wrong in a reading is shared by its letters as the reader is unsure of each, no surer than this: which
+# letters of wrong readings are wrong is told so (`benchmarks/text_calibration.py letters`).
+_LEAST_DOUBT = 0.002
 # Most log odds by which readings that contradict each other are lowered, and how finely.
 _MOST_HUMBLED, _HUMBLED_STEP = 6.0, 0.05
 
@@ -59,6 +62,7 @@ class Seen:
         letters: for each letter of the key, what else it may be, with the reader's probability; empty if not known.
         gaps: before which letter of the key another one was nearly read, and how surely.
         marks: before which letters of the key a mark was read.
+        doubts: of each letter of the key, its share of what may be wrong; empty where all have an equal one.
     """
 
     key: str
@@ -67,6 +71,7 @@ class Seen:
     letters: tuple[Mapping[str, float], ...] = ()
     gaps: Mapping[int, Mapping[str, float]] | None = None
     marks: frozenset[int] = frozenset()
+    doubts: tuple[float, ...] = ()
 
 
 def paint_key(text: str) -> str:
@@ -86,7 +91,8 @@ def evidence_of(readings: Iterable[Reading]) -> list[Seen]:
         weight = each.count**_REPETITION if each.looks is None else each.looks
         letters, gaps = _aligned(key, each.slots)
         right, marks = min(max(right, _LEAST_RIGHT), _MOST_RIGHT), _marks(each.text)
-        grouped.setdefault((key, marks), []).append(Seen(key, right, weight, letters, gaps, marks))
+        own = Seen(key, right, weight, letters, gaps, marks, doubts_of(key, letters))
+        grouped.setdefault((key, marks), []).append(own)
     seen = _humbled(_one_look_at_least([_together(same) for same in grouped.values()]))
     return sorted(seen, key=lambda each: (-each.weight * each.right, each.key))
 
@@ -147,6 +153,14 @@ def _aligned(key: str, slots: Slots) -> tuple[tuple[Mapping[str, float], ...], M
     return (tuple(letters), gaps) if taken == key else ((), {})
 
 
+def doubts_of(key: str, letters: Sequence[Mapping[str, float]]) -> tuple[float, ...]:
+    """Shares of the letters of a key in what may be wrong, by how unsure the reader is of each; empty if not known."""
+    if not letters:
+        return ()
+    doubts = [max(1.0 - slot.get(letter, 1.0), _LEAST_DOUBT) for letter, slot in zip(key, letters, strict=True)]
+    return tuple(each / sum(doubts) for each in doubts)
+
+
 def log_likelihood(painted: str, evidence: Iterable[Seen], looks: Callable[[str], str]) -> float:
     """Logarithm of how likely a sign that says `painted` is read as all of the evidence, in all of its looks.
 
@@ -167,8 +181,11 @@ def _of_one(painted: str, seen: Seen, looks: Callable[[str], str], known: set[_S
         return seen.weight * all_right
     ends, slips = _costs(painted, seen, looks, known)
     first = max(all_right - ends - slips, -_FOREIGN)
-    again = max(min(log(1.0 - seen.right), all_right) - _AGAIN - ends, first) if slips else first
-    return min(seen.weight, 1.0) * first + max(seen.weight - 1.0, 0.0) * again
+    if seen.weight <= 1.0:
+        return seen.weight * first
+    ends, _ = _costs(painted, seen, looks, known)
+    again = max((min(log(1.0 - seen.right), all_right) - _AGAIN if slips else all_right) - ends, first)
+    return first + (seen.weight - 1.0) * again
 
 
 def _costs(painted: str, seen: Seen, looks: Callable[[str], str], known: set[_Slip]) -> tuple[float, float]:
@@ -177,31 +194,41 @@ def _costs(painted: str, seen: Seen, looks: Callable[[str], str], known: set[_Sl
     Slips that are `known` of this sign cost little; those of this reading are, from then on.
     """
     read = seen.key
-    slip = slip_of(seen)
     if looks(painted) == looks(read):
-        return 0.0, slip + _ALIKE
+        return 0.0, slip_of(seen) + _ALIKE
     steps = steps_between(painted, read)
     cut = ends_of({step.src_pos for step in steps if step.tag == "delete"}, len(painted))
     joined = ends_of({step.dest_pos for step in steps if step.tag == "insert"}, len(read))
-    ends = sum(_cut_cost(painted, end, at in seen.marks) for end, at in zip(cut, (0, len(read)), strict=True) if end)
+    ends = sum(
+        _once(("cut", len(end), str(at > 0)), _cut_cost(painted, end, at in seen.marks), known)
+        for end, at in zip(cut, (0, len(read)), strict=True)
+        if end
+    )
     for end in joined:
-        slips = sum(added_cost(painted, seen, at, slip) for at in end)
+        slips = sum(added_cost(painted, seen, at) for at in end)
         ends += min(_JOINED_END + _JOINED_LETTER * len(end), slips) if end else 0.0
     ends_lost, ends_added = cut[0] | cut[1], joined[0] | joined[1]
     cost = 0.0
     for step in steps:
         own = (step.tag, step.src_pos, read[step.dest_pos] if step.tag != "delete" else "")
         if step.tag == "replace":
-            one = replaced_cost(painted[step.src_pos], seen, step.dest_pos, slip, looks)
+            one = replaced_cost(painted[step.src_pos], seen, step.dest_pos, looks)
         elif step.tag == "delete" and step.src_pos not in ends_lost:
-            one = lost_cost(painted[step.src_pos], seen, step.dest_pos, slip)
+            one = lost_cost(painted[step.src_pos], seen, step.dest_pos)
         elif step.tag == "insert" and step.dest_pos not in ends_added:
-            one = added_cost(painted, seen, step.dest_pos, slip)
+            one = added_cost(painted, seen, step.dest_pos)
         else:
             continue
-        cost += min(one, KNOWN) if own in known else one
-        known.add(own)
+        cost += _once(own, one, known)
     return ends, cost
+
+
+def _once(slip: _Slip, cost: float, known: set[_Slip]) -> float:
+    """What a slip costs, which is known of this sign from then on."""
+    if slip in known:
+        return min(cost, KNOWN)
+    known.add(slip)
+    return cost
 
 
 def steps_between(painted: str, read: str) -> Sequence[Editop]:
@@ -219,9 +246,14 @@ def steps_between(painted: str, read: str) -> Sequence[Editop]:
     return list(Levenshtein.editops(painted, read))
 
 
-def slip_of(seen: Seen) -> float:
-    """Cost of some slip in one letter of a reading: all are as sure as their mean."""
-    letter_right = seen.right ** (1.0 / len(seen.key))
+def slip_of(seen: Seen, at: int | None = None, before: int | None = None) -> float:
+    """Cost of some slip in a letter of a reading, in the gap before one, or in the mean letter."""
+    share = 1.0 / len(seen.key)
+    if seen.doubts and at is not None:
+        share = seen.doubts[at]
+    elif seen.doubts and before is not None and 0 < before < len(seen.key):
+        share = (seen.doubts[before - 1] + seen.doubts[before]) / 2.0
+    letter_right = seen.right**share
     return max(-log(1.0 - letter_right) + log(letter_right), _LEAST_SLIP)
 
 
@@ -239,29 +271,29 @@ def ends_of(places: set[int], length: int) -> tuple[set[int], set[int]]:
     return head, set(range(last + 1, length)) - head
 
 
-def replaced_cost(letter: str, seen: Seen, at: int, slip: float, looks: Callable[[str], str]) -> float:
+def replaced_cost(letter: str, seen: Seen, at: int, looks: Callable[[str], str]) -> float:
     """Cost of what was read in place `at` where `letter` is painted."""
     other = seen.key[at]
     if is_alike(letter, other, looks):
         kind = _ALIKE
     else:
         kind = _OTHER_IDEOGRAPH if is_ideograph(letter) and is_ideograph(other) else _OTHER
-    return min(slip + kind, _own_cost(seen.letters[at] if seen.letters else {}, other, letter))
+    return min(slip_of(seen, at) + kind, _own_cost(seen.letters[at] if seen.letters else {}, other, letter))
 
 
-def lost_cost(letter: str, seen: Seen, at: int, slip: float) -> float:
+def lost_cost(letter: str, seen: Seen, at: int) -> float:
     """Cost of nothing read before place `at` where `letter` is painted."""
     gap = seen.gaps.get(at, {}) if seen.gaps else {}
-    return min(slip + _LOST, _own_cost(gap, "", letter))
+    return min(slip_of(seen, before=at) + _LOST, _own_cost(gap, "", letter))
 
 
-def added_cost(painted: str, seen: Seen, at: int, slip: float) -> float:
+def added_cost(painted: str, seen: Seen, at: int) -> float:
     """Cost of the letter in place `at` of a reading where nothing is painted."""
     letter = seen.key[at]
     is_end = at in (0, len(seen.key) - 1)
     if is_end and letter.isascii() and letter.isalpha() and not any(map(str.isascii, painted)):
         return _LOGO
-    return min(slip + _ADDED, _own_cost(seen.letters[at] if seen.letters else {}, letter, ""))
+    return min(slip_of(seen, at) + _ADDED, _own_cost(seen.letters[at] if seen.letters else {}, letter, ""))
 
 
 def _own_cost(slot: Mapping[str, float], taken: str, wanted: str) -> float:

@@ -10,6 +10,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import exp, expm1, log, log1p
 
+from rapidfuzz.distance import Editop
+
 from lpslam.language.naming.channel import (
     CUT_END,
     KNOWN,
@@ -69,25 +71,39 @@ def log_odds_against(painted: str, seen: Sequence[Seen], looks: Callable[[str], 
 
 def _count(painted: str, seen: Seen, looks: Callable[[str], str], letters: list[_Column], gaps: list[_Column]) -> None:
     """Count a reading in every place of which it says something: hidden ends say nothing."""
-    steps, last, slip = steps_between(painted, seen.key), len(painted), slip_of(seen)
+    steps, last = steps_between(painted, seen.key), len(painted)
     changed = {step.src_pos for step in steps if step.tag != "insert"}
     if last - len(changed) < _SAME_TEXT * len(seen.key):
         return
     lost = {step.src_pos for step in steps if step.tag == "delete"}
     hidden = set[int]().union(*ends_of(lost, last))
     filled = {step.src_pos for step in steps if step.tag == "insert"}
-    for at in set(range(last)) - changed:
-        letters[at].own.add(seen.weight, slip)
+    same = _same_letters(steps, last)
+    for at, own in same.items():
+        letters[at].own.add(seen.weight, slip_of(seen, own))
     for at in set(range(last + 1)) - filled:
         if not {at - 1, at} & lost:
+            slip = slip_of(seen, before=same.get(at))
             gaps[at].own.add(seen.weight, slip if 0 < at < last else min(slip, CUT_END))
     for step in steps:
         if step.tag == "replace":
-            cost = replaced_cost(painted[step.src_pos], seen, step.dest_pos, slip, looks)
+            cost = replaced_cost(painted[step.src_pos], seen, step.dest_pos, looks)
             letters[step.src_pos].others[seen.key[step.dest_pos]].add(seen.weight, cost)
         elif step.tag == "insert":
-            cost = added_cost(painted, seen, step.dest_pos, slip)
+            cost = added_cost(painted, seen, step.dest_pos)
             gaps[step.src_pos].others[seen.key[step.dest_pos]].add(seen.weight, cost)
         elif step.src_pos not in hidden:
-            cost = lost_cost(painted[step.src_pos], seen, step.dest_pos, slip)
+            cost = lost_cost(painted[step.src_pos], seen, step.dest_pos)
             letters[step.src_pos].others[""].add(seen.weight, cost)
+
+
+def _same_letters(steps: Sequence[Editop], length: int) -> dict[int, int]:
+    """Where the letters of a key, so long, that no step changes stand in what was read."""
+    changed = {step.src_pos for step in steps if step.tag != "insert"}
+    same, shift = {}, 0
+    for at in range(length):
+        shift += sum(step.tag == "insert" and step.src_pos == at for step in steps)
+        if at not in changed:
+            same[at] = at + shift
+        shift -= sum(step.tag == "delete" and step.src_pos == at for step in steps)
+    return same

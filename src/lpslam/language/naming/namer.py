@@ -1,5 +1,6 @@
 """The embedded model's names: the posterior over whole strings, what is known being its prior (III-E)."""
 
+from collections import Counter
 from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass
 from math import exp, log
@@ -8,6 +9,7 @@ from rapidfuzz.distance import Levenshtein
 
 from lpslam.language.model import Naming, Reading
 from lpslam.language.naming.channel import Seen, evidence_of, paint_key
+from lpslam.language.naming.marks import ODD_MARK, odd_marks, with_gaps
 from lpslam.language.naming.posterior import ELSE, doubted, posterior, put_together
 from lpslam.language.naming.voting import cased_like, painted_like, vote
 from lpslam.language.sanitise import clean_text
@@ -53,7 +55,8 @@ class Certain:
     @property
     def certainty(self) -> float:
         """How surely the name is exactly right, 0 to 1."""
-        return 1.0 / (1.0 + exp(-sum(a * b for a, b in zip(_CERTAINTY, self.terms, strict=True))))
+        odds = sum(a * b for a, b in zip(_CERTAINTY, self.terms, strict=True))
+        return 1.0 / (1.0 + exp(ODD_MARK * bool(odd_marks(self.name)) - odds))
 
 
 class Namer:
@@ -145,8 +148,11 @@ class Namer:
     def _advance(self, key: str, known: Known | None, words: float, is_read: bool) -> float:
         letter = _ADVANCE_IDEOGRAPH if is_unspaced(key) else _ADVANCE_LETTER
         if known is not None:
-            # A known name is no worse than one of which only some words are known.
-            advance = max(letter * len(key) * (1.0 if is_read else _ADVANCE_UNREAD), words)
+            # A known name is no worse than one of which only some words are known; brands of one word are as many as
+            # words are.
+            is_one_word = known.source == "brand" and known.painted.isascii() and known.painted.isalpha()
+            of_letters = letter * len(key) - _CHOICE_OF_WORDS * is_one_word
+            advance = max(of_letters * (1.0 if is_read else _ADVANCE_UNREAD), words)
             advance = min(advance, _MOST_AHEAD) - _OTHER_FORM * (paint_key(known.painted) != key)
         else:
             # “必胜客欢乐餐厅” is no listed name, but begins with one.
@@ -161,15 +167,17 @@ class Namer:
         if not is_read:
             return form, f"the readings are nearest to {known.painted}" if known else "the readings are a slip away"
         same = [each for each in readings if paint_key(each.text) == key]
-        text = vote(same).text
+        text = with_gaps(vote(same).text, load_words())
         if known is None:
             return text, "most of what was read well says so"
         # Only spaces and punctuation may differ: a warning's words are set apart, a brand stays as it is painted; a
         # mark that it has, and that was read even once, was there.
         evidence = f"the readings agree on {known.painted}"
         if known.source == "brand":
+            # A shop may be called like a brand and have a mark that this has not (FOSTER'S).
+            is_marked_more = bool(_marks_of(text) - _marks_of(known.painted))
             marked = [each.text for each in same if each.text.casefold() == known.painted.casefold()]
-            return (marked or [text])[0], evidence
+            return text if is_marked_more or not marked else marked[0], evidence
         is_same_form = paint_key(known.painted) == key
         return painted_like(known.painted, text) if is_same_form else text, evidence
 
@@ -190,6 +198,10 @@ def respaced(key: str, text: str) -> str:
         else:
             letters[at] = new
     return clean_text("".join(letters))
+
+
+def _marks_of(text: str) -> Counter[str]:
+    return Counter(ch for ch in text if not ch.isalnum() and not ch.isspace())
 
 
 def _log_odds(probability: float) -> float:

@@ -8,13 +8,14 @@ do equal texts close by: motifs come again along a wall, words hardly ever.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from math import lgamma
+from math import lgamma, log
 from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.camera import transform_points
+from lpslam.config import PatternConfig
 from lpslam.text.placing.instances import KeyframePoses
 from lpslam.text.placing.places import Place
 from lpslam.text.reading.spelt_patterns import pattern_odds
@@ -22,25 +23,6 @@ from lpslam.text.remembering.similarity import comparison_key
 from lpslam.text.types import Placement
 
 Array = NDArray[np.float64]
-
-_PRIOR = -3.0
-"""Log odds that what was read often enough to be remembered is a pattern, before anything else is known of it."""
-
-_PATTERN, _TEXT = (1.0, 1.0), (0.05, 10.0)
-"""Shares of views that are refused, as beta distributions: of patterns any share, of texts one in two hundred in the
-mean, and of most none."""
-
-_TWIN, _MOST_TWINS = 2.0, 3
-"""Log odds for each equal text close by, and how many of them count."""
-
-_TWIN_REACH = 4.0
-"""Widths within which an equal text is close by: menus and exits repeat themselves farther apart."""
-
-_DEPTH = 0.25
-"""Metres by which a pattern may stand before or behind a text that is read in it: both are placed by noisy depth."""
-
-_COVERED = 0.5
-"""Share of the smaller of two boxes that both cover from which they are of one thing."""
 
 _CAPACITY, _RECENT = 4096, 64
 """Patterns kept, the newest, and of these how many may be the same as one that is added."""
@@ -67,7 +49,7 @@ class Standing:
     sizes: Array
     counts: Array
 
-    def at(self, place: Place) -> int:
+    def at(self, place: Place, config: PatternConfig) -> int:
         """How many boxes were refused where a text stands."""
         offsets = self.positions - place.position
         shared = np.ones(len(offsets))
@@ -78,8 +60,8 @@ class Standing:
             both = (size + others) / 2.0 - np.abs(offsets @ axis)
             shared *= np.clip(both / np.maximum(np.minimum(size, others), 1e-6), 0.0, 1.0)
         along = np.abs(self.baselines @ place.baseline) > np.sqrt(0.5)
-        there = along & (np.abs(offsets @ place.normal) <= _DEPTH) & (self.normals @ place.normal > 0.5)
-        return int(self.counts[there & (shared >= _COVERED)].sum())
+        there = along & (np.abs(offsets @ place.normal) <= config.depth) & (self.normals @ place.normal > 0.5)
+        return int(self.counts[there & (shared >= config.covered)].sum())
 
 
 @dataclass(slots=True)
@@ -130,7 +112,7 @@ class Patterns:
         return cls([_pattern(row.tolist()) for row in rows])
 
 
-def without_patterned(places: Sequence[Place], patterns: Standing) -> list[Place]:
+def without_patterned(places: Sequence[Place], patterns: Standing, config: PatternConfig) -> list[Place]:
     """The places whose texts are likelier texts than pieces of patterns."""
     if not places:
         return []
@@ -138,24 +120,26 @@ def without_patterned(places: Sequence[Place], patterns: Standing) -> list[Place
     positions = np.array([each.position for each in places])
     kept = []
     for row, place in enumerate(places):
-        near = np.linalg.norm(positions - place.position, axis=1) <= _TWIN_REACH * place.width
+        near = np.linalg.norm(positions - place.position, axis=1) <= config.twin_reach * place.width
         twins = int(np.count_nonzero(near & (keys == keys[row]))) - 1
-        if patterned_odds(place, patterns.at(place), twins) <= 0.0:
+        if patterned_odds(place, patterns.at(place, config), twins, config) <= 0.0:
             kept.append(place)
     return kept
 
 
-def patterned_odds(place: Place, refused: int, twins: int) -> float:
+def patterned_odds(place: Place, refused: int, twins: int, config: PatternConfig) -> float:
     """Log odds that a place is a piece of a pattern.
 
     Args:
         place: with its readings.
         refused: how many boxes were refused there.
         twins: equal texts close by.
+        config: what a refusal and a twin weigh.
     """
     read = place.observations
-    votes = _log_beta(refused, read, *_PATTERN) - _log_beta(refused, read, *_TEXT)
-    return _PRIOR + pattern_odds(place.name) + votes + _TWIN * min(twins, _MOST_TWINS)
+    prior = log(config.probability / (1.0 - config.probability))
+    votes = _log_beta(refused, read, *config.refused_of_patterns) - _log_beta(refused, read, *config.refused_of_texts)
+    return prior + pattern_odds(place.name) + votes + config.twin * min(twins, config.most_twins)
 
 
 def _log_beta(refused: int, read: int, refuse: float, take: float) -> float:

@@ -56,6 +56,25 @@ def goes_on(rgb: Image, line: Boxes, hidden: Mask) -> bool:
     return _goes_on(rgb, line, *view_of(rgb), hidden)
 
 
+def room_beyond(rgb: Image, box: Boxes) -> tuple[float, float]:
+    """How far an (h, w, 3) image goes on before and behind the text of a box (4, 2), in heights of the box."""
+    line = along_the_lines(box[None])[0]
+    height = max(float(letter_heights(box[None])[0]), 1.0)
+    first, last = view_of(rgb)
+    before, behind = line[[0, 3]], line[[1, 2]]
+    return _steps_to_border(before, behind, first, last) / height, _steps_to_border(
+        behind, before, first, last
+    ) / height
+
+
+def _steps_to_border(end: Boxes, other: Boxes, first: Pixel, last: Pixel) -> float:
+    """Pixels from the corners (2, 2) of an end, away from those of the other one, to where the view ends."""
+    steps = end - other
+    steps = steps / np.maximum(np.linalg.norm(steps, axis=1, keepdims=True), 1e-9)
+    room = np.where(steps > 0.0, last - end, end - first) / np.maximum(np.abs(steps), 1e-9)
+    return max(float(room.min()), 0.0)
+
+
 def view_of(rgb: Image) -> tuple[Pixel, Pixel]:
     """First and last (x, y) of an (h, w, 3) image within the blank frame that rectifying or registering left around it.
 

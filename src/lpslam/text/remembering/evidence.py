@@ -18,8 +18,9 @@ View = tuple[int, int, int]
 
 # Sizes of one view differ by this factor at most, and cosines of its angles by so much.
 _SIZE_STEP, _ANGLE_STEP = 1.3, 0.2
-# Steps of size and angle of what has no place, and what such a view is worth: its slips are those of the next visit.
-_NO_VIEW, _NO_VIEW_WORTH = (-1, -1), 0.2
+# Steps of size and angle of what has no place, and what such a view is worth: its slips are mostly those of the next
+# visit. Of 0.2, 0.5, 0.7 and 1 this and 1 make names of drawn lettering, held to have no place, the most probable.
+_NO_VIEW, _NO_VIEW_WORTH = (-1, -1), 0.7
 # Spellings of views kept for one class; those that are least likely right go first.
 _KEPT = 192
 

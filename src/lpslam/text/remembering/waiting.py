@@ -41,6 +41,10 @@ _STAYS = 1.0 / 3.0
 """Share of the readings of a spelling that reach so far where its end stays. Where it moves, it passes a letter's width
 of about 0.65 heights while the same is read: a quarter of them do."""
 
+_IN_VIEW = 0.1
+"""Letter heights by which the view must go on beyond an end, in two readings, for it to be the text that ends there and
+not the view: a camera that stands still sees the same end again and again. Boxes are grown by about as much."""
+
 _ACROSS = 0.6
 """Share of the higher text's height within which parts stand on one line."""
 
@@ -55,6 +59,7 @@ class CutText:
     Attributes:
         text, placement, glance, observation: as of any other reading.
         world_from_keyframe: 4×4, when it was read.
+        room: letter heights of the image before and behind its box.
     """
 
     text: SpottedText
@@ -62,6 +67,7 @@ class CutText:
     glance: Glance
     observation: TextObservation
     world_from_keyframe: Array
+    room: tuple[float, float]
 
 
 @dataclass(slots=True)
@@ -131,15 +137,16 @@ def _longest(cuts: list[CutText]) -> list[CutText]:
 
 
 def _has_ends(cuts: list[CutText]) -> bool:
-    """Whether both ends of a text stay where they are while the view moves: what is cut ends where the view does."""
+    """Whether both ends of a text stay where they are, within the view: what is cut ends where that does."""
     origin, baseline, _ = _in_world(cuts[0])
     middles = np.array([(_in_world(each)[0] - origin) @ baseline for each in cuts])
     widths = np.array([each.placement.width for each in cuts])
     heights = np.array([each.placement.height for each in cuts])
     stray = _STRAY * float(np.median(heights)) + _STRAY_SHARE * float(np.median(widths))
-    for ends in (middles + widths / 2.0, widths / 2.0 - middles):
-        there = int(np.count_nonzero(ends >= ends.max() - stray))
-        if there < max(2.0, _STAYS * len(cuts)):
+    in_view = np.array([each.room for each in cuts]) >= _IN_VIEW
+    for ends, is_seen in ((widths / 2.0 - middles, in_view[:, 0]), (middles + widths / 2.0, in_view[:, 1])):
+        there = ends >= ends.max() - stray
+        if np.count_nonzero(there) < max(2.0, _STAYS * len(cuts)) or np.count_nonzero(there & is_seen) < 2:
             return False
     return True
 

@@ -1,0 +1,55 @@
+"""Where marks stand in what is painted: one that stands elsewhere is a letter, or a gap, that was misread."""
+
+from collections.abc import Container
+
+from lpslam.language.tables.spelling import is_ideograph
+
+_PAUSES, _NEVER = frozenset(",;"), frozenset("|\\^~")
+_PAIRS = {"(": ")", "[": "]", "{": "}", "（": "）", "【": "】", "「": "」"}
+_CLOSING = {closing: opening for opening, closing in _PAIRS.items()}
+
+ODD_MARK = 5.0
+"""Log odds by which a name with a mark where none is painted is less likely exact: one in 10,000 known names has such a
+mark, and of misread names a few in a hundred."""
+
+
+def odd_marks(text: str) -> list[int]:
+    """Where in a text marks stand where signs have none.
+
+    Of 52,000 known names none has a comma with a Latin letter right behind it, two have a point between a digit and a
+    letter, two a dash with a space before and a letter behind it, one a bar, none half a pair of brackets.
+    """
+    found = []
+    for at, mark in enumerate(text):
+        if mark.isalnum() or mark.isspace():
+            continue
+        before, behind = text[at - 1 : at] if at else "", text[at + 1 : at + 2]
+        if _is_odd(mark, before, behind) or _is_alone(mark, text):
+            found.append(at)
+    return found
+
+
+def _is_odd(mark: str, before: str, behind: str) -> bool:
+    if mark in _PAUSES:
+        # A comma of 20,000 has no space, nor has Chinese.
+        return before.isalnum() and behind.isalpha() and not is_ideograph(before) and not is_ideograph(behind)
+    if mark == ".":
+        return before.isdigit() and behind.isalpha()
+    if mark == "-":
+        return before.isspace() and behind.isalpha()
+    return mark in _NEVER
+
+
+def _is_alone(mark: str, text: str) -> bool:
+    """Whether a bracket lacks the other one."""
+    other = _PAIRS.get(mark) or _CLOSING.get(mark)
+    return other is not None and other not in text
+
+
+def with_gaps(text: str, words: Container[str]) -> str:
+    """A text with a space for each odd mark that parts two known words."""
+    for at in odd_marks(text):
+        first, second = text[:at].split(), text[at + 1 :].split()
+        if first and second and all(len(each) > 1 and each.casefold() in words for each in (first[-1], second[0])):
+            text = f"{text[:at]} {text[at + 1 :]}"
+    return text

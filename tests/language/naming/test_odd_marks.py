@@ -1,0 +1,41 @@
+"""Marks that stand where signs have none were misread."""
+
+import pytest
+
+from lpslam.language.model import Reading
+from lpslam.language.naming.marks import odd_marks, with_gaps
+from lpslam.language.offline import OfflineModel
+from lpslam.language.tables.knowledge import load_knowledge
+
+
+@pytest.mark.parametrize("text", ["12 Harbour,Road", "牛肉7.元", "Greenwich -ark", "Lift|3", "Bar (open"])
+def test_a_mark_where_none_is_painted_is_odd(text: str) -> None:
+    assert odd_marks(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["H&M", "MON-SAT 8:00-17:30", "Paint 10.90", "(02) 123-4567", "20,000", "St. John's", "你好,欢迎光临", "-20%",
+     "E.Leclerc", "Sale!", "Sandwiches, wraps", "24/7", "Tel: 5551", "No.5", "Bar (open)"],
+)  # fmt: skip
+def test_marks_that_signs_have_are_not(text: str) -> None:
+    assert not odd_marks(text)
+
+
+def test_hardly_any_known_name_has_an_odd_mark() -> None:
+    names = {each.painted for each in load_knowledge().known.values()}
+    assert sum(bool(odd_marks(each)) for each in names) < 0.0002 * len(names)
+
+
+def test_an_odd_mark_between_two_words_is_their_gap() -> None:
+    assert with_gaps("12 Harbour,Road", {"harbour", "road"}) == "12 Harbour Road"
+    assert with_gaps("12 Harbour,Rxad", {"harbour", "road"}) == "12 Harbour,Rxad"
+
+
+def test_a_name_with_an_odd_mark_is_unsure_and_one_whose_gap_was_told_is_not() -> None:
+    namer = OfflineModel()
+    odd, mended, plain = (
+        namer.name([Reading(text, 6, 0.99, 0.95, 3.0)]) for text in ("牛肉7.元", "Harbour,Road", "牛肉72元")
+    )
+    assert odd.confidence < 0.5 < plain.confidence
+    assert (mended.name, mended.confidence > 0.9) == ("Harbour Road", True)
