@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import FITS, best_of, likeness, match
 from lpslam.language.choosing.support import CLUES
-from lpslam.language.questions.question import read_question
+from lpslam.language.questions.parts import read_part
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.lexicon import read_table
 from lpslam.language.tables.words import is_mark, longest_phrases
@@ -32,7 +32,7 @@ _UNSPACED = frozenset({"zh", "ja", "ko"})
 def clues_of(served: Served, index: LandmarkIndex, asked: AskedWords, knowledge: Knowledge) -> dict[str, float]:
     """Return what tells how sure it is that the best of what serves is what was meant, each about 0 to 1."""
     text = served.stop.what
-    wish = read_question(text, knowledge)
+    wish = read_part(text, served.stop.language, knowledge)
     best = best_of(served.scores)
     top = served.scores[best]
     kinds = index.signs[best].kinds
@@ -82,6 +82,7 @@ def clues_of(served: Served, index: LandmarkIndex, asked: AskedWords, knowledge:
         "phrase of several words": float(is_kind and several),
         "unread signs": index.unread,
         "shops around": index.shops,
+        "few landmarks": 1.0 / max(len(index.landmarks), 1),
         "board says so": sum(told) / max(sum(letters), 1) if is_kind else 0.0,
         "place asked for": float(any("/" in each for each in meant)),
         "strength": served.strength if is_kind else 0.0,
