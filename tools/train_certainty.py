@@ -24,6 +24,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import minimize
 
 ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT / "benchmarks"))
@@ -36,8 +37,8 @@ from lpslam.language.tables import combined, knowledge  # noqa: E402
 from lpslam.language.tables.concepts import APART, Buildings, load_associations, load_buildings  # noqa: E402
 from lpslam.language.tables.lexicon import load_lexicons, split  # noqa: E402
 from lpslam.language.wishes import certainty, scoring  # noqa: E402
-from lpslam.language.wishes.form import Wish  # noqa: E402
-from lpslam.language.wishes.served import UNQUESTIONED  # noqa: E402
+from lpslam.language.wishes.form import Stop, Wish  # noqa: E402
+from lpslam.language.wishes.served import UNQUESTIONED, Served  # noqa: E402
 from lpslam.navigation import solver  # noqa: E402
 from lpslam.navigation.places import Here, Place  # noqa: E402
 from wishes import accepts, is_right, places_of  # noqa: E402
@@ -57,7 +58,7 @@ REPORTED = (
     "blind_eighth",
 )
 RIDGE = 1000.0  # of the weights, in columns of spread 1: few of the products of two tell anything
-STEPS = 15  # of Newton's method, more than it takes
+STEPS = 300  # of L-BFGS, more than it takes
 OF_WISHES = 5.0  # what an answer to a wish weighs: there are five times as many to questions in malls
 SMALL = (1, 2, 3, 4, 5, 6, 10)  # signs of small maps
 OF_SMALL, OF_LEFT_OUT = 2.0, 1.0  # what an answer weighs on a small map, and on one without the place that is meant
@@ -102,12 +103,28 @@ def questions_of(path: Path) -> dict[str, Any]:
     return worlds
 
 
+def kept(answers: dict[Stop, Any], stop: Stop, answer: Callable[[], Any]) -> Any:
+    """What was answered before, or is answered now; the last stops alone are kept."""
+    if stop not in answers:
+        if len(answers) > 8:
+            answers.clear()
+        answers[stop] = answer()
+    return answers[stop]
+
+
 class Asked:
     """A map of some places of a world, as wishes are put to it."""
 
     def __init__(self, model: OfflineModel, places: Sequence[Place], candidates: Sequence[Candidate]) -> None:
-        self._model, self.places = model, places
-        self._scorer = model.scorer(tuple(candidates))
+        self.places = places
+        scorer = model.scorer(tuple(candidates))
+        self._served: dict[Stop, Served] = {}
+        self._clues: dict[Stop, dict[str, float]] = {}
+        serve, clues = scorer.serve, scorer.clues
+        # Asked for again and again for one wish.
+        scorer.serve = lambda stop: kept(self._served, stop, lambda: serve(stop))  # type: ignore[method-assign]
+        scorer.clues = lambda served: kept(self._clues, served.stop, lambda: clues(served))  # type: ignore[method-assign]
+        self._scorer = scorer
 
     def row(self, wish: Wish, case: dict[str, Any], here: Here, small: bool) -> Row | None:
         """The row of a wish that is answered by words; None for others."""
@@ -240,20 +257,21 @@ class Trained:
 
 
 def fitted(rows: Rows, weight: NDArray[np.float64]) -> Trained:
-    """Logistic regression by Newton's method, with columns of equal spread."""
+    """Logistic regression, with columns of equal spread."""
     names = tuple(sorted(rows[0].clues))
     x = certainty.paired(np.array([[row.clues[name] for name in names] for row in rows]))
     mean, spread = x.mean(axis=0), x.std(axis=0) + 1e-6
     z = np.hstack([(x - mean) / spread, np.ones((len(x), 1))])
     y = np.array([row.right for row in rows], dtype=float)
-    beta = np.zeros(z.shape[1])
-    free = np.full(len(beta), RIDGE)
+    free = np.full(z.shape[1], RIDGE)
     free[-1] = 0.0
-    for _ in range(STEPS):
-        p = 1.0 / (1.0 + np.exp(-z @ beta))
-        slope = z.T @ (weight * (y - p)) - free * beta
-        bend = (z * (weight * p * (1.0 - p))[:, None]).T @ z + np.diag(free + 1e-9)
-        beta = beta + np.linalg.solve(bend, slope)
+
+    def misfit(beta: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
+        said = z @ beta
+        loss = weight @ (np.logaddexp(0.0, said) - y * said) + 0.5 * free @ (beta * beta)
+        return float(loss), z.T @ (weight * (1.0 / (1.0 + np.exp(-said)) - y)) + free * beta
+
+    beta = minimize(misfit, np.zeros(z.shape[1]), jac=True, method="L-BFGS-B", options={"maxiter": STEPS}).x
     weights = beta[:-1] / spread
     return Trained(names, weights, float(beta[-1] - weights @ mean))
 

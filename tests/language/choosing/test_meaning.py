@@ -58,3 +58,8 @@ def test_four_bits_keep_what_is_written() -> None:
     numbers = np.stack([rows >> 4, rows & 15], axis=-1).reshape(3, 8)
     error = (numbers - 7.5) * written["scale"][:, None] - vectors
     assert np.abs(error).max() <= 0.51 * written["scale"].max()
+
+
+def test_no_texts_have_no_vectors() -> None:
+    senses = load_senses()
+    assert senses.boards([]).shape == (0, len(senses.asked("Bakery")))

@@ -95,7 +95,7 @@ class Senses:
 
     def _unpacked(self, at: NDArray[Any]) -> Vectors:
         two = self._rows[at]
-        numbers = np.stack([two >> 4, two & 15], axis=-1).reshape(len(at), -1)
+        numbers = np.stack([two >> 4, two & 15], axis=-1).reshape(len(at), 2 * two.shape[1])
         return np.asarray((numbers - 0.5 * _LEVELS) * self._scale[at, None], np.float32)
 
 

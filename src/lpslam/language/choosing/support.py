@@ -34,6 +34,7 @@ CLUES = (
     *("words for it", "share of words for it", "strongest word for it", "board bears words"),
     *("words for more elsewhere", "lead by words", "read as well", "read at all"),
     *("meaning of board", "meaning of kind", "lead over the known", "known that are nearer"),
+    *("lead by meaning alone", "lead by words alone"),
 )
 
 
@@ -105,7 +106,7 @@ class Support:
         self._columns = {
             concept: (np.array(list(shares)), np.array(list(shares.values()))) for concept, shares in serving.items()
         }
-        self._kinds = np.array(kinds_of, float).reshape(-1, 3)
+        self._kinds = np.array(kinds_of, float).reshape(len(kinds_of), 3)
         self._served = [
             {self._senses.concepts[each] for each in _served_by(kinds, knowledge) if each in self._senses.concepts}
             for kinds, _ in groups
@@ -136,6 +137,7 @@ class Support:
             "read as well": read.get(best, 0.0) / strength if strength else 0.0,
             "read at all": strength,
             **self._beside_the_crowd(best, float(said.sum()) + own.get(best, 0.0), heard),
+            **self._alone(best, own, heard),
         }
         return Supported(scores, clues, words)
 
@@ -202,6 +204,21 @@ class Support:
             "lead over the known": (own - float(heard.crowd[others].max(initial=0.0))) / 6.0,
             "known that are nearer": math.log1p(float((heard.crowd[others] > own).sum())) / 4.0,
         }
+
+    def _alone(self, best: int, own: Mapping[int, float], heard: _Heard) -> dict[str, float]:
+        """By how much the best leads other groups by meaning alone, and by words alone; below 0 where it does not."""
+        board, kind = self._meaning(heard)
+        meaning = _OF_BOARD * board + _OF_KIND * kind
+        words = heard.evidence.sum(axis=0)[self._groups]
+        for id_, each in own.items():
+            words[self._row_of[id_]] += each
+        at = self._row_of[best]
+        others = self._groups != self._groups[at]
+        found = (
+            float(np.clip((each[at] - each[others].max(initial=lowest)) / 4.0, -1.0, 1.0))
+            for each, lowest in ((meaning, float(meaning.min())), (words, 0.0))
+        )
+        return dict(zip(("lead by meaning alone", "lead by words alone"), found, strict=True))
 
     def _borne(self, terms: list[str]) -> dict[int, float]:
         """How much the words of a question speak for the landmarks whose boards bear them, the rarer the more."""

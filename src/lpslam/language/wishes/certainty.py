@@ -97,6 +97,8 @@ def clues_of(served: Served, index: LandmarkIndex, asked: AskedWords, knowledge:
         "length": math.log1p(min(len(own), _MOST_UNITS)),
         "meant first of all": max(meant.values(), default=0.0),
         "wants much": math.log1p(len(wish.wanted)),
+        "wanted in vain": 0.0 if meant else max((weight for _, weight in wish.wanted), default=0.0),
+        "every word known": float(not asked.asked(text)[1]),
         "wants more than it gets": 1.0 - len(meant) / max(len(wish.wanted), 1),
         "only general": float(bool(meant) and all(each in knowledge.general for each in meant)),
         "refuses": float(bool(wish.refused)),

@@ -88,9 +88,6 @@ class EmbeddedScorer:
         if not served.scores or served.way in UNQUESTIONED or self._says_what_tells(served):
             return served
         clues = self.clues(served)
-        if clues["is one"] >= 1.0 and clues["says so"] >= 1.0:
-            # Every word asks for this very kind, and the sign is one: “a restaurant”.
-            return served
         sure = probability(clues)
         served = replace(served, sure=sure, confidence=min(served.confidence, sure))
         if sure >= LEAST_SURE or served.way not in (Way.KIND, Way.GUESS):
