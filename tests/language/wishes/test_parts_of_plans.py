@@ -28,8 +28,8 @@ def test_pay_is_english_in_an_english_plan() -> None:
 @pytest.mark.parametrize(
     ("question", "names", "said"),
     [
-        ("first the reception, then the toilet, then pay", ("Reception", "Toilets"), "asked for"),
-        ("zuerst zum Empfang, dann auf die Toilette, dann Brot", ("Empfang", "WC"), "gesucht"),
+        ("Check in first, then the toilet, then pay", ("Reception", "Toilets"), "asked for"),
+        ("erst zum Empfang, dann aufs Klo, dann Brot kaufen", ("Empfang", "WC"), "gesucht"),
     ],
 )
 def test_why_not_is_said_in_the_language_of_the_whole(question: str, names: tuple[str, ...], said: str) -> None:
@@ -39,7 +39,7 @@ def test_why_not_is_said_in_the_language_of_the_whole(question: str, names: tupl
 
 
 def test_the_language_of_a_stop_is_kept_in_a_document() -> None:
-    wish = OfflineModel().read_wish("first the toilet, then pay")
+    wish = OfflineModel().read_wish("first the toilet, then a coffee")
     assert [each.language for each in Wish.from_document(wish.to_document()).stops] == ["en", "en"]
 
 

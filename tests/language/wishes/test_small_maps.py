@@ -6,14 +6,18 @@ import pytest
 from lpslam.language.model import Candidate
 from lpslam.language.offline import OfflineModel
 from lpslam.navigation.places import Here, Place
-from lpslam.navigation.solver import solve
+from lpslam.navigation.solver import Solved, solve
 
 
-def found(question: str, names: tuple[str, ...]) -> str | None:
+def solved(question: str, names: tuple[str, ...]) -> Solved:
     model = OfflineModel()
     marks = tuple(Candidate(id_, name) for id_, name in enumerate(names))
     places = [Place(id_, name, np.array([6.0 * id_, 0.0, 0.0])) for id_, name in enumerate(names)]
-    place = solve(model.read_wish(question), places, model.scorer(marks), Here()).stops[-1].place
+    return solve(model.read_wish(question), places, model.scorer(marks), Here()).stops[-1]
+
+
+def found(question: str, names: tuple[str, ...]) -> str | None:
+    place = solved(question, names).place
     return place and place.name
 
 
@@ -44,3 +48,14 @@ def test_what_is_not_there_is_not_answered(question: str, names: tuple[str, ...]
 )
 def test_one_sign_is_enough_or_none_serves(question: str, names: tuple[str, ...], place: str | None) -> None:
     assert found(question, names) == place
+
+
+@pytest.mark.parametrize("names", [("Mind the gap",), ("Caution wet floor", "Staff only"), ("12",)])
+def test_a_map_without_a_place_answers_nothing(names: tuple[str, ...]) -> None:
+    assert found("I am hungry", names) is None
+
+
+def test_what_is_read_and_missing_is_named_whatever_else_comes_near() -> None:
+    told = solved("is there a swimming pool?", ("Sauna", "Toilets", "Reception"))
+    assert told.place is None
+    assert "pool" in " ".join(told.notes)

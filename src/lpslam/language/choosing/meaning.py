@@ -64,7 +64,7 @@ class Pieces:
         while at > 0:
             at, row = back[at]
             found += [row] if row >= 0 else []
-        return found[::-1]
+        return found[::-1] if any(self.texts[row] != _SPACE for row in found) else []
 
 
 class Senses:

@@ -91,6 +91,7 @@ class Support:
         self._groups = np.array(list(self._group_of.values()), int)
         self._row_of = {id_: row for row, id_ in enumerate(self._group_of)}
         self._is_known = np.array([bool(kinds) for kinds, _ in groups], bool)
+        self._is_brand = np.array([bool(index.signs[id_].identity) for id_ in self._group_of], bool)
         said = {mark.id: " ".join([mark.name, *mark.lines]) for mark in index.landmarks}
         texts = list(dict.fromkeys(said[id_] for id_ in self._group_of))
         row = {text: at for at, text in enumerate(texts)}
@@ -184,11 +185,15 @@ class Support:
         return np.asarray(total)
 
     def _meaning(self, heard: _Heard) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """(landmarks,) cosines of boards and kinds; places of one kind are alike, as the best of them."""
-        best = np.full(len(self._is_known), -np.inf)
-        np.maximum.at(best, self._groups, heard.board)
-        board = np.where(self._is_known[self._groups], best[self._groups], heard.board)
+        """(landmarks,) cosines of boards and kinds; places of one kind are alike, as the best of them.
+
+        A brand's name is no word: its board says what its kind does. Apple sells no fruit.
+        """
         kind = heard.kind[self._groups]
+        own = np.where(self._is_brand & ~np.isnan(kind), kind, heard.board)
+        best = np.full(len(self._is_known), -np.inf)
+        np.maximum.at(best, self._groups, own)
+        board = np.where(self._is_known[self._groups], best[self._groups], own)
         return board, np.where(np.isnan(kind), _UNKIND * board, kind)
 
     def _beside_the_crowd(self, best: int, words: float, heard: _Heard) -> dict[str, float]:

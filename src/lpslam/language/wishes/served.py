@@ -41,6 +41,7 @@ class Served:
         others: next best where none serves.
         ignored: what of the wish could not be heeded.
         way: how they were found.
+        doubt: why none is the answer where that is not sure.
         sure: probability, 0 to 1, that the best is what was meant.
         strength: of the best, before scores were divided by it.
         heard: what tells how sure the words of a question make us, by name.
@@ -61,6 +62,7 @@ class Served:
     strength: float = 1.0
     heard: Mapping[str, float] = field(default_factory=dict)
     sure: float = 1.0
+    doubt: str = "it is not sure what is meant"
 
 
 class Scorer(Protocol):
