@@ -26,6 +26,7 @@ _OF_WORDS, _OF_BEST, _OF_READING = 0.7, 1.5, 1.1
 """What evidence weighs, what tables read of a place as a share of the best, and as it is (a fit of choices to sets)."""
 _OF_BOARD, _OF_KIND = 11.8, 3.8  # what the cosine of a board's meaning weighs, and that of its kind
 _UNKIND = 0.7  # of its board's cosine: the cosine of a kind that is not known
+_AS_WELL = 0.97  # of what the best serves of what is read: another answer
 _SAYS = 0.5  # evidence of a word that speaks for a place
 _FARTHEST = 1.6  # below the best score: what comes less near is not offered
 _FEWEST = 20  # landmarks of a map by which the rarity of a word on boards is told: fewer tell nothing
@@ -118,7 +119,8 @@ class Support:
         heard = self._heard(question, language)
         own = self._borne(heard.terms)
         strength = max(read.values(), default=0.0)
-        total = self._total(heard, own, read)
+        by_group = self._by_group(read)
+        total = self._total(heard, own, by_group)
         found = self._scored(total, own, read)
         if not found:
             return Supported({}, {})
@@ -127,7 +129,11 @@ class Support:
         scores = {id_: math.exp(each - top) for id_, each in found.items() if each >= top - _FARTHEST}
         said = heard.evidence[:, self._group_of[best]] if heard.terms else np.zeros(0)
         words = tuple(term.replace(" ", "") for term, each in zip(heard.terms, said, strict=True) if each > _SAYS)
-        rivals = [each for id_, each in found.items() if self._group_of[id_] != self._group_of[best]]
+        # What serves what is read as well is another answer, no rival.
+        served = by_group[self._group_of[best]]
+        is_rival = (by_group < _AS_WELL * served) | (served <= 0.0)
+        is_rival[self._group_of[best]] = False
+        rivals = [each for id_, each in found.items() if is_rival[self._group_of[id_]]]
         clues = {
             "words for it": float(said.sum()) / 5.0,
             "share of words for it": float((said > _SAYS).mean()) if heard.terms else 0.0,
@@ -138,7 +144,7 @@ class Support:
             "read as well": read.get(best, 0.0) / strength if strength else 0.0,
             "read at all": strength,
             **self._beside_the_crowd(best, float(said.sum()) + own.get(best, 0.0), heard),
-            **self._alone(best, own, heard),
+            **self._alone(best, own, heard, is_rival[self._groups]),
         }
         return Supported(scores, clues, words)
 
@@ -169,12 +175,16 @@ class Support:
             cosines.astype(float),
         )
 
-    def _total(self, heard: _Heard, own: Mapping[int, float], read: Mapping[int, float]) -> NDArray[np.float64]:
-        """(landmarks,) all that speaks for each, their meaning beside the middle of the crowd."""
-        by_group = np.zeros(len(self._is_known))
+    def _by_group(self, read: Mapping[int, float]) -> NDArray[np.float64]:
+        """(groups,) how well each serves what the tables read."""
+        found = np.zeros(len(self._is_known))
         for id_, score in read.items():
             if id_ in self._group_of:
-                by_group[self._group_of[id_]] = max(score, by_group[self._group_of[id_]])
+                found[self._group_of[id_]] = max(score, found[self._group_of[id_]])
+        return found
+
+    def _total(self, heard: _Heard, own: Mapping[int, float], by_group: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(landmarks,) all that speaks for each, their meaning beside the middle of the crowd."""
         tables = by_group * (_OF_BEST / max(by_group.max(initial=0.0), 1e-9) + _OF_READING)
         board, kind = self._meaning(heard)
         middle = float(heard.cosines.mean())
@@ -210,15 +220,14 @@ class Support:
             "known that are nearer": math.log1p(float((heard.crowd[others] > own).sum())) / 4.0,
         }
 
-    def _alone(self, best: int, own: Mapping[int, float], heard: _Heard) -> dict[str, float]:
-        """By how much the best leads other groups by meaning alone, and by words alone; below 0 where it does not."""
+    def _alone(self, best: int, own: Mapping[int, float], heard: _Heard, others: NDArray[np.bool_]) -> dict[str, float]:
+        """By how much the best leads others by meaning alone, and by words alone; below 0 where it does not."""
         board, kind = self._meaning(heard)
         meaning = _OF_BOARD * board + _OF_KIND * kind
         words = heard.evidence.sum(axis=0)[self._groups]
         for id_, each in own.items():
             words[self._row_of[id_]] += each
         at = self._row_of[best]
-        others = self._groups != self._groups[at]
         found = (
             float(np.clip((each[at] - each[others].max(initial=lowest)) / 4.0, -1.0, 1.0))
             for each, lowest in ((meaning, float(meaning.min())), (words, 0.0))

@@ -5,7 +5,7 @@ weights are in `data/wishes/certainty.json` (`tools/train_certainty.py`).
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.language.choosing.landmark_index import LandmarkIndex
-from lpslam.language.choosing.serving import FITS, best_of, likeness, match
+from lpslam.language.choosing.serving import FITS, Kinds, best_of, likeness, match
 from lpslam.language.choosing.support import CLUES
 from lpslam.language.questions.parts import read_part
 from lpslam.language.tables.knowledge import Knowledge
@@ -40,9 +40,10 @@ def clues_of(served: Served, index: LandmarkIndex, asked: AskedWords, knowledge:
     # What a place, an order or an exclusion tells apart are no rivals.
     is_told = stop.relation is not None or stop.which is not Which.ANY or bool(stop.without)
     rivals = {} if is_told else served.scores
-    others = [score for id_, score in rivals.items() if index.signs[id_].kinds != kinds]
     ties = {kinds, *(index.signs[id_].kinds for id_, score in rivals.items() if score >= _RIVALS * top)}
     meant = {concept: weight for concept, weight in wish.wanted if match(concept, kinds, knowledge) >= FITS}
+    as_well = _as_well(kinds, {index.signs[id_].kinds for id_ in rivals}, meant, knowledge)
+    others = [score for id_, score in rivals.items() if index.signs[id_].kinds not in as_well]
     language = wish.language or next(iter(asked.likely(text)), "en")
     units = knowledge.folder.units(text)
     common = knowledge.common.get(language, frozenset())
@@ -112,6 +113,15 @@ def clues_of(served: Served, index: LandmarkIndex, asked: AskedWords, knowledge:
     for way in (Way.NAME, Way.WORDS, Way.TOLD, Way.GUESS):
         clues[way.value] = float(served.way is way)
     return clues
+
+
+def _as_well(kinds: Kinds, others: Set[Kinds], meant: Mapping[str, float], knowledge: Knowledge) -> set[Kinds]:
+    """The best's kinds, and others that serve what is meant first of all as well: other answers, no rivals."""
+    if not meant:
+        return {kinds}
+    first = max(meant, key=lambda concept: meant[concept] * match(concept, kinds, knowledge))
+    least = _RIVALS * match(first, kinds, knowledge)
+    return {kinds, *(each for each in others if match(first, each, knowledge) >= least)}
 
 
 def probability(clues: Mapping[str, float]) -> float:
