@@ -85,3 +85,26 @@ def test_a_range_bears_just_its_numbers(first: int, size: int, asked: int, lette
 def test_an_identity_is_its_code() -> None:
     codes = asked_codes("gate B31")
     assert [code_of(each) for each in identities(codes)] == codes
+
+
+@pytest.mark.parametrize(
+    ("question", "board"),
+    [
+        ("Raum zwo null vier", "Raum 204"),
+        ("room two oh four", "Room 204"),
+        ("gate b one two", "Gate B12"),
+        ("salle deux zéro quatre", "Salle 204"),
+        ("la sala dos cero cuatro", "Sala 204"),
+        ("이공사호 어디예요", "204호"),
+        ("ニーマルヨン号室", "204号室"),
+        ("幺零二号房", "102号房"),
+    ],
+)
+def test_digits_are_heard_one_by_one(question: str, board: str) -> None:
+    assert fits(question, board)
+    assert not fits(question, board.replace("2", "3"))
+
+
+@pytest.mark.parametrize("question", ["one two three, where is the toilet", "이번 정류장", "oh, a coffee", "二人で一日"])
+def test_words_that_sound_like_digits_are_no_codes(question: str) -> None:
+    assert not asked_codes(question)

@@ -61,15 +61,25 @@ Understood = tuple[Wish, set[int], list[int]]
 
 
 def ranked(
-    question: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge, model: str
+    question: str,
+    index: LandmarkIndex,
+    signs: SignReader,
+    knowledge: Knowledge,
+    model: str,
+    language: str | None = None,
 ) -> tuple[Choice, Scores]:
-    """What serves a question as the tables read it, with the scores of all landmarks that serve; no guess."""
-    understood = understand(question, index, signs, knowledge)
-    choice, scores = _as_understood(understood, question, index, signs, knowledge, model)
+    """What serves a question as the tables read it, with the scores of all landmarks that serve; no guess.
+
+    `language` is that of the text which the question is a part of.
+    """
+    understood = understand(question, index, signs, knowledge, language=language)
+    said_in = answer_language(question, language)
+    choice, scores = _as_understood(understood, question, index, signs, knowledge, model, said_in)
     if choice.landmark is not None or understood[0].contradicted:
         return choice, scores
-    for other in _other_readings(understood[0], question, index, signs, knowledge):
-        found = _as_understood(other, question, index, signs, knowledge, model)
+    as_alone = () if language is None else (understand(question, index, signs, knowledge),)
+    for other in (*as_alone, *_other_readings(understood[0], question, index, signs, knowledge)):
+        found = _as_understood(other, question, index, signs, knowledge, model, said_in)
         if found[0].landmark is not None:
             return found
     return choice, scores
@@ -107,10 +117,11 @@ def _as_understood(
     signs: SignReader,
     knowledge: Knowledge,
     model: str,
+    said_in: str,
 ) -> tuple[Choice, Scores]:
     wish, refused, said = understood
     wish = _as_in_this_building(wish, index, knowledge)
-    phrases = phrases_in(answer_language(question) if wish.language is not None else "en")
+    phrases = phrases_in("en" if wish.language is None else said_in)
     if not index.landmarks or wish.language is None:
         return Choice(None, float(not index.landmarks), phrases.say(_why_unread(index)), model), {}
     wish, refused = _without_refused(wish, refused, question, index)

@@ -14,7 +14,8 @@ from lpslam.language.naming.posterior import ELSE, doubted, posterior, put_toget
 from lpslam.language.naming.voting import cased_like, painted_like, vote
 from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.reader import SignReader
-from lpslam.language.tables.knowledge import Knowledge, Known, load_words
+from lpslam.language.tables.knowledge import Knowledge, load_words
+from lpslam.language.tables.painted import Known
 from lpslam.language.tables.spelling import respelled, words_of
 from lpslam.language.tables.words import is_unspaced
 

@@ -42,11 +42,14 @@ class Phrases:
 
 
 @lru_cache(maxsize=256)
-def answer_language(question: str) -> str:
-    """Return the tag of the language to answer in: the question's, English where it cannot be told."""
+def answer_language(question: str, language: str | None = None) -> str:
+    """Return the tag of the language to answer in: the question's, English where it cannot be told.
+
+    `language` is the one that the question is in, where that is known.
+    """
     text = clean_text(question, 400)
     knowledge = load_knowledge()
-    language = language_of(text, knowledge) or _ENGLISH
+    language = language or language_of(text, knowledge) or _ENGLISH
     return _TRADITIONAL if language == "zh" and knowledge.folder.is_traditional(text) else language
 
 

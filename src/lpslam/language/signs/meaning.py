@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from lpslam.language.signs.wording import WARNING, reads_like_a_name
-from lpslam.language.tables.knowledge import Known
 from lpslam.language.tables.lexicon import Meaning
+from lpslam.language.tables.painted import Known
 from lpslam.language.tables.words import Span, is_unspaced
 
 _INITIALS = range(2, 4)  # letters

@@ -25,9 +25,10 @@ from lpslam.language.signs.wording import (
     weighed,
     without_stray_letters,
 )
-from lpslam.language.tables.knowledge import Knowledge, Known, load_knowledge, load_words
+from lpslam.language.tables.knowledge import Knowledge, load_knowledge, load_words
 from lpslam.language.tables.lexicon import Meaning
 from lpslam.language.tables.nearest import NearestNames, allowed_edits
+from lpslam.language.tables.painted import Known
 from lpslam.language.tables.words import Span, is_mark, is_unspaced, longest_phrases
 
 _PARTS = re.compile(r"[()\[\]{}<>|/·•:;—–]+|\s-\s")

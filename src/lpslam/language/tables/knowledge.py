@@ -7,44 +7,29 @@ language or topic is a further file, not further code.
 
 import json
 import lzma
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from importlib.resources import files
-from typing import Any, NamedTuple
+from typing import Any
 
 from lpslam.language.tables.combined import Combined
 from lpslam.language.tables.concepts import Buildings, load_buildings
 from lpslam.language.tables.forms import load_folder
 from lpslam.language.tables.lexicon import (
-    BY_HAND,
-    BY_NAME,
     Meaning,
     SpokenTables,
-    add_beside,
     load_lexicons,
     phrases_of,
     read_table,
     split,
-    with_cuisine,
 )
+from lpslam.language.tables.painted import Known, add_brands, add_kinds, add_painted, add_venues
 from lpslam.language.tables.states import StateTables
 from lpslam.language.tables.words import Folder
 
-_SIGN_ROLES = {"sign_warning": "sign/warning", "sign_slogan": "sign/slogan"}
-
 _SUBSTITUTE = 0.8
 _TRADE_FIRST = ("de", "es", "fr")
-_SURE_SLOGAN = 4  # words or characters of a slogan that no shop's name comes near to by chance
-
-
-class Known(NamedTuple):
-    """A name known as it is painted: a brand, a maker, a warning or a word for a kind of place."""
-
-    painted: str
-    source: str
-    kinds: tuple[tuple[str, float], ...]
-    identity: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,21 +184,21 @@ def load_knowledge() -> Knowledge:
     painted: dict[str, Meaning] = {}
     known: dict[str, Known] = {}
     for lexicon in lexicons.values():
-        _add_painted(lexicon, folder, unpainted, painted, known)
+        add_painted(lexicon, folder, unpainted, painted, known)
     for joined, kinds_of in read_table("lexicon/makers.json")["makers"].items():
         names = joined.split("|")
         for name in names:
             known.setdefault(folder.key(name), Known(name, "brand", tuple(kinds_of.items()), names[0]))
-    _add_brands(gazetteer["brands"], kinds["cuisine_kinds"], known)
+    add_brands(gazetteer["brands"], kinds["cuisine_kinds"], known)
     for painted_name, joined in read_table("lexicon/nicknames.json").items():
         called = known.get(folder.key(painted_name))
         if called is not None:
             for name in split(joined):
                 known.setdefault(folder.key(name), Known(name, "brand", called.kinds, called.identity))
     joining = _in_any(lexicons, "joining", folder)
-    _add_kinds(gazetteer["names"], kinds["cuisine_kinds"], joining, painted, known)
+    add_kinds(gazetteer["names"], kinds["cuisine_kinds"], joining, painted, known)
     for lexicon in lexicons.values():
-        _add_venues(lexicon, folder, painted, known)
+        add_venues(lexicon, folder, painted, known)
     return Knowledge(
         folder=folder,
         painted=painted,
@@ -292,120 +277,6 @@ def _leading(lexicons: Mapping[str, Mapping[str, Any]], folder: Folder) -> froze
         for language in ("en", *_TRADE_FIRST)
     }
     return frozenset(set().union(*(said[language] for language in _TRADE_FIRST)) - said["en"])
-
-
-def _add_painted(
-    lexicon: Mapping[str, Any],
-    folder: Folder,
-    unpainted: frozenset[str],
-    painted: dict[str, Meaning],
-    known: dict[str, Known],
-) -> None:
-    """Add what one language's signs are painted with; a warning or slogan goes before a place."""
-    gathered: dict[str, dict[str, float]] = {}
-    for role, kind in _SIGN_ROLES.items():
-        for text in split(lexicon.get(role, "")):
-            painted.setdefault(folder.phrase(text), Meaning("sign", ((kind, 1.0),)))
-            if kind == "sign/warning" or len(folder.phrase(text).split()) >= _SURE_SLOGAN:
-                known.setdefault(folder.key(text), Known(text, "warning", ((kind, 1.0),), text))
-    for concept, joined in lexicon["means"].items():
-        if concept in unpainted:
-            continue
-        # Goods and wants are no names; kinds of place and of facility are what signs are painted with.
-        is_name = "/" in concept and not concept.startswith("sign")
-        word = ((concept, BY_HAND),)
-        for text in dict.fromkeys(split(joined)):
-            phrase, key = folder.phrase_and_key(text)
-            gathered.setdefault(phrase, {})[concept] = BY_HAND
-            if is_name and len(key) > 1:
-                known.setdefault(key, Known(text, "word", word, text))
-    for phrase, found in gathered.items():
-        painted.setdefault(phrase, Meaning("means", tuple(found.items())))
-
-
-_TOO_SHORT_INSIDE = 2  # letters of an abbreviation (HR, QA) that is a sign of its own, and chance inside another
-
-
-def _add_venues(
-    lexicon: Mapping[str, Any], folder: Folder, painted: dict[str, Meaning], known: dict[str, Known]
-) -> None:
-    """Add the kinds of places in hospitals, airports and so on, beside what their words mean in a mall."""
-    for concept, joined in lexicon["venues"].items():
-        for text in dict.fromkeys(split(joined)):
-            phrase, key = folder.phrase_and_key(text)
-            if not (len(key) <= _TOO_SHORT_INSIDE and key.isascii()):
-                add_beside(painted, concept, (phrase,), frozenset())
-            if len(key) > 1 and key not in known:
-                known[key] = Known(text, "word", ((concept, BY_HAND),), text)
-
-
-_FUEL = "amenity/fuel"
-_BARS_OF = {"bubble_tea": "amenity/cafe/bubble_tea", "juice": "amenity/fast_food/juice"}
-_OUT_OF_DOORS = ("amenity/fuel", "amenity/charging_station", "amenity/recycling", "office/", "emergency/", "tourism/")
-"""Kinds that seldom have a sign among shops: Indigo is a bookshop sooner than a place to charge a car."""
-
-
-def _sells(kinds: Mapping[str, float]) -> bool:
-    return any(kind.startswith("shop/") for kind in kinds)
-
-
-def _add_brands(rows: Iterable[Any], cuisine_kinds: Mapping[str, str], known: dict[str, Known]) -> None:
-    """Add brands, as the index lists them: those of many names before their namesakes.
-
-    What a brand of another trade is called first goes before what one is called besides: Tous is a jeweller. What is
-    written by hand stays; and rows of one trade that share a name are one brand: KFC and 肯德基.
-    """
-    by_hand = frozenset(known)
-    for joined, keys, kinds_of, cuisines in rows:
-        names = joined.split("|")
-        if "shop/supermarket" in kinds_of:
-            # A supermarket is no petrol station for having some elsewhere.
-            kinds_of = [kind for kind in kinds_of if kind != _FUEL]
-        found = dict.fromkeys([*kinds_of, *(cuisine_kinds.get(each, f"cuisine/{each}") for each in cuisines)], 1.0)
-        own = next(
-            (kind for drink, kind in _BARS_OF.items() if drink in found and "coffee" not in found), "amenity/cafe"
-        )
-        # The index lists them as cafés, which asks for coffee there.
-        found = {own if kind == "amenity/cafe" else kind: 1.0 for kind in found}
-        weighed = tuple(found.items())
-        of_hand = next((known[key] for key in keys.split("|") if key in by_hand and known[key].source == "brand"), None)
-        if of_hand is not None and _sells(found) and _sells(dict(of_hand.kinds)):
-            # What the index says of Li-Ning is less than what is known of it.
-            weighed, found = of_hand.kinds, dict(of_hand.kinds)
-        held_by = (known[key] for key in keys.split("|") if key in known and known[key].source == "brand")
-        identity = next((held.identity for held in held_by if not found.keys().isdisjoint(dict(held.kinds))), names[0])
-        for at, (name, key) in enumerate(zip(names, keys.split("|"), strict=True)):
-            held = known.get(key)
-            is_namesake = (
-                at == 0
-                and key not in by_hand
-                and held is not None
-                and held.source == "brand"
-                and held.painted != held.identity
-                and not all(kind.startswith(_OUT_OF_DOORS) for kind in found)
-            )
-            if len(key) > 1 and (held is None or (is_namesake and found.keys().isdisjoint(dict(held.kinds)))):
-                known[key] = Known(name, "brand", weighed, identity)
-
-
-def _add_kinds(
-    by_language: Mapping[str, Mapping[str, Any]],
-    cuisine_kinds: Mapping[str, str],
-    joining: frozenset[str],
-    painted: dict[str, Meaning],
-    known: dict[str, Known],
-) -> None:
-    """Add the names of kinds of place in every language; the shorter kind id is the more general and comes first."""
-    for names in by_language.values():
-        for kind, rows in names.items():
-            concepts = tuple((concept, BY_NAME) for concept in with_cuisine(kind, cuisine_kinds))
-            meaning = Meaning("means", concepts)
-            for text, phrase, key in rows:
-                # Without its accent, thé is an English article; one letter or sign says nothing sure.
-                if len(phrase) > 1 and phrase not in joining:
-                    painted.setdefault(phrase, meaning)
-                if len(key) > 1 and key not in known:
-                    known[key] = Known(text, "word", concepts, text)
 
 
 @lru_cache(maxsize=1)

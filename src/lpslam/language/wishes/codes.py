@@ -13,7 +13,7 @@ from lpslam.language.signs.hours import without_hours
 from lpslam.language.tables.lexicon import read_table
 from lpslam.language.tables.words import is_unspaced
 from lpslam.language.wishes.form import Identity, Sort
-from lpslam.language.wishes.numerals import digit_ordinal, number_of, with_digits
+from lpslam.language.wishes.numerals import digit_ordinal, number_of, with_digits, with_spoken_digits
 
 # 一番近い is the nearest, 一番線 is platform 1; 이번 is this time, 이층 the second floor.
 _UNSPACED_NUMBER = re.compile(
@@ -146,7 +146,7 @@ def _last_words(text: str) -> list[tuple[re.Match[str], frozenset[str]]]:
 
 
 def _folded(text: str) -> str:
-    clean = clean_text(text).casefold()
+    clean = with_spoken_digits(clean_text(text).casefold())
     return _UNSPACED_NUMBER.sub(lambda found: str(number_of(next(filter(None, found.groups())))), clean)
 
 

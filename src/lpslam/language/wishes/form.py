@@ -124,6 +124,7 @@ class Stop:
         floor: where it must lie, if that is said.
         unplaced: the words of `what` with those that name the floor, for maps of which no floors are known.
         whole: all words of the stop, its relation among them: what it says where the anchor turns out to be none.
+        language: of the question that it is a part of, where that is known; a few words may be of any.
     """
 
     what: str
@@ -144,6 +145,7 @@ class Stop:
     unplaced: str = ""
     same_side: bool = False
     among: tuple["Stop", ...] = ()
+    language: str | None = None
 
 
 PREVIOUS = Stop("the stop before")
@@ -233,6 +235,7 @@ def _stop_of(tree: Mapping[str, Any], depth: int = 0) -> Stop:
         raise TypeError("anchors of anchors of anchors")
     start = tree.get("start")
     relation = tree.get("relation")
+    language = tree.get("language")
     floor = tree.get("floor")
     return Stop(
         str(tree["what"]),
@@ -255,6 +258,7 @@ def _stop_of(tree: Mapping[str, Any], depth: int = 0) -> Stop:
         str(tree.get("unplaced", "")),
         bool(tree.get("same_side", False)),
         tuple(_stop_of(each, depth + 1) for each in tree.get("among", ())),
+        None if language is None else str(language),
     )
 
 

@@ -1,7 +1,8 @@
 """Numbers in words: cardinals below a thousand and the lower ordinals, in the languages that space words.
 
 The words and how they are put together follow Unicode CLDR's rule-based number formats (spellout-cardinal and
-spellout-ordinal); Chinese, Japanese and Korean numerals are read digit by digit.
+spellout-ordinal); Chinese, Japanese and Korean numerals are read digit by digit. Any of the seven is also heard digit
+by digit: “two oh four”, “zwo null vier”, 이공사호.
 """
 
 import re
@@ -119,6 +120,37 @@ def digit_ordinal() -> re.Pattern[str]:
     return re.compile(rf"(?<![\w.-])(\d{{1,3}})(?:{ends})(?= )")
 
 
+@lru_cache(maxsize=1)
+def _digits() -> Mapping[str, str]:
+    """The digits of the languages that space words, by how they are said one by one."""
+    found: dict[str, str] = {}
+    for language in LATIN:
+        table = _tables()[language]
+        for at, forms in enumerate(_words(table["ones"])[:10]):
+            found |= {_key(form): str(at) for form in forms}
+        found |= {_key(form): "0" for form in table.get("zeros", "").split("|") if form}
+    return found
+
+
+@lru_cache(maxsize=1)
+def _unspaced_digits() -> tuple[re.Pattern[str], re.Pattern[str], Mapping[str, str]]:
+    """Two digits and more of a language without spaces, said one by one; one of them; and what each is."""
+    found: dict[str, str] = {}
+    runs: list[str] = []
+    for language in ("zh", "ja", "ko"):
+        own = {form: str(at) for at, forms in enumerate(_words(_tables()[language]["digits"])) for form in forms}
+        runs.append(f"(?:{'|'.join(sorted(own, key=len, reverse=True))}){{2,5}}")
+        found |= own
+    one = "|".join(sorted(found, key=len, reverse=True))
+    return re.compile(rf"(?<![가-힣一-鿿ァ-ヺ])(?:{'|'.join(runs)})(?=[号號番호번])"), re.compile(one), found
+
+
+def with_spoken_digits(text: str) -> str:
+    """Return a text in which digits said one by one before a counter are digits: 이공사호, 幺零二号."""
+    run, one, digits = _unspaced_digits()
+    return run.sub(lambda hit: "".join(digits[each] for each in one.findall(hit.group())), text)
+
+
 def with_digits(folded: str, follows: Callable[[int], bool], leads: Callable[[int], bool]) -> str:
     """Return a text, without case, in which the numbers of things that are numbered are digits.
 
@@ -133,7 +165,7 @@ def with_digits(folded: str, follows: Callable[[int], bool], leads: Callable[[in
     while at < len(words):
         number, end = _number_at(folded, words, at, follows(words[at].start()), leads)
         if number is not None:
-            pieces += [folded[done : words[at].start()], str(number)]
+            pieces += [folded[done : words[at].start()], number]
             done = words[end - 1].end()
         at = end
     return "".join(pieces) + folded[done:]
@@ -141,17 +173,20 @@ def with_digits(folded: str, follows: Callable[[int], bool], leads: Callable[[in
 
 def _number_at(
     folded: str, words: Sequence[re.Match[str]], at: int, follows: bool, leads: Callable[[int], bool]
-) -> tuple[int | None, int]:
-    """The number that begins at a word, and where the words after it begin."""
+) -> tuple[str | None, int]:
+    """The digits of the number that begins at a word, and where the words after it begin."""
     for end in range(min(len(words), at + _LONGEST), at, -1):
         stretch = folded[words[at].start() : words[end - 1].end()]
         if _BROKEN.search(stretch):
             continue
+        one_by_one = [_digits().get(_key(word.group())) for word in words[at:end]] if follows and end - at > 1 else []
+        if one_by_one and all(one_by_one):
+            return "".join(filter(None, one_by_one)), end
         key = _key(stretch)
         if follows and key in _cardinals() and not (key in _ARTICLES and folded[words[end - 1].end() :].strip(" .?!")):
-            return _cardinals()[key], end
+            return str(_cardinals()[key]), end
         if key in _ordinals() and (follows or leads(words[end - 1].end())):
-            return _ordinals()[key], end
+            return str(_ordinals()[key]), end
     return None, at + 1
 
 

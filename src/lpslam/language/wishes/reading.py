@@ -70,7 +70,7 @@ def read_wish(question: str, knowledge: Knowledge) -> Wish:
     is_plain = alone.relation is None and not alone.without and not alone.contradiction
     listed = _unordered(text, languages, knowledge) if is_plain else []
     if listed:
-        stops = tuple(_stop(part, languages, knowledge) for part in listed[:_MOST_STOPS])
+        stops = _parts(listed, languages, knowledge, likely[0] if likely else None)
         return Wish(stops, likely[0] if likely else None, instead=alone)
     return Wish((alone,), likely[0] if likely else None)
 
@@ -93,11 +93,19 @@ def _plan(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> Wish |
             parts = [each for part in rest for each in _pieces(part, (language,), knowledge)]
         says = sum(_says_a_place(part, knowledge) for part in parts)
         if len(parts) > 1 and says >= max(2, len(parts) - 1):
-            stops = tuple(_stop(part, languages, knowledge) for part in parts)
+            stops = _parts(parts, languages, knowledge, next(iter(languages_of(text, knowledge)), None))
             is_sure = found is None or not found[0].then.get("perhaps") or says_an_order(text, (language,))
             instead = None if is_sure else _stop(text, languages, knowledge)
-            return Wish(stops[:_MOST_STOPS], language, instead=instead)
+            return Wish(stops, language, instead=instead)
     return None
+
+
+def _parts(
+    parts: Sequence[str], languages: tuple[str, ...], knowledge: Knowledge, language: str | None
+) -> tuple[Stop, ...]:
+    """Read parts of a text as stops, each in the language of the whole: “pay” alone is French as well."""
+    stops = (_stop(part, languages, knowledge) for part in parts[:_MOST_STOPS])
+    return tuple(replace(stop, language=language) for stop in stops)
 
 
 def _pieces(text: str, languages: Sequence[str], knowledge: Knowledge) -> list[str]:

@@ -13,6 +13,7 @@ from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import FITS, best_of, match
 from lpslam.language.choosing.support import Support, Supported
 from lpslam.language.model import Candidate, Choice
+from lpslam.language.questions.parts import read_part
 from lpslam.language.questions.phrasing import answer_language, phrases_in
 from lpslam.language.questions.question import Wish as Meaning
 from lpslam.language.questions.question import asks_for_another, read_question
@@ -44,7 +45,6 @@ _CAPITALS_ARE_NAMES = frozenset({"en", "es", "fr"})
 _SURE, _NAMED, _ACROSS = 1.0, 0.9, 0.85  # of a code or person, of a part of a name, of a name in another script
 _WHOLE = 0.95  # of a name's letters: the name itself
 _FEWEST_BORNE, _MOST_BORNE = 2, 0.5  # words of a question that a board bears, and their share of its letters
-_READ = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
 _LEAST_LITERAL = 0.3  # of a board's letters that are asked for word by word
 
 
@@ -89,9 +89,6 @@ class EmbeddedScorer:
         if not served.scores or served.way in UNQUESTIONED or self._says_what_tells(served):
             return served
         clues = self.clues(served)
-        if clues["is one"] >= 1.0 and clues["says so"] >= 1.0:
-            # Every word asks for this very kind, and the sign is one: “a restaurant”.
-            return served
         sure = probability(clues)
         served = replace(served, sure=sure, confidence=min(served.confidence, sure))
         if sure >= LEAST_SURE or served.way not in (Way.KIND, Way.GUESS):
@@ -99,10 +96,13 @@ class EmbeddedScorer:
         numbered = self._numbered(served.stop, served.ignored)
         if numbered is not None:
             return numbered
-        meaning = read_question(served.stop.what, self._knowledge, self._index.names)
+        meaning = self._read(served.stop)
         said = self._by_words(served.stop, meaning, served.ignored)
         other = probability(self.clues(said)) if said is not None and said.scores else 0.0
         return served if said is None or other <= sure else replace(said, sure=other, confidence=other)
+
+    def _read(self, stop: Stop) -> Meaning:
+        return read_part(stop.what, stop.language, self._knowledge, self._index.names)
 
     def _says_what_tells(self, served: Served) -> bool:
         """Whether the board of the best says both the kind and what tells it from others: the north gate."""
@@ -137,7 +137,7 @@ class EmbeddedScorer:
         if allowed is not None:
             scores = self._of_the_kind(stop, self._trusted(allowed))
             return Served(stop, scores, "the board bears it", 0.97, ignored=ignored, way=Way.IDENTITY)
-        meaning = read_question(stop.what, self._knowledge, self._index.names)
+        meaning = self._read(stop)
         stop = with_meaning(stop, [kind for kind, _ in meaning.wanted], (*meaning.refused, *meaning.refused_names))
         within = self._identities.on_level(stop, ignored)
         found = self._by_name(stop, meaning)
@@ -152,7 +152,7 @@ class EmbeddedScorer:
         if general:
             scores = self._trusted(_within(general, within))
             return Served(stop, scores, "any of this sort", 0.9, ignored=ignored, way=Way.SORT)
-        choice, scores = ranked(stop.what, self._index, self._signs, self._knowledge, self.model)
+        choice, scores = ranked(stop.what, self._index, self._signs, self._knowledge, self.model, stop.language)
         scores = self._sorts.of_the_family(meaning, _within(self._trusted(scores), within))
         scores = self._told_apart(stop, scores)
         is_another = bool(scores) and self._is_another(stop, meaning, scores)
@@ -170,7 +170,7 @@ class EmbeddedScorer:
         if meaning.wanted_names:
             exact = frozenset(scores)
         evidence = choice.evidence if supported is None else self._spoken_for(stop, choice, supported)
-        return Served(
+        served = Served(
             *(stop, scores if supported is None else supported.scores, evidence, choice.confidence),
             ignored=ignored,
             exact=exact,
@@ -178,6 +178,8 @@ class EmbeddedScorer:
             strength=top,
             heard={} if supported is None else supported.clues,
         )
+        # What is read and not here is missing, whatever else the words may mean.
+        return served if scores or not meaning.wanted else replace(served, doubt=choice.evidence)
 
     def _by_the_board(self, stop: Stop, meaning: Meaning, ignored: tuple[str, ...]) -> Served | None:
         """What the words of a board say where no kind serves: themselves, their sound, a number, what tells apart."""
@@ -208,10 +210,6 @@ class EmbeddedScorer:
         is_told = stop.relation is not None or stop.which is not Which.ANY or bool(stop.without)
         if (is_told and scores) or meaning.wanted_names or meaning.contested or self._refuses(stop.what, meaning):
             return None
-        is_read = any(weight >= _READ for _, weight in meaning.wanted)
-        if not scores and is_read and not self._asked.asked(stop.what)[1]:
-            # “The swimming pool” is no place that has to do with water.
-            return None
         if self._support is None:
             self._support = Support(self._index, self._names.bearing, self._knowledge)
         language = meaning.language or next(iter(self._asked.likely(stop.what)), "en")
@@ -224,7 +222,7 @@ class EmbeddedScorer:
         best = best_of(supported.scores)
         if best == choice.landmark:
             return choice.evidence
-        phrases = phrases_in(answer_language(stop.what))
+        phrases = phrases_in(answer_language(stop.what, stop.language))
         name = clean_text(self._index.name_of[best])
         return phrases.say("words_speak", words=phrases.join(supported.words) or stop.what, name=name)
 

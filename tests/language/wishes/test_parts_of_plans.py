@@ -1,0 +1,47 @@
+"""Stops of a plan are read in the language of the whole question: a few words alone may be of any."""
+
+import numpy as np
+import pytest
+
+from lpslam.language.model import Candidate
+from lpslam.language.offline import OfflineModel
+from lpslam.language.wishes.form import Wish
+from lpslam.navigation.places import Here, Place
+from lpslam.navigation.solver import Solved, solve
+
+NAMES = ("Reception", "Nurse Clinic", "Payments & Insurance", "Toilets")
+
+
+def stops(question: str, names: tuple[str, ...] = NAMES) -> tuple[Solved, ...]:
+    model = OfflineModel()
+    marks = [Candidate(id_, name) for id_, name in enumerate(names)]
+    places = [Place(id_, name, np.array([8.0 * id_, 0.0, 0.0])) for id_, name in enumerate(names)]
+    return solve(model.read_wish(question), places, model.scorer(marks), Here()).stops
+
+
+def test_pay_is_english_in_an_english_plan() -> None:
+    solved = stops("Check in first, then the jab at the nurse's, then pay")
+    assert [each.stop.language for each in solved] == ["en"] * 3
+    assert [each.place and each.place.name for each in solved] == ["Reception", "Nurse Clinic", "Payments & Insurance"]
+
+
+@pytest.mark.parametrize(
+    ("question", "names", "said"),
+    [
+        ("Check in first, then the toilet, then pay", ("Reception", "Toilets"), "asked for"),
+        ("erst zum Empfang, dann aufs Klo, dann Brot kaufen", ("Empfang", "WC"), "gesucht"),
+    ],
+)
+def test_why_not_is_said_in_the_language_of_the_whole(question: str, names: tuple[str, ...], said: str) -> None:
+    last = stops(question, names)[-1]
+    assert last.place is None
+    assert said in " ".join(last.notes)
+
+
+def test_the_language_of_a_stop_is_kept_in_a_document() -> None:
+    wish = OfflineModel().read_wish("first the toilet, then a coffee")
+    assert [each.language for each in Wish.from_document(wish.to_document()).stops] == ["en", "en"]
+
+
+def test_a_question_of_one_stop_is_in_no_language_given() -> None:
+    assert [each.language for each in OfflineModel().read_wish("the toilet").stops] == [None]
