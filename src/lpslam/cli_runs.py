@@ -39,6 +39,10 @@ def call_to_its_end(work: Callable[[], object]) -> None:
     except BrokenPipeError:
         forget_output()
         raise SystemExit(1) from None
+    except MemoryError:
+        say("there is not enough memory for that: ask for less, or for smaller values in --config")
+        forget_output()
+        raise SystemExit(2) from None
     except OSError as error:
         # Commands name the file that they cannot write; what is left is a full disk under all else.
         say(f"{error.filename or 'writing'}: {error.strerror or error}")

@@ -37,10 +37,11 @@ def test_what_no_mall_can_be_is_one_clear_line(lpslam: Command, tmp_path: Path, 
 
 @pytest.mark.parametrize(
     ("option", "value", "said"),
-    [("--duplicates", 10**9, "can repeat another one; ask for fewer"), ("--frames", 10**15, "108000, an hour's")],
-)
+    [("--duplicates", 10**9, "can repeat another one; ask for fewer"), ("--frames", 10**15, "108000, an hour's"),
+     ("--duplicate-distances", "3,1e300", "do not fit a loop of 32 m")],
+)  # fmt: skip
 def test_more_than_a_mall_holds_is_one_clear_line(
-    lpslam: Command, tmp_path: Path, option: str, value: int, said: str
+    lpslam: Command, tmp_path: Path, option: str, value: object, said: str
 ) -> None:
     assert said in lpslam("simulate", tmp_path / "mall", option, value).complaint
     assert not (tmp_path / "mall").exists()

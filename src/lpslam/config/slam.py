@@ -8,7 +8,7 @@ from lpslam.config.section import Section
 class FeatureConfig(Section):
     """ORB features and their depth."""
 
-    count: int = Field(default=1000, ge=1)  # keypoints a frame; fewer lose accuracy in poor texture, more cost time
+    count: int = Field(default=1000, ge=1, le=100_000)  # keypoints a frame; fewer lose accuracy, more cost time
     levels: int = Field(default=8, ge=2, le=16)  # pyramid levels
     scale_factor: float = Field(default=1.2, gt=1)  # size of a level over the next
     fast_threshold: int = 20  # grey values a corner's arc must differ by
@@ -183,10 +183,10 @@ class PictureConfig(Section):
     largest_excess: float = Field(default=1000.0, gt=0)  # of the variance that pictures say; beyond, they hold nothing
     # Times the variance that ways round show: what is wrong alike in all three (lens, scale, delay) closes them too.
     unseen_errors: float = Field(default=15.0, ge=1)
-    remembered_gaps: int = Field(default=100, ge=1)  # newest ways round, of which the median is taken
+    remembered_gaps: int = Field(default=100, ge=1, le=100_000)  # newest ways round, of which the median is taken
     # χ² (six degrees of freedom) of a way round before any is known: pixels share their errors with five around them;
     supposed_gap: float = Field(default=25.0, gt=0)
-    supposed_gaps: int = Field(default=5, ge=1)  # ... and for how many ways round that counts
+    supposed_gaps: int = Field(default=5, ge=1, le=1000)  # ... and for how many ways round that counts
     kept_pictures: int = Field(default=20, ge=2)  # keyframes: those of a doubted place wait so long
 
 

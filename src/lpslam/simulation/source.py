@@ -201,13 +201,25 @@ class MallSource(WalkSource):
             raise UserError(f"simulation: visit is {visit}; it must be 0 or more")
         options = options or SimulationConfig()
         mall = build_mall(seed, options)
-        if options.duplicates >= len(mall.signs):
-            raise UserError(
-                f"simulation: duplicates is {options.duplicates}; this mall has {len(mall.signs)} signs, of which at "
-                f"most {len(mall.signs) - 1} can repeat another one; ask for fewer, or for a larger mall"
-            )
+        _refuse_impossible(options, len(mall.signs))
         walk = stroll(seed, mall.layout, mall.signs, options, frames, visit)
         super().__init__(f"mall-{seed}", seed, mall, walk, options, visit)
+
+
+def _refuse_impossible(options: SimulationConfig, signs: int) -> None:
+    """Refuse more repeated signs than a mall has, and distances that it does not have."""
+    repeated = options.duplicates + len(options.duplicate_distances)
+    if repeated >= signs:
+        raise UserError(
+            f"simulation: {repeated} duplicates are asked for; this mall has {signs} signs, of which at most "
+            f"{signs - 1} can repeat another one; ask for fewer, or for a larger mall"
+        )
+    farthest = max(options.duplicate_distances, default=0.0)
+    if farthest > options.loop_length:
+        raise UserError(
+            f"simulation: duplicates {farthest:.6g} m apart do not fit a loop of {options.loop_length:g} m; ask for a "
+            "shorter distance, or a longer loop"
+        )
 
 
 def as_seen(sign: Sign, views: SignViews, times: NDArray[np.float64]) -> Sign:
