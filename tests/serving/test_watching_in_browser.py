@@ -41,7 +41,7 @@ main()
 class Run:
     """A run with a page, in a process of its own; what is not played at once is stopped at the end."""
 
-    def __init__(self, walk: Path, folder: Path, *, is_held: bool = False) -> None:
+    def __init__(self, walk: Path, folder: Path) -> None:
         self.map = folder / "walk.lpmap"
         words = ["run", str(walk), "-o", str(self.map), "--view", "--port", "0"]
         self.process = subprocess.Popen(
@@ -53,8 +53,6 @@ class Run:
             cwd=folder,
         )
         self.frames = 0
-        if not is_held:
-            self.go_on()
         assert self.process.stderr is not None
         said = self.process.stderr.readline()
         found = re.search(r"http://127\.0\.0\.1:(\d+)", said)
@@ -95,14 +93,6 @@ class Run:
 @pytest.fixture
 def held_run(walk: Path, tmp_path: Path) -> Iterator[Run]:
     """One that takes the frames that the test lets it take."""
-    one = Run(walk, tmp_path, is_held=True)
-    with one.process:
-        yield one
-        one.process.kill()
-
-
-@pytest.fixture
-def run(walk: Path, tmp_path: Path) -> Iterator[Run]:
     one = Run(walk, tmp_path)
     with one.process:
         yield one
@@ -154,23 +144,26 @@ def test_labels_appear_as_they_are_found_and_questions_are_answered(held_run: Ru
         until(page, f"lpslamPage.chosen() === {mark.id}")
 
 
-def test_a_page_that_was_away_goes_on_and_one_that_does_not_read_holds_up_nobody(run: Run) -> None:
+def test_a_page_that_was_away_goes_on_and_one_that_does_not_read_holds_up_nobody(held_run: Run) -> None:
     need_chromium()
+    run = held_run
     silent = run.watch()
     with chromium() as browser, shown(browser, run.url, own=run.url, troubles_are_meant=True) as page:
-        until(page, "lpslamPage.travelled() > 2")
+        run.let_until("lpslamPage.travelled() > 2", page)
         page.context.set_offline(True)
         page.wait_for_timeout(300)
         page.context.set_offline(False)
         page.reload()
-        until(page, "lpslamPage.travelled() > 10")
+        run.let_until("lpslamPage.travelled() > 10", page)
         # One goes without a word, in the middle of everything.
         page.close()
+    run.go_on()
     run.end()
     silent.close()
 
 
-def test_the_run_goes_on_when_its_page_is_killed(run: Run) -> None:
+def test_the_run_goes_on_when_its_page_is_killed(held_run: Run) -> None:
+    run = held_run
     children = Path(f"/proc/{run.process.pid}/task/{run.process.pid}/children")
     if not children.exists():
         pytest.skip("this system does not say which processes are whose")
@@ -178,6 +171,7 @@ def test_the_run_goes_on_when_its_page_is_killed(run: Run) -> None:
     for child in map(int, children.read_text().split()):
         if "watching" in Path(f"/proc/{child}/cmdline").read_bytes().decode("utf-8", "replace"):
             os.kill(child, signal.SIGKILL)
+    run.go_on()
     assert run.end().landmarks()
     assert run.process.stderr is not None
     assert "the page is lost; the run goes on" in run.process.stderr.read()
