@@ -106,6 +106,8 @@ def test_where_a_camera_stands_the_view_ends_again_where_it_did(room: tuple[floa
     assert waiting(*still).gone(None, named()) == []
     moved = [cut("OX", 2.0 + index / 10) for index in range(2)]
     assert len(waiting(*still, *moved).gone(None, named())) == 1, "its end was seen twice"
+    longer = [cut("NORVANE", index / 10, room=room) for index in range(12)]
+    assert len(waiting(*longer).gone(None, named())) == 1, "more letters than a piece of a frieze is read as"
 
 
 def test_letters_seen_beyond_a_spelling_say_that_it_is_a_part() -> None:

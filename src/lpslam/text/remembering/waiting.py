@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.camera import transform_points
+from lpslam.language.tables.spelling import is_ideograph
 from lpslam.text.remembering.evidence import Glance
 from lpslam.text.remembering.similarity import comparison_key, is_fragment, similarity
 from lpslam.text.types import Placement, SpottedText, TextObservation
@@ -44,6 +45,10 @@ of about 0.65 heights while the same is read: a quarter of them do."""
 _IN_VIEW = 0.1
 """Letter heights by which the view must go on beyond an end, in two readings, for it to be the text that ends there and
 not the view: a camera that stands still sees the same end again and again. Boxes are grown by about as much."""
+
+_FEW_LETTERS = 3
+"""Letters of a part whose end was never in view that are not believed: a piece of a frieze is read as few. An ideograph
+counts for two."""
 
 _ACROSS = 0.6
 """Share of the higher text's height within which parts stand on one line."""
@@ -128,7 +133,7 @@ def _longest(cuts: list[CutText]) -> list[CutText]:
     if any(len(key) > len(longest) and each.glance.right >= _LONGER for key, each in zip(keys, cuts, strict=True)):
         return []
     alike = [(key, each) for key, each in zip(keys, cuts, strict=True) if similarity(key, longest) >= _SLIPS]
-    if not _has_ends([each for key, each in alike if len(key) >= len(longest)]):
+    if not _has_ends([each for key, each in alike if len(key) >= len(longest)], _is_short(longest)):
         return []
     return [
         cut if len(key) >= len(longest) else replace(cut, glance=replace(cut.glance, right=_SHORTER * cut.glance.right))
@@ -136,8 +141,12 @@ def _longest(cuts: list[CutText]) -> list[CutText]:
     ]
 
 
-def _has_ends(cuts: list[CutText]) -> bool:
-    """Whether both ends of a text stay where they are, within the view: what is cut ends where that does."""
+def _is_short(key: str) -> bool:
+    return sum(1 + is_ideograph(letter) for letter in key) <= _FEW_LETTERS
+
+
+def _has_ends(cuts: list[CutText], must_be_in_view: bool) -> bool:
+    """Whether both ends of a text stay where they are, perhaps within the view: what is cut ends where that does."""
     origin, baseline, _ = _in_world(cuts[0])
     middles = np.array([(_in_world(each)[0] - origin) @ baseline for each in cuts])
     widths = np.array([each.placement.width for each in cuts])
@@ -146,7 +155,9 @@ def _has_ends(cuts: list[CutText]) -> bool:
     in_view = np.array([each.room for each in cuts]) >= _IN_VIEW
     for ends, is_seen in ((widths / 2.0 - middles, in_view[:, 0]), (middles + widths / 2.0, in_view[:, 1])):
         there = ends >= ends.max() - stray
-        if np.count_nonzero(there) < max(2.0, _STAYS * len(cuts)) or np.count_nonzero(there & is_seen) < 2:
+        if np.count_nonzero(there) < max(2.0, _STAYS * len(cuts)):
+            return False
+        if must_be_in_view and np.count_nonzero(there & is_seen) < 2:
             return False
     return True
 
