@@ -105,6 +105,8 @@ def test_digits_are_heard_one_by_one(question: str, board: str) -> None:
     assert not fits(question, board.replace("2", "3"))
 
 
-@pytest.mark.parametrize("question", ["one two three, where is the toilet", "이번 정류장", "oh, a coffee", "二人で一日"])
+@pytest.mark.parametrize(
+    "question", ["one two three, where is the toilet", "이번 정류장", "oh, a coffee", "二人で一日"]
+)
 def test_words_that_sound_like_digits_are_no_codes(question: str) -> None:
     assert not asked_codes(question)
