@@ -45,6 +45,7 @@ _CAPITALS_ARE_NAMES = frozenset({"en", "es", "fr"})
 _SURE, _NAMED, _ACROSS = 1.0, 0.9, 0.85  # of a code or person, of a part of a name, of a name in another script
 _WHOLE = 0.95  # of a name's letters: the name itself
 _FEWEST_BORNE, _MOST_BORNE = 2, 0.5  # words of a question that a board bears, and their share of its letters
+_READ = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
 _LEAST_LITERAL = 0.3  # of a board's letters that are asked for word by word
 
 
@@ -89,6 +90,9 @@ class EmbeddedScorer:
         if not served.scores or served.way in UNQUESTIONED or self._says_what_tells(served):
             return served
         clues = self.clues(served)
+        if clues["is one"] >= 1.0 and clues["says so"] >= 1.0:
+            # Every word asks for this very kind, and the sign is one: “a restaurant”.
+            return served
         sure = probability(clues)
         served = replace(served, sure=sure, confidence=min(served.confidence, sure))
         if sure >= LEAST_SURE or served.way not in (Way.KIND, Way.GUESS):
@@ -209,6 +213,10 @@ class EmbeddedScorer:
         """
         is_told = stop.relation is not None or stop.which is not Which.ANY or bool(stop.without)
         if (is_told and scores) or meaning.wanted_names or meaning.contested or self._refuses(stop.what, meaning):
+            return None
+        is_read = any(weight >= _READ for _, weight in meaning.wanted)
+        if not scores and is_read and not self._asked.asked(stop.what)[1]:
+            # “The swimming pool” is no place that has to do with water.
             return None
         if self._support is None:
             self._support = Support(self._index, self._names.bearing, self._knowledge)
