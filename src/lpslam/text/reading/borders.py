@@ -175,7 +175,8 @@ def _ink(strip: Image, visible: Mask, rows: slice, columns: slice) -> Mask:
     # The ground is what the rim of a box shows: its letters stand in the middle.
     rim = np.zeros(strip.shape, np.bool_)
     rim[[rows.start, rows.stop - 1], columns] = True
-    return np.asarray(~bright if bright[rim & visible].mean() > 0.5 else bright, dtype=np.bool_)
+    ground = bright[rim & visible]
+    return np.asarray(~bright if np.count_nonzero(ground) > 0.5 * len(ground) else bright, dtype=np.bool_)
 
 
 def _surfaces(ink: Mask) -> Mask:
