@@ -18,7 +18,6 @@ _IS_SHOP = 0.5  # a place is a shop when its words say so at least this surely
 _IS_NUMBER = re.compile(r"^[\W\d]*\w?[\W\d]+$")
 _SHORTEST_WORD = 4  # letters of a word that may stand for the name that it is part of
 _SHORTEST_RUN = 3  # characters without spaces that may be a name or a part of one
-_USUAL_UNREAD, _USUAL_SHOPS, _AS_USUAL = 0.2, 0.3, 5  # shares in a usual map, and landmarks that they count as
 
 
 class LandmarkIndex:
@@ -53,11 +52,10 @@ class LandmarkIndex:
                 if phrase is not None:
                     self.phrase_of[identity] = phrase
         unread = sum(not self.signs[mark.id].kinds and not _IS_NUMBER.search(mark.name) for mark in landmarks)
-        # Shares of the landmarks that no table reads, and that are shops and places to eat: few landmarks tell little.
-        self.unread = (unread + _AS_USUAL * _USUAL_UNREAD) / (len(landmarks) + _AS_USUAL)
+        self.unread = unread / max(len(landmarks), 1)  # share of the landmarks that no table reads
         groups = self.groups.items()
         shops = sum(len(ids) for kinds, ids in groups if likeness("business", kinds, knowledge) >= _IS_SHOP)
-        self.shops = (shops + _AS_USUAL * _USUAL_SHOPS) / (len(landmarks) + _AS_USUAL)
+        self.shops = shops / max(len(landmarks), 1)  # share of the landmarks that are shops and places to eat
         place = {landmark.id: at for at, landmark in enumerate(landmarks)}
         self.ids_of = {phrase: tuple(sorted(ids, key=place.__getitem__)) for phrase, ids in called.ids.items()}
         self.names = {phrase: Meaning("name", ((phrase, 1.0),)) for phrase in called.ids}

@@ -5,7 +5,7 @@ weights are in `data/wishes/certainty.json` (`tools/train_certainty.py`).
 """
 
 import math
-from collections.abc import Mapping, Set
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.language.choosing.landmark_index import LandmarkIndex
-from lpslam.language.choosing.serving import FITS, Kinds, best_of, likeness, match
+from lpslam.language.choosing.serving import FITS, best_of, likeness, match
 from lpslam.language.choosing.support import CLUES
 from lpslam.language.questions.parts import read_part
 from lpslam.language.tables.knowledge import Knowledge
@@ -40,10 +40,9 @@ def clues_of(served: Served, index: LandmarkIndex, asked: AskedWords, knowledge:
     # What a place, an order or an exclusion tells apart are no rivals.
     is_told = stop.relation is not None or stop.which is not Which.ANY or bool(stop.without)
     rivals = {} if is_told else served.scores
+    others = [score for id_, score in rivals.items() if index.signs[id_].kinds != kinds]
     ties = {kinds, *(index.signs[id_].kinds for id_, score in rivals.items() if score >= _RIVALS * top)}
     meant = {concept: weight for concept, weight in wish.wanted if match(concept, kinds, knowledge) >= FITS}
-    as_well = _as_well(kinds, {index.signs[id_].kinds for id_ in rivals}, meant, knowledge)
-    others = [score for id_, score in rivals.items() if index.signs[id_].kinds not in as_well]
     language = wish.language or next(iter(asked.likely(text)), "en")
     units = knowledge.folder.units(text)
     common = knowledge.common.get(language, frozenset())
@@ -83,7 +82,6 @@ def clues_of(served: Served, index: LandmarkIndex, asked: AskedWords, knowledge:
         "phrase of several words": float(is_kind and several),
         "unread signs": index.unread,
         "shops around": index.shops,
-        "few landmarks": 1.0 / max(len(index.landmarks), 1),
         "board says so": sum(told) / max(sum(letters), 1) if is_kind else 0.0,
         "place asked for": float(any("/" in each for each in meant)),
         "strength": served.strength if is_kind else 0.0,
@@ -98,8 +96,6 @@ def clues_of(served: Served, index: LandmarkIndex, asked: AskedWords, knowledge:
         "length": math.log1p(min(len(own), _MOST_UNITS)),
         "meant first of all": max(meant.values(), default=0.0),
         "wants much": math.log1p(len(wish.wanted)),
-        "wanted in vain": 0.0 if meant else max((weight for _, weight in wish.wanted), default=0.0),
-        "every word known": float(not asked.asked(text)[1]),
         "wants more than it gets": 1.0 - len(meant) / max(len(wish.wanted), 1),
         "only general": float(bool(meant) and all(each in knowledge.general for each in meant)),
         "refuses": float(bool(wish.refused)),
@@ -113,15 +109,6 @@ def clues_of(served: Served, index: LandmarkIndex, asked: AskedWords, knowledge:
     for way in (Way.NAME, Way.WORDS, Way.TOLD, Way.GUESS):
         clues[way.value] = float(served.way is way)
     return clues
-
-
-def _as_well(kinds: Kinds, others: Set[Kinds], meant: Mapping[str, float], knowledge: Knowledge) -> set[Kinds]:
-    """The best's kinds, and others that serve what is meant first of all as well: other answers, no rivals."""
-    if not meant:
-        return {kinds}
-    first = max(meant, key=lambda concept: meant[concept] * match(concept, kinds, knowledge))
-    least = _RIVALS * match(first, kinds, knowledge)
-    return {kinds, *(each for each in others if match(first, each, knowledge) >= least)}
 
 
 def probability(clues: Mapping[str, float]) -> float:

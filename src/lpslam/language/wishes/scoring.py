@@ -174,7 +174,7 @@ class EmbeddedScorer:
         if meaning.wanted_names:
             exact = frozenset(scores)
         evidence = choice.evidence if supported is None else self._spoken_for(stop, choice, supported)
-        served = Served(
+        return Served(
             *(stop, scores if supported is None else supported.scores, evidence, choice.confidence),
             ignored=ignored,
             exact=exact,
@@ -182,8 +182,6 @@ class EmbeddedScorer:
             strength=top,
             heard={} if supported is None else supported.clues,
         )
-        # What is read and not here is missing, whatever else the words may mean.
-        return served if scores or not meaning.wanted else replace(served, doubt=choice.evidence)
 
     def _by_the_board(self, stop: Stop, meaning: Meaning, ignored: tuple[str, ...]) -> Served | None:
         """What the words of a board say where no kind serves: themselves, their sound, a number, what tells apart."""

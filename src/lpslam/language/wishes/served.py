@@ -7,9 +7,8 @@ from typing import Protocol
 
 from lpslam.language.wishes.form import Stop
 
-LEAST_SURE = 0.8
-"""Probability of a place to be what was meant, below which the answer is none: a wrong one is three times as bad (on
-sets left out of the training, right answers less three times the wrong ones are most at 0.8 to 0.85)."""
+LEAST_SURE = 0.75
+"""Probability of a place to be what was meant, below which the answer is none: a wrong one is three times as bad."""
 
 
 class Way(StrEnum):
@@ -41,7 +40,6 @@ class Served:
         others: next best where none serves.
         ignored: what of the wish could not be heeded.
         way: how they were found.
-        doubt: why none is the answer where that is not sure.
         sure: probability, 0 to 1, that the best is what was meant.
         strength: of the best, before scores were divided by it.
         heard: what tells how sure the words of a question make us, by name.
@@ -62,7 +60,6 @@ class Served:
     strength: float = 1.0
     heard: Mapping[str, float] = field(default_factory=dict)
     sure: float = 1.0
-    doubt: str = "it is not sure what is meant"
 
 
 class Scorer(Protocol):
