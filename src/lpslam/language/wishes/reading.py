@@ -380,13 +380,9 @@ def _related(text: str, languages: tuple[str, ...]) -> tuple[Row, re.Match[str],
 
 
 def _identity(text: str, languages: tuple[str, ...]) -> tuple[Identity, ...]:
-    persons: list[Identity] = []
-    for language in languages:
-        rules = rules_of(language)
-        found = rules.first(rules.persons, text)
-        if found is not None:
-            persons.append(Identity(Sort.PERSON, _POSSESSIVE.sub("", found[1].group("person"))))
-            break
+    found = (rules_of(language).first(rules_of(language).persons, text) for language in languages)
+    person = next((each[1].group("person") for each in found if each is not None), None)
+    persons = () if person is None else (Identity(Sort.PERSON, _POSSESSIVE.sub("", person)),)
     return (*persons, *identities(asked_codes(text)))
 
 
