@@ -240,8 +240,7 @@ def test_in_a_map_that_grows_the_first_frame_is_looked_for_before_anything_is_ad
 # Carried away ------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("seconds", [0.33, 0.6])
-def test_a_view_of_elsewhere_after_a_time_without_one_gets_no_guessed_pose(clip: Clip, seconds: float) -> None:
+def test_a_view_of_elsewhere_after_a_time_without_one_gets_no_guessed_pose(clip: Clip) -> None:
     """A hand over the lens while the camera is carried into another room: where it is now is not where it was going."""
     slam = RgbdSlam(clip.camera)
     frames = list(clip)[:20]
@@ -249,7 +248,7 @@ def test_a_view_of_elsewhere_after_a_time_without_one_gets_no_guessed_pose(clip:
     assert run_up[-1].is_tracked
     last = frames[-1]
     dark = np.zeros_like(last.rgb)
-    count = round(seconds * 30)
+    count = 10  # a third of a second: coasting goes on for half a one
     for k in range(1, count + 1):
         hidden = RgbdFrame(last.index + k, last.timestamp + k / 30, dark, np.zeros_like(last.depth))
         slam.process(hidden)
