@@ -29,19 +29,28 @@ def ray_sights(
     """Observations of points (n ids) at pixels (n, 2), each with its information (n,), 1/pixel²."""
     if not len(points):
         return NO_RAYS
+    origin, direction, inverse = rays_of(slam_map, points)
+    return RaySights(
+        origin,
+        direction,
+        inverse,
+        slam_map.columns.inverse_sigma[points].astype(np.float64),
+        np.ascontiguousarray(pixels),
+        np.ascontiguousarray(information, np.float32),
+    )
+
+
+def rays_of(slam_map: SlamMap, points: _Rows) -> tuple[_Matrix, _Matrix, _Matrix]:
+    """Points (n ids) as seen by their first keyframes: origins (n, 3), directions (n, 3) and inverse depths (n,), 1/m.
+
+    Origins and directions lie in the world frame; a direction is one metre deep in the keyframe.
+    """
     m = slam_map.columns
     anchors = m.camera_from_world[m.first_keyframe[points]]
     origin = np.ascontiguousarray(inverses(anchors)[:, :3, 3])
     offset = m.position[points] - origin
     depth = np.maximum(np.einsum("ni,ni->n", offset, anchors[:, 2, :3]), _NEAREST)
-    return RaySights(
-        origin,
-        offset / depth[:, None],
-        1.0 / depth,
-        slam_map.columns.inverse_sigma[points].astype(np.float64),
-        np.ascontiguousarray(pixels),
-        np.ascontiguousarray(information, np.float32),
-    )
+    return origin, offset / depth[:, None], 1.0 / depth
 
 
 def sway(slam_map: SlamMap, points: _Rows, camera_from_world: _Matrix, focal: float) -> _Matrix:

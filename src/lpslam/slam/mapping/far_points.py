@@ -18,6 +18,7 @@ from lpslam.slam.kernels import graph
 from lpslam.slam.kernels.rays import measure_inverse
 from lpslam.slam.kernels.reprojection import CHI2_PIXEL
 from lpslam.slam.map import SlamMap
+from lpslam.slam.rays import is_unsure, rays_of
 from lpslam.slam.sensor import SensorModel
 from lpslam.slam.tracking.following import choose_followed
 
@@ -82,7 +83,7 @@ class FarPoints:
         if slot < 0:
             return
         points = m.point[slot, : m.feature_count[slot]]
-        rows = np.flatnonzero((points >= 0) & (slam_map.columns.inverse_sigma[points] > 0))
+        rows = np.flatnonzero(is_unsure(slam_map, points))
         rows = rows[m.first_keyframe[points[rows]] != keyframe]
         if len(rows):
             self._measure(keyframe, points[rows].copy(), slot, rows)
@@ -91,18 +92,16 @@ class FarPoints:
         """Measure points (k ids) anew by the keypoints (k rows) of a keyframe."""
         config, slam_map, m = self._config, self._map, self._map.columns
         anchors = m.camera_from_world[m.first_keyframe[points]]
-        world_from_anchor = inverses(anchors)
-        offset = m.position[points] - world_from_anchor[:, :3, 3]
-        depth = np.maximum(np.einsum("ni,ni->n", offset, anchors[:, 2, :3]), _NEAREST)
-        bearing = np.einsum("nij,nj->ni", anchors[:, :3, :3], offset) / depth[:, None]
-        camera_from_anchor = np.ascontiguousarray(m.camera_from_world[keyframe] @ world_from_anchor)
+        origin, direction, inverse = rays_of(slam_map, points)
+        bearing = np.einsum("nij,nj->ni", anchors[:, :3, :3], direction)
+        camera_from_anchor = np.ascontiguousarray(m.camera_from_world[keyframe] @ inverses(anchors))
         information = self._sensor.pixel_information[m.octave[slot, rows]] / 2.0  # both sights have their noise
         mean, sigma, left = measure_inverse(
             camera_from_anchor,
             bearing,
             m.pixels[slot, rows],
             information.astype(np.float32),
-            1.0 / depth,
+            inverse,
             slam_map.columns.inverse_sigma[points].astype(np.float64),
             self._sensor.intrinsics,
         )
@@ -110,8 +109,7 @@ class FarPoints:
         graph.remove_points(m, points[contradicts])
         held = np.flatnonzero(~contradicts)
         points, mean, sigma = points[held], np.maximum(mean[held], 1.0 / config.farthest), sigma[held]
-        in_world = np.einsum("nji,nj->ni", anchors[held, :3, :3], bearing[held] / mean[:, None])
-        m.position[points] = world_from_anchor[held, :3, 3] + in_world
+        m.position[points] = origin[held] + direction[held] / mean[:, None]
         slam_map.columns.inverse_sigma[points] = np.where(sigma < config.sure_share * mean, 0.0, sigma)
         self._take_depths(keyframe, points, slot, rows[held])
         graph.refresh_points(m, points, slam_map.scales)
@@ -146,6 +144,3 @@ def _is_in_hole(
 
 _UNIFORM = 1.0 / np.sqrt(12.0)
 """Sigma of what lies anywhere between the reach and infinity, by inverse depth, in parts of the reach's inverse."""
-
-_NEAREST = 0.1
-"""Metres before the camera that saw it first; no point is nearer."""

@@ -83,23 +83,25 @@ class WholePictures:
             step_of_map = self._step_of_map(step.a, step.b)
             error = logarithm(step_of_map @ inverse_transform(step.b_from_a))
             is_denied = error @ step.information @ error > self._config.most_disagreement * relative.excess
-            if self._most_pixels_agree(step, step_of_map, is_denied=bool(is_denied)):
-                relative.add(step.a, step.b, step.b_from_a, step.information)
+            if is_denied and not self._most_pixels_agree(step, step_of_map):
+                return
+            if not is_denied:
+                self._usual.append(self._unlikeness(step, step.b_from_a))
+            relative.add(step.a, step.b, step.b_from_a, step.information)
 
-    def _most_pixels_agree(self, step: _Step, step_of_map: _Matrix, *, is_denied: bool) -> bool:
-        """Whether most pixels are as alike by a step as they usually are; by one that the map denies, more than by its.
+    def _most_pixels_agree(self, step: _Step, step_of_map: _Matrix) -> bool:
+        """Whether by a step most pixels are more alike than by the map's, which denies it, and nearly as much as usual.
 
         Who walks by in a coat of strong contrasts takes the picture along; the faint wall behind him does not fit then.
         The caller holds the lock.
         """
-        a, b = self._images[step.a], self._images[step.b]
-        unlike = self._surfaces.unlikeness(a, b, step.b_from_a)
-        if not is_denied:
-            self._usual.append(unlike)
-            return True
+        unlike = self._unlikeness(step, step.b_from_a)
         usual = float(np.median(self._usual)) if self._usual else 0.0
-        is_usual = unlike < self._config.unusual * usual
-        return is_usual and unlike < self._surfaces.unlikeness(a, b, step_of_map)
+        return unlike < self._config.unusual * usual and unlike < self._unlikeness(step, step_of_map)
+
+    def _unlikeness(self, step: _Step, b_from_a: _Matrix) -> float:
+        """Grey values by which most pixels of a step's two pictures differ at a pose (4×4)."""
+        return self._surfaces.unlikeness(self._images[step.a], self._images[step.b], b_from_a)
 
     def _step_of_map(self, a: int, b: int) -> _Matrix:
         """Camera b from camera a (4×4) as the map has them; the caller holds the lock."""
