@@ -71,3 +71,27 @@ class SensorModel:
         fx, fy, cx, cy, _ = self.intrinsics
         z = depth.astype(np.float64)
         return np.column_stack([(pixels[:, 0] - cx) / fx * z, (pixels[:, 1] - cy) / fy * z, z])
+
+
+class Reach:
+    """How far a sensor reads depth, by the keypoints that have any.
+
+    Args:
+        least: keypoints with depth in a view that tell it.
+        share: of the readings within the reach; the last few may be false.
+
+    Attributes:
+        metres: beyond which depth has been read nowhere, but for those few; infinite before any view told it.
+    """
+
+    def __init__(self, least: int, share: float) -> None:
+        self._least = least
+        self._share = share
+        self.metres = np.inf
+
+    def see(self, depths: NDArray[np.float32]) -> float:
+        """Take the depths (n,) of a view's keypoints, metres; the reach by now."""
+        if len(depths) >= self._least:
+            seen = float(np.quantile(depths, self._share))
+            self.metres = seen if np.isinf(self.metres) else max(self.metres, seen)
+        return self.metres

@@ -19,7 +19,7 @@ from lpslam.slam.kernels.rays import measure_inverse
 from lpslam.slam.kernels.reprojection import CHI2_PIXEL
 from lpslam.slam.map import SlamMap
 from lpslam.slam.rays import is_unsure, rays_of
-from lpslam.slam.sensor import SensorModel
+from lpslam.slam.sensor import Reach, SensorModel
 from lpslam.slam.tracking.following import choose_followed
 
 _Matrix = NDArray[np.float64]
@@ -33,7 +33,7 @@ class FarPoints:
         self._map = slam_map
         self._sensor = sensor
         self._config = config
-        self._reach = 0.0
+        self._reach = Reach(config.least_depths, config.reach_share)
 
     def add(self, keyframe: int, depth: NDArray[np.float32], features: Features, is_free: NDArray[np.bool_]) -> _Rows:
         """Make points of a new keyframe's keypoints (n) that are free and lie where no depth was read.
@@ -49,11 +49,9 @@ class FarPoints:
         """
         config, slam_map = self._config, self._map
         made = np.full(features.rows, -1, np.int32)
-        depths = features.depth[features.has_depth]
-        if len(depths) >= config.least_depths:
-            self._reach = max(self._reach, float(np.quantile(depths, config.reach_share)))
+        reach = self._reach.see(features.depth[features.has_depth])
         room = min(config.in_view - int(np.count_nonzero(~is_free)), config.most)
-        if self._reach == 0.0 or room <= 0:
+        if np.isinf(reach) or room <= 0:
             return made
         free = np.flatnonzero(is_free & ~features.has_depth)
         free = free[_is_in_hole(depth, features.pixels[free], config.hole_width, config.hole_share)]
@@ -61,7 +59,7 @@ class FarPoints:
             return made
         nothing = np.zeros(len(free), np.bool_)
         chosen = free[choose_followed(features.pixels[free], features.octave[free], nothing, room)]
-        mean, sigma = 0.5 / self._reach, _UNIFORM / self._reach
+        mean, sigma = 0.5 / reach, _UNIFORM / reach
         in_camera = self._sensor.back_project(features.pixels[chosen], np.full(len(chosen), 1.0 / mean, np.float32))
         world_from_camera = slam_map.world_from_keyframe(keyframe)
         positions = in_camera @ world_from_camera[:3, :3].T + world_from_camera[:3, 3]

@@ -11,7 +11,7 @@ from lpslam.frames import RgbdFrame
 from lpslam.slam.association import Associator, View
 from lpslam.slam.features import FeatureExtractor
 from lpslam.slam.map import SlamMap
-from lpslam.slam.sensor import SensorModel
+from lpslam.slam.sensor import Reach, SensorModel
 from lpslam.slam.shutter.straightening import RollingShutter
 from lpslam.slam.tracking.following import choose_followed, follow_flow
 from lpslam.slam.tracking.guesses import FirstGuess, Followed, LastFrame, Sighted
@@ -51,7 +51,7 @@ class Guesser:
         self._shutter = shutter
         self._config = config.tracking
         self._longest_gap = config.shutter.longest_gap
-        self._reach = np.inf
+        self._reach = Reach(self._config.min_followed, _REACHED)
 
     def can_predict(self, last: LastFrame, frame: RgbdFrame) -> bool:
         """Whether constant velocity says well where a frame is: after a gap in a turn it is off by degrees."""
@@ -174,7 +174,7 @@ class Guesser:
         points = np.where((last.points >= 0) & alive[last.points], last.points, -1).astype(np.int32)
         mapped = points >= 0
         is_placed = mapped | last.features.has_depth
-        far = self._reach_of(last) / _REACH_TO_MIDDLE
+        far = self._reach.see(last.features.depth[last.features.has_depth]) / _REACH_TO_MIDDLE
         needs_bearings = np.isfinite(far) and np.count_nonzero(mapped) < self._config.bearings_below
         rows = np.arange(last.features.rows) if needs_bearings else np.flatnonzero(is_placed)
         pose = self.pose(last)
@@ -189,14 +189,6 @@ class Guesser:
         shift = self._sensor.intrinsics[0] * np.linalg.norm((predicted @ world_from_camera)[:3, 3])
         spread = np.where(is_placed[rows], 0.0, (shift / far) ** 2)
         return Sighted(rows, points[rows], positions, spread)
-
-    def _reach_of(self, last: LastFrame) -> float:
-        """Metres beyond which depth has been read nowhere, but for a few pixels; infinite before any was read."""
-        depths = last.features.depth[last.features.has_depth]
-        if len(depths) >= self._config.min_followed:
-            seen = float(np.quantile(depths, _REACHED))
-            self._reach = seen if np.isinf(self._reach) else max(self._reach, seen)
-        return self._reach
 
 
 _REACHED = 0.95
