@@ -112,11 +112,13 @@ class TrackingConfig(Section):
     local_keyframes: int = 60  # most covisible keyframes whose points are searched
     pose_rounds: int = Field(default=4, ge=1)  # rounds of outlier judgement
     pose_iterations: int = 10  # Gauss-Newton steps a round at most
-    doubtful_share: float = Field(default=0.7, ge=0, le=1)  # of the matches; fewer agree, and a majority is looked for
-    majority_trials: int = Field(default=100, ge=1)  # RANSAC hypotheses at most; half wrong matches need about 70
-    min_judges: int = Field(default=30, ge=4)  # points seen by two keyframes; from so many on only they make a majority
-    contradicted_share: float = Field(default=0.6, ge=0, le=1)  # of the others; fewer agree with them, and they decide
-    majority_pixels: float = Field(default=4.0, gt=0)  # reprojection error of those who agree, before refinement
+    doubtful_share: float = Field(default=0.9, ge=0, le=1)  # of the matches; fewer agree, and hypotheses are tried
+    hypotheses: int = Field(default=300, ge=1)  # at most; where two thirds are wrong, 300 meet three right points
+    unconfirmed_weight: float = Field(default=0.3, ge=0, le=1)  # of a point that one keyframe saw: it may be someone
+    crowd_metres: float = Field(default=0.5, gt=0)  # points so near each other are one witness: they move together
+    crowd_share: float = Field(default=0.08, gt=0, le=1)  # of the picture's width; the same of points without distance
+    min_judges: int = Field(default=30, ge=4)  # points seen by two keyframes; from so many on only they tell agreement
+    agreeing_sigmas: float = Field(default=4.0, gt=0)  # of a keypoint; farther off before refinement, it disagrees
     blur_ratio: float = 0.35  # share of the usual gradient energy below which a frame is called blurred
     followed_points: int = Field(default=250, ge=0)  # keypoints followed by optical flow between ORB frames; 0: never
     flow_window: int = Field(default=15, ge=5)  # pixels; side of the patch that is followed

@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.config import TrackingConfig
-from lpslam.slam.consensus import largest_consensus
 from lpslam.slam.features import Features
-from lpslam.slam.kernels import graph, matching, pose
+from lpslam.slam.kernels import graph, matching
 from lpslam.slam.map import SlamMap
-from lpslam.slam.rays import is_unsure, ray_sights, sway
+from lpslam.slam.posing import Posing, Sights
+from lpslam.slam.rays import sway
 from lpslam.slam.sensor import SensorModel
 
 _Matrix = NDArray[np.float64]
@@ -40,27 +40,6 @@ class Estimate:
     def matches(self) -> int:
         """How many keypoints see a map point."""
         return int((self.points >= 0).sum())
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Sights:
-    """What keypoints see, m of them.
-
-    Attributes:
-        keypoints: (m,) rows of the view's keypoints.
-        positions: (m, 3) world frame.
-        spread: (m,) pixels² by which the projections are uncertain since the positions are.
-        points: (m,) ids of map points, or -1.
-    """
-
-    keypoints: NDArray[np.int64]
-    positions: _Matrix
-    spread: _Matrix
-    points: _Rows
-
-    def kept(self, chosen: NDArray[np.int64] | NDArray[np.bool_]) -> "_Sights":
-        """Some of them."""
-        return _Sights(self.keypoints[chosen], self.positions[chosen], self.spread[chosen], self.points[chosen])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,6 +86,7 @@ class Associator:
         self._map = slam_map
         self._sensor = sensor
         self._config = config
+        self._posing = Posing(slam_map, sensor, config)
 
     def optimise(
         self,
@@ -130,21 +110,11 @@ class Associator:
         keypoints = np.flatnonzero(match >= 0)
         rows = match[keypoints]
         unsure = np.zeros(len(keypoints)) if spread is None else spread[rows]
-        seen = _Sights(keypoints, positions[rows], unsure, points[rows])
-        judges = self._judges(seen.points)
-        camera_from_world, agreeing = self._refine(features, guess, seen)
-        if not judges.all():
-            by_judges = self._by_judges(features, guess, seen, judges)
-            if by_judges is not None and np.count_nonzero(judges[by_judges[1]]) >= np.count_nonzero(judges[agreeing]):
-                camera_from_world, agreeing = by_judges
-        heard = np.count_nonzero(judges[agreeing])
-        if heard < self._config.doubtful_share * np.count_nonzero(judges):
-            # Least squares is pulled by what moves near the camera, and by a guess that is far off; a majority is not.
-            majority = self._majority(features, seen, judges)
-            if majority is not None and np.count_nonzero(judges[majority[1]]) > heard:
-                camera_from_world, agreeing = majority
+        seen = Sights(keypoints, positions[rows], unsure, points[rows])
+        camera_from_world, agreeing = self._posing.find(features, guess, seen)
         if len(agreeing) < self._config.min_pose_inliers:
             return None
+        judges = self._judges(seen.points)
         agreement, seen = float(judges[agreeing].sum() / judges.sum()), seen.kept(agreeing)
         held = np.full(features.rows, -1, np.int32)
         held[seen.keypoints] = seen.points
@@ -153,78 +123,10 @@ class Associator:
         loose[others.keypoints, :3], loose[others.keypoints, 3] = others.positions, others.spread
         return Estimate(camera_from_world, held, len(agreeing), agreement, loose)
 
-    def _refine(self, features: Features, guess: _Matrix, sights: _Sights) -> tuple[_Matrix, NDArray[np.int64]]:
-        """Robust least squares from a guess; the pose, and the rows (of m sights) that agree."""
-        information = self._sensor.pixel_information[features.octave[sights.keypoints]]
-        is_ray = is_unsure(self._map, sights.points)
-        far = sights.kept(is_ray)
-        rays = ray_sights(self._map, far.points, features.pixels[far.keypoints], information[is_ray])
-        near, information = sights.kept(~is_ray), information[~is_ray]
-        keypoints = near.keypoints
-        agrees = np.empty(len(is_ray), np.bool_)
-        camera_from_world, agrees[~is_ray], _, agrees[is_ray], _ = pose.optimise_pose(
-            guess,
-            near.positions,
-            features.pixels[keypoints],
-            features.pixels[keypoints, 0] - features.u_right[keypoints],
-            features.has_depth[keypoints],
-            (information / (1.0 + near.spread * information)).astype(np.float32),
-            self._sensor.disparity_information(features.depth[keypoints]),
-            rays,
-            self._sensor.intrinsics,
-            self._config.pose_rounds,
-            self._config.pose_iterations,
-        )
-        return camera_from_world, np.flatnonzero(agrees)
-
-    def _by_judges(
-        self, features: Features, guess: _Matrix, sights: _Sights, judges: NDArray[np.bool_]
-    ) -> tuple[_Matrix, NDArray[np.int64]] | None:
-        """The judges' pose and who agrees with it, if most of the others do not: they move, and pull at the pose.
-
-        Someone who walks by is new to the map again and again, and a step aside may explain him as well as all that
-        stands far away.
-        """
-        first, _ = self._refine(features, guess, sights.kept(judges))
-        pose, agreeing = self._agreeing_with(features, sights, first)
-        others = np.count_nonzero(~judges[agreeing])
-        return (pose, agreeing) if others < self._config.contradicted_share * np.count_nonzero(~judges) else None
-
     def _judges(self, points: _Rows) -> NDArray[np.bool_]:
         """Whose word counts: points that a second keyframe confirmed, for what moves seldom is; all where few were."""
         confirmed: NDArray[np.bool_] = (points >= 0) & (self._map.columns.observations[points] > 1)
         return confirmed if np.count_nonzero(confirmed) >= self._config.min_judges else np.ones(len(points), np.bool_)
-
-    def _majority(
-        self, features: Features, sights: _Sights, judges: NDArray[np.bool_]
-    ) -> tuple[_Matrix, NDArray[np.int64]] | None:
-        """The pose on which most of the judges agree, and all who agree with it."""
-        config = self._config
-        asked = sights.kept(judges & ~is_unsure(self._map, sights.points))
-        found = largest_consensus(
-            asked.positions,
-            features.pixels[asked.keypoints],
-            self._sensor.intrinsics,
-            config.majority_trials,
-            config.majority_pixels,
-        )
-        if found is None or len(found.rows) < config.min_motion_matches:
-            return None
-        camera_from_world, _ = self._refine(features, found.camera_from_world, asked.kept(found.rows))
-        return self._agreeing_with(features, sights, camera_from_world)
-
-    def _agreeing_with(
-        self, features: Features, sights: _Sights, camera_from_world: _Matrix
-    ) -> tuple[_Matrix, NDArray[np.int64]]:
-        """A pose refined with all who stand where it puts them, and who they are."""
-        pixels = features.pixels[sights.keypoints]
-        fx, fy, cx, cy, _ = self._sensor.intrinsics
-        x, y, z = (sights.positions @ camera_from_world[:3, :3].T + camera_from_world[:3, 3]).T
-        projected = np.column_stack([fx * x, fy * y]) / np.maximum(z, 1e-3)[:, None] + [cx, cy]
-        allowed = self._config.majority_pixels + sway(self._map, sights.points, camera_from_world, fx)
-        near = np.flatnonzero(np.linalg.norm(projected - pixels, axis=1) < allowed)
-        refined, agreeing = self._refine(features, camera_from_world, sights.kept(near))
-        return refined, near[agreeing]
 
     def optimise_on_map(
         self, features: Features, guess: _Matrix, points: _Rows, loose: _Matrix | None = None

@@ -126,6 +126,12 @@ def add_ray_terms(
 
 
 @njit(cache=True, nogil=True)
+def ray_error(pose: NDArray[np.float64], i: int, rays: RaySights, intrinsics: NDArray[np.float64]) -> float:
+    """Squared error, whitened, of the i-th ray at a pose; negative where it is not seen."""
+    return _terms(pose, i, rays, intrinsics, np.empty(3))[4]
+
+
+@njit(cache=True, nogil=True)
 def judge_rays(
     pose: NDArray[np.float64], rays: RaySights, intrinsics: NDArray[np.float64], agreeing: NDArray[np.bool_]
 ) -> None:
