@@ -62,6 +62,8 @@ class Posing:
         self._map = slam_map
         self._sensor = sensor
         self._config = config
+        # Always the same, so that the same frames make the same map.
+        self._draws = np.random.default_rng(1).random((config.hypotheses, 6))
 
     def find(self, features: Features, guess: _Matrix, sights: Sights) -> tuple[_Matrix, _Rows]:
         """Pose (4×4, camera from world) from a guess, and the rows (of m sights) that agree with it.
@@ -93,7 +95,7 @@ class Posing:
         if is_doubtful and len(measured.near.points) >= self._config.min_pose_inliers:
             weights = self._weights(features, sights, measured.is_ray)
             judged = measured.near, measured.rays, weights, self._sensor.intrinsics
-            hypothesis, _ = best_hypothesis(guess, *judged, self._config.hypotheses)
+            hypothesis, _ = best_hypothesis(guess, *judged, self._draws)
             yield self._agreeing_with(features, sights, hypothesis)
 
     def _measured(self, features: Features, sights: Sights) -> _Measured:

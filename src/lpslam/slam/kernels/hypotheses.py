@@ -63,28 +63,28 @@ def truncated_cost(
         if z >= MIN_DEPTH:
             x = pose[0, 0] * p + pose[0, 1] * q + pose[0, 2] * r + pose[0, 3]
             y = pose[1, 0] * p + pose[1, 1] * q + pose[1, 2] * r + pose[1, 3]
-            u, v, disparity = np.float64(near.pixels[i, 0]), np.float64(near.pixels[i, 1]), np.float64(near.disparity[i])
-            off, depth_off = errors(x, y, z, u, v, disparity, intrinsics)
+            u, v = np.float64(near.pixels[i, 0]), np.float64(near.pixels[i, 1])
+            off, depth_off = errors(x, y, z, u, v, np.float64(near.disparity[i]), intrinsics)
             found = off * near.pixel_information[i]
             if near.has_depth[i]:
                 found += min(depth_off * near.disparity_information[i], CHI2_DEPTH)
             own = min(own, found)
-        cost += weight[i] * own
+        cost += float(weight[i]) * own
         if cost > limit:
             return cost
     for i in range(len(rays.inverse)):
         chi2 = ray_error(pose, i, rays, intrinsics)
-        cost += weight[n + i] * (CHI2_PIXEL if chi2 < 0.0 else min(chi2, CHI2_PIXEL))
+        cost += float(weight[n + i]) * (CHI2_PIXEL if chi2 < 0.0 else min(chi2, CHI2_PIXEL))
         if cost > limit:
             return cost
     return cost
 
 
 @njit(cache=True, nogil=True)
-def _drawn(shares: NDArray[np.float64], chosen: NDArray[np.int64]) -> None:
-    """Choose rows at random, by the running sums of their weights."""
+def _drawn(shares: NDArray[np.float64], draws: NDArray[np.float64], chosen: NDArray[np.int64]) -> None:
+    """Choose rows by draws in [0, 1) and the running sums of their weights."""
     for k in range(len(chosen)):
-        chosen[k] = min(np.searchsorted(shares, np.random.random() * shares[-1]), len(shares) - 1)
+        chosen[k] = min(np.searchsorted(shares, draws[k] * shares[-1]), len(shares) - 1)
 
 
 @njit(cache=True, nogil=True, fastmath={"contract"})
@@ -140,21 +140,19 @@ def best_hypothesis(
     rays: RaySights,
     weight: NDArray[np.float64],
     intrinsics: NDArray[np.float64],
-    trials: int,
+    draws: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], float]:
     """The pose of the least truncated cost among a guess (4×4) and those that three points and three rays lead to.
 
-    The heavier a sight, the likelier it is drawn. No more is tried once a better pose is unlikely to be missed; the
-    same input gives the same output.
+    The heavier a sight, the likelier it is drawn. No more is tried once a better pose is unlikely to be missed.
 
     Args:
         guess: 4×4 camera from world.
         near, rays: what is seen, n points and m rays.
         weight: (n + m,).
         intrinsics: (fx, fy, cx, cy, b·fx).
-        trials: hypotheses at most.
+        draws: (k, 6) random numbers in [0, 1); k hypotheses at most.
     """
-    np.random.seed(_SEED)
     n, m = len(near.points), len(rays.inverse)
     point_shares, ray_shares = np.cumsum(weight[:n]), np.cumsum(weight[n:])
     rows, ray_rows = np.empty(_EACH, np.int64), np.empty(min(_EACH, m), np.int64)
@@ -162,12 +160,12 @@ def best_hypothesis(
     best, pose = guess.copy(), np.empty((4, 4))
     least = truncated_cost(guess, near, rays, weight, intrinsics, math.inf)
     most = CHI2_PIXEL * weight.sum() + CHI2_DEPTH * weight[:n][near.has_depth].sum()
-    enough = float(trials)
-    tried = 0
-    while tried < enough:
-        tried += 1
-        _drawn(point_shares, rows)
-        _drawn(ray_shares, ray_rows)
+    enough = float(len(draws))
+    for tried in range(len(draws)):
+        if tried >= enough:
+            break
+        _drawn(point_shares, draws[tried], rows)
+        _drawn(ray_shares, draws[tried, _EACH:], ray_rows)
         few = RaySights(
             rays.origin[ray_rows], rays.direction[ray_rows], rays.inverse[ray_rows], rays.sigma[ray_rows],
             rays.pixels[ray_rows], rays.information[ray_rows],
@@ -179,12 +177,12 @@ def best_hypothesis(
             least = cost
             best[:] = pose
             all_agree = min((1.0 - least / most) ** (_EACH + len(ray_rows)), 1.0 - 1e-9)
-            enough = min(float(trials), math.log(_MISSED) / math.log(1.0 - all_agree) if all_agree > 1e-9 else math.inf)
+            enough = math.log(_MISSED) / math.log(1.0 - all_agree) if all_agree > 1e-9 else math.inf
     return best, least
 
 
 _EACH = 3
-"""Points and rays to a hypothesis: three points make a pose, and three rays say how it is turned."""
+"""Points, and rays, to a hypothesis: three points make a pose, and three rays say how it is turned."""
 
 _STEPS = 6
 """Gauss-Newton steps to a hypothesis."""
@@ -200,5 +198,3 @@ _DAMPING = 1e-6
 
 _MISSED = 0.01
 """Chance that every hypothesis had a wrong match in it, at which no more are made."""
-
-_SEED = 1
