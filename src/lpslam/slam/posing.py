@@ -1,6 +1,5 @@
 """The pose that most of what a view sees agrees on, whatever moves in it."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -73,30 +72,22 @@ class Posing:
         """
         measured = self._measured(features, sights)
         found = self._refined(measured, guess)
-        others = list(self._others(features, guess, sights, measured, len(found[1])))
-        if not others:
-            return found
-        weights = self._weights(features, sights, measured.is_ray)
-
-        def cost(pose: _Matrix) -> float:
-            return truncated_cost(pose, measured.near, measured.rays, weights, self._sensor.intrinsics, np.inf)
-
-        return min([found, *others], key=lambda each: cost(each[0]))
-
-    def _others(
-        self, features: Features, guess: _Matrix, sights: Sights, measured: _Measured, agreeing: int
-    ) -> Iterator[tuple[_Matrix, _Rows]]:
-        """What a view may be found at if not where all together pull it: poses, and who agrees with each."""
         is_confirmed = self._is_confirmed(sights.points)
-        if self._config.min_judges <= np.count_nonzero(is_confirmed) < len(is_confirmed):
+        are_some = self._config.min_judges <= np.count_nonzero(is_confirmed) < len(is_confirmed)
+        is_doubtful = len(found[1]) < self._config.doubtful_share * len(is_confirmed)
+        is_doubtful = is_doubtful and len(measured.near.points) >= self._config.min_pose_inliers
+        if not are_some and not is_doubtful:
+            return found
+        weights = self._weights(features, sights, measured.is_ray, is_confirmed)
+        judged = measured.near, measured.rays, weights, self._sensor.intrinsics
+        candidates = [found]
+        if are_some:
             first, _ = self._refined(self._measured(features, sights.kept(is_confirmed)), guess)
-            yield self._agreeing_with(features, sights, first)
-        is_doubtful = agreeing < self._config.doubtful_share * len(sights.keypoints)
-        if is_doubtful and len(measured.near.points) >= self._config.min_pose_inliers:
-            weights = self._weights(features, sights, measured.is_ray)
-            judged = measured.near, measured.rays, weights, self._sensor.intrinsics
+            candidates.append(self._agreeing_with(features, sights, first))
+        if is_doubtful:
             hypothesis, _ = best_hypothesis(guess, *judged, self._draws)
-            yield self._agreeing_with(features, sights, hypothesis)
+            candidates.append(self._agreeing_with(features, sights, hypothesis))
+        return min(candidates, key=lambda each: truncated_cost(each[0], *judged, np.inf))
 
     def _measured(self, features: Features, sights: Sights) -> _Measured:
         """Points and rays among sights, with what the view measured of them."""
@@ -125,7 +116,9 @@ class Posing:
         )
         return camera_from_world, np.flatnonzero(agrees)
 
-    def _weights(self, features: Features, sights: Sights, is_ray: NDArray[np.bool_]) -> _Matrix:
+    def _weights(
+        self, features: Features, sights: Sights, is_ray: NDArray[np.bool_], is_confirmed: NDArray[np.bool_]
+    ) -> _Matrix:
         """(m,) how much each says beside the others, points first and then rays.
 
         Keypoints on one thing move together with it: all that stand in one place are one witness, however many they
@@ -137,7 +130,7 @@ class Posing:
         places[is_ray, :2], places[is_ray, 2] = aside[is_ray], _FAR_AWAY
         key = np.floor(places).astype(np.int64) @ _ONE_NUMBER
         _, cell, crowd = np.unique(key, return_inverse=True, return_counts=True)
-        weights = np.where(self._is_confirmed(sights.points), 1.0, config.unconfirmed_weight) / crowd[cell]
+        weights = np.where(is_confirmed, 1.0, config.unconfirmed_weight) / crowd[cell]
         return np.concatenate([weights[~is_ray], weights[is_ray]])
 
     def _is_confirmed(self, points: NDArray[np.int32]) -> NDArray[np.bool_]:
