@@ -366,12 +366,17 @@ def walk() -> Walk:
     return Walk()
 
 
-@pytest.mark.parametrize("far_points", [0, 150])
-def test_a_sensor_that_sees_three_metres_is_enough(walk: Walk, far_points: int) -> None:
-    tracked, error = walk.track(walk.seen_to(3.0, after=1), 10, far_points)
-    assert tracked == WALK
-    assert error.rmse < 0.012
-    assert error.max < 0.03
+@pytest.mark.parametrize(("far_points", "starts"), [(0, 1), (150, 3)])
+def test_a_sensor_that_sees_three_metres_is_enough(walk: Walk, far_points: int, starts: int) -> None:
+    """The median of three starts where far points take part: one frame less at the start changes the error by half."""
+    frames = walk.seen_to(3.0, after=1)
+    errors = []
+    for start in range(starts):
+        tracked, error = walk.track(frames[start:], 10, far_points)
+        assert tracked == WALK - start
+        assert error.max < 0.03
+        errors.append(error.rmse)
+    assert np.median(errors) < 0.01
 
 
 def test_points_known_by_direction_alone_hold_the_way_as_well(walk: Walk) -> None:
