@@ -10,6 +10,7 @@ from pydantic import Field, PositiveFloat, ValidationError
 
 from lpslam.config.calibrating import CalibratingConfig
 from lpslam.config.ground import GroundConfig, WayConfig
+from lpslam.config.navigation import NavigationConfig
 from lpslam.config.page import PageConfig
 from lpslam.config.robots import RobotConfig
 from lpslam.config.section import Section
@@ -70,6 +71,7 @@ __all__ = [
     "LoopConfig",
     "MappingConfig",
     "MemoryConfig",
+    "NavigationConfig",
     "PageConfig",
     "PatternConfig",
     "PictureConfig",
@@ -326,6 +328,8 @@ class Config(Section):
     ground: GroundConfig = GroundConfig()
 
     ways: WayConfig = WayConfig()
+
+    navigation: NavigationConfig = NavigationConfig()
 
     @classmethod
     def from_yaml(cls, path: Path) -> "Config":
