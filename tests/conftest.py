@@ -27,6 +27,8 @@ from lpslam.sources.open import open_source
 from lpslam.text.reading import networks
 
 FRAMES = 120
+BEGINNING = 30
+"""Frames from the beginning of the walk, in which signs become landmarks."""
 
 # The same examples every time, and as long as they take: a test run says something about the code, not about the dice
 # or the machine. `--hypothesis-profile explore` throws new ones.
@@ -120,6 +122,13 @@ def walk(once: Once) -> Path:
 def walked(walk: Path, once: Once) -> Path:
     """The map file of `walk`, mapped in sequential mode and not distilled. Not to be changed."""
     return once("map", lambda folder: pipeline.run(open_source(walk)).save(folder / "walk.lpmap")) / "walk.lpmap"
+
+
+@pytest.fixture(scope="session")
+def begun(walk: Path, once: Once) -> Path:
+    """The map file of the beginning of `walk`, mapped in the same way. Not to be changed."""
+    short = open_source(walk, max_frames=BEGINNING)
+    return once("beginning", lambda folder: pipeline.run(short).save(folder / "begun.lpmap")) / "begun.lpmap"
 
 
 @pytest.fixture

@@ -59,18 +59,21 @@ def test_landmarks_follow_their_keyframes(world: LanguageMap) -> None:
         np.testing.assert_allclose(mark.position, expected, atol=1e-9)
 
 
-def test_a_map_that_lacks_a_part_is_said_to_be_damaged(walked: Path, tmp_path: Path) -> None:
-    contents = read_map_file(walked)
-    for name in contents.documents:
-        documents = {key: value for key, value in contents.documents.items() if key != name}
-        write_map_file(tmp_path / "map.lpmap", documents, contents.arrays)
-        with pytest.raises(UserError, match=r"map the (recording|sequence) again"):
-            LanguageMap.load(tmp_path / "map.lpmap")
+def test_a_map_that_lacks_a_part_is_said_to_be_damaged(begun: Path, tmp_path: Path) -> None:
+    with zipfile.ZipFile(begun) as whole:
+        members = {member.filename: whole.read(member) for member in whole.infolist()}
+    manifest = json.loads(members.pop("manifest.json"))
     # A map of version 2 may lack these, and is whole.
-    for name in contents.arrays.keys() - {"patterns.rows", "slam.inverse_sigma"}:
-        arrays = {key: value for key, value in contents.arrays.items() if key != name}
-        write_map_file(tmp_path / "map.lpmap", contents.documents, arrays)
-        with pytest.raises(UserError, match="map the recording again"):
+    for missing in members.keys() - {"arrays/patterns.rows.npy", "arrays/slam.inverse_sigma.npy"}:
+        listed = {
+            kind: [n for n in manifest[kind] if f"{kind}/{n}." not in missing] for kind in ("documents", "arrays")
+        }
+        assert sum(map(len, listed.values())) == len(members) - 1
+        with zipfile.ZipFile(tmp_path / "map.lpmap", "w") as part:
+            part.writestr("manifest.json", json.dumps({**manifest, **listed}))
+            for name in members.keys() - {missing}:
+                part.writestr(name, members[name])
+        with pytest.raises(UserError, match=r"map the (recording|sequence) again"):
             LanguageMap.load(tmp_path / "map.lpmap")
 
 

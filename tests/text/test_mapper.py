@@ -576,9 +576,9 @@ def test_a_wall_of_two_hundred_words_is_bounded_work() -> None:
     words = ["".join(rng.choice(list("ABCDEFGHIJKLMNOPRSTUVW"), 7)) for _ in range(200)]
     places = [box(30 + 58 * (n % 10), 20 + 22 * (n // 10), 50, 14) for n in range(200)]
     spotter = ScriptedSpotter(*((place, word, 0.97) for place, word in zip(places, words, strict=True)))
-    mapper = run(TextMapper(CAMERA, spotter, CONFIG), 60)
+    mapper = run(TextMapper(CAMERA, spotter, CONFIG), 40)
     read = spotter.recognised
-    for index in range(60, 120):
+    for index in range(40, 70):
         mapper.observe(frame(index), tracked(index))
     assert spotter.recognised == read
     assert mapper.statistics.observations <= 200 * (CONFIG.reading.settled_sightings + 1)
