@@ -52,6 +52,19 @@ def pytest_configure(config: pytest.Config) -> None:
             each.wait()
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Of two workers, which begin with a half each, one makes the walk and its map while the other does without.
+
+    What takes long comes first in either half: at the end, when one steals from the other, what is left is short.
+    """
+    walking = [item for item in items if "walk" in getattr(item, "fixturenames", ())]
+    others = [item for item in items if "walk" not in getattr(item, "fixturenames", ())]
+    slow = [item for item in others if item.get_closest_marker("slow") is not None]
+    quick = [item for item in others if item.get_closest_marker("slow") is None]
+    before = max(len(items) // 2 - len(slow), 0)
+    items[:] = [*slow, *quick[:before], *walking, *quick[before:]]
+
+
 _BY_FRAME = ("letter_pixels", "angle", "distance", "blur_pixels", "inside", "seen_share")
 
 
