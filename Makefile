@@ -3,6 +3,10 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
+# Modules are compiled when they are first imported, and then kept: by installing, all of them would be, in twice the time.
+export PYTHONDONTWRITEBYTECODE :=
+PIP_INSTALL := python -m pip install --quiet --no-compile
+
 .PHONY: demo test check lint types install versions clean
 
 demo: $(VENV)/.demo-ready
@@ -26,7 +30,7 @@ versions: $(VENV)/.dev-ready
 	  python$$version -c "" 2> /dev/null || { echo "python$$version is not installed: skipped"; continue; }; \
 	  $(BIN)/python --version | grep -q " $$version\." && continue; \
 	  python$$version -m venv .venvs/$$version && \
-	  .venvs/$$version/bin/python -m pip install --quiet --editable '.[dev,llm]' && \
+	  .venvs/$$version/bin/$(PIP_INSTALL) --editable '.[dev,llm]' && \
 	  .venvs/$$version/bin/python -m pytest -q -m "not slow" --numprocesses auto --maxprocesses 4 || exit 1; \
 	done
 
@@ -36,11 +40,11 @@ $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
 
 $(VENV)/.demo-ready: $(BIN)/python pyproject.toml
-	$(BIN)/python -m pip install --quiet --editable .
+	$(BIN)/$(PIP_INSTALL) --editable .
 	@touch $@
 
 $(VENV)/.dev-ready: $(BIN)/python pyproject.toml
-	$(BIN)/python -m pip install --quiet --editable '.[dev,llm]'
+	$(BIN)/$(PIP_INSTALL) --editable '.[dev,llm]'
 	@touch $@
 
 clean:

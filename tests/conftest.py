@@ -27,6 +27,8 @@ from lpslam.sources.open import open_source
 from lpslam.text.reading import networks
 
 FRAMES = 120
+BEGINNING = 30
+"""Frames from the beginning of the walk, in which signs become landmarks."""
 
 # The same examples every time, and as long as they take: a test run says something about the code, not about the dice
 # or the machine. `--hypothesis-profile explore` throws new ones.
@@ -48,6 +50,19 @@ def pytest_configure(config: pytest.Config) -> None:
         compiling = [subprocess.Popen([sys.executable, "-c", code]) for code in _COMPILED_FIRST]
         for each in compiling:
             each.wait()
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Of two workers, which begin with a half each, one makes the walk and its map while the other does without.
+
+    What takes long comes first in either half: at the end, when one steals from the other, what is left is short.
+    """
+    walking = [item for item in items if "walk" in getattr(item, "fixturenames", ())]
+    others = [item for item in items if "walk" not in getattr(item, "fixturenames", ())]
+    slow = [item for item in others if item.get_closest_marker("slow") is not None]
+    quick = [item for item in others if item.get_closest_marker("slow") is None]
+    before = max(len(items) // 2 - len(slow), 0)
+    items[:] = [*slow, *quick[:before], *walking, *quick[before:]]
 
 
 _BY_FRAME = ("letter_pixels", "angle", "distance", "blur_pixels", "inside", "seen_share")
@@ -120,6 +135,13 @@ def walk(once: Once) -> Path:
 def walked(walk: Path, once: Once) -> Path:
     """The map file of `walk`, mapped in sequential mode and not distilled. Not to be changed."""
     return once("map", lambda folder: pipeline.run(open_source(walk)).save(folder / "walk.lpmap")) / "walk.lpmap"
+
+
+@pytest.fixture(scope="session")
+def begun(walk: Path, once: Once) -> Path:
+    """The map file of the beginning of `walk`, mapped in the same way. Not to be changed."""
+    short = open_source(walk, max_frames=BEGINNING)
+    return once("beginning", lambda folder: pipeline.run(short).save(folder / "begun.lpmap")) / "begun.lpmap"
 
 
 @pytest.fixture

@@ -61,30 +61,6 @@ def first_half(walk: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-# Finding the camera in a map ----------------------------------------------------------------------------------------
-
-
-def test_frames_are_found_in_the_maps_own_frame_to_two_centimetres(world: LanguageMap, walk: Path) -> None:
-    before = world.slam.to_arrays()
-    frames_before = len(world.trajectory)
-    found = pipeline.localise(again(walk), world)
-    assert found.frames == FRAMES
-    assert len(found.poses) >= FRAMES - 3
-    error = apart(found.poses, world.frame_poses())
-    assert np.median(error) < 0.01
-    assert error.max() < 0.04
-    assert found.events[0].kind is EventKind.RELOCALISED
-    assert found.seconds_tracking > 0
-    after = world.slam.to_arrays()
-    assert all(before[name].tobytes() == after[name].tobytes() for name in before)
-    assert len(world.trajectory) == frames_before
-
-
-def test_localising_twice_gives_the_same_poses(first_half: Path, walk: Path) -> None:
-    poses = [pipeline.localise(again(walk, 30), LanguageMap.load(first_half)).poses for _ in range(2)]
-    assert poses[0].world_from_camera.tobytes() == poses[1].world_from_camera.tobytes()
-
-
 class CountingSpotter:
     """The real reader, and how often it was asked."""
 
@@ -102,11 +78,35 @@ class CountingSpotter:
         return self._spotter.recognise(rgb, boxes)
 
 
-def test_only_while_the_place_is_not_sure_are_signs_read(world: LanguageMap, walk: Path) -> None:
+# Finding the camera in a map ----------------------------------------------------------------------------------------
+
+
+def test_frames_are_found_to_two_centimetres_and_signs_are_read_while_the_place_is_not_sure(
+    world: LanguageMap, walk: Path
+) -> None:
+    before = world.slam.to_arrays()
+    frames_before = len(world.trajectory)
     spotter = CountingSpotter()
     found = pipeline.localise(again(walk), world, spotter=spotter)
-    assert len(found.poses) >= FRAMES - 3
     assert 1 <= spotter.asked <= 12
+    assert found.frames == FRAMES
+    assert len(found.poses) >= FRAMES - 3
+    error = apart(found.poses, world.frame_poses())
+    assert np.median(error) < 0.01
+    assert error.max() < 0.04
+    assert found.events[0].kind is EventKind.RELOCALISED
+    assert found.seconds_tracking > 0
+    after = world.slam.to_arrays()
+    assert all(before[name].tobytes() == after[name].tobytes() for name in before)
+    assert len(world.trajectory) == frames_before
+
+
+def test_localising_twice_gives_the_same_poses(first_half: Path, walk: Path) -> None:
+    poses = [pipeline.localise(again(walk, 30), LanguageMap.load(first_half)).poses for _ in range(2)]
+    assert poses[0].world_from_camera.tobytes() == poses[1].world_from_camera.tobytes()
+
+
+def test_signs_are_left_unread_where_that_is_asked_for(world: LanguageMap, walk: Path) -> None:
     unread = CountingSpotter()
     assert len(pipeline.localise(again(walk, 30), world, spotter=unread, text=False).poses) >= 30 - 3
     assert unread.asked == 0
@@ -118,10 +118,10 @@ def test_in_a_place_that_looks_the_same_and_has_other_signs_the_camera_is_not_fo
         for at, seen in enumerate(text_class.observations):
             other = "".join(chr(ord("a") + (7 * ord(ch) + 3) % 26) for ch in reversed(seen.text))
             text_class.observations[at] = replace(seen, text=other)
-    # Every frame is read: half of the walk says it as well.
-    found = pipeline.localise(again(walk, FRAMES // 2), elsewhere)
+    # Every frame is read: a third of the walk says it as well.
+    found = pipeline.localise(again(walk, FRAMES // 3), elsewhere)
     assert any(event.kind is EventKind.LOST and "signs" in event.reason for event in found.events)
-    assert len(found.poses) < FRAMES / 4
+    assert len(found.poses) < FRAMES / 6
     assert len(pipeline.localise(again(walk, 30), elsewhere, text=False).poses) >= 30 - 3
 
 

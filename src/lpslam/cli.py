@@ -145,7 +145,7 @@ def ask(
     settings = config_of(config)
     language = language_model(llm, settings.language)
     world = LanguageMap.load(map_file)
-    dialogue, guide = Dialogue(world, language, position, heading), Guide(world, settings)
+    dialogue, guide = Dialogue(world, language, position, heading, settings), Guide(world, settings)
     longest = settings.language.question_length
     for text in questions() if question is None else (question,):
         if len(text) > longest:

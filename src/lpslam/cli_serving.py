@@ -204,7 +204,7 @@ def mcp(
 
     settings = config_of(config)
     language = language_model(llm, settings.language)
-    agent_server(Atlas(maps), language, settings).run("stdio")
+    agent_server(Atlas(maps, settings.navigation), language, settings).run("stdio")
 
 
 def token(

@@ -7,7 +7,8 @@ import pytest
 
 from lpslam import pipeline
 from lpslam.errors import UserError
-from lpslam.mapfile.container import read_map_file, write_map_file
+from lpslam.mapfile import container
+from lpslam.mapfile.container import FORMAT_VERSION, read_map_file, write_map_file
 from lpslam.mapfile.export import landmark_record
 from lpslam.mapfile.language_map import LanguageMap
 
@@ -58,19 +59,40 @@ def test_landmarks_follow_their_keyframes(world: LanguageMap) -> None:
         np.testing.assert_allclose(mark.position, expected, atol=1e-9)
 
 
-def test_a_map_that_lacks_a_part_is_said_to_be_damaged(walked: Path, tmp_path: Path) -> None:
-    contents = read_map_file(walked)
-    for name in contents.documents:
-        documents = {key: value for key, value in contents.documents.items() if key != name}
-        write_map_file(tmp_path / "map.lpmap", documents, contents.arrays)
+def test_a_map_that_lacks_a_part_is_said_to_be_damaged(begun: Path, tmp_path: Path) -> None:
+    with zipfile.ZipFile(begun) as whole:
+        members = {member.filename: whole.read(member) for member in whole.infolist()}
+    manifest = json.loads(members.pop("manifest.json"))
+    # A map of version 2 may lack these, and is whole.
+    for missing in members.keys() - {"arrays/patterns.rows.npy", "arrays/slam.inverse_sigma.npy"}:
+        listed = {
+            kind: [n for n in manifest[kind] if f"{kind}/{n}." not in missing] for kind in ("documents", "arrays")
+        }
+        assert sum(map(len, listed.values())) == len(members) - 1
+        with zipfile.ZipFile(tmp_path / "map.lpmap", "w") as part:
+            part.writestr("manifest.json", json.dumps({**manifest, **listed}))
+            for name in members.keys() - {missing}:
+                part.writestr(name, members[name])
         with pytest.raises(UserError, match=r"map the (recording|sequence) again"):
             LanguageMap.load(tmp_path / "map.lpmap")
-    # A map of before patterns were kept has none, one of before far points has sure points alone; both are whole.
-    for name in contents.arrays.keys() - {"patterns.rows", "slam.inverse_sigma"}:
-        arrays = {key: value for key, value in contents.arrays.items() if key != name}
-        write_map_file(tmp_path / "map.lpmap", contents.documents, arrays)
-        with pytest.raises(UserError, match="map the recording again"):
-            LanguageMap.load(tmp_path / "map.lpmap")
+
+
+def test_a_map_of_version_2_is_read_and_its_reader_refuses_the_newer_one(
+    walked: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    contents = read_map_file(walked)
+    # Of before patterns and points known by direction alone were kept.
+    arrays = {k: v for k, v in contents.arrays.items() if k not in {"patterns.rows", "slam.inverse_sigma"}}
+    monkeypatch.setattr(container, "FORMAT_VERSION", 2)
+    write_map_file(tmp_path / "old.lpmap", contents.documents, arrays)
+    with pytest.raises(UserError, match=r"format version 3, this lpslam reads up to 2: update lpslam$"):
+        LanguageMap.load(walked)
+    monkeypatch.undo()
+    old, new = LanguageMap.load(tmp_path / "old.lpmap"), LanguageMap.load(walked)
+    assert len(old.cloud()) == len(contents.arrays["slam.head"][contents.arrays["slam.point_alive"]])
+    assert [mark.name for mark in old.landmarks()] == [mark.name for mark in new.landmarks()]
+    old.save(tmp_path / "old.lpmap")
+    assert read_map_file(tmp_path / "old.lpmap").manifest["format_version"] == 3
 
 
 @pytest.mark.parametrize("value", [None, [], {}, "text", 7, [1, 2]])
@@ -87,5 +109,5 @@ def test_the_file_says_what_it_is(walked: Path) -> None:
     with zipfile.ZipFile(walked) as archive:
         assert archive.namelist()[0] == "manifest.json"
         manifest = json.loads(archive.read("manifest.json"))
-    assert (manifest["format"], manifest["format_version"]) == ("lpslam map", 2)
+    assert (manifest["format"], manifest["format_version"]) == ("lpslam map", FORMAT_VERSION)
     assert manifest["created"].endswith("+00:00")

@@ -4,6 +4,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
+from lpslam.config import NavigationConfig
 from lpslam.language.offline import OfflineModel
 from lpslam.navigation.asking import Answer, answer
 from lpslam.navigation.directory import Directory
@@ -40,6 +41,17 @@ def test_a_directory_answers_as_its_landmarks_do() -> None:
         others = answer(question, known, VIEW, model, None, None, {fresh.landmark.id})
         assert said(others)[:5] == said(answer(question, MALL, VIEW, model, None, None, {fresh.landmark.id}))[:5]
         assert others.landmark is None or others.landmark.id != fresh.landmark.id
+
+
+def test_its_thresholds_are_those_of_every_question() -> None:
+    model, question = OfflineModel(), "the toilet next to Starbucks"
+    near, far = Directory(MALL), Directory(MALL, NavigationConfig(neighbour_reach=0.5, neighbour_gaps=0.5))
+    assert answer(question, near, VIEW, model, None, None).landmark is not None
+    assert answer(question, far, VIEW, model, None, None).landmark is None
+    assert answer(question, far, VIEW, model, None, None, {0}).landmark is None
+    alone = Directory(MALL, NavigationConfig(alternatives=0))
+    assert answer("Starbucks", near, VIEW, model, None, None).alternatives
+    assert not answer("Starbucks", alone, VIEW, model, None, None).alternatives
 
 
 def test_threads_that_ask_two_maps_of_one_model_get_their_own_maps_answers() -> None:

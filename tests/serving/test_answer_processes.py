@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from lpslam.config import NavigationConfig
 from lpslam.errors import UserError
 from lpslam.language.offline import OfflineModel
 from lpslam.serving.answerers import AnswerLostError, BusyError, ProcessAnswerer, ThreadAnswerer
@@ -33,7 +34,9 @@ def with_processes(
     kept: int = 0,
 ) -> None:
     async def run() -> None:
-        atlas, answerer = Atlas([path]), ProcessAnswerer(2, 400, waiting, patience, kept)
+        # A threshold that is not the default's reaches the processes.
+        atlas = Atlas([path], NavigationConfig(alternatives=1))
+        answerer = ProcessAnswerer(2, 400, waiting, patience, kept)
         await answerer.start(atlas.maps.values())
         try:
             await use(answerer, atlas)
@@ -52,6 +55,7 @@ def test_they_answer_as_threads_do_and_survive_what_happens(mall: Path, model: O
         served, threads = atlas.get(), ThreadAnswerer(model, 400, 64)
         alone = [await threads.ask(each, served) for each in asked]
         assert list(await asyncio.gather(*(answerer.ask(each, served) for each in asked * 4))) == alone * 4
+        assert max(len(json.loads(each)["answer"]["alternatives"]) for each in alone) == 1
         assert await answerer.understand(asked[0]) == await threads.understand(asked[0])
         with pytest.raises(UserError, match="empty"):
             await answerer.ask(Asked("  "), served)

@@ -6,6 +6,7 @@ import signal
 import socket
 import subprocess
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -41,9 +42,9 @@ main()
 class Run:
     """A run with a page, in a process of its own; what is not played at once is stopped at the end."""
 
-    def __init__(self, walk: Path, folder: Path) -> None:
+    def __init__(self, walk: Path, folder: Path, frames: int = FRAMES) -> None:
         self.map = folder / "walk.lpmap"
-        words = ["run", str(walk), "-o", str(self.map), "--view", "--port", "0"]
+        words = ["run", str(walk), "-o", str(self.map), "--view", "--port", "0", "--max-frames", str(frames)]
         self.process = subprocess.Popen(
             python_command(CODE, *words),
             stdin=subprocess.PIPE,
@@ -90,13 +91,25 @@ class Run:
         return LanguageMap.load(self.map)
 
 
+@contextmanager
+def held(run: Run) -> Iterator[Run]:
+    with run.process:
+        yield run
+        run.process.kill()
+
+
 @pytest.fixture
 def held_run(walk: Path, tmp_path: Path) -> Iterator[Run]:
     """One that takes the frames that the test lets it take."""
-    one = Run(walk, tmp_path)
-    with one.process:
-        yield one
-        one.process.kill()
+    with held(Run(walk, tmp_path)) as run:
+        yield run
+
+
+@pytest.fixture
+def short_run(walk: Path, tmp_path: Path) -> Iterator[Run]:
+    """The same of the walk's beginning."""
+    with held(Run(walk, tmp_path, 30)) as run:
+        yield run
 
 
 def test_labels_appear_as_they_are_found_and_questions_are_answered(held_run: Run) -> None:
@@ -162,8 +175,8 @@ def test_a_page_that_was_away_goes_on_and_one_that_does_not_read_holds_up_nobody
     silent.close()
 
 
-def test_the_run_goes_on_when_its_page_is_killed(held_run: Run) -> None:
-    run = held_run
+def test_the_run_goes_on_when_its_page_is_killed(short_run: Run) -> None:
+    run = short_run
     children = Path(f"/proc/{run.process.pid}/task/{run.process.pid}/children")
     if not children.exists():
         pytest.skip("this system does not say which processes are whose")

@@ -19,17 +19,26 @@ from lpslam.mapfile.language_map import LanguageMap
 from lpslam.session import listeners
 from lpslam.sources.open import open_source
 
-FRAMES = 60
+FRAMES = 45
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
+def camera(walk: Path) -> lpslam.PinholeCamera:
+    return open_source(walk).camera
+
+
+@pytest.fixture(scope="module")
 def frames(walk: Path) -> list[RgbdFrame]:
-    return list(open_source(walk, max_frames=FRAMES))
+    """Decoded once, and not to be written to."""
+    decoded = list(open_source(walk, max_frames=FRAMES))
+    for frame in decoded:
+        frame.rgb.flags.writeable = frame.depth.flags.writeable = False
+    return decoded
 
 
 @pytest.fixture
-def session(walk: Path) -> Iterator[lpslam.Session]:
-    opened = lpslam.Session(open_source(walk).camera, text=False)
+def session(camera: lpslam.PinholeCamera) -> Iterator[lpslam.Session]:
+    opened = lpslam.Session(camera, text=False)
     yield opened
     opened.close()
 
@@ -39,20 +48,19 @@ def names(world: LanguageMap) -> list[tuple[int, str]]:
 
 
 @pytest.mark.slow
-def test_frame_by_frame_is_the_map_of_a_run(walk: Path, walked: Path) -> None:
+def test_frame_by_frame_is_the_map_of_a_run(camera: lpslam.PinholeCamera, frames: list[RgbdFrame], begun: Path) -> None:
     told: dict[int, str] = {}
     events = []
-    source = open_source(walk)
     marks: list[lpslam.Landmark] = []
-    with lpslam.Session(source.camera, on_landmark=marks.append, on_event=events.append) as session:
-        for frame in source:
+    before = LanguageMap.load(begun)
+    with lpslam.Session(camera, on_landmark=marks.append, on_event=events.append) as session:
+        for frame in frames[: len(before.trajectory)]:
             step = session.step(frame.rgb, frame.depth, frame.timestamp)
             told |= {mark.id: mark.name for mark in (*step.new_landmarks, *step.renamed_landmarks)}
             assert told == {mark.id: mark.name for mark in marks}
             assert step.pose is not None
             assert session.pose is step.pose
         world = session.close()
-    before = LanguageMap.load(walked)
     assert np.array_equal(world.frame_poses().world_from_camera, before.frame_poses().world_from_camera)
     assert names(world) == names(before) != []
     assert told, "landmarks are told of as they come"
@@ -63,11 +71,13 @@ def test_frame_by_frame_is_the_map_of_a_run(walk: Path, walked: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("live", [False, True])
-def test_it_answers_from_another_thread_while_it_maps(walk: Path, frames: list[RgbdFrame], live: bool) -> None:
+def test_it_answers_from_another_thread_while_it_maps(
+    camera: lpslam.PinholeCamera, frames: list[RgbdFrame], live: bool
+) -> None:
     failures: list[BaseException] = []
     snapshots: list[LanguageMap] = []
     over = threading.Event()
-    with lpslam.Session(open_source(walk).camera, sequential=False, live=live) as session:
+    with lpslam.Session(camera, sequential=False, live=live) as session:
 
         def asking() -> None:
             try:
@@ -79,13 +89,13 @@ def test_it_answers_from_another_thread_while_it_maps(walk: Path, frames: list[R
 
         thread = threading.Thread(target=asking)
         thread.start()
-        for frame in frames:
+        for frame in frames[:30]:
             session.step(frame.rgb, frame.depth, frame.timestamp)
         over.set()
         thread.join()
     assert not failures
     assert snapshots
-    assert len(session.close().trajectory) == FRAMES
+    assert len(session.close().trajectory) == 30
 
 
 def test_a_snapshot_stays_as_it_was(session: lpslam.Session, frames: list[RgbdFrame], tmp_path: Path) -> None:
@@ -160,9 +170,9 @@ def test_a_closed_session_takes_nothing(session: lpslam.Session, frames: list[Rg
         session.step(*_changed(frames[1]))
 
 
-def test_an_error_ends_its_threads_and_leaves_no_map(walk: Path, frames: list[RgbdFrame]) -> None:
+def test_an_error_ends_its_threads_and_leaves_no_map(camera: lpslam.PinholeCamera, frames: list[RgbdFrame]) -> None:
     before = threading.active_count()
-    session = lpslam.Session(open_source(walk).camera, live=True, text=False)
+    session = lpslam.Session(camera, live=True, text=False)
 
     def fail() -> None:
         with session:
@@ -192,9 +202,9 @@ def test_steps_are_iterated_over_in_an_event_loop(session: lpslam.Session, frame
     assert asyncio.run(follow()) == [0, 1, 2, 3, 4]
 
 
-def test_a_map_is_continued(walk: Path, world: LanguageMap, frames: list[RgbdFrame]) -> None:
+def test_a_map_is_continued(camera: lpslam.PinholeCamera, world: LanguageMap, frames: list[RgbdFrame]) -> None:
     count, known = len(world.trajectory), world.landmarks()
-    with lpslam.Session(open_source(walk).camera, base=world, text=False) as session:
+    with lpslam.Session(camera, base=world, text=False) as session:
         later = [session.step(f.rgb, f.depth, f.timestamp + 1000.0) for f in frames[:5]]
     assert later[0].index >= count
     assert len(session.close().trajectory) == count + 5
@@ -262,8 +272,8 @@ def test_depth_that_is_masked_or_beyond_single_precision_is_no_depth(
     assert session.keyframes == 0
 
 
-def test_two_threads_do_not_step_at_once(walk: Path, frames: list[RgbdFrame]) -> None:
-    session = lpslam.Session(open_source(walk).camera, text=False)
+def test_two_threads_do_not_step_at_once(camera: lpslam.PinholeCamera, frames: list[RgbdFrame]) -> None:
+    session = lpslam.Session(camera, text=False)
     taken: list[bool] = []
     refused: list[bool] = []
 
@@ -284,7 +294,7 @@ def test_two_threads_do_not_step_at_once(walk: Path, frames: list[RgbdFrame]) ->
     assert session.frames == len(taken) == session.close().trajectory.tracked_count
 
 
-def test_a_callback_can_neither_step_nor_close(walk: Path, frames: list[RgbdFrame]) -> None:
+def test_a_callback_can_neither_step_nor_close(camera: lpslam.PinholeCamera, frames: list[RgbdFrame]) -> None:
     refused: list[str] = []
 
     def again(_: object) -> None:
@@ -293,7 +303,7 @@ def test_a_callback_can_neither_step_nor_close(walk: Path, frames: list[RgbdFram
                 attempt()
             refused.append(str(caught.value))
 
-    session = lpslam.Session(open_source(walk).camera, text=False, on_event=again)
+    session = lpslam.Session(camera, text=False, on_event=again)
     for number, frame in enumerate([*frames[:3], *[replace(frames[0], rgb=frames[0].rgb * 0)] * 40]):
         session.step(frame.rgb, frame.depth if number < 3 else frame.depth * 0, number / 15)
     assert refused
@@ -333,9 +343,9 @@ def test_who_dropped_the_iterator_or_does_not_keep_up_fills_no_memory(monkeypatc
         ({"distortion": ("a", 0, 0, 0, 0)}, "distortion is"),
     ],
 )
-def test_a_camera_that_cannot_be_is_told(walk: Path, change: dict[str, Any], said: str) -> None:
+def test_a_camera_that_cannot_be_is_told(camera: lpslam.PinholeCamera, change: dict[str, Any], said: str) -> None:
     with pytest.raises(UserError, match=said):
-        replace(open_source(walk).camera, **change)
+        replace(camera, **change)
 
 
 def test_what_is_no_camera_is_told() -> None:

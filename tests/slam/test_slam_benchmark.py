@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +12,6 @@ import pytest
 from lpslam.camera import PinholeCamera
 from lpslam.frames import RgbdFrame
 from lpslam.poses import StampedPoses
-from lpslam.simulation.source import MallSource
-from lpslam.simulation.writer import write_sequence
 
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 
@@ -94,9 +93,9 @@ def test_holding_frames_keeps_them_as_they_are() -> None:
 
 
 @pytest.mark.slow
-def test_accuracy_of_a_short_walk(tmp_path: Path) -> None:
-    write_sequence(MallSource(3, frames=40), tmp_path / "walk")
-    command = [sys.executable, BENCHMARKS / "slam.py", "accuracy", tmp_path / "walk", "--runs", "2", "--out", tmp_path]
+def test_accuracy_of_a_short_walk(clip: Callable[[int], Path], tmp_path: Path) -> None:
+    walk = clip(40).rename(tmp_path / "walk")
+    command = [sys.executable, BENCHMARKS / "slam.py", "accuracy", walk, "--runs", "2", "--out", tmp_path]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     first, second = (json.loads(line) for line in (tmp_path / "results.jsonl").read_text().splitlines())

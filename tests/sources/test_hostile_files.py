@@ -2,6 +2,7 @@
 
 import os
 import struct
+import time
 import zlib
 from contextlib import suppress
 from pathlib import Path
@@ -19,6 +20,8 @@ LAUGHS = "a: &a {k: 1}\n" + "".join(
 )
 HOSTILE = {
     "deep": "a: " + "[" * 20_000,
+    "deep blocks": "a:\n " + "- " * 20_000,
+    "deep maps": "a: " + "{b: " * 20_000,
     "copies": LAUGHS,
     "circle": "a: &a {b: *a}\n",
     "date": "fx: 2020-99-99\n",
@@ -34,6 +37,7 @@ HOSTILE = {
 def test_yaml_that_is_made_to_hurt_is_one_line(tmp_path: Path, text: str) -> None:
     path = tmp_path / "camera.yaml"
     path.write_text(GOOD + text)
+    begun = time.process_time()
     read_calibration(_written(tmp_path / "good.yaml", GOOD), image_size=None, default_depth_scale=1000.0)
     with pytest.raises(UserError) as caught:
         Config.from_yaml(path)
@@ -41,6 +45,7 @@ def test_yaml_that_is_made_to_hurt_is_one_line(tmp_path: Path, text: str) -> Non
     # Which values a calibration needs is its own business; nothing else than a mistake may come of the others.
     with suppress(UserError):
         read_calibration(path, image_size=None, default_depth_scale=1000.0)
+    assert time.process_time() - begun < 5.0, "a file of half a page takes no minute"
 
 
 def _written(path: Path, text: str) -> Path:

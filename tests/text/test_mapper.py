@@ -576,12 +576,13 @@ def test_a_wall_of_two_hundred_words_is_bounded_work() -> None:
     words = ["".join(rng.choice(list("ABCDEFGHIJKLMNOPRSTUVW"), 7)) for _ in range(200)]
     places = [box(30 + 58 * (n % 10), 20 + 22 * (n // 10), 50, 14) for n in range(200)]
     spotter = ScriptedSpotter(*((place, word, 0.97) for place, word in zip(places, words, strict=True)))
-    mapper = run(TextMapper(CAMERA, spotter, CONFIG), 60)
+    reading = CONFIG.reading.model_copy(update={"settled_sightings": 6})
+    mapper = run(TextMapper(CAMERA, spotter, CONFIG.model_copy(update={"reading": reading})), 24)
     read = spotter.recognised
-    for index in range(60, 120):
+    for index in range(24, 44):
         mapper.observe(frame(index), tracked(index))
     assert spotter.recognised == read
-    assert mapper.statistics.observations <= 200 * (CONFIG.reading.settled_sightings + 1)
+    assert mapper.statistics.observations <= 200 * (reading.settled_sightings + 1)
     assert len(mapper.text_map.long_term) == 200
 
 

@@ -10,6 +10,7 @@ from pydantic import Field, PositiveFloat, ValidationError
 
 from lpslam.config.calibrating import CalibratingConfig
 from lpslam.config.ground import GroundConfig, WayConfig
+from lpslam.config.navigation import NavigationConfig
 from lpslam.config.page import PageConfig
 from lpslam.config.robots import RobotConfig
 from lpslam.config.section import Section
@@ -70,6 +71,7 @@ __all__ = [
     "LoopConfig",
     "MappingConfig",
     "MemoryConfig",
+    "NavigationConfig",
     "PageConfig",
     "PatternConfig",
     "PictureConfig",
@@ -135,6 +137,8 @@ class EvaluationConfig(Section):
     association_tolerance: float = Field(default=0.02, gt=0)
     # Eq. 3 similarity of a landmark's name with a sign's text: one letter in five may be wrong.
     name_similarity: float = Field(default=0.8, gt=0, le=1)
+    # The same from which a reading is of a line of a photograph at all, however badly it is read.
+    line_similarity: float = Field(default=0.5, gt=0, le=1)
     # Metres between a landmark and the sign that it is.
     landmark_distance: float = Field(default=1.0, gt=0)
     # Fewest frames in which a sign must be readable before it is expected in the map.
@@ -326,6 +330,8 @@ class Config(Section):
     ground: GroundConfig = GroundConfig()
 
     ways: WayConfig = WayConfig()
+
+    navigation: NavigationConfig = NavigationConfig()
 
     @classmethod
     def from_yaml(cls, path: Path) -> "Config":

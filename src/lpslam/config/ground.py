@@ -1,6 +1,6 @@
 """Thresholds of the ground: what is kept of keyframes, what a reading shows, and how robots go."""
 
-from pydantic import Field
+from pydantic import Field, PositiveFloat
 
 from lpslam.config.section import Section
 
@@ -32,6 +32,14 @@ class GroundConfig(Section):
     most_camera_height: float = Field(default=2.5, gt=0)
     # Readings of level surfaces in a scan, from which one may be the floor.
     min_floor_readings: int = Field(default=40, ge=3)
+    # Metres: heights are counted in steps that noise near the camera does not fill.
+    floor_step: float = Field(default=0.02, gt=0)
+    # Share of the strongest level's surface that makes a lower one a floor: tables stand on something.
+    floor_share: float = Field(default=0.3, gt=0, le=1)
+    # Metres by which a carried camera rises and falls, within which levels of several scans are one.
+    carried_height: float = Field(default=0.15, gt=0)
+    # How heights stray by distance, metres and metres a square metre: its shape; the size is found.
+    usual_noise: tuple[PositiveFloat, PositiveFloat] = (0.003, 0.003)
     # Share of the scans that must have seen a floor.
     min_floor_share: float = Field(default=0.08, ge=0, le=1)
     # Metres by which a camera's height over the floor changes while it is carried.
@@ -52,6 +60,16 @@ class GroundConfig(Section):
     free_from_down: float = Field(default=0.3, ge=0)
     # Most that is believed, so that what has changed is seen before long.
     most_odds: float = Field(default=3.5, gt=0)
+    # Pixels of a scan to each side from which a surface is told, ...
+    surface_reach: int = Field(default=2, ge=1, le=20)
+    # ... and metres, and share of the distance, by which it may be uneven there.
+    surface_bend: tuple[PositiveFloat, PositiveFloat] = (0.005, 0.005)
+    # Metres that ground may have risen where it was not seen: more is a step.
+    unseen_climb: float = Field(default=0.1, ge=0)
+    # Share of the difference to a reading of ground by which the ground that is walked along follows it.
+    followed_share: float = Field(default=0.3, gt=0, le=1)
+    # Metres around a camera that was carried there: nothing stands.
+    trodden: float = Field(default=0.2, ge=0)
     # Readings in a cell that make something of it.
     least_readings: int = Field(default=2, ge=1)
 

@@ -6,10 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
+from lpslam.config import EvaluationConfig
 from lpslam.text.remembering.similarity import comparison_key, similarity
-
-FOUND = 0.5  # similarity (Eq. 3) from which a reading is of that line, however badly
-READ = 0.8  # and from which the line is read
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,8 +40,9 @@ class LineScore:
         return LineScore(*(getattr(self, name) + getattr(other, name) for name in self.__dataclass_fields__))
 
 
-def score_lines(texts: Sequence[str], lines: Sequence[str]) -> LineScore:
-    """Match what was read in one photograph to its lines, one to one, and count."""
+def score_lines(texts: Sequence[str], lines: Sequence[str], config: EvaluationConfig | None = None) -> LineScore:
+    """Match what was read in one photograph to its lines, one to one, and count by the thresholds of `config`."""
+    config = config or EvaluationConfig()
     keys, wanted = [comparison_key(text) for text in texts], [comparison_key(line) for line in lines]
     likeness = np.array([[similarity(key, line) for line in wanted] for key in keys]).reshape(len(keys), len(wanted))
     rows, columns = linear_sum_assignment(likeness, maximize=True)
@@ -51,13 +50,13 @@ def score_lines(texts: Sequence[str], lines: Sequence[str]) -> LineScore:
     best[columns] = likeness[rows, columns]
     return LineScore(
         lines=len(lines),
-        found=int((best >= FOUND).sum()),
-        read=int((best >= READ).sum()),
+        found=int((best >= config.line_similarity).sum()),
+        read=int((best >= config.name_similarity).sum()),
         exact=int((best == 1.0).sum()),
         letters=sum(map(len, wanted)),
         wrong_letters=sum(round((1.0 - like) * len(line)) for like, line in zip(best, wanted, strict=True)),
         texts=len(texts),
         # A second reading of a line is superfluous, not spurious.
-        spurious=int((likeness.max(axis=1, initial=0.0) < FOUND).sum()),
-        unread=tuple(line for line, like in zip(lines, best, strict=True) if like < READ),
+        spurious=int((likeness.max(axis=1, initial=0.0) < config.line_similarity).sum()),
+        unread=tuple(line for line, like in zip(lines, best, strict=True) if like < config.name_similarity),
     )

@@ -9,11 +9,7 @@ from lpslam.config import GroundConfig
 
 Array = NDArray[np.float64]
 
-_BIN = 0.02  # metres: heights are counted in steps that noise near the camera does not fill
-_DAMPED = 3  # bins over which counts are averaged
-_PEAK = 0.3  # of the strongest level, the share from which a lower one is a floor: tables stand on something
-_SAME_HEIGHT = 0.15  # metres by which a carried camera rises and falls
-_USUAL = np.array([0.003, 0.003])  # metres and 1/metre: the shape of noise by distance, whose size is found
+_DAMPED = 3  # steps of height over which counts are averaged
 
 
 def floor_levels(points: Array, up: Array, camera: Array, config: GroundConfig) -> Array:
@@ -31,12 +27,13 @@ def floor_levels(points: Array, up: Array, camera: Array, config: GroundConfig) 
     if np.count_nonzero(near) < config.min_floor_readings:
         return np.empty(0)
     heights, away = heights[near], away[near]
-    low = heights.min() - 2 * _BIN
-    bins = ((heights - low) / _BIN).astype(np.int64)
+    low = heights.min() - 2 * config.floor_step
+    bins = ((heights - low) / config.floor_step).astype(np.int64)
     # A reading stands for as much surface as its pixel covers there.
     counts = np.convolve(np.bincount(bins, away**2, bins.max() + 3), np.ones(_DAMPED) / _DAMPED, "same")
     inner = counts[1:-1]
-    peaks = 1 + np.flatnonzero((inner >= counts[:-2]) & (inner > counts[2:]) & (inner >= _PEAK * counts.max()))
+    is_large = inner >= config.floor_share * counts.max()
+    peaks = 1 + np.flatnonzero((inner >= counts[:-2]) & (inner > counts[2:]) & is_large)
     return np.asarray([np.median(heights[np.abs(bins - peak) <= 1]) for peak in peaks], np.float64)
 
 
@@ -79,20 +76,22 @@ def _usual_height(below: Sequence[Array], config: GroundConfig) -> float | None:
     depths = np.concatenate([*below, np.empty(0)])
     needed = max(config.min_floor_share * len(below), 1.0)
     for depth in np.sort(depths[depths <= config.most_camera_height])[::-1]:
-        near = [each[np.abs(each - depth) <= _SAME_HEIGHT] for each in below]
+        near = [each[np.abs(each - depth) <= config.carried_height] for each in below]
         if sum(len(each) > 0 for each in near) >= needed:
             return float(np.median(np.concatenate(near)))
     return None
 
 
-def height_noise(above: Array, distances: Array) -> Array:
+def height_noise(above: Array, distances: Array, config: GroundConfig) -> Array:
     """(2,) metres and 1/metre: standard deviation of heights as a + b · distance², from readings of the floor.
 
     Args:
         above: (n,) metres by which readings of the floor lie above it.
         distances: (n,) metres from the camera.
+        config: thresholds.
     """
+    usual = np.array(config.usual_noise)
     if not len(above):
-        return _USUAL
-    size = 1.4826 * float(np.median(np.abs(above) / (_USUAL[0] + _USUAL[1] * distances**2)))
-    return _USUAL * float(np.clip(size, 0.3, 6.0))
+        return usual
+    size = 1.4826 * float(np.median(np.abs(above) / (usual[0] + usual[1] * distances**2)))
+    return usual * float(np.clip(size, 0.3, 6.0))

@@ -17,10 +17,6 @@ Array = NDArray[np.float64]
 UNKNOWN, FREE, OCCUPIED = -1, 0, 100
 """Values of cells, as in ROS's nav_msgs/OccupancyGrid."""
 
-_SURFACE_REACH = 2  # pixels of a scan to each side from which a surface is told
-_SURFACE_BEND = np.array([0.005, 0.005])  # metres, and share of the distance, by which a surface may be uneven there
-_ROUND_THE_CAMERA = 0.2  # metres: where a camera was carried, nothing stands
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Grid:
@@ -90,7 +86,7 @@ def build_grid(
     cameras = np.array([pose[:3, 3] for _, pose in placed])
     if not np.isfinite(cameras).all():
         return None
-    seen = [_surfaces(scans, keyframe, pose) for keyframe, pose in placed]
+    seen = [_surfaces(scans, keyframe, pose, config) for keyframe, pose in placed]
     levels = [floor_levels(points, up, at, config) for (points, up), at in zip(seen, cameras, strict=True)]
     floors = floors_below(cameras, levels, config)
     if floors is None:
@@ -107,11 +103,11 @@ def build_grid(
     return _integrated(seen, shown, cameras, floors, walked, extent, config)
 
 
-def _surfaces(scans: Scans, keyframe: int, pose: Array) -> tuple[Array, Array]:
+def _surfaces(scans: Scans, keyframe: int, pose: Array, config: GroundConfig) -> tuple[Array, Array]:
     """World points (h, w, 3) of a scan, and how far up surfaces look there (h, w)."""
     points = scans.points(keyframe)
     world = np.ascontiguousarray(transform_points(pose, points.reshape(-1, 3)).reshape(points.shape))
-    return world, kernels.upness(world, pose[:3, 3], _SURFACE_REACH, _SURFACE_BEND)
+    return world, kernels.upness(world, pose[:3, 3], config.surface_reach, np.array(config.surface_bend))
 
 
 def _noise(seen: list[tuple[Array, Array]], cameras: Array, floors: Array, config: GroundConfig) -> Array:
@@ -120,7 +116,7 @@ def _noise(seen: list[tuple[Array, Array]], cameras: Array, floors: Array, confi
         level = (up >= config.least_up) & (np.abs(points[..., 2] - floor) < config.floor_band)
         above.append(points[level][:, 2] - np.median(points[level][:, 2]) if level.any() else np.empty(0))
         away.append(np.linalg.norm(points[level] - at, axis=1))
-    return height_noise(np.concatenate(above), np.concatenate(away))
+    return height_noise(np.concatenate(above), np.concatenate(away), config)
 
 
 def _limits(config: GroundConfig, noise: Array) -> Array:
@@ -128,7 +124,7 @@ def _limits(config: GroundConfig, noise: Array) -> Array:
     told = np.sqrt(max(config.floor_band / 3.0 - noise[0], 0.0) / noise[1])
     return np.array([
         config.obstacle_height, config.robot_height, config.drop, np.tan(np.radians(config.steepest)), config.least_up,
-        min(config.farthest, max(float(told), config.nearest)),
+        min(config.farthest, max(float(told), config.nearest)), config.unseen_climb, config.followed_share,
     ])  # fmt: skip
 
 
@@ -170,15 +166,15 @@ def _integrated(
     values = np.full((rows, columns), UNKNOWN, np.int8)
     values[evidence <= -config.free_from_down] = FREE
     values[evidence > 0.0] = OCCUPIED
-    _clear_the_way(values, walked, corner)
+    _clear_the_way(values, walked, corner, config.trodden)
     return Grid(_filled(values), (left, bottom), config.resolution, heights)
 
 
-def _clear_the_way(values: NDArray[np.int8], walked: Array, corner: Array) -> None:
+def _clear_the_way(values: NDArray[np.int8], walked: Array, corner: Array, trodden_metres: float) -> None:
     """Where the camera was carried is free unless something was seen there."""
     trodden = np.zeros(values.shape, np.uint8)
     for column, row in np.unique(np.floor((walked[:, :2] - corner[:2]) / corner[2]).astype(np.int32), axis=0):
-        cv2.circle(trodden, (int(column), int(row)), round(_ROUND_THE_CAMERA / corner[2]), 1, -1)
+        cv2.circle(trodden, (int(column), int(row)), round(trodden_metres / corner[2]), 1, -1)
     values[(trodden > 0) & (values == UNKNOWN)] = FREE
 
 

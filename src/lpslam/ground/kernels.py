@@ -10,10 +10,6 @@ NOTHING, FLOOR, OBSTACLE, DROP = 0, 1, 2, 3
 """What a reading shows: nothing for a robot, ground to walk on, something in the way, ground that is too low."""
 
 
-_UNSEEN_CLIMB = 0.1
-"""Metres that ground may have risen where it was not seen: more is a step."""
-
-
 @njit(cache=True, nogil=True)
 def upness(
     points: NDArray[np.float64], camera: NDArray[np.float64], reach: int, bend: NDArray[np.float64]
@@ -75,9 +71,10 @@ def classify(
         camera: (3,) world.
         floor: metres, height of the ground below the camera.
         noise: (2,) metres and metres per metre squared: standard deviation of heights by distance.
-        limits: obstacle height, robot height, drop, slope, least upness, farthest distance.
+        limits: obstacle height, robot height, drop, slope, least upness, farthest distance, how far ground climbs
+            unseen, and the share by which it follows a reading.
     """
-    obstacle, robot, drop, slope, least_up, farthest = limits
+    obstacle, robot, drop, slope, least_up, farthest, unseen_climb, followed = limits
     height, width, _ = points.shape
     shown = np.zeros((height, width), np.int8)
     for u in range(width):
@@ -92,10 +89,10 @@ def classify(
                 continue
             tolerance = max(obstacle, 3.0 * (noise[0] + noise[1] * distance * distance))
             above = z - ground
-            climb = min(slope * max(away - ground_at, 0.0), _UNSEEN_CLIMB)
+            climb = min(slope * max(away - ground_at, 0.0), unseen_climb)
             if up[v, u] >= least_up and abs(above) <= tolerance + climb:
                 shown[v, u] = FLOOR
-                ground += 0.3 * above
+                ground += followed * above
                 ground_at = max(away, ground_at)
             elif tolerance < above < robot:
                 shown[v, u] = OBSTACLE

@@ -27,8 +27,9 @@ from lpslam.regular_files import refuse_endless
 from lpslam.whole_files import refuse_unwritable, written_whole
 
 FORMAT = "lpslam map"
-FORMAT_VERSION = 2
-# Maps of version 1 have descriptors by other test pairs, and no sub-maps.
+FORMAT_VERSION = 3
+# Maps of version 2 lack points known by direction alone, which their readers would take for sure ones. Those of
+# version 1 have descriptors by other test pairs, and no sub-maps.
 _OLDEST_VERSION = 2
 
 # Other ways of packing are never written; their unpackers raise errors of their own.

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from lpslam.config import Config
 from lpslam.errors import UserError
 from lpslam.language.model import Choice, LanguageModel
 from lpslam.language.offline import embedded_model
@@ -65,6 +66,7 @@ def ask(
     heading: float | None = None,
     excluded: Collection[int] = (),
     history: Sequence[tuple[str, str]] = (),
+    config: Config | None = None,
 ) -> Answer:
     """Navigation: a question in any language → the landmark that serves it, with its position.
 
@@ -78,12 +80,14 @@ def ask(
             camera looked last.
         excluded: ids of landmarks that are no answer, having been named before.
         history: (question, answer) of the dialogue so far, the oldest first; only a model that converses takes it.
+        config: thresholds; the defaults without.
 
     Raises:
         UserError: the question is empty.
     """
     view = last_view(world.frame_poses().world_from_camera)
-    return answer(question, world.landmarks(), view, language, position, heading, excluded, history)
+    known = Directory(world.landmarks(), config.navigation if config is not None else None)
+    return answer(question, known, view, language, position, heading, excluded, history)
 
 
 def answer(

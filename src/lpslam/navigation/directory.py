@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Collection, Iterable
 
+from lpslam.config import NavigationConfig
 from lpslam.language.model import Candidate
 from lpslam.navigation.places import Place
 from lpslam.text.types import Landmark
@@ -13,8 +14,10 @@ class Directory:
 
     Args:
         landmarks: of a map.
+        config: thresholds of questions about them; the defaults without.
 
     Attributes:
+        config: as it was given.
         landmarks: as they were given.
         by_id: the same, looked up.
         candidates: ids and strings, for language. One object: the embedded model knows it again by that.
@@ -22,7 +25,8 @@ class Directory:
         names: how many landmarks have each name.
     """
 
-    def __init__(self, landmarks: Iterable[Landmark]) -> None:
+    def __init__(self, landmarks: Iterable[Landmark], config: NavigationConfig | None = None) -> None:
+        self.config = config or NavigationConfig()
         self.landmarks = tuple(landmarks)
         self.by_id = {mark.id: mark for mark in self.landmarks}
         self.candidates = tuple(
@@ -37,4 +41,4 @@ class Directory:
         """The same without some landmarks; itself where there is none of them."""
         if not any(id_ in self.by_id for id_ in excluded):
             return self
-        return Directory(mark for mark in self.landmarks if mark.id not in excluded)
+        return Directory((mark for mark in self.landmarks if mark.id not in excluded), self.config)

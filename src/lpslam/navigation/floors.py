@@ -5,24 +5,23 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from lpslam.config import NavigationConfig
 from lpslam.language.wishes.codes import board_codes
 from lpslam.language.wishes.form import Counting, Floor
 from lpslam.navigation.places import Place, Point
 
-APART_M = 2.0  # of height between neighbouring signs of two floors: signs of one hang closer together
 _ROOM = 100  # room 304 is on floor 3
-_FEWEST = 2  # boards that must agree on a floor's number
 _ASKED = 400  # boards that are asked for it
 
 
 class Floors:
     """Places by floor; the ground floor is the one nearest to where the map's heights begin."""
 
-    def __init__(self, places: Sequence[Place]) -> None:
-        self._places = places
+    def __init__(self, places: Sequence[Place], config: NavigationConfig) -> None:
+        self._places, self._witnesses = places, config.floor_witnesses
         heights = np.array([float(place.position[2]) for place in places])
         order = np.argsort(heights, kind="stable")
-        steps = np.flatnonzero(np.diff(heights[order]) > APART_M) + 1
+        steps = np.flatnonzero(np.diff(heights[order]) > config.floor_height) + 1
         groups = [each for each in np.split(order, steps) if len(each)]
         self._heights = np.array([float(np.median(heights[each])) for each in groups])
         self._groups = groups
@@ -71,7 +70,7 @@ class Floors:
         for index, group in zip(self._index, self._groups, strict=True):
             for row in group[:_ASKED]:
                 votes.update(number - index for number in _numbers(self._places[int(row)].name))
-        said = [(count, offset) for offset, count in votes.items() if offset in (0, 1) and count >= _FEWEST]
+        said = [(count, offset) for offset, count in votes.items() if offset in (0, 1) and count >= self._witnesses]
         return max(said)[1] if said else None
 
 

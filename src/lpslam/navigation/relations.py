@@ -1,6 +1,6 @@
 """How places stand to one another: costs in metres, lower is truer; infinite where a relation does not hold.
 
-A relation that the positions cannot decide is no cost but `UNDECIDED`.
+A relation that the positions cannot decide does not hold, and its doubt says why.
 """
 
 from collections.abc import Callable, Sequence
@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from lpslam.config import NavigationConfig
 from lpslam.language.wishes.form import Relation
-from lpslam.navigation.floors import APART_M, Floors
+from lpslam.navigation.floors import Floors
 from lpslam.navigation.places import Distances, Here, Place, Point
 
 if TYPE_CHECKING:
@@ -20,15 +21,8 @@ if TYPE_CHECKING:
 
 _UP = np.array([0.0, 0.0, 1.0])
 _NO = float("inf")
-_NEIGHBOURS = 4.0
-"""Times the usual gap between a place and its nearest neighbour that “next to” reaches."""
 _NEIGHBOURS_OF_A_LINE = 3  # places that tell along which line boards hang
-_LEAST_REACH_M = 6.0  # “next to” reaches as far in maps of few, close signs
 _GAPS = 5_000  # places whose nearest neighbours tell the usual gap
-_ACROSS_SHARE = 0.7  # of the way to what is opposite that runs along the sign's normal
-_DETOUR = 1.5  # times the straight way, within which a place is on it or between
-_BESIDE_SHARE = 0.35  # of the way to what is left or right that runs sideways
-_OPPOSED = -0.3  # cosine between the facings of boards that face one another
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,9 +41,10 @@ def tree_of(points: NDArray[np.float64]) -> "cKDTree":
 
 
 class Scene:
-    """All places, the asker, and how far it is between them."""
+    """All places, the asker, how far it is between them, and by what they are judged."""
 
-    def __init__(self, places: Sequence[Place], here: Here, ways: Distances) -> None:
+    def __init__(self, places: Sequence[Place], here: Here, ways: Distances, config: NavigationConfig) -> None:
+        self.config = config
         self.places = places
         self.here = here
         self.ways = ways
@@ -63,7 +58,7 @@ class Scene:
     @cached_property
     def floors(self) -> Floors:
         """The floors on which the places lie."""
-        return Floors(self.places)
+        return Floors(self.places, self.config)
 
     @cached_property
     def _rows_by_id(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -113,6 +108,22 @@ class Scene:
         normal = np.array([-axes[0][1], axes[0][0], 0.0])
         return normal, f"which way {place.name} faces is guessed from its neighbours"
 
+    def is_same_floor(self, place: Place, anchor: Place) -> bool:
+        """Whether two boards hang on one floor; else they are no neighbours, however near."""
+        return abs(float(place.position[2] - anchor.position[2])) <= self.config.floor_height
+
+    def are_opposed(self, place: Place, anchor: Place) -> bool:
+        """Whether two boards are known to face one another, or away from one another."""
+        facings = place.facing, anchor.facing
+        return (
+            facings[0] is not None and facings[1] is not None and float(facings[0] @ facings[1]) < -self.config.opposed
+        )
+
+    def is_same_side(self, place: Place, anchor: Place) -> bool:
+        """Whether two boards face the same way; also where that is not known."""
+        facings = place.facing, anchor.facing
+        return facings[0] is None or facings[1] is None or float(facings[0] @ facings[1]) > self.config.opposed
+
 
 def _level(direction: Point) -> Point | None:
     flat = np.array([direction[0], direction[1], 0.0])
@@ -123,25 +134,14 @@ def _level(direction: Point) -> Point | None:
 def next_to(place: Place, anchor: Place, scene: Scene) -> Judged:
     """Near enough to be a neighbour, on the same wall before across the corridor."""
     apart = scene.ways.distance(place.position, anchor.position)
-    if not is_same_floor(place, anchor):
+    if not scene.is_same_floor(place, anchor):
         return Judged(_NO)
-    reach = max(_LEAST_REACH_M, _NEIGHBOURS * scene.usual_gap)
+    reach = max(scene.config.neighbour_reach, scene.config.neighbour_gaps * scene.usual_gap)
     if apart > reach:
         return Judged(_NO)
-    if place.facing is not None and anchor.facing is not None and float(place.facing @ anchor.facing) < _OPPOSED:
-        # What faces the anchor is opposite.
-        apart *= 2.0
+    if scene.are_opposed(place, anchor):
+        apart *= scene.config.opposed_cost
     return Judged(apart)
-
-
-def is_same_floor(place: Place, anchor: Place) -> bool:
-    """Whether two boards hang on one floor; else they are no neighbours, however near."""
-    return abs(float(place.position[2] - anchor.position[2])) <= APART_M
-
-
-def is_same_side(place: Place, anchor: Place) -> bool:
-    """Whether two boards face the same way; also where that is not known."""
-    return place.facing is None or anchor.facing is None or float(place.facing @ anchor.facing) > -_OPPOSED
 
 
 def near(place: Place, anchor: Place, scene: Scene) -> Judged:
@@ -151,21 +151,22 @@ def near(place: Place, anchor: Place, scene: Scene) -> Judged:
 
 def opposite(place: Place, anchor: Place, scene: Scene) -> Judged:
     """Across, in the direction in which the anchor's board faces."""
+    config = scene.config
     facing, doubt = scene.facing_of(anchor)
     if facing is None:
         return Judged(_NO, f"which way {anchor.name} faces is not known")
-    if not is_same_floor(place, anchor):
+    if not scene.is_same_floor(place, anchor):
         return Judged(_NO, doubt)
     offset = place.position - anchor.position
     offset = np.array([offset[0], offset[1], 0.0])
     across = float(offset @ facing)
     across = abs(across) if doubt else across
     apart = float(np.linalg.norm(offset))
-    if apart < 1e-6 or across < _ACROSS_SHARE * apart:
+    if apart < 1e-6 or across < config.across_share * apart:
         return Judged(_NO, doubt)
     beside = float(np.linalg.norm(offset - (offset @ facing) * facing))
-    faces_away = place.facing is not None and float(place.facing @ facing) > 0.5
-    return Judged(across + 2.0 * beside + (10.0 if faces_away else 0.0), doubt)
+    faces_away = place.facing is not None and float(place.facing @ facing) > config.turned_away
+    return Judged(across + config.aside_cost * beside + (config.turned_away_cost if faces_away else 0.0), doubt)
 
 
 def _sideways(sign: float) -> Callable[[Place, Place, Scene], Judged]:
@@ -179,7 +180,7 @@ def _sideways(sign: float) -> Callable[[Place, Place, Scene], Judged]:
             doubt = "left and right are taken as seen from here"
         else:
             forward, doubt = None, ""
-        if not is_same_floor(place, anchor):
+        if not scene.is_same_floor(place, anchor):
             return Judged(_NO, doubt)
         if forward is None:
             return Judged(_NO, f"which way {anchor.name} faces is not known, nor where you stand")
@@ -187,15 +188,12 @@ def _sideways(sign: float) -> Callable[[Place, Place, Scene], Judged]:
         offset = place.position - anchor.position
         offset = np.array([offset[0], offset[1], 0.0])
         beside, apart = sign * float(offset @ right), float(np.linalg.norm(offset))
-        if beside <= _BESIDE_SHARE * apart:
+        if beside <= scene.config.beside_share * apart:
             return Judged(_NO, doubt)
-        across = (
-            place.facing is not None and anchor.facing is not None and float(place.facing @ anchor.facing) < _OPPOSED
-        )
-        if across:
+        if scene.are_opposed(place, anchor):
             # On the other wall it is opposite, and to the left of nothing here.
             return Judged(_NO, doubt)
-        return Judged(beside + 2.0 * abs(float(offset @ forward)), doubt)
+        return Judged(beside + scene.config.aside_cost * abs(float(offset @ forward)), doubt)
 
     return judge
 
@@ -204,7 +202,7 @@ def between(place: Place, first: Place, second: Place, scene: Scene) -> Judged:
     """On the way from one anchor to the other, with the smallest detour."""
     whole = scene.ways.distance(first.position, second.position)
     parts = scene.ways.distance(first.position, place.position), scene.ways.distance(place.position, second.position)
-    if max(parts) >= whole or sum(parts) > _DETOUR * whole:
+    if max(parts) >= whole or sum(parts) > scene.config.detour * whole:
         return Judged(_NO)
     return Judged(sum(parts) - whole)
 

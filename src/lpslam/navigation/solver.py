@@ -8,22 +8,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from lpslam.config import NavigationConfig
 from lpslam.language.wishes.form import PREVIOUS, Counting, Relation, Stop, Which, Wish
 from lpslam.language.wishes.served import LEAST_SURE, Scorer, Served
 from lpslam.navigation.columns import NEAR_ANCHORS, Serving, apart_from, detours
 from lpslam.navigation.places import Distances, Here, Place, Point, Straight
-from lpslam.navigation.relations import PAIRED, Judged, Scene, between, is_same_side, on_the_way, tree_of
+from lpslam.navigation.relations import PAIRED, Judged, Scene, between, on_the_way, tree_of
 
-_EQUAL = 0.97  # of the best score: served equally, where the nearer is chosen
-_NEARLY = 0.8  # of the best score: served well enough, where the nearest is asked for
-_SERVES = 0.6  # of the best score: what may stand in a relation, or in a list
-_MOST = 50  # places of a list
 _OUTWARDS = frozenset({Relation.NEXT_TO, Relation.NEAR, Relation.OPPOSITE, Relation.LEFT_OF, Relation.RIGHT_OF})
 """Relations that cost at least the straight way to the anchor."""
 _WEAK = frozenset({Relation.NEAR, Relation.BEFORE, Relation.BEHIND})  # said of times and manners as well
-_ALTERNATIVES = 5  # further places that are told where one is asked for
-_LEAST_SURE_IN_PLAN = 0.4  # of a stop beside others: a plan with a gap serves nobody, so the likeliest is told
-_DECIDED = 2.0  # standard deviations by which two distances must differ to be told apart
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,7 +57,12 @@ class Solution:
 
 
 def solve(
-    wish: Wish, places: Sequence[Place], scorer: Scorer, here: Here | None = None, ways: Distances | None = None
+    wish: Wish,
+    places: Sequence[Place],
+    scorer: Scorer,
+    here: Here | None = None,
+    ways: Distances | None = None,
+    config: NavigationConfig | None = None,
 ) -> Solution:
     """Answer a wish.
 
@@ -73,11 +72,11 @@ def solve(
         scorer: says which landmarks serve a stop's words.
         here: where the asker stands; unknown without.
         ways: distances between points; straight without.
+        config: thresholds; the defaults without.
     """
-    solver = _Solver(Scene(places, here or Here(), ways or Straight()), scorer)
+    solver = _Solver(Scene(places, here or Here(), ways or Straight(), config or NavigationConfig()), scorer)
     solved = _in_order(solver, wish.stops)
-    found = [each.place.id for each in solved if each.place is not None]
-    if wish.instead is not None and len(set(found)) < len(solved):
+    if wish.instead is not None and len({each.place.id for each in solved if each.place is not None}) < len(solved):
         alone = _in_order(solver, (wish.instead,))
         solved = alone
     return Solution(replace(wish, stops=tuple(each.stop for each in solved)), tuple(solved))
@@ -85,9 +84,10 @@ def solve(
 
 def _in_order(solver: "_Solver", stops: Sequence[Stop]) -> list[Solved]:
     solved: list[Solved] = []
+    # A plan with a gap serves nobody, so the likeliest is told.
+    least = LEAST_SURE if len(stops) == 1 else solver.config.least_sure_in_plan
     for stop in stops:
-        previous = solved[-1].place if solved else None
-        solved.append(solver.stop(stop, previous, bool(solved), LEAST_SURE if len(stops) == 1 else _LEAST_SURE_IN_PLAN))
+        solved.append(solver.stop(stop, solved[-1].place if solved else None, bool(solved), least))
     return solved
 
 
@@ -121,6 +121,7 @@ class _Solver:
     def __init__(self, scene: Scene, scorer: Scorer) -> None:
         self._scene = scene
         self._scorer = scorer
+        self.config = scene.config
         self._by_id = {place.id: place for place in scene.places}
 
     def stop(self, stop: Stop, previous: Place | None, is_later: bool, least: float = LEAST_SURE) -> Solved:
@@ -146,7 +147,8 @@ class _Solver:
         if not served.scores:
             return self._none(served, (served.evidence, *notes))
         if served.sure < least:
-            return self._none(served, ("it is not sure what is meant", *notes), self._listed(served)[:_ALTERNATIVES])
+            unsure = self._listed(served)[: self.config.alternatives]
+            return self._none(served, ("it is not sure what is meant", *notes), unsure)
         if stop.relation is None:
             start = previous.position if is_later and previous is not None else self._scene.here.position
             return self._ordered(served, start, notes)
@@ -199,7 +201,7 @@ class _Solver:
         scores = {id_: score for id_, score in served.scores.items() if id_ in within}
         if scores or not served.scores:
             return replace(served, scores=scores)
-        others = tuple(sorted(served.scores, key=lambda id_: (-served.scores[id_], id_))[:_ALTERNATIVES])
+        others = tuple(sorted(served.scores, key=lambda id_: (-served.scores[id_], id_))[: self.config.alternatives])
         return replace(served, scores={}, evidence=f"nothing that serves is on {served.stop.floor}", others=others)
 
     def _left_out(self, stop: Stop, served: Served, previous: Place | None) -> set[int]:
@@ -212,7 +214,7 @@ class _Solver:
         if within is not None:
             out = self._within(out, within)
         best = max(out.scores.values(), default=0.0)
-        ids = {id_ for id_, score in out.scores.items() if score >= _EQUAL * best}
+        ids = {id_ for id_, score in out.scores.items() if score >= self.config.equal_share * best}
         return ids if served.scores.keys() - ids else set(out.exact)
 
     def _idle_relation(self, stop: Stop) -> tuple[str, ...]:
@@ -232,7 +234,7 @@ class _Solver:
 
     def _listed(self, served: Served) -> list[Place]:
         serving = Serving(self._scene, served.scores)
-        return [serving.place(at) for at in serving.first(_MOST, -serving.scores)]
+        return [serving.place(at) for at in serving.first(self.config.listed, -serving.scores)]
 
     def _anchors(self, anchor: Stop, previous: Place | None) -> list[Place]:
         if anchor == PREVIOUS:
@@ -246,7 +248,7 @@ class _Solver:
             return [solved.place] if solved.place is not None else []
         # “Next to Customs” means the board that says so, not all that deals with customs.
         scores = {id_: served.scores[id_] for id_ in served.exact} or served.scores
-        serving = Serving(self._scene, scores, _EQUAL)
+        serving = Serving(self._scene, scores, self.config.equal_share)
         return [serving.place(at) for at in range(len(serving))]
 
     def _from(self, start: Point | None, serving: Serving) -> NDArray[np.float64]:
@@ -260,8 +262,8 @@ class _Solver:
 
     def _ordered(self, served: Served, start: Point | None, notes: list[str]) -> Solved:
         """Places that serve, in the order that is asked for."""
-        stop = served.stop
-        least = {Which.ANY: _EQUAL, Which.ALL: _SERVES, Which.LARGEST: _NEARLY}.get(stop.which, _NEARLY)
+        stop, config = served.stop, self.config
+        least = {Which.ANY: config.equal_share, Which.ALL: config.serves_share}.get(stop.which, config.nearly_share)
         serving = Serving(self._scene, served.scores, least)
         if start is None and stop.which in (Which.NEAREST, Which.FARTHEST):
             notes.append(f"where you stand is not known, so “{stop.which.value}” cannot be decided")
@@ -272,7 +274,7 @@ class _Solver:
         keys = (-serving.scores,) if by_score else (cost, -serving.scores)
         ranked = [
             _Ranked(float(cost[at]), serving.place(at), float(serving.scores[at]))
-            for at in serving.first(stop.rank + _MOST, *keys)
+            for at in serving.first(stop.rank + config.listed, *keys)
         ]
         if stop.which is Which.LARGEST and not any(each.place.size for each in ranked):
             notes.append("how large the places are is not known")
@@ -284,7 +286,7 @@ class _Solver:
         """Places that serve, by how they stand to the anchors."""
         stop = served.stop
         assert stop.relation is not None
-        serving = Serving(self._scene, served.scores, _NEARLY)
+        serving = Serving(self._scene, served.scores, self.config.nearly_share)
         start, note = self._start(stop, previous)
         notes += [note] if note else []
         ranked, doubts = self._in_relation(stop, serving, anchors, start)
@@ -294,7 +296,7 @@ class _Solver:
         if not ranked:
             said = " and ".join(place.name for found in anchors for place in found[:1])
             notes += list(doubts) or [f"nothing that serves stands {stop.relation.value} {said}"]
-            nearest = serving.first(_ALTERNATIVES, apart_from(serving, anchors))
+            nearest = serving.first(self.config.alternatives, apart_from(serving, anchors))
             return self._none(served, notes, [serving.place(at) for at in nearest])
         ranked.sort(key=lambda each: (each.cost, -each.score, each.place.id))
         notes += [ranked[0].doubt] if ranked[0].doubt else []
@@ -325,7 +327,7 @@ class _Solver:
             detours(serving, anchors[0], start) if is_by_detour and start is not None else apart_from(serving, anchors)
         )
         is_farthest = stop.which is Which.FARTHEST
-        wanted = stop.rank + _ALTERNATIVES
+        wanted = stop.rank + self.config.alternatives
         ranked: list[_Ranked] = []
         least: list[float] = []  # the costs of the best so far, negated: the worst of them is first
         doubts: dict[str, None] = {}
@@ -365,7 +367,7 @@ class _Solver:
         assert stop.relation is not None
         judge = PAIRED[stop.relation]
         if stop.same_side:
-            others[0] = [each for each in others[0] if is_same_side(place, each)]
+            others[0] = [each for each in others[0] if self._scene.is_same_side(place, each)]
         judged = (judge(place, each, self._scene) for each in others[0])
         return min(judged, key=lambda each: each.cost, default=Judged(math.inf))
 
@@ -381,16 +383,16 @@ class _Solver:
         is_ordered = stop.which in (Which.NEAREST, Which.FARTHEST) or stop.relation is not None
         if rival is not None and is_ordered:
             spread = math.hypot(chosen.place.uncertainty, rival.place.uncertainty)
-            if spread > 0.0 and abs(rival.cost - chosen.cost) < _DECIDED * spread:
+            if spread > 0.0 and abs(rival.cost - chosen.cost) < self.config.decided_sigmas * spread:
                 notes.append(f"{rival.place.name} may be as near: the difference is within what the map knows")
-                sure *= 0.7
+                sure *= self.config.undecided_share
         others = [each.place for each in ranked if each.place is not chosen.place]
-        others += [place for place in self._listed(served)[:_ALTERNATIVES] if place is not chosen.place]
+        others += [place for place in self._listed(served)[: self.config.alternatives] if place is not chosen.place]
         others += [self._by_id[id_] for id_ in served.others if id_ in self._by_id]
         return Solved(
             stop,
             chosen.place,
-            tuple(dict.fromkeys(others))[: _MOST if stop.which is Which.ALL else _ALTERNATIVES],
+            tuple(dict.fromkeys(others))[: self.config.listed if stop.which is Which.ALL else self.config.alternatives],
             round(min(sure, 0.99), 3),
             served.evidence,
             tuple(dict.fromkeys(notes)),

@@ -68,8 +68,8 @@ def _next(requests: BinaryIO) -> bytes | None:
 
 def _reply(request: bytes, maps: dict[str, _KnownMap]) -> bytes:
     if request.startswith(b"map "):
-        name, version, landmarks, view = unpacked(request[4:])
-        maps[name] = known = _KnownMap(name, version, Directory(landmarks), view)
+        name, version, directory, view = unpacked(request[4:])
+        maps[name] = known = _KnownMap(name, version, directory, view)
         # The tables are made now, and not when the first question waits for them.
         embedded_model().scorer(known.directory.candidates)
         for first in _FIRST:

@@ -19,6 +19,7 @@ from typing import Any, Protocol
 from lpslam.errors import LpSlamError, UserError
 from lpslam.isolated import python_command
 from lpslam.language.model import LanguageModel
+from lpslam.navigation.directory import Directory
 from lpslam.serving.atlas import ServedMap
 from lpslam.serving.questions import Asked, answered, understood
 
@@ -286,7 +287,8 @@ def as_json(value: dict[str, Any]) -> bytes:
 
 def _packed(served: ServedMap) -> tuple[str, bytes]:
     """What an answer needs of a map: not its points."""
-    return served.version, pickle.dumps((served.name, served.version, served.directory.landmarks, served.view))
+    known = served.directory
+    return served.version, pickle.dumps((served.name, served.version, known.landmarks, known.config, served.view))
 
 
 def _opened(reply: bytes) -> bytes:
@@ -298,7 +300,7 @@ def _opened(reply: bytes) -> bytes:
     return body
 
 
-def unpacked(packed: bytes) -> tuple[str, str, Any, Any]:
+def unpacked(packed: bytes) -> tuple[str, str, Directory, Any]:
     """What `_packed` made, by the process that made this one."""
-    name, version, landmarks, view = pickle.loads(packed)
-    return name, version, landmarks, view
+    name, version, landmarks, config, view = pickle.loads(packed)
+    return name, version, Directory(landmarks, config), view

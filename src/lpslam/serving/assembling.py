@@ -50,7 +50,7 @@ def assemble(
         UserError: a map cannot be read, two have one name, or uploads cannot be kept.
     """
     limits = config.serving
-    atlas = Atlas(())
+    atlas = Atlas((), config.navigation)
     for path in [*maps, *(Jobs.kept_maps(uploads) if uploads is not None else ())]:
         atlas.add(path, read=opened.read if opened is not None and path == opened.path else None)
     longest = config.language.question_length

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lpslam.config import NavigationConfig
 from lpslam.errors import LpSlamError, UserError
 from lpslam.language.sanitise import clean_text
 from lpslam.mapfile.export import landmark_record
@@ -47,13 +48,14 @@ class ServedMap:
     path_length: float
 
 
-def served(name: str, version: str, world: LanguageMap) -> ServedMap:
-    """A map made ready to be served."""
+def served(name: str, version: str, world: LanguageMap, config: NavigationConfig | None = None) -> ServedMap:
+    """A map made ready to be served; questions are answered by the thresholds of `config`, or the defaults."""
     marks = world.landmarks()
     poses = world.frame_poses()
     view, length = last_view(poses.world_from_camera), poses.path_length
     words = tuple(folded("\n".join((mark.name, *mark.other_lines))) for mark in marks)
-    return ServedMap(name, version, world, Directory(marks), view, tuple(map(landmark_record, marks)), words, length)
+    known = Directory(marks, config)
+    return ServedMap(name, version, world, known, view, tuple(map(landmark_record, marks)), words, length)
 
 
 def folded(text: str) -> str:
@@ -68,12 +70,14 @@ class Atlas:
 
     Args:
         paths: of map files; each is read at once.
+        config: thresholds of questions; the defaults without.
 
     Raises:
         UserError: there is none, one cannot be read, or two have one name.
     """
 
-    def __init__(self, paths: Iterable[Path]) -> None:
+    def __init__(self, paths: Iterable[Path], config: NavigationConfig | None = None) -> None:
+        self._config = config
         self._changing = threading.Lock()
         self._paths: dict[str, Path] = {}
         self._maps: dict[str, ServedMap] = {}
@@ -96,7 +100,7 @@ class Atlas:
         name = name or map_name(path)
         if name in self._paths:
             raise UserError(f"{path} and {self._paths[name]} would both be served as {name}: rename one of them")
-        found = _read(name, path) if read is None else served(name, *read)
+        found = self._read(name, path) if read is None else served(name, *read, self._config)
         with self._changing:
             self._paths[name], self._maps = path, {**self._maps, name: found}
         return found
@@ -140,11 +144,11 @@ class Atlas:
             version = file_version(self._paths[name])
         except OSError as error:
             raise UserError(f"the file of map {name} is gone ({error.strerror})") from error
-        return known if version == known.version else self._put(_read(name, self._paths[name]))
+        return known if version == known.version else self._put(self._read(name, self._paths[name]))
 
     def replace(self, name: str, world: LanguageMap) -> ServedMap:
         """Serve a map that has just been written to its file."""
-        return self._put(served(name, file_version(self._paths[name]), world))
+        return self._put(served(name, file_version(self._paths[name]), world, self._config))
 
     def _put(self, found: ServedMap) -> ServedMap:
         with self._changing:
@@ -165,16 +169,15 @@ class Atlas:
                 if version in (self._maps[name].version, self._tried.get(name)):
                     continue
                 self._tried[name] = version
-                found = _read(name, path)
+                found = self._read(name, path)
             except (LpSlamError, OSError) as error:
                 self._troubles[name] = f"its file cannot be read: the map is served as it was ({_line(error)})"
                 continue
             changed.append(self._put(found))
         return changed
 
-
-def _read(name: str, path: Path) -> ServedMap:
-    return served(name, *read_version(path))
+    def _read(self, name: str, path: Path) -> ServedMap:
+        return served(name, *read_version(path), self._config)
 
 
 def _line(error: Exception) -> str:

@@ -19,6 +19,7 @@ from lpslam.language.offline import OfflineModel
 from lpslam.mapfile.compatibility import refuse_other_camera
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.navigation.asking import Answer, answer, last_view
+from lpslam.navigation.directory import Directory
 from lpslam.session.announcing import AnnouncingMapper
 from lpslam.session.checks import checked_colour, checked_depth, checked_time, refuse_no_camera, refuse_no_metres
 from lpslam.session.copying import copied, poses_now
@@ -304,10 +305,10 @@ class Session:
         Raises:
             UserError: the question is empty.
         """
-        landmarks = self.landmarks()
+        known = Directory(self.landmarks(), self._config.navigation)
         with self._stepping, self._slam.map.lock:
             _, poses = self._slam.trajectory.world_from_camera(self._slam.map)
-        return answer(question, landmarks, last_view(poses), language or self._language, position, heading, excluded)
+        return answer(question, known, last_view(poses), language or self._language, position, heading, excluded)
 
     def snapshot(self) -> LanguageMap:
         """The map as it is now, which later frames do not change: to save, to distil, to draw."""

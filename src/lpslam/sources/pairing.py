@@ -12,7 +12,7 @@ from lpslam.timestamps import associate
 Payload = TypeVar("Payload")
 BUFFER = 64
 """Pictures of a kind that wait for the other kind: two seconds at 30 a second."""
-_PAUSE = 0.2
+PAUSE = 0.2
 """Seconds without depth after which frames come without: constant velocity and flow do not bridge more."""
 
 
@@ -73,14 +73,14 @@ def paired(pictures: Iterable[Stamped[Payload]], tolerance: float) -> Iterator[P
             return
         last_time = colour.timestamp
         if len(rows) and rows[0] == 0:
-            is_pause = colour.timestamp - last_paired > _PAUSE
+            is_pause = colour.timestamp - last_paired > PAUSE
             yield from (_alone(each, is_pause, tolerance) for each in unpaired)
             unpaired.clear()
             last_paired = colour.timestamp
             yield Paired(colour.timestamp, colour.payload, depths.pop(int(columns[0])).payload)
         else:
             unpaired.append(colour)
-            if colour.timestamp - last_paired > _PAUSE and last_paired > -np.inf:
+            if colour.timestamp - last_paired > PAUSE and last_paired > -np.inf:
                 yield from (_alone(each, True, tolerance) for each in unpaired)
                 unpaired.clear()
             elif len(unpaired) > BUFFER:

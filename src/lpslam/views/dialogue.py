@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam import pipeline
+from lpslam.config import Config
 from lpslam.errors import UserError
 from lpslam.language.model import Converses, LanguageModel
 from lpslam.language.questions.follow_up import follow_up
@@ -31,8 +32,9 @@ class Dialogue:
         language: LanguageModel,
         position: NDArray[np.float64] | None = None,
         heading: float | None = None,
+        config: Config | None = None,
     ) -> None:
-        self._world, self._language = world, language
+        self._world, self._language, self._config = world, language, config
         self._position, self._heading = position, heading
         self._before: str | None = None
         self._history: tuple[tuple[str, str], ...] = ()
@@ -57,6 +59,7 @@ class Dialogue:
             heading=self._heading,
             excluded=named,
             history=self._history,
+            config=self._config,
         )
         self._history += ((text, "" if answer.landmark is None else answer.landmark.name),)
         self._before, self._language_said, self._is_further = read.question, read.language, bool(named)

@@ -127,7 +127,7 @@ def test_mapping_does_not_wait_for_names_and_takes_them_when_they_come(
 ) -> None:
     server = serve(slowly(answers(knows), 0.5))
     url = f"{server.url}#m"
-    done = lpslam("run", clip(40), "--output", tmp_path / "a.lpmap", "--sequential", "--llm", url)
+    done = lpslam("run", clip(24), "--output", tmp_path / "a.lpmap", "--sequential", "--llm", url)
     assert done.code == 0, done.err
     named = [each.naming for each in LanguageMap.load(tmp_path / "a.lpmap").text.long_term]
     assert named

@@ -33,7 +33,7 @@ class Grown:
     """The map so far; messages are taken in one thread, and pictures made in another.
 
     Args:
-        config: thresholds of the ground.
+        config: thresholds of the ground, the page and questions.
 
     Attributes:
         known: for questions; replaced, never changed.
@@ -69,7 +69,8 @@ class Grown:
     def take_signs(self, signs: Signs) -> None:
         """Know the landmarks as they are now."""
         old = self.known
-        self.known = KnownSoFar("", str(int(old.version) + 1), Directory(signs.landmarks), last_view(self._poses))
+        directory = Directory(signs.landmarks, self.config.navigation)
+        self.known = KnownSoFar("", str(int(old.version) + 1), directory, last_view(self._poses))
 
     def take_ground(self, ground: Ground) -> None:
         """Know the way and the scans as they are now."""
