@@ -45,6 +45,7 @@ SIGNS = {"dev": (71, 480, PAST), "held": (72, 320, PAST), "dev-far": (73, 120, F
 """Sets of signs: seed, number and how they are passed; the fonts of those that are held are held out."""
 COVERED = 0.6  # share of a line's ink that a box must cover to be a reading of it
 SIZES = ((0, 16), (16, 28), (28, 48), (48, 999))  # pixels, of boxes
+DRAWS = 1000  # of what would be right by chance
 FITTED, RIDGE = 60, 1e-3  # Newton's steps, and what keeps the coefficients small
 
 
@@ -347,6 +348,16 @@ def calibration_error(stated: NDArray[np.float64], right: NDArray[np.bool_]) -> 
     """Mean distance of stated and measured in ten parts of equal width, each weighed by its number."""
     part = np.minimum((stated * 10).astype(int), 9)
     return float(sum(abs(stated[part == k].sum() - right[part == k].sum()) for k in range(10)) / len(stated))
+
+
+def error_by_chance(stated: NDArray[np.float64]) -> tuple[float, float]:
+    """The calibration error of so many names if each were right as often as stated: mean, and what nine in ten keep.
+
+    Few names have an error by chance alone; what is above it says that they are not as sure as stated.
+    """
+    draws = np.random.default_rng(0).random((DRAWS, len(stated)))
+    errors = [calibration_error(stated, each < stated) for each in draws]
+    return float(np.mean(errors)), float(np.quantile(errors, 0.9))
 
 
 if __name__ == "__main__":

@@ -26,7 +26,7 @@ from lpslam.text.reading.spotting import PaddleSpotter, accepted_texts
 from lpslam.text.remembering.similarity import comparison_key
 from slam_recordings import Recording
 from slam_report import Report
-from text_calibration import calibration_error, draw_stated
+from text_calibration import calibration_error, draw_stated, error_by_chance
 from text_fronts_scores import Judged, SignScore, judge, lines_said, stated_and_exact, texts_of
 
 SETS = {"development": range(1, 7), "test": range(101, 107)}
@@ -279,9 +279,11 @@ def _calibration(stated: Sequence[tuple[float, bool]]) -> list[list[str]]:
         return []
     said, exact = np.array([each for each, _ in stated]), np.array([each for _, each in stated])
     sure = exact[said >= SURE].tolist()
+    mean, most = error_by_chance(said)
     return [
         [f"Lines said to be {SURE} sure or more; exact", _share(sure), ""],
         ["Expected calibration error of lines", f"{calibration_error(said, exact):.3f}", ""],
+        ["by chance, if all were as sure as said; nine in ten", f"{mean:.3f}; {most:.3f}", ""],
     ]
 
 

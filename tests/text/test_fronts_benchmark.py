@@ -90,3 +90,12 @@ def test_a_line_is_exact_where_its_board_says_just_that() -> None:
     board = replace(mark("Copper Fox", 1.4, 2.6), lines=lines)
     stated = stated_and_exact([board], listed_signs(SIGNS, "here"), np.eye(4))
     assert stated == [(0.97, True), (0.4, False), (0.9, False)]
+
+
+def test_few_lines_have_a_calibration_error_by_chance() -> None:
+    from text_calibration import error_by_chance
+
+    few, many = (error_by_chance(np.full(count, 0.9)) for count in (30, 3000))
+    assert 0.03 < few[0] < few[1] < 0.12
+    assert many[1] < 0.015
+    assert error_by_chance(np.ones(30)) == (0.0, 0.0)

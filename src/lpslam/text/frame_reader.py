@@ -13,7 +13,8 @@ from lpslam.text.placing.placement import PlacementFault, is_squeezed
 from lpslam.text.reading.blocks import around, read_in_parts, stacks_of
 from lpslam.text.reading.boxes import Boxes
 from lpslam.text.reading.colours import read_in_colours
-from lpslam.text.reading.ornaments import pattern_likenesses, says_a_pattern
+from lpslam.text.reading.ornaments import pattern_likenesses, says_a_pattern, says_a_text
+from lpslam.text.reading.patterns import Likeness
 from lpslam.text.reading.spotting import ReadsElsewhere, SearchesSmaller, TextSpotter, accepted_texts
 from lpslam.text.sorting import CUT, BoxSorter
 from lpslam.text.types import BoxFate, FrameReading, PlacedTexts, Placement, SpottedText, TextStatistics
@@ -34,7 +35,7 @@ class _Stand:
 class _Sorted:
     """The (n, 4, 2) boxes of a frame, what becomes of each, where those stand that are read, and what they say.
 
-    Rows that are `refused` hold patterns.
+    Rows that are `refused` hold patterns; `doubtful` ones look like patterns, and what they say decides.
     """
 
     boxes: Boxes
@@ -42,6 +43,7 @@ class _Sorted:
     placements: dict[int, Placement | PlacementFault]
     texts: dict[int, SpottedText] = field(default_factory=dict)
     refused: list[int] = field(default_factory=list)
+    doubtful: set[int] = field(default_factory=set)
 
     def refuse(self, row: int) -> None:
         """Note that a box holds a pattern; one that is cut stays so, since what is beyond nobody saw."""
@@ -144,10 +146,13 @@ class FrameReader:
         rows = sorted(found.placements)
         likenesses = pattern_likenesses(frame.rgb, found.boxes[rows])
         for row, like in zip(rows, likenesses, strict=True):
-            if not self._sorter.is_ornament(like, found.placements[row], stand.world_from_keyframe):
-                kept.append(row)
-            else:
+            is_ornament = self._sorter.is_ornament(like, found.placements[row], stand.world_from_keyframe)
+            if is_ornament and like is Likeness.IS:
                 found.refuse(row)
+                continue
+            kept.append(row)
+            if is_ornament:
+                found.doubtful.add(row)
         return kept
 
     def _recognise(self, frame: RgbdFrame, found: _Sorted, rows: Sequence[int]) -> None:
@@ -156,6 +161,9 @@ class FrameReader:
         boxes = found.boxes[rows]
         accepted = accepted_texts(boxes, self._spotter.recognise(frame.rgb, boxes), self._config.spotting)
         for row, text in zip(rows, accepted, strict=True):
+            if row in found.doubtful and not (text is not None and says_a_text(text.text)):
+                found.refuse(row)
+                continue
             text = read_in_colours(frame.rgb, found.boxes[row], text, self._spotter, self._config.spotting)
             if text is None or is_squeezed(text.text, found.placements[row]):
                 continue

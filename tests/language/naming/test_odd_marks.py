@@ -8,7 +8,7 @@ from lpslam.language.offline import OfflineModel
 from lpslam.language.tables.knowledge import load_knowledge
 
 
-@pytest.mark.parametrize("text", ["12 Harbour,Road", "牛肉7.元", "Greenwich -ark", "Lift|3", "Bar (open"])
+@pytest.mark.parametrize("text", ["12 Harbour,Road", "牛肉7.元", "Greenwich -ark", "Lift|3", "Bar (open", "LADD :R"])
 def test_a_mark_where_none_is_painted_is_odd(text: str) -> None:
     assert odd_marks(text)
 
@@ -16,7 +16,7 @@ def test_a_mark_where_none_is_painted_is_odd(text: str) -> None:
 @pytest.mark.parametrize(
     "text",
     ["H&M", "MON-SAT 8:00-17:30", "Paint 10.90", "(02) 123-4567", "20,000", "St. John's", "你好,欢迎光临", "-20%",
-     "E.Leclerc", "Sale!", "Sandwiches, wraps", "24/7", "Tel: 5551", "No.5", "Bar (open)"],
+     "E.Leclerc", "Sale!", "Sandwiches, wraps", "24/7", "Tel: 5551", "No.5", "Bar (open)", "Open : daily"],
 )  # fmt: skip
 def test_marks_that_signs_have_are_not(text: str) -> None:
     assert not odd_marks(text)
@@ -39,3 +39,13 @@ def test_a_name_with_an_odd_mark_is_unsure_and_one_whose_gap_was_told_is_not() -
     )
     assert odd.confidence < 0.5 < plain.confidence
     assert (mended.name, mended.confidence > 0.9) == ("Harbour Road", True)
+
+
+def test_an_odd_mark_stands_for_a_letter() -> None:
+    namer = OfflineModel()
+    ladder = namer.name(
+        [Reading("SCARLET LADD :R", 16, 0.97, 0.7, 2.6), Reading("SCARLET LADDER", 5, 0.96, 0.58, 0.45)]
+    )
+    assert ladder.name == "SCARLET LADDER"
+    harbour = namer.name([Reading("Harbour,Road", 6, 0.99, 0.95, 3.0), Reading("Harbour1Road", 1, 0.8, 0.4, 0.5)])
+    assert harbour.name == "Harbour Road"

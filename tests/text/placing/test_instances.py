@@ -86,6 +86,15 @@ def test_what_one_frame_shows_twice_stands_twice() -> None:
     assert [rows.tolist() for rows in places] == [[0, 1, 2, 3, 4], [5, 6, 7, 8, 9]]
 
 
+def test_how_a_text_faces_tells_no_two_apart_within_a_frame() -> None:
+    positions = np.repeat([[0.0, 0.0, 2.0], [0.0, 0.0, 2.1]], 5, axis=0)
+    turns = np.tile(np.linspace(-0.9, 0.9, 5), 2)
+    normals = np.column_stack([np.sin(turns), np.cos(turns), np.zeros(10)])
+    frames = np.tile(np.arange(5), 2)
+    places = split_places(positions, normals, frames, CONFIG)
+    assert [rows.tolist() for rows in places] == [[0, 1, 2, 3, 4], [5, 6, 7, 8, 9]]
+
+
 def test_observations_move_with_their_keyframes() -> None:
     placement = Placement((0.0, 0.0, 2.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0), 0.5, 0.1, 0.01)
     observations = [TextObservation(frame, 0.0, frame % 2, "EXIT", 0.9, placement, 24.0) for frame in range(4)]

@@ -257,3 +257,18 @@ def test_bearings_survive_the_document_and_older_ones_have_none() -> None:
 def test_what_has_no_place_says_so() -> None:
     with pytest.raises(ValueError, match="not placed"):
         _ = seen(0, WALK[0], sign((0.2, -0.4, 3.0))).place
+
+
+def test_equal_entries_of_one_list_are_two_places() -> None:
+    upper, lower = (0.0, -0.05, 4.0), (0.0, 0.05, 4.0)
+    around = {"depth": 4.4, "uncertainty": 0.3}
+    observations = [
+        replace(seen(2 * number + row, pose, sign(middle), 1.5, **around), keyframe=number, frame=number)
+        for number, pose in enumerate(WALK)
+        for row, middle in enumerate((upper, lower))
+    ]
+    found = where(placed(observations, poses_of(WALK), CONFIG), WALK)
+    assert np.median(found[0::2], axis=0) == pytest.approx(upper, abs=0.1)
+    assert np.median(found[1::2, 1] - found[0::2, 1]) == pytest.approx(0.1, abs=0.04)
+    marks = places_of_class(text_class(observations), poses_of(WALK), CONFIG, MemoryConfig())
+    assert len(marks) == 2

@@ -13,6 +13,7 @@ from math import exp, log
 from rapidfuzz.distance import Editop, Levenshtein
 
 from lpslam.language.model import Reading, Slots
+from lpslam.language.naming.marks import ODD_MARK, misread_letters
 from lpslam.language.tables.spelling import is_alike, is_ideograph
 
 # Natural logarithms of how much rarer each slip is than some slip: of letters that look alike, of any, of none at all,
@@ -33,7 +34,7 @@ _OWN_ODDS = 0.7
 _AGAIN = 0.7
 # A slip that another reading of the same sign shows as well, or the same hidden end: what hides it is still there.
 KNOWN = 1.5
-# A thin letter for which a mark was read, 1 as : or ]; a mark says nothing of any other.
+# A thin letter for which a mark was read, 1 as : or ]; of any other a mark says nothing but where signs have none.
 _MARKED, _THIN = 0.7, frozenset("1lijtı")
 # A reading of something else altogether.
 _FOREIGN = 16.0
@@ -62,6 +63,7 @@ class Seen:
         letters: for each letter of the key, what else it may be, with the reader's probability; empty if not known.
         gaps: before which letter of the key another one was nearly read, and how surely.
         marks: before which letters of the key a mark was read.
+        odd: those of them that stand for a letter, since signs have no mark there.
         doubts: of each letter of the key, its share of what may be wrong; empty where all have an equal one.
     """
 
@@ -71,6 +73,7 @@ class Seen:
     letters: tuple[Mapping[str, float], ...] = ()
     gaps: Mapping[int, Mapping[str, float]] | None = None
     marks: frozenset[int] = frozenset()
+    odd: frozenset[int] = frozenset()
     doubts: tuple[float, ...] = ()
 
 
@@ -81,7 +84,7 @@ def paint_key(text: str) -> str:
 
 def evidence_of(readings: Iterable[Reading]) -> list[Seen]:
     """Take readings as evidence, the weightiest first; equal keys with equal marks are one; none without a letter."""
-    grouped: dict[tuple[str, frozenset[int]], list[Seen]] = {}
+    grouped: dict[tuple[str, frozenset[int], frozenset[int]], list[Seen]] = {}
     for each in readings:
         key = paint_key(each.text)
         if not key or each.count <= 0:
@@ -90,9 +93,10 @@ def evidence_of(readings: Iterable[Reading]) -> list[Seen]:
         right = min(max(each.confidence, 0.0), 1.0) ** len(key) if each.right is None else each.right
         weight = each.count**_REPETITION if each.looks is None else each.looks
         letters, gaps = _aligned(key, each.slots)
-        right, marks = min(max(right, _LEAST_RIGHT), _MOST_RIGHT), _marks(each.text)
-        own = Seen(key, right, weight, letters, gaps, marks, doubts_of(key, letters))
-        grouped.setdefault((key, marks), []).append(own)
+        right, marks = min(max(right, _LEAST_RIGHT), _MOST_RIGHT), _before(each.text, _marks(each.text))
+        odd = _before(each.text, misread_letters(each.text))
+        own = Seen(key, right, weight, letters, gaps, marks, odd, doubts_of(key, letters))
+        grouped.setdefault((key, marks, odd), []).append(own)
     seen = _humbled(_one_look_at_least([_together(same) for same in grouped.values()]))
     return sorted(seen, key=lambda each: (-each.weight * each.right, each.key))
 
@@ -130,9 +134,14 @@ def _together(same: Sequence[Seen]) -> Seen:
     return replace(best, right=1.0 / (1.0 + exp(-odds)), weight=weight)
 
 
-def _marks(text: str) -> frozenset[int]:
-    """Before which letters of a text's key a mark stands, that is no space."""
-    return frozenset(len(paint_key(text[:at])) for at, ch in enumerate(text) if not ch.isalnum() and not ch.isspace())
+def _marks(text: str) -> list[int]:
+    """Where in a text marks stand, that are no spaces."""
+    return [at for at, ch in enumerate(text) if not ch.isalnum() and not ch.isspace()]
+
+
+def _before(text: str, places: Iterable[int]) -> frozenset[int]:
+    """Before which letters of a text's key these places of the text are."""
+    return frozenset(len(paint_key(text[:at])) for at in places)
 
 
 def _aligned(key: str, slots: Slots) -> tuple[tuple[Mapping[str, float], ...], Mapping[int, Mapping[str, float]]]:
@@ -177,7 +186,7 @@ def log_likelihood(painted: str, evidence: Iterable[Seen], looks: Callable[[str]
 
 def _of_one(painted: str, seen: Seen, looks: Callable[[str], str], known: set[_Slip]) -> float:
     all_right = log(seen.right)
-    if painted == seen.key:
+    if painted == seen.key and not seen.odd:
         return seen.weight * all_right
     ends, slips = _costs(painted, seen, looks, known)
     first = max(all_right - ends - slips, -_FOREIGN)
@@ -194,8 +203,8 @@ def _costs(painted: str, seen: Seen, looks: Callable[[str], str], known: set[_Sl
     Slips that are `known` of this sign cost little; those of this reading are, from then on.
     """
     read = seen.key
-    if looks(painted) == looks(read):
-        return 0.0, slip_of(seen) + _ALIKE
+    if painted == read or looks(painted) == looks(read):
+        return _odd_cost(seen.odd, known), 0.0 if painted == read else slip_of(seen) + _ALIKE
     steps = steps_between(painted, read)
     cut = ends_of({step.src_pos for step in steps if step.tag == "delete"}, len(painted))
     joined = ends_of({step.dest_pos for step in steps if step.tag == "insert"}, len(read))
@@ -208,6 +217,7 @@ def _costs(painted: str, seen: Seen, looks: Callable[[str], str], known: set[_Sl
         slips = sum(added_cost(painted, seen, at) for at in end)
         ends += min(_JOINED_END + _JOINED_LETTER * len(end), slips) if end else 0.0
     ends_lost, ends_added = cut[0] | cut[1], joined[0] | joined[1]
+    ends += _odd_cost(seen.odd - {step.dest_pos for step in steps if step.tag == "delete"}, known)
     cost = 0.0
     for step in steps:
         own = (step.tag, step.src_pos, read[step.dest_pos] if step.tag != "delete" else "")
@@ -221,6 +231,11 @@ def _costs(painted: str, seen: Seen, looks: Callable[[str], str], known: set[_Sl
             continue
         cost += _once(own, one, known)
     return ends, cost
+
+
+def _odd_cost(odd: Iterable[int], known: set[_Slip]) -> float:
+    """What marks cost for which no letter is painted, in places where signs have none."""
+    return sum(_once(("mark", at, ""), ODD_MARK, known) for at in odd)
 
 
 def _once(slip: _Slip, cost: float, known: set[_Slip]) -> float:
@@ -284,6 +299,8 @@ def replaced_cost(letter: str, seen: Seen, at: int, looks: Callable[[str], str])
 def lost_cost(letter: str, seen: Seen, at: int) -> float:
     """Cost of nothing read before place `at` where `letter` is painted."""
     gap = seen.gaps.get(at, {}) if seen.gaps else {}
+    if at in seen.odd:
+        return _MARKED
     return min(slip_of(seen, before=at) + _LOST, _own_cost(gap, "", letter))
 
 

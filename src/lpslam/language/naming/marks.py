@@ -4,7 +4,7 @@ from collections.abc import Container
 
 from lpslam.language.tables.spelling import is_ideograph
 
-_PAUSES, _NEVER = frozenset(",;"), frozenset("|\\^~")
+_PAUSES, _BEHIND, _NEVER = frozenset(",;"), frozenset(",;:!?."), frozenset("|\\^~")
 _PAIRS = {"(": ")", "[": "]", "{": "}", "（": "）", "【": "】", "「": "」"}
 _CLOSING = {closing: opening for opening, closing in _PAIRS.items()}
 
@@ -17,7 +17,8 @@ def odd_marks(text: str) -> list[int]:
     """Where in a text marks stand where signs have none.
 
     Of 52,000 known names none has a comma with a Latin letter right behind it, two have a point between a digit and a
-    letter, two a dash with a space before and a letter behind it, one a bar, none half a pair of brackets.
+    letter, two a dash with a space before and a letter behind it, one a bar, none half a pair of brackets, and none a
+    colon, point or the like with a space before and a letter behind it.
     """
     found = []
     for at, mark in enumerate(text):
@@ -29,7 +30,14 @@ def odd_marks(text: str) -> list[int]:
     return found
 
 
+def misread_letters(text: str) -> list[int]:
+    """Where in a text odd marks stand for letters; a comma right between two may be their gap."""
+    return [at for at in odd_marks(text) if text[at] not in _PAUSES or text[at - 1].isspace()]
+
+
 def _is_odd(mark: str, before: str, behind: str) -> bool:
+    if mark in _BEHIND and before.isspace() and behind.isalpha():
+        return True
     if mark in _PAUSES:
         # A comma of 20,000 has no space, nor has Chinese.
         return before.isalnum() and behind.isalpha() and not is_ideograph(before) and not is_ideograph(behind)

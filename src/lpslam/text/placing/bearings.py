@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lpslam.camera import inverse_transform
 from lpslam.config import InstanceConfig
@@ -107,10 +108,10 @@ def _best(views: Views, left: Rows, sure: Rows) -> tuple[Rows, Rows]:
     strayed = np.concatenate([strayed, np.zeros(len(meeting))])
     distances = np.linalg.norm(points[:, None] - views.origins[left], axis=2)
     allowed = _SIGMAS * np.hypot(views.noise[left], np.minimum(strayed[:, None] / np.maximum(distances, 1e-6), 0.1))
-    agree = angles(points, views.origins[left], views.directions[left]) < allowed
-    scores = [(views.keyframes_of(left[row]), int(row.sum())) if row.any() else (0, 0) for row in agree]
-    # Depth says more than that directions cross: of equals it comes first.
-    best = max(range(len(points)), key=lambda row: (scores[row], -row))
+    agree, scores = _agreement(views, left, angles(points, views.origins[left], views.directions[left]) / allowed)
+    # Depth says more than that directions cross: of equals it comes first. A point between two texts has as many views
+    # as either, but none of them nearly.
+    best = max(range(len(points)), key=lambda row: (scores[row][:2], row < len(standing), scores[row][2]))
     here = left[agree[best]]
     has_depth = best < len(standing)
     if not has_depth and (scores[best][0] < 2 or len(here) < _FEWEST_VIEWS):
@@ -123,6 +124,27 @@ def _best(views: Views, left: Rows, sure: Rows) -> tuple[Rows, Rows]:
         < _SIGMAS * np.hypot(strayed[best], other.uncertainty)
     ]
     return here, np.array(near, np.intp)
+
+
+def _agreement(views: Views, rows: Rows, misses: Array) -> tuple[NDArray[np.bool_], list[tuple[int, int, float]]]:
+    """Which of some views agree with each of m points; from how many keyframes, how many, and how nearly.
+
+    What one frame saw twice is two texts, be they entries of one list: the nearer one agrees.
+
+    Args:
+        views: all of a class.
+        rows: of those asked.
+        misses: (m, n) by how much they miss the points, as shares of what is allowed.
+    """
+    agree = misses < 1.0
+    _, frame_of, times = np.unique(views.frames[rows], return_inverse=True, return_counts=True)
+    for frame in np.flatnonzero(times > 1):
+        twice = np.flatnonzero(frame_of == frame)
+        nearest = twice[misses[:, twice].argmin(axis=1)]
+        agree[:, twice] &= twice == nearest[:, None]
+    nearness = np.where(agree, 1.0 - misses**2, 0.0).sum(axis=1).tolist()
+    counts = [(views.keyframes_of(rows[own]), int(own.sum())) for own in agree]
+    return agree, [(*count, near) for count, near in zip(counts, nearness, strict=True)]
 
 
 def _meetings(views: Views, rows: Rows) -> Array:
@@ -179,12 +201,12 @@ def _overruled(views: Views) -> dict[int, Placement]:
     left = np.flatnonzero(views.sure)
     while len(left) >= _FEWEST_VIEWS and views.keyframes_of(left) >= 2 and _wander(views, left):
         points = _meetings(views, left)
-        agree = angles(points, views.origins[left], views.directions[left]) < _SIGMAS * views.noise[left]
-        scores = [(views.keyframes_of(left[row]), int(row.sum())) if row.any() else (0, 0) for row in agree]
+        allowed = _SIGMAS * views.noise[left]
+        agree, scores = _agreement(views, left, angles(points, views.origins[left], views.directions[left]) / allowed)
         best = max(range(len(points)), key=lambda row: (scores[row], -row), default=-1)
-        if best < 0 or scores[best][0] < 2 or scores[best][1] < _FEWEST_VIEWS:
+        rows = left[agree[best]] if best >= 0 else left[:0]
+        if len(rows) < _FEWEST_VIEWS or scores[best][0] < 2:
             break
-        rows = left[agree[best]]
         seen = views.origins[rows], views.directions[rows], views.noise[rows], views.shares(rows)
         place = triangulate(*seen, start=points[best])
         if place is not None and place.misfit <= _MISFIT and _refutes(place, views, rows):

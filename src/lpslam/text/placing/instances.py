@@ -59,8 +59,9 @@ def split_places(
     features = np.hstack([positions, normals * (config.facing_distance / 2.0)])
     places = []
     for rows in _linked(features, np.arange(len(features)), config.place_distance):
-        apart = _distance_within_frames(features[rows], frames[rows])
-        places += _linked(features, rows, 0.5 * apart) if apart is not None else [rows]
+        # Facing told them apart already: within a frame it is noise.
+        apart = _distance_within_frames(positions[rows], frames[rows])
+        places += _linked(positions, rows, 0.5 * apart) if apart is not None else [rows]
     places = _both_sides(places, positions, normals, config.sign_thickness)
     return sorted(places, key=lambda rows: int(rows[0]))
 
@@ -89,10 +90,10 @@ def _both_sides(
     return joined
 
 
-def _distance_within_frames(features: Array, frames: NDArray[np.int64]) -> float | None:
+def _distance_within_frames(positions: Array, frames: NDArray[np.int64]) -> float | None:
     """How far apart sightings of the same frame are, if two or more frames saw the class more than once."""
     first, second = np.triu_indices(len(frames), 1)
     same = frames[first] == frames[second]
     if len(np.unique(frames[first[same]])) < 2:
         return None
-    return float(np.median(np.linalg.norm(features[first[same]] - features[second[same]], axis=1)))
+    return float(np.median(np.linalg.norm(positions[first[same]] - positions[second[same]], axis=1)))

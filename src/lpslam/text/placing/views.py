@@ -43,6 +43,7 @@ class Views:
         lacking: (n,) radians, what the box may lack of its text, or have more than it.
         spellings: (n,) numbers, the same where the same was read.
         keyframes: (n,) on which they hang.
+        frames: (n,) in which they were seen.
         placements: by depth, in the world; None without.
         sure: (n,) whether depth placed them surely.
     """
@@ -54,6 +55,7 @@ class Views:
     lacking: Array
     spellings: Rows
     keyframes: NDArray[np.int64]
+    frames: NDArray[np.int64]
     placements: list[Placement | None]
     sure: NDArray[np.bool_]
 
@@ -102,6 +104,7 @@ def views_of(
         lacking=lacking,
         spellings=spellings,
         keyframes=np.array([each.keyframe for each in observations], np.int64),
+        frames=np.array([each.frame for each in observations], np.int64),
         placements=placements,
         sure=np.array(sure, np.bool_),
     )

@@ -77,6 +77,11 @@ def says_a_pattern(rgb: NDArray[np.uint8], box: NDArray[np.float64], text: str) 
     return odds >= CLEAR or _along_its_line(rgb, box, SUSPECT_ALIKE) is Likeness.IS
 
 
+def says_a_text(text: str) -> bool:
+    """Whether what was read is spelt as texts are and patterns are not: evenly set characters look alike, blurred."""
+    return pattern_odds(text) <= -SUSPECT
+
+
 class PatternVotes:
     """What single views cannot tell, all views of a place do: a word looks like a pattern in few of them."""
 
