@@ -45,6 +45,7 @@ _CAPITALS_ARE_NAMES = frozenset({"en", "es", "fr"})
 _SURE, _NAMED, _ACROSS = 1.0, 0.9, 0.85  # of a code or person, of a part of a name, of a name in another script
 _WHOLE = 0.95  # of a name's letters: the name itself
 _FEWEST_BORNE, _MOST_BORNE = 2, 0.5  # words of a question that a board bears, and their share of its letters
+_MOST_OF_IT = 0.7  # of the letters that are asked for: a name, with a particle
 _READ = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
 _LEAST_LITERAL = 0.3  # of a board's letters that are asked for word by word
 
@@ -103,6 +104,8 @@ class EmbeddedScorer:
         meaning = self._read(served.stop)
         said = self._by_words(served.stop, meaning, served.ignored)
         other = probability(self.clues(said)) if said is not None and said.scores else 0.0
+        if max(other, sure) < LEAST_SURE and (heard := self._by_ear(served.stop, meaning, served.ignored)) is not None:
+            return heard
         return served if said is None or other <= sure else replace(said, sure=other, confidence=other)
 
     def _read(self, stop: Stop) -> Meaning:
@@ -188,11 +191,9 @@ class EmbeddedScorer:
         literal = self._by_words(stop, meaning, ignored)
         if literal is not None:
             return literal
-        sounding = {} if self._refuses(stop.what, meaning) else self._names.sounding(self._asked.asked(stop.what)[1])
-        if sounding:
-            scores = self._trusted(sounding)
-            said = "a name that sounds so"
-            return Served(stop, scores, said, 0.7, ignored=ignored, way=Way.WORDS, strength=max(sounding.values()))
+        heard = self._by_ear(stop, meaning, ignored)
+        if heard is not None:
+            return heard
         numbered = self._numbered(stop, ignored)
         if numbered is not None:
             return numbered
@@ -201,6 +202,20 @@ class EmbeddedScorer:
             scores = self._trusted(told)
             return Served(stop, scores, "the board says so", 0.8, ignored=ignored, way=Way.TOLD)
         return None
+
+    def _by_ear(self, stop: Stop, meaning: Meaning, ignored: tuple[str, ...]) -> Served | None:
+        """The one landmark whose name sounds like all that is asked for, else like words that no table knows."""
+        words, proper = ([], []) if self._refuses(stop.what, meaning) else self._asked.asked(stop.what)
+        is_name = sum(map(len, proper)) >= _MOST_OF_IT * sum(map(len, words))
+        heard = (
+            (self._names.sounding(words, is_all=True) if proper else {})
+            or (self._names.sounding(proper, is_all=True) if is_name else {})
+            or self._names.sounding(proper)
+        )
+        if not heard:
+            return None
+        scores, said = self._trusted(heard), "a name that sounds so"
+        return Served(stop, scores, said, 0.8, ignored=ignored, way=Way.HEARD, strength=max(heard.values()))
 
     def _supported(
         self, stop: Stop, meaning: Meaning, scores: Mapping[int, float], within: set[int] | None
@@ -347,6 +362,9 @@ class EmbeddedScorer:
         if not words:
             return {}
         whole = self._names.covered(words)
+        slipped = {} if whole else self._names.slipped(words)
+        if slipped:
+            return slipped
         exact = {id_: _SURE for id_, share in whole.items() if share >= _WHOLE}
         if not proper and not (exact and self._unread(exact)):
             # “フェルメール” means painters, and stands on a board in Latin letters.

@@ -20,12 +20,13 @@ class Way(StrEnum):
     SORT = "any of a sort"
     KIND = "kind"
     WORDS = "words of the board"
+    HEARD = "name as heard"
     TOLD = "told apart"
     GUESS = "guess"
 
 
-UNQUESTIONED = (Way.PLACE, Way.IDENTITY, Way.SORT)
-"""What is told by the map, or must stand on the board: nothing that words could be mistaken for."""
+UNQUESTIONED = (Way.PLACE, Way.IDENTITY, Way.SORT, Way.HEARD)
+"""What is told by the map, must stand on the board, or sounds like one name alone: no words to be mistaken."""
 
 
 @dataclass(frozen=True, slots=True)
