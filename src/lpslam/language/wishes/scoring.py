@@ -144,16 +144,19 @@ class EmbeddedScorer:
         if allowed is not None:
             scores = self._of_the_kind(stop, self._trusted(allowed))
             return Served(stop, scores, "the board bears it", 0.97, ignored=ignored, way=Way.IDENTITY)
+        here = {} if stop.identity else self._identities.numbered_as_here(stop.what)
+        if here:
+            return Served(stop, self._trusted(here), "the board bears it", 0.97, ignored=ignored, way=Way.IDENTITY)
         meaning = self._read(stop)
         stop = with_meaning(stop, [kind for kind, _ in meaning.wanted], (*meaning.refused, *meaning.refused_names))
         within = self._identities.on_level(stop, ignored)
         found = self._by_name(stop, meaning)
         if found:
-            here = _within(found, within)
-            scores = self._trusted(here)
+            left = _within(found, within)
+            scores = self._trusted(left)
             named = frozenset(scores)
             strength = max(scores.values(), default=0.0)
-            said = "the board says the name" if scores or not here else _DISTRUSTED
+            said = "the board says the name" if scores or not left else _DISTRUSTED
             return Served(stop, scores, said, 0.95, ignored=ignored, exact=named, way=Way.NAME, strength=strength)
         general = self._sorts.of_any_sort(stop, meaning)
         if general:
