@@ -45,6 +45,9 @@ class Served:
         strength: of the best, before scores were divided by it.
         heard: what tells how sure the words of a question make us, by name.
         exact: of those, the landmarks whose board says these very words, and no more.
+        read: how well landmarks serve what the tables read, by id, before anything else speaks.
+        is_said: whether every word that is asked asks for what was found.
+        settled: whether it is known that what is asked for is not here.
         sees_all: whether every landmark that serves has its score; a model names a few only.
     """
 
@@ -61,6 +64,9 @@ class Served:
     strength: float = 1.0
     heard: Mapping[str, float] = field(default_factory=dict)
     sure: float = 1.0
+    read: Mapping[int, float] = field(default_factory=dict)
+    is_said: bool = False
+    settled: bool = False
 
 
 class Scorer(Protocol):
