@@ -146,7 +146,7 @@ class _Solver:
         if not served.scores:
             return self._none(served, (served.evidence, *notes))
         if served.sure < least:
-            return self._none(served, ("it is not sure what is meant", *notes), self._listed(served)[:_ALTERNATIVES])
+            return self._none(served, (served.doubt, *notes), self._listed(served)[:_ALTERNATIVES])
         if stop.relation is None:
             start = previous.position if is_later and previous is not None else self._scene.here.position
             return self._ordered(served, start, notes)

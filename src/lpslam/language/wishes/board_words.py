@@ -9,13 +9,14 @@ from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.words import is_mark, is_unspaced, longest_phrases
 from lpslam.language.wishes.asked_words import SHORTEST, AskedWords
 from lpslam.language.wishes.names import Names
-from lpslam.language.wishes.reading import content_of, wish_languages
+from lpslam.language.wishes.reading import content_left, content_of, wish_languages
 from lpslam.language.wishes.rules import rules_of
 
 _SURE, _NAMED, _ACROSS = 1.0, 0.9, 0.85  # of a code or person, of a part of a name, of a name in another script
 _WHOLE = 0.95  # of a name's letters: the name itself
 _FEWEST_BORNE, _MOST_BORNE = 2, 0.5  # words of a question that a board bears, and their share of its letters
 _MOST_OF_IT = 0.7  # of the letters that are asked for: a name, with a particle
+_FEW_WORDS = 3  # of a stop that may be no more than a name and the word before it
 _LEAST_LITERAL = 0.3  # of a board's letters that are asked for word by word
 
 
@@ -43,7 +44,7 @@ class BoardWords:
         languages = wish_languages(text, self._knowledge)
         words, proper = self._asked.asked(text)
         if not words:
-            return {}
+            return self._all_common(text, languages)
         whole = self._names.covered(words)
         slipped = {} if whole else self._names.slipped(words)
         if slipped:
@@ -68,6 +69,15 @@ class BoardWords:
             return {id_: _NAMED + (1.0 - _NAMED) * share for id_, share in named.items()}
         sounding = self._names.across(proper)
         return {id_: _ACROSS * share for id_, share in sounding.items()}
+
+    def _all_common(self, text: str, languages: Sequence[str]) -> dict[int, float]:
+        """“Zu think”: boards that no table reads, whose name is a common word of a language and all that is left."""
+        if len(text.split()) > _FEW_WORDS:
+            return {}
+        left = [self._knowledge.folder.units(content_left(text, rules_of(language))) for language in languages]
+        found = [self._names.covered(units) for units in left if len(units) == 1 and not is_mark(units[0])]
+        ids = {id_: _SURE for each in found for id_, share in each.items() if share >= _WHOLE}
+        return ids if ids and self._unread(ids) else {}
 
     def by_ear(self, text: str, meaning: Meaning) -> dict[int, float]:
         """The one landmark whose name sounds like all that is asked for, else like words that no table knows."""

@@ -8,6 +8,7 @@ from lpslam.language.choosing.guessing import Guess, Guessing, Heard
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import best_of
 from lpslam.language.choosing.support import Support
+from lpslam.language.questions.phrasing import answer_language, phrases_in
 from lpslam.language.questions.wanted import Wish as Meaning
 from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.knowledge import Knowledge
@@ -83,15 +84,12 @@ class Guesses:
         return self.guessing.best(heard, found, is_read)
 
     def _guessed(self, served: Served, guess: Guess, scores: Mapping[int, float]) -> Served:
-        sure = guess.sure if guess.sure >= _LEAST_GUESSED else min(guess.sure, LEAST_SURE - 0.01)
+        found = replace(served, scores=scores, way=Way.GUESS, exact=frozenset(), strength=0.0)
+        if guess.sure < _LEAST_GUESSED:
+            # What tables have to say of it goes before what is likeliest: “Starbucks is not on this map”.
+            doubt = served.doubt if served.scores else served.evidence
+            return replace(found, sure=min(guess.sure, LEAST_SURE - 0.01), doubt=doubt)
+        phrases = phrases_in(answer_language(served.stop.what, served.stop.language))
         name = clean_text(self._index.name_of[guess.best])
-        return replace(
-            served,
-            scores=scores,
-            evidence=f"“{served.stop.what}” comes nearest to “{name}”",
-            confidence=sure,
-            sure=sure,
-            way=Way.GUESS,
-            exact=frozenset(),
-            strength=0.0,
-        )
+        evidence = phrases.say("words_speak", words=served.stop.what, name=name)
+        return replace(found, evidence=evidence, confidence=guess.sure, sure=guess.sure)

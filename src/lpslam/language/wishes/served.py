@@ -11,6 +11,9 @@ LEAST_SURE = 0.75
 """Probability of a place to be what was meant, below which the answer is none: a wrong one is three times as bad."""
 
 
+NOT_SURE = "it is not sure what is meant"
+
+
 class Way(StrEnum):
     """How what serves was found."""
 
@@ -46,6 +49,7 @@ class Served:
         heard: what tells how sure the words of a question make us, by name.
         exact: of those, the landmarks whose board says these very words, and no more.
         read: how well landmarks serve what the tables read, by id, before anything else speaks.
+        doubt: why none is the answer where that is not sure.
         is_said: whether every word that is asked asks for what was found.
         settled: whether it is known that what is asked for is not here.
         sees_all: whether every landmark that serves has its score; a model names a few only.
@@ -65,6 +69,7 @@ class Served:
     heard: Mapping[str, float] = field(default_factory=dict)
     sure: float = 1.0
     read: Mapping[int, float] = field(default_factory=dict)
+    doubt: str = NOT_SURE
     is_said: bool = False
     settled: bool = False
 
