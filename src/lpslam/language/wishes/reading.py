@@ -124,8 +124,8 @@ def _pieces(text: str, languages: Sequence[str], knowledge: Knowledge) -> list[s
 def _unordered(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> list[str]:
     """Things that are listed without a word for their order: three at least, each something of its own."""
     pieces = chained(text, languages)
-    wanting = sum(_are_things((piece,), knowledge) for piece in pieces)
-    if len(pieces) >= _FEWEST_LISTED and wanting >= len(pieces) - 1 and all(map(is_brief, pieces)):
+    is_list = len(pieces) >= _FEWEST_LISTED and all(map(is_brief, pieces))
+    if is_list and sum(_are_things((piece,), knowledge) for piece in pieces) >= len(pieces) - 1:
         return pieces
     listed = _listed(text, knowledge)
     is_bare = len(listed) >= _FEWEST_LISTED and all(len(each.split()) <= _MOST_LISTED_WORDS for each in listed)
