@@ -17,6 +17,7 @@ from lpslam.language.wishes.served import LEAST_SURE, Served, Way
 
 _LEAST_GUESSED = 0.8
 """Probability of a guess below which it is none (left out of the training, one in five of the surer ones is wrong)."""
+_LEAST_OFFERED = 0.4  # probability of a guess from which it fills a gap in a plan
 _STANDS = 0.5  # probability of what tables found below which it is no answer
 _CERTAIN = 1.0  # what is asked for in so many words is not doubted
 _READ = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
@@ -73,7 +74,8 @@ class Guesses:
             served = replace(served, sure=min(served.sure, stands))
         guess = self.guess(heard, served, meaning)
         scores = trusted(guess.scores) if guess is not None else {}
-        if guess is None or guess.best not in scores or guess.sure <= served.sure * bool(served.scores):
+        least = max(_LEAST_OFFERED, served.sure * bool(served.scores))
+        if guess is None or guess.best not in scores or guess.sure <= least:
             return served
         return self._guessed(served, guess, scores)
 

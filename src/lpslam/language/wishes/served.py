@@ -1,7 +1,7 @@
 """What a scorer says of a stop: which landmarks serve it, and why."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Protocol
 
@@ -72,6 +72,11 @@ class Served:
     doubt: str = NOT_SURE
     is_said: bool = False
     settled: bool = False
+
+    def as_anchor(self) -> "Served":
+        """Return what serves an anchor: it is not asked how sure that is, but of a guess."""
+        is_guessed = self.way is Way.GUESS and self.sure < LEAST_SURE
+        return replace(self, scores={}) if is_guessed else self
 
 
 class Scorer(Protocol):
