@@ -14,7 +14,8 @@ from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import best_of, likeness, match
 from lpslam.language.model import Candidate, Choice, Judgement, Naming, Reading
 from lpslam.language.naming.namer import Namer
-from lpslam.language.questions.question import Wish, read_question
+from lpslam.language.questions.question import read_question
+from lpslam.language.questions.wanted import Wish
 from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.reader import load_sign_reader
 from lpslam.language.tables.knowledge import load_knowledge

@@ -148,7 +148,7 @@ class _Solver:
             return self._none(served, (served.evidence, *notes))
         if served.sure < least:
             unsure = self._listed(served)[: self.config.alternatives]
-            return self._none(served, ("it is not sure what is meant", *notes), unsure)
+            return self._none(served, (served.doubt, *notes), unsure)
         if stop.relation is None:
             start = previous.position if is_later and previous is not None else self._scene.here.position
             return self._ordered(served, start, notes)
@@ -221,7 +221,7 @@ class _Solver:
         """A relation to what is no place: “near at hand”, “before the flight”; it says when or how, not where."""
         if stop.relation not in _WEAK or stop.which is not Which.ANY or any(each == PREVIOUS for each in stop.anchor):
             return ()
-        missing = [each for each in stop.anchor if each.what and not self._scorer.serve(each).scores]
+        missing = [each for each in stop.anchor if each.what and not self._scorer.serve(each).as_anchor().scores]
         is_near = stop.relation is Relation.NEAR
         idle = [each for each in missing if not (is_near and self._scorer.is_understood(each))]
         return tuple(f"{stop.relation.value} {each.what}" for each in idle if stop.relation is not None)
@@ -240,7 +240,7 @@ class _Solver:
         if anchor == PREVIOUS:
             return [previous] if previous is not None else []
         anchor, within, _ = self._on_its_floor(anchor)
-        served = self._scorer.serve(anchor)
+        served = self._scorer.serve(anchor).as_anchor()
         if within is not None:
             served = self._within(served, within)
         if anchor.relation is not None or anchor.which is not Which.ANY:

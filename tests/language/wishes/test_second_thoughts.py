@@ -5,7 +5,8 @@ import pytest
 
 from lpslam.language.model import Candidate
 from lpslam.language.offline import OfflineModel
-from lpslam.language.wishes.persons import heard_as
+from lpslam.language.wishes.heard import by_ear
+from lpslam.language.wishes.persons import consonants
 from lpslam.navigation.places import Here, Place
 from lpslam.navigation.solver import Solution, solve
 
@@ -66,11 +67,11 @@ def test_of_two_names_that_sound_alike_none_is_guessed() -> None:
         return set(OfflineModel().scorer(marks)._names.sounding(["bernadot"]))
 
     assert sounding("Bernadotte", "Kowalewski") == {0}
-    assert sounding("Bernadotte", "Bernadotta") == set()
+    assert sounding("Bernadotto", "Bernadotta") == set()
 
 
 def test_one_sound_that_languages_spell_in_several_ways_is_one() -> None:
-    assert heard_as("dschon") == heard_as("schon") == heard_as("jean")
+    assert len({consonants(by_ear(word).casefold()) for word in ("dschon", "schon", "jean")}) == 1
 
 
 def test_upstairs_is_above_the_ground_floor_where_nobody_says_where_they_stand() -> None:

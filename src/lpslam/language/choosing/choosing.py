@@ -9,8 +9,9 @@ from lpslam.language.languages import LATIN
 from lpslam.language.model import Choice
 from lpslam.language.questions.clauses import places_of
 from lpslam.language.questions.phrasing import Phrases, answer_language, phrases_in
-from lpslam.language.questions.question import Wish, asks_for_another, instead_of, read_question, without_common
+from lpslam.language.questions.question import asks_for_another, instead_of, read_question, without_common
 from lpslam.language.questions.speaking import languages_of
+from lpslam.language.questions.wanted import Wish
 from lpslam.language.questions.weighing import ASIDE, HINT
 from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.reader import SignReader

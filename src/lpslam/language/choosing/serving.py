@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 
-from lpslam.language.questions.question import Wish
 from lpslam.language.questions.sorts import is_eaten
+from lpslam.language.questions.wanted import Wish
 from lpslam.language.tables.knowledge import Knowledge
 
 Kinds = tuple[tuple[str, float], ...]
@@ -80,6 +80,8 @@ def serve(wish: Wish, kinds: Kinds, knowledge: Knowledge) -> Served:
     """Score a place of these kinds for a wish; zero where it is what the wish refuses."""
     matches = {concept: match(concept, kinds, knowledge) for concept, _ in wish.wanted}
     score = sum(weight * matches[concept] for concept, weight in wish.wanted)
+    if not score:
+        return Served(0.0, 0.0, ())
     whom_for, asked_for = _whom_for(kinds, knowledge), knowledge.people.intersection(dict(wish.wanted))
     if whom_for and asked_for and whom_for.isdisjoint(asked_for):
         # Whoever wants clothes for men is not sent to a women's shop.

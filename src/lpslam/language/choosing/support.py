@@ -6,7 +6,7 @@ question. No single word decides against several weaker ones.
 
 import math
 from collections import defaultdict
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -49,15 +49,15 @@ class Support:
 
     def __init__(self, index: LandmarkIndex, bearing: Callable[[str], Collection[int]], knowledge: Knowledge) -> None:
         """`bearing` returns the landmarks whose boards bear a word."""
-        self._knowledge = knowledge
+        self.knowledge = knowledge
         self._bearing = bearing
         self._count = len(index.landmarks)
         groups = [(kinds, ids) for kinds, ids in index.groups.items() if not kinds or index.signs[ids[0]].is_place]
-        self._ids = [ids for _, ids in groups]
-        self._group_of = {id_: at for at, (_, ids) in enumerate(groups) for id_ in ids}
+        self.ids = [ids for _, ids in groups]
+        self.group_of = {id_: at for at, (_, ids) in enumerate(groups) for id_ in ids}
         serving: dict[str, dict[int, float]] = defaultdict(dict)
         for at, (kinds, _) in enumerate(groups):
-            for concept, share in _served_by(kinds, knowledge).items():
+            for concept, share in served_by(kinds, knowledge).items():
                 serving[concept][at] = share
         self._columns = {
             concept: (np.array(list(shares)), np.array(list(shares.values()))) for concept, shares in serving.items()
@@ -65,22 +65,19 @@ class Support:
 
     def of(self, question: str, language: str, read: Mapping[int, float]) -> Supported:
         """Return what speaks for the landmarks; `read` is how well each serves what the tables read."""
-        terms, evidence, elsewhere = self._evidence(question, language)
-        own = self._borne(terms)
+        terms, evidence, elsewhere = self.evidence(question, language)
+        own = self.borne(terms)
         strength = max(read.values(), default=0.0)
-        by_group = np.zeros(len(self._ids))
-        for id_, score in read.items():
-            if id_ in self._group_of:
-                by_group[self._group_of[id_]] = max(score, by_group[self._group_of[id_]])
+        by_group = self.by_group(read)
         tables = by_group * (_OF_BEST / max(strength, 1e-9) + _OF_READING)
         total = _OF_WORDS * evidence.sum(axis=0) + tables
         found = self._scored(total, own, read)
         if not found:
             return Supported({}, {})
         best = best_of(found)
-        said = evidence[:, self._group_of[best]] if terms else np.zeros(0)
+        said = evidence[:, self.group_of[best]] if terms else np.zeros(0)
         by_board = own.get(best, 0.0)
-        rivals = [each for id_, each in found.items() if self._group_of[id_] != self._group_of[best]]
+        rivals = [each for id_, each in found.items() if self.group_of[id_] != self.group_of[best]]
         clues = (
             float(said.sum()) / 5.0,
             float((said > _SAYS).mean()) if terms else 0.0,
@@ -96,13 +93,34 @@ class Support:
         words = tuple(term.replace(" ", "") for term, each in zip(terms, said, strict=True) if each > _SAYS)
         return Supported(scores, dict(zip(CLUES, clues, strict=True)), words)
 
-    def _evidence(self, question: str, language: str) -> tuple[list[str], NDArray[np.float64], float]:
+    def by_group(self, read: Mapping[int, float]) -> NDArray[np.float64]:
+        """(groups,) how well each serves what the tables read."""
+        found = np.zeros(len(self.ids))
+        for id_, score in read.items():
+            if id_ in self.group_of:
+                found[self.group_of[id_]] = max(score, found[self.group_of[id_]])
+        return found
+
+    def speaking(self, evidence: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(groups,) the share of the words that speak for each, of (words, groups) evidence."""
+        return (evidence > _SAYS).mean(axis=0) if len(evidence) else np.zeros(evidence.shape[1])
+
+    def spoken_for(self, terms: Sequence[str], language: str) -> Mapping[str, float]:
+        """How much words speak for each concept, here or not."""
+        found: dict[str, float] = defaultdict(float)
+        heard = heard_in(language, self.knowledge)
+        for term in terms:
+            for concept, weight in heard.weights(term).items():
+                found[concept] += weight
+        return found
+
+    def evidence(self, question: str, language: str) -> tuple[list[str], NDArray[np.float64], float]:
         """The words of a question that say something, (words, groups) how much each speaks for each group, and how
         much all speak for the concept that nothing here serves.
         """
-        heard = heard_in(language, self._knowledge)
+        heard = heard_in(language, self.knowledge)
         terms = heard.terms(question)
-        found = np.zeros((len(terms), len(self._ids)))
+        found = np.zeros((len(terms), len(self.ids)))
         elsewhere: dict[str, float] = defaultdict(float)
         for row, term in zip(found, terms, strict=True):
             for concept, weight in heard.weights(term).items():
@@ -113,13 +131,13 @@ class Support:
                     elsewhere[concept] += weight
         return terms, found, max(elsewhere.values(), default=0.0)
 
-    def _borne(self, terms: list[str]) -> dict[int, float]:
+    def borne(self, terms: list[str]) -> dict[int, float]:
         """How much the words of a question speak for the landmarks whose boards bear them, the rarer the more."""
         found: dict[int, float] = defaultdict(float)
         for term in terms:
             ids = self._bearing(term.replace(" ", ""))
             for id_ in ids:
-                if id_ in self._group_of:
+                if id_ in self.group_of:
                     found[id_] += math.log1p(self._count / len(ids))
         return found
 
@@ -127,18 +145,18 @@ class Support:
         self, total: NDArray[np.float64], own: Mapping[int, float], read: Mapping[int, float]
     ) -> dict[int, float]:
         """The landmarks of the best groups, and those whose boards bear words."""
-        found = {id_: float(total[self._group_of[id_]]) + _OF_WORDS * each for id_, each in own.items()}
+        found = {id_: float(total[self.group_of[id_]]) + _OF_WORDS * each for id_, each in own.items()}
         top = max(float(total.max(initial=0.0)), max(found.values(), default=0.0))
         if top <= 0.0:
             return {}
         for at in np.flatnonzero(total >= max(top - 2.0 * _FARTHEST, 1e-9)):
             # Of places of one kind, those that the reading left.
-            for id_ in [each for each in self._ids[at] if each in read] or self._ids[at]:
+            for id_ in [each for each in self.ids[at] if each in read] or self.ids[at]:
                 found.setdefault(id_, float(total[at]))
         return found
 
 
-def _served_by(kinds: Kinds, knowledge: Knowledge) -> Mapping[str, float]:
+def served_by(kinds: Kinds, knowledge: Knowledge) -> Mapping[str, float]:
     """The concepts that a place of some kinds serves, and how well."""
     found: dict[str, float] = {}
     for kind, sure in kinds:

@@ -2,7 +2,8 @@
 
 from collections.abc import Mapping
 
-from lpslam.language.questions.question import Wish, read_question
+from lpslam.language.questions.question import read_question
+from lpslam.language.questions.wanted import Wish
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.lexicon import Meaning
 

@@ -7,6 +7,7 @@ refused, what is only said by the way ("on the train", 看电影前) and where o
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 
 from lpslam.language.languages import LATIN
@@ -15,6 +16,7 @@ from lpslam.language.questions.sorts import is_general
 from lpslam.language.questions.speaking import language_by_its_phrases, languages_of
 from lpslam.language.questions.stance import NEXT_TO, Stand, hurting, spilled, told_in
 from lpslam.language.questions.unknown_things import asks_for_unknown
+from lpslam.language.questions.wanted import Wish
 from lpslam.language.questions.weighing import ASIDE, GENERAL, GIFTS, HINT, MAIN, MODIFIER, as_treated, without_symptoms
 from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.inflection import known_form
@@ -40,6 +42,7 @@ _ANOTHER = re.compile(
 )
 """Words that ask for something beside what is named."""
 _QUESTION_LENGTH = 400
+_KEPT = 64  # readings that are kept: those of one question and its parts, and of a few that are asked at one time
 _ANEW = {
     "laundry": "clothes",
     "shoe_repair": "shoes",
@@ -51,38 +54,6 @@ _FEW_WORDS = 2  # words of a question that may be in any language
 _HABITS = frozenset({"tobacco", "amenity/smoking_area"})  # who refuses them says “smoke” by the way
 _MEALS = frozenset({"food", "drink"})
 _THING = 0.7  # a wanted concept of this weight is a thing of its own
-
-
-@dataclass(frozen=True, slots=True)
-class Wish:
-    """Concepts wanted and refused, by weight; `language` is None where the question could not be read.
-
-    `wanted_names`, `refused_names` and `near_names` hold the values of the names that were passed in and mentioned;
-    `unknown` says that something is asked for whose word is not known; `contested` are concepts that are wanted, but
-    not from where they are had first of all; `anew` are goods that will do where nobody mends the broken ones;
-    `contradicted` are phrases that are wanted and refused in one breath.
-    """
-
-    wanted: tuple[tuple[str, float], ...]
-    refused: tuple[str, ...]
-    wanted_names: tuple[str, ...]
-    refused_names: tuple[str, ...]
-    language: str | None
-    near_names: tuple[str, ...] = ()
-    unknown: bool = False
-    contested: tuple[str, ...] = ()
-    anew: tuple[str, ...] = ()
-    contradicted: tuple[str, ...] = ()
-
-    @property
-    def main(self) -> tuple[str, ...]:
-        """The concepts that a place must serve: the weightiest sort of those that are wanted."""
-        things = tuple(concept for concept, weight in self.wanted if weight >= _THING)
-        meals = tuple(concept for concept, _ in self.wanted if concept in ("food", "drink"))
-        if things or meals:
-            return things or meals
-        heaviest = max((weight for _, weight in self.wanted), default=0.0)
-        return tuple(concept for concept, weight in self.wanted if weight >= 0.9 * heaviest)
 
 
 def language_of(text: str, knowledge: Knowledge) -> str | None:
@@ -103,6 +74,26 @@ def read_question(
     It is read in the likeliest language in which it says something; plainly, without the turns of phrase that are
     used in other buildings than malls; `language` is the one that it is in, where that is known.
     """
+    return _read(question, knowledge, _Same(names), is_plain, language)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Same:
+    """Names that are compared as the objects that they are: those of one map."""
+
+    names: Mapping[str, Meaning] | None
+
+    def __hash__(self) -> int:
+        return id(self.names)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Same) and self.names is other.names
+
+
+@lru_cache(maxsize=_KEPT)
+def _read(question: str, knowledge: Knowledge, same: _Same, is_plain: bool, language: str | None) -> Wish:
+    """As `read_question`; one question is read by many who look for different things in it."""
+    names = same.names
     # “A sit-down meal” is looked up as three words.
     text = _ABBREVIATED.sub(r"\1 ", clean_text(question, _QUESTION_LENGTH))
     text = _ALLERGY.sub(r"\1 \2", _HYPHEN.sub(" ", text))

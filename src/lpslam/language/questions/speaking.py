@@ -1,6 +1,7 @@
 """Which language a question is in: by script, by its commonest words and letters, or by the phrases that are known."""
 
 import re
+from functools import lru_cache
 
 from lpslam.language.languages import LATIN
 from lpslam.language.tables.knowledge import Knowledge
@@ -21,6 +22,7 @@ _COVERED_SHARE = 0.6  # of the words of a text that a language's tables know, wh
 _KANJI_ONLY = 8  # characters of Japanese that needs no kana: 薬局, 市役所; a sentence of Han letters alone is Chinese
 
 
+@lru_cache(maxsize=256)
 def languages_of(text: str, knowledge: Knowledge) -> tuple[str, ...]:
     """Return the languages that a question may be in, likeliest first; none where it cannot be read.
 

@@ -27,6 +27,8 @@ class Combined:
             for parts in entry.apart.get(language, ())
         ]
 
+        self._last: tuple[tuple[str, ...], list[Trouble]] | None = None
+
     def _part(self, part: str, folder: Folder) -> str:
         """A part as the units of a question are joined: “can't find” is “ca not find” there."""
         part = " ".join(folder.units(part)) if "'" in part else folder.fold(part).replace("-", " ")
@@ -36,6 +38,13 @@ class Combined:
 
     def found(self, units: Sequence[str]) -> list[Trouble]:
         """Return what the units of a question mean together, and which units say so."""
+        # One question is looked at again and again.
+        last = self._last
+        if last is None or last[0] != tuple(units):
+            last = self._last = (tuple(units), self._found(units))
+        return last[1]
+
+    def _found(self, units: Sequence[str]) -> list[Trouble]:
         text, at_letter = "", list[int]()
         for at, unit in enumerate(units):
             piece = f" {unit}" if self._is_spaced else unit

@@ -15,9 +15,17 @@ class AskedWords:
 
     def __init__(self, knowledge: Knowledge) -> None:
         self._knowledge = knowledge
+        self._last: tuple[str, tuple[list[str], list[str]]] | None = None
 
     def asked(self, text: str) -> tuple[list[str], list[str]]:
         """The words of a question without its filler, and those of them that no table knows."""
+        last = self._last
+        if last is None or last[0] != text:
+            last = self._last = (text, self._asked(text))
+        words, proper = last[1]
+        return list(words), list(proper)
+
+    def _asked(self, text: str) -> tuple[list[str], list[str]]:
         languages = wish_languages(text, self._knowledge)
         words, bare = self.of(content_of(text, languages), self.likely(text))
         # “Sala de reuniones” is one phrase with its filler only.

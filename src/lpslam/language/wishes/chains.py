@@ -11,6 +11,7 @@ from lpslam.language.wishes.rules import Rules, rules_of
 
 _ENDS = " .。!！?？,，、;；¿¡"
 _MOST_LETTERS = 60  # of a piece: longer ones tell of something
+_BARE_WORDS = 2  # of a stop of a plan that is a name alone
 _BRIEF_WORDS, _BRIEF_LETTERS = 5, 16  # of a piece of a mere list, in scripts with and without spaces
 
 
@@ -27,6 +28,11 @@ def chained(text: str, languages: Sequence[str]) -> list[str]:
 def is_brief(piece: str) -> bool:
     """Whether a piece is short enough to be an item of a mere list."""
     return len(piece.split()) <= _BRIEF_WORDS and (len(piece) <= _BRIEF_LETTERS or not is_unspaced(piece))
+
+
+def is_bare(piece: str, rules: Rules) -> bool:
+    """Whether a part of a plan is hardly more than a name: “then to lush”."""
+    return 0 < len(rules.filler.sub(" ", piece).strip(_ENDS + "'’").split()) <= _BARE_WORDS
 
 
 def says_an_order(text: str, languages: Sequence[str]) -> bool:

@@ -13,14 +13,14 @@ from lpslam.language.signs.hours import without_hours
 from lpslam.language.tables.lexicon import read_table
 from lpslam.language.tables.words import is_unspaced
 from lpslam.language.wishes.form import Identity, Sort
-from lpslam.language.wishes.numerals import digit_ordinal, number_of, with_digits, with_spoken_digits
+from lpslam.language.wishes.numerals import digit_ordinal, number_of, with_digits, with_letters, with_spoken_digits
 
 # 一番近い is the nearest, 一番線 is platform 1; 이번 is this time, 이층 the second floor.
 _UNSPACED_NUMBER = re.compile(
     r"(?!一番(?![線线口のホゲ通窓乗出カ]|$))第?([〇零一二三四五六七八九两兩十百]+)(?=[号號番楼樓层層階栋幢站股])|(?<=[第])([一二三四五六七八九十]+)(?!近)"
     # 展厅四, 登机口二十二
     r"|(?<=[口室厅廳台区區道排架门門座位楼樓])([一二三四五六七八九十百]+)(?![\u4e00-\u9fff])"
-    r"|(?<![가-힣])([일이삼사오육칠팔구]?[십백][일이삼사오육칠팔구십]*(?=번|호|층)|[일이삼사오육칠팔구](?=층|호))"
+    r"|(?<![가-힣])([일이삼사오육칠팔구]?[십백][일이삼사오육칠팔구십]*(?=번|호|층)|[일이삼사오육칠팔구](?=층|호|전시실|강의실|진료실|회의실|상영관|승강장|출구|게이트))"
 )
 _ONE = r"(?:[a-z]{1,2}[-.]?|[b-z] )?\d{1,4}(?:[-.]\d{1,4}){0,2}(?:-?[a-z])?|[a-z]"
 _CODE = re.compile(rf"(?<![a-zà-ÿ0-9'’])({_ONE})(?![^\W_\u2e80-\uffff])(?!['’-][^\W\d_])", re.IGNORECASE)
@@ -107,7 +107,7 @@ def _named(word: str) -> frozenset[str]:
 
 def _of_code(text: str, start: int, end: int) -> frozenset[str]:
     """What is numbered by the code between: said right before it (“gate B31”) or right after it (3号登机口)."""
-    after = re.split(r"[\d,;。，/|]", text[end : end + _AFTER])[0]
+    after = re.split(r"[\d,;。，/|]", _LISTED.sub("", text[end : end + _AFTER]))[0]
     ahead = _starting(after) or _starting(after.lstrip(_COUNTERS))
     before = re.split(r"[;。，|]", text[max(0, start - _BEFORE) : start])[-1]
     word = next(
@@ -119,8 +119,10 @@ def _of_code(text: str, start: int, end: int) -> frozenset[str]:
 
 
 _COUNTERS = " 号號番번-の"
+_LISTED = re.compile(r"^(?:[・·、]\d{1,4})+")  # further numbers of the same: 3・4番線
+_LETTER_BEFORE = re.compile(r"(?<![^\W_])[b-df-hj-np-tv-xz]$")  # no word of any language: “B seven”
 _BETWEEN = re.compile(
-    r"\b(?:no|nr|number|nummer|numéro|número|and|und|y|et|or|oder|ou|o|to|bis|à|a|al)\b|[或和とか나]|[\d\s.:#º°&,/()–—~-]|(?<![a-z])[a-z](?![a-z])|(?<![a-z])[a-z](?=\d)"
+    r"\b(?:no|nr|number|nummer|numéro|número|numero|and|und|y|et|or|oder|ou|o|to|bis|à|a|al)\b|[或和とか나]|[\d\s.:#º°&,/()–—~・·、-]|(?<![a-z])[a-z](?![a-z])|(?<![a-z])[a-z](?=\d)"
 )
 """What may stand between “gates” and a number: other numbers, “no.”, “and”."""
 
@@ -240,7 +242,22 @@ def asked_codes(text: str) -> list[Code]:
     return found
 
 
+def asked_numbers(text: str) -> list[tuple[str, Code]]:
+    """Return the numbers that a question says right after a word, with that word: (“unit”, 45)."""
+    folded = _QUANTITY.sub(" ", _folded(text))
+    # Whether boards number what the word means is the map's to say.
+    folded = with_digits(folded, lambda at: bool(_WORD_BEFORE.search(folded[:at])), lambda at: False)
+    return [(hit.group(1), _code(hit.group(2), frozenset())) for hit in _WORD_AND_NUMBER.finditer(folded)]
+
+
+_WORD_BEFORE = re.compile(r"[^\W\d_]{3,} $")
+_WORD_AND_NUMBER = re.compile(
+    r"(?<![^\W_])([^\W\d_]{3,}) (?:(?:no|nr|n|number|nummer|número|numero|numéro)[.°º]* )?(\d{1,4})(?!\w)"
+)
+
+
 def _digits_in(folded: str) -> str:
+    folded = with_letters(folded)
     folded = digit_ordinal().sub(lambda hit: hit.group(1) if _leads(folded, hit.end()) else hit.group(), folded)
     return with_digits(folded, lambda at: _follows(folded, at), lambda at: _leads(folded, at))
 
@@ -277,7 +294,10 @@ def _is_capital(text: str, letter: str, of: frozenset[str]) -> bool:
 
 def _follows(folded: str, at: int) -> bool:
     """Whether what is numbered stands right before a place: “terminal | two”, “gate D | seven”."""
-    before = re.sub(r" [a-z]$", "", folded[max(0, at - _BEFORE) : at].rstrip())
+    before = folded[max(0, at - _BEFORE) : at].rstrip()
+    if _LETTER_BEFORE.search(before):
+        return True
+    before = re.sub(r" [a-z]$", "", before)
     return any(word.end() == len(before) for word, _ in _last_words(before))
 
 

@@ -1,5 +1,6 @@
 """The landmarks that bear what must stand on the board: codes, names of people, levels and buildings."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -10,6 +11,7 @@ from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.wishes.codes import (
     Code,
     alike_key,
+    asked_numbers,
     board_codes,
     board_keys,
     code_of,
@@ -22,6 +24,8 @@ from lpslam.language.wishes.names import Names
 _SURE = 1.0  # of a code or person
 _LONG_NUMBER = 3  # digits of a number that is a room's even where its board does not say so
 _LONG_KEY = 2  # letters and digits of a code that may be misread
+_SHORTEST_WORD = 3  # letters of a word for what is numbered here
+_ENDINGS = re.compile("(?:es|s|en|e|n)$")  # of plurals
 _BY_THE_WAY = frozenset({"floor", "building", "zone"})
 """What may be numbered beside what is asked for: “a toilet on level 2”."""
 
@@ -109,6 +113,26 @@ class Identities:
                 found.setdefault(key, set()).add(mark.id)
         return found
 
+    def numbered_as_here(self, what: str) -> dict[int, float]:
+        """The landmarks that bear a number beside the word that is said before it: “unit 45” is Units 40-52."""
+        for word, code in asked_numbers(what):
+            said = {id_ for id_, words in self._words_of_codes.items() if any(_are_one(word, each) for each in words)}
+            found = [id_ for id_ in sorted(said) if any(each.bears(code) for each in self.codes[id_])]
+            if found:
+                return dict.fromkeys(found, _SURE)
+        return {}
+
+    @cached_property
+    def _words_of_codes(self) -> dict[int, set[str]]:
+        """The words of boards that bear a number, by landmark."""
+        found: dict[int, set[str]] = {}
+        common = frozenset().union(*self._knowledge.common.values())
+        for mark in self._landmarks:
+            if any(code.number is not None for code in self.codes[mark.id]):
+                units = self._knowledge.folder.units(mark.name)
+                found[mark.id] = {unit for unit in units if unit.isalpha() and len(unit) >= _SHORTEST_WORD} - common
+        return found
+
     def numbered(self, what: str) -> dict[int, float]:
         """All that is numbered as a thing: “the rack” is any board that bears the number of one."""
         of = numbered_thing(what)
@@ -143,3 +167,8 @@ class Identities:
                 bearing = set(self._bearing(identity))
                 within = bearing if within is None else within & bearing
         return within
+
+
+def _are_one(word: str, other: str) -> bool:
+    """Whether two words are one but for the ending of a plural."""
+    return word == other or _ENDINGS.sub("", word) == _ENDINGS.sub("", other)

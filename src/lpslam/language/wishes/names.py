@@ -16,7 +16,8 @@ from lpslam.language.model import Candidate
 from lpslam.language.signs.repair import Repair
 from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.words import UNSPACED_RUN, is_mark, is_unspaced
-from lpslam.language.wishes.persons import called, consonants, heard_as, spellings
+from lpslam.language.wishes.heard import HeardNames
+from lpslam.language.wishes.persons import called, consonants, spellings
 
 _SAME = 88.0  # of 100: two known words of a name are the same but for a reader's or a typist's slip
 _FAR = 9  # letters of a word in which two slips are forgiven
@@ -25,8 +26,6 @@ _LONG = 5  # letters of a word in which a slip is forgiven
 _CONSONANTS = 4  # of a name that is compared by them alone: フェルメール is Vermeer
 _HOMOPHONES = 3  # characters of a name that is compared by how they are read: 同仁唐 is 同仁堂
 _ACROSS = 80.0  # of 100: a name in other letters sounds the same
-_SOUNDS_ALIKE, _SPELT_ALIKE = 80.0, 0.55  # of the consonants, and of all letters, of names that sound the same
-_APART = 0.05  # by which the name that sounds likest must lead
 _SHORTEST = 4  # letters of a name that may be compared across scripts
 
 
@@ -137,6 +136,15 @@ class Names:
         near = process.extract(key, keys, scorer=Levenshtein.distance, score_cutoff=_slips(key), limit=None)
         return {ids[at]: 1.0 - slips / len(key) for _, slips, at in sorted(near, key=lambda each: -each[1])}
 
+    def slipped(self, words: Sequence[str]) -> dict[int, float]:
+        """Return landmarks whose whole long name is what is asked for but for a slip in nine letters, no digits."""
+        key = "".join(words)
+        if len(key) < _FAR or is_unspaced(key) or not key.isalpha():
+            return {}
+        keys, ids = self._keys
+        near = process.extract(key, keys, scorer=Levenshtein.distance, score_cutoff=len(key) // _FAR, limit=None)
+        return {ids[at]: 1.0 - slips / len(key) for said, slips, at in near if said.isalpha()}
+
     @cached_property
     def _keys(self) -> tuple[list[str], list[int]]:
         """The letters of every line, and its landmark."""
@@ -181,42 +189,20 @@ class Names:
             if any(consonants(unit) == sought for line in lines for unit in line.units)
         }
 
-    def sounding(self, words: Sequence[str]) -> dict[int, float]:
-        """Return the landmark whose name sounds like some words in a row, in whatever script; none where two do.
+    def sounding(self, words: Sequence[str], is_all: bool = False) -> dict[int, float]:
+        """Return the landmark whose name sounds like some words, in whatever script; none where two do.
 
-        Both are spelt in Latin letters: their consonants must be nearly the same, and their letters alike.
+        `is_all` says that nothing else is asked for.
         """
-        runs = {
-            _latin("".join(words[start:end])) for end in range(len(words) + 1) for start in range(max(0, end - 4), end)
-        }
-        sounds, spelt, ids = self._heard_as
-        found: dict[int, float] = {}
-        for run in sorted(runs):
-            sought = heard_as(run)
-            if len(sought) < _CONSONANTS:
-                continue
-            for said, _, at in process.extract(
-                sought, sounds, scorer=fuzz.ratio, score_cutoff=_SOUNDS_ALIKE, limit=None
-            ):
-                alike = fuzz.ratio(run, spelt[at]) / 100.0
-                if alike >= _SPELT_ALIKE and sought[0] == said[0]:
-                    found[ids[at]] = max(alike, found.get(ids[at], 0.0))
-        best = max(found.values(), default=0.0)
-        near = {id_: alike for id_, alike in found.items() if alike >= best - _APART}
-        return near if len(near) == 1 else {}
+        return self._heard.sounding([_latin(word) for word in words], is_all)
 
     @cached_property
-    def _heard_as(self) -> tuple[list[str], list[str], list[int]]:
-        """How names and their words sound, how they are spelt in Latin letters, and their landmarks."""
-        rows: dict[tuple[str, str, int], None] = {}
-        for id_, lines in self._words.items():
-            for line in lines[:1]:
-                own = [word for word in line.in_order if word not in load_words()]
-                for latin in (line.latin, *own, *map(_latin, line.runs)):
-                    sound = heard_as(latin)
-                    if len(sound) >= _CONSONANTS:
-                        rows[sound, latin, id_] = None
-        return [sound for sound, _, _ in rows], [latin for _, latin, _ in rows], [id_ for _, _, id_ in rows]
+    def _heard(self) -> HeardNames:
+        # Of a board's lines the first is its name.
+        names = {id_: lines[0] for id_, lines in self._words.items() if lines}
+        return HeardNames(
+            {id_: (line.latin, line.in_order, tuple(map(_latin, line.runs))) for id_, line in names.items()}
+        )
 
     def persons(self, name: str) -> list[int]:
         """Landmarks whose board bears every word of a person's name on one line."""

@@ -18,6 +18,9 @@ from lpslam.language.tables.lexicon import read_table
 _ARTICLES = frozenset({"un", "una", "une", "ein", "eine", "einen", "einer"})
 """Numbers that are articles wherever more follows."""
 _LONGEST = 6  # words of a number below a thousand: "quatre cent quatre vingt dix neuf"
+_LONGEST_GROUP = 3  # words of a number below a hundred: "vingt et un"
+_MOST_DIGITS = 4  # of a number that is said in groups
+_HUNDRED = 100
 _WORD = re.compile(r"[a-zß-ÿœ]+")
 _BROKEN = re.compile(r"[^\w\s-]|_|\d")  # what does not stand within a number
 _HAN = {ch: at for at, ch in enumerate("〇一二三四五六七八九")} | {"零": 0, "两": 2, "兩": 2}
@@ -151,6 +154,22 @@ def with_spoken_digits(text: str) -> str:
     return run.sub(lambda hit: "".join(digits[each] for each in one.findall(hit.group())), text)
 
 
+@lru_cache(maxsize=1)
+def _letters() -> tuple[re.Pattern[str], Mapping[str, str]]:
+    """A pattern of what letters are called, where a number comes next, and the letter of each name."""
+    named = {name: letter for letter, names in _tables()["letters"].items() for name in names.split("|")}
+    spoken = {form for language in LATIN for forms in _words(_tables()[language]["ones"]) for form in forms}
+    spoken |= {form for language in LATIN for forms in _words(_tables()[language]["tens"]) for form in forms}
+    number = "|".join(sorted(spoken, key=len, reverse=True))
+    return re.compile(rf"(?<!\w)({'|'.join(named)})(?= (?:\d|(?:{number})\b))"), named
+
+
+def with_letters(folded: str) -> str:
+    """Return a text, without case, in which letters called by their names before a number are letters: “cee ten”."""
+    pattern, named = _letters()
+    return pattern.sub(lambda hit: named[hit.group()], folded)
+
+
 def with_digits(folded: str, follows: Callable[[int], bool], leads: Callable[[int], bool]) -> str:
     """Return a text, without case, in which the numbers of things that are numbered are digits.
 
@@ -183,11 +202,29 @@ def _number_at(
         if one_by_one and all(one_by_one):
             return "".join(filter(None, one_by_one)), end
         key = _key(stretch)
+        if follows and end - at > 1 and key not in _cardinals() and key not in _ordinals():
+            in_groups = _in_groups([_key(word.group()) for word in words[at:end]])
+            if in_groups:
+                return in_groups, end
         if follows and key in _cardinals() and not (key in _ARTICLES and folded[words[end - 1].end() :].strip(" .?!")):
             return str(_cardinals()[key]), end
         if key in _ordinals() and (follows or leads(words[end - 1].end())):
             return str(_ordinals()[key]), end
     return None, at + 1
+
+
+def _in_groups(keys: Sequence[str]) -> str:
+    """The digits of a number said in groups: “two ten” is 210, “twelve oh four” 1204; "" where it is none."""
+    if not keys:
+        return ""
+    for size in range(min(len(keys), _LONGEST_GROUP), 0, -1):
+        key = "".join(keys[:size])
+        number = _cardinals().get(key, _HUNDRED)
+        group = str(number) if number < _HUNDRED else _digits().get(key, "")
+        rest = _in_groups(keys[size:]) if group else ""
+        if group and (rest or size == len(keys)) and len(group + rest) <= _MOST_DIGITS:
+            return group + rest
+    return ""
 
 
 def number_of(numeral: str) -> int:

@@ -11,8 +11,6 @@ from lpslam.language.tables.lexicon import read_table
 from lpslam.language.tables.words import is_unspaced
 
 _SOUNDS = str.maketrans("vbplgckqzjxd", "fffrkkkksss" + "t", "aeiouhwy")
-_ONE_SOUND = {"dsch": "s", "tsch": "s", "sch": "s", "ch": "s", "sh": "s", "ce": "s", "ci": "s", "cy": "s", "ph": "f"}
-_SPELT = re.compile("|".join(_ONE_SOUND))
 _SKELETON = 3  # consonants of a name that is compared by them
 _LONGEST = 3  # characters of a surname
 _LETTERS, _SURE = 0.5, 1.0  # alike among all letters: of a name of many consonants, and of one of few
@@ -22,11 +20,6 @@ def consonants(latin: str) -> str:
     """The consonants of a name, those that scripts do not tell apart as one, doubled ones once."""
     kept = latin.translate(_SOUNDS)
     return "".join(ch for at, ch in enumerate(kept) if not at or kept[at - 1] != ch)
-
-
-def heard_as(latin: str) -> str:
-    """The consonants of a name as they are heard, in languages that spell one sound in many ways: Jean, Dschön."""
-    return consonants(_SPELT.sub(lambda found: _ONE_SOUND[found.group()], latin))
 
 
 @lru_cache(maxsize=1)

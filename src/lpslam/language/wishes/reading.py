@@ -13,7 +13,7 @@ from lpslam.language.signs.hours import asked_time
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.words import is_mark
 from lpslam.language.wishes.attributes import attributes_of
-from lpslam.language.wishes.chains import chained, is_brief, says_an_order
+from lpslam.language.wishes.chains import chained, is_bare, is_brief, says_an_order
 from lpslam.language.wishes.codes import asked_codes, identities
 from lpslam.language.wishes.floors import floor_of
 from lpslam.language.wishes.form import (
@@ -91,7 +91,9 @@ def _plan(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> Wish |
         rest, parts = _in_sequence(text, rules), list[str]()
         if len(rest) > 1 or says_an_order(text, (language,)):
             parts = [each for part in rest for each in _pieces(part, (language,), knowledge)]
-        says = sum(_says_a_place(part, knowledge) for part in parts)
+        is_ordered = says_an_order(text, (language,))
+        # “Zuerst zu COFFEE, dann zu think”: a word or two behind “then” are a name, even of small letters.
+        says = sum(_says_a_place(part, knowledge) or (is_ordered and is_bare(part, rules)) for part in parts)
         if len(parts) > 1 and says >= max(2, len(parts) - 1):
             stops = _parts(parts, languages, knowledge, next(iter(languages_of(text, knowledge)), None))
             is_sure = found is None or not found[0].then.get("perhaps") or says_an_order(text, (language,))
@@ -122,8 +124,8 @@ def _pieces(text: str, languages: Sequence[str], knowledge: Knowledge) -> list[s
 def _unordered(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> list[str]:
     """Things that are listed without a word for their order: three at least, each something of its own."""
     pieces = chained(text, languages)
-    wanting = sum(_are_things((piece,), knowledge) for piece in pieces)
-    if len(pieces) >= _FEWEST_LISTED and wanting >= len(pieces) - 1 and all(map(is_brief, pieces)):
+    is_list = len(pieces) >= _FEWEST_LISTED and all(map(is_brief, pieces))
+    if is_list and sum(_are_things((piece,), knowledge) for piece in pieces) >= len(pieces) - 1:
         return pieces
     listed = _listed(text, knowledge)
     is_bare = len(listed) >= _FEWEST_LISTED and all(len(each.split()) <= _MOST_LISTED_WORDS for each in listed)

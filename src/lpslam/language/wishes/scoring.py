@@ -3,6 +3,7 @@
 Ids and strings only: where landmarks stand is the map's own knowledge.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -11,42 +12,43 @@ from itertools import pairwise
 from lpslam.language.choosing.choosing import ranked
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import FITS, best_of, match
-from lpslam.language.choosing.support import Support, Supported
+from lpslam.language.choosing.support import Supported
 from lpslam.language.model import Candidate, Choice
 from lpslam.language.questions.parts import read_part
 from lpslam.language.questions.phrasing import answer_language, phrases_in
-from lpslam.language.questions.question import Wish as Meaning
-from lpslam.language.questions.question import asks_for_another, read_question
+from lpslam.language.questions.question import read_question
+from lpslam.language.questions.wanted import Wish as Meaning
 from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.distrust import commands
 from lpslam.language.signs.reader import SignReader
 from lpslam.language.signs.wording import WARNING
-from lpslam.language.tables.knowledge import Knowledge, load_words
-from lpslam.language.tables.words import is_mark, is_unspaced, longest_phrases
-from lpslam.language.wishes.asked_words import SHORTEST, AskedWords
+from lpslam.language.tables.knowledge import Knowledge
+from lpslam.language.wishes.asked_words import AskedWords
 from lpslam.language.wishes.attributes import attributes_of, told_apart
 from lpslam.language.wishes.barred import barred
+from lpslam.language.wishes.board_words import BoardWords
 from lpslam.language.wishes.certainty import clues_of, probability
 from lpslam.language.wishes.codes import without_codes
-from lpslam.language.wishes.form import Ask, Stop, Which, with_meaning
+from lpslam.language.wishes.form import Ask, Stop, with_meaning
+from lpslam.language.wishes.guesses import Guesses, is_told
 from lpslam.language.wishes.identities import Identities
 from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.opening import Opening
 from lpslam.language.wishes.reading import content_left, content_of, wish_languages
+from lpslam.language.wishes.refusals import left_of
 from lpslam.language.wishes.rules import rules_of
 from lpslam.language.wishes.served import LEAST_SURE, UNQUESTIONED, Served, Way
 from lpslam.language.wishes.sorts import Sorts
 
 _FEWEST_TO_TELL_APART = 2
 _SHORT_QUESTION = 8  # words of a question whose capital is the name that it asks for
+_BRIEF = math.log1p(2)  # of a wish of two words, as `clues_of` has its length: “milk”
 _SHORT_NAME = 5  # words of an anchor that is a name
 _DISTRUSTED = "what the only such board says reads as if it spoke to a machine"
 _CAPITALS_ARE_NAMES = frozenset({"en", "es", "fr"})
-_SURE, _NAMED, _ACROSS = 1.0, 0.9, 0.85  # of a code or person, of a part of a name, of a name in another script
+_NAMED = 0.9  # of what alone tells a place
 _WHOLE = 0.95  # of a name's letters: the name itself
-_FEWEST_BORNE, _MOST_BORNE = 2, 0.5  # words of a question that a board bears, and their share of its letters
 _READ = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
-_LEAST_LITERAL = 0.3  # of a board's letters that are asked for word by word
 
 
 class EmbeddedScorer:
@@ -62,11 +64,12 @@ class EmbeddedScorer:
         self._knowledge = knowledge
         self._asked = AskedWords(knowledge)
         self._names = Names(landmarks, knowledge, signs.repair)
+        self._boards = BoardWords(self._names, self._asked, index, knowledge)
         self._identities = Identities(landmarks, self._names, knowledge)
         self._sorts = Sorts(landmarks, index, knowledge)
         self._opening = Opening(landmarks)
         self._by_id = {mark.id: mark for mark in landmarks}
-        self._support: Support | None = None
+        self._guesses = Guesses(index, self._names.bearing, knowledge)
         self._heard: set[int] = set()
         self._commanding: set[int] = set()
 
@@ -78,7 +81,9 @@ class EmbeddedScorer:
 
     def serve(self, stop: Stop) -> Served:
         """Return the landmarks that serve a stop: by identity, by name, else by what they are."""
-        served = self._as_sure(self._found(stop)) if stop.what else self._any_place(stop)
+        served = self._judged(self._as_sure(self._found(stop))) if stop.what else self._any_place(stop)
+        phrases = phrases_in(answer_language(stop.what, stop.language))
+        served = replace(served, evidence=phrases.reason(served.evidence), doubt=phrases.reason(served.doubt))
         return self._opening.open(served) if stop.at else served
 
     def clues(self, served: Served) -> dict[str, float]:
@@ -94,7 +99,8 @@ class EmbeddedScorer:
             # Every word asks for this very kind, and the sign is one: “a restaurant”.
             return served
         sure = probability(clues)
-        served = replace(served, sure=sure, confidence=min(served.confidence, sure))
+        is_said = clues["says so"] >= 1.0 and clues["length"] <= _BRIEF
+        served = replace(served, sure=sure, confidence=min(served.confidence, sure), is_said=is_said)
         if sure >= LEAST_SURE or served.way not in (Way.KIND, Way.GUESS):
             return served
         numbered = self._numbered(served.stop, served.ignored)
@@ -103,7 +109,34 @@ class EmbeddedScorer:
         meaning = self._read(served.stop)
         said = self._by_words(served.stop, meaning, served.ignored)
         other = probability(self.clues(said)) if said is not None and said.scores else 0.0
+        if max(other, sure) < LEAST_SURE and (heard := self._by_ear(served.stop, meaning, served.ignored)) is not None:
+            return heard
         return served if said is None or other <= sure else replace(said, sure=other, confidence=other)
+
+    def _judged(self, served: Served) -> Served:
+        """Where tables find nothing sure, a guess; nothing that is refused is weighed."""
+        stop = served.stop
+        if served.settled or stop.identity or is_told(stop) or served.way in UNQUESTIONED[1:]:
+            return served
+        meaning = self._read(stop)
+        if self._boards.refuses(stop.what, meaning):
+            return self._without_refused(served, self._language(stop, meaning))
+        if meaning.wanted_names or meaning.contested:
+            return served
+        return self._guesses.judged(served, meaning, self._language(stop, meaning), self._trusted)
+
+    def _without_refused(self, served: Served, language: str) -> Served:
+        """Where the whole of a stop that refuses something serves nothing surely: its parts."""
+        if served.scores and served.sure >= LEAST_SURE:
+            return served
+        return left_of(served, language, self.serve, self._said_on, self.is_understood)
+
+    def _said_on(self, text: str) -> dict[int, float]:
+        """The landmarks whose boards bear all words of a text."""
+        return self._names.covered(self._asked.asked(text)[0])
+
+    def _language(self, stop: Stop, meaning: Meaning) -> str:
+        return meaning.language or next(iter(self._asked.likely(stop.what)), "en")
 
     def _read(self, stop: Stop) -> Meaning:
         return read_part(stop.what, stop.language, self._knowledge, self._index.names)
@@ -126,7 +159,7 @@ class EmbeddedScorer:
 
     def _by_words(self, stop: Stop, meaning: Meaning, ignored: tuple[str, ...]) -> Served | None:
         """The landmarks whose boards say the words themselves."""
-        literal = self._told_apart(stop, self._literal(stop, meaning))
+        literal = self._told_apart(stop, self._boards.literal(stop.what, meaning))
         if not literal:
             return None
         scores = self._trusted(literal)
@@ -137,20 +170,24 @@ class EmbeddedScorer:
     def _found(self, stop: Stop) -> Served:
         allowed, ignored, failed = self._identities.identified(stop)
         if failed:
-            return Served(stop, {}, f"no board bears {failed}", 0.8, self._of_what(stop), ignored)
+            missing = phrases_in(answer_language(stop.what, stop.language)).say("no_board", code=failed)
+            return Served(stop, {}, missing, 0.8, self._of_what(stop), ignored)
         if allowed is not None:
             scores = self._of_the_kind(stop, self._trusted(allowed))
             return Served(stop, scores, "the board bears it", 0.97, ignored=ignored, way=Way.IDENTITY)
+        here = {} if stop.identity else self._identities.numbered_as_here(stop.what)
+        if here:
+            return Served(stop, self._trusted(here), "the board bears it", 0.97, ignored=ignored, way=Way.IDENTITY)
         meaning = self._read(stop)
         stop = with_meaning(stop, [kind for kind, _ in meaning.wanted], (*meaning.refused, *meaning.refused_names))
         within = self._identities.on_level(stop, ignored)
-        found = self._by_name(stop, meaning)
+        found = self._boards.by_name(stop.what, meaning)
         if found:
-            here = _within(found, within)
-            scores = self._trusted(here)
+            left = _within(found, within)
+            scores = self._trusted(left)
             named = frozenset(scores)
             strength = max(scores.values(), default=0.0)
-            said = "the board says the name" if scores or not here else _DISTRUSTED
+            said = "the board says the name" if scores or not left else _DISTRUSTED
             return Served(stop, scores, said, 0.95, ignored=ignored, exact=named, way=Way.NAME, strength=strength)
         general = self._sorts.of_any_sort(stop, meaning)
         if general:
@@ -166,8 +203,10 @@ class EmbeddedScorer:
             return otherwise
         supported = None if is_another else self._supported(stop, meaning, scores, within)
         if not scores and supported is None:
-            return Served(stop, {}, choice.evidence, choice.confidence, choice.alternatives, ignored)
-        top = max(scores.values(), default=0.0)
+            return Served(
+                *(stop, {}, choice.evidence, choice.confidence, choice.alternatives, ignored), settled=is_another
+            )
+        read, top = scores, max(scores.values(), default=0.0)
         scores = {id_: score / top for id_, score in scores.items()}
         words, _ = self._asked.asked(stop.what)
         exact = frozenset(id_ for id_, share in self._names.covered(words).items() if share >= _WHOLE and id_ in scores)
@@ -181,18 +220,21 @@ class EmbeddedScorer:
             way=Way.KIND if scores else Way.GUESS,
             strength=top,
             heard={} if supported is None else supported.clues,
+            read={} if supported is None else read,
         )
+
+    def _is_missing(self, stop: Stop, meaning: Meaning) -> bool:
+        """“The swimming pool” is no place that has to do with water: what is read in full, and is not here."""
+        return any(weight >= _READ for _, weight in meaning.wanted) and not self._asked.asked(stop.what)[1]
 
     def _by_the_board(self, stop: Stop, meaning: Meaning, ignored: tuple[str, ...]) -> Served | None:
         """What the words of a board say where no kind serves: themselves, their sound, a number, what tells apart."""
         literal = self._by_words(stop, meaning, ignored)
         if literal is not None:
             return literal
-        sounding = {} if self._refuses(stop.what, meaning) else self._names.sounding(self._asked.asked(stop.what)[1])
-        if sounding:
-            scores = self._trusted(sounding)
-            said = "a name that sounds so"
-            return Served(stop, scores, said, 0.7, ignored=ignored, way=Way.WORDS, strength=max(sounding.values()))
+        heard = self._by_ear(stop, meaning, ignored)
+        if heard is not None:
+            return heard
         numbered = self._numbered(stop, ignored)
         if numbered is not None:
             return numbered
@@ -202,6 +244,14 @@ class EmbeddedScorer:
             return Served(stop, scores, "the board says so", 0.8, ignored=ignored, way=Way.TOLD)
         return None
 
+    def _by_ear(self, stop: Stop, meaning: Meaning, ignored: tuple[str, ...]) -> Served | None:
+        """The one landmark whose name sounds like what is asked for."""
+        heard = self._boards.by_ear(stop.what, meaning)
+        if not heard:
+            return None
+        scores, said = self._trusted(heard), "a name that sounds so"
+        return Served(stop, scores, said, 0.8, ignored=ignored, way=Way.HEARD, strength=max(heard.values()))
+
     def _supported(
         self, stop: Stop, meaning: Meaning, scores: Mapping[int, float], within: set[int] | None
     ) -> Supported | None:
@@ -209,17 +259,13 @@ class EmbeddedScorer:
 
         Nothing that is refused is weighed; and what a place, an order or a list tells apart is a sort that is read.
         """
-        is_told = stop.relation is not None or stop.which is not Which.ANY or bool(stop.without)
-        if (is_told and scores) or meaning.wanted_names or meaning.contested or self._refuses(stop.what, meaning):
+        if is_told(stop) and scores:
             return None
-        is_read = any(weight >= _READ for _, weight in meaning.wanted)
-        if not scores and is_read and not self._asked.asked(stop.what)[1]:
-            # “The swimming pool” is no place that has to do with water.
+        if meaning.wanted_names or meaning.contested or self._boards.refuses(stop.what, meaning):
             return None
-        if self._support is None:
-            self._support = Support(self._index, self._names.bearing, self._knowledge)
-        language = meaning.language or next(iter(self._asked.likely(stop.what)), "en")
-        found = self._support.of(stop.what, language, scores)
+        if not scores and self._is_missing(stop, meaning):
+            return None
+        found = self._guesses.support.of(stop.what, self._language(stop, meaning), scores)
         kept = _within(self._trusted(found.scores), within)
         return replace(found, scores=kept) if kept else None
 
@@ -268,7 +314,7 @@ class EmbeddedScorer:
     def _is_another(self, stop: Stop, meaning: Meaning, scores: Mapping[int, float]) -> bool:
         """Whether a name is asked for that stands on no board, where boards of the sort bear names: room Gamma."""
         languages = wish_languages(stop.what, self._knowledge)
-        if not languages or languages[0] not in _CAPITALS_ARE_NAMES or self._refuses(stop.what, meaning):
+        if not languages or languages[0] not in _CAPITALS_ARE_NAMES or self._boards.refuses(stop.what, meaning):
             return False
         _, proper = self._asked.asked(stop.what)
         said = stop.what.split()
@@ -285,17 +331,6 @@ class EmbeddedScorer:
         best = [id_ for id_, score in scores.items() if score >= 0.97 * top]
         return len(stop.what.split()) <= _SHORT_QUESTION and all(
             self._sorts.is_a_room(id_) and self._bears_a_name(id_, self._asked.likely(stop.what)) for id_ in best
-        )
-
-    def _refuses(self, text: str, meaning: Meaning) -> bool:
-        """Whether a text says no to something: then a name in it may be what is refused."""
-        if meaning.refused_names or meaning.refused or asks_for_another(text):
-            return True
-        units = self._knowledge.folder.units(text)
-        return any(
-            span.value.role.startswith("refuse")
-            for language in self._asked.likely(text)[:1]
-            for span in longest_phrases(units, (self._knowledge.spoken(language),))
         )
 
     def is_understood(self, stop: Stop) -> bool:
@@ -337,62 +372,6 @@ class EmbeddedScorer:
         plain = replace(stop, identity=())
         choice, _ = ranked(plain.what, self._index, self._signs, self._knowledge, self.model)
         return tuple(id_ for id_ in (choice.landmark, *choice.alternatives) if id_ is not None)
-
-    def _by_name(self, stop: Stop, meaning: Meaning) -> dict[int, float]:
-        """Landmarks whose board bears every word that is asked for and means nothing else."""
-        if self._refuses(stop.what, meaning):
-            return {}
-        languages = wish_languages(stop.what, self._knowledge)
-        words, proper = self._asked.asked(stop.what)
-        if not words:
-            return {}
-        whole = self._names.covered(words)
-        exact = {id_: _SURE for id_, share in whole.items() if share >= _WHOLE}
-        if not proper and not (exact and self._unread(exact)):
-            # “フェルメール” means painters, and stands on a board in Latin letters.
-            is_one = len(words) == 1 and stop.what.strip() == words[0] and is_unspaced(words[0])
-            return {id_: _ACROSS * share for id_, share in self._names.across(words).items()} if is_one else {}
-        if exact:
-            return exact
-        if whole and proper:
-            return {id_: _NAMED + (1.0 - _NAMED) * share for id_, share in whole.items()}
-        names_a_kind = len(words) > len(proper)
-        # “Sala Everest” is Meeting Room Everest.
-        proper = [word for word in proper if not any(rules_of(each).any.fullmatch(word) for each in languages)]
-        if names_a_kind:
-            # Beside a word for a kind of place, an everyday word is no name: “the psychiatry department”.
-            proper = [word for word in proper if is_unspaced(word) or word not in load_words()]
-        named = self._names.covered(proper)
-        if named and (len(named) == 1 or sum(map(len, proper)) >= SHORTEST):
-            return {id_: _NAMED + (1.0 - _NAMED) * share for id_, share in named.items()}
-        sounding = self._names.across(proper)
-        return {id_: _ACROSS * share for id_, share in sounding.items()}
-
-    def _unread(self, ids: Mapping[int, float]) -> bool:
-        """Whether no table knows what the boards say: then their letters are all there is."""
-        return not any(self._index.signs[id_].is_place for id_ in ids)
-
-    def _literal(self, stop: Stop, meaning: Meaning) -> dict[int, float]:
-        """Boards that bear every word, where nothing else is known to serve."""
-        if self._refuses(stop.what, meaning):
-            return {}
-        words, _ = self._asked.asked(stop.what)
-        words = words or [
-            unit
-            for unit in self._knowledge.folder.units(content_of(stop.what, wish_languages(stop.what, self._knowledge)))
-            if not is_mark(unit)
-        ]
-        if not words:
-            return {}
-        found = {id_: share for id_, share in self._names.covered(words).items() if share >= _LEAST_LITERAL}
-        return found or self._names.alike(words) or self._mostly(words)
-
-    def _mostly(self, words: Sequence[str]) -> dict[int, float]:
-        """Boards that bear most of the words, two at least, where the others stand on no board: “report to the …”."""
-        borne = [word for word in words if self._names.covered([word])]
-        if len(borne) < _FEWEST_BORNE or sum(map(len, borne)) < _MOST_BORNE * sum(map(len, words)):
-            return {}
-        return {id_: share for id_, share in self._names.covered(borne).items() if share >= _LEAST_LITERAL}
 
 
 def _within(scores: Mapping[int, float], within: set[int] | None) -> dict[int, float]:

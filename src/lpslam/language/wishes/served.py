@@ -1,7 +1,7 @@
 """What a scorer says of a stop: which landmarks serve it, and why."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Protocol
 
@@ -9,6 +9,9 @@ from lpslam.language.wishes.form import Stop
 
 LEAST_SURE = 0.75
 """Probability of a place to be what was meant, below which the answer is none: a wrong one is three times as bad."""
+
+
+NOT_SURE = "it is not sure what is meant"
 
 
 class Way(StrEnum):
@@ -20,12 +23,13 @@ class Way(StrEnum):
     SORT = "any of a sort"
     KIND = "kind"
     WORDS = "words of the board"
+    HEARD = "name as heard"
     TOLD = "told apart"
     GUESS = "guess"
 
 
-UNQUESTIONED = (Way.PLACE, Way.IDENTITY, Way.SORT)
-"""What is told by the map, or must stand on the board: nothing that words could be mistaken for."""
+UNQUESTIONED = (Way.PLACE, Way.IDENTITY, Way.SORT, Way.HEARD)
+"""What is told by the map, must stand on the board, or sounds like one name alone: no words to be mistaken."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +48,10 @@ class Served:
         strength: of the best, before scores were divided by it.
         heard: what tells how sure the words of a question make us, by name.
         exact: of those, the landmarks whose board says these very words, and no more.
+        read: how well landmarks serve what the tables read, by id, before anything else speaks.
+        doubt: why none is the answer where that is not sure.
+        is_said: whether every word that is asked asks for what was found.
+        settled: whether it is known that what is asked for is not here.
         sees_all: whether every landmark that serves has its score; a model names a few only.
     """
 
@@ -60,6 +68,15 @@ class Served:
     strength: float = 1.0
     heard: Mapping[str, float] = field(default_factory=dict)
     sure: float = 1.0
+    read: Mapping[int, float] = field(default_factory=dict)
+    doubt: str = NOT_SURE
+    is_said: bool = False
+    settled: bool = False
+
+    def as_anchor(self) -> "Served":
+        """Return what serves an anchor: it is not asked how sure that is, but of a guess."""
+        is_guessed = self.way is Way.GUESS and self.sure < LEAST_SURE
+        return replace(self, scores={}) if is_guessed else self
 
 
 class Scorer(Protocol):

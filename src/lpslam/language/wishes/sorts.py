@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import Kinds, likeness
 from lpslam.language.model import Candidate
-from lpslam.language.questions.question import Wish as Meaning
+from lpslam.language.questions.wanted import Wish as Meaning
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.wishes.form import Ask, Stop, Which
 

@@ -1,0 +1,37 @@
+"""What a question wants and what it refuses, as concepts and names."""
+
+from dataclasses import dataclass
+
+_THING = 0.7  # a wanted concept of this weight is a thing of its own
+
+
+@dataclass(frozen=True, slots=True)
+class Wish:
+    """Concepts wanted and refused, by weight; `language` is None where the question could not be read.
+
+    `wanted_names`, `refused_names` and `near_names` hold the values of the names that were passed in and mentioned;
+    `unknown` says that something is asked for whose word is not known; `contested` are concepts that are wanted, but
+    not from where they are had first of all; `anew` are goods that will do where nobody mends the broken ones;
+    `contradicted` are phrases that are wanted and refused in one breath.
+    """
+
+    wanted: tuple[tuple[str, float], ...]
+    refused: tuple[str, ...]
+    wanted_names: tuple[str, ...]
+    refused_names: tuple[str, ...]
+    language: str | None
+    near_names: tuple[str, ...] = ()
+    unknown: bool = False
+    contested: tuple[str, ...] = ()
+    anew: tuple[str, ...] = ()
+    contradicted: tuple[str, ...] = ()
+
+    @property
+    def main(self) -> tuple[str, ...]:
+        """The concepts that a place must serve: the weightiest sort of those that are wanted."""
+        things = tuple(concept for concept, weight in self.wanted if weight >= _THING)
+        meals = tuple(concept for concept, _ in self.wanted if concept in ("food", "drink"))
+        if things or meals:
+            return things or meals
+        heaviest = max((weight for _, weight in self.wanted), default=0.0)
+        return tuple(concept for concept, weight in self.wanted if weight >= 0.9 * heaviest)

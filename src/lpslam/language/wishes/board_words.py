@@ -1,0 +1,116 @@
+"""What the words of boards have in common with the words of a stop: names, words just so, and names as heard."""
+
+from collections.abc import Mapping, Sequence
+
+from lpslam.language.choosing.landmark_index import LandmarkIndex
+from lpslam.language.questions.question import asks_for_another
+from lpslam.language.questions.wanted import Wish as Meaning
+from lpslam.language.tables.knowledge import Knowledge, load_words
+from lpslam.language.tables.words import is_mark, is_unspaced, longest_phrases
+from lpslam.language.wishes.asked_words import SHORTEST, AskedWords
+from lpslam.language.wishes.names import Names
+from lpslam.language.wishes.reading import content_left, content_of, wish_languages
+from lpslam.language.wishes.rules import rules_of
+
+_SURE, _NAMED, _ACROSS = 1.0, 0.9, 0.85  # of a code or person, of a part of a name, of a name in another script
+_WHOLE = 0.95  # of a name's letters: the name itself
+_FEWEST_BORNE, _MOST_BORNE = 2, 0.5  # words of a question that a board bears, and their share of its letters
+_MOST_OF_IT = 0.7  # of the letters that are asked for: a name, with a particle
+_FEW_WORDS = 3  # of a stop that may be no more than a name and the word before it
+_LEAST_LITERAL = 0.3  # of a board's letters that are asked for word by word
+
+
+class BoardWords:
+    """The words of one set of boards, asked for by the words of a stop."""
+
+    def __init__(self, names: Names, asked: AskedWords, index: LandmarkIndex, knowledge: Knowledge) -> None:
+        self._names, self._asked, self._index, self._knowledge = names, asked, index, knowledge
+
+    def refuses(self, text: str, meaning: Meaning) -> bool:
+        """Whether a text says no to something: then a name in it may be what is refused."""
+        if meaning.refused_names or meaning.refused or asks_for_another(text):
+            return True
+        units = self._knowledge.folder.units(text)
+        return any(
+            span.value.role.startswith("refuse")
+            for language in self._asked.likely(text)[:1]
+            for span in longest_phrases(units, (self._knowledge.spoken(language),))
+        )
+
+    def by_name(self, text: str, meaning: Meaning) -> dict[int, float]:
+        """Landmarks whose board bears every word that is asked for and means nothing else."""
+        if self.refuses(text, meaning):
+            return {}
+        languages = wish_languages(text, self._knowledge)
+        words, proper = self._asked.asked(text)
+        if not words:
+            return self._all_common(text, languages)
+        whole = self._names.covered(words)
+        slipped = {} if whole else self._names.slipped(words)
+        if slipped:
+            return slipped
+        exact = {id_: _SURE for id_, share in whole.items() if share >= _WHOLE}
+        if not proper and not (exact and self._unread(exact)):
+            # “フェルメール” means painters, and stands on a board in Latin letters.
+            is_one = len(words) == 1 and text.strip() == words[0] and is_unspaced(words[0])
+            return {id_: _ACROSS * share for id_, share in self._names.across(words).items()} if is_one else {}
+        if exact:
+            return exact
+        if whole and proper:
+            return {id_: _NAMED + (1.0 - _NAMED) * share for id_, share in whole.items()}
+        names_a_kind = len(words) > len(proper)
+        # “Sala Everest” is Meeting Room Everest.
+        proper = [word for word in proper if not any(rules_of(each).any.fullmatch(word) for each in languages)]
+        if names_a_kind:
+            # Beside a word for a kind of place, an everyday word is no name: “the psychiatry department”.
+            proper = [word for word in proper if is_unspaced(word) or word not in load_words()]
+        named = self._names.covered(proper)
+        if named and (len(named) == 1 or sum(map(len, proper)) >= SHORTEST):
+            return {id_: _NAMED + (1.0 - _NAMED) * share for id_, share in named.items()}
+        sounding = self._names.across(proper)
+        return {id_: _ACROSS * share for id_, share in sounding.items()}
+
+    def _all_common(self, text: str, languages: Sequence[str]) -> dict[int, float]:
+        """“Zu think”: boards that no table reads, whose name is a common word of a language and all that is left."""
+        if len(text.split()) > _FEW_WORDS:
+            return {}
+        left = [self._knowledge.folder.units(content_left(text, rules_of(language))) for language in languages]
+        found = [self._names.covered(units) for units in left if len(units) == 1 and not is_mark(units[0])]
+        ids = {id_: _SURE for each in found for id_, share in each.items() if share >= _WHOLE}
+        return ids if ids and self._unread(ids) else {}
+
+    def by_ear(self, text: str, meaning: Meaning) -> dict[int, float]:
+        """The one landmark whose name sounds like all that is asked for, else like words that no table knows."""
+        words, proper = ([], []) if self.refuses(text, meaning) else self._asked.asked(text)
+        is_name = sum(map(len, proper)) >= _MOST_OF_IT * sum(map(len, words))
+        return (
+            (self._names.sounding(words, is_all=True) if proper else {})
+            or (self._names.sounding(proper, is_all=True) if is_name else {})
+            or self._names.sounding(proper)
+        )
+
+    def literal(self, text: str, meaning: Meaning) -> dict[int, float]:
+        """Boards that bear every word, where nothing else is known to serve."""
+        if self.refuses(text, meaning):
+            return {}
+        words, _ = self._asked.asked(text)
+        words = words or [
+            unit
+            for unit in self._knowledge.folder.units(content_of(text, wish_languages(text, self._knowledge)))
+            if not is_mark(unit)
+        ]
+        if not words:
+            return {}
+        found = {id_: share for id_, share in self._names.covered(words).items() if share >= _LEAST_LITERAL}
+        return found or self._names.alike(words) or self._mostly(words)
+
+    def _unread(self, ids: Mapping[int, float]) -> bool:
+        """Whether no table knows what the boards say: then their letters are all there is."""
+        return not any(self._index.signs[id_].is_place for id_ in ids)
+
+    def _mostly(self, words: Sequence[str]) -> dict[int, float]:
+        """Boards that bear most of the words, two at least, where the others stand on no board: “report to the …”."""
+        borne = [word for word in words if self._names.covered([word])]
+        if len(borne) < _FEWEST_BORNE or sum(map(len, borne)) < _MOST_BORNE * sum(map(len, words)):
+            return {}
+        return {id_: share for id_, share in self._names.covered(borne).items() if share >= _LEAST_LITERAL}

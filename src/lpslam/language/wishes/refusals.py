@@ -1,0 +1,69 @@
+"""Wishes that refuse something: what serves the one part of them, less what serves the other."""
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+from lpslam.language.wishes.form import Stop
+from lpslam.language.wishes.reading import content_left
+from lpslam.language.wishes.rules import rules_of
+from lpslam.language.wishes.served import LEAST_SURE, Served
+
+_ALIKE = 0.9  # of the best score: what serves what is refused as well
+_LEAST_REFUSED = 0.4  # probability that a place is what is refused, from which it is left out
+_EACH = re.compile(r"[,，、;] ?|(?: |^)(?:ni|nor|or|noch|und|oder|et|ou|y|o|and)(?: |$)|[和或とや]|(?:이나|하고) ")
+_ENDS = " .。!！?？,，、;；:"
+
+
+def parted(text: str, language: str) -> tuple[str, list[str]] | None:
+    """Return what a text wants, and each thing that it refuses; None where no word parts them."""
+    rules = rules_of(language)
+    found = rules.first(rules.exclusions, text.strip(_ENDS))
+    if found is None:
+        return None
+    what, out = (found[1].group(name).strip(_ENDS) for name in ("what", "not"))
+    refused = [each.strip(_ENDS) for each in _EACH.split(out) if each and content_left(each, rules)]
+    return (what, refused) if refused and content_left(what, rules) else None
+
+
+def left_of(
+    served: Served,
+    language: str,
+    serve: Callable[[Stop], Served],
+    bearing: Callable[[str], Mapping[int, float]],
+    is_understood: Callable[[Stop], bool],
+) -> Served:
+    """Return what serves the part of a stop that wants, less what is refused; `served` where that is nothing.
+
+    Args:
+        served: what serves the whole stop, unsure or nothing.
+        language: of the stop.
+        serve: answers a stop.
+        bearing: by landmark, how much of its board is said by a text.
+        is_understood: whether a stop's words are words for a place at all, here or elsewhere.
+    """
+    parts = parted(served.stop.what, language)
+    if parts is None:
+        return served
+    what, refused = parts
+    wanted = serve(replace(served.stop, what=what, kinds=(), refused=()))
+    if not wanted.scores or wanted.sure < LEAST_SURE:
+        return served
+    out: set[int] = set()
+    for each in refused:
+        not_this = serve(replace(served.stop, what=each, kinds=(), refused=()))
+        is_found = bool(not_this.scores) and not_this.sure >= _LEAST_REFUSED
+        borne = bearing(each)
+        if not (is_found or borne or is_understood(not_this.stop)):
+            # What is refused by words that nothing explains may be any of those that are wanted.
+            return served
+        best = max(not_this.scores.values(), default=0.0)
+        out.update(borne)
+        out.update(id_ for id_, score in not_this.scores.items() if is_found and score >= _ALIKE * best)
+    left = {id_: score for id_, score in wanted.scores.items() if id_ not in out}
+    if not left or len(left) == len(wanted.scores):
+        # Nothing here is refused: then it is not known what was meant by it.
+        return served if not left else replace(wanted, stop=served.stop)
+    best = max(left.values())
+    exact = wanted.exact - out
+    return replace(wanted, stop=served.stop, scores={id_: each / best for id_, each in left.items()}, exact=exact)

@@ -1,0 +1,59 @@
+"""Names that are spelt by ear: of few consonants where all that is asked for is heard, and never of another."""
+
+import numpy as np
+import pytest
+
+from lpslam.language.model import Candidate
+from lpslam.language.offline import OfflineModel
+from lpslam.navigation.places import Here, Place
+from lpslam.navigation.solver import solve
+
+BOARDS = (
+    *("Phoenix Dental", "Café Quito", "Yoga Loft", "Geneva Lounge", "Ticket Hall", "수족관 안내소", "优衣堂"),
+    *("Grundsicherungsamt", "Bauamt", "Quilt & Craft"),
+)
+MODEL = OfflineModel()
+
+
+def found(question: str, boards: tuple[str, ...] = BOARDS) -> str | None:
+    places = [Place(at, name, np.array([4.0 * at, 0.0, 0.0]), None) for at, name in enumerate(boards)]
+    marks = [Candidate(at, name) for at, name in enumerate(boards)]
+    stop = solve(MODEL.read_wish(question), places, MODEL.scorer(marks), Here(np.zeros(3))).stops[-1]
+    return None if stop.place is None else stop.place.name
+
+
+@pytest.mark.parametrize(
+    ("question", "board"),
+    [
+        ("where's feenix dentl", "Phoenix Dental"),
+        ("kafay keeto", "Café Quito"),
+        ("the joga loft", "Yoga Loft"),
+        ("jeneva lounge please", "Geneva Lounge"),
+        ("kwilt and kraft", "Quilt & Craft"),
+        ("수종관 안내소", "수족관 안내소"),
+        ("优依堂在哪里", "优衣堂"),
+    ],
+)
+def test_a_name_is_found_as_it_is_heard(question: str, board: str) -> None:
+    assert found(question) == board
+
+
+def test_a_long_name_with_a_slip_goes_before_what_its_words_mean() -> None:
+    assert found("Grundsicherungsamt", ("Grundsicherugsamt", "Sozialamt", "Bauamt")) == "Grundsicherugsamt"
+
+
+@pytest.mark.parametrize(
+    "question",
+    [
+        "somebody has fenced the kwarrel",
+        "the phonograph mender",
+        "where do I find Quentin",
+        "a tackle shop for anglers",
+    ],
+)
+def test_a_few_sounds_in_a_longer_question_are_no_name(question: str) -> None:
+    assert found(question) is None
+
+
+def test_of_two_names_that_sound_the_same_none_is_guessed() -> None:
+    assert found("feeniks", ("Feenyx", "Fenyx", "Bauamt")) is None

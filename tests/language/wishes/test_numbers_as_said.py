@@ -1,0 +1,51 @@
+"""Numbers as people say them: in groups, behind a letter's name, and of whatever boards of the map number."""
+
+import pytest
+
+from lpslam.language.model import Candidate
+from lpslam.language.offline import OfflineModel
+from lpslam.language.wishes.codes import asked_codes, board_codes
+
+MODEL = OfflineModel()
+
+
+@pytest.mark.parametrize(
+    ("question", "code"),
+    [
+        ("room three twelve", "312"),
+        ("Zimmer elf null sechs", "1106"),
+        ("gate dee eight", "d8"),
+        ("la puerta D ocho", "d8"),
+        ("voy a la K catorce", "k14"),
+        ("오강의실", "5"),
+    ],
+)
+def test_a_number_is_read_as_it_is_said(question: str, code: str) -> None:
+    assert code in [each.value for each in asked_codes(question)]
+
+
+@pytest.mark.parametrize("question", ["I have two kids", "a table for four people", "twenty one of us", "be seven"])
+def test_a_number_of_nothing_is_no_code(question: str) -> None:
+    assert asked_codes(question) == []
+
+
+def test_all_numbers_of_a_list_are_of_what_stands_behind_it() -> None:
+    assert all("platform" in code.of for code in board_codes("5・6番線 海浜方面"))
+
+
+def served(question: str, *boards: str) -> set[str]:
+    marks = [Candidate(at, board) for at, board in enumerate(boards)]
+    found = MODEL.scorer(marks).serve(MODEL.read_wish(question).stops[0])
+    return {boards[id_] for id_ in found.scores}
+
+
+@pytest.mark.parametrize(
+    ("question", "board"),
+    [("berths thirty three", "Berths 31–40"), ("pod 14", "Pods 11–20"), ("la grada siete", "Gradas 5–9")],
+)
+def test_whatever_a_board_numbers_is_found_by_its_number(question: str, board: str) -> None:
+    assert served(question, board, "Pods 1–10", "Toilets", "Gradas 1–4") == {board}
+
+
+def test_a_common_word_before_a_number_is_not_what_a_board_numbers() -> None:
+    assert "Lockers for 20" not in served("a gift for 20", "Lockers for 20", "Toilets")

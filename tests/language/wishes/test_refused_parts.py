@@ -1,0 +1,73 @@
+"""Wishes that refuse something: what serves what is wanted, less what serves what is refused, in seven languages."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from lpslam.language.model import Candidate
+from lpslam.language.offline import OfflineModel
+from lpslam.language.wishes.form import Stop
+from lpslam.language.wishes.refusals import left_of, parted
+from lpslam.language.wishes.served import Served
+from lpslam.navigation.places import Here, Place
+from lpslam.navigation.solver import solve
+
+MODEL = OfflineModel()
+
+
+def found(question: str, boards: Sequence[str]) -> str | None:
+    places = [Place(at, name, np.array([4.0 * at, 0.0, 0.0]), None) for at, name in enumerate(boards)]
+    marks = [Candidate(at, name) for at, name in enumerate(boards)]
+    stop = solve(MODEL.read_wish(question), places, MODEL.scorer(marks), Here(np.zeros(3))).stops[-1]
+    return None if stop.place is None else stop.place.name
+
+
+@pytest.mark.parametrize(
+    ("language", "text", "wanted", "refused"),
+    [
+        ("en", "a class, but neither yoga nor pilates", "a class", ["yoga", "pilates"]),
+        ("de", "ein Kurs, aber nichts mit Tanzen", "ein Kurs", ["Tanzen"]),
+        ("fr", "un atelier, mais sans peinture", "un atelier", ["peinture"]),
+        ("es", "un taller, pero nada de pintura", "un taller", ["pintura"]),
+        ("zh", "想吃点东西，不吃牛肉", "想吃点东西", ["牛肉"]),
+        ("ko", "뭔가 먹고 싶은데, 고기는 못 먹어요", "뭔가 먹고 싶", ["고기"]),
+    ],
+)
+def test_a_text_is_parted_by_its_refusal(language: str, text: str, wanted: str, refused: list[str]) -> None:
+    assert parted(text, language) == (wanted, refused)
+
+
+@pytest.mark.parametrize(
+    ("question", "boards", "board"),
+    [
+        ("un atelier, mais rien de poterie", ("Atelier poterie", "Atelier couture", "Accueil"), "Atelier couture"),
+        ("eine Ausstellung, aber weder Waffen noch Münzen", ("Waffenkammer", "Gemäldegalerie", "WC"), "Gemäldegalerie"),
+    ],
+)
+def test_what_is_refused_is_left_out(question: str, boards: Sequence[str], board: str) -> None:
+    assert found(question, boards) == board
+
+
+@pytest.mark.parametrize(("is_understood", "left"), [(True, {2}), (False, {1, 2, 3})])
+def test_what_is_refused_in_words_that_nothing_explains_may_be_any(is_understood: bool, left: set[int]) -> None:
+    whole = Served(Stop("a class, but neither yoga nor xylorphs"), {1: 1.0, 2: 1.0, 3: 0.9}, "", sure=0.3)
+    answers = {"a class": {1: 1.0, 2: 1.0}, "yoga": {1: 1.0}, "xylorphs": {}}
+
+    def serve(stop: Stop) -> Served:
+        return Served(stop, answers[stop.what], "", sure=0.9)
+
+    served = left_of(whole, "en", serve, lambda text: {}, lambda stop: is_understood)
+    assert served.scores.keys() == left
+
+
+def test_a_stop_after_then_may_be_a_name_of_small_letters() -> None:
+    places = ("COFFEE", "think", "KFC")
+    marks = [Candidate(at, name) for at, name in enumerate(places)]
+    stops = solve(
+        MODEL.read_wish("Zuerst zu COFFEE, dann zu think"),
+        [Place(at, name, np.array([4.0 * at, 0.0, 0.0]), None) for at, name in enumerate(places)],
+        MODEL.scorer(marks),
+        Here(np.zeros(3)),
+    ).stops
+    assert [stop.place and stop.place.name for stop in stops] == ["COFFEE", "think"]

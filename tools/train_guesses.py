@@ -1,0 +1,264 @@
+"""Train what weighs how much in guesses, and how sure they are (data/wishes/guesses.json).
+
+python tools/train_guesses.py             # report by leaving each set of wishes out
+python tools/train_guesses.py --write     # train on all and write
+
+Wishes of all sets that are answered by words are asked as in `train_certainty.py`: of whole maps and of small ones,
+with and without the place that is meant, with all tables and with tables of which a part is hidden. Where tables find
+nothing sure, the landmarks are ranked by a conditional logit of their columns, and the first is judged by a logistic
+model of its clues; a second one judges what the tables are sure of.
+"""
+
+import argparse
+import json
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from lpslam.language.choosing.guessing import COLUMNS, Guessing, Heard
+from lpslam.language.choosing.serving import best_of
+from lpslam.language.offline import OfflineModel
+from lpslam.language.wishes import guesses
+from lpslam.language.wishes.form import Stop, Which
+from lpslam.language.wishes.served import LEAST_SURE, Served
+from train_certainty import SETS, model_of, wishes_of
+from wishes import accepts, places_of
+
+WRITTEN = Path(guesses.__file__).parent.parent / "data" / "wishes" / "guesses.json"
+SMALL = (1, 2, 3, 4, 5, 6, 10)  # signs of small maps
+WEIGHT = {"whole": 1.0, "small": 0.5, "without": 0.3, "everyday": 0.3}  # of an answer, by its map
+EACH = 3  # of so many everyday questions one is asked
+RIDGE = 10.0  # of logistic weights, in columns of spread 1
+TOLD = (0.5, 0.6, 0.7, 0.75, 0.8, 0.85)  # probabilities of the report
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Row:
+    """One wish of one map: what was heard, what the tables found and how surely, and which landmarks are right."""
+
+    set: str
+    map: str
+    is_hidden: bool
+    guessing: Guessing
+    heard: Heard
+    sure: dict[int, float]
+    is_doubted: bool
+    vain: bool
+    right: NDArray[np.bool_]
+
+    @property
+    def is_sure(self) -> bool:
+        """Whether the tables answer."""
+        return max(self.sure.values(), default=0.0) >= LEAST_SURE
+
+
+class Asking:
+    """Puts wishes to scorers, and keeps what they hear instead of letting them guess."""
+
+    def rows(self, scorer: Any, stop: Stop, right: set[int], name: str, kind: str, is_hidden: bool) -> Iterator[Row]:
+        """The row of a stop, if it is one to guess at."""
+        kept: list[Row] = []
+
+        def judged(given: guesses.Guesses, served: Served, meaning: Any, language: str, trusted: Any) -> Served:
+            if given.support.group_of:
+                heard = given.heard(served, language)
+                found = {best_of(served.scores): served.sure} if served.scores else {}
+                vain = any(weight >= guesses._READ for _, weight in meaning.wanted)
+                is_right = np.isin(heard.ids, list(right))
+                kept.append(
+                    Row(name, kind, is_hidden, given.guessing, heard, found, guesses.is_doubted(served), vain, is_right)
+                )
+            return served
+
+        guesses.Guesses.judged = judged  # type: ignore[method-assign, assignment]
+        scorer.serve(stop)
+        yield from kept
+
+
+def maps_of(world: dict[str, Any], model: OfflineModel, seed: int) -> list[tuple[Any, Any]]:
+    """The places of a world dealt to small maps, with what scores them."""
+    places, candidates = places_of(world)
+    rng = np.random.default_rng(seed)
+    order = rng.permutation(len(places)).tolist()
+    maps: list[tuple[Any, Any]] = []
+    while order:
+        size = int(rng.choice(SMALL))
+        dealt, order = order[:size], order[size:]
+        maps.append(([places[at] for at in dealt], model.scorer([candidates[at] for at in dealt])))
+    return maps
+
+
+def of_wishes(asking: Asking, seed: int | None) -> Iterator[Row]:
+    """Rows of all sets of wishes, with a part of the tables hidden unless `seed` is None."""
+    model = model_of(seed)
+    for path in sorted(SETS.glob("wishes_*.json")):
+        name = path.stem.removeprefix("wishes_")
+        for number, world in enumerate(wishes_of(name).values()):
+            places, candidates = places_of(world)
+            whole = (places, model.scorer(candidates))
+            maps = maps_of(world, model, 1000 * (seed or 0) + number)
+            for case in world["wishes"]:
+                stops = model.read_wish(case["question"]).stops if case.get("category") != "plan" else ()
+                if len(stops) != 1 or not stops[0].what:
+                    continue
+                for kind, (some, scorer) in asked_of(case, stops[0], whole, maps):
+                    right = {place.id for place in some if case["expected"] and accepts(case["expected"], place)}
+                    yield from asking.rows(scorer, stops[0], right, name, kind, seed is not None)
+
+
+def asked_of(case: Mapping[str, Any], stop: Stop, whole: Any, maps: Sequence[Any]) -> Iterator[tuple[str, Any]]:
+    """The maps that a wish is asked of: its world, and a small map with and one without what is meant."""
+    yield "whole", whole
+    if stop.relation is not None or stop.which is not Which.ANY or not case["expected"]:
+        return
+    having = [any(accepts(case["expected"], place) for place in some) for some, _ in maps]
+    for kind, has in (("small", True), ("without", False)):
+        yield from ((kind, each) for each in [m for m, h in zip(maps, having, strict=True) if h is has][:1])
+
+
+def of_questions(asking: Asking, seed: int | None) -> Iterator[Row]:
+    """Rows of everyday questions that the tables leave to guesses."""
+    model = model_of(seed)
+    for path in sorted(SETS.glob("*.json")):
+        tree = json.loads(path.read_text(encoding="utf-8")).get("choosing")
+        if not isinstance(tree, dict) or path.name.startswith("wishes_"):
+            continue
+        for case in tree["questions"][::EACH]:
+            names = tree["places"][case["place"]] if "place" in case else case.get("landmarks", tree.get("landmarks"))
+            places, candidates = places_of({"places": [{"name": name, "position": [0.0, 0.0]} for name in names]})
+            stops = model.read_wish(case["question"]).stops
+            if len(stops) == 1 and stops[0].what and model.choose(case["question"], candidates).landmark is None:
+                right = {place.id for place in places if case["expected"] and accepts(case["expected"], place)}
+                scorer = model.scorer(candidates)
+                yield from asking.rows(scorer, stops[0], right, "", "everyday", seed is not None)
+
+
+def ranked(rows: Sequence[Row]) -> Floats:
+    """Weights of columns by which what is right comes first: a conditional logit of every wish's landmarks."""
+    rows = [row for row in rows if row.right.any() and not row.right.all()]
+    x = np.concatenate([row.heard.columns for row in rows])
+    right = np.concatenate([row.right for row in rows])
+    lengths = [len(row.right) for row in rows]
+    starts = np.cumsum([0, *lengths[:-1]])
+    spread = x.std(axis=0) + 1e-9
+    z = x / spread
+
+    def misfit(beta: Floats) -> tuple[float, Floats]:
+        score = z @ beta
+        share = np.exp(score - np.repeat(np.maximum.reduceat(score, starts), lengths))
+        whole, of_right = np.add.reduceat(share, starts), np.add.reduceat(share * right, starts)
+        slope = share * right / np.repeat(of_right, lengths) - share / np.repeat(whole, lengths)
+        return float((np.log(whole) - np.log(of_right)).sum() + beta @ beta), 2.0 * beta - z.T @ slope
+
+    return np.asarray(minimize(misfit, np.zeros(len(COLUMNS)), jac=True, method="L-BFGS-B").x / spread)
+
+
+def fitted(clues: Floats, right: NDArray[np.bool_], weight: Floats) -> Floats:
+    """Weights of a logistic model of clues, the last of which stands alone."""
+    mean, spread = clues.mean(axis=0), clues.std(axis=0) + 1e-6
+    z = np.hstack([(clues - mean) / spread, np.ones((len(clues), 1))])
+    free = np.array([RIDGE] * clues.shape[1] + [0.0])
+
+    def misfit(beta: Floats) -> tuple[float, Floats]:
+        said = z @ beta
+        loss = weight @ (np.logaddexp(0.0, said) - right * said) + 0.5 * free @ (beta * beta)
+        return float(loss), z.T @ (weight * (1.0 / (1.0 + np.exp(-said)) - right)) + free * beta
+
+    beta = minimize(misfit, np.zeros(z.shape[1]), jac=True, method="L-BFGS-B").x
+    weights = beta[:-1] / spread
+    return np.array([*weights, beta[-1] - weights @ mean])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Judged:
+    """Clues of the answers of some rows, and whether those are right."""
+
+    rows: list[Row]
+    clues: Floats
+    names: tuple[str, ...]
+    right: NDArray[np.bool_]
+
+    def trained(self) -> Floats:
+        """A logistic model of them."""
+        return fitted(self.clues, self.right, np.array([WEIGHT[row.map] for row in self.rows]))
+
+
+def guessed(rows: Sequence[Row], rank: Floats) -> Judged:
+    """The guesses of what the tables are not sure of."""
+    some, found, right = [row for row in rows if not row.is_sure], list[dict[str, float]](), list[bool]()
+    for row in some:
+        at = int(np.argmax(row.heard.columns @ rank))
+        found.append(row.guessing.clues_of_guess(row.heard, at, rank, row.sure, row.vain))
+        right.append(bool(row.right[at]))
+    return Judged(some, np.array([list(each.values()) for each in found]), tuple(found[0]), np.array(right))
+
+
+def standing(rows: Sequence[Row], rank: Floats) -> Judged:
+    """What the tables are sure of."""
+    some, found, right = list[Row](), list[dict[str, float]](), list[bool]()
+    for row in rows:
+        if row.is_sure and row.is_doubted:
+            (id_,) = row.sure
+            at = row.guessing.row_of(id_)
+            if at is not None:
+                some.append(row)
+                found.append(row.guessing.clues(row.heard, at, rank, row.sure[id_], 0.0, False))
+                right.append(bool(row.right[at]))
+    return Judged(some, np.array([list(each.values()) for each in found]), tuple(found[0]), np.array(right))
+
+
+def report(rows: Sequence[Row]) -> None:
+    """Print what guesses and doubts do to each set that is left out."""
+    for kind, judge in (("guesses", guessed), ("what tables found", standing)):
+        total: Counter[tuple[str, float, bool]] = Counter()
+        for name in sorted({row.set for row in rows} - {""}):
+            rank = ranked([row for row in rows if row.set != name and not row.is_sure])
+            judged = judge(rows, rank)
+            out = np.array([row.set == name for row in judged.rows])
+            model = Judged(
+                *([row for row in judged.rows if row.set != name], judged.clues[~out], judged.names),
+                judged.right[~out],
+            ).trained()
+            sure = 1.0 / (1.0 + np.exp(-(judged.clues[out] @ model[:-1] + model[-1])))
+            said = [row for row in judged.rows if row.set == name]
+            for row, p, right in zip(said, sure, judged.right[out], strict=True):
+                for least in (0.0, *TOLD):
+                    total[f"{row.map}{', hidden' if row.is_hidden else ''}", least, bool(right)] += p >= least
+                    if row.map == "whole" and not row.is_hidden:
+                        total[name, least, bool(right)] += p >= least
+        print(f"{kind}, from each probability on: right and wrong")
+        for key in sorted({key for key, _, _ in total}):
+            print(key, "; ".join(f"{t:.2f}: {total[key, t, True]} {total[key, t, False]}" for t in (0.0, *TOLD)))
+
+
+def main() -> None:
+    """Report, or write."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--write", action="store_true")
+    given = parser.parse_args()
+    asking = Asking()
+    rows = [row for seed in (None, 0) for of in (of_wishes, of_questions) for row in of(asking, seed)]
+    if not given.write:
+        report(rows)
+        return
+    rank = ranked([row for row in rows if not row.is_sure])
+    of_guess, of_found = guessed(rows, rank), standing(rows, rank)
+    document = {
+        "rank": np.round(rank, 4).tolist(),
+        "names": of_guess.names,
+        "of_guess": np.round(of_guess.trained(), 4).tolist(),
+        "of_found": np.round(of_found.trained(), 4).tolist(),
+    }
+    WRITTEN.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
