@@ -35,9 +35,7 @@ def test_a_name_that_is_asked_for_is_chosen_and_flown_to(page: Any) -> None:
     page.fill("#question", "必胜客")
     page.press("#question", "Enter")
     until(page, "lpslamPage.chosen() === 1000")
-    page.wait_for_timeout(900)
-    after = page.evaluate("lpslamPage.view()")
-    assert (after["x"], after["y"]) != (before["x"], before["y"])
+    until(page, f"lpslamPage.view().x !== {before['x']} || lpslamPage.view().y !== {before['y']}")
     assert page.locator("#card h2").inner_text() == "Pizza Hut 必胜客"
     page.fill("#question", "nothing like it")
     page.press("#question", "Enter")
