@@ -31,7 +31,9 @@ function showCard() {
   ];
   for (const [key, value] of rows) if (value) facts.append(make("dt", { textContent: key }), make("dd", { textContent: value }));
   part("panel").scrollTop = 0;
-  card.append(make("h2", { textContent: sign.name }), ...pictureOf(sign), facts, ...correctingTools(sign));
+  const shut = tool("✕", () => pick(null));
+  shut.setAttribute("aria-label", words.close);
+  card.append(make("div", { className: "head" }, make("h2", { textContent: sign.name }), shut), ...pictureOf(sign), facts, ...correctingTools(sign));
 }
 
 /* How a sign was seen best, and from where else. A server gives the pictures once one is wanted. */
