@@ -78,7 +78,8 @@ function takeSigns(signs, isForced = false) {
   state.chosen = signs.find(sign => sign.id === chosen) || null;
   listSigns();
   part("list").scrollTop = place;
-  if (isForced || !card.contains(document.activeElement)) showCard();
+  // What somebody is writing on the card of a sign that is still there is left alone.
+  if (!state.chosen || (!card.querySelector("form") && (isForced || !card.contains(document.activeElement)))) showCard();
 }
 
 field.addEventListener("input", listSigns);
