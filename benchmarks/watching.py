@@ -1,13 +1,14 @@
 """What it costs to watch a run: processor seconds of runs of one recording with 0, 1 and 10 watchers, in turn.
 
     python benchmarks/watching.py RECORDING [--rounds 3] [--live] [--frames 300] [--space]
-    python benchmarks/watching.py RECORDING --alone [--space]
+    python benchmarks/watching.py RECORDING --alone [--frames 300]
 
 Every watcher takes the room's picture whenever there is a newer one, or with --space its new points.
 
 Processor time of the run and of the page's process together; with --live also frames dropped. With --alone one run is
-written down, and told once more, as fast as it was, to a page's process of its own: what that costs from the first
-watcher on, which tells ten watchers from one on a machine whose runs differ by more than that.
+written down, and told once more, as fast as it was, to a page's process of its own: with 1 and 10 watchers on the plan,
+then in space. What that costs from the first watcher on tells ten watchers from one on a machine whose runs differ by
+more than that.
 """
 
 import argparse
@@ -184,8 +185,10 @@ def main() -> None:
     if given.alone:
         kept, spent = told(given.recording, given.frames)
         print(json.dumps({"telling_s": round(spent, 2), "of_s": round(kept[-1][0] - kept[0][0], 1)}), flush=True)
-        for watchers in (1, 10):
-            print(json.dumps({"watchers": watchers, **told_again(kept, watchers, given.space)}), flush=True)
+        for in_space in (False, True):
+            for watchers in (1, 10):
+                costs = told_again(kept, watchers, in_space)
+                print(json.dumps({"watchers": watchers, "in": "space" if in_space else "plan", **costs}), flush=True)
         return
     options = ["--max-frames", str(given.frames), *(["--live"] if given.live else [])]
     found: dict[int | None, list[dict[str, float]]] = {None: [], 0: [], 1: [], 10: []}

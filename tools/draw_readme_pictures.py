@@ -1,6 +1,6 @@
 """Draw the pictures of maps and the animation of the demonstration that the documents show.
 
-    python tools/draw_readme_pictures.py map MAP.lpmap docs/images/NAME.png
+    python tools/draw_readme_pictures.py map MAP.lpmap docs/images/NAME.webp
     python tools/draw_readme_pictures.py demo docs/images/demo.webp [--frames N]
 
 The animation renders the mock mall and maps it: on the left what the camera sees with the texts that are known, on the
@@ -8,6 +8,7 @@ right the map as it is at that moment; at its end a question is answered. It tak
 """
 
 import argparse
+import tempfile
 import textwrap
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -39,18 +40,19 @@ from lpslam.views.run_progress import prepare
 
 SECONDS, A_SECOND, LAST_SECONDS = 16.5, 8, 3.5  # of the walk, pictures a second, of the answer
 WIDTH, HEIGHT = 960, 480
-SHADES = 256  # of a picture with a palette, which is a third as large
-QUALITY = 45
+QUALITY, MAP_QUALITY = 45, 82
 BLUE, PINK, GREY, GREEN, INK = (31, 79, 216), (190, 24, 93), (107, 114, 128), (21, 128, 61), (31, 41, 55)
 QUESTION = "Where can I eat pizza?"
 
 
 def draw_small(map_file: Path, out: Path) -> None:
-    """The picture of a map, in few colours."""
-    draw_language_map(LanguageMap.load(map_file), out)
-    picture = Image.open(out).convert("RGB")
+    """The picture of a map, no larger than a document shows it."""
+    with tempfile.TemporaryDirectory() as folder:
+        drawn = Path(folder) / "map.png"
+        draw_language_map(LanguageMap.load(map_file), drawn)
+        picture = Image.open(drawn).convert("RGB")
     picture.thumbnail((1000, 1000), Image.Resampling.LANCZOS)
-    picture.quantize(SHADES, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).save(out, optimize=True)
+    picture.save(out, quality=MAP_QUALITY, method=6)
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ import pytest
 
 from in_chromium import shown, until
 from lpslam.config import SightingConfig
+from lpslam.mapfile.language_map import LanguageMap
 from lpslam.page.building import write_page
 from lpslam.text.sightings import Sighting, pictured
 from small_maps import small_map, with_floor
@@ -35,9 +36,7 @@ def test_a_name_that_is_asked_for_is_chosen_and_flown_to(page: Any) -> None:
     page.fill("#question", "必胜客")
     page.press("#question", "Enter")
     until(page, "lpslamPage.chosen() === 1000")
-    page.wait_for_timeout(900)
-    after = page.evaluate("lpslamPage.view()")
-    assert (after["x"], after["y"]) != (before["x"], before["y"])
+    until(page, f"lpslamPage.view().x !== {before['x']} || lpslamPage.view().y !== {before['y']}")
     assert page.locator("#card h2").inner_text() == "Pizza Hut 必胜客"
     page.fill("#question", "nothing like it")
     page.press("#question", "Enter")
@@ -85,13 +84,18 @@ def test_a_dialogue_is_kept_as_it_goes_on(page: Any) -> None:
     assert page.locator("#log .answer").all_inner_texts() == ["KFC", "Kein Schild sagt das.", "Pizza Hut 必胜客"]
 
 
-def test_a_card_shows_how_its_sign_was_seen(browser: Any, tmp_path: Path) -> None:
-    world = small_map(signs=SIGNS)
-    image = np.full((60, 160, 3), 90, np.uint8)
-    box = np.array([[20, 10], [140, 10], [140, 50], [20, 50]], np.float64)
+def with_a_picture(world: LanguageMap, high: int = 60) -> LanguageMap:
+    """A map whose first sign was kept as a picture."""
+    image = np.full((high, 160, 3), 90, np.uint8)
+    box = np.array([[20, 10], [140, 10], [140, high - 10], [20, high - 10]], np.float64)
     jpeg = pictured(image, box, 10.0, SightingConfig())
     # The first board stands at the origin, a metre up.
     world.text.sightings.keep(0, Sighting(0, (0.0, -1.0, 0.0), 20.0, jpeg), lambda key: True)
+    return world
+
+
+def test_a_card_shows_how_its_sign_was_seen(browser: Any, tmp_path: Path) -> None:
+    world = with_a_picture(small_map(signs=SIGNS))
     with shown(browser, write_page(world, tmp_path / "page.html").as_uri(), locale="en-US") as page:
         page.locator("#signs button").first.click()
         picture = page.locator("#card img")
@@ -149,6 +153,24 @@ def test_everything_that_can_be_used_has_a_name(page: Any) -> None:
     page.keyboard.press("Tab")
     page.keyboard.press("Shift+Tab")
     assert page.evaluate("getComputedStyle(document.getElementById('map')).outlineStyle") == "solid"
+
+
+def test_a_card_is_shut_and_leaves_the_list_in_sight(browser: Any, tmp_path: Path) -> None:
+    """On a laptop: a long dialogue, a card with a large picture, and the signs below them."""
+    file = write_page(with_a_picture(small_map(signs=SIGNS), high=160), tmp_path / "page.html")
+    with shown(browser, file.as_uri(), viewport={"width": 1280, "height": 720}, locale="en-US") as page:
+        for _ in range(8):
+            page.fill("#question", SIGNS[0])
+            page.press("#question", "Enter")
+        until(page, "document.querySelector('#card img').naturalWidth > 100")
+        page.fill("#question", "")
+        row = page.locator("#signs button").first
+        row.scroll_into_view_if_needed()
+        at = row.bounding_box()
+        assert at["y"] + at["height"] <= 720 - 16
+        page.locator("#card").get_by_label("Close").click()
+        until(page, "lpslamPage.chosen() === null")
+        assert page.locator("#card h2").count() == 0
 
 
 @pytest.mark.parametrize(("wide", "high"), [(390, 844), (768, 1024), (844, 390), (1280, 800)])

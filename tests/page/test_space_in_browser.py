@@ -1,5 +1,6 @@
 """The map in space in a real browser: points, plates, the walk, and what it costs; skipped where there is none."""
 
+import json
 import statistics
 from collections.abc import Iterator
 from pathlib import Path
@@ -105,15 +106,22 @@ def test_a_sign_that_is_asked_for_is_flown_to_and_read_from_its_front(page: Any)
     page.fill("#question", "必胜客")
     page.press("#question", "Enter")
     until(page, "lpslamPage.chosen() === 1000")
-    page.wait_for_timeout(1100)
-    around = page.evaluate("lpslamPage.around()")
     sign = page.evaluate(
         "JSON.parse(document.getElementById('map-data').textContent).signs.find(each => each.id === 1000)"
     )
-    np.testing.assert_allclose(around["at"], sign["position"], atol=1e-6)
+    place = json.dumps(sign["position"])
+    until(page, f"lpslamPage.around().at.every((each, axis) => Math.abs(each - {place}[axis]) < 1e-6)")
+    around = page.evaluate("lpslamPage.around()")
     seen_from = [np.cos(around["yaw"]), np.sin(around["yaw"])]
     assert np.dot(seen_from, sign["normal"][:2]) > 0.99
     assert names(page)[0] == "Pizza Hut 必胜客"
+
+
+def cost_of_a_frame(page: Any, seconds: float) -> float:
+    """Seconds of processor time that a frame costs while the view turns for so many seconds."""
+    frames, spent = page.evaluate("lpslamPage.pace().frames"), processor_s()
+    turned(page, seconds)
+    return (processor_s() - spent) / (page.evaluate("lpslamPage.pace().frames") - frames)
 
 
 def test_a_million_points_are_moved_at_five_frames_a_second(browser: Any, tmp_path: Path) -> None:
@@ -157,14 +165,14 @@ def test_ten_thousand_signs_cost_less_than_the_points_around_them(browser: Any, 
         page.locator("#in-space").click()
         hall(page, 1_000_000)
         until(page, "lpslamPage.drawnPoints() === 1000000")
-        # Against the same view without them, in turn, so that it does not matter what else this machine does.
-        rates: dict[int, list[float]] = {0: [], 10_000: []}
-        for _ in range(3):
-            for count, found in rates.items():
+        # Against the same view without them, by what a frame costs: other work on this machine leaves that as it is.
+        costs: dict[int, list[float]] = {0: [], 10_000: []}
+        for _ in range(2):
+            for count, found in costs.items():
                 signs(page, count)
                 until(page, "lpslamPage.drawnPoints() === 1000000")
-                found.append(turned(page, 3.0)["rate"])
-        assert statistics.median(rates[10_000]) >= 0.5 * statistics.median(rates[0]), rates
+                found.append(cost_of_a_frame(page, 3.0))
+        assert statistics.mean(costs[10_000]) <= 2.0 * statistics.mean(costs[0]), costs
         assert page.locator("#signs button").count() == 500
 
 
@@ -188,14 +196,14 @@ def test_what_a_wall_hides_is_faint_and_what_is_chosen_is_not(browser: Any, tmp_
         # The hall's walls stand 20 m off, on all sides.
         hall(page, 400_000)
         look_from_the_side(page, 0)
-        until(page, "lpslamPage.drawnPoints() === lpslamPage.points()", 60)
+        until(page, "lpslamPage.drawnPoints() === lpslamPage.points()")
         assert page.evaluate("lpslamPage.hidden()") == []
         look_from_the_side(page, 12)
-        until(page, "lpslamPage.hidden().length === 3", 60)
+        until(page, "lpslamPage.hidden().length === 3")
         # Who is asked for is in sight, wherever it hangs.
         page.locator("#signs button").first.click()
         look_from_the_side(page, 12)
-        until(page, "lpslamPage.hidden().length === 2", 60)
+        until(page, "lpslamPage.hidden().length === 2")
         assert names(page)[0] == SIGNS[0]
 
 

@@ -81,6 +81,31 @@ def test_a_sign_is_renamed_merged_judged_and_hidden_and_all_is_taken_back(
     assert names(path) == before
 
 
+def test_who_is_quicker_than_the_server_is_no_second_editor(browser: Any, viewed: tuple[Path, str]) -> None:
+    path, url = viewed
+    with shown(browser, url, own=url, locale="en-US") as page:
+        page.locator("#signs button", has_text="KFO").first.click()
+        page.evaluate("""() => {
+          for (const text of ["no", "Hide"]) {
+            [...document.querySelectorAll("#card button")].find(each => each.textContent === text).click();
+          }
+        }""")
+        until(page, "document.querySelectorAll('#by-hand li').length === 2")
+        assert page.locator("#complaint").inner_text() == ""
+    assert 0 not in names(path)
+
+
+def test_what_is_written_on_a_card_outlasts_what_others_change(browser: Any, viewed: tuple[Path, str]) -> None:
+    _, url = viewed
+    with shown(browser, url, own=url, locale="en-US") as page, shown(browser, url, own=url, locale="en-US") as other:
+        press(page, "KFO", "Rename")
+        page.fill("#card input", "Kentucky")
+        press(other, "Toilets", "Hide")
+        until(page, "document.querySelectorAll('#signs button').length === 3")
+        page.press("#card input", "Enter")
+        until(page, "document.querySelector('#card h2').textContent === 'Kentucky'")
+
+
 def test_of_two_editors_the_second_is_shown_what_there_is(browser: Any, viewed: tuple[Path, str]) -> None:
     path, url = viewed
     with (

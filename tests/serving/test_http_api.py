@@ -89,6 +89,12 @@ def test_an_answer_is_the_one_of_the_command_line(
     assert envelope.text
 
 
+def test_kinds_are_told_in_the_language_of_the_question(client: TestClient) -> None:
+    answered = client.post("/ask", json={"question": "Wo kann ich Pizza essen?"}).json()
+    assert set(answered["kinds"]) == set(answered["answer"]["wish"]["stops"][0]["kinds"])
+    assert "Pizza" in answered["kinds"].values()
+
+
 def test_another_one_is_another_one(client: TestClient) -> None:
     first = client.post("/ask", json={"question": "Where can I get something to eat?"}).json()["answer"]
     again = {

@@ -142,7 +142,7 @@ class _Solver:
         notes += [note] if note else []
         stop = served.stop
         if stop.contradiction:
-            said = f"{stop.contradiction} at once: one place cannot be both; ask for one of them"
+            said = f"{stop.contradiction} at once: one place cannot be both, ask for one of them"
             return self._none(served, (said, *notes), self._listed(served))
         if not served.scores:
             return self._none(served, (served.evidence, *notes))
@@ -311,7 +311,7 @@ class _Solver:
             return self._scene.here.position, ""
         found = self._anchors(stop.start, previous)
         if not found:
-            return self._scene.here.position, f"{stop.start.what}: not on this map; the way is taken from here"
+            return self._scene.here.position, f"{stop.start.what}: not on this map, the way is taken from here"
         return found[0].position, ""
 
     def _in_relation(

@@ -11,6 +11,7 @@ from lpslam.errors import UserError
 from lpslam.language.model import LanguageModel
 from lpslam.language.offline import OfflineModel, embedded_model
 from lpslam.language.questions.follow_up import FollowUp, follow_up
+from lpslam.language.questions.phrasing import phrases_in
 from lpslam.language.wishes.form import Wish
 from lpslam.navigation.asking import answer
 from lpslam.navigation.directory import Directory
@@ -96,6 +97,12 @@ def _wish_of(asked: Asked, read: FollowUp) -> Wish | None:
     return None if said is None else Wish.from_document(json.loads(said))
 
 
+def _kinds_said(wish: Wish, language: str) -> dict[str, str]:
+    """What the kinds that are wanted and refused are called in a language."""
+    kinds = dict.fromkeys(kind for stop in wish.stops for kind in (*stop.kinds, *stop.refused))
+    return {kind: phrases_in(language).things([kind]) for kind in kinds}
+
+
 def understood(asked: Asked, language: LanguageModel) -> dict[str, Any]:
     """What is understood of a question, before any map is looked at."""
     model = language if isinstance(language, OfflineModel) else embedded_model()
@@ -136,6 +143,7 @@ def answered(asked: Asked, served: Known, language: LanguageModel, longest: int)
         "version": served.version,
         "text": answer_text(found, read.language, is_further=bool(named)),
         "understood": str(found.wish),
+        "kinds": _kinds_said(found.wish, read.language),
         "notes": notes,
         "answer": answer_record(found),
     }

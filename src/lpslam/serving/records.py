@@ -224,6 +224,7 @@ class AnswerEnvelope(Outward):
     version: str
     text: str = Field(description="In the question's language; plain text.")
     understood: str
+    kinds: dict[str, str] = Field(description="What the kinds of the wish are called in the question's language.")
     notes: list[str]
     answer: AnswerRecord
 

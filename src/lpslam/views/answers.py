@@ -25,7 +25,7 @@ def answer_text(
         understood: whether to say first what was understood of the question.
     """
     phrases = phrases_in(language or answer_language(answer.question))
-    why = printable(answer.choice.evidence, longest=300)
+    why = printable(phrases.reasons(answer.choice.evidence), longest=300)
     others = phrases.join([_other(mark, answer, phrases) for mark in answer.alternatives])
     embedded, _, absent = answer.choice.model.partition(_INSTEAD)
     if answer.landmark is not None and answer.wish.stops[-1].ask in LISTED:

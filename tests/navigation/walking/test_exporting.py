@@ -106,6 +106,7 @@ def test_names_from_signs_are_text_in_every_file(walkable: Walkable, tmp_path: P
         "text",
         "polyline",
     }
+    assert "1 m" in [each.text for each in drawn.iter()]
     places = json.loads((tmp_path / "places.geojson").read_text())
     assert places["type"] == "FeatureCollection"
     assert [each["geometry"]["type"] for each in places["features"]] == ["Point", "Point"]

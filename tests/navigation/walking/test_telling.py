@@ -21,6 +21,13 @@ def test_a_bend_to_the_left_at_a_sign() -> None:
     assert length_told(BENT, "en") == "9 m, about 9 s"
 
 
+def test_a_sign_that_is_far_from_where_the_way_ends_is_told_with_its_distance() -> None:
+    """A sign over a shut off yard: one stands as near to it as the ground is known."""
+    assert told(BENT, [], Sign("KFC", np.array([4.0, 17.0])), "en")[-1] == "KFC is ahead of you, 12 m away"
+    assert told(BENT, [], Sign("KFC", np.array([4.0, 17.0])), "de")[-1] == "KFC ist vor Ihnen, 12 m entfernt"
+    assert told(BENT, [], Sign("KFC", np.array([4.0, 7.0])), "en")[-1] == "KFC is ahead of you"
+
+
 def test_where_one_goes_is_no_mark_of_a_turn_on_the_way() -> None:
     goal, twin = Sign("Exit", np.array([4.0, 2.0])), Sign("Exit", np.array([4.5, -1.0]))
     assert told(BENT, [goal], goal, "en", heading=0.0)[1] == "turn left"

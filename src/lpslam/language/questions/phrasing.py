@@ -1,5 +1,6 @@
 """How an answer is said in the language of its question: one table of templates a language (`data/answers.json`)."""
 
+import re
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from typing import Any
@@ -10,6 +11,7 @@ from lpslam.language.tables.knowledge import load_knowledge
 from lpslam.language.tables.lexicon import read_table
 
 _ENGLISH, _TRADITIONAL = "en", "zh-Hant"
+_PARTED = "; "
 
 
 class Phrases:
@@ -33,12 +35,23 @@ class Phrases:
         return directions[round(degrees / (360.0 / len(directions))) % len(directions)]
 
     def things(self, concepts: Sequence[str]) -> str:
-        """Name kinds of place and what they offer; English as the tables write them."""
+        """Name kinds of place and what they offer."""
         if self.language == _ENGLISH:
-            return ", ".join(concepts)
+            # The tables are written in English: "amenity/toilets".
+            return self.join(list(dict.fromkeys(each.rpartition("/")[2].replace("_", " ") for each in concepts)))
         knowledge, nouns = load_knowledge(), self._templates["words"]
         said = [nouns.get(each) or knowledge.word_for(each, self.language) for each in concepts]
         return self.join([word for word in dict.fromkeys(said) if word] or concepts)
+
+    def reasons(self, evidence: str) -> str:
+        """Say reasons, parted by "; ", which stand in English (`data/reasons.json`); any other text stays as it is."""
+        return evidence if self.language == _ENGLISH else "; ".join(map(self._reason, evidence.split(_PARTED)))
+
+    def _reason(self, reason: str) -> str:
+        for pattern, said in _reasons():
+            if found := pattern.fullmatch(reason):
+                return said[self.language].format_map(found.groupdict())
+        return reason
 
     def join(self, parts: Sequence[str]) -> str:
         """Put the parts of a list together."""
@@ -69,3 +82,10 @@ def phrases_in(language: str) -> Phrases:
 def _tables() -> Mapping[str, Mapping[str, Any]]:
     tables: Mapping[str, Mapping[str, Any]] = read_table("answers.json")
     return tables
+
+
+@lru_cache(maxsize=1)
+def _reasons() -> tuple[tuple[re.Pattern[str], Mapping[str, str]], ...]:
+    """Patterns of the English reasons, and how each language says them; the first that fits is meant."""
+    rows: list[Mapping[str, str]] = read_table("reasons.json")
+    return tuple((re.compile(re.sub(r"\\{(\w+)\\}", r"(?P<\1>.+)", re.escape(row[_ENGLISH]))), row) for row in rows)

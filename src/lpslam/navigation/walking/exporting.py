@@ -153,6 +153,9 @@ def _geojson(landmarks: Sequence[Landmark]) -> dict[str, Any]:
     return {"type": "FeatureCollection", "crs": crs, "features": features}
 
 
+_LETTERING = 'font-size="0.28" font-family="sans-serif" paint-order="stroke" stroke="#ffffff" stroke-width="0.09"'
+
+
 def _svg(grid: Grid, landmarks: Sequence[Landmark], legs: Sequence[Leg]) -> str:
     """A floor plan, metres; things in the way as one path, signs as words."""
     (left, bottom), (rows, columns), cell = grid.origin, grid.shape, grid.resolution
@@ -162,6 +165,8 @@ def _svg(grid: Grid, landmarks: Sequence[Landmark], legs: Sequence[Leg]) -> str:
         f'<rect width="{width:.2f}" height="{height:.2f}" fill="#e5e7eb"/>',
         f'<path fill="#ffffff" d="{_outlines(grid.values == FREE, cell)}"/>',
         f'<path fill="#1f2937" d="{_outlines(grid.values == OCCUPIED, cell)}"/>',
+        f'<path d="M0.3 {height - 0.2:.2f}h1" stroke="#1f2937" stroke-width="0.06"/>',
+        f'<text x="0.3" y="{height - 0.3:.2f}" {_LETTERING}>1 m</text>',
     ]
     for leg in legs:
         points = " ".join(f"{x - left:.2f},{top - y:.2f}" for x, y in leg.way.points)
@@ -171,7 +176,10 @@ def _svg(grid: Grid, landmarks: Sequence[Landmark], legs: Sequence[Leg]) -> str:
         colour = "#1d4ed8" if mark.is_landmark else "#be185d"
         parts.append(f'<circle cx="{x:.2f}" cy="{y:.2f}" r="0.08" fill="{colour}"/>')
         name = escape(clean_text(mark.name))
-        parts.append(f'<text x="{x + 0.12:.2f}" y="{y:.2f}" font-size="0.28" fill="{colour}">{name}</text>')
+        # A name that would leave the plan at its right stands at the left of its sign.
+        side = 'text-anchor="end" ' if x > 0.8 * width else ""
+        beside = x - 0.14 if side else x + 0.14
+        parts.append(f'<text x="{beside:.2f}" y="{y + 0.09:.2f}" {side}fill="{colour}" {_LETTERING}>{name}</text>')
     return "\n".join([*parts, "</svg>"]) + "\n"
 
 

@@ -19,6 +19,7 @@ Array = NDArray[np.float64]
 _SLIGHT, _FULL, _SHARP, _BACK = (np.radians(each) for each in (25.0, 60.0, 120.0, 160.0))
 _GAP = re.compile(r"\{(\w+)\}")
 _AT = 3.0  # metres from a turn at which a sign marks it
+_FAR = 3.0  # metres: nearer, one stands before the sign where the way ends; farther, it is told how far it is
 _SHORT = 1.0  # metres: a shorter leg is no walk but a part of a turn
 
 
@@ -59,7 +60,9 @@ def told(way: Way, signs: Sequence[Sign], goal: Sign, language: str = "en", head
         faced = towards
     offset = np.asarray(goal.position[:2], np.float64) - points[-1]
     side = "ahead" if faced is None else _side(_difference(float(np.arctan2(offset[1], offset[0])), faced))
-    return [*steps, _filled(words["arrive"], name=goal.name, side=words[side])]
+    away = float(np.linalg.norm(offset))
+    arrival = words["arrive_far" if away > _FAR else "arrive"]
+    return [*steps, _filled(arrival, name=goal.name, side=words[side], metres=f"{away:.0f}")]
 
 
 def length_told(way: Way, language: str = "en") -> str:

@@ -10,7 +10,9 @@ function say(question) {
   const show = () => { log.scrollTop += asks.getBoundingClientRect().top - log.getBoundingClientRect().top; };
   show();
   return (text, ...more) => {
-    answer.replaceChildren(text, ...more);
+    // Reasons and other places are indented: they are small print.
+    const lines = text.split("\n").map(line => make("div", { className: line.startsWith("  ") ? "soft" : "", textContent: line.trim() }));
+    answer.replaceChildren(...lines, ...more);
     show();
   };
 }

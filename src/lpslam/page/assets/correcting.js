@@ -19,9 +19,13 @@ async function send(method, url, body) {
   await refresh();
 }
 
+/* One after the other: who is quicker than the server is no second editor. */
+let sent = Promise.resolve();
+const inTurn = act => { sent = sent.then(act, act); };
+
 const named = () => data.name ? { map: data.name } : {};
-const correct = change => send("POST", "/corrections", { ...named(), revision: data.edits.revision, ...change });
-const takeBack = number => send("DELETE", `/corrections/${number}?` + new URLSearchParams({ ...named(), revision: data.edits.revision }));
+const correct = change => inTurn(() => send("POST", "/corrections", { ...named(), revision: data.edits.revision, ...change }));
+const takeBack = number => inTurn(() => send("DELETE", `/corrections/${number}?` + new URLSearchParams({ ...named(), revision: data.edits.revision })));
 
 function complain(text) {
   part("complaint").textContent = text;
@@ -78,7 +82,7 @@ function askFor(tools, input, act) {
   const form = make("form", { className: "tools" }, input, make("button", { textContent: words.save, className: "small" }), tool(words.cancel, showCard));
   form.addEventListener("submit", event => {
     event.preventDefault();
-    document.activeElement.blur();
+    showCard();
     act(input.value);
   });
   tools.replaceWith(form);

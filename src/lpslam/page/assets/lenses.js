@@ -1,6 +1,7 @@
 /* From where the map is seen in space: around a point, or through the camera's own lens. World: metres, z up. */
 const NEAR = 0.05, FAR = 1500, FARTHEST = 600, FIELD = 0.9;  // metres, the third of the eye; radians from bottom to top
-const around = { at: [0, 0, 0], yaw: -1.9, pitch: 0.75, far: 12 };
+const FROM_ABOVE = 0.75;  // radians below the horizon
+const around = { at: [0, 0, 0], yaw: -1.9, pitch: FROM_ABOVE, far: 12 };
 let lens = null;  // of the view that is drawn: its eye, axes, matrix and pixels
 
 const plus = (a, b, times = 1) => a.map((value, axis) => value + times * b[axis]);

@@ -96,7 +96,7 @@ function keyInSpace(event) {
 
 canvas.addEventListener("keydown", event => {
   flight++;
-  if (event.key === "0") { leaveLens(); return fit(); }
+  if (event.key === "0") return showAll();
   if (state.isSpatial) {
     if (!keyInSpace(event)) return;
     event.preventDefault();
@@ -110,11 +110,15 @@ canvas.addEventListener("keydown", event => {
   event.preventDefault();
   moved();
 });
-part("whole").addEventListener("click", () => {
+/* All of it, in space from high enough to see the ground. */
+function showAll() {
   flight++;
   leaveLens();
+  around.pitch = FROM_ABOVE;
   fit();
-});
+}
+
+part("whole").addEventListener("click", showAll);
 /* On paper the panel is below the map, and hides nothing. */
 for (const [name, printed] of [["beforeprint", true], ["afterprint", false]]) window.addEventListener(name, () => {
   isPrinted = printed;

@@ -9,11 +9,14 @@ const toScreen = (x, y) => [canvas.clientWidth / 2 + (x - view.x) * view.scale, 
 /* As the style has it, pixels. */
 const panelWidth = () => canvas.clientWidth <= 900 ? 264 : 340;
 
-/* What the panel hides: at the left of a wide window, at the bottom of a narrow one. */
+const plotHeight = () => part("memory").hidden ? 0 : part("memory").offsetHeight + 16;
+
+/* What the panel and the bars hide at the left and at the bottom: of a narrow window the panel is at its bottom. */
 function covered() {
   if (isPrinted) return [0, 0];
-  if (canvas.clientWidth <= 640) return [0, canvas.clientHeight * 0.5];
-  return [panelWidth() + 20, part("memory").hidden ? 0 : part("memory").offsetHeight + 16];
+  const walk = part("replay").offsetHeight, bar = walk && walk + 16;
+  if (canvas.clientWidth <= 640) return [0, canvas.clientHeight * 0.5 + bar];
+  return [panelWidth() + 20, plotHeight() + bar];
 }
 
 /* The same as a box of the canvas, where no label is to be read. */
@@ -21,6 +24,12 @@ function panelBox() {
   const [left, bottom] = covered(), wide = canvas.clientWidth, high = canvas.clientHeight;
   if (isPrinted) return [0, 0, 0, 0];
   return wide <= 640 ? [0, high - bottom, wide, high] : [0, 0, left, high];
+}
+
+/* All that lies over the canvas, where no label is to be read. */
+function coveredBoxes() {
+  const bars = isPrinted ? [] : [part("replay"), part("modes")].map(bar => bar.getBoundingClientRect());
+  return [panelBox(), ...bars.map(({ left, top, right, bottom }) => [left, top, right, bottom])];
 }
 
 function extent() {
@@ -76,7 +85,7 @@ function paintPlan(most) {
   for (const leg of state.legs) for (const line of goalLines(leg, 0)) trace(line, style("--route"), 3, .9);
   drawCamera();
   const taken = new Boxes();
-  taken.add({ box: panelBox() });
+  for (const box of [...coveredBoxes(), scaleBox()]) taken.add({ box });
   const marked = marks(most), badges = stopBadges(([x, y]) => toScreen(x, y));
   badges.forEach(badge => taken.add(badge));
   for (const { sign, at } of marked) label(sign, at, taken);
@@ -204,10 +213,21 @@ function letters(sign, isChosen) {
   return measured.get(sign);
 }
 
-function scaleBar() {
+/* How long the scale is, in metres and in pixels, and where it begins. */
+function scaleAt() {
   const metres = [0.5, 1, 2, 5, 10, 20, 50, 100].find(each => each * view.scale > 60) || 200, width = metres * view.scale;
   // On a telephone it is above the walk.
-  const x = canvas.clientWidth - width - 24, y = canvas.clientHeight - (canvas.clientWidth <= 640 ? 64 : 24) - covered()[1];
+  const y = canvas.clientHeight - 24 - (canvas.clientWidth <= 640 ? covered()[1] : plotHeight());
+  return { metres, width, x: canvas.clientWidth - width - 24, y };
+}
+
+function scaleBox() {
+  const { width, x, y } = scaleAt();
+  return [x - 4, y - 20, x + width + 4, y + 6];
+}
+
+function scaleBar() {
+  const { metres, width, x, y } = scaleAt();
   pen.fillStyle = style("--ink");
   pen.fillRect(x, y, width, 3);
   pen.font = "12px system-ui, sans-serif";

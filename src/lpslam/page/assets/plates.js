@@ -116,7 +116,7 @@ function drawPlates(plates) {
 /* Labels of the signs whose plates are not shown, those in sight first: what finds no room joins the nearest one that did. */
 function arrangeLabels(plates, rest) {
   const boxes = new Boxes(), labels = [], panel = panelBox(), isPlaced = item => !item.isPanel;
-  boxes.add({ box: panel, isPanel: true });
+  for (const box of coveredBoxes()) boxes.add({ box, isPanel: true });
   for (const each of plates) boxes.add({ box: each.box, signs: [each.sign] });
   const inTurn = [...rest.filter(each => each.isChosen), ...rest.filter(each => !each.isChosen && !each.isHidden), ...rest.filter(each => each.isHidden)];
   for (const { sign, name, letters, at, away, isHidden } of inTurn) {
@@ -172,7 +172,7 @@ function drawCounts(taken) {
     if (signs.length < 2) continue;
     const text = `+${signs.length - 1}`;
     pen.font = `600 10.5px ${FONT}`;
-    const wide = Math.max(pen.measureText(text).width + 8, 18), x = box[2] - wide + 4, y = box[1] - 6;
+    const wide = Math.max(pen.measureText(text).width + 8, 18), x = box[2] - wide + 8, y = box[1] - 9;
     pen.fillStyle = style("--ink");
     pen.beginPath();
     pen.roundRect(x, y, wide, 15, 7.5);

@@ -31,7 +31,9 @@ function showCard() {
   ];
   for (const [key, value] of rows) if (value) facts.append(make("dt", { textContent: key }), make("dd", { textContent: value }));
   part("panel").scrollTop = 0;
-  card.append(make("h2", { textContent: sign.name }), ...pictureOf(sign), facts, ...correctingTools(sign));
+  const shut = tool("✕", () => pick(null));
+  shut.setAttribute("aria-label", words.close);
+  card.append(make("div", { className: "head" }, make("h2", { textContent: sign.name }), shut), ...pictureOf(sign), facts, ...correctingTools(sign));
 }
 
 /* How a sign was seen best, and from where else. A server gives the pictures once one is wanted. */
@@ -76,7 +78,8 @@ function takeSigns(signs, isForced = false) {
   state.chosen = signs.find(sign => sign.id === chosen) || null;
   listSigns();
   part("list").scrollTop = place;
-  if (isForced || !card.contains(document.activeElement)) showCard();
+  // What somebody is writing on the card of a sign that is still there is left alone.
+  if (!state.chosen || (!card.querySelector("form") && (isForced || !card.contains(document.activeElement)))) showCard();
 }
 
 field.addEventListener("input", listSigns);

@@ -1,11 +1,12 @@
 /* What was understood of a question, part by part: each can be taken out, and another place chosen. */
 const wishText = stop => [stop.what, ...stop.kinds.filter(kind => !stop.what)].join(" ") || words.anyPlace;
 
-/* The parts of a stop that can be taken out: how each is called, what it says, and the stop without it. */
-function wishParts(stop) {
+/* The parts of a stop that can be taken out: how each is called, what it says, and the stop without it. `said` tells
+   what kinds are called. */
+function wishParts(stop, said) {
   const each = (name, tell) => stop[name].map((value, at) => ({ label: words.wish[name], text: tell(value), rest: { ...stop, [name]: stop[name].filter((_, other) => other !== at) } }));
   const one = (label, text, changed) => ({ label, text, rest: { ...stop, ...changed } });
-  const parts = [...each("kinds", kind => kind), ...each("identity", known => [...known.of.slice(0, 1), known.value].join(" ")), ...each("refused", kind => kind), ...each("without", wishText)];
+  const parts = [...each("kinds", kind => said[kind] || kind), ...each("identity", known => [...known.of.slice(0, 1), known.value].join(" ")), ...each("refused", kind => said[kind] || kind), ...each("without", wishText)];
   if (stop.which !== "any" || stop.rank > 1) parts.push(one(words.wish.which, (words.wish.values[stop.which] || "") + (stop.rank > 1 ? ` ${stop.rank}.` : ""), { which: "any", rank: 1 }));
   if (stop.relation) parts.push(one(words.wish.values[stop.relation] || stop.relation, stop.anchor.map(wishText).join(" + "), { relation: null, anchor: [], same_side: false }));
   if (stop.start) parts.push(one(words.wish.start, wishText(stop.start), { start: null }));
@@ -20,7 +21,7 @@ function understoodOf(found, askAgain, takeInstead) {
   const box = make("details", { className: "understood" }, make("summary", { textContent: words.understood }));
   wish.stops.forEach((stop, at) => {
     const parts = make("ul", {}, make("li", {}, make("q", { textContent: wishText(stop) })));
-    for (const { label, text, rest } of wishParts(stop)) {
+    for (const { label, text, rest } of wishParts(stop, found.kinds || {})) {
       const button = make("button", { type: "button", className: "small", textContent: "✕" });
       button.setAttribute("aria-label", filled(words.takeOut, { part: `${label} ${text}` }));
       button.addEventListener("click", () => askAgain({ ...wish, instead: null, stops: wish.stops.map((other, row) => row === at ? rest : other) }));
