@@ -25,10 +25,6 @@ class Phrases:
         """Fill a template; what was read in the world stays what it is, whatever braces it holds."""
         return str(self._templates[what]).format_map({name: str(part) for name, part in parts.items()})
 
-    def reason(self, english: str) -> str:
-        """Say a reason that has no parts in this language; as it is where it is none of the table's."""
-        return str(self._templates["reasons"].get(english, english))
-
     def direction(self, degrees: float) -> str:
         """Say where something is, counter-clockwise from straight ahead."""
         directions: Sequence[str] = self._templates["directions"]

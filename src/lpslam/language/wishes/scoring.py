@@ -82,8 +82,6 @@ class EmbeddedScorer:
     def serve(self, stop: Stop) -> Served:
         """Return the landmarks that serve a stop: by identity, by name, else by what they are."""
         served = self._judged(self._as_sure(self._found(stop))) if stop.what else self._any_place(stop)
-        phrases = phrases_in(answer_language(stop.what, stop.language))
-        served = replace(served, evidence=phrases.reason(served.evidence), doubt=phrases.reason(served.doubt))
         return self._opening.open(served) if stop.at else served
 
     def clues(self, served: Served) -> dict[str, float]:
@@ -170,8 +168,7 @@ class EmbeddedScorer:
     def _found(self, stop: Stop) -> Served:
         allowed, ignored, failed = self._identities.identified(stop)
         if failed:
-            missing = phrases_in(answer_language(stop.what, stop.language)).say("no_board", code=failed)
-            return Served(stop, {}, missing, 0.8, self._of_what(stop), ignored)
+            return Served(stop, {}, f"no board bears {failed}", 0.8, self._of_what(stop), ignored)
         if allowed is not None:
             scores = self._of_the_kind(stop, self._trusted(allowed))
             return Served(stop, scores, "the board bears it", 0.97, ignored=ignored, way=Way.IDENTITY)
