@@ -32,6 +32,6 @@ def test_a_reason_is_in_the_language_of_the_question(question: str, said: str) -
 
 @pytest.mark.parametrize("language", [*LANGUAGES, "zh-Hant"])
 def test_every_language_has_every_reason(language: str) -> None:
-    reasons = read_table("answers.json")
-    assert language == "en" or reasons[language]["reasons"].keys() == reasons["de"]["reasons"].keys()
+    reasons = read_table("reasons.json")
+    assert language == "en" or reasons[language].keys() == reasons["de"].keys()
     assert phrases_in(language).reason("no such reason") == "no such reason"

@@ -25,7 +25,7 @@ class Phrases:
 
     def reason(self, english: str) -> str:
         """Say a reason that has no parts in this language; as it is where it is none of the table's."""
-        return str(self._templates["reasons"].get(english, english))
+        return _reasons().get(self.language, {}).get(english, english)
 
     def direction(self, degrees: float) -> str:
         """Say where something is, counter-clockwise from straight ahead."""
@@ -68,4 +68,10 @@ def phrases_in(language: str) -> Phrases:
 @lru_cache(maxsize=1)
 def _tables() -> Mapping[str, Mapping[str, Any]]:
     tables: Mapping[str, Mapping[str, Any]] = read_table("answers.json")
+    return tables
+
+
+@lru_cache(maxsize=1)
+def _reasons() -> Mapping[str, Mapping[str, str]]:
+    tables: Mapping[str, Mapping[str, str]] = read_table("reasons.json")
     return tables
