@@ -89,6 +89,11 @@ class BoardWords:
             or self._names.sounding(proper)
         )
 
+    def is_bare_name(self, text: str) -> bool:
+        """Whether all that is asked for are words of no table and no European language: they have no meaning."""
+        words, proper = self._asked.asked(text)
+        return bool(words) and not any(is_unspaced(word) or word in load_words() for word in words) and words == proper
+
     def literal(self, text: str, meaning: Meaning) -> dict[int, float]:
         """Boards that bear every word, where nothing else is known to serve."""
         if self.refuses(text, meaning):

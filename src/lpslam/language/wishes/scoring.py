@@ -6,7 +6,7 @@ Ids and strings only: where landmarks stand is the map's own knowledge.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import pairwise
 
 from lpslam.language.choosing.choosing import ranked
@@ -119,9 +119,18 @@ class EmbeddedScorer:
         meaning = self._read(stop)
         if self._boards.refuses(stop.what, meaning):
             return self._without_refused(served, self._language(stop, meaning))
-        if meaning.wanted_names or meaning.contested:
+        if meaning.wanted_names or meaning.contested or self._boards.is_bare_name(stop.what):
             return served
-        return self._guesses.judged(served, meaning, self._language(stop, meaning), self._trusted)
+        return self._guesses.judged(served, meaning, self._language(stop, meaning), partial(self._not_otherwise, stop))
+
+    def _not_otherwise(self, stop: Stop, scores: Mapping[int, float]) -> dict[int, float]:
+        """Landmarks that may be trusted, and whose boards say nothing else: the north entrance is not the east one."""
+        asked = attributes_of(stop.what)
+        return {
+            id_: score
+            for id_, score in self._trusted(scores).items()
+            if not asked or told_apart(asked, attributes_of(self._by_id[id_].name)) >= 0
+        }
 
     def _without_refused(self, served: Served, language: str) -> Served:
         """Where the whole of a stop that refuses something serves nothing surely: its parts."""

@@ -11,6 +11,7 @@ LEAST_SURE = 0.75
 """Probability of a place to be what was meant, below which the answer is none: a wrong one is three times as bad."""
 
 
+_LEAST_ANCHOR = 0.4  # probability of a guess from which it is an anchor, as it is a stop of a plan
 NOT_SURE = "it is not sure what is meant"
 
 
@@ -75,7 +76,7 @@ class Served:
 
     def as_anchor(self) -> "Served":
         """Return what serves an anchor: it is not asked how sure that is, but of a guess."""
-        is_guessed = self.way is Way.GUESS and self.sure < LEAST_SURE
+        is_guessed = self.way is Way.GUESS and self.sure < _LEAST_ANCHOR
         return replace(self, scores={}) if is_guessed else self
 
 
