@@ -153,7 +153,7 @@ def damaged(walked: Path, folder: Path) -> dict[str, tuple[Path, str]]:
         "text": "is not an lpslam map",
         "cut": "is not an lpslam map, or is damaged",
         "flipped": "is damaged",
-        "newer": "of format version 99, this lpslam reads up to 2: update lpslam",
+        "newer": "of format version 99, this lpslam reads up to 3: update lpslam",
         "partial": "is missing",
     }
     return {name: (files[name], said[name]) for name in files}

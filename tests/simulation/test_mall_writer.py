@@ -10,6 +10,7 @@ import yaml
 from scipy.spatial.transform import Rotation
 
 from lpslam.errors import UserError
+from lpslam.simulation.recording import recorded
 from lpslam.simulation.source import MallSource
 from lpslam.simulation.writer import write_sequence
 
@@ -48,6 +49,23 @@ def test_folder_reads_back_as_the_frames(short: MallSource, tmp_path: Path) -> N
     signs = json.loads((folder / "signs.json").read_text(encoding="utf-8"))["signs"]
     assert len(signs) == len(short.signs)
     assert {"id", "text", "aliases", "kind", "centre", "normal", "width", "height", "readable_frames"} <= set(signs[0])
+
+
+@pytest.mark.parametrize("error", [OSError(28, "No space left on device"), KeyboardInterrupt()])
+def test_of_a_recording_that_does_not_become_whole_no_new_folder_is_left(tmp_path: Path, error: BaseException) -> None:
+    def fail(folder: Path) -> None:
+        with recorded(folder, "simulation") as recording:
+            recording.add("rgb", 0.0, b"picture")
+            raise error
+
+    with pytest.raises((UserError, KeyboardInterrupt)):
+        fail(tmp_path / "new")
+    assert not (tmp_path / "new").exists()
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "notes.txt").write_text("kept")
+    with pytest.raises((UserError, KeyboardInterrupt)):
+        fail(tmp_path / "mine")
+    assert (tmp_path / "mine" / "notes.txt").read_text() == "kept"
 
 
 @pytest.mark.slow

@@ -27,9 +27,10 @@ SMALL = {"size": "320x240", "rate": "10", "seconds": 6.0}
 @pytest.mark.slow
 @pytest.mark.parametrize("place", PLACES)
 def test_no_camera_is_ever_inside_of_anything(place: str) -> None:
-    for seed, visit in ((3, 0), (4, 1)):
-        built = build_place(place, seed, "normal")
-        for motion in sorted(set(FACTORS["motion"])):
+    seed = 3 + PLACES.index(place)
+    built = build_place(place, seed, "normal")
+    for motion in sorted(set(FACTORS["motion"])):
+        for visit in (0, 1):
             path = move(motion, seed, visit, built.route, built.solids, 12.0)
             assert built.solids.clearance(path.positions[::12]).min() > 0.05, (motion, visit)
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import cache
 from itertools import chain
 from pathlib import Path
 
@@ -45,14 +46,24 @@ def carried_away(clip: Clip) -> FrameSource:
     return Disturbed(clip, disturbance)
 
 
-def run(source: FrameSource) -> tuple[RgbdSlam, list[TrackedFrame]]:
+Run = tuple[RgbdSlam, list[TrackedFrame]]
+Story = Callable[[Clip], FrameSource]
+
+
+@pytest.fixture(scope="module")
+def first(clip: Clip) -> Callable[[Story], Run]:
+    """A story, run once and not to be changed."""
+    return cache(lambda story: run(story(clip)))
+
+
+def run(source: FrameSource) -> Run:
     slam = RgbdSlam(source.camera)
     tracked = [slam.process(frame) for frame in source]
     slam.finish()
     return slam, tracked
 
 
-def assert_same(one: tuple[RgbdSlam, list[TrackedFrame]], other: tuple[RgbdSlam, list[TrackedFrame]]) -> None:
+def assert_same(one: Run, other: Run) -> None:
     """Every array of map and trajectory, every pose as it was given, and every event."""
     for these, those in (
         (one[0].map.to_arrays(), other[0].map.to_arrays()),
@@ -73,27 +84,27 @@ def assert_same(one: tuple[RgbdSlam, list[TrackedFrame]], other: tuple[RgbdSlam,
 
 
 @pytest.mark.parametrize("story", [lost_and_found, crowded, carried_away])
-def test_a_recording_gives_the_same_map_every_time(clip: Clip, story: Callable[[Clip], FrameSource]) -> None:
+def test_a_recording_gives_the_same_map_every_time(clip: Clip, first: Callable[[Story], Run], story: Story) -> None:
     threads = cv2.getNumThreads()
-    first = run(story(clip))
+    once = first(story)
     try:
         # Neither the machine's cores nor a thread that reads ahead may show in the map, nor what memory held before.
         cv2.setNumThreads(3 - min(threads, 2))
         dirt = [np.full(1 << 18, seed, np.float64) for seed in range(8)]
         del dirt
-        assert_same(first, run(Prefetched(story(clip))))
+        assert_same(once, run(Prefetched(story(clip))))
     finally:
         cv2.setNumThreads(threads)
 
 
-def test_the_stories_are_what_they_are_said_to_be(clip: Clip) -> None:
+def test_the_stories_are_what_they_are_said_to_be(first: Callable[[Story], Run]) -> None:
     """Else the comparison would not reach what it is there for."""
-    _, tracked = run(lost_and_found(clip))
+    _, tracked = first(lost_and_found)
     states = [frame.state for frame in tracked]
     assert states[:20] == [TrackingState.TRACKING] * 20
     assert states[20:26] == [TrackingState.WEAK] * 6
     assert tracked[-1].is_tracked
-    slam, tracked = run(carried_away(clip))
+    slam, tracked = first(carried_away)
     assert [frame.state for frame in tracked[:20]] == [TrackingState.TRACKING] * 20
     assert tracked[-1].is_tracked
     assert set(slam.map.submaps().tolist()) == {0, 1}

@@ -1,6 +1,7 @@
 """A TUM RGB-D folder in the making: what is known beforehand, pictures as they come, and the lists of them at last."""
 
 import json
+import shutil
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -53,7 +54,7 @@ class Recording:
 
 @contextmanager
 def recorded(folder: Path, what: str) -> Iterator[Recording]:
-    """A recording whose lists are written at the end.
+    """A recording whose lists are written at the end; a new folder that does not become whole is removed.
 
     Args:
         folder: created if need be.
@@ -62,11 +63,17 @@ def recorded(folder: Path, what: str) -> Iterator[Recording]:
     Raises:
         UserError: the folder cannot be written.
     """
+    is_new = not folder.exists()
     try:
         recording = Recording(folder)
         yield recording
         recording.write_lists()
-    except OSError as error:
+    except BaseException as error:
+        if is_new:
+            # Two folders of pictures look like a recording to whoever opens them.
+            shutil.rmtree(folder, ignore_errors=True)
+        if not isinstance(error, OSError):
+            raise
         raise UserError(f"{what}: {folder} cannot be written ({error.strerror}); choose another folder") from error
 
 
