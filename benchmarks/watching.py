@@ -32,6 +32,7 @@ from lpslam.isolated import python_command
 from lpslam.serving.watching.feed import Feed
 from lpslam.serving.watching.wire import Begin, Message, send
 
+PATIENCE_S = 600.0  # for a page's process, which comes after all others on a busy machine
 CODE = "import sys; sys.argv = ['lpslam', *sys.argv[1:]]; from lpslam.__main__ import main; main()"
 
 
@@ -41,7 +42,7 @@ def watch(url: str, received: list[int], in_space: bool) -> None:
 
     def take(name: str) -> bytes:
         nonlocal count
-        with urllib.request.urlopen(f"{url}/{name}", timeout=60) as response:
+        with urllib.request.urlopen(f"{url}/{name}", timeout=PATIENCE_S) as response:
             content: bytes = response.read()
         count += len(content)
         return content
@@ -51,7 +52,7 @@ def watch(url: str, received: list[int], in_space: bool) -> None:
         (version,) = struct.unpack("<I", take(f"points?since={version}")[:4])
 
     try:
-        with urllib.request.urlopen(f"{url}/watch", timeout=60) as events:
+        with urllib.request.urlopen(f"{url}/watch", timeout=PATIENCE_S) as events:
             for number, line in enumerate(events):
                 count += len(line)
                 if in_space and (number == 0 or line == b"event: points\n"):
@@ -142,8 +143,12 @@ def told_again(kept: list[tuple[float, Message]], watchers: int, in_space: bool)
         send(process.stdin, kept[0][1])
         url = process.stdout.readline().decode().split()[1]
         threading.Thread(target=process.stdout.read, daemon=True).start()
-        with urllib.request.urlopen(url, timeout=60) as response:
-            response.read()
+        try:
+            with urllib.request.urlopen(url, timeout=PATIENCE_S) as response:
+                response.read()
+        except OSError:
+            process.kill()
+            raise
         # What is compiled at first is no watcher's.
         time.sleep(10)
         before, began = _processor_s(process.pid), time.monotonic()

@@ -141,6 +141,9 @@ def test_on_paper_the_signs_are_below_the_map_and_no_buttons(page: Any) -> None:
     middle = page.evaluate("lpslamPage.view()")["x"]
     page.evaluate("dispatchEvent(new Event('afterprint'))")
     assert page.evaluate("lpslamPage.view()")["x"] < middle
+    page.locator("#signs button").first.click()
+    assert page.locator("#card h2").is_visible()
+    assert not page.locator("#card button").first.is_visible()
 
 
 def test_everything_that_can_be_used_has_a_name(page: Any) -> None:

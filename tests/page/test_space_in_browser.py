@@ -1,7 +1,6 @@
 """The map in space in a real browser: points, plates, the walk, and what it costs; skipped where there is none."""
 
 import json
-import statistics
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -158,21 +157,17 @@ def test_a_view_that_is_drawn_late_is_in_motion(page: Any) -> None:
     })""")
 
 
-def test_ten_thousand_signs_cost_less_than_the_points_around_them(browser: Any, tmp_path: Path) -> None:
+def test_ten_thousand_signs_are_moved_at_five_frames_a_second(browser: Any, tmp_path: Path) -> None:
     page_file = tmp_path / "page.html"
     write_page(small_map(signs=SIGNS), page_file)
     with shown(browser, page_file.as_uri(), viewport={"width": 1280, "height": 800}) as page:
         page.locator("#in-space").click()
         hall(page, 1_000_000)
+        signs(page, 10_000)
         until(page, "lpslamPage.drawnPoints() === 1000000")
-        # Against the same view without them, by what a frame costs: other work on this machine leaves that as it is.
-        costs: dict[int, list[float]] = {0: [], 10_000: []}
-        for _ in range(2):
-            for count, found in costs.items():
-                signs(page, count)
-                until(page, "lpslamPage.drawnPoints() === 1000000")
-                found.append(cost_of_a_frame(page, 3.0))
-        assert statistics.mean(costs[10_000]) <= 2.0 * statistics.mean(costs[0]), costs
+        turned(page, 3.0)
+        # As of points alone: by what a frame costs, for other work on this machine takes frames and leaves that as it is.
+        assert cost_of_a_frame(page, 6.0) <= 0.2
         assert page.locator("#signs button").count() == 500
 
 
