@@ -166,7 +166,7 @@ def test_ten_thousand_signs_are_moved_at_five_frames_a_second(browser: Any, tmp_
         signs(page, 10_000)
         until(page, "lpslamPage.drawnPoints() === 1000000")
         turned(page, 3.0)
-        # As of points alone: by what a frame costs, for other work on this machine takes frames and leaves that as it is.
+        # By what a frame costs: other work on this machine takes frames, and leaves that as it is.
         assert cost_of_a_frame(page, 6.0) <= 0.2
         assert page.locator("#signs button").count() == 500
 
