@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lpslam.language.wishes.codes import asked_codes, board_codes, code_of, identities
+from lpslam.language.wishes.codes import alike_key, asked_codes, board_codes, board_keys, code_of, identities
 
 
 def fits(question: str, board: str) -> bool:
@@ -110,3 +110,13 @@ def test_digits_are_heard_one_by_one(question: str, board: str) -> None:
 )
 def test_words_that_sound_like_digits_are_no_codes(question: str) -> None:
     assert not asked_codes(question)
+
+
+@pytest.mark.parametrize(("code", "board"), [("14", "Docks 1-4"), ("25", "Gates 2–5, 6–9"), ("a112", "Gates A1-A12")])
+def test_the_ends_of_a_range_are_no_code_together(code: str, board: str) -> None:
+    assert alike_key(code) not in board_keys(board)
+
+
+@pytest.mark.parametrize(("code", "board"), [("a16", "Gate Al6"), ("2.14", "Salle 2.14"), ("b-31", "Gate B31")])
+def test_codes_that_readers_confuse_have_one_key(code: str, board: str) -> None:
+    assert alike_key(code) in board_keys(board)

@@ -174,13 +174,23 @@ def _board(text: str) -> str:
 
 @lru_cache(maxsize=1 << 15)
 def board_keys(text: str) -> frozenset[str]:
-    """Return the codes of a board as readers of signs confuse them: Al6 and A16 are the same."""
-    return frozenset(hit.group().translate(_ALIKE) for hit in _TOKEN.finditer(_board(text)))
+    """Return the codes of a board as readers of signs confuse them: Al6 and A16 are the same, 1-4 and 14 are not."""
+    tokens = (hit.group() for hit in _TOKEN.finditer(_board(text)))
+    return frozenset(each.translate(_ALIKE) for each in tokens if _range_of(_RANGE.fullmatch(each)) is None)
 
 
 def alike_key(value: str) -> str:
     """Return a code as `board_keys` has it."""
     return value.translate(_ALIKE)
+
+
+def _range_of(hit: re.Match[str] | None) -> tuple[int, int] | None:
+    """First and last number of a hit of `_RANGE`, None where it is no range of numbers."""
+    if hit is None:
+        return None
+    letters, first, last_letters, last = hit.groups()
+    is_one = first and last and (letters == last_letters or not last_letters) and int(first) <= int(last)
+    return (int(first), int(last)) if is_one else None
 
 
 @lru_cache(maxsize=1 << 15)
@@ -191,8 +201,8 @@ def board_codes(text: str) -> tuple[Code, ...]:
     for hit in _RANGE.finditer(folded):
         letters, first, last_letters, last = hit.groups()
         of = _of_board_code(folded, hit.start(), hit.end())
-        if first and last and (letters == last_letters or not last_letters) and int(first) <= int(last):
-            found.append(Code(letters, int(first), "", of, int(last)))
+        if (numbers := _range_of(hit)) is not None:
+            found.append(Code(letters, numbers[0], "", of, numbers[1]))
         elif letters and last_letters and not first and not last and len(letters) == len(last_letters) == 1 and of:
             found.append(Code(letters, None, "", of, None, last_letters))
     for hit in _CODE.finditer(folded):
