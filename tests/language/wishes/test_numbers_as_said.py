@@ -15,6 +15,8 @@ MODEL = OfflineModel()
         ("room three twelve", "312"),
         ("Zimmer elf null sechs", "1106"),
         ("gate dee eight", "d8"),
+        ("puerta be diecisiete", "b17"),
+        ("Gleis ce fünf", "c5"),
         ("la puerta D ocho", "d8"),
         ("voy a la K catorce", "k14"),
         ("오강의실", "5"),

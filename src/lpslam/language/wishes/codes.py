@@ -267,7 +267,7 @@ _WORD_AND_NUMBER = re.compile(
 
 
 def _digits_in(folded: str) -> str:
-    folded = with_letters(folded)
+    folded = with_letters(folded, _follows)
     folded = digit_ordinal().sub(lambda hit: hit.group(1) if _leads(folded, hit.end()) else hit.group(), folded)
     return with_digits(folded, lambda at: _follows(folded, at), lambda at: _leads(folded, at))
 

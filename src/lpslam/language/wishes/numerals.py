@@ -154,20 +154,25 @@ def with_spoken_digits(text: str) -> str:
     return run.sub(lambda hit: "".join(digits[each] for each in one.findall(hit.group())), text)
 
 
-@lru_cache(maxsize=1)
-def _letters() -> tuple[re.Pattern[str], Mapping[str, str]]:
+@lru_cache(maxsize=2)
+def _letters(table: str) -> tuple[re.Pattern[str], Mapping[str, str]]:
     """A pattern of what letters are called, where a number comes next, and the letter of each name."""
-    named = {name: letter for letter, names in _tables()["letters"].items() for name in names.split("|")}
+    named = {name: letter for letter, names in _tables()[table].items() for name in names.split("|")}
     spoken = {form for language in LATIN for forms in _words(_tables()[language]["ones"]) for form in forms}
     spoken |= {form for language in LATIN for forms in _words(_tables()[language]["tens"]) for form in forms}
     number = "|".join(sorted(spoken, key=len, reverse=True))
     return re.compile(rf"(?<!\w)({'|'.join(named)})(?= (?:\d|(?:{number})\b))"), named
 
 
-def with_letters(folded: str) -> str:
-    """Return a text, without case, in which letters called by their names before a number are letters: “cee ten”."""
-    pattern, named = _letters()
-    return pattern.sub(lambda hit: named[hit.group()], folded)
+def with_letters(folded: str, follows: Callable[[str, int], bool]) -> str:
+    """Return a text, without case, in which letters called by their names before a number are letters: “cee ten”.
+
+    Names that are words as well are so only where something that is numbered stands before (`follows`): puerta be dos.
+    """
+    pattern, named = _letters("letters")
+    folded = pattern.sub(lambda hit: named[hit.group()], folded)
+    doubtful, letters = _letters("letters of things")
+    return doubtful.sub(lambda hit: letters[hit.group()] if follows(hit.string, hit.start()) else hit.group(), folded)
 
 
 def with_digits(folded: str, follows: Callable[[int], bool], leads: Callable[[int], bool]) -> str:
