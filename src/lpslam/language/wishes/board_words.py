@@ -92,7 +92,7 @@ class BoardWords:
         )
 
     def is_bare_name(self, text: str) -> bool:
-        """Whether all that is asked for is a name: words of no table and no European language, or spelt as names are."""
+        """Whether all that is asked for is a name: words of no table and of no language, or spelt as names are."""
         if _NAME.search(text):
             return True
         words, proper = self._asked.asked(text)
