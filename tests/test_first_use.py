@@ -294,3 +294,27 @@ def _walked_through(section: BaseModel) -> Iterator[tuple[str, dict[str, Any]]]:
 def test_a_simulation_is_not_mixed_with_another(lpslam: Command, tmp_path: Path) -> None:
     (tmp_path / "notes.txt").write_text("mine")
     assert "is not empty" in lpslam("simulate", tmp_path, "--frames", 1).complaint
+
+
+ENDING = """
+import os, signal, sys, time
+from lpslam import interruption
+interruption.watch()
+class Held:
+    def __del__(self):
+        os.kill(os.getpid(), signal.SIGNAL)
+        time.sleep(0.01)
+try:
+    Held()
+    time.sleep(5)
+    print("went on")
+except KeyboardInterrupt:
+    interruption.end()
+"""
+
+
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+def test_a_key_that_falls_into_the_end_of_an_object_is_heard(name: str) -> None:
+    words = [sys.executable, "-c", ENDING.replace("SIGNAL", name)]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=60, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "lpslam: interrupted\n")

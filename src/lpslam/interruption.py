@@ -5,6 +5,7 @@ closed.
 import os
 import signal
 import sys
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from types import FrameType
@@ -14,6 +15,7 @@ INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells have it, and after a polite kill."""
 _LINE = "lpslam: interrupted\n"
 _was_pressed = False
+_number = signal.SIGINT  # by which it was
 
 
 def watch() -> None:
@@ -62,14 +64,24 @@ def _nowhere() -> TextIO:
 
 
 def _press(number: int, frame: FrameType | None) -> None:
-    global _was_pressed
+    global _was_pressed, _number
     if _was_pressed:
         end()
-    _was_pressed = True
+    _was_pressed, _number = True, signal.Signals(number)
     raise KeyboardInterrupt
 
 
 def _unraisable(what: "sys.UnraisableHookArgs") -> None:
-    """A key that falls into the end of an object has nobody to tell."""
+    """A key that falls into the end of an object has nobody to tell, and is pressed again a moment later."""
     if not isinstance(what.exc_value, KeyboardInterrupt):
         sys.__unraisablehook__(what)
+        return
+    global _was_pressed
+    _was_pressed = False
+    again = threading.Timer(_AGAIN, os.kill, (os.getpid(), _number))
+    again.daemon = True
+    again.start()
+
+
+_AGAIN = 0.02
+"""Seconds until a key is pressed again: the end of an object is over by then."""
