@@ -9,7 +9,7 @@ from lpslam.config import TrackingConfig
 from lpslam.slam.features import Features
 from lpslam.slam.kernels import graph, matching
 from lpslam.slam.map import SlamMap
-from lpslam.slam.posing import Posing, Sights
+from lpslam.slam.posing import Posing, Sights, is_confirmed
 from lpslam.slam.rays import sway
 from lpslam.slam.sensor import SensorModel
 
@@ -125,7 +125,7 @@ class Associator:
 
     def _judges(self, points: _Rows) -> NDArray[np.bool_]:
         """Whose word counts: points that a second keyframe confirmed, for what moves seldom is; all where few were."""
-        confirmed: NDArray[np.bool_] = (points >= 0) & (self._map.columns.observations[points] > 1)
+        confirmed = is_confirmed(self._map, points)
         return confirmed if np.count_nonzero(confirmed) >= self._config.min_judges else np.ones(len(points), np.bool_)
 
     def optimise_on_map(

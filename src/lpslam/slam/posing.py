@@ -72,17 +72,17 @@ class Posing:
         """
         measured = self._measured(features, sights)
         found = self._refined(measured, guess)
-        is_confirmed = self._is_confirmed(sights.points)
-        are_some = self._config.min_judges <= np.count_nonzero(is_confirmed) < len(is_confirmed)
-        is_doubtful = len(found[1]) < self._config.doubtful_share * len(is_confirmed)
+        confirmed = is_confirmed(self._map, sights.points)
+        are_some = self._config.min_judges <= np.count_nonzero(confirmed) < len(confirmed)
+        is_doubtful = len(found[1]) < self._config.doubtful_share * len(confirmed)
         is_doubtful = is_doubtful and len(measured.near.points) >= self._config.min_pose_inliers
         if not are_some and not is_doubtful:
             return found
-        weights = self._weights(features, sights, measured.is_ray, is_confirmed)
+        weights = self._weights(features, sights, measured.is_ray, confirmed)
         judged = measured.near, measured.rays, weights, self._sensor.intrinsics
         candidates = [found]
         if are_some:
-            first, _ = self._refined(self._measured(features, sights.kept(is_confirmed)), guess)
+            first, _ = self._refined(self._measured(features, sights.kept(confirmed)), guess)
             candidates.append(self._agreeing_with(features, sights, first))
         if is_doubtful:
             hypothesis, _ = best_hypothesis(guess, *judged, self._draws)
@@ -117,7 +117,7 @@ class Posing:
         return camera_from_world, np.flatnonzero(agrees)
 
     def _weights(
-        self, features: Features, sights: Sights, is_ray: NDArray[np.bool_], is_confirmed: NDArray[np.bool_]
+        self, features: Features, sights: Sights, is_ray: NDArray[np.bool_], confirmed: NDArray[np.bool_]
     ) -> _Matrix:
         """(m,) how much each says beside the others, points first and then rays.
 
@@ -130,13 +130,8 @@ class Posing:
         places[is_ray, :2], places[is_ray, 2] = aside[is_ray], _FAR_AWAY
         key = np.floor(places).astype(np.int64) @ _ONE_NUMBER
         _, cell, crowd = np.unique(key, return_inverse=True, return_counts=True)
-        weights = np.where(is_confirmed, 1.0, config.unconfirmed_weight) / crowd[cell]
+        weights = np.where(confirmed, 1.0, config.unconfirmed_weight) / crowd[cell]
         return np.concatenate([weights[~is_ray], weights[is_ray]])
-
-    def _is_confirmed(self, points: NDArray[np.int32]) -> NDArray[np.bool_]:
-        """(m,) which points (ids, -1 for none) a second keyframe has seen."""
-        confirmed: NDArray[np.bool_] = (points >= 0) & (self._map.columns.observations[points] > 1)
-        return confirmed
 
     def _agreeing_with(self, features: Features, sights: Sights, camera_from_world: _Matrix) -> tuple[_Matrix, _Rows]:
         """A pose refined with all who stand where it puts them, and who they are."""
@@ -149,6 +144,12 @@ class Posing:
         near = np.flatnonzero(np.linalg.norm(projected - pixels, axis=1) < allowed)
         refined, agreeing = self._refined(self._measured(features, sights.kept(near)), camera_from_world)
         return refined, near[agreeing]
+
+
+def is_confirmed(slam_map: SlamMap, points: NDArray[np.int32]) -> NDArray[np.bool_]:
+    """(m,) which points (ids, -1 for none) a second keyframe has seen."""
+    confirmed: NDArray[np.bool_] = (points >= 0) & (slam_map.columns.observations[points] > 1)
+    return confirmed
 
 
 _FAR_AWAY = -1e5

@@ -16,7 +16,7 @@ from lpslam.language.questions.sorts import is_general
 from lpslam.language.questions.speaking import language_by_its_phrases, languages_of
 from lpslam.language.questions.stance import NEXT_TO, Stand, hurting, spilled, told_in
 from lpslam.language.questions.unknown_things import asks_for_unknown
-from lpslam.language.questions.wanted import Wish
+from lpslam.language.questions.wanted import THING, Wish
 from lpslam.language.questions.weighing import ASIDE, GENERAL, GIFTS, HINT, MAIN, MODIFIER, as_treated, without_symptoms
 from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.inflection import known_form
@@ -53,7 +53,6 @@ _ANEW = {
 _FEW_WORDS = 2  # words of a question that may be in any language
 _HABITS = frozenset({"tobacco", "amenity/smoking_area"})  # who refuses them says “smoke” by the way
 _MEALS = frozenset({"food", "drink"})
-_THING = 0.7  # a wanted concept of this weight is a thing of its own
 
 
 def language_of(text: str, knowledge: Knowledge) -> str | None:
@@ -203,7 +202,7 @@ class _Reading:
         contradicted |= set(said.names["wanted"]) & set(said.names["refused"])
         for concept in (*said.refused, *self._contained(said), *self._knowledge.said_of_food):
             said.wanted.pop(concept, None)
-        if any(weight >= _THING for weight in said.wanted.values()) or not GIFTS.isdisjoint(said.wanted):
+        if any(weight >= THING for weight in said.wanted.values()) or not GIFTS.isdisjoint(said.wanted):
             # “Something warm to drink, but no coffee”: what is left of “something warm” is wanted.
             contested = tuple(concept for concept in contested if concept in said.alone)
         wanted = self._weighed(said)
@@ -322,7 +321,7 @@ class _Reading:
             wanted["amenity/doctors/paediatrics"] = MAIN
         if self._stains and "clothes" in wanted:
             # Where nobody cleans the shirt, another one will do.
-            wanted["clothes"] = _THING
+            wanted["clothes"] = THING
         if not knowledge.worn.isdisjoint(wanted) and knowledge.people.isdisjoint({*wanted, *said.refused}):
             # A jacket for “my husband” is one for men.
             named = {span.value for span in longest_phrases(self._units, (knowledge.relatives[self._language],))}

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-_THING = 0.7  # a wanted concept of this weight is a thing of its own
+THING = 0.7  # a wanted concept of this weight is a thing of its own
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +29,7 @@ class Wish:
     @property
     def main(self) -> tuple[str, ...]:
         """The concepts that a place must serve: the weightiest sort of those that are wanted."""
-        things = tuple(concept for concept, weight in self.wanted if weight >= _THING)
+        things = tuple(concept for concept, weight in self.wanted if weight >= THING)
         meals = tuple(concept for concept, _ in self.wanted if concept in ("food", "drink"))
         if things or meals:
             return things or meals
