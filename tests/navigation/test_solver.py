@@ -65,6 +65,27 @@ def test_of_two_that_serve_equally_the_nearer_is_chosen(model: OfflineModel) -> 
         assert solution.stops[0].place.id == expected
 
 
+@pytest.mark.parametrize(
+    ("question", "names"),
+    [
+        ("I want something to eat", ("Sushi Bar", "Noodle House", "Pizza Hut")),
+        ("我不喜欢吃披萨，我应该去哪吃饭?", ("Yonghe King", "肯德基", "古驰")),
+    ],
+)
+def test_the_reason_is_that_of_the_place_that_is_chosen(
+    model: OfflineModel, question: str, names: tuple[str, ...]
+) -> None:
+    places = [Place(id_, name, np.array([10.0 * id_, 0.0, 0.0])) for id_, name in enumerate(names)]
+    chosen = []
+    for place in places:
+        (stop,) = answer(model, question, places, Here(place.position)).stops
+        assert stop.place is not None
+        assert stop.place.name in stop.evidence
+        assert not any(other in stop.evidence for other in names if other != stop.place.name)
+        chosen.append(stop.place.id)
+    assert len(set(chosen)) > 1, "more than one serves"
+
+
 def test_the_second_nearest(model: OfflineModel) -> None:
     (stop,) = answer(model, "the second nearest toilet", corridor(), HERE).stops
     assert stop.place is not None

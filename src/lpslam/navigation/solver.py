@@ -394,7 +394,7 @@ class _Solver:
             chosen.place,
             tuple(dict.fromkeys(others))[: self.config.listed if stop.which is Which.ALL else self.config.alternatives],
             round(min(sure, 0.99), 3),
-            served.evidence,
+            served.reason(chosen.place.id),
             tuple(dict.fromkeys(notes)),
             served.model,
         )

@@ -1,7 +1,8 @@
 """Choosing the landmark that serves a question (navigation, III-I) among any number of landmarks."""
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
 
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import FITS, FITS_INSTEAD, Kinds, Served, likeness, merged, serve
@@ -51,11 +52,31 @@ def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Kn
 
     The evidence is in the language of the question.
     """
-    return ranked(question, index, signs, knowledge, model)[0]
+    return ranked(question, index, signs, knowledge, model).choice
 
 
 Scores = dict[int, float]
 """How well landmarks serve, by id, 0 to 1; those that do not serve are not in it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ranked:
+    """What serves a question.
+
+    Attributes:
+        choice: the best, and why.
+        scores: of all landmarks that serve.
+        why: why any of these serves, by id, where that is another reason for each; in the question's language.
+    """
+
+    choice: Choice
+    scores: Scores = field(default_factory=dict)
+    why: Callable[[int], str] | None = None
+
+    def reason(self, id_: int) -> str:
+        """Why one of those that serve does."""
+        return self.choice.evidence if self.why is None else self.why(id_)
+
 
 Understood = tuple[Wish, set[int], list[int]]
 """A wish, and the landmarks that are refused and that are wanted by a part of their name."""
@@ -68,22 +89,22 @@ def ranked(
     knowledge: Knowledge,
     model: str,
     language: str | None = None,
-) -> tuple[Choice, Scores]:
+) -> Ranked:
     """What serves a question as the tables read it, with the scores of all landmarks that serve; no guess.
 
     `language` is that of the text which the question is a part of.
     """
     understood = understand(question, index, signs, knowledge, language=language)
     said_in = answer_language(question, language)
-    choice, scores = _as_understood(understood, question, index, signs, knowledge, model, said_in)
-    if choice.landmark is not None or understood[0].contradicted:
-        return choice, scores
+    first = _as_understood(understood, question, index, signs, knowledge, model, said_in)
+    if first.choice.landmark is not None or understood[0].contradicted:
+        return first
     as_alone = () if language is None else (understand(question, index, signs, knowledge),)
     for other in (*as_alone, *_other_readings(understood[0], question, index, signs, knowledge)):
         found = _as_understood(other, question, index, signs, knowledge, model, said_in)
-        if found[0].landmark is not None:
+        if found.choice.landmark is not None:
             return found
-    return choice, scores
+    return first
 
 
 def _other_readings(
@@ -119,20 +140,21 @@ def _as_understood(
     knowledge: Knowledge,
     model: str,
     said_in: str,
-) -> tuple[Choice, Scores]:
+) -> Ranked:
     wish, refused, said = understood
     wish = _as_in_this_building(wish, index, knowledge)
     phrases = phrases_in("en" if wish.language is None else said_in)
     if not index.landmarks or wish.language is None:
-        return Choice(None, float(not index.landmarks), phrases.say(_why_unread(index)), model), {}
+        return Ranked(Choice(None, float(not index.landmarks), phrases.say(_why_unread(index)), model))
     wish, refused = _without_refused(wish, refused, question, index)
     named = [id_ for name in wish.wanted_names for id_ in index.ids_of.get(name, ()) if id_ not in refused]
     named += [id_ for id_ in said if id_ not in refused and id_ not in named]
     if named:
         choice = Choice(named[0], 0.95, phrases.say("named"), model, tuple(named[1 : 1 + _ALTERNATIVES]))
-        return choice, dict.fromkeys(named, 1.0)
+        return Ranked(choice, dict.fromkeys(named, 1.0))
     if wish.contradicted and not asks_for_another(question):
-        return Choice(None, 0.8, phrases.say("contradiction", things=", ".join(wish.contradicted)), model), {}
+        said_both = phrases.say("contradiction", things=", ".join(wish.contradicted))
+        return Ranked(Choice(None, 0.8, said_both, model))
     if not wish.wanted:
         wish = replace(wish, wanted=_instead_of_refused(wish, refused, question, index, knowledge))
     says_only_where = all(kind in knowledge.venues for kind, _ in wish.wanted)
@@ -143,19 +165,19 @@ def _as_understood(
     missing = [name for name in wish.wanted_names if name not in index.ids_of]
     if missing and not any(weight >= _SPECIAL for weight in wanted.values()):
         # A brand was asked for that is not here; another of its kind may do, but that is for the asker to say.
-        return _without_brand(missing[0], question, index, signs, knowledge, model, phrases), {}
+        return Ranked(_without_brand(missing[0], question, index, signs, knowledge, model, phrases))
     if not wanted and not wish.contested:
-        return Choice(None, 0.0, phrases.say("no_kind"), model), {}
+        return Ranked(Choice(None, 0.0, phrases.say("no_kind"), model))
     if (wanted.keys() <= _ANY and not wish.contested) or wish.unknown:
-        return Choice(None, 0.5, phrases.say("unknown"), model), {}
+        return Ranked(Choice(None, 0.5, phrases.say("unknown"), model))
     wishes = _in_turn(wish, index, knowledge)
-    choices: list[tuple[Choice, Scores]] = []
+    found: list[Ranked] = []
     for each in wishes:
-        choices.append(_best(each, index, refused, knowledge, model, phrases))
-        if choices[-1][0].landmark is not None:
-            return choices[-1]
+        found.append(_best(each, index, refused, knowledge, model, phrases))
+        if found[-1].choice.landmark is not None:
+            return found[-1]
     # Where nothing serves, it is the wish itself that is told of.
-    return choices[wishes.index(wish)]
+    return found[wishes.index(wish)]
 
 
 def _asks(question: str, language: str | None, knowledge: Knowledge) -> bool:
@@ -315,7 +337,7 @@ class _Names(dict[str, Meaning]):
 
 def _best(
     wish: Wish, index: LandmarkIndex, refused: set[int], knowledge: Knowledge, model: str, phrases: Phrases
-) -> tuple[Choice, Scores]:
+) -> Ranked:
     served = [(serve(wish, kinds, knowledge), group) for kinds, group in index.groups.items()]
     ranked = sorted((each for each in served if each[0].score > 0.0), key=lambda each: (-each[0].score, each[1][0]))
     asked = phrases.say("wanted", things=phrases.things([concept for concept, _ in wish.wanted]))
@@ -326,17 +348,17 @@ def _best(
         ids = _first_ids(fitting, refused)
     if not ids:
         nothing = phrases.say("nothing_offers", wanted=asked)
-        return Choice(None, 0.6, nothing, model, tuple(_first_ids(ranked, refused)[:3])), {}
-    chosen = next(each for each, group in fitting if ids[0] in group)
-    evidence = phrases.say(
-        "serves",
-        wanted=asked,
-        name=clean_text(index.name_of[ids[0]]),
-        sign=index.signs[ids[0]].evidence,
-        things=phrases.things(chosen.reasons),
-    )
-    scores = {id_: each.score for each, group in fitting for id_ in group if id_ not in refused}
-    return Choice(ids[0], round(min(chosen.best, 0.99), 3), evidence, model, tuple(ids[1:])), scores
+        return Ranked(Choice(None, 0.6, nothing, model, tuple(_first_ids(ranked, refused)[:3])))
+    of = {id_: each for each, group in fitting for id_ in group if id_ not in refused}
+    why = partial(_serves, of, asked, index, phrases)
+    choice = Choice(ids[0], round(min(of[ids[0]].best, 0.99), 3), why(ids[0]), model, tuple(ids[1:]))
+    return Ranked(choice, {id_: each.score for id_, each in of.items()}, why)
+
+
+def _serves(served: Mapping[int, Served], asked: str, index: LandmarkIndex, phrases: Phrases, id_: int) -> str:
+    """Why one of the landmarks that serve does."""
+    name, sign = clean_text(index.name_of[id_]), index.signs[id_].evidence
+    return phrases.say("serves", wanted=asked, name=name, sign=sign, things=phrases.things(served[id_].reasons))
 
 
 def _first_ids(ranked: Sequence[tuple[Served, list[int]]], refused: set[int]) -> list[int]:

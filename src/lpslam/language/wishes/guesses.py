@@ -86,12 +86,14 @@ class Guesses:
         return self.guessing.best(heard, found, is_read)
 
     def _guessed(self, served: Served, guess: Guess, scores: Mapping[int, float]) -> Served:
-        found = replace(served, scores=scores, way=Way.GUESS, exact=frozenset(), strength=0.0)
+        found = replace(served, scores=scores, way=Way.GUESS, exact=frozenset(), strength=0.0, why=None)
         if guess.sure < _LEAST_GUESSED:
             # What tables have to say of it goes before what is likeliest: “Starbucks is not on this map”.
             doubt = served.doubt if served.scores else served.evidence
             return replace(found, sure=min(guess.sure, LEAST_SURE - 0.01), doubt=doubt)
         phrases = phrases_in(answer_language(served.stop.what, served.stop.language))
-        name = clean_text(self._index.name_of[guess.best])
-        evidence = phrases.say("words_speak", words=served.stop.what, name=name)
-        return replace(found, evidence=evidence, confidence=guess.sure, sure=guess.sure)
+
+        def why(id_: int) -> str:
+            return phrases.say("words_speak", words=served.stop.what, name=clean_text(self._index.name_of[id_]))
+
+        return replace(found, evidence=why(guess.best), confidence=guess.sure, sure=guess.sure, why=why)

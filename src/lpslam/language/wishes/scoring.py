@@ -4,16 +4,16 @@ Ids and strings only: where landmarks stand is the map's own knowledge.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from itertools import pairwise
 
-from lpslam.language.choosing.choosing import ranked
+from lpslam.language.choosing.choosing import Ranked, ranked
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import FITS, best_of, match
 from lpslam.language.choosing.support import Supported
-from lpslam.language.model import Candidate, Choice
+from lpslam.language.model import Candidate
 from lpslam.language.questions.parts import read_part
 from lpslam.language.questions.phrasing import answer_language, phrases_in
 from lpslam.language.questions.question import read_question
@@ -199,8 +199,9 @@ class EmbeddedScorer:
         if general:
             scores = self._trusted(_within(general, within))
             return Served(stop, scores, "any of this sort", 0.9, ignored=ignored, way=Way.SORT)
-        choice, scores = ranked(stop.what, self._index, self._signs, self._knowledge, self.model, stop.language)
-        scores = self._sorts.of_the_family(meaning, _within(self._trusted(scores), within))
+        tables = ranked(stop.what, self._index, self._signs, self._knowledge, self.model, stop.language)
+        choice = tables.choice
+        scores = self._sorts.of_the_family(meaning, _within(self._trusted(tables.scores), within))
         scores = self._told_apart(stop, scores)
         is_another = bool(scores) and self._is_another(stop, meaning, scores)
         scores = {} if is_another else scores
@@ -218,15 +219,17 @@ class EmbeddedScorer:
         exact = frozenset(id_ for id_, share in self._names.covered(words).items() if share >= _WHOLE and id_ in scores)
         if meaning.wanted_names:
             exact = frozenset(scores)
-        evidence = choice.evidence if supported is None else self._spoken_for(stop, choice, supported)
+        why = tables.reason if supported is None else self._spoken_for(stop, tables, supported)
+        scores = scores if supported is None else supported.scores
         return Served(
-            *(stop, scores if supported is None else supported.scores, evidence, choice.confidence),
+            *(stop, scores, why(best_of(scores)), choice.confidence),
             ignored=ignored,
             exact=exact,
-            way=Way.KIND if scores else Way.GUESS,
+            way=Way.KIND if read else Way.GUESS,
             strength=top,
             heard={} if supported is None else supported.clues,
             read={} if supported is None else read,
+            why=why,
         )
 
     def _is_missing(self, stop: Stop, meaning: Meaning) -> bool:
@@ -275,14 +278,20 @@ class EmbeddedScorer:
         kept = _within(self._trusted(found.scores), within)
         return replace(found, scores=kept) if kept else None
 
-    def _spoken_for(self, stop: Stop, choice: Choice, supported: Supported) -> str:
-        """Why the best is chosen: as the tables read the question, else by its words."""
-        best = best_of(supported.scores)
-        if best == choice.landmark:
-            return choice.evidence
+    def _spoken_for(self, stop: Stop, tables: Ranked, supported: Supported) -> Callable[[int], str]:
+        """Why a landmark is chosen: as the tables read the question, else by its words."""
         phrases = phrases_in(answer_language(stop.what, stop.language))
-        name = clean_text(self._index.name_of[best])
-        return phrases.say("words_speak", words=phrases.join(supported.words) or stop.what, name=name)
+        best = best_of(supported.scores)
+        words = phrases.join(supported.words) or stop.what
+
+        def why(id_: int) -> str:
+            is_by_words = id_ == best != tables.choice.landmark
+            if id_ in tables.scores and not is_by_words:
+                return tables.reason(id_)
+            name = clean_text(self._index.name_of[id_])
+            return phrases.say("words_speak", words=words if id_ == best else stop.what, name=name)
+
+        return why
 
     def _of_the_kind(self, stop: Stop, scores: dict[int, float]) -> dict[int, float]:
         """Of several that bear a code, those of the kind that the words say: who flies out of A27 wants a gate."""
@@ -376,7 +385,7 @@ class EmbeddedScorer:
     def _of_what(self, stop: Stop) -> tuple[int, ...]:
         """What comes next where an identity stands on no board: others of the same sort."""
         plain = replace(stop, identity=())
-        choice, _ = ranked(plain.what, self._index, self._signs, self._knowledge, self.model)
+        choice = ranked(plain.what, self._index, self._signs, self._knowledge, self.model).choice
         return tuple(id_ for id_ in (choice.landmark, *choice.alternatives) if id_ is not None)
 
 

@@ -1,6 +1,6 @@
 """What a scorer says of a stop: which landmarks serve it, and why."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Protocol
@@ -40,7 +40,8 @@ class Served:
     Attributes:
         stop: with what its words mean.
         scores: by id, 0 < score <= 1.
-        evidence: why, in words.
+        evidence: why, in words; where it names a landmark, the best one.
+        why: the same of any that serves, by id, where `evidence` names one.
         confidence: of the best, 0 to 1.
         others: next best where none serves.
         ignored: what of the wish could not be heeded.
@@ -73,6 +74,11 @@ class Served:
     doubt: str = NOT_SURE
     is_said: bool = False
     settled: bool = False
+    why: Callable[[int], str] | None = None
+
+    def reason(self, id_: int) -> str:
+        """Why one of those that serve does: the one that is chosen need not be the best."""
+        return self.evidence if self.why is None else self.why(id_)
 
     def as_anchor(self) -> "Served":
         """Return what serves an anchor: it is not asked how sure that is, but of a guess."""
