@@ -89,10 +89,8 @@ def run(
         refuse_old_map(output, force)
     refuse_watching(mcap, rerun, foxglove, force, localize, [source, output, continued, trajectory])
     settings = config_of(config)
-    frames = InOrder(
-        open_source(source, camera, max_frames, settings.calibration, topics_and_span(color, depth, info, start, end)),
-        settings.times,
-    )
+    options = topics_and_span(color, depth, info, start, end, settings.pairing)
+    frames = InOrder(open_source(source, camera, max_frames, settings.calibration, options), settings.times)
     base = map_for(localize, continued, frames.camera, settings)
     is_endless = camera_in(frames) is not None
     if localize is not None and trajectory is not None:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
+    from lpslam.config import PairingConfig
     from lpslam.sources.open import SourceOptions
 
 Color = Annotated[str | None, typer.Option("--color", metavar="TOPIC", help="Of a bag: its colour pictures.")]
@@ -20,13 +21,19 @@ _RECORDED_BACKLOG = 90
 
 
 def topics_and_span(
-    color: str | None, depth: str | None, info: str | None, start: float | None, end: float | None
+    color: str | None,
+    depth: str | None,
+    info: str | None,
+    start: float | None,
+    end: float | None,
+    pairing: "PairingConfig | None" = None,
 ) -> "SourceOptions":
     """What was asked for, as recordings are opened with it."""
+    from lpslam.config import PairingConfig
     from lpslam.sources.bags.topics import TopicChoice
     from lpslam.sources.open import SourceOptions
 
-    return SourceOptions(TopicChoice(color, depth, info), start, end)
+    return SourceOptions(TopicChoice(color, depth, info), start, end, pairing or PairingConfig())
 
 
 def sources() -> None:

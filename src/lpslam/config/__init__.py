@@ -11,7 +11,8 @@ from pydantic import Field, PositiveFloat, ValidationError
 from lpslam.config.calibrating import CalibratingConfig
 from lpslam.config.ground import GroundConfig, WayConfig
 from lpslam.config.navigation import NavigationConfig
-from lpslam.config.page import PageConfig
+from lpslam.config.page import PageConfig, RoomConfig
+from lpslam.config.pairing import PairingConfig
 from lpslam.config.robots import RobotConfig
 from lpslam.config.section import Section
 from lpslam.config.serving import JobsConfig, ServingConfig, WatchingConfig
@@ -73,12 +74,14 @@ __all__ = [
     "MemoryConfig",
     "NavigationConfig",
     "PageConfig",
+    "PairingConfig",
     "PatternConfig",
     "PictureConfig",
     "PlacementConfig",
     "PlacesConfig",
     "ReadingConfig",
     "RobotConfig",
+    "RoomConfig",
     "SecondLookConfig",
     "SensorNoiseConfig",
     "ServingConfig",
@@ -312,6 +315,8 @@ class Config(Section):
     evaluation: EvaluationConfig = EvaluationConfig()
 
     times: TimesConfig = TimesConfig()
+
+    pairing: PairingConfig = PairingConfig()
 
     live: LiveConfig = LiveConfig()
 

@@ -21,8 +21,6 @@ class RobotConfig(Section):
     base_frame: str = ""
     # Whether pictures that get lost are asked for again: a driver that publishes with best effort then is not heard.
     reliable: bool = False
-    # Seconds between a colour picture and its depth: more than half of what lies between frames at 30 a second.
-    pair_s: float = Field(default=0.02, gt=0)
     # Seconds by which a transform may be older than a picture: odometry comes ten times a second at least.
     transform_s: float = Field(default=0.2, gt=0)
     # Seconds between two tellings of landmarks, whose places move with the map; new ones are told at once.

@@ -169,6 +169,10 @@ class SurfaceConfig(Section):
     told_share: float = Field(default=0.33, gt=0)  # of the guess's sigma; images that tell no better do not hold
     least_noise: float = Field(default=0.4, gt=0)  # of the supposed sigma: the median of nine readings leaves so much
     renewed_share: float = Field(default=0.8, gt=0, le=1)  # of the reference in view; less, and the next one is taken
+    least_shrink: int = Field(default=4, ge=1)  # pixels to one: neighbours share no reading, shades have less noise
+    nearest: float = Field(default=0.05, gt=0)  # metres before the camera; what is nearer is not seen
+    shade_doubt: float = Field(default=2.8, ge=1)  # of their sigma: noise of shades is smoothed over eight pixels
+    first_shade: float = Field(default=5.0, gt=0)  # grey values; sigma of the shades before they are compared
     held_seconds: float = Field(default=10.0, ge=0)  # for which images alone tell the way; they drift by a twentieth
 
 

@@ -6,15 +6,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from lpslam.config import RoomConfig
 from lpslam.ground.grid import FREE, OCCUPIED, Grid
 
 Array = NDArray[np.float64]
 
-FINEST, _MOST_CELLS = 0.02, 2400  # metres a cell, and cells to a side at most
-_TOP = 0.1  # metres below the highest point of a cell in which its colour is seen from above
-_GAP = 0.12  # metres on each side over which a surface goes on between its readings
-_STRAY_SHARE, _ROUND = 0.5, 0.3  # percent of points at each side that may lie outside; metres around the rest
-_ALONE = 12  # cells: a smaller patch that touches nothing is noise
 _FREE_COLOUR, _OCCUPIED_COLOUR = (90, 150, 110, 45), (100, 108, 120, 255)
 
 
@@ -31,47 +27,55 @@ class RoomImage:
     extent: tuple[float, float, float, float]
 
 
-def room_image(cloud: Array, colours: NDArray[np.uint8], grid: Grid | None, finest: float = FINEST) -> RoomImage | None:
+def room_image(
+    cloud: Array,
+    colours: NDArray[np.uint8],
+    grid: Grid | None,
+    config: RoomConfig | None = None,
+    *,
+    finest: float | None = None,
+) -> RoomImage | None:
     """Draw (n, 3) points, lowest first, in their colours, over the ground; None without points.
 
-    A cell is `finest` metres, or larger where the room is large.
+    A cell is `finest` metres (as configured, without), or larger where the room is large.
     """
     if not len(cloud):
         return None
-    low = np.percentile(cloud[:, :2], _STRAY_SHARE, axis=0) - _ROUND
-    high = np.percentile(cloud[:, :2], 100 - _STRAY_SHARE, axis=0) + _ROUND
-    cell = max(finest, float((high - low).max()) / _MOST_CELLS)
+    config = config or RoomConfig()
+    low = np.percentile(cloud[:, :2], config.stray_percent, axis=0) - config.around
+    high = np.percentile(cloud[:, :2], 100 - config.stray_percent, axis=0) + config.around
+    cell = max(finest or config.finest, float((high - low).max()) / config.most_pixels)
     columns, rows = np.maximum(np.ceil((high - low) / cell), 1).astype(int)
     at = np.floor((cloud[:, :2] - low) / cell).astype(int)
     inside = ((at >= 0) & (at < [columns, rows])).all(axis=1)
-    gap = max(1, round(_GAP / cell))
+    gap = max(1, round(config.gap / cell))
     numbers = at[inside, 1] * columns + at[inside, 0]
-    seen, mean = _cells(numbers, cloud[inside, 2], colours[inside], (rows, columns), gap)
+    seen, mean = _cells(numbers, cloud[inside, 2], colours[inside], (rows, columns), gap, config.top)
     image = np.zeros((rows, columns, 4), np.uint8)
     if grid is not None:
         _paint_ground(image, grid, low, cell)
-    _paint_room(image, seen, mean, gap)
+    _paint_room(image, seen, mean, gap, config.alone)
     extent = (float(low[0]), float(low[0] + columns * cell), float(low[1]), float(low[1] + rows * cell))
     return RoomImage(np.ascontiguousarray(image[::-1]), extent)
 
 
 def _cells(
-    cells: NDArray[np.int64], heights: Array, colours: NDArray[np.uint8], shape: tuple[int, int], gap: int
+    cells: NDArray[np.int64], heights: Array, colours: NDArray[np.uint8], shape: tuple[int, int], gap: int, top: float
 ) -> tuple[NDArray[np.bool_], NDArray[np.float32]]:
     """Which cells were seen, and the mean colour of what lies highest in each."""
     count = shape[0] * shape[1]
     highest = np.full(count, -np.inf)
     # The points come lowest first: the highest is written last.
     highest[cells] = heights
-    top = heights > highest[cells] - _TOP
-    number = np.bincount(cells[top], minlength=count)
-    sums = [np.bincount(cells[top], colours[top, channel], count) for channel in range(3)]
+    shown = heights > highest[cells] - top
+    number = np.bincount(cells[shown], minlength=count)
+    sums = [np.bincount(cells[shown], colours[shown, channel], count) for channel in range(3)]
     mean = np.stack(sums, axis=1) / np.maximum(number, 1)[:, None]
     seen, height = (number > 0).reshape(shape), highest.reshape(shape)
     # What is seen between the readings of something above it lies below that, and is not seen from above.
     least = float(height[seen].min(initial=0.0)) - 1.0
     surface = cv2.morphologyEx(np.where(seen, height, least).astype(np.float32), cv2.MORPH_CLOSE, _reach(gap))
-    return seen & (height > surface - _TOP), mean.reshape(*shape, 3).astype(np.float32)
+    return seen & (height > surface - top), mean.reshape(*shape, 3).astype(np.float32)
 
 
 def _reach(gap: int) -> NDArray[np.uint8]:
@@ -79,11 +83,16 @@ def _reach(gap: int) -> NDArray[np.uint8]:
     return np.asarray(cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * gap + 1, 2 * gap + 1)), np.uint8)
 
 
-def _paint_room(image: NDArray[np.uint8], seen: NDArray[np.bool_], mean: NDArray[np.float32], gap: int) -> None:
-    """Paint what was seen, and what lies between readings of one surface in the colours around it."""
+def _paint_room(
+    image: NDArray[np.uint8], seen: NDArray[np.bool_], mean: NDArray[np.float32], gap: int, least: int
+) -> None:
+    """Paint what was seen, and what lies between readings of one surface in the colours around it.
+
+    Patches of fewer than `least` cells are left out.
+    """
     closed = cv2.morphologyEx(np.pad(seen.astype(np.uint8), gap), cv2.MORPH_CLOSE, _reach(gap))[gap:-gap, gap:-gap]
     _, patches, facts, _ = cv2.connectedComponentsWithStats(closed, connectivity=8)
-    alone = facts[:, cv2.CC_STAT_AREA] < _ALONE
+    alone = facts[:, cv2.CC_STAT_AREA] < least
     shown = (closed > 0) & ~alone[patches]
     weight = seen.astype(np.float32)
     around = cv2.GaussianBlur(weight, (0, 0), gap / 2)

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera, transform_points
+from lpslam.config import RoomConfig
 from lpslam.small_depth import SmallDepth
 
 Array = NDArray[np.float64]
@@ -21,7 +22,6 @@ Pose = Callable[[int], Array | None]
 
 _MILLIMETRES = 1000.0
 _FARTHEST = 65.0  # metres: what sixteen bits of millimetres hold
-_OVER_THE_CAMERA = 0.3  # metres above which a room seen from above is cut
 _FEW = 64  # scans, two megabytes: fewer are not worth a look
 
 
@@ -142,16 +142,19 @@ class Scans:
         return scans
 
 
-def room_from_above(points: Array, colours: NDArray[np.uint8], walked: Array) -> tuple[Array, NDArray[np.uint8]]:
+def room_from_above(
+    points: Array, colours: NDArray[np.uint8], walked: Array, config: RoomConfig | None = None
+) -> tuple[Array, NDArray[np.uint8]]:
     """Points of a room, lowest first and without what a ceiling would hide the room with, and their colours.
 
     Args:
         points: (n, 3) metres, map frame.
         colours: (n, 3) red, green, blue.
         walked: (m, 3) where the camera was.
+        config: thresholds; the defaults without.
     """
     heights = walked[:, 2][np.isfinite(walked[:, 2])]
-    highest = (float(np.median(heights)) if len(heights) else 0.0) + _OVER_THE_CAMERA
+    highest = (float(np.median(heights)) if len(heights) else 0.0) + (config or RoomConfig()).over_the_camera
     lower = np.flatnonzero(points[:, 2] < highest)
     shown = lower[np.argsort(points[lower, 2], kind="stable")]
     return points[shown], colours[shown]

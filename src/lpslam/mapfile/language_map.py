@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera
-from lpslam.config import GroundConfig
+from lpslam.config import GroundConfig, RoomConfig
 from lpslam.errors import UserError
 from lpslam.ground.grid import Grid, build_grid
 from lpslam.ground.scans import Scans, room_from_above
@@ -89,9 +89,9 @@ class LanguageMap:
             return np.empty((0, 3)), np.empty((0, 3), np.uint8)
         return self.scans.cloud(self.pose_of_scan)
 
-    def room_from_above(self) -> tuple[NDArray[np.float64], NDArray[np.uint8]]:
+    def room_from_above(self, config: RoomConfig | None = None) -> tuple[NDArray[np.float64], NDArray[np.uint8]]:
         """As `coloured_cloud`, lowest first and without what a ceiling would hide the room with."""
-        return room_from_above(*self.coloured_cloud(), self.frame_poses().positions)
+        return room_from_above(*self.coloured_cloud(), self.frame_poses().positions, config)
 
     def pose_of_scan(self, keyframe: int) -> NDArray[np.float64] | None:
         """4×4 of a keyframe that the map still has."""

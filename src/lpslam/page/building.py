@@ -51,10 +51,10 @@ def page_of(world: LanguageMap, *, live: bool, name: str = "", config: PageConfi
         name: of the map, as the server knows it.
         config: how much of it is shown.
     """
-    record = {**map_record(world, soon=live), "name": name, "live": live, "grows": False}
+    config = config or PageConfig()
+    record = {**map_record(world, config.room, soon=live), "name": name, "live": live, "grows": False}
     if live:
         return _page(record, live)
-    config = config or PageConfig()
     points = room_points(world, config.file_points, config)
     alone = {"ground": ground_record(world), "pictures": sign_pictures(world, config.file_picture_bytes, config)}
     return _page({**record, **alone}, live, points.text())

@@ -6,8 +6,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from lpslam.config import RoomConfig
 from lpslam.ground.grid import FREE, OCCUPIED, Grid
-from lpslam.ground.raster import FINEST, room_image
+from lpslam.ground.raster import room_image
 
 Array = NDArray[np.float64]
 
@@ -56,7 +57,13 @@ def ground_picture(grid: Grid) -> GroundPicture | None:
 
 
 def picture_of(
-    cloud: Array, colours: NDArray[np.uint8], grid: Grid | None, compression: int = 9, finest: float = FINEST
+    cloud: Array,
+    colours: NDArray[np.uint8],
+    grid: Grid | None,
+    config: RoomConfig | None = None,
+    *,
+    compression: int = 9,
+    finest: float | None = None,
 ) -> RoomPicture | None:
     """The picture of (n, 3) points, lowest first, in their colours, on the ground; None without points.
 
@@ -64,10 +71,11 @@ def picture_of(
         cloud: metres, map frame.
         colours: red, green, blue.
         grid: the ground, if it is to be below them.
+        config: thresholds; the defaults without.
         compression: of PNG, 0 to 9: the more, the smaller and the later.
-        finest: metres a pixel at least.
+        finest: metres a pixel at least; as configured, without.
     """
-    image = room_image(cloud, colours, grid, finest)
+    image = room_image(cloud, colours, grid, config, finest=finest)
     if image is None:
         return None
     bgra = cv2.cvtColor(image.rgba, cv2.COLOR_RGBA2BGRA)

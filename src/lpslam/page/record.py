@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera
-from lpslam.config import PageConfig
+from lpslam.config import PageConfig, RoomConfig
 from lpslam.language.sanitise import clean_text
 from lpslam.mapfile.export import corrections_record
 from lpslam.mapfile.language_map import LanguageMap
@@ -29,9 +29,9 @@ _GREY = 150
 _MOST_CLASSES, _MOST_SAMPLES = 150, 120  # histories of classes, and samples of each
 
 
-def map_record(world: LanguageMap, *, soon: bool = False) -> dict[str, Any]:
+def map_record(world: LanguageMap, config: RoomConfig | None = None, *, soon: bool = False) -> dict[str, Any]:
     """What is shown of a map at once; its picture is made soon rather than small where somebody waits."""
-    drawn = picture_of(*world.room_from_above(), None, 3 if soon else 9)
+    drawn = picture_of(*world.room_from_above(config), None, config, compression=3 if soon else 9)
     poses = world.frame_poses()
     return {
         "title": clean_text(world.source) or "lpslam",

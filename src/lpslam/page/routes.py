@@ -34,7 +34,7 @@ class Pages:
     def __init__(self, find: Found, config: PageConfig) -> None:
         self.find = find
         self._make: Mapping[str, Callable[[LanguageMap, str], bytes]] = {
-            "page": lambda world, found: page_of(world, live=True, name=found).encode("utf-8"),
+            "page": lambda world, found: page_of(world, live=True, name=found, config=config).encode("utf-8"),
             "ground": lambda world, _: json.dumps(ground_record(world)).encode("ascii"),
             "pictures": lambda world, _: json.dumps(sign_pictures(world, None, config)).encode("ascii"),
             "points": lambda world, _: room_points(world, config.points, config).content(),

@@ -13,12 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera
+from lpslam.config import PairingConfig
 from lpslam.errors import LpSlamError
 from lpslam.robots.types import BadBytesError, decoded
 from lpslam.sources.bags.lenses import MILLIMETRES
 from lpslam.sources.bags.messages import stamp_of
 from lpslam.sources.bags.pictures import colour_of, depth_of, in_metres
-from lpslam.sources.pairing import BUFFER, Paired, Stamped, paired
+from lpslam.sources.pairing import Paired, Stamped, paired
 
 _WAIT = 0.1
 """Seconds between two questions whether to stop."""
@@ -80,7 +81,7 @@ class Incoming:
     """Takes pictures from any thread and gives frames; of frames that come too fast the newest.
 
     Args:
-        tolerance: seconds; the largest difference within a pair.
+        pairing: how far apart in time the two of a pair may be, and how many wait.
         backlog: pairs that may wait.
 
     Attributes:
@@ -90,12 +91,12 @@ class Incoming:
         heard: when a picture of a kind came last, by `time.monotonic`; by whether it is depth.
     """
 
-    def __init__(self, tolerance: float, backlog: int) -> None:
+    def __init__(self, pairing: PairingConfig, backlog: int) -> None:
         self.skipped, self.dropped, self.pairs = Skipped(), 0, 0
         self.heard: dict[bool, float] = {}
         self._newest: dict[bool, tuple[int, int]] = {}
-        self._tolerance = tolerance
-        self._arriving: Queue[Stamped[Picture]] = Queue(2 * BUFFER)
+        self._pairing = pairing
+        self._arriving: Queue[Stamped[Picture]] = Queue(2 * self._pairing.buffer)
         self._waiting: deque[Paired[Picture]] = deque()
         self._backlog = backlog
         self._is_there = threading.Condition()
@@ -123,8 +124,8 @@ class Incoming:
     def _is_gone_by(self, stamp: int, is_depth: bool) -> bool:
         """Whether a picture's time is long over; a clock that stays there is believed."""
         newest, old = self._newest.get(is_depth, (stamp, 0))
-        if stamp >= newest - _OUT_OF_ORDER or old >= BUFFER:
-            self._newest[is_depth] = (max(stamp, newest) if old < BUFFER else stamp, 0)
+        if stamp >= newest - _OUT_OF_ORDER or old >= self._pairing.buffer:
+            self._newest[is_depth] = (max(stamp, newest) if old < self._pairing.buffer else stamp, 0)
             return False
         self._newest[is_depth] = (newest, old + 1)
         return True
@@ -144,7 +145,7 @@ class Incoming:
         self._thread.join(timeout=5.0)
 
     def _pair(self) -> None:
-        for pair in paired(self._pictures(), self._tolerance):
+        for pair in paired(self._pictures(), self._pairing):
             if pair.fault:
                 self.skipped.note(_kind_of(pair.fault))
                 continue

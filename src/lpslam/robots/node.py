@@ -61,7 +61,7 @@ class RobotNode:
         self._complained: set[str] = set()
         self._silent: set[str] = set()
         self._transforms = Transforms(config.robots.transform_s)
-        self._incoming = Incoming(config.robots.pair_s, config.live.backlog)
+        self._incoming, self._tolerance = Incoming(config.pairing, config.live.backlog), config.pairing.tolerance_s
         self._hung: tuple[str, Transform] | None = None
         self._now = 0
         self._grid: Grid | None = None
@@ -282,7 +282,7 @@ class RobotNode:
             return f"nothing came on {', '.join(topics)}; is the camera's driver running, and is the topic right?"
         if self._incoming.pairs:
             return self.skipped or "pictures come, and the map is still being opened"
-        return self.skipped or f"colour and depth are never within {1000 * robots.pair_s:g} ms of each other"
+        return self.skipped or f"colour and depth are never within {1000 * self._tolerance:g} ms of each other"
 
     def _say_what_is_wrong(self, began: float) -> None:
         now = time.monotonic()

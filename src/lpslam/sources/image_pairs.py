@@ -12,7 +12,6 @@ from lpslam.camera import PinholeCamera
 from lpslam.errors import UserError
 from lpslam.frames import FrameFault, RgbdFrame
 from lpslam.sources.images import BadImageError, image_size, read_colour, read_depth
-from lpslam.sources.pairing import PAUSE
 
 logger = logging.getLogger(__name__)
 
@@ -178,12 +177,12 @@ def _refuse_size(path: Path, found: tuple[int, ...], wanted: tuple[int, int]) ->
         raise BadImageError(f"{path.name} is {found[1]}×{found[0]}; the camera is {wanted[1]}×{wanted[0]}")
 
 
-def in_depth_pauses(times: NDArray[np.float64], depth_times: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Which times (n,) lie where there was no depth for long, by the rising times (m,) at which there was."""
+def in_depth_pauses(times: NDArray[np.float64], depth_times: NDArray[np.float64], pause: float) -> NDArray[np.bool_]:
+    """Which times (n,) lie where there was no depth for `pause` seconds, by rising times (m,) at which there was."""
     after = np.searchsorted(depth_times, times)
     inside = (after > 0) & (after < len(depth_times))
     pauses = np.zeros(len(times), np.bool_)
-    pauses[inside] = depth_times[after[inside]] - depth_times[after[inside] - 1] > PAUSE
+    pauses[inside] = depth_times[after[inside]] - depth_times[after[inside] - 1] > pause
     return pauses & ~np.isin(times, depth_times)
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
 
-from lpslam.config import CalibrationCheckConfig
+from lpslam.config import CalibrationCheckConfig, PairingConfig
 from lpslam.errors import UserError
 from lpslam.regular_files import is_regular
 from lpslam.sources.bags.topics import TopicChoice
@@ -29,11 +29,13 @@ class SourceOptions:
     Attributes:
         topics: of a file with topics; found by type without.
         start, end: seconds from its first frame; all of it without.
+        pairing: how its colour and depth are paired by time.
     """
 
     topics: TopicChoice = field(default_factory=TopicChoice)
     start: float | None = None
     end: float | None = None
+    pairing: PairingConfig = field(default_factory=PairingConfig)
 
     @property
     def is_cut(self) -> bool:
@@ -61,7 +63,7 @@ class _Open(Protocol):
     """Opens a recording; `nominal` makes do without a calibration."""
 
     def __call__(
-        self, folder: Path, camera_file: Path | None, max_frames: int | None, *, nominal: bool
+        self, folder: Path, camera_file: Path | None, max_frames: int | None, *, nominal: bool, pairing: PairingConfig
     ) -> RecordedSource: ...
 
 
@@ -84,6 +86,7 @@ def _open_bag(path: Path, camera_file: Path | None, max_frames: int | None, opti
             start=options.start,
             end=options.end,
             max_frames=max_frames,
+            pairing=options.pairing,
         )
     except UserError as error:
         damages = [text for damage in container.damages for text in damage.texts]
@@ -138,7 +141,7 @@ def open_source(
 def _opened_camera(
     path: Path | str, camera_file: Path | str | None, max_frames: int | None, options: SourceOptions
 ) -> RecordedSource:
-    if camera_file is not None or options != SourceOptions():
+    if camera_file is not None or options.is_cut or options.topics != TopicChoice():
         raise UserError(f"{path} is a camera, which is calibrated by its maker; --camera and a part are for recordings")
     return open_camera(path, max_frames)
 
@@ -190,8 +193,8 @@ def _opened(
         if options.topics != TopicChoice():
             raise UserError(f"{place} has no topics; --color, --depth and --info are for bags")
         if not options.is_cut:
-            return found.open(place, calibration, max_frames, nominal=nominal)
-        whole: Any = found.open(place, calibration, None, nominal=nominal)
+            return found.open(place, calibration, max_frames, nominal=nominal, pairing=options.pairing)
+        whole: Any = found.open(place, calibration, None, nominal=nominal, pairing=options.pairing)
         return whole.part(options.start, options.end, max_frames)  # type: ignore[no-any-return]
     except OSError as error:
         raise UserError(f"{error.filename or place} cannot be read ({error.strerror or error})") from error

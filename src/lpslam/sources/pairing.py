@@ -7,13 +7,10 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
+from lpslam.config import PairingConfig
 from lpslam.timestamps import associate
 
 Payload = TypeVar("Payload")
-BUFFER = 64
-"""Pictures of a kind that wait for the other kind: two seconds at 30 a second."""
-PAUSE = 0.2
-"""Seconds without depth after which frames come without: constant velocity and flow do not bridge more."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,15 +45,16 @@ class Paired(Generic[Payload]):
     fault: str = ""
 
 
-def paired(pictures: Iterable[Stamped[Payload]], tolerance: float) -> Iterator[Paired[Payload]]:
+def paired(pictures: Iterable[Stamped[Payload]], config: PairingConfig) -> Iterator[Paired[Payload]]:
     """Pair pictures by time, each depth at most once, the closest first, and give the colour pictures in order.
 
     A colour picture without depth is a fault, unless depth pauses: then it comes without.
 
     Args:
         pictures: of both kinds, roughly in order.
-        tolerance: seconds; the largest difference within a pair.
+        config: how far apart in time the two of a pair may be, and how many wait.
     """
+    tolerance, pause, buffer = config.tolerance_s, config.pause_s, config.buffer
     colours: list[Stamped[Payload]] = []
     depths: list[Stamped[Payload]] = []
     unpaired: list[Stamped[Payload]] = []
@@ -73,17 +71,17 @@ def paired(pictures: Iterable[Stamped[Payload]], tolerance: float) -> Iterator[P
             return
         last_time = colour.timestamp
         if len(rows) and rows[0] == 0:
-            is_pause = colour.timestamp - last_paired > PAUSE
+            is_pause = colour.timestamp - last_paired > pause
             yield from (_alone(each, is_pause, tolerance) for each in unpaired)
             unpaired.clear()
             last_paired = colour.timestamp
             yield Paired(colour.timestamp, colour.payload, depths.pop(int(columns[0])).payload)
         else:
             unpaired.append(colour)
-            if colour.timestamp - last_paired > PAUSE and last_paired > -np.inf:
+            if colour.timestamp - last_paired > pause and last_paired > -np.inf:
                 yield from (_alone(each, True, tolerance) for each in unpaired)
                 unpaired.clear()
-            elif len(unpaired) > BUFFER:
+            elif len(unpaired) > buffer:
                 yield _alone(unpaired.pop(0), False, tolerance)
         # Depth that no colour picture to come can be near to.
         while depths and depths[0].timestamp < colour.timestamp - tolerance:
@@ -91,20 +89,20 @@ def paired(pictures: Iterable[Stamped[Payload]], tolerance: float) -> Iterator[P
 
     for picture in pictures:
         insort(depths if picture.is_depth else colours, picture, key=lambda each: each.timestamp)
-        while colours and _is_settled(colours, depths, tolerance):
+        while colours and _is_settled(colours, depths, config):
             yield from decide()
-        if len(depths) > BUFFER:
+        if len(depths) > buffer:
             depths.pop(0)
     while colours:
         yield from decide()
     yield from (_alone(each, False, tolerance) for each in unpaired)
 
 
-def _is_settled(colours: list[Stamped[Payload]], depths: list[Stamped[Payload]], tolerance: float) -> bool:
+def _is_settled(colours: list[Stamped[Payload]], depths: list[Stamped[Payload]], config: PairingConfig) -> bool:
     """Whether nothing that may still come can change what the earliest colour picture is paired with."""
-    if len(colours) > BUFFER:
+    if len(colours) > config.buffer:
         return True
-    due = colours[0].timestamp + 2 * tolerance
+    due = colours[0].timestamp + 2 * config.tolerance_s
     return colours[-1].timestamp > due and bool(depths) and depths[-1].timestamp > due
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from lpslam.camera import PinholeCamera
+from lpslam.config import PairingConfig
 from lpslam.errors import UserError
 from lpslam.regular_files import text_of
 from lpslam.sources.calibration import read_calibration
@@ -25,7 +26,12 @@ def looks_like_seven_scenes(folder: Path) -> bool:
 
 
 def open_seven_scenes(
-    folder: Path, camera_file: Path | None = None, max_frames: int | None = None, *, nominal: bool = False
+    folder: Path,
+    camera_file: Path | None = None,
+    max_frames: int | None = None,
+    *,
+    nominal: bool = False,
+    pairing: PairingConfig | None = None,
 ) -> ImagePairSource:
     """Open a 7-Scenes folder; its frames carry no times, so frame n is taken at n / 30 s.
 
@@ -34,6 +40,7 @@ def open_seven_scenes(
         camera_file: a calibration to use instead of the folder's own.
         max_frames: use only so many frames, from the first.
         nominal: makes no difference: a calibration is always known.
+        pairing: how long depth may stay away before frames come without.
 
     Raises:
         UserError: there are no images, or the calibration is malformed.
@@ -47,7 +54,8 @@ def open_seven_scenes(
         fault = "" if depth.is_file() else f"{path.name} has no {depth.name}"
         pairs.append(ImagePair(int(match[1]) / FRAMES_PER_SECOND, path, depth, fault))
     times = np.array([pair.timestamp for pair in pairs])
-    pauses = in_depth_pauses(times, np.sort([pair.timestamp for pair in pairs if not pair.fault]))
+    with_depth = np.sort([pair.timestamp for pair in pairs if not pair.fault])
+    pauses = in_depth_pauses(times, with_depth, (pairing or PairingConfig()).pause_s)
     pairs = [
         replace(pair, depth=None, fault="") if is_pause else pair for pair, is_pause in zip(pairs, pauses, strict=True)
     ]

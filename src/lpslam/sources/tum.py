@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from lpslam.camera import PinholeCamera
+from lpslam.config import PairingConfig
 from lpslam.errors import UserError
 from lpslam.regular_files import text_of
 from lpslam.sources.calibration import read_calibration
@@ -34,9 +35,9 @@ def open_tum(
     folder: Path,
     camera_file: Path | None = None,
     max_frames: int | None = None,
-    tolerance: float = 0.02,
     *,
     nominal: bool = False,
+    pairing: PairingConfig | None = None,
 ) -> ImagePairSource:
     """Open a TUM folder.
 
@@ -44,13 +45,15 @@ def open_tum(
         folder: holds rgb.txt, depth.txt and the images.
         camera_file: a calibration to use instead of the folder's own.
         max_frames: use only so many frames, from the first.
-        tolerance: seconds between a colour image and its depth image. A colour image without one is skipped, unless
-            depth pauses: then it comes without depth, by which the camera is tracked on.
         nominal: where no calibration is known, take that of a usual camera, and say so.
+        pairing: seconds between a colour image and its depth image. A colour image without one is skipped, unless
+            depth pauses: then it comes without depth, by which the camera is tracked on.
 
     Raises:
         UserError: a list is missing, empty or malformed, no images belong together, or no calibration is known.
     """
+    pairing = pairing or PairingConfig()
+    tolerance = pairing.tolerance_s
     colours, note = _read_list(folder / "rgb.txt")
     depths, depth_note = _read_list(folder / "depth.txt")
     # A repeated timestamp is one moment: its first image takes the depth, the others are faults.
@@ -63,7 +66,7 @@ def open_tum(
             f"they begin {abs(depth_times[0] - times[0]):.3f} s apart and must use the same clock"
         )
     depth_of = dict(zip(firsts[rows].tolist(), columns.tolist(), strict=True))
-    pauses = in_depth_pauses(colour_times, times[rows])
+    pauses = in_depth_pauses(colour_times, times[rows], pairing.pause_s)
     pairs: list[ImagePair] = []
     previous = -np.inf
     for row, (timestamp, path) in enumerate(colours):

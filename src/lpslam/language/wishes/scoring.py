@@ -220,9 +220,9 @@ class EmbeddedScorer:
         if meaning.wanted_names:
             exact = frozenset(scores)
         why = tables.reason if supported is None else self._spoken_for(stop, tables, supported)
-        scores = scores if supported is None else supported.scores
+        serving = scores if supported is None else supported.scores
         return Served(
-            *(stop, scores, why(best_of(scores)), choice.confidence),
+            *(stop, serving, why(best_of(serving)), choice.confidence),
             ignored=ignored,
             exact=exact,
             way=Way.KIND if read else Way.GUESS,

@@ -68,10 +68,11 @@ def _recording(folder: Path, upload: Path, config: Config) -> Path:
 def _map(folder: Path, recording: Path, config: Config, say: Any) -> None:
     from lpslam import pipeline
     from lpslam.sources.in_order import InOrder
-    from lpslam.sources.open import open_source
+    from lpslam.sources.open import SourceOptions, open_source
 
     read_only_inside(folder, kernel_places())
-    frames = InOrder(open_source(recording, checks=config.calibration), config.times)
+    options = SourceOptions(pairing=config.pairing)
+    frames = InOrder(open_source(recording, checks=config.calibration, options=options), config.times)
     total, last = len(frames), 0.0
     say(state="mapping", frames_total=total)
 

@@ -16,8 +16,6 @@ from lpslam.page.growing import GrowingPoints
 from lpslam.page.pictures import RoomPicture, picture_of
 from lpslam.serving.watching.wire import Ground, Signs
 
-_PIXEL = 0.04  # metres of the room's picture: it is made again and again, and readings lie as far apart at 4 m
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class KnownSoFar:
@@ -90,10 +88,10 @@ class Grown:
 
     def _differs(self) -> bool:
         """Whether a keyframe with a scan came, went, or moved by more than a pixel of the picture."""
-        old, new = self._drawn, self._keyframes
+        old, new, pixel = self._drawn, self._keyframes, self.config.page.room.growing
         if old.keys() != new.keys():
             return True
-        return any(np.abs(new[each][:3, 3] - pose[:3, 3]).max() > _PIXEL for each, pose in old.items())
+        return any(np.abs(new[each][:3, 3] - pose[:3, 3]).max() > pixel for each, pose in old.items())
 
     def update_points(self) -> bool:
         """Take new scans and places into the points that are sent; whether there were any."""
@@ -118,4 +116,6 @@ class Grown:
         cloud, colours = scans.cloud(keyframes.get)
         grid = build_grid(scans, keyframes.get, self.config.ground, poses[:, :3, 3])
         # While it grows, a picture is made soon rather than small and fine.
-        return picture_of(*room_from_above(cloud, colours, poses[:, :3, 3]), grid, compression=3, finest=_PIXEL)
+        room = self.config.page.room
+        above = room_from_above(cloud, colours, poses[:, :3, 3], room)
+        return picture_of(*above, grid, room, compression=3, finest=room.growing)

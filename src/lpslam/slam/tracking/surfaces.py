@@ -92,7 +92,7 @@ class SmallImages:
 
     def __init__(self, camera: PinholeCamera, width: int, around: float) -> None:
         self._around = around
-        self._depth = SmallDepth(camera, max(min(width, camera.width // _LEAST_SHRINK), 16))
+        self._depth = SmallDepth(camera, max(width, 16))
         self._size, self.intrinsics = self._depth.size, self._depth.intrinsics
         small = ((self._depth.raw + 0.5) / self._depth.shrink - 0.5).astype(np.float32)
         small = small.reshape(*self._size[::-1], 2)
@@ -125,7 +125,7 @@ class Surfaces:
     """
 
     def __init__(self, camera: PinholeCamera, sensor: SensorModel, config: SurfaceConfig) -> None:
-        self.images = SmallImages(camera, config.width, config.around)
+        self.images = SmallImages(camera, min(config.width, camera.width // config.least_shrink), config.around)
         self._noise = (sensor.depth_sigma, sensor.depth_sigma_quadratic)
         self._config = config
 
@@ -153,7 +153,7 @@ class Surfaces:
         Infinite where they do not overlap.
         """
         level, residuals = self._level(reference, image, 0), np.empty((2, image[0].size))
-        brightness = float(np.median(reference[0]) - np.median(image[0])), _FIRST_SIGMA
+        brightness = float(np.median(reference[0]) - np.median(image[0])), self._config.first_shade
         hessian, gradient = np.empty((6, 6)), np.empty(6)
         inside, _, _ = align_terms(
             level.reference, level.image, level.intrinsics, pose, brightness, self._noise, hessian, gradient, residuals
@@ -195,10 +195,10 @@ class Surfaces:
         config, reference, image = self._config, level.reference, level.image
         hessian, gradient, residuals = np.empty((6, 6)), np.empty(6), np.empty((2, image[0].size))
         prior = np.diag(self._sigmas(seconds) ** -2)
-        sigma, offset = _FIRST_SIGMA, float(np.median(reference[0]) - np.median(image[0]))
+        sigma, offset = config.first_shade, float(np.median(reference[0]) - np.median(image[0]))
         known = max(int((reference[1] > 0).sum()), 1)
         for _ in range(config.steps):
-            brightness = offset, _TOGETHER * sigma
+            brightness = offset, config.shade_doubt * sigma
             inside, measured, agreeing = align_terms(
                 reference, image, level.intrinsics, pose, brightness, self._noise, hessian, gradient, residuals
             )
@@ -242,7 +242,7 @@ class Surfaces:
         v, u = np.nonzero(reference[1] > 0)
         depth = reference[1][v, u].astype(np.float64)
         points = np.column_stack([(u - cx) / fx * depth, (v - cy) / fy * depth, depth]) @ pose[:3, :3].T + pose[:3, 3]
-        ahead = points[:, 2] > NEAREST
+        ahead = points[:, 2] > self._config.nearest
         return _Brought(v[ahead], u[ahead], points[ahead])
 
     def _is_proven(self, level: "_Level", seen: "_Brought") -> bool:
@@ -268,7 +268,9 @@ class Surfaces:
         by_depth += np.triu(by_depth, 1).T
         by_noise = self._told_by_noise(seen)
         told = (by_depth - noise**2 * descent.measured * by_noise) / max(noise, self._config.least_noise) ** 2
-        return told + (descent.hessian - by_depth - _SMOOTHED / _TOGETHER**2 * by_noise) if by_shades else told
+        if not by_shades:
+            return told
+        return told + (descent.hessian - by_depth - _SMOOTHED / self._config.shade_doubt**2 * by_noise)
 
     def _depth_noise(self, depth: _Image) -> float:
         """How many sigmas the readings (h, w) of smooth surfaces are off, by how little they lie in planes."""
@@ -303,25 +305,13 @@ def halved(image: _Image, times: int) -> _Image:
     return image
 
 
-_LEAST_SHRINK = 4
-"""Pixels of the camera to one of a small image: neighbours have no reading in common, and shades less noise."""
-
 _WAYS = ((1, 0), (0, 1))
-
-NEAREST = 0.05
-"""Metres before the camera; what is nearer is not seen."""
 
 _NEVER = 1e9
 """Grey values: a sigma with which shades say nothing."""
 
-_TOGETHER = 2.8
-"""Times a sigma: so much less do shades tell whose noise is smoothed over eight pixels."""
-
 _SMOOTHED = 1.5
 """Times the square of a slope's noise: that of smoothed noise, against independent pixels of the same sigma."""
-
-_FIRST_SIGMA = 5.0
-"""Grey values: of the residuals, before they are known."""
 
 _SOBEL_NOISE = 0.31
 """Slope that noise of one grey value makes: √12 / 8 of independent pixels; a residual has the noise of two."""

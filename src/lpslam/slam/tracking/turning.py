@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from lpslam.camera import PinholeCamera
 from lpslam.config import SurfaceConfig, TurningConfig
 from lpslam.slam.kernels.geometry import exponential
-from lpslam.slam.tracking.surfaces import LEAST_SECONDS, NEAREST
+from lpslam.slam.tracking.surfaces import LEAST_SECONDS
 
 _Matrix = NDArray[np.float64]
 
@@ -71,7 +71,7 @@ class Turning:
         sigma = self._guess.guess_speed * max(seconds, LEAST_SECONDS)
         turn = _turn_between(rays, inverse_depth[:, None] * guess[:3, 3], _unit(seen), guess[:3, :3], self._focal)
         motion, residuals, information = _refined(
-            rays, inverse_depth, seen[:, :2], turn, guess[:3, 3], sigma, self._focal
+            rays, inverse_depth, seen[:, :2], turn, guess[:3, 3], sigma, self._focal, self._guess.nearest
         )
         if np.count_nonzero(residuals < config.pixels) < max(config.agreement * len(rays), config.min_corners):
             return None
@@ -88,7 +88,7 @@ class Turning:
         pixels = found.reshape(-1, 2).astype(np.float32)
         rays, inverse_depth = self._rays(pixels), self._inverse_depth(before, pixels)
         ahead = rays @ guess[:3, :3].T + inverse_depth[:, None] * guess[:3, 3]
-        ahead[:, 2] = np.maximum(ahead[:, 2], NEAREST)
+        ahead[:, 2] = np.maximum(ahead[:, 2], self._guess.nearest)
         start = self._smaller(self._camera.distort(self._camera.project(ahead))).astype(np.float32)
         in_image = ((start >= 0) & (start < np.array(self._size))).all(axis=1)
         pixels, start = pixels[in_image], start[in_image]
@@ -133,7 +133,8 @@ class Turning:
         raw = np.rint((small + 0.5) * self._shrink - 0.5).astype(np.int64)
         height, width = glance.depth.shape
         depth = glance.depth[np.clip(raw[:, 1], 0, height - 1), np.clip(raw[:, 0], 0, width - 1)].astype(np.float64)
-        return np.where((depth > NEAREST) & np.isfinite(depth), 1.0 / np.maximum(depth, NEAREST), 0.0)
+        nearest = self._guess.nearest
+        return np.where((depth > nearest) & np.isfinite(depth), 1.0 / np.maximum(depth, nearest), 0.0)
 
 
 def _turn_between(rays: _Matrix, shift: _Matrix, seen: _Matrix, turn: _Matrix, focal: float) -> _Matrix:
@@ -150,7 +151,14 @@ def _turn_between(rays: _Matrix, shift: _Matrix, seen: _Matrix, turn: _Matrix, f
 
 
 def _refined(
-    rays: _Matrix, inverse_depth: _Matrix, seen: _Matrix, turn: _Matrix, step: _Matrix, sigma: float, focal: float
+    rays: _Matrix,
+    inverse_depth: _Matrix,
+    seen: _Matrix,
+    turn: _Matrix,
+    step: _Matrix,
+    sigma: float,
+    focal: float,
+    nearest: float,
 ) -> tuple[_Matrix, _Matrix, _Matrix]:
     """Gauss-Newton over turn and step, from the turn (3×3) and a guess of the step (3,) that is good to sigma metres.
 
@@ -159,6 +167,7 @@ def _refined(
         inverse_depth: (n,) of them, 1/m.
         seen: (n, 2) where they are now, on the plane z = 1.
         focal: pixels; residuals are taken for a pixel's.
+        nearest: metres ahead at which what is nearer, or behind, is taken to be.
 
     Returns:
         The motion (4×4), residuals (n,) in pixels, and what the corners alone tell of the step (3×3, 1/m²).
@@ -167,7 +176,7 @@ def _refined(
     motion[:3, :3], motion[:3, 3] = turn, step
     for scale in (*_FINE_SCALES, None):
         ahead = rays @ motion[:3, :3].T + inverse_depth[:, None] * motion[:3, 3]
-        z = np.maximum(ahead[:, 2], NEAREST)
+        z = np.maximum(ahead[:, 2], nearest)
         off = focal * (ahead[:, :2] / z[:, None] - seen)
         residuals = np.linalg.norm(off, axis=1)
         if scale is None:

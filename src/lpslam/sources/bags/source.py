@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera
+from lpslam.config import PairingConfig
 from lpslam.errors import UserError
 from lpslam.frames import FrameFault, RgbdFrame
 from lpslam.sources.bags import realsense
@@ -28,8 +29,6 @@ from lpslam.sources.registering.registration import DepthRegistration
 
 logger = logging.getLogger(__name__)
 
-TOLERANCE = 0.02
-"""Seconds between a colour picture and its depth: more than half of what lies between frames at 30 a second."""
 _AROUND = (12 * 10**7, 10**9)
 """Nanoseconds around a frame in which its pictures were recorded, usually and at most, where one frame is sought."""
 _SECOND = 10**9
@@ -39,7 +38,7 @@ class BagSource:
     """A `FrameSource` over a container.
 
     Memory does not grow with the recording: pictures are decoded when their frame's turn has come, and at most
-    `pairing.BUFFER` of a kind wait.
+    `PairingConfig.buffer` of a kind wait.
 
     Args:
         container: the file.
@@ -47,6 +46,7 @@ class BagSource:
         camera_file: a calibration to use instead of the recording's.
         start, end: seconds from the recording's first colour picture; all of it without.
         max_frames: use only so many frames, from the first.
+        pairing: how colour and depth are paired; the defaults without.
 
     Raises:
         UserError: there is no colour or no depth, they cannot be registered, or nothing lies between start and end.
@@ -61,14 +61,14 @@ class BagSource:
         start: float | None = None,
         end: float | None = None,
         max_frames: int | None = None,
-        tolerance: float = TOLERANCE,
+        pairing: PairingConfig | None = None,
     ) -> None:
         if max_frames is not None and max_frames < 1:
             raise UserError(f"{container.path}: the number of frames is limited to {max_frames}; it must be at least 1")
         self._container = container
         self._topics = chosen_topics(container, choice or TopicChoice())
         self._colour, self._depth = self._topics.colour.name, self._topics.depth.name
-        self._max_frames, self._tolerance = max_frames, tolerance
+        self._max_frames, self._pairing = max_frames, pairing or PairingConfig()
         self._rig: BagRig = rig_of(container, self._topics, camera_file)
         self._register = DepthRegistration(self._rig.splat) if self._rig.splat is not None else None
         self._metadata = realsense.capture_times(container, (self._colour, self._depth))
@@ -112,7 +112,7 @@ class BagSource:
         """
         self._faults = faults = []
         count = with_depth = 0
-        for index, pair in enumerate(paired(self._stamped(self._start, self._end), self._tolerance)):
+        for index, pair in enumerate(paired(self._stamped(self._start, self._end), self._pairing)):
             if self._max_frames is not None and index >= self._max_frames:
                 break
             count += 1
@@ -142,7 +142,7 @@ class BagSource:
             return None
         logged = self._logged[index]
         for around in _AROUND:
-            for pair in paired(self._stamped(logged - around, logged + around), self._tolerance):
+            for pair in paired(self._stamped(logged - around, logged + around), self._pairing):
                 if pair.colour.logged == logged and (not pair.fault or around == _AROUND[-1]):
                     try:
                         return self._decoded(index, pair)

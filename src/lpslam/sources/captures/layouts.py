@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from lpslam.config import PairingConfig
 from lpslam.errors import UserError
 
 
@@ -27,7 +28,15 @@ class Capture:
     module: str
     takes_camera: bool = False
 
-    def open(self, folder: Path, camera_file: Path | None, max_frames: int | None, *, nominal: bool) -> Any:
+    def open(
+        self,
+        folder: Path,
+        camera_file: Path | None,
+        max_frames: int | None,
+        *,
+        nominal: bool,
+        pairing: PairingConfig,  # makes no difference: these come in pairs
+    ) -> Any:
         """Open the recording with the layout's reader."""
         if camera_file is not None and not self.takes_camera:
             raise UserError(f"{folder} has its own calibration ({self.name}); leave --camera out")
