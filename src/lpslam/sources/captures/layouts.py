@@ -35,7 +35,7 @@ class Capture:
         max_frames: int | None,
         *,
         nominal: bool,
-        pairing: PairingConfig,  # makes no difference: these come in pairs
+        pairing: PairingConfig | None = None,  # makes no difference: these come in pairs
     ) -> Any:
         """Open the recording with the layout's reader."""
         if camera_file is not None and not self.takes_camera:
