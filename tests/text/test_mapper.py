@@ -196,6 +196,30 @@ def test_new_text_is_read_at_a_quicker_pace_than_none() -> None:
     assert new.statistics.frames_read >= 2 * none.statistics.frames_read
 
 
+def test_what_is_cut_off_is_read_at_a_quicker_pace_until_it_was_read_often() -> None:
+    """It may be whole in a moment, and gone in the next."""
+    cut = box(2, 200, 100)
+    part = run(TextMapper(CAMERA, ScriptedSpotter((cut, "SMOKING", 0.98)), CONFIG), 15)
+    none = run(TextMapper(CAMERA, ScriptedSpotter(), CONFIG), 15)
+    assert part.statistics.frames_read >= 2 * none.statistics.frames_read
+    longer = run(part, 90)
+    assert longer.statistics.frames_read <= CONFIG.reading.settled_sightings + 1 + 90 / 30.0 / CONFIG.reading.interval
+
+
+def test_what_is_cut_off_and_placed_by_its_surroundings_waits_for_the_rest() -> None:
+    glossy = frame(0)
+    spotter = ScriptedSpotter((box(2, 200, 100), "SMOKING", 0.98))
+    glossy.depth[195:235, :110] = 0.0
+    reading = TextMapper(CAMERA, spotter, CONFIG).observe(glossy, tracked(0))
+    assert reading is not None
+    assert reading.fates == (BoxFate.BORDER,)
+    assert list(reading.parts.spellings) == ["SMOKING"]
+    glossy.depth[:] = 0.0
+    reading = TextMapper(CAMERA, spotter, CONFIG).observe(glossy, tracked(0))
+    assert reading is not None
+    assert not len(reading.parts), "what stands nowhere cannot wait"
+
+
 class SpotterOfSmallImages(ScriptedSpotter):
     """Misses in whole images what it finds in smaller ones."""
 

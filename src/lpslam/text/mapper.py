@@ -157,7 +157,7 @@ class TextMapper:
                 if self._sorter.is_sure(placement):
                     self._on_sighting(text_class.id, observation)
                 observations.append(observation)
-        self._wait_for_rest(reading, frame, tracked, world_from_keyframe)
+        is_new |= self._wait_for_rest(reading, frame, tracked, world_from_keyframe)
         for placement in reading.patterns:
             if self._sorter.is_sure(placement):
                 self.text_map.patterns.add(tracked.keyframe, placement)
@@ -269,10 +269,11 @@ class TextMapper:
 
     def _wait_for_rest(
         self, reading: FrameReading, frame: RgbdFrame, tracked: TrackedFrame, world_from_keyframe: Array | None
-    ) -> None:
-        pose = tracked.keyframe_from_camera
+    ) -> bool:
+        """Keep what is cut off; whether any of it may be whole in a moment, and was not read often."""
+        pose, is_new = tracked.keyframe_from_camera, False
         if world_from_keyframe is None or pose is None:
-            return
+            return False
         for text, placement in reading.parts.standing():
             glance = self._glance(text, placement, pose)
             observation = self._observation(frame, tracked.keyframe, pose, text, placement, glance.right)
@@ -280,7 +281,9 @@ class TextMapper:
                 self._remember(text, glance, observation, world_from_keyframe)
             else:
                 room = room_beyond(frame.rgb, text.box)
-                self._waiting.add(CutText(text, placement, glance, observation, world_from_keyframe, room))
+                alike = self._waiting.add(CutText(text, placement, glance, observation, world_from_keyframe, room))
+                is_new |= alike < self._config.reading.settled_sightings
+        return is_new
 
     def _says_what_is_known(self, text: SpottedText, placement: Placement, world_from_keyframe: Array) -> bool:
         """Whether what may be cut was read so, as a whole, where it stands."""
@@ -307,7 +310,8 @@ class TextMapper:
             text_class = memory.sight(text.text, text.confidence, observation.timestamp, glance=glance)
         else:
             here = self._spots.classes_at(placement, world_from_keyframe)
-            text_class = memory.sight(text.text, text.confidence, observation.timestamp, here, glance)
+            again = self._says_what_is_known(text, placement, world_from_keyframe)
+            text_class = memory.sight(text.text, text.confidence, observation.timestamp, here, glance, again)
             seen = SeenSize(glance.height, glance.frontal)
             self._spots.add(text_class.id, text.text, placement, world_from_keyframe, seen)
             self._sorter.votes.read(text_class.id)

@@ -76,8 +76,10 @@ class BoxSorter:
             if placement in (PlacementFault.HIDDEN, PlacementFault.STEPPED):
                 fates[row] = BoxFate.HIDDEN
                 placement = place(boxes[row], is_cut=True)
+            is_placed = isinstance(placement, Placement) and world_from_keyframe is not None
             if not isinstance(placement, Placement) or not self.is_sure(placement) or world_from_keyframe is None:
-                if fates[row] == BoxFate.KEPT:
+                # What is cut waits for its rest where it stands, be that roughly known.
+                if fates[row] == BoxFate.KEPT or is_placed:
                     placements[row] = placement
                 continue
             seen = SeenSize(heights[row], frontal_cosine(placement, keyframe_from_camera))

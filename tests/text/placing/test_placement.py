@@ -247,6 +247,21 @@ def test_a_sign_beyond_the_sensors_reach_does_not_hang_on_what_is_beside_it(side
     assert place_text(box, depth, CAMERA, np.eye(4), CONFIG) is fault
 
 
+@pytest.mark.parametrize(("gap", "fault"), [(14, PlacementFault.NO_DEPTH), (1, PlacementFault.HIDDEN)])
+def test_a_sign_beyond_the_sensors_reach_that_ends_before_a_pillar_is_not_hidden(
+    gap: int, fault: PlacementFault
+) -> None:
+    """Ground is seen between the pillar and the first letter, or it is not."""
+    _, box, _ = sign(np.array([0.0, 0.0, 7.0]), 0.0, width=1.2, height=0.3)
+    (left, top), (right, bottom) = box.min(axis=0).astype(int), box.max(axis=0).astype(int)
+    rgb = np.full((480, 640, 3), 40, np.uint8)
+    for column in range(left + gap, right - 8, 9):
+        rgb[top + 4 : bottom - 3, column : column + 6] = 230
+    depth = np.zeros((480, 640), np.float32)
+    depth[:, :left] = 3.0
+    assert place_text(box, depth, CAMERA, np.eye(4), CONFIG, rgb=rgb) is fault
+
+
 def test_a_black_sign_with_a_shadow_at_one_end_is_not_hidden() -> None:
     """The wall at the other end is no nearer than that above and below."""
     centre = np.array([0.0, 0.0, 3.0])

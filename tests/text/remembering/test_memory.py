@@ -36,6 +36,18 @@ def test_a_misreading_that_comes_twice_is_forgotten() -> None:
     assert memory.forgotten[0].history[-1] == (12.0, 0.0)
 
 
+@pytest.mark.parametrize("comes_again", [True, False])
+def test_what_is_read_again_in_its_place_after_it_was_forgotten_was_seen_twice(comes_again: bool) -> None:
+    memory = LongShortTermMemory(CONFIG)
+    sight(memory, "SHOE LAB", 0.0)
+    memory.forget(60.0)
+    assert not memory.classes
+    memory.sight("SHOE LAB", 0.95, 60.0, comes_again=comes_again)
+    assert bool(memory.long_term) is comes_again
+    memory.sight("SH0E", 0.6, 60.0, comes_again=True)
+    assert len(memory.long_term) == comes_again, "two unsure readings are no text"
+
+
 def test_an_identifier_is_never_used_again() -> None:
     memory = LongShortTermMemory(CONFIG)
     sight(memory, "PNIGHT", 0.0)

@@ -111,7 +111,21 @@ def test_where_a_camera_stands_the_view_ends_again_where_it_did(room: tuple[floa
 
 
 def test_letters_seen_beyond_a_spelling_say_that_it_is_a_part() -> None:
-    texts = waiting(*(cut("ATOR", index / 10) for index in range(5)), cut("LATOR", 0.6))
-    assert texts.gone(None, named()) == []
+    # The longer reading begins a letter farther on.
+    beyond = cut("LATOR", 0.6, x=-0.06, width=0.62)
+    assert waiting(*(cut("ATOR", index / 10) for index in range(5)), beyond).gone(None, named()) == []
     doubted = waiting(*(cut("ATOR", index / 10) for index in range(5)), cut("LATOR", 0.6, right=0.3))
     assert "ATOR" in spelled(doubted.gone(None, named()))[0], "a slip says nothing"
+
+
+def test_a_letter_that_others_missed_where_they_end_says_nothing_of_what_lies_beyond() -> None:
+    """Half of the first letter is in view, and is read once."""
+    readings = [*(cut("afé Lumière", index / 10, width=1.2) for index in range(5)), cut("Café Lumière", 0.6, width=1.2)]
+    (found,) = spelled(waiting(*readings).gone(None, named()))
+    assert found == ["afé Lumière"] * 5 + ["Café Lumière"]
+
+
+def test_it_is_told_how_often_the_same_waits_at_a_place() -> None:
+    texts = WaitingTexts(patience=2.0)
+    assert [texts.add(cut(each, 0.0)) for each in ("NORVANE", "NOR", "Nor Vane")] == [1, 1, 2]
+    assert texts.add(cut("NORVANE", 0.0, x=3.0)) == 1

@@ -65,7 +65,7 @@ def place_text(
     rays = camera.back_project(camera.undistort(pixels), np.ones(len(depths)))
     corner_rays = camera.back_project(camera.undistort(box), np.ones(4))
     if not is_own:
-        if not is_cut and _ends_at_something_near(box, depth, config):
+        if not is_cut and _goes_on_behind_something_near(box, depth, config, rgb):
             return PlacementFault.HIDDEN
         pixels, depths, _ = _depths_inside(_grown(box, config.surroundings), depth, config)
         rays = camera.back_project(camera.undistort(pixels), np.ones(len(depths)))
@@ -175,12 +175,22 @@ def _lies_between(corners: Array, support: Array, config: PlacementConfig) -> bo
     return bool(between >= max(3.0, config.between_share * len(support)))
 
 
-def _ends_at_something_near(box: Array, depth: NDArray[np.float32], config: PlacementConfig) -> bool:
-    """Whether a text without depth begins or ends where something nearer stands, which then hides the rest of it.
+def _goes_on_behind_something_near(
+    box: Array, depth: NDArray[np.float32], config: PlacementConfig, rgb: NDArray[np.uint8] | None
+) -> bool:
+    """Whether what is near hides the rest of a text without depth; without an image, whatever is near at an end does."""
+    line = along_the_lines(box[None])[0]
+    if not _ends_at_something_near(line, depth, config):
+        return False
+    # Of a text beyond the sensor's reach all that has depth is nearer.
+    return rgb is None or goes_on(rgb, line, (depth >= config.min_depth) & (depth <= config.max_depth))
+
+
+def _ends_at_something_near(line: Array, depth: NDArray[np.float32], config: PlacementConfig) -> bool:
+    """Whether a text (4, 2) without depth begins or ends where something nearer stands.
 
     At one end there is depth, and around the other half of the text there is none.
     """
-    line = along_the_lines(box[None])[0]
     middle, along = line.mean(axis=0), _unit(line[1] + line[2] - line[0] - line[3])
     pixels, _, _ = _depths_inside(_grown(line, config.surroundings), depth, config)
     sides = (pixels - middle) @ along

@@ -157,6 +157,7 @@ class LongShortTermMemory:
         timestamp: float,
         here: Collection[int] = (),
         glance: Glance | None = None,
+        comes_again: bool = False,
     ) -> TextClass:
         """Classify a reading by similarity (III-C) and strengthen its class; a text like no other founds one.
 
@@ -167,10 +168,18 @@ class LongShortTermMemory:
             timestamp: seconds.
             here: ids of classes read before at the spot of this text; less similarity is asked of them.
             glance: how it was seen; None counts as a usual way.
+            comes_again: whether the same was read at this spot before. Where it is forgotten, that look counts again.
         """
         glance = glance or Glance(_USUAL_HEIGHT, 1.0, probability_right(text, confidence))
-        text_class = self._classify(text, here) or self._found(timestamp)
-        says_the_same = text in text_class.variants
+        text_class = self._classify(text, here)
+        says_the_same = text_class is not None and text in text_class.variants
+        if text_class is None:
+            text_class = self._found(timestamp)
+            if comes_again:
+                # Two looks that are apart and say the same, however long ago the first one was.
+                text_class.score, says_the_same = confidence, True
+                text_class.last_seen = timestamp - self.config.visit_pause
+                self._record(text_class, text_class.last_seen)
         variant = text_class.variants.setdefault(text, Variant())
         variant.count += 1
         variant.confidence += confidence * glance.right

@@ -93,8 +93,8 @@ class WaitingTexts:
         self._patience = patience
         self._lines: list[_Line] = []
 
-    def add(self, cut: CutText) -> None:
-        """Keep a reading."""
+    def add(self, cut: CutText) -> int:
+        """Keep a reading; returns how often the same was read there."""
         timestamp = cut.observation.timestamp
         line = next((each for each in self._lines if each.holds(cut)), None)
         if line is None:
@@ -104,6 +104,8 @@ class WaitingTexts:
         line.cuts.append(cut)
         if len(line.cuts) > _CAPACITY:
             line.cuts.remove(min(line.cuts, key=lambda each: each.glance.right))
+        key = comparison_key(cut.text.text)
+        return sum(comparison_key(each.text.text) == key for each in line.cuts)
 
     def gone(self, timestamp: float | None, names_at: Callable[[Placement, Array], list[str]]) -> list[list[CutText]]:
         """Give up, text by text, the readings of what has gone out of view and is known by nothing better.
@@ -130,7 +132,11 @@ def _longest(cuts: list[CutText]) -> list[CutText]:
     if not sure:
         return []
     longest = max(sure, key=lambda key: (len(key), weights[key]))
-    if any(len(key) > len(longest) and each.glance.right >= _LONGER for key, each in zip(keys, cuts, strict=True)):
+    whole = [each for key, each in zip(keys, cuts, strict=True) if key == longest]
+    longer = [
+        each for key, each in zip(keys, cuts, strict=True) if len(key) > len(longest) and each.glance.right >= _LONGER
+    ]
+    if longer and _reach_beyond(longer, whole):
         return []
     alike = [(key, each) for key, each in zip(keys, cuts, strict=True) if similarity(key, longest) >= _SLIPS]
     if not _has_ends([each for key, each in alike if len(key) >= len(longest)], _is_short(longest)):
@@ -147,19 +153,32 @@ def _is_short(key: str) -> bool:
 
 def _has_ends(cuts: list[CutText], must_be_in_view: bool) -> bool:
     """Whether both ends of a text stay where they are, perhaps within the view: what is cut ends where that does."""
-    origin, baseline, _ = _in_world(cuts[0])
-    middles = np.array([(_in_world(each)[0] - origin) @ baseline for each in cuts])
-    widths = np.array([each.placement.width for each in cuts])
-    heights = np.array([each.placement.height for each in cuts])
-    stray = _STRAY * float(np.median(heights)) + _STRAY_SHARE * float(np.median(widths))
     in_view = np.array([each.room for each in cuts]) >= _IN_VIEW
-    for ends, is_seen in ((widths / 2.0 - middles, in_view[:, 0]), (middles + widths / 2.0, in_view[:, 1])):
+    reaches, stray = _reaches(cuts, cuts[0])
+    for ends, is_seen in zip(reaches, in_view.T, strict=True):
         there = ends >= ends.max() - stray
         if np.count_nonzero(there) < max(2.0, _STAYS * len(cuts)):
             return False
         if must_be_in_view and np.count_nonzero(there & is_seen) < 2:
             return False
     return True
+
+
+def _reach_beyond(longer: list[CutText], cuts: list[CutText]) -> bool:
+    """Whether a longer spelling was read beyond the ends of a text, and not of what its readings show as well."""
+    own, stray = _reaches(cuts, cuts[0])
+    theirs, _ = _reaches(longer, cuts[0])
+    return bool((theirs > own.max(axis=1, keepdims=True) + stray).any())
+
+
+def _reaches(cuts: list[CutText], of: CutText) -> tuple[Array, float]:
+    """How far n readings reach from the middle of one, to its begin and to its end, (2, n) metres; and their stray."""
+    origin, baseline, _ = _in_world(of)
+    middles = np.array([(_in_world(each)[0] - origin) @ baseline for each in cuts])
+    widths = np.array([each.placement.width for each in cuts])
+    heights = np.array([each.placement.height for each in cuts])
+    stray = _STRAY * float(np.median(heights)) + _STRAY_SHARE * float(np.median(widths))
+    return np.array([widths / 2.0 - middles, middles + widths / 2.0]), stray
 
 
 def _is_told(cuts: list[CutText], names_at: Callable[[Placement, Array], list[str]]) -> bool:
