@@ -178,7 +178,7 @@ def _lies_between(corners: Array, support: Array, config: PlacementConfig) -> bo
 def _goes_on_behind_something_near(
     box: Array, depth: NDArray[np.float32], config: PlacementConfig, rgb: NDArray[np.uint8] | None
 ) -> bool:
-    """Whether what is near hides the rest of a text without depth; without an image, all that is near at an end does."""
+    """Whether what is near hides the rest of a text without depth; without an image, all at an end does."""
     line = along_the_lines(box[None])[0]
     if not _ends_at_something_near(line, depth, config):
         return False
