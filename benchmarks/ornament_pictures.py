@@ -9,6 +9,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from lpslam.assets import font_names, font_path
 from ornament_kinds import KINDS
+from ornament_mouldings import MOULDINGS
 from ornament_things import THINGS
 
 Picture = NDArray[np.uint8]
@@ -222,6 +223,7 @@ ORNAMENTS: dict[str, Draw] = {
     "loops": _loops,
     **KINDS,
     **THINGS,
+    **MOULDINGS,
 }
 
 
