@@ -2,8 +2,9 @@
 
 import heapq
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -122,7 +123,10 @@ class _Solver:
         self._scene = scene
         self._scorer = scorer
         self.config = scene.config
-        self._by_id = {place.id: place for place in scene.places}
+
+    @cached_property
+    def _by_id(self) -> Mapping[int, Place]:
+        return {place.id: place for place in self._scene.places}
 
     def stop(self, stop: Stop, previous: Place | None, is_later: bool, least: float = LEAST_SURE) -> Solved:
         """Answer one stop, if it is sure enough; `previous` is the place of the stop before."""

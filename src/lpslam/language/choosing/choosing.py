@@ -111,7 +111,7 @@ def _other_readings(
     wish: Wish, question: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge
 ) -> Iterator[Understood]:
     """How else a question may be meant of which nothing here serves the first reading."""
-    if _is_a_mall(index, knowledge):
+    if index.shops >= _MALL:
         # A turn of phrase of hospitals may hide a word that serves in a mall.
         plain = understand(question, index, signs, knowledge, is_plain=True)
         if plain[0] != wish:
@@ -124,12 +124,6 @@ def _other_readings(
         for language in LATIN if bare else ():
             if language != wish.language:
                 yield understand(bare, index, signs, knowledge, language=language)
-
-
-def _is_a_mall(index: LandmarkIndex, knowledge: Knowledge) -> bool:
-    """Whether a good part of the landmarks are shops and places to eat."""
-    shops = sum(len(ids) for kinds, ids in index.groups.items() if likeness("business", kinds, knowledge) >= _YES)
-    return shops >= _MALL * len(index.landmarks)
 
 
 def _as_understood(
@@ -338,7 +332,13 @@ class _Names(dict[str, Meaning]):
 def _best(
     wish: Wish, index: LandmarkIndex, refused: set[int], knowledge: Knowledge, model: str, phrases: Phrases
 ) -> Ranked:
-    served = [(serve(wish, kinds, knowledge), group) for kinds, group in index.groups.items()]
+    matches = {concept: index.matches(concept, knowledge) for concept, _ in wish.wanted}
+    groups = list(index.groups.items())
+    served = [
+        (serve(wish, kinds, knowledge, {concept: each.get(at, 0.0) for concept, each in matches.items()}), group)
+        for at in dict.fromkeys(at for each in matches.values() for at in each)
+        for kinds, group in [groups[at]]
+    ]
     ranked = sorted((each for each in served if each[0].score > 0.0), key=lambda each: (-each[0].score, each[1][0]))
     asked = phrases.say("wanted", things=phrases.things([concept for concept, _ in wish.wanted]))
     fitting = [(each, group) for each, group in ranked if each.best >= FITS]

@@ -1,17 +1,17 @@
 """The words of a question as weighed evidence for concepts: what each is said of, and how rarely of others.
 
 Every phrase of a language's tables, and the words that are associated with concepts (`data/lexicon/associations`),
-stand in one text that is searched by the words of a question. A word speaks for the concepts whose phrases have it, or
+are found by their words. A word speaks for the concepts whose phrases have it, or
 another form of it, the more the fewer concepts share it: the logarithm of how much likelier the concept is made by it.
 """
 
 import math
-import re
+from bisect import bisect_left
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
+from itertools import pairwise
 
-import numpy as np
 from rapidfuzz.distance import Prefix
 
 from lpslam.language.building import building
@@ -44,9 +44,8 @@ class Heard:
         self._folder = knowledge.folder
         self._common = knowledge.common[language]
         self._rows = list(_rows(language, knowledge))
-        self._text = "\n" + "".join(f" {phrase} \n" for phrase, _ in self._rows)
-        ends = np.cumsum([len(phrase) + 3 for phrase, _ in self._rows])
-        self._starts = np.concatenate([[1], 1 + ends[:-1]])
+        self._rows_of = _rows_of([phrase for phrase, _ in self._rows])
+        self._words = sorted(self._rows_of)
         self._said = Counter(concept for _, concepts in self._rows for concept in concepts)
         self._kept: dict[str, Weights] = {}
 
@@ -99,24 +98,25 @@ class Heard:
         """The phrases that have a word or another form of it, and how alike that is."""
         found: dict[int, float] = {}
         if is_unspaced(term):
-            for at in _places(term, self._text):
-                found[self._row(at)] = 1.0
-            return found
+            return dict.fromkeys(self._rows_of.get(term, ()), 1.0)
         kept = len(term) if len(term) <= _WHOLE else max(_WHOLE, math.ceil(_BEGINS_ALIKE * len(term)))
-        for hit in re.finditer(f" ({re.escape(term[:kept])}[^ ]*)", self._text):
-            alike = Prefix.similarity(hit[1], term) / max(len(hit[1]), len(term))
-            if alike >= _ALIKE:
-                row = self._row(hit.start() + 1)
+        for word in self._beginning(term[:kept]):
+            alike = Prefix.similarity(word, term) / max(len(word), len(term))
+            for row in self._rows_of[word] if alike >= _ALIKE else ():
                 found[row] = max(found.get(row, 0.0), alike * alike)
+        found = dict(sorted(found.items()))
         if self._language == "de" and len(term) >= _SHORTEST_COMPOUND:
             for part in _parts(term):
-                for at in _places(f" {part} ", self._text) if part not in self._common else ():
-                    row = self._row(at)
+                for row in self._rows_of.get(part, ()) if part not in self._common else ():
                     found[row] = max(found.get(row, 0.0), _IN_COMPOUND)
         return found
 
-    def _row(self, at: int) -> int:
-        return int(np.searchsorted(self._starts, at, "right")) - 1
+    def _beginning(self, letters: str) -> Iterator[str]:
+        """The words of phrases that begin with some letters."""
+        for at in range(bisect_left(self._words, letters), len(self._words)):
+            if not self._words[at].startswith(letters):
+                return
+            yield self._words[at]
 
 
 _KEPT = 4096  # words of a language whose weights are kept
@@ -138,18 +138,24 @@ def _rows(language: str, knowledge: Knowledge) -> Iterator[tuple[str, Sequence[s
                 yield knowledge.folder.phrase(phrase), (concept,)
 
 
-def _places(part: str, text: str) -> Iterator[int]:
-    at = text.find(part)
-    while at >= 0:
-        yield at
-        at = text.find(part, at + 1)
+def _rows_of(phrases: Sequence[str]) -> dict[str, list[int]]:
+    """Which phrases have a word, or two characters of a script without spaces beside each other."""
+    found: dict[str, dict[int, None]] = defaultdict(dict)
+    for row, phrase in enumerate(phrases):
+        words = phrase.split(" ")
+        for word in words:
+            found[word][row] = None
+        for one, other in pairwise(words):
+            if one and other and is_unspaced(one) and is_unspaced(other):
+                found[f"{one} {other}"][row] = None
+    return {word: list(rows) for word, rows in found.items()}
 
 
-def _parts(compound: str) -> set[str]:
+def _parts(compound: str) -> list[str]:
     """Beginnings and ends of a compound, with and without the s that joins them."""
     cuts = range(_PART - 1, len(compound) - _PART + 2)
-    parts = {part for cut in cuts for part in (compound[:cut], compound[:cut].removesuffix("s"), compound[cut:])}
-    return {part for part in parts if len(part) >= _PART}
+    parts = (part for cut in cuts for part in (compound[:cut], compound[:cut].removesuffix("s"), compound[cut:]))
+    return list(dict.fromkeys(part for part in parts if len(part) >= _PART))
 
 
 @lru_cache(maxsize=8)

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Collection, Mapping, Sequence
 
-from lpslam.language.choosing.serving import Kinds, likeness
+from lpslam.language.choosing.serving import Kinds, likeness, match
 from lpslam.language.model import Candidate
 from lpslam.language.questions.question import spoken_key
 from lpslam.language.signs.hours import without_hours
@@ -29,6 +29,7 @@ class LandmarkIndex:
         self.name_of = {landmark.id: landmark.name for landmark in landmarks}
         self.groups: dict[Kinds, list[int]] = {}
         self.signs: dict[int, SignMeaning] = {}
+        self._matches: dict[str, dict[int, float]] = {}
         self._ids_by_gram: dict[str, set[int]] = {}
         called = _Called(signs, knowledge)
         of_brand: dict[str, list[int]] = {}
@@ -70,6 +71,15 @@ class LandmarkIndex:
             if sign.owner and not any(sign.owner in common for common in knowledge.common.values()):
                 self.ids_by_word.setdefault(sign.owner, set()).add(id_)
         self.owners = tuple({sign.owner for sign in self.signs.values() if " " in sign.owner})
+
+    def matches(self, concept: str, knowledge: Knowledge) -> Mapping[int, float]:
+        """How well the groups serve a concept, by their place in `groups`: those that do."""
+        # Questions ask for the same again and again.
+        found = self._matches.get(concept)
+        if found is None:
+            every = enumerate(match(concept, kinds, knowledge) for kinds in self.groups)
+            found = self._matches[concept] = {at: served for at, served in every if served}
+        return found
 
     def unsaid(self, question: str, folder: Folder) -> frozenset[str]:
         """Names that only seem to be said.

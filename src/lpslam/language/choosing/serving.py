@@ -76,9 +76,11 @@ def _whom_for(kinds: Kinds, knowledge: Knowledge) -> set[str]:
     return {each for each in knowledge.people if any(kind in (each, f"trait/{each}") for kind, _ in kinds)}
 
 
-def serve(wish: Wish, kinds: Kinds, knowledge: Knowledge) -> Served:
-    """Score a place of these kinds for a wish; zero where it is what the wish refuses."""
-    matches = {concept: match(concept, kinds, knowledge) for concept, _ in wish.wanted}
+def serve(wish: Wish, kinds: Kinds, knowledge: Knowledge, matches: Mapping[str, float]) -> Served:
+    """Score a place of these kinds for a wish; zero where it is what the wish refuses.
+
+    `matches` says how well the kinds serve each concept that is wanted (`match`).
+    """
     score = sum(weight * matches[concept] for concept, weight in wish.wanted)
     if not score:
         return Served(0.0, 0.0, ())

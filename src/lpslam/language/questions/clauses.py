@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.lexicon import Meaning
@@ -124,7 +125,7 @@ def _goes_on(before: Span[Meaning], asking: Span[Meaning], knowledge: Knowledge)
 
 def places_of(phrases: frozenset[str], units: Sequence[str], without: frozenset[str] = frozenset()) -> set[int]:
     """Where any of some phrases begins, not right beside one of `without`: 想, but not 不想, nor “kann ich nicht”."""
-    longest = max((phrase.count(" ") + 1 for phrase in phrases), default=0)
+    longest = _longest(phrases)
     return {
         at
         for at in range(len(units))
@@ -134,6 +135,12 @@ def places_of(phrases: frozenset[str], units: Sequence[str], without: frozenset[
             for size in range(1, longest + 1)
         )
     }
+
+
+@lru_cache(maxsize=64)
+def _longest(phrases: frozenset[str]) -> int:
+    """The most units that any of some phrases has."""
+    return max((phrase.count(" ") + 1 for phrase in phrases), default=0)
 
 
 def _words_beside(clause: Sequence[Span[Meaning]], units: Sequence[str]) -> int:

@@ -6,12 +6,12 @@ refused, what is only said by the way ("on the train", 看电影前) and where o
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import pairwise
 
 from lpslam.language.languages import LATIN
 from lpslam.language.questions.clauses import clauses_of
+from lpslam.language.questions.readings import Readings
 from lpslam.language.questions.sorts import is_general
 from lpslam.language.questions.speaking import language_by_its_phrases, languages_of
 from lpslam.language.questions.stance import NEXT_TO, Stand, hurting, spilled, told_in
@@ -73,26 +73,19 @@ def read_question(
     It is read in the likeliest language in which it says something; plainly, without the turns of phrase that are
     used in other buildings than malls; `language` is the one that it is in, where that is known.
     """
-    return _read(question, knowledge, _Same(names), is_plain, language)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Same:
-    """Names that are compared as the objects that they are: those of one map."""
-
-    names: Mapping[str, Meaning] | None
-
-    def __hash__(self) -> int:
-        return id(self.names)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Same) and self.names is other.names
+    return _readings(question, knowledge, is_plain, language).with_names({} if names is None else names)
 
 
 @lru_cache(maxsize=_KEPT)
-def _read(question: str, knowledge: Knowledge, same: _Same, is_plain: bool, language: str | None) -> Wish:
-    """As `read_question`; one question is read by many who look for different things in it."""
-    names = same.names
+def _readings(question: str, knowledge: Knowledge, is_plain: bool, language: str | None) -> Readings:
+    """One question is read by many who look for different things in it."""
+    return Readings(partial(_read, question, knowledge, is_plain, language))
+
+
+def _read(
+    question: str, knowledge: Knowledge, is_plain: bool, language: str | None, names: Mapping[str, Meaning]
+) -> Wish:
+    """As `read_question`."""
     # “A sit-down meal” is looked up as three words.
     text = _ABBREVIATED.sub(r"\1 ", clean_text(question, _QUESTION_LENGTH))
     text = _ALLERGY.sub(r"\1 \2", _HYPHEN.sub(" ", text))
@@ -105,11 +98,11 @@ def _read(question: str, knowledge: Knowledge, same: _Same, is_plain: bool, lang
     for each in likely:
         # The common words of one language mean nothing in another: “the” is no tea.
         said = text if each == first_language or not first_language else without_common(text, first_language, knowledge)
-        wish = _Reading(said, each, knowledge, {} if names is None else names, is_plain).wish()
+        wish = _Reading(said, each, knowledge, names, is_plain).wish()
         if wish.wanted or wish.refused or wish.wanted_names or wish.refused_names:
             return wish
         first = first or wish
-    if first is None and names:
+    if first is None:
         # “7-Eleven, which direction?” is in no language that is sure, but names a place.
         named = _Reading(text, "en", knowledge, names, is_plain).wish()
         if named.wanted_names and not named.refused_names:
@@ -253,21 +246,21 @@ class _Reading:
                     said.want(span, concept, ASIDE if is_aside and has_main else MAIN)
         return said
 
-    def _within(self, span: Span[Meaning]) -> set[str]:
+    def _within(self, span: Span[Meaning]) -> Sequence[str]:
         """Rooms and shelves that words within a phrase name and that sell the same: the tap of “my tap is dripping”."""
         knowledge = self._knowledge
         if span.end - span.start < 2:
-            return set()
+            return ()
         sold = {seller for concept, _ in span.value.concepts for seller in knowledge.offers.get(concept, ())}
         units, tables = self._units[span.start : span.end], knowledge.tables_of(self._language)
         found = (each for piece in (units[1:], units[:-1]) for each in longest_phrases(piece, tables))
         inner = [each for each in found if each.value.role == "means"]
-        return {
+        return [
             concept
             for each in inner
             for concept, _ in each.value.concepts
             if knowledge.family(concept) and not sold.isdisjoint(knowledge.offers.get(concept, ()))
-        }
+        ]
 
     def _settle(self, said: _Said) -> None:
         """Tell what is truly refused from what is only named beside it."""

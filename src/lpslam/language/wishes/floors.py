@@ -47,7 +47,7 @@ def _alone(joined: str) -> str:
 def floor_of(text: str, language: str | None) -> tuple[Floor | None, str, bool]:
     """Return the floor that a text names, what it says beside it, and whether it names two that cannot both be."""
     # Spelled numbers are read where that says more: “the first floor that is on the ground floor”.
-    read = [(said, list(_floors(said, language))) for said in (text, in_digits(text))]
+    read = [(said, list(_floors(said, language))) for said in dict.fromkeys((text, in_digits(text)))]
     said, found = max(read, key=lambda each: len({floor for floor, _ in each[1]}))
     if not found:
         return None, text, False

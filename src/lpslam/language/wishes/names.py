@@ -4,7 +4,7 @@ Names are compared folded, in part, with a few wrong letters, and in Latin lette
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -59,6 +59,7 @@ class Names:
             for piece in {piece for line in lines for piece in (*line.units, *_pairs(line.runs))}:
                 self._ids_of.setdefault(piece, set()).add(id_)
         self._long = [unit for unit in self._ids_of if len(unit) >= _LONG]
+        self._read_aloud: dict[int, Mapping[str, Mapping[int, None]]] = {}
 
     @cached_property
     def _sounds(self) -> tuple[tuple[list[str], list[int]], tuple[list[str], list[int]]]:
@@ -126,15 +127,22 @@ class Names:
         """Return landmarks whose whole name is a slip away from what is asked, or is read alike: 同仁唐, tool crip."""
         key = "".join(content)
         if is_unspaced(key):
-            sound = _latin(key)
-            return {
-                id_: 1.0
-                for id_, lines in self._in_runs.items()
-                if len(key) >= _HOMOPHONES and any(_reads_alike(line, sound, len(key)) for line in lines)
-            }
+            return dict.fromkeys(self._sounding(len(key)).get(_latin(key), ()), 1.0) if len(key) >= _HOMOPHONES else {}
         keys, ids = self._keys
         near = process.extract(key, keys, scorer=Levenshtein.distance, score_cutoff=_slips(key), limit=None)
         return {ids[at]: 1.0 - slips / len(key) for _, slips, at in sorted(near, key=lambda each: -each[1])}
+
+    def _sounding(self, size: int) -> Mapping[str, Mapping[int, None]]:
+        """Landmarks by how so many letters of a script without spaces on their boards are read; kept."""
+        found = self._read_aloud.get(size)
+        if found is None:
+            made: dict[str, dict[int, None]] = {}
+            runs = ((id_, run) for id_, lines in self._in_runs.items() for line in lines for run in line.runs)
+            for id_, run in runs:
+                for at in range(len(run) - size + 1):
+                    made.setdefault(_latin(run[at : at + size]), {})[id_] = None
+            found = self._read_aloud[size] = made
+        return found
 
     def slipped(self, words: Sequence[str]) -> dict[int, float]:
         """Return landmarks whose whole long name is what is asked for but for a slip in nine letters, no digits."""
@@ -266,10 +274,6 @@ def _is_same(word: str, unit: str) -> bool:
 def _slips(word: str) -> int:
     """How many wrong letters are forgiven in a word."""
     return 0 if len(word) < _LONG else 1 if len(word) < _FAR else 2
-
-
-def _reads_alike(line: Words, sound: str, size: int) -> bool:
-    return any(_latin(run[at : at + size]) == sound for run in line.runs for at in range(len(run) - size + 1))
 
 
 def _bears_person(line: Words, word: str) -> bool:

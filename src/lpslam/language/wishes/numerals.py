@@ -7,6 +7,7 @@ by digit: “two oh four”, “zwo null vier”, 이공사호.
 
 import re
 import unicodedata
+from bisect import bisect_left
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from itertools import product
@@ -39,6 +40,7 @@ def _words(joined: str) -> list[list[str]]:
     return [forms.split("|") for forms in joined.replace("| ", "|").split(" ")]
 
 
+@lru_cache(maxsize=1 << 12)
 def _key(text: str) -> str:
     """A number as it is compared: its letters without accents."""
     bare = unicodedata.normalize("NFKD", text.casefold().replace("ß", "ss"))
@@ -187,6 +189,9 @@ def with_digits(folded: str, follows: Callable[[int], bool], leads: Callable[[in
     pieces: list[str] = []
     done = at = 0
     while at < len(words):
+        if not _begins_number(_key(words[at].group())):
+            at += 1
+            continue
         number, end = _number_at(folded, words, at, follows(words[at].start()), leads)
         if number is not None:
             pieces += [folded[done : words[at].start()], number]
@@ -216,6 +221,19 @@ def _number_at(
         if key in _ordinals() and (follows or leads(words[end - 1].end())):
             return str(_ordinals()[key]), end
     return None, at + 1
+
+
+@lru_cache(maxsize=1)
+def _in_order() -> Sequence[str]:
+    """The letters of all numbers in the order of the alphabet."""
+    return sorted({*_cardinals(), *_ordinals(), *_digits()})
+
+
+def _begins_number(key: str) -> bool:
+    """Whether the letters of any number begin with these."""
+    numbers = _in_order()
+    at = bisect_left(numbers, key)
+    return at < len(numbers) and numbers[at].startswith(key)
 
 
 def _in_groups(keys: Sequence[str]) -> str:

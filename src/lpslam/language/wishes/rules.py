@@ -27,9 +27,9 @@ class Row:
 
     def match(self, text: str) -> re.Match[str] | None:
         """Return where the row's pattern is, if the row holds."""
-        if self.unless is not None and self.unless.search(text):
-            return None
-        return self.when.search(text)
+        found = self.when.search(text)
+        # Few rows are found: what they have beside is looked for last.
+        return None if found and self.unless is not None and self.unless.search(text) else found
 
 
 @dataclass(frozen=True, slots=True)
