@@ -1,5 +1,6 @@
 """What the HTTP API answers, by its published schemas."""
 
+import inspect
 import json
 import os
 from pathlib import Path
@@ -16,6 +17,7 @@ from lpslam.config import Config
 from lpslam.language.offline import OfflineModel
 from lpslam.serving import records
 from lpslam.serving.assembling import assemble
+from lpslam.serving.http.routes import needs
 from lpslam.serving.tokens import Tokens, add_token
 from small_maps import small_map, with_floor
 
@@ -25,6 +27,11 @@ def test_the_maps_are_listed_by_the_schema(client: TestClient) -> None:
     assert (listed.name, listed.landmarks, listed.source, listed.has_ground) == ("mall", 8, "small", False)
     assert client.get("/maps/mall").json() == listed.model_dump()
     assert client.get("/maps/other").status_code == 404
+
+
+def test_who_may_ask_is_told_without_a_thread() -> None:
+    # Plain functions are sent to a thread with every request, which cost more than all else of the server.
+    assert inspect.iscoroutinefunction(needs("ask").dependency)
 
 
 def test_landmarks_are_filtered_sorted_and_paged(client: TestClient) -> None:

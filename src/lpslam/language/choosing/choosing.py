@@ -230,9 +230,7 @@ def _in_turn(wish: Wish, index: LandmarkIndex, knowledge: Knowledge) -> list[Wis
     named = tuple(
         (concept, 1.0)
         for concept, weight in wish.wanted
-        if HINT < weight <= ASIDE
-        and concept.startswith(_SERVICES)
-        and any(likeness(concept, kinds, knowledge) >= _YES for kinds in index.groups)
+        if HINT < weight <= ASIDE and concept.startswith(_SERVICES) and index.has(concept, knowledge)
     )
     if named and not wish.refused:
         wishes.append(replace(wish, wanted=named))
@@ -244,11 +242,8 @@ def _as_in_this_building(wish: Wish, index: LandmarkIndex, knowledge: Knowledge)
 
     “Milk” is an aisle in a supermarket, and groceries in a mall.
     """
-    absent = {
-        concept
-        for concept, _ in wish.wanted
-        if knowledge.family(concept) and not any(likeness(concept, kinds, knowledge) >= _YES for kinds in index.groups)
-    }
+    wanted = [concept for concept, _ in wish.wanted]
+    absent = {concept for concept in wanted if knowledge.family(concept) and not index.has(concept, knowledge)}
     left = tuple(each for each in wish.wanted if each[0] not in absent)
     return replace(wish, wanted=left) if absent and left else wish
 

@@ -14,7 +14,7 @@ from lpslam.language.tables.lexicon import Meaning
 from lpslam.language.tables.words import UNSPACED_RUN, Folder, is_unspaced
 
 _NUMBERED = re.compile(r"[A-Z]?\d+(?:[.-]\d+)*(?:\s*[-–—~〜]\s*[A-Z]?\d+)?")
-_IS_SHOP = 0.5  # a place is a shop when its words say so at least this surely
+_SURELY = 0.5  # a place is of a kind when its words say so at least this surely
 _IS_NUMBER = re.compile(r"^[\W\d]*\w?[\W\d]+$")
 _SHORTEST_WORD = 4  # letters of a word that may stand for the name that it is part of
 _SHORTEST_RUN = 3  # characters without spaces that may be a name or a part of one
@@ -30,6 +30,7 @@ class LandmarkIndex:
         self.groups: dict[Kinds, list[int]] = {}
         self.signs: dict[int, SignMeaning] = {}
         self._matches: dict[str, dict[int, float]] = {}
+        self._has: dict[str, bool] = {}
         self._ids_by_gram: dict[str, set[int]] = {}
         called = _Called(signs, knowledge)
         of_brand: dict[str, list[int]] = {}
@@ -55,7 +56,7 @@ class LandmarkIndex:
         unread = sum(not self.signs[mark.id].kinds and not _IS_NUMBER.search(mark.name) for mark in landmarks)
         self.unread = unread / max(len(landmarks), 1)  # share of the landmarks that no table reads
         groups = self.groups.items()
-        shops = sum(len(ids) for kinds, ids in groups if likeness("business", kinds, knowledge) >= _IS_SHOP)
+        shops = sum(len(ids) for kinds, ids in groups if likeness("business", kinds, knowledge) >= _SURELY)
         self.shops = shops / max(len(landmarks), 1)  # share of the landmarks that are shops and places to eat
         place = {landmark.id: at for at, landmark in enumerate(landmarks)}
         self.ids_of = {phrase: tuple(sorted(ids, key=place.__getitem__)) for phrase, ids in called.ids.items()}
@@ -79,6 +80,14 @@ class LandmarkIndex:
         if found is None:
             every = enumerate(match(concept, kinds, knowledge) for kinds in self.groups)
             found = self._matches[concept] = {at: served for at, served in every if served}
+        return found
+
+    def has(self, concept: str, knowledge: Knowledge) -> bool:
+        """Whether any place here is surely of a kind."""
+        found = self._has.get(concept)
+        if found is None:
+            found = any(likeness(concept, kinds, knowledge) >= _SURELY for kinds in self.groups)
+            self._has[concept] = found
         return found
 
     def unsaid(self, question: str, folder: Folder) -> frozenset[str]:

@@ -16,6 +16,7 @@ _LONGEST = 3  # characters of a surname
 _LETTERS, _SURE = 0.5, 1.0  # alike among all letters: of a name of many consonants, and of one of few
 
 
+@lru_cache(maxsize=1 << 14)
 def consonants(latin: str) -> str:
     """The consonants of a name, those that scripts do not tell apart as one, doubled ones once."""
     kept = latin.translate(_SOUNDS)

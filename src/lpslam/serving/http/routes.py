@@ -31,7 +31,8 @@ _EVENTS = "text/event-stream"
 def needs(scope: Literal["read", "ask", "map", "write"]) -> Any:
     """A dependency: whoever asks must hold this scope."""
 
-    def check(request: Request) -> None:
+    # A coroutine: a plain function would be sent to a thread, with every request.
+    async def check(request: Request) -> None:
         if scope not in request.scope["holder"].scopes:
             raise HTTPException(403, f"the token lacks the scope {scope}")
 
