@@ -4,6 +4,7 @@ The rows are those of `concepts.py` with `+`: each part is the beginning of a wo
 of characters.
 """
 
+from collections import defaultdict
 from collections.abc import Sequence
 
 from lpslam.language.languages import LATIN
@@ -11,6 +12,7 @@ from lpslam.language.tables.concepts import load_buildings
 from lpslam.language.tables.states import Trouble
 from lpslam.language.tables.words import Folder
 
+_BEGINNING = 4  # letters of a part by which rows are found
 _WHOLE = 4  # letters, with the space before them, up to which a part is a whole word
 _FARTHEST_WORDS, _FARTHEST_LETTERS = 14, 24  # from the first part to the last
 
@@ -26,7 +28,11 @@ class Combined:
             for entry in load_buildings().concepts
             for parts in entry.apart.get(language, ())
         ]
-
+        # The longest part is the rarest: few rows are looked at further.
+        self._beginning: dict[str, list[int]] = defaultdict(list)
+        for row, (parts, _) in enumerate(self._rows):
+            self._beginning[parts[0][:_BEGINNING]].append(row)
+        self._sizes = {len(each) for each in self._beginning}
         self._last: tuple[tuple[str, ...], list[Trouble]] | None = None
 
     def _part(self, part: str, folder: Folder) -> str:
@@ -53,9 +59,9 @@ class Combined:
         text += " "
         at_letter.append(len(units) - 1)
         found: dict[str, set[int]] = {}
-        for parts, concept in self._rows:
-            # The longest part is the rarest: few rows are looked at further.
-            if parts[0] not in text or any(part not in text for part in parts):
+        for row in self._rows_in(text):
+            parts, concept = self._rows[row]
+            if any(part not in text for part in parts):
                 continue
             spans = [_letters(part, text) for part in parts]
             if all(spans):
@@ -63,6 +69,11 @@ class Combined:
                 if max(own) - min(own) <= self._farthest:
                     found.setdefault(concept, set()).update(own)
         return [Trouble(concept, frozenset(own)) for concept, own in found.items()]
+
+    def _rows_in(self, text: str) -> list[int]:
+        """The rows of which the beginning of a part is in a text."""
+        said = {text[at : at + size] for size in self._sizes for at in range(len(text) - size + 1)}
+        return sorted(row for each in said & self._beginning.keys() for row in self._beginning[each])
 
 
 def _letters(part: str, text: str) -> tuple[int, ...]:
