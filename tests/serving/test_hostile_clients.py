@@ -67,6 +67,14 @@ def test_ten_megabytes_of_question_are_not_read(client: TestClient) -> None:
     assert is_fine(client)
 
 
+@pytest.mark.parametrize("asked", [{"headers": {"x": "y" * 20_000}}, {"params": {"text": "y" * 20_000}}])
+def test_a_head_that_is_too_long_is_refused_however_it_comes(client: TestClient, asked: dict[str, Any]) -> None:
+    refused = client.get("/maps", **asked)
+    assert refused.status_code == 431
+    assert "16,384 bytes" in refused.json()["detail"]
+    assert is_fine(client)
+
+
 @pytest.mark.parametrize(
     "kind", ["text/plain", "application/x-www-form-urlencoded", "multipart/form-data; boundary=a", "text/json", ""]
 )

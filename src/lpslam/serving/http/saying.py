@@ -12,6 +12,7 @@ TITLES = {
     400: "Bad request", 401: "Unauthorized", 403: "Forbidden", 404: "Not found", 405: "Method not allowed",
     408: "Request timeout", 409: "Conflict", 411: "Length required", 413: "Content too large",
     415: "Unsupported media type", 421: "Misdirected request", 422: "Unprocessable content", 429: "Too many requests",
+    431: "Request header fields too large",
     500: "Internal server error", 501: "Not implemented", 503: "Service unavailable", 504: "Gateway timeout",
 }  # fmt: skip
 

@@ -16,10 +16,10 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from lpslam.config import ServingConfig
 from lpslam.errors import UserError
+from lpslam.serving.http.shield import HEAD_BYTES
 
 _FAREWELL_S = 2  # seconds that open requests have when the server ends
 _KEEP_ALIVE_S = 15  # seconds between two requests of a connection
-_HEAD_BYTES = 16 << 10  # of a request line with all its headers
 _BACKLOG = 512
 
 
@@ -110,7 +110,7 @@ def run(
         limit_concurrency=limits.connections,
         timeout_keep_alive=_KEEP_ALIVE_S,
         timeout_graceful_shutdown=_FAREWELL_S,
-        h11_max_incomplete_event_size=_HEAD_BYTES,
+        h11_max_incomplete_event_size=HEAD_BYTES,
         ws_max_size=limits.body_bytes,
         lifespan="on",
         ssl_certfile=address.certificate,

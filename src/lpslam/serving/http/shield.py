@@ -31,6 +31,9 @@ _HEADERS = {
     "permissions-policy": "camera=(), geolocation=()",
 }
 _LONGEST_HOST = 255
+HEAD_BYTES = 16 << 10
+"""Of a request line with all its headers."""
+_BETWEEN = 4  # a colon, a space and the end of the line
 _EVERYBODY = Holder("", frozenset(SCOPES))
 
 
@@ -97,7 +100,7 @@ class Shield:
         """Why a request goes no further; None where it does, and `scope` then says whose it is."""
         headers = Headers(scope=scope)
         client = scope["client"][0] if scope.get("client") else "local"
-        refusal = self._misdirected(headers) or self._from_elsewhere(headers)
+        refusal = _too_long(scope) or self._misdirected(headers) or self._from_elsewhere(headers)
         if refusal is not None:
             return refusal
         if (wait := self._rates.wait(f"address {client}") if self._door.tokens is None else 0.0) > 0:
@@ -219,6 +222,15 @@ def _token_of(headers: Headers) -> str:
 
 def _too_large(limits: ServingConfig) -> str:
     return f"a request may have {limits.body_bytes:,} bytes"
+
+
+def _too_long(scope: Scope) -> Response | None:
+    """A head that came whole is as long as a read of the socket, however little is taken of one in pieces."""
+    size = len(scope.get("raw_path") or b"") + len(scope["query_string"])
+    size += sum(len(name) + len(value) + _BETWEEN for name, value in scope["headers"])
+    if size <= HEAD_BYTES:
+        return None
+    return problem(431, f"a request's line and headers may have {HEAD_BYTES:,} bytes", {"connection": "close"})
 
 
 def _come_back(wait: float) -> Response:
