@@ -45,3 +45,9 @@ def test_the_language_of_a_stop_is_kept_in_a_document() -> None:
 
 def test_a_question_of_one_stop_is_in_no_language_given() -> None:
     assert [each.language for each in OfflineModel().read_wish("the toilet").stops] == [None]
+
+
+def test_a_plan_is_in_the_language_of_the_words_that_order_it() -> None:
+    # No common word of German is in it but those; the reason of “Pizza” was said in English.
+    wish = OfflineModel().read_wish("Zuerst zur Toilette, dann Pizza")
+    assert [(stop.what, stop.language) for stop in wish.stops] == [("zur Toilette", "de"), ("Pizza", "de")]

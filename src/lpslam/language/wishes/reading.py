@@ -95,7 +95,9 @@ def _plan(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> Wish |
         # “Zuerst zu COFFEE, dann zu think”: a word or two behind “then” are a name, even of small letters.
         says = sum(_says_a_place(part, knowledge) or (is_ordered and is_bare(part, rules)) for part in parts)
         if len(parts) > 1 and says >= max(2, len(parts) - 1):
-            stops = _parts(parts, languages, knowledge, next(iter(languages_of(text, knowledge)), None))
+            # “Zuerst zur Toilette, dann Pizza” is in the language of the words that order it.
+            own = language if is_ordered else None
+            stops = _parts(parts, languages, knowledge, next(iter(languages_of(text, knowledge)), own))
             is_sure = found is None or not found[0].then.get("perhaps") or says_an_order(text, (language,))
             instead = None if is_sure else _stop(text, languages, knowledge)
             return Wish(stops, language, instead=instead)
