@@ -1,6 +1,6 @@
 """Draw the pictures of the page that the documents show, in Debian's Chromium.
 
-    python tools/draw_page_pictures.py mall MAP.lpmap docs/images        # or coffee, kitchen
+    python tools/draw_page_pictures.py mall MAP.lpmap docs/images        # or coffee, plan
     python tools/draw_page_pictures.py growing RECORDING docs/images
 
 Maps are served by `lpslam view` and asked as a visitor asks; a recording is mapped by `lpslam run --view`, and its page
@@ -58,6 +58,9 @@ def page_of(url: str) -> Iterator[Any]:
 def viewed(map_file: Path) -> Iterator[Any]:
     """The page of a map."""
     with served("view", str(map_file), "--port", "0", "--no-browser") as url, page_of(url) as page:
+        # The ground and the pictures of signs come with all that is loaded after the page.
+        page.evaluate("fetch('maps').then(answer => answer.json())")
+        page.wait_for_timeout(2000)
         yield page
 
 
@@ -82,9 +85,11 @@ def ask(page: Any, question: str) -> None:
     page.wait_for_timeout(3000)
 
 
-def draw_kitchen(map_file: Path, folder: Path) -> None:
+def draw_plan(map_file: Path, folder: Path) -> None:
     with viewed(map_file) as page:
         page.locator("#signs button").first.click()
+        until(page, "Boolean(document.querySelector('#card img')?.complete)")
+        page.locator("#whole").click()
         keep(page, folder / "page.webp")
 
 
@@ -129,7 +134,7 @@ def draw_growing(recording: Path, folder: Path) -> None:
             keep(page, folder / "growing.webp")
 
 
-DRAWN = {"mall": draw_mall, "coffee": draw_coffee, "kitchen": draw_kitchen, "growing": draw_growing}
+DRAWN = {"mall": draw_mall, "coffee": draw_coffee, "plan": draw_plan, "growing": draw_growing}
 
 
 def main() -> None:
