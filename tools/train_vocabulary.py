@@ -41,7 +41,7 @@ from numpy.typing import NDArray
 from lpslam.camera import PinholeCamera
 from lpslam.config import FeatureConfig
 from lpslam.frames import RgbdFrame
-from lpslam.slam.features import FeatureExtractor, as_gray, gray_of
+from lpslam.slam.features import FeatureExtractor, as_gray, gray_of, smoothed
 from lpslam.slam.kernels import image as kernels
 from lpslam.slam.places.vocabulary import Vocabulary
 from training_pictures import FIRST_SEED, generated_pictures, mall_frames, photographed, world_frames
@@ -78,7 +78,7 @@ def patches_in_two_views(rng: np.random.Generator, picture: NDArray[np.uint8], p
     found: list[Patches] = []
     for _ in range(PATCH_LEVELS):
         height, width = level.shape
-        corners = extractor._detect(level, 120).astype(float)
+        corners = extractor.corners(level, smoothed(level), 120)[0].astype(float)
         turn, grow = float(rng.uniform(0, 360)), float(rng.uniform(0.85, 1.18))
         warp = cv2.getRotationMatrix2D((width / 2, height / 2), turn, grow)
         warp[:, :2] += rng.normal(0, 0.06, (2, 2))  # a view from aside
@@ -103,7 +103,7 @@ def _upright(image: Gray, places: NDArray[np.float64], points: NDArray[np.float6
     x, y = points.T
     columns = corners[:, :1] + np.rint(np.cos(angles)[:, None] * x - np.sin(angles)[:, None] * y).astype(int)
     rows = corners[:, 1:] + np.rint(np.sin(angles)[:, None] * x + np.cos(angles)[:, None] * y).astype(int)
-    return as_gray(as_gray(cv2.blur(image, (5, 5)))[rows, columns])
+    return as_gray(smoothed(image)[rows, columns])
 
 
 def choose_pairs(

@@ -330,9 +330,9 @@ def test_a_corner_keeps_its_place_on_every_level_of_the_pyramid(octave: int) -> 
     nearest = offsets[np.arange(len(offsets)), np.linalg.norm(offsets, axis=2).argmin(axis=1)] / scale
     nearest = nearest[np.linalg.norm(nearest, axis=1) < 2]
     assert len(nearest) >= 0.9 * len(dots)
-    # Each is rounded to a pixel of its level, evenly over it: σ = 1/√12. Their mean is not.
-    np.testing.assert_allclose(nearest.std(axis=0), 12**-0.5, atol=0.08)
-    np.testing.assert_allclose(nearest.mean(axis=0), 0, atol=0.03 + 4 * 12**-0.5 / len(nearest) ** 0.5)
+    np.testing.assert_allclose(nearest.mean(axis=0), 0, atol=0.03)
+    # Far less than rounding to a pixel of the level would leave, σ = 1/√12.
+    assert nearest.std(axis=0).max() < 0.1
 
 
 def test_pixels_are_undistorted_and_depth_is_read_where_the_corner_was_seen() -> None:

@@ -15,8 +15,12 @@ from lpslam.camera import PinholeCamera
 from lpslam.config import FeatureConfig
 from lpslam.frames import RgbdFrame
 from lpslam.slam.kernels import image as kernels
+from lpslam.slam.kernels.settling import settle
 
 _STEERING_BINS = 60
+
+# Side in pixels of the squares over which a level is averaged: as many times its noise is less.
+_SMOOTHED = 5
 
 # Levels that stay when another thread takes the rest: with six pixels in five to a level, about half of all pixels.
 _HERE = (0, 2)
@@ -99,25 +103,32 @@ class FeatureExtractor:
 
     def _of_level(self, image: NDArray[np.uint8], level: int) -> _LevelKeypoints:
         """Raw pixels, octaves, angles and descriptors of the keypoints of one level (h, w)."""
-        corners = self._detect(image, int(self._quotas[level]))
+        smooth = smoothed(image)
+        corners, exact = self.corners(image, smooth, int(self._quotas[level]))
         angles = kernels.orientations(image, corners)
         descriptors = np.empty((len(corners), 4), np.uint64)
-        kernels.describe(as_gray(cv2.blur(image, (5, 5))), corners, angles, self._steered[level], descriptors)
+        kernels.describe(smooth, corners, angles, self._steered[level], descriptors)
         # Each level was rounded to whole pixels: scale by its true size, corner to corner of the pixel grid.
         width, height = self._sizes[level]
         scale = np.array([self.camera.width / width, self.camera.height / height], np.float32)
-        raw = (corners.astype(np.float32) + 0.5) * scale - 0.5
-        return raw, np.full(len(corners), level, np.uint8), angles, descriptors
+        return (exact + 0.5) * scale - 0.5, np.full(len(corners), level, np.uint8), angles, descriptors
 
-    def _detect(self, image: NDArray[np.uint8], quota: int) -> NDArray[np.int32]:
-        config, faint = self.config, self.config.fast_threshold_in_empty_cell
-        corners = kernels.detect_corners(image, config.fast_threshold, faint, config.cell_pixels, quota)
-        if len(corners) < config.sparse_share * quota:
-            # In the dark contrasts are a few grey values; what is no more than the picture's noise is no corner.
-            faintest = max(config.faintest_threshold, math.ceil(config.noise_multiple * _noise(image)))
-            if faintest < faint:
-                corners = kernels.detect_corners(image, faint, faintest, config.cell_pixels, quota)
-        return corners
+    def corners(
+        self, image: NDArray[np.uint8], smooth: NDArray[np.uint8], quota: int
+    ) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+        """Corners of a level (h, w) and of the same smoothed, at most `quota`: (n, 2) nearest pixels, and exact ones.
+
+        They are looked for where they will be compared: one that smoothing takes away would not be found again.
+        """
+        config = self.config
+        # What is no more than the picture's noise, of which smoothing leaves a fifth, is no corner.
+        noise = math.ceil(config.noise_multiple * _noise(image) / _SMOOTHED)
+        faintest = min(max(config.faintest_threshold, noise), config.fast_threshold)
+        found = kernels.detect_corners(smooth, config.fast_threshold, faintest, config.cell_pixels, quota)
+        if len(found) < config.sparse_share * quota:
+            # In the dark contrasts are a few grey values.
+            found = kernels.detect_corners(smooth, faintest, faintest, config.cell_pixels, quota)
+        return settle(smooth, found, kernels.BORDER)
 
     def moved(
         self, features: Features, rows: NDArray[np.int64], raw: NDArray[np.float32], depth: NDArray[np.float32]
@@ -144,11 +155,16 @@ class FeatureExtractor:
         return Features(pixels, pixels[:, 0] - disparity, depth, has_depth, octave, angle, descriptor)
 
 
+def smoothed(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """A level (h, w) as corners are found in it and described."""
+    return as_gray(cv2.blur(image, (_SMOOTHED, _SMOOTHED)))
+
+
 def _noise(image: NDArray[np.uint8]) -> float:
-    """Standard deviation of a picture's noise in grey values, at most: by second differences along every fourth row."""
+    """Standard deviation of a picture's noise in grey values, at most: by second differences along every eighth row."""
     if image.shape[1] < 3:
         return 0.0
-    rows = image[::4].astype(np.float32)
+    rows = image[::8].astype(np.float32)
     bends = np.abs(rows[:, :-2] - 2.0 * rows[:, 1:-1] + rows[:, 2:])
     return float(bends.mean()) * math.sqrt(math.pi / 2.0) / math.sqrt(6.0)
 
