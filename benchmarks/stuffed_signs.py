@@ -9,6 +9,7 @@ is answered rightly without it must be answered alike with it.
 import argparse
 import itertools
 import json
+from typing import Any
 
 import numpy as np
 
@@ -53,6 +54,7 @@ def main() -> None:
     model = OfflineModel()
     worlds = list(json.loads(DEVELOPMENT.read_text(encoding="utf-8"))["worlds"].values())[:10]
     asked = changed = 0
+    wants: dict[int, list[Any]] = {}
     for at, (world, sign) in enumerate(itertools.product(worlds, STUFFED)):
         places, candidates = places_of(world)
         here = Here(np.array([*world.get("here", (0.0, 0.0)), 0.0][:3], dtype=float))
@@ -62,10 +64,13 @@ def main() -> None:
         def answer(question: str, marks: list[Place], shown: list[Candidate], here: Here = here) -> Solution:
             return solve(model.read_wish(question), marks, model.scorer(shown), here)
 
-        # A wish that no relation or distance decides: what stands nearer is nearer, whatever it says.
-        wants = [case for case in world["wishes"] if is_plain(model, case["question"])]
-        wants = [case for case in wants if is_right(case, answer(case["question"], places, candidates))]
-        case = wants[at % len(wants)]
+        if id(world) not in wants:
+            # A wish that no relation or distance decides: what stands nearer is nearer, whatever it says.
+            plain_ones = [case for case in world["wishes"] if is_plain(model, case["question"])]
+            wants[id(world)] = [
+                case for case in plain_ones if is_right(case, answer(case["question"], places, candidates))
+            ]
+        case = wants[id(world)][at % len(wants[id(world)])]
         plain = answer(case["question"], places, candidates).stops[-1].place
         more = answer(case["question"], [*places, stuffed], [*candidates, Candidate(stuffed.id, sign)]).stops[-1].place
         asked += 1

@@ -163,3 +163,11 @@ def test_nearest_names_bound_their_edits() -> None:
     assert index.near("alienvare", allowed_edits("alienvare")) == [(1, "alienware")]
     assert index.near("必性客", 1) == [(1, "必胜客")]
     assert index.near("zzzzzzzzz", 2) == []
+
+
+@pytest.mark.parametrize(
+    "question", ["星巴克在哪里", "スタバはどこですか", "Where is Starbucks?", "¿Dónde está el Zara?"]
+)
+def test_a_brand_that_is_not_here_is_not_answered_by_another(question: str) -> None:
+    landmarks = [Candidate(at, name) for at, name in enumerate(("KFC", "Pizza Hut", "Toilets"))]
+    assert MODEL.choose(question, landmarks).landmark is None

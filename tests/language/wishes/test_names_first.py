@@ -22,6 +22,9 @@ BOARDS = (
     "百草堂大药房",
     "Modigliani",
     "Shift Office",
+    "Dr. Elif Yılmaz",
+    "Gril lGarden",
+    "Mesa de Infromación Turística",
 )
 
 
@@ -55,6 +58,9 @@ def found(model: OfflineModel, question: str) -> set[str]:
         ("Wangfujing", BOARDS[6]),
         ("beurre", BOARDS[7]),
         ("牛奶在哪里", BOARDS[7]),
+        ("Doktor Yilmaz", BOARDS[16]),
+        ("the grill garden", BOARDS[17]),
+        ("la mesa de información turística", BOARDS[18]),
     ],
 )
 def test_a_name_is_found(model: OfflineModel, question: str, expected: str) -> None:

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 
 from lpslam.language.choosing.serving import Kinds, likeness, match
 from lpslam.language.model import Candidate
@@ -17,6 +18,9 @@ _NUMBERED = re.compile(r"[A-Z]?\d+(?:[.-]\d+)*(?:\s*[-–—~〜]\s*[A-Z]?\d+)?"
 _SURELY = 0.5  # a place is of a kind when its words say so at least this surely
 _IS_NUMBER = re.compile(r"^[\W\d]*\w?[\W\d]+$")
 _SHORTEST_WORD = 4  # letters of a word that may stand for the name that it is part of
+_PARTS = re.compile(r"[·•,、・|/]")  # what parts the things that a line lists
+_MOST_OF_LINE = 0.6  # of a line's parts: so many must be read before it is believed
+_OF_LINE = 0.85  # of what a further line says: a board whose name says it goes before
 _SHORTEST_RUN = 3  # characters without spaces that may be a name or a part of one
 
 
@@ -203,20 +207,35 @@ def _ids_by_word(ids_by_phrase: Mapping[str, Collection[int]]) -> dict[str, set[
 
 
 def _sign_of(landmark: Candidate, signs: SignReader) -> SignMeaning:
+    """What a board means: its name, else its first line that says anything; the other lines say what is had there."""
     # “9–17 Uhr” sells no watches.
     name = without_hours(landmark.name)
     sign = signs.read(name)
     bare = _NUMBERED.sub(" ", name).strip(" -–—,.:·~〜")
     if not sign.kinds and bare and bare != name:
         sign = signs.read(bare)
-    if sign.kinds and (bare == name or sign.identity or not sign.is_place):
+    if sign.kinds and not sign.is_place:
         return sign
-    said = [signs.read(without_hours(line)) for line in landmark.lines]
-    lines = [other for other in said if other.kinds and other.is_place]
-    if sign.kinds:
+    lines = [told for line in landmark.lines if (told := _told_by(without_hours(line), signs)) is not None]
+    if sign.kinds and bare != name and not sign.identity:
         # “Aisle 6” and “Pier 2” say which one it is; their other lines say what is there.
         return joined([sign, *lines]) if lines else sign
-    # The name says nothing: another line of the same board may, or another reading.
-    return next(iter(lines), None) or next(
-        (other for alias in landmark.aliases if (other := signs.read(alias)).kinds), signs.read(name)
-    )
+    if not sign.kinds:
+        # The name says nothing: another line of the same board may, even in part, or another reading.
+        others = (signs.read(without_hours(text)) for text in (*landmark.lines, *landmark.aliases))
+        sign = next((each for each in (*lines, *others) if each.kinds and each.is_place), sign)
+    return _with_lines(sign, lines)
+
+
+def _told_by(line: str, signs: SignReader) -> SignMeaning | None:
+    """What a further line of a board says, if it is read for the most part: of “Lufthansa · Swiss” one word is food."""
+    parts = [part for each in _PARTS.split(line) if (part := each.strip())]
+    read = [told for part in parts if (told := signs.listed(part)) is not None]
+    return joined(read) if read and len(read) >= _MOST_OF_LINE * len(parts) else None
+
+
+def _with_lines(sign: SignMeaning, lines: Sequence[SignMeaning]) -> SignMeaning:
+    kinds = dict(sign.kinds)
+    for kind, weight in (each for line in lines for each in line.kinds):
+        kinds.setdefault(kind, _OF_LINE * weight)
+    return replace(sign, kinds=tuple(kinds.items()))

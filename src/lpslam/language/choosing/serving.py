@@ -68,7 +68,9 @@ def match(concept: str, kinds: Kinds, knowledge: Knowledge) -> float:
 
 def _is_light(kinds: Kinds, knowledge: Knowledge) -> bool:
     sure = {kind for kind, weight in kinds if weight >= _SURE}
-    return not sure.isdisjoint(knowledge.light_food) and "amenity/restaurant" not in sure
+    # A restaurant or a canteen that is a café as well serves meals.
+    meals = any(knowledge.share("food", kind) >= _SURE for kind in sure - knowledge.light_food)
+    return not sure.isdisjoint(knowledge.light_food) and not meals
 
 
 def _whom_for(kinds: Kinds, knowledge: Knowledge) -> set[str]:

@@ -117,19 +117,26 @@ class Support:
     def evidence(self, question: str, language: str) -> tuple[list[str], NDArray[np.float64], float]:
         """The words of a question that say something, (words, groups) how much each speaks for each group, and how
         much all speak for the concept that nothing here serves.
+
+        All words of a group are heard of the one thing that they say most of together: who sells much has no advantage.
         """
         heard = heard_in(language, self.knowledge)
         terms = heard.terms(question)
         found = np.zeros((len(terms), len(self.ids)))
-        elsewhere: dict[str, float] = defaultdict(float)
+        said: dict[str, float] = defaultdict(float)
         for row, term in zip(found, terms, strict=True):
             for concept, weight in heard.weights(term).items():
+                said[concept] += weight
                 if concept in self._columns:
                     at, share = self._columns[concept]
                     row[at] = np.maximum(row[at], weight * share)
-                else:
-                    elsewhere[concept] += weight
-        return terms, found, max(elsewhere.values(), default=0.0)
+        together = np.zeros(len(self.ids))
+        for concept in said.keys() & self._columns.keys():
+            at, share = self._columns[concept]
+            together[at] = np.maximum(together[at], said[concept] * share)
+        found *= together / np.maximum(found.sum(axis=0), 1e-9)
+        elsewhere = max((weight for concept, weight in said.items() if concept not in self._columns), default=0.0)
+        return terms, found, elsewhere
 
     def borne(self, terms: list[str]) -> dict[int, float]:
         """How much the words of a question speak for the landmarks whose boards bear them, the rarer the more."""

@@ -95,6 +95,20 @@ class SignReader:
             return joined([self._read_part(part) for part in parts])
         return self._read_part(text)
 
+    def listed(self, thing: str) -> SignMeaning | None:
+        """Return what a thing that a line lists means, by its words alone: in a list “Boots” are no brand."""
+        text = clean_text(thing)
+        units = self._fold.sign_units(text)
+        units = self.repair.repaired(units, bool(self._phrases("", units)))
+        key = "".join(unit for unit in units if not is_mark(unit))
+        spans = self._phrases(key, units)
+        if self._warnings.read(text, key, units, spans) is not None:
+            return None
+        # “Shoe repairs while you wait” advertises what is done behind the board.
+        spans = [span for span in spans if all(kind != SLOGAN for kind, _ in span.value.concepts)]
+        found = self._as_words(text, key, units, spans) or self._as_few_words(text, units, spans)
+        return found if found is not None and found.is_place else None
+
     def names_of(self, identity: str) -> tuple[str, ...]:
         """Return every name under which a brand is known."""
         return tuple(self._names.get(identity, ()))
@@ -120,7 +134,7 @@ class SignReader:
                 if (
                     known is not None
                     and phrase not in self._knowledge.painted
-                    and not any(phrase in table for table in spoken)
+                    and not any(phrase in table and not _is_its_own(table[phrase], known) for table in spoken)
                 ):
                     found[phrase] = known.identity
         return found
@@ -353,6 +367,12 @@ class SignReader:
                 if share >= 0.95 and not kind.startswith("trait/"):
                     offered.setdefault(kind, 0.85 * weight * share)
         return offered
+
+
+def _is_its_own(meaning: Meaning, known: Known) -> bool:
+    """Whether a phrase means what a brand of that name sells: then it is the brand, and no word of the language."""
+    own = {kind for kind, _ in known.kinds}
+    return all(concept in own for concept, _ in meaning.concepts)
 
 
 @lru_cache(maxsize=1)

@@ -44,7 +44,8 @@ class Folder:
 
     def __init__(self, traditional: str = "", simplified: str = "", lookalikes: str = "", both: str = "") -> None:
         apostrophes = dict.fromkeys(map(ord, "’‘`´ʼ"), "'")
-        self._plain = str.maketrans(traditional, simplified) | apostrophes
+        # Turkish ı has no accent to lose.
+        self._plain = str.maketrans(traditional, simplified) | apostrophes | {ord("ı"): "i"}
         self._traditional = {old: new for old, new in zip(traditional, simplified, strict=True) if old != new}
         # Of several traditional characters that became one, the commonest is listed first.
         self._simplified = {new: old for old, new in reversed(self._traditional.items()) if new not in both}

@@ -10,8 +10,8 @@ from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.words import is_mark, is_unspaced, longest_phrases
 from lpslam.language.wishes.asked_words import SHORTEST, AskedWords
 from lpslam.language.wishes.names import Names
-from lpslam.language.wishes.reading import content_left, content_of, wish_languages
-from lpslam.language.wishes.rules import rules_of
+from lpslam.language.wishes.reading import content_of, wish_languages
+from lpslam.language.wishes.rules import content_left, rules_of
 
 _SURE, _NAMED, _ACROSS = 1.0, 0.9, 0.85  # of a code or person, of a part of a name, of a name in another script
 _WHOLE = 0.95  # of a name's letters: the name itself
@@ -48,11 +48,13 @@ class BoardWords:
         if not words:
             return self._all_common(text, languages)
         whole = self._names.covered(words)
-        slipped = {} if whole else self._names.slipped(words)
+        exact = {id_: _SURE for id_, share in whole.items() if share >= _WHOLE}
+        # “Spin” alone is a common word.
+        slipped = {} if exact else self._names.slipped(self._all_words(text, languages))
+        slipped = slipped or ({} if whole else self._names.slipped(words))
         if slipped:
             return slipped
-        exact = {id_: _SURE for id_, share in whole.items() if share >= _WHOLE}
-        if not proper and not (exact and self._unread(exact)):
+        if not proper and not (exact and (len(words) > 1 or self._unread(exact))):
             # “フェルメール” means painters, and stands on a board in Latin letters.
             is_one = len(words) == 1 and text.strip() == words[0] and is_unspaced(words[0])
             return {id_: _ACROSS * share for id_, share in self._names.across(words).items()} if is_one else {}
@@ -71,6 +73,11 @@ class BoardWords:
             return {id_: _NAMED + (1.0 - _NAMED) * share for id_, share in named.items()}
         sounding = self._names.across(proper)
         return {id_: _ACROSS * share for id_, share in sounding.items()}
+
+    def _all_words(self, text: str, languages: tuple[str, ...]) -> list[str]:
+        """The words of a text without its filler, common ones as well: “spin studio”."""
+        units = self._knowledge.folder.units(content_of(text, languages))
+        return [unit for unit in units if not is_mark(unit)]
 
     def _all_common(self, text: str, languages: Sequence[str]) -> dict[int, float]:
         """“Zu think”: boards that no table reads, whose name is a common word of a language and all that is left."""
@@ -103,11 +110,7 @@ class BoardWords:
         if self.refuses(text, meaning):
             return {}
         words, _ = self._asked.asked(text)
-        words = words or [
-            unit
-            for unit in self._knowledge.folder.units(content_of(text, wish_languages(text, self._knowledge)))
-            if not is_mark(unit)
-        ]
+        words = words or self._all_words(text, wish_languages(text, self._knowledge))
         if not words:
             return {}
         found = {id_: share for id_, share in self._names.covered(words).items() if share >= _LEAST_LITERAL}

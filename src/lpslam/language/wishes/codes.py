@@ -28,7 +28,7 @@ _TO = "-|–|—|~|〜|～|to|bis|through|thru|à|a|al|至|到|から|부터|에
 _END = r"(?=[a-z\d])([a-z]{0,2})(\d{0,4})"
 _RANGE = re.compile(rf"(?<![a-zà-ÿ0-9]){_END} ?(?:{_TO}) ?{_END}(?![a-z0-9])", re.IGNORECASE)
 _TIMES = (
-    r"min(?:ute)?n?s?|minutos|分钟|分鐘|小时|小時|時間|시간|分(?!院)|hours?|horas|heures|stunden|days?|días|jours|tage|天|日間|"
+    r"min(?:ute)?n?s?|minutos|分钟|分鐘|小时|小時|時間|시간|分(?!院)|hours?|horas|heures|stunden|days?|días|jours|tage|天|日間|weeks?|semanas?|wochen?|semaines?|周(?!边)|週間|주(?![가-힣])|months?|mes(?:es)?(?![a-z])|monate?|mois|个月|個月|か月|ヶ月|개월|"
     r"a\.?m\.?|p\.?m\.?|uhr|o'clock|点|點|時|시(?!\S)|h(?![a-z])|years?|años|ans|jahre|岁|歳|살"
 )
 _MEASURES = (
@@ -43,6 +43,8 @@ _HEADS, _TAILS = str.maketrans("oil", "011"), str.maketrans("oilszb", "011528")
 """Letters that are read for digits: first in a number, where S3 and B8 are codes of their own, and further on."""
 _PLURAL = "es|s"
 _BEFORE, _AFTER = 26, 8  # letters around a code in which the word for what is numbered is looked for
+_FEWEST_SPOKEN = 3  # digits of a number in words that is a room's where nothing says so
+_NUMBER_WORD = re.compile(r"(?<!\w)(?:number|nummer|numéro|número|the|die|den|der|das|el|la|le|les|los|las)(?!\w)")
 _FEW_WORDS, _SHORT = 2, 16  # words and letters of a question that may be no more than a number
 
 
@@ -147,8 +149,11 @@ def _last_words(text: str) -> list[tuple[re.Match[str], frozenset[str]]]:
     return [(hit, _named(hit.group())) for hit in reversed(list(_classes()[0].finditer(text)))]
 
 
+_NUMBER_SIGN = re.compile(r"(?<!\w)(?:n ?[°º]|№|n[or]s?\.) ?(?=\d)")  # “n° 4”, “no. 4”, “Nr. 4”
+
+
 def _folded(text: str) -> str:
-    clean = with_spoken_digits(clean_text(text).casefold())
+    clean = with_spoken_digits(_NUMBER_SIGN.sub("", clean_text(text).casefold()))
     return _UNSPACED_NUMBER.sub(lambda found: str(number_of(next(filter(None, found.groups())))), clean)
 
 
@@ -228,7 +233,8 @@ def asked_codes(text: str) -> list[Code]:
 
     Hours, prices and numbers of people are none.
     """
-    folded = _digits_in(_QUANTITY.sub(" ", _folded(text)))
+    # “Tres semanas” is a time in words.
+    folded = _QUANTITY.sub(" ", _digits_in(_QUANTITY.sub(" ", _folded(text))))
     # “The A-gates.”
     folded = re.sub(
         r"(?<!\w)[a-z]-(?=[a-z])",
@@ -264,6 +270,24 @@ _WORD_BEFORE = re.compile(r"[^\W\d_]{3,} $")
 _WORD_AND_NUMBER = re.compile(
     r"(?<![^\W_])([^\W\d_]{3,}) (?:(?:no|nr|n|number|nummer|número|numero|numéro)[.°º]* )?(\d{1,4})(?!\w)"
 )
+
+
+def numbers_of_things(what: str, out: str) -> list[Code]:
+    """Return the numbers that are all that `out` says, of what `what` says last: a line, any except number one."""
+    words = _last_words(_folded(what))
+    bare = _NUMBER_WORD.sub(" ", f" {_folded(out)} ")
+    said = with_digits(bare, lambda at: True, lambda at: False)
+    if not words or re.search(r"[^\W\d_]", _BETWEEN.sub(" ", said)):
+        return []
+    return [_code(number, words[0][1]) for number in re.findall(r"\d{1,4}", said)]
+
+
+def spoken_numbers(text: str) -> list[str]:
+    """Return the numbers of three digits and more that a question says in words, of whatever: “two oh seven”."""
+    folded = _folded(text)
+    said = _QUANTITY.sub(" ", with_digits(folded, lambda at: True, lambda at: False))
+    painted = set(re.findall(r"\d+", folded))
+    return [number for number in re.findall(rf"(?<!\w)\d{{{_FEWEST_SPOKEN},4}}(?!\w)", said) if number not in painted]
 
 
 def _digits_in(folded: str) -> str:

@@ -79,6 +79,16 @@ class Guesses:
             return served
         return self._guessed(served, guess, scores)
 
+    def agreed(self, served: Served, meaning: Meaning, language: str) -> Served:
+        """Return what tables left of a refusal, surer where a guess is the same: a guess hears no refusal itself."""
+        if not served.scores or served.sure >= LEAST_SURE or not self.support.group_of:
+            return served
+        guess = self.guess(self.heard(served, language), served, meaning)
+        group_of = self.support.group_of
+        if guess is None or guess.sure < _LEAST_GUESSED or group_of[guess.best] != group_of.get(best_of(served.scores)):
+            return served
+        return replace(served, sure=guess.sure, confidence=guess.sure)
+
     def guess(self, heard: Heard, served: Served, meaning: Meaning) -> Guess | None:
         """The likeliest landmark beside what the tables found."""
         is_read = any(weight >= _READ for _, weight in meaning.wanted)

@@ -19,6 +19,7 @@ _ALONE_ALIKE = 0.7  # of all letters, where other words of the question are not 
 _FEW_ALIKE = 0.8  # of all letters of names of fewer consonants, which must be the same
 _FEWEST = 3  # letters of a word that is heard
 _APART = 0.05  # by which the name that sounds likest must lead
+_SPELT_APART = 1  # letters by which surnames of one sound may differ in length
 _RUN = 4  # words that may be one name
 _SPELLINGS = (
     # One spelling for each sound, in the order in which they are looked for.
@@ -30,7 +31,7 @@ _SPELLINGS = (
     ("g(?=[eiy])", "j"),
     ("ee|ea|ie", "i"),
     ("oo|ou", "u"),
-    ("[ae][iy]$|[ae]i", "e"),
+    ("[ae][iy](?![aeiou])", "e"),
     ("y", "i"),
     ("x", "ks"),
     ("h", ""),
@@ -48,6 +49,16 @@ def by_ear(latin: str) -> str:
     for pattern, sound in _SPELT:
         latin = pattern.sub(sound, latin)
     return latin
+
+
+def sound_the_same(word: str, other: str) -> bool:
+    """Whether two surnames in Latin letters sound the same: Nair and Nayr, Brzezinski and Bresinski."""
+    first, second = by_ear(word), by_ear(other)
+    if abs(len(word) - len(other)) > _SPELT_APART:
+        return False  # Schneider is no Schneiderei
+    own = _skeleton(first)
+    is_long = len(own) >= _CONSONANTS and own == _skeleton(second)
+    return first == second or (is_long and fuzz.ratio(first, second) >= 100.0 * _ALONE_ALIKE)
 
 
 def _skeleton(sound: str) -> str:

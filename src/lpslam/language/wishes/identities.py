@@ -16,6 +16,7 @@ from lpslam.language.wishes.codes import (
     board_keys,
     code_of,
     numbered_thing,
+    spoken_numbers,
     without_codes,
 )
 from lpslam.language.wishes.form import Identity, Sort, Stop
@@ -50,9 +51,14 @@ class Identities:
         ignored: list[str] = []
         for identity in stop.identity:
             bearing = self._bearing(identity)
-            if identity.sort is Sort.CODE and _BY_THE_WAY.intersection(identity.of) and self._says_more(stop, identity):
+            is_code = identity.sort is Sort.CODE
+            if is_code and _BY_THE_WAY.intersection(identity.of) and self._says_more(stop, identity):
                 if not bearing:
                     ignored.append(str(identity))
+                continue
+            if is_code and not bearing and not self._has_such(identity) and self._says_more(stop, identity):
+                # Where no board bears such codes at all, “M8 bolts” are bolts.
+                ignored.append(str(identity))
                 continue
             if not bearing:
                 joined = self._joined(stop)
@@ -62,6 +68,15 @@ class Identities:
                 return None, tuple(ignored), " and ".join(map(str, stop.identity))
         return found, tuple(ignored), ""
 
+    def _has_such(self, identity: Identity) -> bool:
+        """Whether any board bears a code of the same things, or with the same letters."""
+        asked = code_of(identity)
+        return any(
+            bool(code.of & asked.of) or (bool(asked.letters) and code.letters == asked.letters)
+            for codes in self.codes.values()
+            for code in codes
+        )
+
     def _says_more(self, stop: Stop, identity: Identity) -> bool:
         """Whether a stop names something else than what is numbered: “a toilet on level 2”, not “parking P7”."""
         meaning = read_question(without_codes(stop.what), self._knowledge)
@@ -69,7 +84,8 @@ class Identities:
 
     def _bearing(self, identity: Identity) -> dict[int, float]:
         if identity.sort is Sort.PERSON:
-            return dict.fromkeys(self._names.persons(identity.value), _SURE)
+            ids = self._names.persons(identity.value) or self._names.persons_heard(identity.value)
+            return dict.fromkeys(ids, _SURE)
         asked = code_of(identity)
         # What is painted goes before what may be misread.
         found = self._coded(asked, False) or self._coded(asked, True) or self._alike(asked) or self._unclassed(asked)
@@ -120,7 +136,8 @@ class Identities:
             found = [id_ for id_ in sorted(said) if any(each.bears(code) for each in self.codes[id_])]
             if found:
                 return dict.fromkeys(found, _SURE)
-        return {}
+        keys = (self._by_key.get(alike_key(number), set()) for number in spoken_numbers(what))
+        return next((dict.fromkeys(sorted(ids), _SURE) for ids in keys if ids), {})
 
     @cached_property
     def _words_of_codes(self) -> dict[int, set[str]]:

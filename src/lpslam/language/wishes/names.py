@@ -10,13 +10,13 @@ from functools import cached_property
 
 from anyascii import anyascii
 from rapidfuzz import fuzz, process
-from rapidfuzz.distance import Levenshtein
+from rapidfuzz.distance import OSA, Levenshtein
 
 from lpslam.language.model import Candidate
 from lpslam.language.signs.repair import Repair
 from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.words import UNSPACED_RUN, is_mark, is_unspaced
-from lpslam.language.wishes.heard import HeardNames
+from lpslam.language.wishes.heard import HeardNames, sound_the_same
 from lpslam.language.wishes.persons import called, consonants, spellings
 
 _SAME = 88.0  # of 100: two known words of a name are the same but for a reader's or a typist's slip
@@ -145,18 +145,26 @@ class Names:
         return found
 
     def slipped(self, words: Sequence[str]) -> dict[int, float]:
-        """Return landmarks whose whole long name is what is asked for but for a slip in nine letters, no digits."""
+        """Return landmarks whose whole long name is what is asked for but for a slip in nine letters, no digits.
+
+        Two letters in each other's place are one slip.
+        """
         key = "".join(words)
         if len(key) < _FAR or is_unspaced(key) or not key.isalpha():
             return {}
         keys, ids = self._keys
-        near = process.extract(key, keys, scorer=Levenshtein.distance, score_cutoff=len(key) // _FAR, limit=None)
+        near = process.extract(key, keys, scorer=OSA.distance, score_cutoff=len(key) // _FAR, limit=None)
         return {ids[at]: 1.0 - slips / len(key) for said, slips, at in near if said.isalpha()}
 
     @cached_property
     def _keys(self) -> tuple[list[str], list[int]]:
-        """The letters of every line, and its landmark."""
-        rows = [(line.key, id_) for id_, lines in self._words.items() for line in lines]
+        """The letters of every line, as painted and without the endings of plurals, and its landmark."""
+        rows = [
+            (key, id_)
+            for id_, lines in self._words.items()
+            for line in lines
+            for key in dict.fromkeys((line.key, "".join(line.in_order)))
+        ]
         return [key for key, _ in rows], [id_ for _, id_ in rows]
 
     @cached_property
@@ -224,6 +232,18 @@ class Names:
             if any(all(_bears_person(line, word) for word in words) for line in self._words[id_])
         ]
         return found or self._called(name)
+
+    def persons_heard(self, name: str) -> list[int]:
+        """Landmarks whose boards bear a surname that sounds like a person's, none where two surnames do."""
+        surname = _latin(name.split()[-1]) if name.split() else ""
+        if len(surname) < _SHORTEST:
+            return []
+        found = {
+            word: ids
+            for word, ids in self._ids_of.items()
+            if word not in load_words() and sound_the_same(surname, word)
+        }
+        return sorted(next(iter(found.values()))) if len(found) == 1 else []
 
     def _called(self, name: str) -> list[int]:
         """Landmarks whose board bears a person's name in another script, those that are likest."""

@@ -22,6 +22,12 @@ _LONGEST = 6  # words of a number below a thousand: "quatre cent quatre vingt di
 _LONGEST_GROUP = 3  # words of a number below a hundred: "vingt et un"
 _MOST_DIGITS = 4  # of a number that is said in groups
 _HUNDRED = 100
+_SHORTEST_LETTER = 3  # letters of the name of a letter that stands without a number: “bee”, not “be”
+_INITIALS_APART = re.compile(
+    # Of two neither is a word of any language (“y a”), and none is of what is numbered (“zones b c”).
+    r"(?<![\w'’-])(?:[b-df-hj-np-tv-xz] [b-df-hj-np-tv-xz]|[a-z](?: [a-z]){2,})(?![\w'’-])",
+    re.IGNORECASE,
+)
 _WORD = re.compile(r"[a-zß-ÿœ]+")
 _BROKEN = re.compile(r"[^\w\s-]|_|\d")  # what does not stand within a number
 _HAN = {ch: at for at, ch in enumerate("〇一二三四五六七八九")} | {"零": 0, "两": 2, "兩": 2}
@@ -174,7 +180,18 @@ def with_letters(folded: str, follows: Callable[[str, int], bool]) -> str:
     pattern, named = _letters("letters")
     folded = pattern.sub(lambda hit: named[hit.group()], folded)
     doubtful, letters = _letters("letters of things")
-    return doubtful.sub(lambda hit: letters[hit.group()] if follows(hit.string, hit.start()) else hit.group(), folded)
+    folded = doubtful.sub(lambda hit: letters[hit.group()] if follows(hit.string, hit.start()) else hit.group(), folded)
+    # “Hall bee” has no number.
+    return _WORD.sub(lambda hit: named[hit.group()] if _is_letter_of(hit, named, follows) else hit.group(), folded)
+
+
+def _is_letter_of(hit: re.Match[str], named: Mapping[str, str], follows: Callable[[str, int], bool]) -> bool:
+    return len(hit.group()) >= _SHORTEST_LETTER and hit.group() in named and follows(hit.string, hit.start())
+
+
+def with_initials(text: str) -> str:
+    """Return a text in which letters that are said one after the other are one word: “the q c lab”, “an a t m”."""
+    return _INITIALS_APART.sub(lambda hit: hit.group().replace(" ", ""), text)
 
 
 def with_digits(folded: str, follows: Callable[[int], bool], leads: Callable[[int], bool]) -> str:

@@ -14,7 +14,7 @@ from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.words import is_mark
 from lpslam.language.wishes.attributes import attributes_of
 from lpslam.language.wishes.chains import chained, is_bare, is_brief, says_an_order
-from lpslam.language.wishes.codes import asked_codes, identities
+from lpslam.language.wishes.codes import asked_codes, identities, numbers_of_things
 from lpslam.language.wishes.floors import floor_of
 from lpslam.language.wishes.form import (
     LISTED,
@@ -28,7 +28,8 @@ from lpslam.language.wishes.form import (
     Which,
     Wish,
 )
-from lpslam.language.wishes.rules import Row, Rules, rules_of
+from lpslam.language.wishes.numerals import with_initials
+from lpslam.language.wishes.rules import Row, Rules, content_left, rules_of
 
 _LONGEST = 400  # letters of a question
 _ENDS = " .。!！?？,，、;；¿¡"
@@ -56,13 +57,13 @@ def wish_languages(text: str, knowledge: Knowledge) -> tuple[str, ...]:
 
 def read_wish(question: str, knowledge: Knowledge) -> Wish:
     """Return what a question means; one stop with all its words where no rule says more."""
-    text = clean_text(question, _LONGEST).strip(_ENDS)
+    text = with_initials(clean_text(question, _LONGEST).strip(_ENDS))
     languages = wish_languages(text, knowledge)
-    likely = languages_of(text, knowledge)
+    language = next(iter(languages_of(text, knowledge)), None)
     text = _corrected(text, languages)
     alternatives = _among(text, languages, knowledge)
     if alternatives is not None:
-        return Wish((alternatives,), likely[0] if likely else None)
+        return Wish((alternatives,), language)
     plan = _plan(text, languages, knowledge)
     if plan is not None:
         return plan
@@ -70,9 +71,8 @@ def read_wish(question: str, knowledge: Knowledge) -> Wish:
     is_plain = alone.relation is None and not alone.without and not alone.contradiction
     listed = _unordered(text, languages, knowledge) if is_plain else []
     if listed:
-        stops = _parts(listed, languages, knowledge, likely[0] if likely else None)
-        return Wish(stops, likely[0] if likely else None, instead=alone)
-    return Wish((alone,), likely[0] if likely else None)
+        return Wish(_parts(listed, languages, knowledge, language), language, instead=alone)
+    return Wish((alone,), language)
 
 
 def _corrected(text: str, languages: tuple[str, ...]) -> str:
@@ -92,13 +92,15 @@ def _plan(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> Wish |
         if len(rest) > 1 or says_an_order(text, (language,)):
             parts = [each for part in rest for each in _pieces(part, (language,), knowledge)]
         is_ordered = says_an_order(text, (language,))
+        is_sure = found is None or not found[0].then.get("perhaps") or is_ordered
         # “Zuerst zu COFFEE, dann zu think”: a word or two behind “then” are a name, even of small letters.
         says = sum(_says_a_place(part, knowledge) or (is_ordered and is_bare(part, rules)) for part in parts)
+        # Where the text may be one wish, whether there is such a place is for the map to say.
+        says = says if is_sure else sum(bool(content_left(part, rules)) for part in parts)
         if len(parts) > 1 and says >= max(2, len(parts) - 1):
             # “Zuerst zur Toilette, dann Pizza” is in the language of the words that order it.
             own = language if is_ordered else None
             stops = _parts(parts, languages, knowledge, next(iter(languages_of(text, knowledge)), own))
-            is_sure = found is None or not found[0].then.get("perhaps") or says_an_order(text, (language,))
             instead = None if is_sure else _stop(text, languages, knowledge)
             return Wish(stops, language, instead=instead)
     return None
@@ -330,7 +332,7 @@ def _numbered_alike(what: str, out: str) -> tuple[Stop, ...]:
     asked = asked_codes(what)
     codes = [code for code in asked_codes(f"{what} {out}") if code not in asked]
     if asked_codes(out) or not codes:
-        return ()
+        codes = numbers_of_things(what, out)
     return tuple(Stop(f"{what} {out}", identity=(identity,), whole=out) for identity in identities(codes))
 
 
@@ -388,12 +390,6 @@ def _identity(text: str, languages: tuple[str, ...]) -> tuple[Identity, ...]:
     person = next((each[1].group("person") for each in found if each is not None), None)
     persons = () if person is None else (Identity(Sort.PERSON, _POSSESSIVE.sub("", person)),)
     return (*persons, *identities(asked_codes(text)))
-
-
-def content_left(text: str, rules: Rules, least: int = 1) -> str:
-    """Return what of a text is not filler; empty where nothing is left."""
-    left = " ".join(rules.filler.sub(" ", text).split()).strip(_ENDS + "'’")
-    return left if len(left) >= least else ""
 
 
 def content_of(text: str, languages: tuple[str, ...]) -> str:

@@ -5,8 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from lpslam.language.wishes.form import Stop
-from lpslam.language.wishes.reading import content_left
-from lpslam.language.wishes.rules import rules_of
+from lpslam.language.wishes.rules import content_left, rules_of
 from lpslam.language.wishes.served import LEAST_SURE, Served
 
 _ALIKE = 0.9  # of the best score: what serves what is refused as well

@@ -14,6 +14,7 @@ from lpslam.language.tables.lexicon import read_table
 from lpslam.language.wishes.numerals import ordinals
 
 _NAMED = re.compile(r"(?<!\(\?P)<(\w+)>")
+_ENDS = " .。!！?？,，、;；¿¡"
 _DEEPEST = 3  # parts within parts
 
 
@@ -114,3 +115,9 @@ def _said(shape: str, words: str) -> str:
 def _any_of(words: Iterable[str]) -> str:
     """A pattern of any of some words, the longest first."""
     return "(?:" + "|".join(map(re.escape, sorted(words, key=lambda word: (-len(word), word)))) + ")"
+
+
+def content_left(text: str, rules: Rules, least: int = 1) -> str:
+    """Return what of a text is not filler; empty where nothing is left."""
+    left = " ".join(rules.filler.sub(" ", text).split()).strip(_ENDS + "'’")
+    return left if len(left) >= least else ""

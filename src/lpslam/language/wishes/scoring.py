@@ -34,9 +34,9 @@ from lpslam.language.wishes.guesses import Guesses, is_told
 from lpslam.language.wishes.identities import Identities
 from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.opening import Opening
-from lpslam.language.wishes.reading import content_left, content_of, wish_languages
+from lpslam.language.wishes.reading import content_of, wish_languages
 from lpslam.language.wishes.refusals import left_of
-from lpslam.language.wishes.rules import rules_of
+from lpslam.language.wishes.rules import content_left, rules_of
 from lpslam.language.wishes.served import LEAST_SURE, UNQUESTIONED, Served, Way
 from lpslam.language.wishes.sorts import Sorts
 
@@ -118,7 +118,8 @@ class EmbeddedScorer:
             return served
         meaning = self._read(stop)
         if self._boards.refuses(stop.what, meaning):
-            return self._without_refused(served, self._language(stop, meaning))
+            language = self._language(stop, meaning)
+            return self._guesses.agreed(self._without_refused(served, language), meaning, language)
         if meaning.wanted_names or meaning.contested or self._boards.is_bare_name(stop.what):
             return served
         return self._guesses.judged(served, meaning, self._language(stop, meaning), partial(self._not_otherwise, stop))
@@ -152,8 +153,8 @@ class EmbeddedScorer:
         """Whether the board of the best says both the kind and what tells it from others: the north gate."""
         asked = attributes_of(served.stop.what)
         best = best_of(served.scores)
-        is_told = bool(asked) and self._sorts.is_of_the_house(best)
-        return is_told and told_apart(asked, attributes_of(self._by_id[best].name)) > 0
+        says = told_apart(asked, attributes_of(self._by_id[best].name)) if asked else 0
+        return says > 0 and self._sorts.is_of_the_house(best)
 
     def _numbered(self, stop: Stop, ignored: tuple[str, ...]) -> Served | None:
         """“The rack” between two others is any board that bears a rack's number."""
@@ -208,10 +209,11 @@ class EmbeddedScorer:
         otherwise = None if scores else self._by_the_board(stop, meaning, ignored)
         if otherwise is not None:
             return otherwise
-        supported = None if is_another else self._supported(stop, meaning, scores, within)
+        is_missing = is_another or (not scores and self._is_missing_brand(stop, meaning))
+        supported = None if is_missing else self._supported(stop, meaning, scores, within)
         if not scores and supported is None:
             return Served(
-                *(stop, {}, choice.evidence, choice.confidence, choice.alternatives, ignored), settled=is_another
+                *(stop, {}, choice.evidence, choice.confidence, choice.alternatives, ignored), settled=is_missing
             )
         read, top = scores, max(scores.values(), default=0.0)
         scores = {id_: score / top for id_, score in scores.items()}
@@ -236,17 +238,20 @@ class EmbeddedScorer:
         """“The swimming pool” is no place that has to do with water: what is read in full, and is not here."""
         return any(weight >= _READ for _, weight in meaning.wanted) and not self._asked.asked(stop.what)[1]
 
+    def _is_missing_brand(self, stop: Stop, meaning: Meaning) -> bool:
+        """Whether a brand is asked for that is not here, and nothing else: no other place is meant."""
+        brands = set(self._signs.brands_in(stop.what).values())
+        is_lacking = bool(brands) and brands.isdisjoint(self._index.phrase_of)
+        return is_lacking and not any(weight >= _READ for _, weight in meaning.wanted)
+
     def _by_the_board(self, stop: Stop, meaning: Meaning, ignored: tuple[str, ...]) -> Served | None:
         """What the words of a board say where no kind serves: themselves, their sound, a number, what tells apart."""
         literal = self._by_words(stop, meaning, ignored)
         if literal is not None:
             return literal
-        heard = self._by_ear(stop, meaning, ignored)
-        if heard is not None:
-            return heard
-        numbered = self._numbered(stop, ignored)
-        if numbered is not None:
-            return numbered
+        found = self._by_ear(stop, meaning, ignored) or self._numbered(stop, ignored)
+        if found is not None:
+            return found
         told = self._told_only(stop)
         if told:
             scores = self._trusted(told)

@@ -29,6 +29,7 @@ _OF_THE_HOUSE = (
 )
 _ROOMS = ("facility/", "indoor/", "department/", "office/", "aeroway/", "amenity/doctors", "museum/")
 _SHORT_NAME = 5  # words of an anchor that is a name
+_FIRST_OF_ALL = 0.9  # of a kind that a place is, not one that is had there as well
 _SURE = 1.0  # of the only place of its sort
 
 
@@ -108,8 +109,12 @@ class Sorts:
 
     def is_of_the_house(self, id_: int) -> bool:
         """Whether a landmark is a part of the building and no business in it: a toilet, a lift, a gate."""
-        return any(kind.startswith(_OF_THE_HOUSE) for kind, _ in self._index.signs[id_].kinds)
+        return self._is_first_of_all(id_, _OF_THE_HOUSE)
 
     def is_a_room(self, id_: int) -> bool:
         """Whether a landmark is of a kind of which a building has several, told apart by names."""
-        return any(kind.startswith(_ROOMS) for kind, _ in self._index.signs[id_].kinds)
+        return self._is_first_of_all(id_, _ROOMS)
+
+    def _is_first_of_all(self, id_: int, kinds: tuple[str, ...]) -> bool:
+        # What the further lines of a shop's board list makes no room of it.
+        return any(weight >= _FIRST_OF_ALL and kind.startswith(kinds) for kind, weight in self._index.signs[id_].kinds)

@@ -1,0 +1,77 @@
+"""Letters and numbers as people say them, found on boards; and what is wished where no board bears them."""
+
+import numpy as np
+import pytest
+
+from lpslam.language.model import Candidate
+from lpslam.language.offline import OfflineModel
+from lpslam.navigation.places import Here, Place
+from lpslam.navigation.solver import solve
+
+MODEL = OfflineModel()
+BOARDS: tuple[tuple[str, ...], ...] = (
+    ("Hall D",),
+    ("Hall G",),
+    ("HR Office",),
+    ("PPE Issue Point",),
+    ("Seminar 3.14",),
+    ("Surgery 2", "Dr. P. Nair"),
+    ("Surgery 3", "Dr. J. Brzezinski"),
+    ("Assembly Line 1",),
+    ("Assembly Line 2",),
+    ("Ironmonger", "Screws · Nails"),
+    ("Parking Nord",),
+    ("卫生间",),
+    ("3-6检票口",),
+    ("咖啡馆",),
+)
+
+
+def found(question: str, boards: tuple[tuple[str, ...], ...] = BOARDS) -> str | None:
+    places = [Place(at, board[0], np.array([4.0 * at, 0.0, 0.0]), None) for at, board in enumerate(boards)]
+    marks = [Candidate(at, board[0], (), board[1:]) for at, board in enumerate(boards)]
+    stop = solve(MODEL.read_wish(question), places, MODEL.scorer(marks), Here(np.zeros(3))).stops[-1]
+    return None if stop.place is None else stop.place.name
+
+
+@pytest.mark.parametrize(
+    ("question", "board"),
+    [
+        ("hall dee", "Hall D"),
+        ("take me to hall gee please", "Hall G"),
+        ("the h r office", "HR Office"),
+        ("where's the p p e issue point", "PPE Issue Point"),
+        ("a class in three one four", "Seminar 3.14"),
+        ("Vorlesung in drei eins vier", "Seminar 3.14"),
+        ("un cours en trois cent quatorze", "Seminar 3.14"),
+        ("Zu Doktor Nayr bitte", "Surgery 2"),
+        ("I have an appointment with Doctor Bresinski", "Surgery 3"),
+        ("any assembly line except number one", "Assembly Line 2"),
+        ("eine Montagelinie, aber nicht Nummer zwei", "Assembly Line 1"),
+        ("a bag of M6 screws", "Ironmonger"),
+        ("哪个卫生间离3-6检票口近", "卫生间"),
+        ("卫生间和咖啡馆中间夹着的是什么", "3-6检票口"),
+    ],
+)
+def test_letters_and_numbers_are_found_as_they_are_said(question: str, board: str) -> None:
+    assert found(question) == board
+
+
+@pytest.mark.parametrize("question", ["y a dónde voy", "gate Q7", "three hundred people are coming", "Dr. Neumann"])
+def test_what_stands_on_no_board_is_not_found(question: str) -> None:
+    assert found(question) is None
+
+
+@pytest.mark.parametrize("question", ["dejo el coche tres semanas", "mein Auto steht hier zwei Wochen"])
+def test_a_time_in_words_is_no_number_of_a_car(question: str) -> None:
+    assert not MODEL.read_wish(question).stops[0].identity
+
+
+def test_of_toilets_a_wheelchair_goes_to_the_one_that_says_so() -> None:
+    boards = (("WC Damen",), ("Behindertentoilette",), ("WC Herren",))
+    assert found("Wo ist eine Toilette, ich sitze im Rollstuhl", boards) == "Behindertentoilette"
+
+
+def test_a_canteen_that_is_a_cafe_serves_meals() -> None:
+    boards = (("Kiosk", "Bratwurst · Zeitungen"), ("Cafeteria",))
+    assert found("Ich möchte etwas Warmes essen", boards) == "Cafeteria"
