@@ -16,6 +16,7 @@ _SIDE_OFFER = 0.7  # a place that sells what is refused this surely, beside othe
 _CLEARLY = 0.03  # by which a place must be better at what is refused than at what is wanted
 _SIDE_REFUSED = 0.5  # what such a place loses
 _LIGHT_MEAL = 0.7  # of a place that sells cake or coffee first of all
+_SERVES_MEALS = frozenset({"amenity/restaurant", "facility/canteen"})  # also where it is a café as well
 _APART = 0.5  # of a kind that is not meant by the one above it: bubble tea, for a café
 _FOR_SOME = 0.8  # of a place whose goods are for women, men or children alone, where nobody is named
 _SURE = 0.9  # a kind of this weight is what the place is
@@ -68,9 +69,7 @@ def match(concept: str, kinds: Kinds, knowledge: Knowledge) -> float:
 
 def _is_light(kinds: Kinds, knowledge: Knowledge) -> bool:
     sure = {kind for kind, weight in kinds if weight >= _SURE}
-    # A restaurant or a canteen that is a café as well serves meals.
-    meals = any(knowledge.share("food", kind) >= _SURE for kind in sure - knowledge.light_food)
-    return not sure.isdisjoint(knowledge.light_food) and not meals
+    return not sure.isdisjoint(knowledge.light_food) and sure.isdisjoint(_SERVES_MEALS)
 
 
 def _whom_for(kinds: Kinds, knowledge: Knowledge) -> set[str]:
