@@ -190,6 +190,10 @@ def test_questions_models_and_truths_that_are_missing(
     (recording / "groundtruth.txt").unlink()
     assert "has no ground truth; looked for groundtruth.txt" in lpslam("eval", walked, recording).complaint
     assert "cannot be read" in lpslam("run", recording, "-o", tmp_path / "m.lpmap", "--config", "no.yaml").complaint
+    unused = tmp_path / "config.yaml"
+    unused.write_text("slam: {nope: 3}\n")
+    assert "slam.nope" in lpslam("export", walked, tmp_path / "out", "--config", unused).complaint
+    assert not (tmp_path / "out").exists()
     assert "option --layout" in lpslam("simulate", tmp_path / "s", "--layout", "spiral").complaint
 
 

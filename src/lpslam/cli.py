@@ -203,14 +203,15 @@ def export(
     from lpslam.mapfile.export import export_map
     from lpslam.mapfile.language_map import LanguageMap
 
+    settings = config_of(config)
     world = LanguageMap.load(map_file)
     written = export_map(world, folder)
     if html:
         from lpslam.page.building import write_page
 
-        written.append(write_page(world, folder / "page.html", config_of(config).page))
+        written.append(write_page(world, folder / "page.html", settings.page))
     if nav2 or route is not None:
-        written += Guide(world, config_of(config)).export(folder, route)
+        written += Guide(world, settings).export(folder, route)
     print_written(written, as_json)
 
 
