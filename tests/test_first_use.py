@@ -80,6 +80,20 @@ def test_an_export_is_whole_or_leaves_what_was_there(
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
 
 
+def test_an_export_that_finds_no_room_names_the_place_that_was_asked_for_and_leaves_no_folder(
+    world: LanguageMap, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "out"
+
+    def full(path: Path, *what: object) -> None:
+        raise UserError(f"{path} cannot be written (No space left on device)")
+
+    monkeypatch.setattr(export, "write_ply", full)
+    with pytest.raises(UserError, match=rf"^{folder}/cloud\.ply cannot be written"):
+        export.export_map(world, folder)
+    assert not folder.exists()
+
+
 def test_exported_landmarks_say_what_their_numbers_are(world: LanguageMap, tmp_path: Path) -> None:
     export.export_map(world, tmp_path)
     listed = json.loads((tmp_path / "landmarks.json").read_text())

@@ -4,6 +4,7 @@ import json
 import os
 import tempfile
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
@@ -44,6 +45,7 @@ def write_whole(folder: Path, writers: Mapping[str, Callable[[Path], object]]) -
     Raises:
         UserError: the folder cannot be written.
     """
+    unfinished, is_new = "", not folder.exists()
     try:
         folder.mkdir(parents=True, exist_ok=True)
         # Beside their places, so that a disk that fills leaves the old files and no part of new ones.
@@ -54,6 +56,13 @@ def write_whole(folder: Path, writers: Mapping[str, Callable[[Path], object]]) -
                 os.replace(Path(unfinished) / name, folder / name)
     except OSError as error:
         raise UserError(f"{folder} cannot be written ({error.strerror}); choose another folder") from error
+    except UserError as error:
+        # The place that was asked for, and not where the file was until it is whole.
+        raise UserError(str(error).replace(unfinished, str(folder))) from error
+    finally:
+        if is_new:
+            with suppress(OSError):
+                folder.rmdir()  # as long as nothing is in it
     return [folder / name for name in writers]
 
 
