@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from rosbags.rosbag1 import Writer as Ros1Writer
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as Ros2Writer
@@ -115,11 +116,12 @@ def large(gigabytes: float, kinds: list[str]) -> None:
 
 def first(path: Path) -> None:
     """In a process of its own, whose memory is this file's alone."""
-    begun = time.perf_counter()
+    begun, worked = time.perf_counter(), time.process_time()
     source = open_source(path)
     frames = iter(source)
     next(frames)
-    print(f"  first frame after {time.perf_counter() - begun:.2f} s, {memory():.0f} MB")
+    taken, work = time.perf_counter() - begun, time.process_time() - worked
+    print(f"  first frame after {taken:.2f} s, {work:.2f} s of processor time, {memory():.0f} MB")
     for _ in range(1000):
         if next(frames, None) is None:
             break
@@ -148,10 +150,21 @@ def registration() -> None:
         register(depth)
         taken = []
         for _ in range(100):
-            begun = time.perf_counter()
+            begun = clocks()
             register(depth)
-            taken.append(time.perf_counter() - begun)
-        print(f"{name}: {1000 * float(np.median(taken)):.2f} ms (median of 100, wall)")
+            taken.append(clocks() - begun)
+        print(f"{name}: {said(taken)} (medians of 100)")
+
+
+def clocks() -> NDArray[np.float64]:
+    """Seconds by the wall, and of this thread's processor time."""
+    return np.array([time.perf_counter(), time.thread_time()])
+
+
+def said(taken: list[NDArray[np.float64]]) -> str:
+    """Medians of differences of `clocks`."""
+    wall, processor = 1000 * np.median(taken, axis=0)
+    return f"{processor:.3f} ms of processor time, {wall:.3f} ms by the wall"
 
 
 def session(folder: Path, count: int) -> None:
@@ -159,25 +172,25 @@ def session(folder: Path, count: int) -> None:
     warm_up(lambda line: None)
     source = open_source(folder, max_frames=count)
     frames = list(source)
-    inside = 0.0
+    inside = np.zeros(2)
     process = RgbdSlam.process
 
     def timed(slam: RgbdSlam, frame: RgbdFrame) -> Any:
         nonlocal inside
-        begun = time.perf_counter()
+        begun = clocks()
         tracked = process(slam, frame)
-        inside = time.perf_counter() - begun
+        inside = clocks() - begun
         return tracked
 
     RgbdSlam.process = timed  # type: ignore[method-assign]
     around = []
     with Session(source.camera, text=False) as running:
         for frame in frames:
-            begun = time.perf_counter()
+            begun = clocks()
             running.step(frame.rgb, frame.depth, frame.timestamp)
-            around.append(time.perf_counter() - begun - inside)
+            around.append(clocks() - begun - inside)
     RgbdSlam.process = process  # type: ignore[method-assign]
-    print(f"a step around tracking: {1000 * float(np.median(around)):.3f} ms (median of {count} frames, wall)")
+    print(f"a step around tracking: {said(around)} (medians of {count} frames)")
 
 
 def write_raw(path: Path, frames: Iterator[RgbdFrame], camera: PinholeCamera) -> None:
