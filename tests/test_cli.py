@@ -27,6 +27,11 @@ def copy_of(world: LanguageMap, folder: Path) -> Path:
     return folder / "copy.lpmap"
 
 
+def test_a_demonstration_too_short_to_be_scored_is_told_before_it_begins(lpslam: Command, tmp_path: Path) -> None:
+    assert "--frames" in lpslam("demo", "-o", tmp_path / "demo", "--frames", 2).complaint
+    assert not (tmp_path / "demo").exists()
+
+
 def test_help_and_version(lpslam: Command) -> None:
     shown = lpslam("--help")
     assert shown.code == 0

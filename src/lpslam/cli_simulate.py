@@ -58,7 +58,7 @@ def simulate(
 def demo(
     output: Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="Where the results go.")] = Path("demo"),
     seed: Annotated[int, typer.Option(min=0, help="Which mall.")] = 4,
-    frames: Annotated[int | None, typer.Option(min=1, help="Stop after N frames.")] = None,
+    frames: Annotated[int | None, typer.Option(min=3, help="Stop after N frames.")] = None,
     llm: Llm = None,
     as_json: Json = False,
 ) -> None:
