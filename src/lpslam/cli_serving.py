@@ -79,6 +79,7 @@ def _serve(given: Served, on_ready: Callable[[str], None], *, page_first: bool =
     """
     _need("starlette", "uvicorn", "fastapi", what="lpslam serve", extra="serve")
     from lpslam.serving.http.server import Address, bound, run, url_of
+    from lpslam.serving.map_files import refuse_no_maps
     from lpslam.serving.tokens import Tokens
 
     settings = config_of(given.config)
@@ -93,7 +94,7 @@ def _serve(given: Served, on_ready: Callable[[str], None], *, page_first: bool =
         raise UserError("--certificate and --key belong together: give both or neither")
     if not given.maps and given.uploads is None:
         raise UserError("what is to be served? give maps, or --uploads FOLDER for recordings")
-    _refuse_no_maps(given.maps)
+    refuse_no_maps(given.maps)
     # A hosted model may be refused, which is said before anything is served.
     language = None if page_first and given.llm is None else _language(given, settings)
     with bound(address) as listening:
@@ -118,14 +119,6 @@ def _serve(given: Served, on_ready: Callable[[str], None], *, page_first: bool =
             on_ready(url)
 
         run(app, listening, address, settings.serving, ready)
-
-
-def _refuse_no_maps(maps: Sequence[Path]) -> None:
-    """A file that is no map is told before anything slow is loaded."""
-    from lpslam.mapfile.container import read_manifest
-
-    for path in maps:
-        read_manifest(path)
 
 
 def _language(given: Served, settings: Any) -> Any:
@@ -206,7 +199,9 @@ def mcp(
 ) -> None:
     """Give maps to an agent as tools (Model Context Protocol), over standard input and output. Nothing is written."""
     _need("mcp", what="lpslam mcp", extra="mcp")
-    _refuse_no_maps(maps)
+    from lpslam.serving.map_files import refuse_no_maps
+
+    refuse_no_maps(maps)
     load_matplotlib()
     from lpslam.language.registry import language_model
     from lpslam.serving.agents import agent_server

@@ -2,9 +2,11 @@
 
 import hashlib
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 from lpslam.errors import UserError
+from lpslam.mapfile.container import read_manifest
 from lpslam.mapfile.language_map import LanguageMap
 
 _LONGEST_NAME = 60  # letters
@@ -43,3 +45,13 @@ def read_version(path: Path) -> tuple[str, LanguageMap]:
         except OSError:
             # It was read whole, and is gone since.
             return version, world
+
+
+def refuse_no_maps(paths: Sequence[Path]) -> None:
+    """Look at maps before anything slow is loaded for them.
+
+    Raises:
+        UserError: one cannot be read, or is no map.
+    """
+    for path in paths:
+        read_manifest(path)
