@@ -188,11 +188,11 @@ class PatternConfig(Section):
     # any other; of texts it is one in two hundred in the mean, and of most none.
     refused_of_patterns: tuple[PositiveFloat, PositiveFloat] = (1.0, 1.0)
     refused_of_texts: tuple[PositiveFloat, PositiveFloat] = (0.05, 10.0)
-    # Log odds for each equal text close by, and how many of them count: motifs come again along a wall, words hardly
-    # ever; a row of four says all that a longer one does.
+    # Log odds for each piece close by that says the same, or has the same shapes, and how many of them count: motifs
+    # come again along a wall, words hardly ever; a row of four says all that a longer one does.
     twin: float = Field(default=2.0, ge=0)
     most_twins: int = Field(default=3, ge=0)
-    # Widths within which an equal text is close by: menus and exits repeat themselves farther apart.
+    # Widths within which such a piece is close by: menus and exits repeat themselves farther apart.
     twin_reach: float = Field(default=4.0, ge=0)
     # Metres by which a pattern may stand before or behind a text that is read in it: both are placed by noisy depth.
     depth: float = Field(default=0.25, gt=0)

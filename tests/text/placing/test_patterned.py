@@ -51,6 +51,16 @@ def test_a_known_word_stays_however_it_looks() -> None:
     assert stays(refused(40), place("coffee")) == ["coffee"]
 
 
+def test_one_row_of_shapes_that_is_read_in_two_ways_is_a_pattern() -> None:
+    assert stays(Patterns(), place("XOOX", 8), place("DOXO", 5, 0.5, 2)) == ["DOXO"], "spelt as patterns are, or not"
+    assert stays(Patterns(), place("AAA", 9), place("IAAA", 7, 0.5, 2)) == []
+    assert stays(Patterns(), place("XOOX", 8), place("DOXO", 5, 5.0, 2)) == ["XOOX", "DOXO"], "far apart"
+    assert stays(Patterns(), place("OPPO", 8), place("food", 8, 0.5, 2)) == ["OPPO", "food"], (
+        "a word of the same shapes"
+    )
+    assert stays(Patterns(), place("OPPO", 8), place("TAXI", 8, 0.5, 2)) == ["OPPO", "TAXI"], "other shapes"
+
+
 def test_what_speaks_for_patterns_weighs_as_it_is_configured() -> None:
     row = [place("ww", 6, 0.5 * number, number) for number in range(4)]
     assert stays(Patterns(), *row, config=PatternConfig(twin=0.0)) == ["ww"] * 4

@@ -18,7 +18,7 @@ from lpslam.camera import transform_points
 from lpslam.config import PatternConfig
 from lpslam.text.placing.instances import KeyframePoses
 from lpslam.text.placing.places import Place
-from lpslam.text.reading.spelt_patterns import pattern_odds
+from lpslam.text.reading.spelt_patterns import SUSPECT, pattern_odds, shapes_of
 from lpslam.text.remembering.similarity import comparison_key
 from lpslam.text.types import Placement
 
@@ -116,15 +116,28 @@ def without_patterned(places: Sequence[Place], patterns: Standing, config: Patte
     """The places whose texts are likelier texts than pieces of patterns."""
     if not places:
         return []
-    keys = np.array([comparison_key(each.name) for each in places], object)
     positions = np.array([each.position for each in places])
     kept = []
-    for row, place in enumerate(places):
+    for place in places:
         near = np.linalg.norm(positions - place.position, axis=1) <= config.twin_reach * place.width
-        twins = int(np.count_nonzero(near & (keys == keys[row]))) - 1
+        twins = sum(_is_twin(place.name, places[row].name) for row in np.flatnonzero(near).tolist()) - 1
         if patterned_odds(place, patterns.at(place, config), twins, config) <= 0.0:
             kept.append(place)
     return kept
+
+
+def _is_twin(name: str, other: str) -> bool:
+    """Whether a text close by is another piece of one pattern: it is equal, or the same shapes were read otherwise.
+
+    Few words lack no shape of their neighbour, but some do (OPPO, FOOD): neither must be spelt as texts are, and the
+    one that is asked of must be spelt as patterns are.
+    """
+    if comparison_key(name) == comparison_key(other):
+        return True
+    if pattern_odds(name) < SUSPECT or pattern_odds(other) < -SUSPECT:
+        return False
+    own, theirs = shapes_of(name), shapes_of(other)
+    return bool(own and theirs) and (own <= theirs or theirs <= own)
 
 
 def patterned_odds(place: Place, refused: int, twins: int, config: PatternConfig) -> float:
@@ -133,7 +146,7 @@ def patterned_odds(place: Place, refused: int, twins: int, config: PatternConfig
     Args:
         place: with its readings.
         refused: how many boxes were refused there.
-        twins: equal texts close by.
+        twins: pieces close by that say the same, or have the same shapes.
         config: what a refusal and a twin weigh.
     """
     read = place.observations

@@ -30,6 +30,11 @@ _SHAPE_OF = {
 }
 
 
+def shapes_of(text: str) -> frozenset[int | str]:
+    """The shapes that the letters of a text are: one for all letters as which one shape is read."""
+    return frozenset(_SHAPE_OF.get(letter, letter) for letter in text if letter.isalnum())
+
+
 @lru_cache(maxsize=4096)
 def pattern_odds(text: str) -> float:
     """How much likelier, in log odds, a spelling is as a pattern's than as a text's; a known word is no pattern's."""
