@@ -313,6 +313,7 @@ def test_a_simulation_is_not_mixed_with_another(lpslam: Command, tmp_path: Path)
 ENDING = """
 import os, signal, sys, time
 from lpslam import interruption
+signal.signal(signal.SIGINT, signal.default_int_handler)  # who starts the tests in the background ignores it
 interruption.watch()
 class Held:
     def __del__(self):

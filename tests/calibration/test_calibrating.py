@@ -44,7 +44,7 @@ def through_a_lens(recording: Path, folder: Path, camera: PinholeCamera, stated:
 def lighter(tmp_path: Path) -> Path:
     """A configuration of fewer views and points than usual, which tell this short walk's lens as well."""
     path = tmp_path / "lighter.yaml"
-    path.write_text("calibrating: {views: 28, points: 1000}\n")
+    path.write_text("calibrating: {views: 40, points: 2000}\n")
     return path
 
 

@@ -85,6 +85,8 @@ class DepthRangeConfig(Section):
     min_readings: int = Field(default=3, ge=1)  # of a keyframe at a distance, of which the median counts
     reading_error: float = Field(default=0.03, gt=0)  # by which one of them is off, as a share of the distance ...
     common_error: float = Field(default=0.01, gt=0)  # ... and by which all of a keyframe's at one distance are
+    reach_readings: int = Field(default=30, ge=1)  # of a keyframe, which tell how far the sensor reaches ...
+    reach_share: float = Field(default=0.98, gt=0, le=1)  # ... by this quantile: the last few may be false
     certain_gain: float = Field(default=6.0, ge=0)  # times what is left, that a curve must explain; 0: never corrected
     refined_gain: float = Field(default=4.0, ge=0)  # the same, once depth is corrected: that it is wrong is known
     most_unexplained: float = Field(default=10.0, ge=1)  # χ² a vote that may remain: else votes contradict one another

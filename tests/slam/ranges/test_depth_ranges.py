@@ -124,7 +124,8 @@ def learned(read: Read, rounds: int = 1, **config: float) -> tuple[SlamMap, Dept
 def test_what_is_read_too_near_is_put_where_it_is() -> None:
     slam_map, change = learned(too_near, rounds=3)
     assert change is not None
-    true = np.array([2.5, 4.0, 5.8, 6.6, 7.2])
+    # Half a metre before the farthest point: there the end of what is seen may be the end of the sensor's reach.
+    true = np.array([2.5, 4.0, 5.8, 6.6, 7.0])
     np.testing.assert_allclose(slam_map.depth_curve.true(too_near(true).astype(np.float32)), true, rtol=0.025)
 
 
@@ -158,6 +159,26 @@ def test_depths_that_contradict_one_another_show_no_curve() -> None:
         return true * np.exp(random.normal(scale=0.2, size=int(bins.max()) + 1)[bins])
 
     assert learned(scattered)[1] is None
+
+
+def cut_off(true: np.ndarray) -> np.ndarray:
+    """What a sensor leaves of noisy readings that reaches no farther than six and a half metres."""
+    random = np.random.default_rng(5)
+    sigma = SENSOR.depth_sigma_at(true)
+    read = true + sigma * random.normal(size=true.shape)
+    for _ in range(1000):
+        beyond = read > 6.5
+        read[beyond] = (true + sigma * random.normal(size=true.shape))[beyond]
+    return np.minimum(read, 6.5)
+
+
+def test_readings_that_end_at_a_reach_are_not_taken_for_too_near() -> None:
+    """Told nothing of the reach, the same readings would stand for a tenth of a metre more at its end."""
+    slam_map, _ = learned(cut_off, rounds=2)
+    _, believed = learned(cut_off, rounds=2, reach_readings=10_000)
+    end = np.array([6.4], np.float32)
+    assert believed is not None
+    assert abs(float(slam_map.depth_curve.true(end)[0]) - 6.4) < 0.75 * abs(float(believed.after.true(end)[0]) - 6.4)
 
 
 def test_what_all_keyframes_have_from_the_same_pixels_is_told_once() -> None:

@@ -226,7 +226,7 @@ def _too_large(limits: ServingConfig) -> str:
 
 def _too_long(scope: Scope) -> Response | None:
     """A head that came whole is as long as a read of the socket, however little is taken of one in pieces."""
-    size = len(scope.get("raw_path") or b"") + len(scope["query_string"])
+    size = len(scope.get("raw_path") or b"") + len(scope.get("query_string") or b"")
     size += sum(len(name) + len(value) + _BETWEEN for name, value in scope["headers"])
     if size <= HEAD_BYTES:
         return None

@@ -9,12 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtr
 
 from lpslam.config import DepthRangeConfig
 from lpslam.slam.kernels import ranges as kernels
 from lpslam.slam.map import SlamMap
 from lpslam.slam.ranges.curve import DepthChange, DepthCurve
-from lpslam.slam.sensor import SensorModel
+from lpslam.slam.sensor import Reach, SensorModel
 
 _Matrix = NDArray[np.float64]
 
@@ -50,6 +51,7 @@ class DepthRanges:
         self._config = config
         self._first_keyframe = slam_map.keyframe_count
         self._farthest = farthest
+        self._reach = Reach(config.reach_readings, config.reach_share)
         self._better: DepthCurve | None = None
         self._changes = 0
         count = int(np.ceil(farthest / config.knots)) + 2
@@ -142,6 +144,8 @@ class DepthRanges:
         # All keyframes that see a point have its distance from the same pixels: together they tell it once.
         own = 1.0 / float(columns.observations[columns.point[slot, rows]].mean())
         scale = float(np.median(excess))
+        count = columns.feature_count[slot]
+        reach = self._reach.see(columns.depth[slot, :count][columns.has_depth[slot, :count]])
         # By what pixels say and not by the reading: where little lies, readings that are wrong would be most of it.
         metres = far * np.exp(scale)
         at = np.floor(metres / config.knots).astype(np.int64)
@@ -151,10 +155,12 @@ class DepthRanges:
             return None
         middles = np.array([np.median(excess[here]) for here in distances])
         counts = np.array([len(here) for here in distances])
+        read = np.array([np.median(columns.depth[slot, rows[here]]) for here in distances])
+        cut = _cut_off(read, reach, self._sensor.depth_sigma_at(read))
         return _Votes(
             np.array([np.median(metres[here]) for here in distances]) * np.exp(middles - scale),
             middles,
-            own / (config.common_error**2 + config.reading_error**2 / counts),
+            own / (config.common_error**2 + config.reading_error**2 / counts + (cut / read) ** 2),
             own,
         )
 
@@ -186,6 +192,15 @@ class DepthRanges:
         m.depth[slot, rows] = becomes
         m.u_right[slot, rows] = m.pixels[slot, rows, 0] - sensor.disparity(becomes)
         m.disparity_information[slot, rows] = sensor.disparity_information(becomes)
+
+
+def _cut_off(read: _Matrix, reach: float, sigma: _Matrix) -> _Matrix:
+    """Metres by which readings (n,) may be too near since a sensor gives none beyond its reach.
+
+    The mean of a normal distribution that is cut off there: near its end only those are left that are too near.
+    """
+    away = np.maximum((reach - read) / sigma, 0.0)
+    return np.asarray(sigma * np.exp(-0.5 * away**2) / np.sqrt(2.0 * np.pi) / ndtr(away), np.float64)
 
 
 _LEAST_INFORMATION = 1.0
