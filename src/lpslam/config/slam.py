@@ -14,9 +14,7 @@ class FeatureConfig(Section):
     fast_threshold: int = Field(default=12, ge=1, le=255)  # grey values a corner's arc must differ by, once smoothed
     faintest_threshold: int = Field(default=2, ge=1, le=255)  # grey values, where the first finds nothing, ...
     noise_multiple: float = Field(default=4.0, ge=0)  # ... and so many times what is left of the picture's noise
-    sparse_share: float = Field(
-        default=0.5, ge=0, le=1
-    )  # of a level's quota; fewer, and faint ones are taken everywhere
+    sparse_share: float = Field(default=0.5, ge=0, le=1)  # of a level's quota; fewer, and faint ones count everywhere
     cell_pixels: int = Field(default=35, ge=1)  # side of the cells in which the threshold adapts
     virtual_baseline: float = Field(default=0.08, gt=0)  # metres; scales u_r only, weights come from the noise model
     min_depth: float = 0.3  # metres; structured-light and stereo sensors are blind below

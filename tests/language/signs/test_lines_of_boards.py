@@ -1,12 +1,9 @@
 """Every line of a board says what is had there: the name first, then what the further lines list."""
 
-import numpy as np
 import pytest
+from asking import solved
 
-from lpslam.language.model import Candidate
 from lpslam.language.offline import OfflineModel
-from lpslam.navigation.places import Here, Place
-from lpslam.navigation.solver import solve
 
 MODEL = OfflineModel()
 BOARDS: tuple[tuple[str, ...], ...] = (
@@ -22,10 +19,7 @@ BOARDS: tuple[tuple[str, ...], ...] = (
 
 
 def found(question: str, boards: tuple[tuple[str, ...], ...] = BOARDS) -> str | None:
-    places = [Place(at, board[0], np.array([4.0 * at, 0.0, 0.0]), None) for at, board in enumerate(boards)]
-    marks = [Candidate(at, board[0], (), board[1:]) for at, board in enumerate(boards)]
-    stop = solve(MODEL.read_wish(question), places, MODEL.scorer(marks), Here(np.zeros(3))).stops[-1]
-    return None if stop.place is None else stop.place.name
+    return solved(MODEL, question, boards)[-1]
 
 
 @pytest.mark.parametrize(

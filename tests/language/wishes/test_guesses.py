@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
+from asking import solved
 
 from lpslam.language.choosing.guessing import COLUMNS, Guessing
 from lpslam.language.choosing.landmark_index import LandmarkIndex
@@ -13,18 +14,13 @@ from lpslam.language.offline import OfflineModel
 from lpslam.language.signs.reader import load_sign_reader
 from lpslam.language.tables.knowledge import load_knowledge
 from lpslam.language.wishes.served import Way
-from lpslam.navigation.places import Here, Place
-from lpslam.navigation.solver import solve
 
 MODEL = OfflineModel()
 STREET = ("Tailor", "Bakery", "Aquarium", "Dental Surgery", "Opticians")
 
 
 def found(question: str, boards: Sequence[str]) -> list[str | None]:
-    places = [Place(at, name, np.array([4.0 * at, 0.0, 0.0]), None) for at, name in enumerate(boards)]
-    marks = [Candidate(at, name) for at, name in enumerate(boards)]
-    stops = solve(MODEL.read_wish(question), places, MODEL.scorer(marks), Here(np.zeros(3))).stops
-    return [None if stop.place is None else stop.place.name for stop in stops]
+    return solved(MODEL, question, [(name,) for name in boards])
 
 
 def guessing_of(boards: Sequence[str]) -> Guessing:

@@ -1,12 +1,9 @@
 """Names that are spelt by ear: of few consonants where all that is asked for is heard, and never of another."""
 
-import numpy as np
 import pytest
+from asking import solved
 
-from lpslam.language.model import Candidate
 from lpslam.language.offline import OfflineModel
-from lpslam.navigation.places import Here, Place
-from lpslam.navigation.solver import solve
 
 BOARDS = (
     *("Phoenix Dental", "Café Quito", "Yoga Loft", "Geneva Lounge", "Ticket Hall", "수족관 안내소", "优衣堂"),
@@ -16,10 +13,7 @@ MODEL = OfflineModel()
 
 
 def found(question: str, boards: tuple[str, ...] = BOARDS) -> str | None:
-    places = [Place(at, name, np.array([4.0 * at, 0.0, 0.0]), None) for at, name in enumerate(boards)]
-    marks = [Candidate(at, name) for at, name in enumerate(boards)]
-    stop = solve(MODEL.read_wish(question), places, MODEL.scorer(marks), Here(np.zeros(3))).stops[-1]
-    return None if stop.place is None else stop.place.name
+    return solved(MODEL, question, [(name,) for name in boards])[-1]
 
 
 @pytest.mark.parametrize(
