@@ -12,7 +12,6 @@ import struct
 from collections import OrderedDict, deque
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
 from dataclasses import asdict
 from typing import Any, Protocol
 
@@ -21,6 +20,7 @@ from lpslam.isolated import python_command
 from lpslam.language.model import LanguageModel
 from lpslam.navigation.directory import Directory
 from lpslam.serving.atlas import ServedMap
+from lpslam.serving.processes import ended, kill, started
 from lpslam.serving.questions import Asked, answered, understood
 
 _HEAD = struct.Struct("<Q")
@@ -167,7 +167,7 @@ class ProcessAnswerer:
 
     async def close(self) -> None:
         """End the processes."""
-        await asyncio.gather(*(each.end() for each in self._members))
+        await asyncio.gather(*(each.close() for each in self._members))
 
     async def _call(self, request: dict[str, Any]) -> bytes:
         if sum(len(each.pending) for each in self._members) >= self._waiting:
@@ -193,12 +193,15 @@ class _Process:
         self._known: dict[str, str] = {}
         self._starting = asyncio.Lock()
         self._listening: asyncio.Task[None] | None = None
+        self._is_closed = False
 
     async def ready(self, maps: dict[str, tuple[str, bytes]]) -> None:
         """Have it run and know these maps."""
         if self.process is not None and all(self._known.get(name) == version for name, (version, _) in maps.items()):
             return
         async with self._starting:
+            if self._is_closed:
+                raise ConnectionError("no more questions are answered")
             if self.process is None:
                 await self._start()
             for name, (version, packed) in maps.items():
@@ -233,15 +236,12 @@ class _Process:
     async def _start(self) -> None:
         # What is read from a map reaches it through the pipe alone; keys of language models are none of its business.
         kept = {key: value for key, value in os.environ.items() if not key.upper().endswith(("_KEY", "_TOKEN"))}
-        self.process = await asyncio.create_subprocess_exec(
-            *python_command(_CODE),
-            stdin=asyncio.subprocess.PIPE,
-            stdout=asyncio.subprocess.PIPE,
-            env=kept,
-            start_new_session=True,
-        )
-        self._known = {}
-        self._listening = asyncio.create_task(self._listen(self.process))
+        process = await started(python_command(_CODE), kept)
+        if self._is_closed:
+            await ended(process)
+            raise ConnectionError("no more questions are answered")
+        self.process, self._known = process, {}
+        self._listening = asyncio.create_task(self._listen(process))
 
     async def _listen(self, process: asyncio.subprocess.Process) -> None:
         assert process.stdout is not None
@@ -253,29 +253,28 @@ class _Process:
                 promise = self.pending.popleft()
                 if not promise.done():
                     promise.set_result(body)
-        except (asyncio.IncompleteReadError, ConnectionError, IndexError) as ended:
-            error = ended if isinstance(ended, ConnectionError) else error
+        except (asyncio.IncompleteReadError, ConnectionError, IndexError) as met:
+            error = met if isinstance(met, ConnectionError) else error
         finally:
-            self._forget(process)
+            if self.process is process:
+                self.process, self._known = None, {}
             waiting, self.pending = self.pending, deque()
             for promise in waiting:
                 if not promise.done():
                     promise.set_exception(error)
                     # Whoever waited may be gone.
                     promise.exception()
-            await process.wait()
+            await ended(process)
 
-    def _forget(self, process: asyncio.subprocess.Process) -> None:
-        if self.process is process:
-            self.process, self._known = None, {}
-        with suppress(ProcessLookupError):
-            process.kill()
+    async def close(self) -> None:
+        """End it for good."""
+        self._is_closed = True
+        await self.end()
 
     async def end(self) -> None:
         """End it; whoever waits for an answer of it is told."""
         if self.process is not None:
-            with suppress(ProcessLookupError):
-                self.process.kill()
+            kill(self.process)
         if self._listening is not None:
             await asyncio.shield(self._listening)
 

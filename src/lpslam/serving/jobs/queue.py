@@ -19,6 +19,7 @@ from lpslam.isolated import python_command
 from lpslam.serving.atlas import Atlas, ServedMap
 from lpslam.serving.hub import Hub
 from lpslam.serving.jobs.running import MAP
+from lpslam.serving.processes import ended, kill, started
 
 SUFFIXES = {
     **dict.fromkeys(("zip", "tar", "tar.gz", "tgz"), ".archive"),
@@ -170,7 +171,7 @@ class Jobs:
             return
         job.state, job.message = "cancelled", "cancelled on request"
         if self._running is not None and self._running[0] is job:
-            _end(self._running[1])
+            kill(self._running[1])
         self._tell(job)
 
     def _refuse(self, name: str, file: str, length: int | None, receiving: int = 0) -> str:
@@ -227,15 +228,8 @@ class Jobs:
     async def _run(self, job: Job, place: Path) -> None:
         temporary = place / "tmp"
         temporary.mkdir()
-        process = await asyncio.create_subprocess_exec(
-            *python_command(_CODE, str(place), str(self._uploads[job.id])),
-            stdin=asyncio.subprocess.PIPE,
-            stdout=asyncio.subprocess.PIPE,
-            stderr=asyncio.subprocess.DEVNULL,
-            env=_surroundings(temporary),
-            cwd=place,
-            start_new_session=True,
-        )
+        command = python_command(_CODE, str(place), str(self._uploads[job.id]))
+        process = await started(command, _surroundings(temporary), place, asyncio.subprocess.DEVNULL)
         self._running, is_mapped = (job, process), False
         try:
             async with asyncio.timeout(self._limits.clock_s):
@@ -244,8 +238,7 @@ class Jobs:
             job.state, job.message = "failed", f"the job took longer than {self._limits.clock_s:g} s"
         finally:
             self._running = None
-            _end(process)
-            await process.wait()
+            await ended(process)
         if is_mapped and not job.is_over:
             await self._serve(job, place / MAP)
 
@@ -325,14 +318,3 @@ def _why(code: int) -> str:
     except ValueError:
         name = f"signal {-code}"
     return f"its process was ended by {name}: stopped from outside, or out of memory or processor time"
-
-
-def _end(process: asyncio.subprocess.Process) -> None:
-    """End a process and all that it has started."""
-    if process.returncode is not None:
-        return
-    try:
-        os.killpg(process.pid, signal.SIGKILL)
-    except (ProcessLookupError, PermissionError):
-        with contextlib.suppress(ProcessLookupError):
-            process.kill()
