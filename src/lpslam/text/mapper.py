@@ -17,6 +17,7 @@ from lpslam.text.again.looking import look_again
 from lpslam.text.boards.surroundings import surroundings
 from lpslam.text.frame_reader import FrameReader
 from lpslam.text.placing.instances import KeyframePoses
+from lpslam.text.placing.placement import hidden_pixels
 from lpslam.text.placing.spots import Spots
 from lpslam.text.placing.views import bearing_of
 from lpslam.text.reading.borders import room_beyond
@@ -280,7 +281,8 @@ class TextMapper:
             if self._says_what_is_known(text, placement, world_from_keyframe):
                 self._remember(text, glance, observation, world_from_keyframe)
             else:
-                room = room_beyond(frame.rgb, text.box)
+                hidden = hidden_pixels(text.box, placement, frame.depth, self._camera, pose, self._config.placement)
+                room = room_beyond(frame.rgb, text.box, hidden)
                 alike = self._waiting.add(CutText(text, placement, glance, observation, world_from_keyframe, room))
                 is_new |= alike < self._config.reading.settled_sightings
         return is_new

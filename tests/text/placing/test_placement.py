@@ -4,7 +4,7 @@ from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera, transform_points
 from lpslam.config import PlacementConfig
-from lpslam.text.placing.placement import PlacementFault, place_text
+from lpslam.text.placing.placement import PlacementFault, hidden_pixels, place_text
 from lpslam.text.types import Placement
 
 CAMERA = PinholeCamera(640, 480, 570.0, 570.0, 321.0, 238.0)
@@ -290,3 +290,18 @@ def test_a_sign_without_depth_does_not_hang_between_a_pillar_and_the_wall_behind
     there = place_text(box, none, CAMERA, np.eye(4), CONFIG, lambda: wall)
     assert isinstance(there, Placement)
     assert there.position[2] == pytest.approx(7.0, abs=0.05)
+
+
+def test_what_stands_before_the_end_of_a_placed_text_hides_it() -> None:
+    centre = np.array([0.1, -0.1, 3.0])
+    _, box, normal = sign(centre, 25.0)
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = turned(30.0), [0.5, 0.0, 1.0]
+    depth = wall_depth(centre, normal)
+    placement = placed(box, depth, pose)
+    begin = int(box[0, 0]) - 3
+    depth[:, :begin] = 1.5
+    hidden = hidden_pixels(box, placement, depth, CAMERA, pose, CONFIG)
+    row = int(box[:, 1].mean())
+    assert hidden[row, begin - 8 : begin].all()
+    assert not hidden[row, begin:].any(), "the wall itself hides nothing"

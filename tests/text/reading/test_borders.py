@@ -121,3 +121,17 @@ def test_how_far_the_image_goes_on_beyond_the_ends_of_a_text() -> None:
     assert room_beyond(image, box)[1] == 0.0
     slanted = np.array([[60.0, 40.0], [160.0, 140.0], [140.0, 160.0], [40.0, 60.0]])
     assert room_beyond(image, slanted) == pytest.approx((2.0, (HEIGHT - 1.0 - 160.0) / 20.0), rel=0.01)
+
+
+def test_what_hides_the_image_beyond_an_end_ends_the_view() -> None:
+    image, box = seen("ABC", 120, 100)
+    height, begin = box[3, 1] - box[0, 1], box[0, 0]
+    hidden = np.zeros(image.shape[:2], np.bool_)
+    hidden[:, : int(begin - 0.5 * height)] = True
+    before, behind = room_beyond(image, box, hidden)
+    assert before == pytest.approx(0.5, abs=2.0 / height)
+    assert behind == room_beyond(image, box)[1]
+    hidden[:, : int(begin) + 2] = True
+    assert room_beyond(image, box, hidden)[0] == 0.0
+    hidden[int(box[0, 1]) + 8 :] = False
+    assert room_beyond(image, box, hidden)[0] == room_beyond(image, box)[0], "it is above the line"

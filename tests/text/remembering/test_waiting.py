@@ -106,8 +106,33 @@ def test_where_a_camera_stands_the_view_ends_again_where_it_did(room: tuple[floa
     assert waiting(*still).gone(None, named()) == []
     moved = [cut("OX", 2.0 + index / 10) for index in range(2)]
     assert len(waiting(*still, *moved).gone(None, named())) == 1, "its end was seen twice"
-    longer = [cut("NORVANE", index / 10, room=room) for index in range(12)]
-    assert len(waiting(*longer).gone(None, named())) == 1, "more letters than a piece of a frieze is read as"
+
+
+@pytest.mark.parametrize(
+    ("text", "room", "is_whole"),
+    [
+        ("STROOM", (0.0, 5.0), False),
+        ("SHOE LAB", (0.0, 5.0), True),
+        ("Café Lumi", (5.0, 0.0), False),
+        ("NORVANE CAFÉ", (5.0, 0.0), True),
+        ("手间", (0.0, 5.0), False),
+        ("幸福面馆", (5.0, 0.0), True),
+        ("KEEP CLEA", (5.0, 0.0), False),
+        ("KEEP CLEA", (5.0, 0.3), True),
+    ],
+)
+def test_an_end_beyond_which_nothing_was_seen_is_one_where_a_word_ends(
+    text: str, room: tuple[float, float], is_whole: bool
+) -> None:
+    # A camera that hardly moves cuts it in the same place again.
+    still = [cut(text, index / 10, room=room) for index in range(4)]
+    assert bool(waiting(*still).gone(None, named())) is is_whole
+
+
+def test_a_word_that_one_surer_reading_ends_with_is_enough() -> None:
+    readings = [cut(each, index / 10, room=(0.0, 5.0)) for index, each in enumerate(["HOE LAB"] * 4)]
+    assert waiting(*readings).gone(None, named()) == []
+    assert len(waiting(*readings, cut("SHOE LAB", 0.5, right=0.6, room=(0.0, 5.0))).gone(None, named())) == 1
 
 
 def test_letters_seen_beyond_a_spelling_say_that_it_is_a_part() -> None:

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.camera import PinholeCamera, transform_points
+from lpslam.camera import PinholeCamera, inverse_transform, transform_points
 from lpslam.config import PlacementConfig
 from lpslam.text.reading.borders import goes_on
 from lpslam.text.reading.boxes import along_the_lines, letter_heights
@@ -293,6 +293,21 @@ def _nearer(
     is_step = values < surface - config.hiding_step - config.hiding_step_share * surface
     nearer[rows, columns] = (values >= config.min_depth) & is_step
     return nearer
+
+
+def hidden_pixels(
+    box: Array,
+    placement: Placement,
+    depth: NDArray[np.float32],
+    camera: PinholeCamera,
+    keyframe_from_camera: Array,
+    config: PlacementConfig,
+) -> NDArray[np.bool_]:
+    """Which pixels (height, width) on and about the box (4, 2) of a placed text show something in front of it."""
+    camera_from_keyframe = inverse_transform(keyframe_from_camera)
+    normal = camera_from_keyframe[:3, :3] @ np.array(placement.normal)
+    position = transform_points(camera_from_keyframe, np.array([placement.position]))[0]
+    return _nearer(along_the_lines(box[None])[0], depth, camera, normal / (normal @ position), config)
 
 
 def _ends(box: Array, share: float) -> tuple[Array, Array]:

@@ -56,23 +56,46 @@ def goes_on(rgb: Image, line: Boxes, hidden: Mask) -> bool:
     return _goes_on(rgb, line, *view_of(rgb), hidden)
 
 
-def room_beyond(rgb: Image, box: Boxes) -> tuple[float, float]:
-    """How far an (h, w, 3) image goes on before and behind the text of a box (4, 2), in heights of the box."""
+def room_beyond(rgb: Image, box: Boxes, hidden: Mask | None = None) -> tuple[float, float]:
+    """How far an (h, w, 3) image goes on before and behind the text of a box (4, 2), in heights of the box.
+
+    What hides some pixels (h, w) ends the view as the image's border does.
+    """
     line = along_the_lines(box[None])[0]
     height = max(float(letter_heights(box[None])[0]), 1.0)
     first, last = view_of(rgb)
     before, behind = line[[0, 3]], line[[1, 2]]
-    return _steps_to_border(before, behind, first, last) / height, _steps_to_border(
-        behind, before, first, last
-    ) / height
+    rooms = []
+    for ends in ((before, behind), (behind, before)):
+        room = _steps_to_border(*ends, first, last)
+        rooms.append((room if hidden is None else _steps_to_hidden(*ends, room, hidden)) / height)
+    return rooms[0], rooms[1]
 
 
 def _steps_to_border(end: Boxes, other: Boxes, first: Pixel, last: Pixel) -> float:
     """Pixels from the corners (2, 2) of an end, away from those of the other one, to where the view ends."""
-    steps = end - other
-    steps = steps / np.maximum(np.linalg.norm(steps, axis=1, keepdims=True), 1e-9)
+    steps = _away(end, other)
     room = np.where(steps > 0.0, last - end, end - first) / np.maximum(np.abs(steps), 1e-9)
     return max(float(room.min()), 0.0)
+
+
+def _steps_to_hidden(end: Boxes, other: Boxes, room: float, hidden: Mask) -> float:
+    """Pixels from the corners (2, 2) of an end to what hides half of the line's height, `room` if nothing does."""
+    steps = np.arange(room)
+    if not len(steps):
+        return room
+    rails = end[:, None] + steps[:, None] * _away(end, other)[:, None]
+    across = np.linspace(_MARGIN, 1.0 - _MARGIN, _PIXELS)[:, None, None]
+    pixels = np.round(rails[0] + across * (rails[1] - rails[0])).astype(np.intp)
+    columns, rows = (np.clip(pixels[..., axis], 0, hidden.shape[1 - axis] - 1) for axis in (0, 1))
+    is_hidden = hidden[rows, columns].mean(axis=0) > 1.0 - _SEEN
+    return float(steps[is_hidden.argmax()]) if is_hidden.any() else room
+
+
+def _away(end: Boxes, other: Boxes) -> Boxes:
+    """Unit steps (2, 2) from the corners of the other end of a line towards those of an end."""
+    steps = end - other
+    return np.asarray(steps / np.maximum(np.linalg.norm(steps, axis=1, keepdims=True), 1e-9))
 
 
 def view_of(rgb: Image) -> tuple[Pixel, Pixel]:

@@ -2,7 +2,8 @@
 
 Of a text that an image's border or something nearer cuts, a reading shows a part, and other views cut it elsewhere: its
 end moves with the view. The longest spelling that was read again is all of it where both of its ends stay where they
-are; where one moves, there is more that nobody saw. A text that was read as a whole needs none.
+are, and at each of them the view went on or a word ends; else there is more that nobody saw. A text that was read as
+a whole needs none.
 """
 
 from collections import defaultdict
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 
 from lpslam.camera import transform_points
 from lpslam.language.tables.spelling import is_ideograph
+from lpslam.text.remembering.ends import ends_as_words_do
 from lpslam.text.remembering.evidence import Glance
 from lpslam.text.remembering.similarity import comparison_key, is_fragment, similarity
 from lpslam.text.types import Placement, SpottedText, TextObservation
@@ -47,8 +49,7 @@ _IN_VIEW = 0.1
 not the view: a camera that stands still sees the same end again and again. Boxes are grown by about as much."""
 
 _FEW_LETTERS = 3
-"""Letters of a part whose end was never in view that are not believed: a piece of a frieze is read as few. An ideograph
-counts for two."""
+"""Letters of a part that are no word: a piece of a frieze is read as few. An ideograph counts for two."""
 
 _ACROSS = 0.6
 """Share of the higher text's height within which parts stand on one line."""
@@ -151,15 +152,21 @@ def _is_short(key: str) -> bool:
     return sum(1 + is_ideograph(letter) for letter in key) <= _FEW_LETTERS
 
 
-def _has_ends(cuts: list[CutText], must_be_in_view: bool) -> bool:
-    """Whether both ends of a text stay where they are, perhaps within the view: what is cut ends where that does."""
+def _has_ends(cuts: list[CutText], is_short: bool) -> bool:
+    """Whether both ends of a text stay where they are, and the view went on beyond them or a word ends there.
+
+    What is cut ends where the view does: while a camera hardly moves, that end stays as well.
+    """
     in_view = np.array([each.room for each in cuts]) >= _IN_VIEW
+    are_words = np.array([not is_short and each.glance.right >= _LONGER for each in cuts])[:, None] & np.array(
+        [ends_as_words_do(each.text.text) for each in cuts]
+    )
     reaches, stray = _reaches(cuts, cuts[0])
-    for ends, is_seen in zip(reaches, in_view.T, strict=True):
+    for ends, is_seen, is_word in zip(reaches, in_view.T, are_words.T, strict=True):
         there = ends >= ends.max() - stray
         if np.count_nonzero(there) < max(2.0, _STAYS * len(cuts)):
             return False
-        if must_be_in_view and np.count_nonzero(there & is_seen) < 2:
+        if np.count_nonzero(there & is_seen) < 2 and not (there & is_word).any():
             return False
     return True
 
