@@ -10,6 +10,7 @@ from PIL import Image, ImageDraw, ImageFont
 from lpslam.assets import font_names, font_path
 from ornament_kinds import KINDS
 from ornament_mouldings import MOULDINGS
+from ornament_strokes import STROKES
 from ornament_things import THINGS
 
 Picture = NDArray[np.uint8]
@@ -224,6 +225,7 @@ ORNAMENTS: dict[str, Draw] = {
     **KINDS,
     **THINGS,
     **MOULDINGS,
+    **STROKES,
 }
 
 
