@@ -280,6 +280,8 @@ class LocatingConfig(Section):
     min_trial_inliers: int = Field(default=12, ge=4)  # fewer agree by chance
     wide_search: float = Field(default=3.0, ge=1)  # factor on the tracking windows in the first guided search
     guess_search: float = Field(default=8.0, ge=1)  # the same around a pose that signs tell: 20 to 30 pixels
+    anchor_reach: float = Field(default=2.0, gt=0)  # metres around a sign in which its keypoints are matched: one front
+    min_anchored: int = Field(default=6, ge=1)  # of them that must agree with it on a pose
     min_inliers: int = Field(default=50, ge=10)  # map points that must agree in the end; a wrong place ruins the map
     hidden_share: float = Field(default=0.1, gt=0, lt=1)  # nearer by this share of the depth hides a map point
     depth_tolerance: float = Field(default=0.06, gt=0)  # share of the depth by which map and sensor may differ

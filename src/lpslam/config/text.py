@@ -224,6 +224,8 @@ class AdviceConfig(Section):
     # Metres and degrees by which two texts may stand otherwise to one another than two texts read before.
     distance_tolerance: float = Field(default=0.3, gt=0)
     facing_tolerance: float = Field(default=25.0, gt=0, lt=90)
+    # Share of a text's height by which a corner may be seen elsewhere than it stands: boxes are as loose as that.
+    corner_tolerance: float = Field(default=0.5, gt=0)
     # A text that stands at n places counts 1/n; a constellation must count as much as this to propose.
     min_rarity: float = Field(default=1.0, gt=0)
     # Most keyframes proposed at a time, and how far, metres and degrees, they may be from where the texts say.

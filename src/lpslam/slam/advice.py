@@ -29,11 +29,54 @@ class KeyframeMap(Protocol):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Anchor:
+    """Signs that are seen and whose places are known.
+
+    Attributes:
+        corners: (n, 4, 3) metres, world frame: top left, top right, bottom right, bottom left of each.
+        directions: (n, 4, 3) of the corners, in the camera's frame.
+    """
+
+    corners: NDArray[np.float64]
+    directions: NDArray[np.float64]
+
+    @property
+    def middles(self) -> NDArray[np.float64]:
+        """(n, 3) metres, world frame."""
+        middles: NDArray[np.float64] = self.corners.mean(axis=1)
+        return middles
+
+    def pixels(self, intrinsics: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(n, 4, 2) where the corners are seen, undistorted."""
+        fx, fy, cx, cy = intrinsics[:4]
+        pixels: NDArray[np.float64] = self.directions[..., :2] / self.directions[..., 2:] * (fx, fy) + (cx, cy)
+        return pixels
+
+    def pixels_per_metre(self, intrinsics: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(n,) of the image, where each is seen: by its height, which turning shortens least."""
+        return _heights(self.pixels(intrinsics)) / np.maximum(_heights(self.corners), 1e-6)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Recalled:
-    """A place that a lost camera may be in: a keyframe near it, and the camera's 4×4 pose in that one's world."""
+    """A place that a lost camera may be in.
+
+    Attributes:
+        keyframe: that is near it.
+        camera_from_world: the camera's 4×4 pose in that one's world; None where it is not known.
+        anchor: what is in view and has a known place in that world.
+    """
 
     keyframe: int
-    camera_from_world: NDArray[np.float64]
+    camera_from_world: NDArray[np.float64] | None = None
+    anchor: Anchor | None = None
+
+
+def _heights(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(n,) of signs (n, 4, …)."""
+    down = corners[:, 3] - corners[:, 0] + corners[:, 2] - corners[:, 1]
+    heights: NDArray[np.float64] = np.linalg.norm(down, axis=1) / 2
+    return heights
 
 
 class LoopAdvisor(Protocol):

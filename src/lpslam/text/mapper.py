@@ -175,7 +175,9 @@ class TextMapper:
             return
         reading = self._reader.read(frame, np.eye(4), None, NOWHERE)
         if reading is not None:
-            self._on_lost(self._sure(reading, frame, NOWHERE, np.eye(4)))
+            self._on_lost(
+                [self._observation(frame, NOWHERE, np.eye(4), text, placement) for text, placement in reading.texts]
+            )
 
     def _sure(
         self, reading: FrameReading, frame: RgbdFrame, keyframe: int, keyframe_from_camera: Array

@@ -8,7 +8,7 @@ from slam_scenes import SENSOR, add_view, descriptors_of, points_ahead, rigid, v
 
 from lpslam.camera import inverse_transform
 from lpslam.config import LocatingConfig, TrackingConfig
-from lpslam.slam.advice import NO_ADVICE, KeyframeMap, LoopAdvisor, Recalled
+from lpslam.slam.advice import NO_ADVICE, Anchor, KeyframeMap, LoopAdvisor, Recalled
 from lpslam.slam.features import Features
 from lpslam.slam.map import SlamMap
 from lpslam.slam.places.index import PlaceIndex
@@ -36,16 +36,26 @@ class Holding:
         self.agreement = agreement
         self.asked: list[int] = []
         self.guesses: dict[int, np.ndarray] = {}
+        self.anchors: dict[int, Anchor] = {}
 
-    def locate(self, features: Features, candidate: int, guess: np.ndarray | None = None) -> Located | None:
+    def locate(
+        self,
+        features: Features,
+        candidate: int,
+        guess: np.ndarray | None = None,
+        anchor: Anchor | None = None,
+    ) -> Located | None:
         self.asked.append(candidate)
+        if anchor is not None:
+            self.anchors[candidate] = anchor
         if guess is not None:
             self.guesses[candidate] = guess
         if candidate not in self.holds:
             return None
         metres, inliers = self.holds[candidate]
         pose = inverse_transform(rigid([metres, 0.0, 0.0], [0, 0, 0]))
-        return Located(candidate, pose, np.zeros(1, np.int32), inliers, 2 * inliers, 0.0, 1.0, self.agreement)
+        points, is_told = np.zeros(1, np.int32), guess is not None or anchor is not None
+        return Located(candidate, pose, points, inliers, 2 * inliers, 0.0, 1.0, self.agreement, is_told)
 
 
 def places_apart(count: int, submaps: dict[int, int] | None = None) -> SlamMap:
@@ -97,6 +107,23 @@ def test_a_place_that_is_recalled_is_believed_no_sooner_than_another() -> None:
     assert relocaliser(slam_map, [0.0] * 5, Holding({}), advisor).find(VIEW, 4) is None
     rivals = Holding({2: (1.0, 80), 4: (9.0, 70)})
     assert relocaliser(slam_map, [0.0] * 5, rivals, advisor).find(VIEW, 4) is None
+
+
+def test_what_something_in_view_told_is_looked_for_there_in_the_next_frames() -> None:
+    """A sign is read every few frames, and its direction is old by then; where the camera was found is not."""
+    anchor = Anchor(np.zeros((1, 4, 3)), np.tile([0.0, 0.0, 1.0], (1, 4, 1)))
+    advisor = Recalling(Recalled(2, anchor=anchor))
+    locator = Holding({2: (1.0, 80)}, agreement=0.2)
+    searching = relocaliser(places_apart(5), [0.0] * 5, locator, advisor)
+    assert searching.confirm(VIEW, -1, None, 0.0) is None
+    assert locator.anchors == {2: anchor}
+    assert 2 not in locator.guesses
+    advisor.recalled = ()
+    assert searching.confirm(VIEW, -1, None, 1 / 30) is None
+    np.testing.assert_allclose(locator.guesses[2], inverse_transform(rigid([1.0, 0.0, 0.0], [0, 0, 0])))
+    found = searching.confirm(VIEW, -1, None, 2 / 30)
+    assert found is not None
+    assert found.is_told
 
 
 def test_a_place_whose_words_say_nothing_is_found_in_its_turn() -> None:

@@ -13,8 +13,9 @@ from lpslam.slam.features import Features
 from lpslam.slam.kernels.geometry import exponential
 from lpslam.slam.map import SlamMap
 from lpslam.text.advice.advising import SIGNS_DIFFER, TextAdvisor
+from lpslam.text.placing.views import vector3
 from lpslam.text.remembering.memory import TextClass
-from lpslam.text.types import Placement, TextObservation
+from lpslam.text.types import Bearing, Placement, TextObservation
 
 CONFIG = AdviceConfig()
 FIRST_WALK = 40
@@ -34,6 +35,7 @@ class Sign:
     height: float = 0.2
 
 
+CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1))
 SIGNS = [Sign("STARBUCKS", 1.0), Sign("书店", 2.2), Sign("PIZZA HUT", 9.0), Sign("LIBRARY", 11.5), Sign("华为", 16.0)]
 
 
@@ -86,7 +88,11 @@ class TwoWalks:
             (float(local[0]), float(local[1]), float(local[2])), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0),
             sign.width, sign.height, 0.01,
         )  # fmt: skip
-        return TextObservation(keyframe, timestamp, keyframe, sign.text, confidence, placement, 30.0)
+        x, y, z = local.tolist()
+        corners = np.array([[x + a * sign.width / 2, y + b * sign.height / 2, z] for a, b in CORNERS])
+        first, second, third, fourth = (vector3(corner / np.linalg.norm(corner)) for corner in corners)
+        bearing = Bearing((0.0, 0.0, 0.0), (first, second, third, fourth))
+        return TextObservation(keyframe, timestamp, keyframe, sign.text, confidence, placement, 30.0, bearing=bearing)
 
     def propose(self) -> list[int]:
         return self.advisor.propose(self.map, self.newest)
@@ -320,15 +326,31 @@ def test_two_texts_in_one_view_recall_where_they_were_seen_so(signs: list[Sign])
     "signs",
     [
         [],
-        SIGNS[:1],
+        [Sign("GUCCI", 1.0)],
         [Sign("STARBUCKS", 1.0), Sign("STARBUCKS", 2.2)],
         [Sign("STARBUCKS", 1.0), Sign("书店", 2.9)],
-        [Sign("STARBUCKS", 1.0), Sign("GUCCI", 2.2)],
     ],
-    ids=["none", "one", "one twice", "elsewhere", "another"],
+    ids=["none", "another", "one twice", "elsewhere"],
 )
 def test_texts_that_stood_nowhere_so_recall_nothing(signs: list[Sign]) -> None:
     assert recalled(signs) == []
+
+
+@pytest.mark.parametrize(
+    "signs", [SIGNS[:1], [SIGNS[0], Sign("GUCCI", 2.2)]], ids=["alone", "beside one that was not read"]
+)
+def test_one_text_that_stands_nowhere_else_is_an_anchor(signs: list[Sign]) -> None:
+    (place,) = recalled(signs)
+    assert place.camera_from_world is None
+    assert place.anchor is not None
+    np.testing.assert_allclose(place.anchor.middles, [[SIGNS[0].x, SIGNS[0].y, 3.0]], atol=1e-9)
+    assert place.keyframe in {0, 1, 2, 3, 4, 5}
+
+
+def test_one_text_that_stands_at_two_places_is_no_anchor() -> None:
+    walks = TwoWalks([*SIGNS, replace(SIGNS[0], x=14.0)], [])
+    walks.advisor.note_lost([replace(walks.sighting(4, SIGNS[0], 99.0), keyframe=-1)])
+    assert walks.advisor.recalls(walks.map) == []
 
 
 def test_only_the_last_view_is_recalled() -> None:

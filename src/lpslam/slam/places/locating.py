@@ -1,16 +1,19 @@
 """Where in the map a view could have been taken: for relocalising, closing loops and merging (ORB-SLAM, V-E, VII-B)."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.config import LocatingConfig, TrackingConfig
+from lpslam.slam.advice import Anchor
 from lpslam.slam.association import Associator, Estimate, View
 from lpslam.slam.consensus import largest_consensus
 from lpslam.slam.features import Features
 from lpslam.slam.kernels import graph, matching
 from lpslam.slam.map import SlamMap
+from lpslam.slam.places.anchored import anchored_pose
 from lpslam.slam.rays import is_unsure
 from lpslam.slam.sensor import SensorModel
 
@@ -32,6 +35,7 @@ class Located:
         depth_agreement: share of the inliers with a depth whose depth agrees with the map.
         alike_agreement: share of the keypoints that look like one point of the place, and like no other, that see it:
             so much at least, with 95 %.
+        is_told: something else than appearance said where to look.
     """
 
     keyframe: int
@@ -42,6 +46,7 @@ class Located:
     missing_share: float
     depth_agreement: float
     alike_agreement: float
+    is_told: bool = False
 
     @property
     def seen_share(self) -> float:
@@ -75,6 +80,7 @@ class Locator:
         candidate: int,
         allowed: NDArray[np.bool_] | None = None,
         guess: _Matrix | None = None,
+        anchor: Anchor | None = None,
         is_anywhere: bool = True,
     ) -> Located | None:
         """Match by appearance, PnP RANSAC, then guided matching in windows that narrow.
@@ -83,22 +89,42 @@ class Locator:
             features: the view's keypoints.
             candidate: a keyframe that may show the same place.
             allowed: (K,) keyframes whose points may be used; all without.
-            guess: 4×4 camera from world, where something else than appearance says it, for where appearance does not.
+            guess: 4×4 camera from world, where something else than appearance says it: tried first, ...
+            anchor: ... or, better, what is seen and stands so nowhere else in the map.
             is_anywhere: nothing else says in which part of the map it was taken: the place must look like no other.
         """
-        config, view = self._config, View.of(features, self._sensor)
-        group = self._group(candidate, config.matched_keyframes, allowed)
-        alike = self._alike(features, group)
-        estimate = self._from_appearance(features, alike)
-        if estimate is not None:
-            pose, widenings = estimate.camera_from_world, [config.wide_search, 1.0]
-        elif guess is not None:
-            pose, widenings = guess, [config.guess_search, config.wide_search, 1.0]
-        else:
-            return None
+        config = self._config
+        alike = self._alike(features, self._group(candidate, config.matched_keyframes, allowed))
         points = graph.points_of(
             self._map.columns, self._group(candidate, config.guided_keyframes, allowed), self._map.point_count
         )
+        if anchor is not None:
+            anchored = self._from_anchor(features, candidate, anchor, allowed)
+            guess = guess if anchored is None else anchored
+        if guess is not None:
+            widenings = (config.guess_search, config.wide_search, 1.0)
+            estimate = self._guided(features, guess, points, widenings)
+            if estimate is not None:
+                located = self._judge(features, candidate, estimate, points, alike)
+                # What looks alike here and there need not tell the place: something else has.
+                if self._is_certain(features, located):
+                    return replace(located, is_told=True)
+        found = self._from_appearance(features, alike)
+        if found is None:
+            return None
+        estimate = self._guided(features, found.camera_from_world, points, (config.wide_search, 1.0))
+        if estimate is None:
+            return None
+        located = self._judge(features, candidate, estimate, points, alike)
+        if located.alike_agreement < config.min_alike_agreement or not self._is_certain(features, located):
+            return None
+        return located if not is_anywhere or self._is_unique(features, alike, located, allowed) else None
+
+    def _guided(
+        self, features: Features, camera_from_world: _Matrix, points: _Rows, widenings: Sequence[float]
+    ) -> Estimate | None:
+        """The pose that points seen around a first one ask for, in windows that narrow."""
+        view, pose, estimate = View.of(features, self._sensor), camera_from_world, None
         for widening in widenings:
             predicted = self._associator.predict(points, pose)
             matched = self._associator.match_predicted(view, predicted, np.zeros(features.rows, np.bool_), widening)
@@ -106,13 +132,7 @@ class Locator:
             if estimate is None:
                 return None
             pose = estimate.camera_from_world
-        if estimate is None or estimate.matches < config.min_inliers:
-            return None
-        located = self._judge(features, candidate, estimate, points, alike)
-        if not self._is_certain(features, located):
-            return None
-        is_told = guess is not None or not is_anywhere
-        return located if is_told or self._is_unique(features, alike, located, allowed) else None
+        return estimate if estimate is not None and estimate.matches >= self._config.min_inliers else None
 
     def _group(self, candidate: int, size: int, allowed: NDArray[np.bool_] | None) -> _Rows:
         covisible = self._map.covisible(candidate, 1)
@@ -146,6 +166,39 @@ class Locator:
         held = np.full(features.rows, -1, np.int32)
         held[keypoints[found.rows]] = alike.points[found.rows]
         return self._associator.optimise_on_map(features, found.camera_from_world, held)
+
+    def _from_anchor(
+        self, features: Features, candidate: int, anchor: Anchor, allowed: NDArray[np.bool_] | None
+    ) -> _Matrix | None:
+        """Pose by an anchor and by what looks alike around it, on the map and in the view."""
+        config, m, intrinsics = self._config, self._map.columns, self._sensor.intrinsics
+        slots, rows, points = self._appearances(self._group(candidate, config.matched_keyframes, allowed))
+        reach, pixels = config.anchor_reach, anchor.pixels(intrinsics).mean(axis=1)
+        away = np.linalg.norm(m.position[points][:, None] - anchor.middles, axis=2)
+        near = (away < reach).any(axis=1)
+        off = np.linalg.norm(features.pixels[:, None] - pixels, axis=2)
+        seen = (off < reach * anchor.pixels_per_metre(intrinsics)).any(axis=1)
+        slots, rows, points, keypoints = slots[near], rows[near], points[near], np.flatnonzero(seen)
+        if not len(points) or not len(keypoints):
+            return None
+        descriptors = np.ascontiguousarray(features.descriptor[keypoints])
+        match = matching.match_brute_force(m.descriptor[slots, rows], descriptors, self._hamming, self._ratio)
+        matched = np.flatnonzero(match >= 0)
+        found = anchored_pose(
+            anchor,
+            m.position[points[match[matched]]],
+            features.pixels[keypoints[matched]],
+            intrinsics,
+            config.trial_pixels,
+            config.min_anchored,
+        )
+        if found is None:
+            return None
+        held = np.full(features.rows, -1, np.int32)
+        agreeing = matched[found[1]]
+        held[keypoints[agreeing]] = points[match[agreeing]]
+        estimate = self._associator.optimise_on_map(features, found[0], held)
+        return None if estimate is None else estimate.camera_from_world
 
     def _appearances(self, group: _Rows) -> tuple[_Rows, _Rows, _Rows]:
         """Slot, keypoint and id of each point of the group, as the first of its keyframes sees it."""
@@ -253,7 +306,6 @@ class Locator:
             located.seen_share >= config.min_seen_share
             and located.missing_share <= config.max_missing_share
             and located.depth_agreement >= config.min_depth_agreement
-            and located.alike_agreement >= config.min_alike_agreement
             and spread >= config.min_spread
         )
 
@@ -278,11 +330,10 @@ _SIGMAS = 1.64
 
 
 def _nearest_depth(features: Features, pixels: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Depth of the keypoint nearest to each pixel (m, 2); infinite where no keypoint has one."""
+    """Depth of the keypoint nearest to each pixel (m, 2); infinite where that one has none: nothing is known there."""
     from scipy.spatial import cKDTree
 
-    measured = np.flatnonzero(features.has_depth)
-    if not len(measured) or not len(pixels):
+    if not features.rows or not len(pixels):
         return np.full(len(pixels), np.inf, np.float32)
-    _, nearest = cKDTree(features.pixels[measured]).query(pixels)
-    return features.depth[measured][nearest]
+    _, nearest = cKDTree(features.pixels).query(pixels)
+    return np.where(features.has_depth[nearest], features.depth[nearest], np.float32(np.inf))

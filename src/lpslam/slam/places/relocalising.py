@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from lpslam.camera import inverse_transform
 from lpslam.config import LocatingConfig, TrackingConfig
-from lpslam.slam.advice import NO_ADVICE, LoopAdvisor
+from lpslam.slam.advice import NO_ADVICE, LoopAdvisor, Recalled
 from lpslam.slam.features import Features
 from lpslam.slam.map import SlamMap
 from lpslam.slam.places.index import PlaceIndex, group_candidates
@@ -22,11 +22,13 @@ class LastSeen:
     Attributes:
         keyframe, camera_from_keyframe: its pose (4×4), which follows every correction of the map.
         timestamp: in seconds.
+        is_told: something else than appearance said where that is.
     """
 
     keyframe: int
     camera_from_keyframe: NDArray[np.float64]
     timestamp: float
+    is_told: bool = False
 
 
 class Relocaliser:
@@ -76,7 +78,7 @@ class Relocaliser:
         """
         config = self._config
         before, self._unconfirmed = self._unconfirmed, None
-        located = self.find(features, last_reference, () if before is None else (before.keyframe,))
+        located = self.find(features, last_reference, () if before is None else (self._again(before),))
         is_sure = located is not None and (
             located.inliers >= config.sure_inliers and located.alike_agreement >= config.sure_alike_agreement
         )
@@ -89,10 +91,16 @@ class Relocaliser:
         if self._found_in_a_row >= config.sure_views:
             return located
         camera_from_keyframe = located.camera_from_world @ self._map.world_from_keyframe(located.keyframe)
-        self._unconfirmed = LastSeen(located.keyframe, camera_from_keyframe, timestamp)
+        self._unconfirmed = LastSeen(located.keyframe, camera_from_keyframe, timestamp, located.is_told)
         return None
 
-    def find(self, features: Features, last_reference: int, likely: Sequence[int] = ()) -> Located | None:
+    def _again(self, seen: LastSeen) -> Recalled:
+        """Where to look for what was found in the last frame: what told it then need not be in view or read again."""
+        if not seen.is_told:
+            return Recalled(seen.keyframe)
+        return Recalled(seen.keyframe, seen.camera_from_keyframe @ self._map.camera_from_world(seen.keyframe))
+
+    def find(self, features: Features, last_reference: int, likely: Sequence[Recalled] = ()) -> Located | None:
         """The place of a view, or None; the caller holds the map's lock.
 
         Args:
@@ -102,9 +110,8 @@ class Relocaliser:
         """
         found = [
             located
-            for candidate, guess in self._likely(features, last_reference, likely)
-            if (located := self._locator.locate(features, candidate, guess=guess)) is not None
-            and not self._is_disowned(located)
+            for candidate in self._likely(features, last_reference, likely)
+            if (located := self._locate(features, candidate)) is not None and not self._is_disowned(located)
         ]
         if not found:
             return None
@@ -139,28 +146,28 @@ class Relocaliser:
             for keyframe, other in self._disowned
         )
 
-    def _likely(
-        self, features: Features, last_reference: int, likely: Sequence[int]
-    ) -> Iterator[tuple[int, NDArray[np.float64] | None]]:
-        """Keyframes to try, with the pose (4×4, camera from world) where one is known from elsewhere."""
+    def _locate(self, features: Features, candidate: Recalled) -> Located | None:
+        guess, anchor = candidate.camera_from_world, candidate.anchor
+        return self._locator.locate(features, candidate.keyframe, guess=guess, anchor=anchor)
+
+    def _likely(self, features: Features, last_reference: int, likely: Sequence[Recalled]) -> Iterator[Recalled]:
+        """Keyframes to try, with what is known of the pose from elsewhere."""
         tried = {last_reference}
         if last_reference >= 0 and self._map.is_alive(last_reference):
-            yield last_reference, None
-        for candidate in likely:
-            if candidate not in tried and self._map.is_alive(candidate):
-                tried.add(candidate)
-                yield candidate, None
-        for recalled in self._advisor.recalls(self._map):
-            if self._map.is_alive(recalled.keyframe):
-                yield recalled.keyframe, recalled.camera_from_world
+            yield Recalled(last_reference)
+        for recalled in (*likely, *self._advisor.recalls(self._map)):
+            is_told = recalled.camera_from_world is not None or recalled.anchor is not None
+            if self._map.is_alive(recalled.keyframe) and (is_told or recalled.keyframe not in tried):
+                tried |= set() if is_told else {recalled.keyframe}
+                yield recalled
         scores = self._places.query(features.descriptor)
         for candidate in group_candidates(scores, self._map.covisible, self._candidates):
             if candidate not in tried and self._map.is_alive(candidate):
                 tried.add(candidate)
-                yield candidate, None
+                yield Recalled(candidate)
         for candidate in self._next_in_turn():
             if candidate not in tried:
-                yield candidate, None
+                yield Recalled(candidate)
 
     def _next_in_turn(self) -> list[int]:
         """The next few living keyframes after those of the frame before, the newest first, around and around."""

@@ -26,11 +26,13 @@ from lpslam.text.advice.constellations import (
     nearest_views,
     seen_texts,
 )
+from lpslam.text.advice.sightlines import Sightline, anchor_of, standpoints
 from lpslam.text.remembering.memory import TextClass
 from lpslam.text.remembering.similarity import comparison_key, similarity
 from lpslam.text.types import TextObservation
 
 Sighting = tuple[int, TextObservation]
+Array = NDArray[np.float64]
 
 # Sightings kept of one class from one keyframe: more say the same again.
 _KEPT = 8
@@ -115,7 +117,7 @@ class TextAdvisor:
         return proposals
 
     def recalls(self, keyframes: KeyframeMap) -> list[Recalled]:
-        """Where two texts or more stand before a lost camera as they stood before another."""
+        """Where two texts or more would be seen as a lost camera sees them."""
         with self._lock:
             lost, recalled = self._lost, self._recalled
         if recalled is None:
@@ -127,27 +129,49 @@ class TextAdvisor:
         return recalled
 
     def _recall(self, lost: list[TextObservation], keyframes: KeyframeMap) -> list[Recalled]:
-        if len(lost) < 2:
-            return []
         # One frame reads a text once: it may be of every class that has a spelling like it.
-        sightings = self._of_classes_like(lost)
-        seen = seen_texts(sightings, lambda keyframe: np.eye(4), self._config)
-        if len({text.text_class for text in seen}) < 2:
-            return []
+        classes = self._classes_like(lost)
         submaps = keyframes.submaps()
-        before = self._newest({text.text_class for text in seen}, len(submaps))
-        found = self._found_again(seen, before, keyframes)
-        recalled = []
-        for constellation, submap in found[: self._config.proposals]:
-            old = keyframes.living_keyframes()
-            view = self._nearest(keyframes, old[submaps[old] == submap], constellation.old_from_new_world)
-            if view is not None:
-                recalled.append(Recalled(view, inverse_transform(constellation.old_from_new_world)))
-        return recalled
+        before = self._newest({key for each in classes for key in each}, len(submaps))
+        seen = [
+            (each, np.array(each.bearing.corners), keys)
+            for each, keys in zip(lost, classes, strict=True)
+            if keys and each.bearing is not None
+        ]
+        old, found = keyframes.living_keyframes(), []
+        for submap in sorted({int(submaps[observation.keyframe]) for _, observation in before}):
+            here = self._often_read([each for each in before if submaps[each[1].keyframe] == submap], keyframes)
+            sightlines = [
+                Sightline(corners, [sign for sign in here if sign.text_class in keys]) for _, corners, keys in seen
+            ]
+            for place in standpoints(sightlines, self._config):
+                view = self._nearest(keyframes, old[submaps[old] == submap], inverse_transform(place.camera_from_world))
+                if view is not None:
+                    found.append((place.rarity, Recalled(view, place.camera_from_world, place.anchor)))
+        if not found and len(seen) == 1:
+            # Of two that do not stand to one another as before, neither is believed.
+            return self._anchored(*seen[0], before, keyframes)
+        found.sort(key=lambda each: -each[0])
+        return [each for _, each in found[: self._config.proposals]]
 
-    def vetoes(
-        self, keyframes: KeyframeMap, keyframe: int, candidate: int, camera_from_world: NDArray[np.float64]
-    ) -> str | None:
+    def _anchored(
+        self, text: TextObservation, corners: Array, keys: set[int], before: list[Sighting], keyframes: KeyframeMap
+    ) -> list[Recalled]:
+        """Where a text stands that stands at one place of the map alone, by the keyframe that saw it most alike."""
+        submaps, alive = keyframes.submaps(), set(keyframes.living_keyframes().tolist())
+        own = [each for each in before if each[0] in keys]
+        worlds = {int(submaps[observation.keyframe]) for _, observation in own}
+        signs = self._often_read(own, keyframes) if len(worlds) == 1 else []
+        if len(signs) != 1 or (corners[:, 2] <= 0).any():
+            return []
+        alike = [
+            (abs(float(np.log(observation.letter_height / text.letter_height))), observation.keyframe)
+            for _, observation in own
+            if observation.keyframe in alive
+        ]
+        return [Recalled(min(alike)[1], anchor=anchor_of([(corners, signs[0])]))] if alike else []
+
+    def vetoes(self, keyframes: KeyframeMap, keyframe: int, candidate: int, camera_from_world: Array) -> str | None:
         """Refuse a pose among signs that say something else than those that were read lately."""
         old_from_new_world = np.linalg.inv(camera_from_world) @ keyframes.camera_from_world(keyframe)
         lately = [text.moved(old_from_new_world) for text in self._lately(keyframes, keyframe)]
@@ -232,16 +256,18 @@ class TextAdvisor:
         texts = seen_texts(sightings, keyframes.world_from_keyframe, self._config)
         return [text for text in texts if text.sightings >= self._config.min_sightings]
 
-    def _of_classes_like(self, observations: Sequence[TextObservation]) -> list[Sighting]:
-        """Each text with every class that has a sighting which says nearly the same."""
+    def _classes_like(self, observations: Sequence[TextObservation]) -> list[set[int]]:
+        """For each text, the classes that have a sighting which says nearly the same."""
         with self._lock:
             spellings = {key: {each.text for each in seen[-_LOOKED_AT:]} for key, seen in self._by_class.items()}
         keys = {key: {comparison_key(text) for text in texts} for key, texts in sorted(spellings.items())}
         return [
-            (text_class, each)
+            {
+                text_class
+                for text_class, known in keys.items()
+                if any(similarity(other, comparison_key(each.text)) >= NEARLY_THE_SAME for other in known)
+            }
             for each in observations
-            for text_class, known in keys.items()
-            if any(similarity(other, comparison_key(each.text)) >= NEARLY_THE_SAME for other in known)
         ]
 
     # Where that is --------------------------------------------------------------------------------------------------
@@ -272,9 +298,7 @@ class TextAdvisor:
         expected = constellation.old_from_new_world @ keyframes.world_from_keyframe(keyframe)
         return self._nearest(keyframes, old, expected)
 
-    def _nearest(
-        self, keyframes: KeyframeMap, old: NDArray[np.int32], world_from_camera: NDArray[np.float64]
-    ) -> int | None:
+    def _nearest(self, keyframes: KeyframeMap, old: NDArray[np.int32], world_from_camera: Array) -> int | None:
         if not len(old):
             return None
         poses = np.array([keyframes.world_from_keyframe(k) for k in old.tolist()])
