@@ -36,7 +36,7 @@ from lpslam.evaluation.trajectory import absolute_trajectory_error
 from lpslam.frames import RgbdFrame
 from lpslam.language.offline import OfflineModel
 from lpslam.poses import StampedPoses
-from lpslam.slam.advice import NO_ADVICE, KeyframeMap
+from lpslam.slam.advice import NO_ADVICE, KeyframeMap, Recalled
 from lpslam.slam.places.index import PlaceIndex
 from lpslam.slam.places.relocalising import Relocaliser
 from lpslam.slam.state import EventKind
@@ -90,12 +90,12 @@ class Witnessed(TextAdvisor):
         self.told: list[tuple[int, int]] = []
         self.milliseconds = [0.0]
 
-    def propose(self, keyframes: KeyframeMap, keyframe: int) -> list[int]:
+    def propose(self, keyframes: KeyframeMap, keyframe: int) -> list[Recalled]:
         """As a `LoopAdvisor`."""
         started = time.thread_time()
         proposals = super().propose(keyframes, keyframe)
         self.milliseconds.append(1000.0 * (time.thread_time() - started))
-        self.told += [(keyframe, each) for each in proposals]
+        self.told += [(keyframe, each.keyframe) for each in proposals]
         return proposals
 
 
@@ -147,7 +147,7 @@ def run(
         OfflineModel(),
         on_sighting=advisor.note,
         on_doubtful=advisor.note_doubtful,
-        on_lost=None if way == "looks" else advisor.note_lost,
+        on_view=None if way == "looks" else advisor.note_view,
     )
     frames, truth, begins = one_after_the_other(first, second, skip)
     blind = ExitStack()

@@ -210,7 +210,7 @@ def localise(
                 spotter or load_spotter(config.text.spotting, 0),
                 config.text,
                 on_doubtful=words.note_doubtful,
-                on_lost=words.note_lost,
+                on_view=words.note_view,
             )
             reading.observe(slam.measured(frame), tracked)
         count += 1

@@ -562,7 +562,7 @@ def test_a_slow_models_invention_is_counted_and_not_taken() -> None:
 def test_what_a_lost_camera_reads_is_told_as_it_stands_before_it_and_not_remembered() -> None:
     spotter = ScriptedSpotter((box(100, 200), "GUCCI", 0.98))
     told: list[Sequence[TextObservation]] = []
-    mapper = TextMapper(CAMERA, spotter, CONFIG, on_lost=told.append)
+    mapper = TextMapper(CAMERA, spotter, CONFIG, on_view=lambda keyframe, seen: told.append(seen))
     for index in range(30):
         assert mapper.observe(frame(index), tracked(index, lost=True)) is None
     assert 2 <= len(told) <= 10
@@ -571,6 +571,24 @@ def test_what_a_lost_camera_reads_is_told_as_it_stands_before_it_and_not_remembe
     assert seen.placement.position == pytest.approx([(160 - 320) / 570 * 2, (215 - 240) / 570 * 2, 2.0], abs=1e-6)
     assert not mapper.text_map.memory.classes
     assert mapper.statistics.observations == 0
+
+
+def test_what_a_lost_camera_reads_is_told_without_depth_too() -> None:
+    """A sign far away has no depth, but a direction."""
+    spotter = ScriptedSpotter((box(100, 200), "GUCCI", 0.98))
+    told: list[tuple[int, Sequence[TextObservation]]] = []
+    mapper = TextMapper(CAMERA, spotter, CONFIG, on_view=lambda keyframe, seen: told.append((keyframe, seen)))
+    for index in range(30):
+        blind = replace(frame(index), depth=np.zeros_like(frame(index).depth))
+        mapper.observe(blind, tracked(index, lost=True))
+    keyframe, (seen,) = told[0]
+    assert keyframe < 0
+    assert seen.placement is None
+    assert seen.bearing is not None
+    left, right = (np.array(seen.bearing.corners[at]) for at in (0, 1))
+    np.testing.assert_allclose(left[:2] / left[2], [(100 - 320) / 570, (200 - 240) / 570], atol=1e-6)
+    assert right[0] > left[0]
+    assert not mapper.text_map.memory.classes
 
 
 def test_a_lost_camera_reads_nothing_that_nobody_asks_for() -> None:

@@ -292,6 +292,7 @@ class LocatingConfig(Section):
     )  # of it, at least, that looks so nowhere else in the map
     max_missing_share: float = Field(default=0.2, ge=0, le=1)  # of what should be seen, where nothing of it is seen
     min_seen_share: float = Field(default=0.1, ge=0, le=1)  # of what should be seen; real rooms show little again
+    min_told_share: float = Field(default=0.05, ge=0, le=1)  # the same where signs tell: afar, corners are others
     spread_cells: int = Field(default=4, ge=1)  # rows and columns of the image by which spread is judged ...
     min_spread: int = Field(default=6, ge=1)  # ... and how many of the cells must hold an inlier
     rival_share: float = Field(default=0.6, ge=0, le=1)  # of the best place's inliers that make another one a rival ...

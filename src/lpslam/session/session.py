@@ -139,7 +139,7 @@ class Session:
             self._beside,
             on_sighting=self._words.note,
             on_doubtful=self._words.note_doubtful,
-            on_lost=self._words.note_lost,
+            on_view=self._words.note_view,
             points_seen_by=self._slam.map.points_seen_by,
             on_news=self._note_landmarks,
             on_reading=self._news.readings.append,

@@ -59,7 +59,7 @@ class Anchor:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Recalled:
-    """A place that a lost camera may be in.
+    """A place that a camera may be in.
 
     Attributes:
         keyframe: that is near it.
@@ -85,8 +85,8 @@ class LoopAdvisor(Protocol):
     Called in the thread that closes loops, which holds the map's lock meanwhile: answers must come in milliseconds.
     """
 
-    def propose(self, keyframes: KeyframeMap, keyframe: int) -> Sequence[int]:
-        """Older keyframes that may show the same place, likeliest first; each is verified like any other."""
+    def propose(self, keyframes: KeyframeMap, keyframe: int) -> Sequence[Recalled]:
+        """Older places that a keyframe may show, likeliest first; each is verified like any other."""
         ...
 
     def vetoes(
@@ -121,7 +121,7 @@ class LoopAdvisor(Protocol):
 
 
 class _NoAdvice:
-    def propose(self, keyframes: KeyframeMap, keyframe: int) -> Sequence[int]:
+    def propose(self, keyframes: KeyframeMap, keyframe: int) -> Sequence[Recalled]:
         return ()
 
     def vetoes(

@@ -58,7 +58,7 @@ class TextMapper:
         beside: BesideNaming | None = None,
         on_sighting: Callable[[int, TextObservation], None] = lambda text_class, observation: None,
         on_doubtful: Callable[[TextObservation], None] = lambda observation: None,
-        on_lost: Callable[[Sequence[TextObservation]], None] | None = None,
+        on_view: Callable[[int, Sequence[TextObservation]], None] | None = None,
         points_seen_by: Callable[[int], Array] = lambda keyframe: np.zeros((0, 3)),
     ) -> None:
         self.text_map = text_map or TextMap(config)
@@ -70,7 +70,7 @@ class TextMapper:
         self._beside = beside
         self._on_sighting = on_sighting
         self._on_doubtful = on_doubtful
-        self._on_lost = on_lost
+        self._on_view = on_view
         self._named_beside: set[int] = set()
         self._gate = ReadingGate(config.reading)
         self._spots = Spots()
@@ -109,7 +109,7 @@ class TextMapper:
         self.statistics.frames_seen += 1
         if not tracked.is_tracked:
             self.statistics.frames_untracked += 1
-            if tracked.state is not TrackingState.LOST or self._on_lost is None:
+            if tracked.state is not TrackingState.LOST or self._on_view is None:
                 return False
         if not self._gate.is_due(frame.timestamp):
             return False
@@ -143,13 +143,14 @@ class TextMapper:
             self._gate.hurry(frame.timestamp)
             return reading
         started = perf_counter()
-        observations = []
+        observations, seen = [], []
         is_new = False
         for text, placement in reading.texts:
             glance = self._glance(text, placement, tracked.keyframe_from_camera)
             observation = self._observation(
                 frame, tracked.keyframe, tracked.keyframe_from_camera, text, placement, glance.right
             )
+            seen.append(observation)
             text_class = self._remember(text, glance, observation, world_from_keyframe)
             is_new |= text_class.count < self._config.reading.settled_sightings
             if placement is not None:
@@ -158,6 +159,8 @@ class TextMapper:
                 if self._sorter.is_sure(placement):
                     self._on_sighting(text_class.id, observation)
                 observations.append(observation)
+        if self._on_view is not None:
+            self._on_view(tracked.keyframe, seen)
         is_new |= self._wait_for_rest(reading, frame, tracked, world_from_keyframe)
         for placement in reading.patterns:
             if self._sorter.is_sure(placement):
@@ -171,13 +174,12 @@ class TextMapper:
 
     def _read_lost(self, frame: RgbdFrame) -> None:
         """Tell what a lost camera sees and where before it; nothing is remembered, since it stands nowhere."""
-        if self._on_lost is None:
+        if self._on_view is None:
             return
         reading = self._reader.read(frame, np.eye(4), None, NOWHERE)
         if reading is not None:
-            self._on_lost(
-                [self._observation(frame, NOWHERE, np.eye(4), text, placement) for text, placement in reading.texts]
-            )
+            seen = [self._observation(frame, NOWHERE, np.eye(4), text, placement) for text, placement in reading.texts]
+            self._on_view(NOWHERE, seen)
 
     def _sure(
         self, reading: FrameReading, frame: RgbdFrame, keyframe: int, keyframe_from_camera: Array

@@ -4,7 +4,7 @@ from loop_scenes import KEYFRAMES_A_ROUND, Walk, World, around
 from slam_scenes import check_graph, pose_error, rigid
 
 from lpslam.camera import inverse_transform
-from lpslam.slam.advice import KeyframeMap
+from lpslam.slam.advice import KeyframeMap, Recalled
 from lpslam.slam.integrity import refuse_broken_columns
 from lpslam.slam.places.loop_closing import LoopEvent
 from lpslam.slam.state import EventKind
@@ -93,8 +93,8 @@ class _Guide:
     def __init__(self, veto: str | None) -> None:
         self.veto = veto
 
-    def propose(self, keyframes: KeyframeMap, keyframe: int) -> list[int]:
-        return [keyframe - KEYFRAMES_A_ROUND, -5, 10_000]
+    def propose(self, keyframes: KeyframeMap, keyframe: int) -> list[Recalled]:
+        return [Recalled(each) for each in (keyframe - KEYFRAMES_A_ROUND, -5, 10_000)]
 
     def vetoes(
         self, keyframes: KeyframeMap, keyframe: int, candidate: int, camera_from_world: np.ndarray
@@ -117,6 +117,34 @@ def test_a_proposal_is_enough_where_looks_say_nothing() -> None:
     events = walk_round(walk)
     assert len(events) == 1
     assert events[0].keyframe - events[0].candidate == KEYFRAMES_A_ROUND
+
+
+class _Told(_Guide):
+    """Says where the camera is, off by a little, among places that all look alike."""
+
+    def __init__(self, walk: "Walk | None" = None, off: float = 0.05) -> None:
+        super().__init__(None)
+        self.walk, self.off = walk, off
+
+    def propose(self, keyframes: KeyframeMap, keyframe: int) -> list[Recalled]:
+        old = keyframe - KEYFRAMES_A_ROUND
+        if old < 0 or self.walk is None:
+            return []
+        relative = self.walk.truth[keyframe] @ inverse_transform(self.walk.truth[old])
+        guess = rigid([self.off, 0.0, 0.0], [0, 0, 0]) @ relative @ self.walk.map.camera_from_world(old)
+        return [Recalled(old, guess)]
+
+
+@pytest.mark.parametrize("is_told", [True, False])
+def test_where_everything_looks_alike_a_loop_closes_where_something_else_tells_it(is_told: bool) -> None:
+    guide = _Told()
+    walk = Walk(world(), 1, DRIFT, guide)
+    guide.walk = walk if is_told else None
+    walk.closer._locator._agrees = lambda features, alike, pose: np.zeros(len(alike.keypoints), np.bool_)  # type: ignore[method-assign]
+    events = walk_round(walk)
+    assert len(events) == int(is_told)
+    if is_told:
+        assert walk.errors()[events[0].keyframe] < 0.015
 
 
 def test_interrupted_nothing_is_changed() -> None:

@@ -25,7 +25,7 @@ class Witness:
     def __init__(self, verdict: bool | None, *, knows: bool = True) -> None:
         self.verdict, self.is_asked, self._knows = verdict, 0, knows
 
-    def propose(self, keyframes: KeyframeMap, keyframe: int) -> Sequence[int]:
+    def propose(self, keyframes: KeyframeMap, keyframe: int) -> Sequence[Recalled]:
         return ()
 
     def vetoes(

@@ -95,7 +95,7 @@ class TwoWalks:
         return TextObservation(keyframe, timestamp, keyframe, sign.text, confidence, placement, 30.0, bearing=bearing)
 
     def propose(self) -> list[int]:
-        return self.advisor.propose(self.map, self.newest)
+        return [each.keyframe for each in self.advisor.propose(self.map, self.newest)]
 
     def veto(self, at: float) -> str | None:
         """What is said when the newest keyframe is located `at` metres along the first walk."""
@@ -309,7 +309,7 @@ def test_the_switch_is_in_the_configuration() -> None:
 def recalled(signs: list[Sign], number: int = 4) -> list[Recalled]:
     """What is recalled when a lost camera sees some signs as the keyframe of that number did."""
     walks = TwoWalks(SIGNS, [])
-    walks.advisor.note_lost([replace(walks.sighting(number, sign, 99.0), keyframe=-1) for sign in signs])
+    walks.advisor.note_view(-1, [replace(walks.sighting(number, sign, 99.0), keyframe=-1) for sign in signs])
     return walks.advisor.recalls(walks.map)
 
 
@@ -347,17 +347,30 @@ def test_one_text_that_stands_nowhere_else_is_an_anchor(signs: list[Sign]) -> No
     assert place.keyframe in {0, 1, 2, 3, 4, 5}
 
 
+def test_a_submap_whose_signs_have_no_depth_is_proposed_by_their_directions() -> None:
+    walks = TwoWalks(SIGNS, [], is_new_submap=True)
+    newest = walks.newest
+    assert walks.advisor.propose(walks.map, newest) == []
+    seen = [walks.sighting(newest - 1, sign, 99.0) for sign in SIGNS[:2]]
+    walks.advisor.note_view(newest - 1, [replace(each, placement=None) for each in seen])
+    (place,) = walks.advisor.propose(walks.map, newest)
+    assert place.camera_from_world is not None
+    np.testing.assert_allclose(place.camera_from_world, inverse_transform(walks.truth[newest]), atol=0.2)
+    # What was read long before the keyframe is out of its view.
+    assert walks.advisor.propose(walks.map, newest - 3) == []
+
+
 def test_one_text_that_stands_at_two_places_is_no_anchor() -> None:
     walks = TwoWalks([*SIGNS, replace(SIGNS[0], x=14.0)], [])
-    walks.advisor.note_lost([replace(walks.sighting(4, SIGNS[0], 99.0), keyframe=-1)])
+    walks.advisor.note_view(-1, [replace(walks.sighting(4, SIGNS[0], 99.0), keyframe=-1)])
     assert walks.advisor.recalls(walks.map) == []
 
 
 def test_only_the_last_view_is_recalled() -> None:
     walks = TwoWalks(SIGNS, [])
-    walks.advisor.note_lost([walks.sighting(4, sign, 98.0) for sign in SIGNS[:2]])
+    walks.advisor.note_view(-1, [walks.sighting(4, sign, 98.0) for sign in SIGNS[:2]])
     assert walks.advisor.recalls(walks.map)
-    walks.advisor.note_lost([])
+    walks.advisor.note_view(-1, [])
     assert walks.advisor.recalls(walks.map) == []
 
 

@@ -10,6 +10,8 @@ from lpslam.config import AdviceConfig
 from lpslam.slam.kernels.geometry import exponential
 from lpslam.text.advice.constellations import Seen
 from lpslam.text.advice.sightlines import Sightline, corners_of, standpoints
+from lpslam.text.placing.views import vector3
+from lpslam.text.types import Bearing
 
 CONFIG = AdviceConfig()
 
@@ -38,7 +40,12 @@ def line(seen: Seen, pose: np.ndarray, may_be: list[Seen], noise: float = 0.0, s
     corners = transform_points(pose, corners_of(seen))
     corners /= corners[:, 2:]
     corners[:, :2] += np.random.default_rng(seed).normal(0, noise, (4, 2))
-    return Sightline(corners / np.linalg.norm(corners, axis=1, keepdims=True), may_be)
+    return Sightline(bearing(corners), np.eye(4), may_be)
+
+
+def bearing(directions: np.ndarray, origin: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Bearing:
+    first, second, third, fourth = (vector3(each / np.linalg.norm(each)) for each in directions)
+    return Bearing(origin, (first, second, third, fourth))
 
 
 def off(pose: np.ndarray, true: np.ndarray) -> float:
@@ -98,7 +105,26 @@ def test_one_sign_tells_nothing_nor_do_two_readings_of_one() -> None:
 def test_signs_behind_the_camera_or_seen_from_behind_tell_nothing() -> None:
     pose = camera_at(2.0, 6.0)
     lines = [line(each, pose, [each]) for each in SIGNS[:2]]
-    behind = [Sightline(-each.corners, each.signs) for each in lines]
+    rays = [np.array(each.bearing.corners) for each in lines]
+    behind = [Sightline(bearing(-own), np.eye(4), each.signs) for own, each in zip(rays, lines, strict=True)]
     assert list(standpoints(behind, CONFIG)) == []
-    mirrored = [Sightline(each.corners[[1, 0, 3, 2]], each.signs) for each in lines]
+    turned = [own[[1, 0, 3, 2]] for own in rays]
+    mirrored = [Sightline(bearing(own), np.eye(4), each.signs) for own, each in zip(turned, lines, strict=True)]
     assert list(standpoints(mirrored, CONFIG)) == []
+
+
+def test_what_one_frame_saw_another_would_have_seen_elsewhere() -> None:
+    """A bearing hangs on a keyframe; the camera that saw it stood beside that, and the one that asks beside both."""
+    keyframe, camera, asks = camera_at(1.0, 6.0), camera_at(1.3, 5.8, 0.1), camera_at(0.8, 6.1, -0.05)
+    world_from_camera = inverse_transform(camera)
+    lines = []
+    for each in SIGNS[:2]:
+        rays = corners_of(each) - world_from_camera[:3, 3]
+        origin = vector3(transform_points(keyframe, world_from_camera[None, :3, 3])[0])
+        seen = bearing(rays @ keyframe[:3, :3].T, origin)
+        lines.append(Sightline(seen, asks @ inverse_transform(keyframe), [each]))
+    (found,) = standpoints(lines, CONFIG)
+    assert off(found.camera_from_world, asks) < 0.3
+    expected = transform_points(asks, corners_of(SIGNS[0]))
+    expected /= np.linalg.norm(expected, axis=1, keepdims=True)
+    np.testing.assert_allclose(lines[0].corners_if(SIGNS[0]), expected, atol=0.004)

@@ -105,10 +105,10 @@ class Locator:
             widenings = (config.guess_search, config.wide_search, 1.0)
             estimate = self._guided(features, guess, points, widenings)
             if estimate is not None:
-                located = self._judge(features, candidate, estimate, points, alike)
                 # What looks alike here and there need not tell the place: something else has.
+                located = replace(self._judge(features, candidate, estimate, points, alike), is_told=True)
                 if self._is_certain(features, located):
-                    return replace(located, is_told=True)
+                    return located
         found = self._from_appearance(features, alike)
         if found is None:
             return None
@@ -303,7 +303,7 @@ class Locator:
         cells = np.floor(pixels / np.array([width, height]) * config.spread_cells).astype(int)
         spread = len(np.unique(cells[:, 0] * config.spread_cells + cells[:, 1]))
         return (
-            located.seen_share >= config.min_seen_share
+            located.seen_share >= (config.min_told_share if located.is_told else config.min_seen_share)
             and located.missing_share <= config.max_missing_share
             and located.depth_agreement >= config.min_depth_agreement
             and spread >= config.min_spread

@@ -12,13 +12,13 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.camera import inverse_transform
 from lpslam.config import SlamConfig
-from lpslam.slam.advice import NO_ADVICE, LoopAdvisor
+from lpslam.slam.advice import NO_ADVICE, LoopAdvisor, Recalled
 from lpslam.slam.map import SlamMap
 from lpslam.slam.places.index import PlaceIndex, group_candidates
 from lpslam.slam.places.locating import Located, Locator
-from lpslam.slam.places.loop_correction import LoopCorrector, Tie
+from lpslam.slam.places.loop_correction import LoopCorrector
+from lpslam.slam.places.voting import Hypothesis, Voting, apart
 from lpslam.slam.sensor import SensorModel
 from lpslam.slam.state import EventKind
 
@@ -44,23 +44,6 @@ class LoopEvent:
     metres: float
     degrees: float
     reason: str
-
-
-@dataclass(slots=True)
-class _Hypothesis:
-    """A place that was found again, and the keyframes that say so.
-
-    Attributes:
-        ties: of the keyframes that agree, the newest first.
-        inliers: of the newest.
-        version: of the map in which they were located.
-        missed: keyframes since that did not see the place.
-    """
-
-    ties: list[Tie]
-    inliers: int
-    version: int
-    missed: int = 0
 
 
 @dataclass(slots=True)
@@ -102,8 +85,9 @@ class LoopCloser:
         self._config = config.loops
         self._advisor = advisor
         self._corrector = LoopCorrector(slam_map, sensor, config.loops, config.mapping)
+        self._voting = Voting(slam_map, locator, config.loops, self._locate, self._reject)
         self._stop = np.zeros(1, np.bool_)
-        self._hypothesis: _Hypothesis | None = None
+        self._hypothesis: Hypothesis | None = None
         self._last_closed = -config.loops.pause
         self._indexed = slam_map.living_keyframes()
         self.counts = LoopCounts()
@@ -168,7 +152,7 @@ class LoopCloser:
 
     # Finding -----------------------------------------------------------------------------------------------------
 
-    def _detect(self, keyframe: int) -> _Hypothesis | None:
+    def _detect(self, keyframe: int) -> Hypothesis | None:
         """A place that enough keyframes agree on; else what was found waits for the next keyframes."""
         with self._map.lock:
             version = self._map.version
@@ -178,11 +162,11 @@ class LoopCloser:
             self._miss()
             return None
         with self._map.lock:
-            hypothesis = self._hypothesis = self._join_votes(*found, version)
-        self._ask_neighbours(hypothesis)
+            hypothesis = self._hypothesis = self._voting.joined(self._hypothesis, keyframe, found, version)
+        self._voting.ask_neighbours(hypothesis)
         if len(hypothesis.ties) < self._config.votes:
             return None
-        if not any(self._is_mutual(tie) for tie in hypothesis.ties[: self._config.votes]):
+        if not any(self._voting.is_mutual(tie, hypothesis.is_told) for tie in hypothesis.ties[: self._config.votes]):
             self._reject("not found from the other side")
             return None
         return hypothesis
@@ -197,13 +181,17 @@ class LoopCloser:
         old[keyframe] = False
         return old
 
-    def _candidates(self, keyframe: int) -> list[int]:
-        """Old keyframes that look more like this one than its covisible ones at worst do, and those proposed."""
+    def _candidates(self, keyframe: int) -> list[Recalled]:
+        """What is proposed, and old keyframes that look more like this one than its covisible ones at worst do."""
         slam_map, config = self._map, self._config
         if not slam_map.is_alive(keyframe):
             return []
         old = self._old_part(keyframe)
-        proposed = [k for k in self._advisor.propose(slam_map, keyframe) if 0 <= k < len(old) and old[k]]
+        proposed = [
+            each
+            for each in self._advisor.propose(slam_map, keyframe)
+            if 0 <= each.keyframe < len(old) and old[each.keyframe]
+        ]
         scores = self._places.query_keyframe(keyframe)
         covisible = slam_map.covisible(keyframe, config.covisible_points)
         covisible = covisible[covisible < len(scores)]
@@ -213,7 +201,8 @@ class LoopCloser:
         scores[:count][~old[:count]] = 0
         scores[count:] = 0
         likely = group_candidates(scores, slam_map.covisible, config.candidates, floor=floor)
-        return list(dict.fromkeys([*proposed[: config.candidates], *likely, *self._elsewhere(keyframe, scores, old)]))
+        alike = dict.fromkeys([*likely, *self._elsewhere(keyframe, scores, old)])
+        return [*proposed[: config.candidates], *map(Recalled, alike)]
 
     def _elsewhere(self, keyframe: int, scores: NDArray[np.float32], old: NDArray[np.bool_]) -> list[int]:
         """Keyframes of other sub-maps: the last one before this sub-map began, and those that look most alike.
@@ -231,18 +220,24 @@ class LoopCloser:
         alike = known[np.argsort(-scores[known], kind="stable")][:count]
         return [int(k) for k in (*before[-1:], *alike)]
 
-    def _locate(self, view: int, candidate: int, keyframe: int) -> Located | None:
+    def _locate(self, view: int, candidate: Recalled, keyframe: int) -> Located | None:
         """Locate the keypoints of one keyframe around another, in what is old for a third."""
         with self._map.lock:
-            if not (self._map.is_alive(view) and self._map.is_alive(candidate)):
+            if not (self._map.is_alive(view) and self._map.is_alive(candidate.keyframe)):
                 return None
             # Within a sub-map drift tells places apart that look the same.
             submaps = self._map.submaps()
-            is_anywhere = bool(submaps[view] != submaps[candidate])
-            features, old = self._map.features(view), self._old_part(keyframe)
-            return self._locator.locate(features, candidate, old, is_anywhere=is_anywhere)
+            is_anywhere = bool(submaps[view] != submaps[candidate.keyframe])
+            return self._locator.locate(
+                self._map.features(view),
+                candidate.keyframe,
+                self._old_part(keyframe),
+                guess=candidate.camera_from_world,
+                anchor=candidate.anchor,
+                is_anywhere=is_anywhere,
+            )
 
-    def _find(self, keyframe: int, candidates: Sequence[int]) -> tuple[Tie, int] | None:
+    def _find(self, keyframe: int, candidates: Sequence[Recalled]) -> Located | None:
         """The one place of the old part that explains the keyframe and may be true."""
         found: list[Located] = []
         for candidate in candidates:
@@ -261,10 +256,10 @@ class LoopCloser:
         submaps = self._map.submaps()
         for other in found:
             same_world = submaps[other.keyframe] == submaps[best.keyframe]
-            if same_world and not self._agree(best.camera_from_world, other.camera_from_world):
+            if same_world and not self._voting.agree(best.camera_from_world, other.camera_from_world):
                 self._reject("ambiguous")
                 return None
-        return Tie(keyframe, best.keyframe, best.camera_from_world, best.points), best.inliers
+        return best
 
     def _objection(self, keyframe: int, located: Located) -> str | None:
         with self._map.lock:
@@ -283,81 +278,13 @@ class LoopCloser:
             living = slam_map.living_keyframes()
             way = living[(living >= first) & (living <= last) & (submaps[living] == submaps[keyframe])]
             poses = slam_map.columns.camera_from_world[way]
-            metres, degrees = _apart(slam_map.camera_from_world(keyframe), located.camera_from_world)
+            metres, degrees = apart(slam_map.camera_from_world(keyframe), located.camera_from_world)
         centres = -np.einsum("nji,nj->ni", poses[:, :3, :3], poses[:, :3, 3])
         length = float(np.linalg.norm(np.diff(centres, axis=0), axis=1).sum())
         return (
             metres <= config.drift_allowance + config.drift_share * length
             and degrees <= config.turn_allowance + config.turn_rate * length
         )
-
-    # Believing ---------------------------------------------------------------------------------------------------
-
-    def _join_votes(self, tie: Tie, inliers: int, version: int) -> _Hypothesis:
-        """Add a keyframe to those that found the same correction before; another correction begins anew."""
-        pending = self._hypothesis
-        if (
-            pending is None
-            or pending.version != version
-            or not all(self._same_correction(tie, other) for other in pending.ties)
-        ):
-            return _Hypothesis([tie], inliers, version)
-        others = [other for other in pending.ties if self._map.is_alive(other.keyframe)]
-        kept = [other for other in others if self._is_another_view(tie.keyframe, other.keyframe)]
-        return _Hypothesis([tie, *kept], inliers, version)
-
-    def _ask_neighbours(self, hypothesis: _Hypothesis) -> None:
-        """Locate covisible keyframes too: quicker than to wait for the next ones."""
-        slam_map, config, first = self._map, self._config, hypothesis.ties[0]
-        asked = 0
-        with slam_map.lock:
-            neighbours = slam_map.covisible(first.keyframe, config.covisible_points).tolist()
-        for neighbour in neighbours:
-            if len(hypothesis.ties) >= config.votes or asked >= config.vote_neighbours:
-                return
-            if not all(self._is_another_view(neighbour, tie.keyframe) for tie in hypothesis.ties):
-                continue
-            asked += 1
-            located = self._locate(neighbour, first.candidate, first.keyframe)
-            if located is None:
-                continue
-            tie = Tie(neighbour, located.keyframe, located.camera_from_world, located.points)
-            if not self._same_correction(first, tie):
-                self._reject("neighbours disagree")
-                return
-            hypothesis.ties.append(tie)
-
-    def _is_mutual(self, tie: Tie) -> bool:
-        """Whether the old keyframe is located in the new part as well, at the pose that follows."""
-        slam_map = self._map
-        with slam_map.lock:
-            if not (slam_map.is_alive(tie.keyframe) and slam_map.is_alive(tie.candidate)):
-                return False
-            new = np.zeros(slam_map.keyframe_count, np.bool_)
-            new[slam_map.covisible(tie.keyframe, 1)] = True
-            located = self._locator.locate(slam_map.features(tie.candidate), tie.keyframe, new, is_anywhere=False)
-            expected = slam_map.camera_from_world(tie.candidate) @ tie.old_from_new_world(slam_map)
-        return located is not None and self._agree(located.camera_from_world, expected)
-
-    def _same_correction(self, one: Tie, other: Tie) -> bool:
-        """Whether two keyframes ask for the same correction, judged where the first one stands."""
-        slam_map = self._map
-        with slam_map.lock:
-            submaps = slam_map.submaps()
-            if submaps[one.candidate] != submaps[other.candidate] or submaps[one.keyframe] != submaps[other.keyframe]:
-                return False
-            moved = slam_map.camera_from_world(one.keyframe) @ inverse_transform(other.old_from_new_world(slam_map))
-        return self._agree(one.camera_from_world, moved)
-
-    def _agree(self, one: _Matrix, other: _Matrix) -> bool:
-        metres, degrees = _apart(one, other)
-        return metres <= self._config.agreement_distance and degrees <= self._config.agreement_turn
-
-    def _is_another_view(self, keyframe: int, other: int) -> bool:
-        slam_map, config = self._map, self._config
-        with slam_map.lock:
-            metres, degrees = _apart(slam_map.camera_from_world(keyframe), slam_map.camera_from_world(other))
-        return keyframe != other and (metres >= config.vote_distance or degrees >= config.vote_turn)
 
     def _miss(self) -> None:
         if self._hypothesis is not None:
@@ -370,10 +297,10 @@ class LoopCloser:
 
     # Correcting --------------------------------------------------------------------------------------------------
 
-    def _correct(self, hypothesis: _Hypothesis) -> LoopEvent | None:
+    def _correct(self, hypothesis: Hypothesis) -> LoopEvent | None:
         slam_map, tie = self._map, hypothesis.ties[0]
         with slam_map.lock:
-            metres, degrees = _apart(slam_map.camera_from_world(tie.keyframe), tie.camera_from_world)
+            metres, degrees = apart(slam_map.camera_from_world(tie.keyframe), tie.camera_from_world)
             is_merge = bool(slam_map.submaps()[tie.keyframe] != slam_map.submaps()[tie.candidate])
         correct = self._corrector.merge if is_merge else self._corrector.close
         if not correct(hypothesis.ties, hypothesis.version, self._stop):
@@ -391,10 +318,3 @@ class LoopCloser:
             degrees,
             where if is_merge else f"{where}, {metres:.3f} m and {degrees:.2f} degrees off",
         )
-
-
-def _apart(one: _Matrix, other: _Matrix) -> tuple[float, float]:
-    """Metres and degrees between two 4×4 poses of a camera."""
-    relative = one @ inverse_transform(other)
-    turn = np.arccos(np.clip((np.trace(relative[:3, :3]) - 1) / 2, -1, 1))
-    return float(np.linalg.norm(relative[:3, 3])), float(np.degrees(turn))

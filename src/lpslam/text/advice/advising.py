@@ -29,7 +29,7 @@ from lpslam.text.advice.constellations import (
 from lpslam.text.advice.sightlines import Sightline, anchor_of, standpoints
 from lpslam.text.remembering.memory import TextClass
 from lpslam.text.remembering.similarity import comparison_key, similarity
-from lpslam.text.types import TextObservation
+from lpslam.text.types import Bearing, TextObservation
 
 Sighting = tuple[int, TextObservation]
 Array = NDArray[np.float64]
@@ -39,6 +39,9 @@ _KEPT = 8
 
 # Most sightings of one class that are looked at, the newest: a word that is everywhere says little.
 _LOOKED_AT = 160
+
+# Keyframes up to the newest of which one has the last frame that was read: what it shows is still in view.
+_VIEWS = 4
 
 SIGNS_DIFFER = "signs differ"
 
@@ -64,6 +67,7 @@ class TextAdvisor:
         self._by_class: dict[int, list[TextObservation]] = defaultdict(list)
         self._doubtful: list[Sighting] = []
         self._doubtful_classes = count(1)
+        self._views: dict[int, list[TextObservation]] = {}
         self._lost: list[TextObservation] = []
         self._recalled: list[Recalled] | None = None
         self._has_news = False
@@ -98,23 +102,45 @@ class TextAdvisor:
             del self._doubtful[:-_LOOKED_AT]
             self._has_news = True
 
-    def note_lost(self, observations: Sequence[TextObservation]) -> None:
-        """Take all that one frame of a lost camera shows, in the camera's own frame; what was taken before is over."""
-        with self._lock:
-            self._lost, self._recalled = list(observations), None
+    def note_view(self, keyframe: int, observations: Sequence[TextObservation]) -> None:
+        """Take all that one frame shows, with or without a place; the newest of a keyframe counts.
 
-    def propose(self, keyframes: KeyframeMap, keyframe: int) -> list[int]:
-        """Keyframes that see texts in an arrangement in which texts around `keyframe` were read lately."""
-        config = self._config
+        Below zero is no keyframe: the camera is lost, and the texts are in its own frame.
+        """
+        with self._lock:
+            if keyframe < 0:
+                self._lost, self._recalled = list(observations), None
+            elif observations:
+                self._views[keyframe] = list(observations)
+
+    def propose(self, keyframes: KeyframeMap, keyframe: int) -> list[Recalled]:
+        """Places where texts were read in the arrangement in which they were seen lately from around `keyframe`."""
+        proposals = [*self._proposed_by_arrangement(keyframes, keyframe), *self._proposed_by_sight(keyframes, keyframe)]
+        proposals = proposals[: self._config.proposals]
+        self.proposed += len(proposals)
+        return proposals
+
+    def _proposed_by_arrangement(self, keyframes: KeyframeMap, keyframe: int) -> list[Recalled]:
         lately = self._lately(keyframes, keyframe)
         if len({text.text_class for text in lately}) < 2:
             return []
         before = self._before(keyframes, keyframe, {text.text_class for text in lately})
         found = self._found_again(lately, before, keyframes)
         views = [self._view(keyframes, keyframe, *each) for each in found]
-        proposals = list(dict.fromkeys(view for view in views if view is not None))[: config.proposals]
-        self.proposed += len(proposals)
-        return proposals
+        return list({view.keyframe: view for view in reversed(views) if view is not None}.values())[::-1]
+
+    def _proposed_by_sight(self, keyframes: KeyframeMap, keyframe: int) -> list[Recalled]:
+        """By the last frame that was read, as this keyframe would have seen it."""
+        recent = self._recent(keyframes, keyframe)[-_VIEWS:]
+        with self._lock:
+            last = next((k for k in reversed(recent) if k in self._views), None)
+            seen = [] if last is None else self._views[last]
+        if last is None:
+            return []
+        camera_from_last = keyframes.camera_from_world(keyframe) @ keyframes.world_from_keyframe(last)
+        classes = self._classes_like(seen)
+        before = self._before(keyframes, keyframe, {key for each in classes for key in each})
+        return self._recall(seen, classes, camera_from_last, before, keyframes)
 
     def recalls(self, keyframes: KeyframeMap) -> list[Recalled]:
         """Where two texts or more would be seen as a lost camera sees them."""
@@ -122,27 +148,38 @@ class TextAdvisor:
             lost, recalled = self._lost, self._recalled
         if recalled is None:
             # Asked at every frame that is lost, and most bring no text.
-            recalled = self._recall(lost, keyframes)
+            recalled = self._recall_lost(lost, keyframes)
             with self._lock:
                 if self._lost is lost:
                     self._recalled = recalled
         return recalled
 
-    def _recall(self, lost: list[TextObservation], keyframes: KeyframeMap) -> list[Recalled]:
+    def _recall_lost(self, lost: list[TextObservation], keyframes: KeyframeMap) -> list[Recalled]:
         # One frame reads a text once: it may be of every class that has a spelling like it.
         classes = self._classes_like(lost)
-        submaps = keyframes.submaps()
-        before = self._newest({key for each in classes for key in each}, len(submaps))
+        before = self._newest({key for each in classes for key in each}, len(keyframes.submaps()))
+        return self._recall(lost, classes, np.eye(4), before, keyframes)
+
+    def _recall(
+        self,
+        texts: list[TextObservation],
+        classes: list[set[int]],
+        camera_from_keyframe: Array,
+        before: list[Sighting],
+        keyframes: KeyframeMap,
+    ) -> list[Recalled]:
+        """Where a camera is that has these texts in view, each of some classes, among sightings of before."""
         seen = [
-            (each, np.array(each.bearing.corners), keys)
-            for each, keys in zip(lost, classes, strict=True)
-            if keys and each.bearing is not None
+            (each, each.bearing, keys)
+            for each, keys in zip(texts, classes, strict=True)
+            if each.bearing is not None and any(key in keys for key, _ in before)
         ]
-        old, found = keyframes.living_keyframes(), []
+        submaps, old, found = keyframes.submaps(), keyframes.living_keyframes(), []
         for submap in sorted({int(submaps[observation.keyframe]) for _, observation in before}):
             here = self._often_read([each for each in before if submaps[each[1].keyframe] == submap], keyframes)
             sightlines = [
-                Sightline(corners, [sign for sign in here if sign.text_class in keys]) for _, corners, keys in seen
+                Sightline(bearing, camera_from_keyframe, [sign for sign in here if sign.text_class in keys])
+                for _, bearing, keys in seen
             ]
             for place in standpoints(sightlines, self._config):
                 view = self._nearest(keyframes, old[submaps[old] == submap], inverse_transform(place.camera_from_world))
@@ -150,26 +187,35 @@ class TextAdvisor:
                     found.append((place.rarity, Recalled(view, place.camera_from_world, place.anchor)))
         if not found and len(seen) == 1:
             # Of two that do not stand to one another as before, neither is believed.
-            return self._anchored(*seen[0], before, keyframes)
+            text, bearing, keys = seen[0]
+            own = [each for each in before if each[0] in keys]
+            return self._anchored(text, bearing, camera_from_keyframe, own, keyframes)
         found.sort(key=lambda each: -each[0])
         return [each for _, each in found[: self._config.proposals]]
 
     def _anchored(
-        self, text: TextObservation, corners: Array, keys: set[int], before: list[Sighting], keyframes: KeyframeMap
+        self,
+        text: TextObservation,
+        bearing: Bearing,
+        camera_from_keyframe: Array,
+        before: list[Sighting],
+        keyframes: KeyframeMap,
     ) -> list[Recalled]:
         """Where a text stands that stands at one place of the map alone, by the keyframe that saw it most alike."""
         submaps, alive = keyframes.submaps(), set(keyframes.living_keyframes().tolist())
-        own = [each for each in before if each[0] in keys]
-        worlds = {int(submaps[observation.keyframe]) for _, observation in own}
-        signs = self._often_read(own, keyframes) if len(worlds) == 1 else []
-        if len(signs) != 1 or (corners[:, 2] <= 0).any():
+        worlds = {int(submaps[observation.keyframe]) for _, observation in before}
+        signs = self._often_read(before, keyframes) if len(worlds) == 1 else []
+        if len(signs) != 1:
             return []
+        corners = Sightline(bearing, camera_from_keyframe, signs).corners_if(signs[0])
         alike = [
             (abs(float(np.log(observation.letter_height / text.letter_height))), observation.keyframe)
-            for _, observation in own
+            for _, observation in before
             if observation.keyframe in alive
         ]
-        return [Recalled(min(alike)[1], anchor=anchor_of([(corners, signs[0])]))] if alike else []
+        if not alike or (corners[:, 2] <= 0).any():
+            return []
+        return [Recalled(min(alike)[1], anchor=anchor_of([(corners, signs[0])]))]
 
     def vetoes(self, keyframes: KeyframeMap, keyframe: int, candidate: int, camera_from_world: Array) -> str | None:
         """Refuse a pose among signs that say something else than those that were read lately."""
@@ -288,7 +334,9 @@ class TextAdvisor:
         ]
         return sorted(found, key=lambda each: -each[0].rarity)
 
-    def _view(self, keyframes: KeyframeMap, keyframe: int, constellation: Constellation, submap: int) -> int | None:
+    def _view(
+        self, keyframes: KeyframeMap, keyframe: int, constellation: Constellation, submap: int
+    ) -> Recalled | None:
         """The old keyframe that looks most as this one would, if its texts are those of the constellation."""
         submaps = keyframes.submaps()
         old = keyframes.living_keyframes()
@@ -296,7 +344,8 @@ class TextAdvisor:
         if submap == submaps[keyframe]:
             old = old[old <= keyframe - self._config.apart_keyframes]
         expected = constellation.old_from_new_world @ keyframes.world_from_keyframe(keyframe)
-        return self._nearest(keyframes, old, expected)
+        nearest = self._nearest(keyframes, old, expected)
+        return None if nearest is None else Recalled(nearest, inverse_transform(expected))
 
     def _nearest(self, keyframes: KeyframeMap, old: NDArray[np.int32], world_from_camera: Array) -> int | None:
         if not len(old):

@@ -15,6 +15,7 @@ from lpslam.camera import transform_points
 from lpslam.config import AdviceConfig
 from lpslam.slam.advice import Anchor
 from lpslam.text.advice.constellations import Seen, likeness
+from lpslam.text.types import Bearing
 
 Array = NDArray[np.float64]
 
@@ -27,12 +28,33 @@ class Sightline:
     """A text as one frame shows it, and the signs that it may be.
 
     Attributes:
-        corners: (4, 3) directions in the camera's frame, ordered as those of `Bearing`.
+        bearing: where its corners were seen.
+        camera_from_keyframe: 4×4, into the camera whose place is sought from the one in whose frame the bearing is.
         signs: in one world.
     """
 
-    corners: Array
+    bearing: Bearing
+    camera_from_keyframe: Array
     signs: Sequence[Seen]
+
+    def corners_if(self, sign: Seen) -> Array:
+        """(4, 3) in which directions the camera has the corners, if the text is that sign: its height tells how far."""
+        rays = np.array(self.bearing.corners)
+        down = float(np.linalg.norm(rays[3] - rays[0] + rays[2] - rays[1])) / 2
+        points = np.array(self.bearing.origin) + rays * (sign.height / max(down, 1e-9))
+        local = transform_points(self.camera_from_keyframe, points)
+        directions: Array = local / np.linalg.norm(local, axis=1, keepdims=True)
+        return directions
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Choice:
+    """A text, by its row, that may be a sign; how the camera has its corners then (4, 3), and what that is worth."""
+
+    row: int
+    sign: Seen
+    corners: Array
+    weight: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,33 +82,33 @@ def standpoints(sightlines: Sequence[Sightline], config: AdviceConfig) -> Iterat
     Yields:
         Places that no two explain by the same sign, the rarest signs first.
     """
-    seen = [each for each in sightlines if len(each.signs) and (each.corners[:, 2] > 0).all()]
-    choices = [(row, sign) for row, each in enumerate(seen) for sign in each.signs]
-    weights = [1.0 / len(seen[row].signs) for row, _ in choices]
-    pairs = [
-        (one, other)
-        for one, other in combinations(range(len(choices)), 2)
-        if _may_go_together(choices[one], choices[other], config)
+    choices = [
+        _Choice(row, sign, corners, 1.0 / len(each.signs))
+        for row, each in enumerate(sightlines)
+        for sign in each.signs
+        if ((corners := each.corners_if(sign))[:, 2] > 0).all()
     ]
-    pairs = sorted(pairs, key=lambda pair: -(weights[pair[0]] + weights[pair[1]]))[:_TRIED]
-    found: list[tuple[float, float, list[int], Array]] = []
+    pairs = [pair for pair in combinations(choices, 2) if _may_go_together(*pair, config)]
+    pairs = sorted(pairs, key=lambda pair: -(pair[0].weight + pair[1].weight))[:_TRIED]
+    found: list[tuple[float, float, list[_Choice], Array]] = []
     for pair in pairs:
-        pose = _pose([(seen[row].corners, sign) for row, sign in (choices[at] for at in pair)])
+        pose = _pose(pair)
         if pose is None:
             continue
-        off = {at: _off(seen[choices[at][0]].corners, choices[at][1], pose) for at in range(len(choices))}
+        off = [_off(each, pose) for each in choices]
         group = _best_of_each(choices, off, config.corner_tolerance)
-        if not set(pair) <= set(group):
+        if not all(any(each is other for other in group) for each in pair):
             continue
-        refined = _pose([(seen[choices[at][0]].corners, choices[at][1]) for at in group]) if len(group) > 2 else pose
+        refined = _pose(group) if len(group) > 2 else pose
         if refined is not None:
-            found.append((sum(weights[at] for at in group), max(off[at] for at in group), group, refined))
+            worst = max(_off(each, refined) for each in group)
+            found.append((sum(each.weight for each in group), worst, group, refined))
     used: set[int] = set()
     for rarity, _, group, pose in sorted(found, key=lambda each: (-each[0], each[1])):
-        if rarity >= config.min_rarity and not used & set(group):
-            used |= set(group)
-            matches = [(seen[choices[at][0]].corners, choices[at][1]) for at in group]
-            yield Standpoint(rarity, pose, anchor_of(matches))
+        own = {id(each) for each in group}
+        if rarity >= config.min_rarity and not used & own:
+            used |= own
+            yield Standpoint(rarity, pose, anchor_of([(each.corners, each.sign) for each in group]))
 
 
 def anchor_of(matches: Sequence[tuple[Array, Seen]]) -> Anchor:
@@ -100,30 +122,29 @@ def corners_of(sign: Seen) -> Array:
     return np.array([sign.position + x * across + y * down for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
 
 
-def _may_go_together(one: tuple[int, Seen], other: tuple[int, Seen], config: AdviceConfig) -> bool:
+def _may_go_together(one: _Choice, other: _Choice, config: AdviceConfig) -> bool:
     """Whether two texts of a frame may be two signs: neither a reading of the other, and not of one board."""
-    (row, sign), (other_row, other_sign) = one, other
     return (
-        row != other_row
-        and float(np.linalg.norm(sign.position - other_sign.position)) >= config.board_size
-        and likeness(sign, other_sign) < config.alike
+        one.row != other.row
+        and float(np.linalg.norm(one.sign.position - other.sign.position)) >= config.board_size
+        and likeness(one.sign, other.sign) < config.alike
     )
 
 
-def _best_of_each(choices: Sequence[tuple[int, Seen]], off: dict[int, float], tolerance: float) -> list[int]:
+def _best_of_each(choices: Sequence[_Choice], off: Sequence[float], tolerance: float) -> list[_Choice]:
     """Of the signs that a text may be, the one that is seen where it stands, if any is."""
     best: dict[int, int] = {}
-    for at, (row, _) in enumerate(choices):
-        if off[at] <= tolerance and (row not in best or off[at] < off[best[row]]):
-            best[row] = at
-    return sorted(best.values())
+    for at, each in enumerate(choices):
+        if off[at] <= tolerance and (each.row not in best or off[at] < off[best[each.row]]):
+            best[each.row] = at
+    return [choices[at] for at in sorted(best.values())]
 
 
-def _pose(matches: Sequence[tuple[Array, Seen]]) -> Array | None:
-    """4×4, camera from world, from which signs are seen in directions (4, 3); None where there is none."""
+def _pose(choices: Sequence[_Choice]) -> Array | None:
+    """4×4, camera from world, from which signs are seen so; None where there is none."""
     import cv2
 
-    anchor = anchor_of(matches)
+    anchor = anchor_of([(each.corners, each.sign) for each in choices])
     points, directions = anchor.corners.reshape(-1, 3), anchor.directions.reshape(-1, 3)
     pixels = directions[:, :2] / directions[:, 2:]
     middle = points.mean(axis=0)
@@ -136,12 +157,12 @@ def _pose(matches: Sequence[tuple[Array, Seen]]) -> Array | None:
     return pose
 
 
-def _off(corners: Array, sign: Seen, camera_from_world: Array) -> float:
+def _off(choice: _Choice, camera_from_world: Array) -> float:
     """By how much of its height a sign's corners are seen elsewhere than they stand; infinite from behind."""
-    local = transform_points(camera_from_world, corners_of(sign))
-    facing = camera_from_world[:3, :3] @ sign.normal
+    local = transform_points(camera_from_world, corners_of(choice.sign))
+    facing = camera_from_world[:3, :3] @ choice.sign.normal
     if (local[:, 2] <= 0).any() or facing @ local.mean(axis=0) >= 0:
         return float("inf")
-    seen, stands = corners[:, :2] / corners[:, 2:], local[:, :2] / local[:, 2:]
+    seen, stands = choice.corners[:, :2] / choice.corners[:, 2:], local[:, :2] / local[:, 2:]
     height = float(np.linalg.norm(stands[3] - stands[0] + stands[2] - stands[1])) / 2
     return float(np.linalg.norm(seen - stands, axis=1).max()) / max(height, 1e-9)
