@@ -160,6 +160,27 @@ def test_what_was_read_is_no_landmark_where_most_views_are_refused_as_patterns(
     assert [each.name for each in mapper.text_map.landmarks(identity)] == ["GUCCI"]
 
 
+@pytest.mark.parametrize(
+    ("text", "beside", "is_text"),
+    [
+        ("天", (170.0, 200.0, 40.0, 44.0), False),
+        ("XK3", (110.0, 250.0, 44.0, 40.0), False),
+        ("天", (300.0, 200.0, 40.0, 44.0), True),
+        ("天", (170.0, 200.0, 120.0, 44.0), True),
+        ("男", (170.0, 200.0, 40.0, 44.0), True),
+        ("出口", (170.0, 200.0, 40.0, 44.0), True),
+        ("GUCCI", (170.0, 200.0, 40.0, 44.0), True),
+    ],
+)
+def test_a_mark_among_marks_that_nobody_reads_is_no_text(
+    text: str, beside: tuple[float, float, float, float], is_text: bool
+) -> None:
+    """Runes stand in rows, and one of them may look like a character; words stand where they like."""
+    spotter = ScriptedSpotter((box(110, 200, 44, 44), text, 0.98), (box(*beside), "~", 0.4))
+    mapper = run(TextMapper(CAMERA, spotter, CONFIG))
+    assert [each.name for each in mapper.text_map.landmarks(identity)] == [text] * is_text
+
+
 def test_what_only_looks_like_a_pattern_is_a_text_if_it_is_spelt_as_one(monkeypatch: pytest.MonkeyPatch) -> None:
     like = Likeness.LIKE
 

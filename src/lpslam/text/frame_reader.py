@@ -13,9 +13,12 @@ from lpslam.text.placing.placement import PlacementFault, is_squeezed
 from lpslam.text.reading.blocks import around, read_in_parts, stacks_of
 from lpslam.text.reading.boxes import Boxes
 from lpslam.text.reading.colours import read_in_colours
+from lpslam.text.reading.neighbours import are_among_marks
 from lpslam.text.reading.ornaments import pattern_likenesses, says_a_pattern, says_a_text
 from lpslam.text.reading.patterns import Likeness
 from lpslam.text.reading.spotting import ReadsElsewhere, SearchesSmaller, TextSpotter, accepted_texts
+from lpslam.text.remembering.ends import is_word
+from lpslam.text.remembering.similarity import is_short
 from lpslam.text.sorting import CUT, BoxSorter
 from lpslam.text.types import BoxFate, FrameReading, PlacedTexts, Placement, SpottedText, TextStatistics
 
@@ -116,7 +119,11 @@ class FrameReader:
             fates=tuple(found.fates),
             texts=texts,
             parts=PlacedTexts.of(parts.standing()),
-            patterns=tuple(each for row in found.refused if isinstance(each := found.placements[row], Placement)),
+            patterns=tuple(
+                each
+                for row in [*found.refused, *_among_marks(found, unread)]
+                if isinstance(each := found.placements[row], Placement)
+            ),
         )
 
     def _detected(self, frame: RgbdFrame, stand: _Stand) -> _Sorted:
@@ -204,3 +211,9 @@ class FrameReader:
     def _processor_seconds(self) -> float:
         spotter = self._spotter
         return thread_time() + (spotter.seconds_elsewhere if isinstance(spotter, ReadsElsewhere) else 0.0)
+
+
+def _among_marks(found: _Sorted, unread: Sequence[int]) -> list[int]:
+    """Rows of short texts, no words, that stand among boxes as large in which there is nothing to read."""
+    rows = [row for row, text in found.texts.items() if is_short(text.text) and not is_word(text.text)]
+    return np.array(rows, np.intp)[are_among_marks(found.boxes[rows], found.boxes[unread])].tolist()

@@ -19,7 +19,7 @@ def count(text_class: TextClass) -> int:
     return len(places_of_class(text_class, lambda keyframe: np.eye(4), InstanceConfig(), MemoryConfig()))
 
 
-@pytest.mark.parametrize("text", ["XX1", "00", "习"])
+@pytest.mark.parametrize("text", ["XX1", "00", "习", "不凶"])
 def test_few_letters_read_badly_every_time_are_no_text(text: str) -> None:
     assert count(read(text, [0.2, 0.3, 0.1, 0.4])) == 0
 
@@ -43,3 +43,11 @@ def test_few_letters_whose_name_is_unsure_are_no_text() -> None:
 @pytest.mark.parametrize("text", ["Willow & Pine", "危险"])
 def test_longer_texts_are_believed_as_ever(text: str) -> None:
     assert count(read(text, [0.2, 0.3, 0.1, 0.4])) == 1
+
+
+@pytest.mark.parametrize(("sure", "best", "expected"), [(0.1, 0.1, 0), (0.1, 0.3, 1), (0.6, 0.1, 1)])
+def test_a_name_that_no_reading_can_be_is_none(sure: float, best: float, expected: int) -> None:
+    """Small print that every view reads in another way, none of them well."""
+    text_class = read("n ewhto 6 58", [0.01, best, 0.02])
+    text_class.naming = Naming("n ewhto 6 58", sure, "", "offline")
+    assert count(text_class) == expected

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.text.boards.roles import LineShape, roles_of
-from lpslam.text.placing.places import IDEOGRAPHS, Place
+from lpslam.text.placing.places import Place
+from lpslam.text.remembering.similarity import IDEOGRAPHS
 from lpslam.text.types import LandmarkLine
 
 Array = NDArray[np.float64]

@@ -11,8 +11,8 @@ import numpy as np
 from rapidfuzz import fuzz
 
 from lpslam.config import InstanceConfig
-from lpslam.text.placing.places import IDEOGRAPHS, Place
-from lpslam.text.remembering.similarity import comparison_key, is_fragment
+from lpslam.text.placing.places import Place
+from lpslam.text.remembering.similarity import IDEOGRAPHS, comparison_key, is_fragment
 
 # A whole text is believed over its fragment with this share of the fragment's evidence: from near, pieces are read.
 _WHOLE_OVER_FRAGMENT = 0.25

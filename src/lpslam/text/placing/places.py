@@ -10,21 +10,24 @@ from scipy.spatial import KDTree
 
 from lpslam.config import InstanceConfig, MemoryConfig
 from lpslam.language.naming.channel import evidence_of, log_likelihood, paint_key
+from lpslam.language.tables.spelling import is_ideograph
 from lpslam.text.placing.bearings import placed
 from lpslam.text.placing.columns import WorldSightings
 from lpslam.text.placing.instances import KeyframePoses, split_places, trimmed_position
+from lpslam.text.remembering.ends import is_word
 from lpslam.text.remembering.evidence import looks_of, readings_of
 from lpslam.text.remembering.memory import TextClass
+from lpslam.text.remembering.similarity import IDEOGRAPHS, is_short
 from lpslam.text.types import TextObservation
 
 Array = NDArray[np.float64]
 
 # Ids of places are their class's times this, plus their number.
 PLACES_OF_A_CLASS = 1000
-# Letters of a text that is only believed if some reading of it is likelier right than wrong: ornaments and lamps are
-# read as few, and badly each time. An ideograph counts for two.
-_FEW_LETTERS, _LIKELY = 3, 0.5
-# A name of so few letters that is less sure is one of an ornament: of 21 such names of drawn lettering none was right.
+# A short text is only believed if some reading of it is likelier right than wrong, any other if one may be right at
+# all: ornaments and lamps are read badly each time.
+_LIKELY, _POSSIBLE = 0.5, 0.2
+# A short name that is less sure is one of an ornament: of 21 such names of drawn lettering none was right.
 _UNSURE = 0.35
 # Letter heights by which the middle of a part may lie beside that of the whole: boxes are drawn as loosely.
 _SAME_MIDDLE = 0.5
@@ -171,20 +174,17 @@ def _is_large_enough(sightings: WorldSightings, config: InstanceConfig) -> bool:
 
 
 def _is_hardly_text(name: str, sure: float, sightings: WorldSightings) -> bool:
-    """Whether a text is so short, and was read so badly or so differently, that it is likelier no text at all."""
+    """Whether a text was read so badly or so differently, for its length, that it is likelier no text at all."""
     right = [each.right for each in sightings.observations if each.right is not None]
     commonest = next(iter(sightings.variants))
-    if min(_letters(commonest), _letters(name)) > _FEW_LETTERS:
-        return False
-    return sure < _UNSURE or (bool(right) and max(right) < _LIKELY)
+    if _says_little(name) or _says_little(commonest):
+        return sure < _UNSURE or (bool(right) and max(right) < _LIKELY)
+    return sure < _UNSURE and bool(right) and max(right) < _POSSIBLE
 
 
-def _letters(text: str) -> int:
-    return sum(1 + (ch >= IDEOGRAPHS) for ch in paint_key(text))
-
-
-IDEOGRAPHS = "\u2e80"
-"""The first character of the East Asian scripts."""
+def _says_little(text: str) -> bool:
+    """Whether a text is short, and no word of two ideographs, which says more than three letters do."""
+    return is_short(text) and not (len(text) > 1 and is_ideograph(text[0]) and is_word(text))
 
 
 def _doubtful(sightings: WorldSightings, config: InstanceConfig) -> NDArray[np.bool_]:

@@ -1,4 +1,4 @@
-"""Which spellings end as words do: beyond that end there need be nothing more."""
+"""Which spellings are words, and which end as words do: beyond such an end there need be nothing more."""
 
 from lpslam.language.tables.knowledge import load_knowledge, load_words
 from lpslam.language.tables.spelling import is_ideograph
@@ -28,6 +28,15 @@ def ends_as_words_do(text: str) -> tuple[bool, bool]:
     return any(map(_is_word, first)), any(map(_is_word, last))
 
 
+def is_word(text: str) -> bool:
+    """Whether a text is a known word or name, or a character that signs bear by itself."""
+    return _is_known(load_knowledge().folder.key(text))
+
+
 def _is_word(key: str) -> bool:
+    return len(key) >= _LEAST and _is_known(key)
+
+
+def _is_known(key: str) -> bool:
     knowledge = load_knowledge()
-    return len(key) >= _LEAST and (key in load_words() or key in knowledge.painted or key in knowledge.known)
+    return key in load_words() or key in knowledge.painted or key in knowledge.known

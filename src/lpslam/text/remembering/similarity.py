@@ -49,3 +49,15 @@ def is_fragment(part: str, whole: str) -> bool:
     """Whether `part` reads like a piece of the longer `whole`, a slip or two apart."""
     part_key, whole_key = comparison_key(part), comparison_key(whole)
     return len(part_key) < len(whole_key) and fuzz.partial_ratio(part_key, whole_key) >= 75.0
+
+
+def is_short(text: str) -> bool:
+    """Whether a text has up to three letters or two ideographs: ornaments, and pieces of texts, are read as few."""
+    return sum(_OF_AN_IDEOGRAPH if letter >= IDEOGRAPHS else 1.0 for letter in comparison_key(text)) <= _FEW_LETTERS
+
+
+IDEOGRAPHS = "\u2e80"
+"""The first character of the East Asian scripts."""
+
+_FEW_LETTERS, _OF_AN_IDEOGRAPH = 3.0, 1.5
+"""Letters of a short text, and for how many of them one ideograph counts."""

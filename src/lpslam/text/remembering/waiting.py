@@ -14,10 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.camera import transform_points
-from lpslam.language.tables.spelling import is_ideograph
 from lpslam.text.remembering.ends import ends_as_words_do
 from lpslam.text.remembering.evidence import Glance
-from lpslam.text.remembering.similarity import comparison_key, is_fragment, similarity
+from lpslam.text.remembering.similarity import comparison_key, is_fragment, is_short, similarity
 from lpslam.text.types import Placement, SpottedText, TextObservation
 
 Array = NDArray[np.float64]
@@ -47,9 +46,6 @@ of about 0.65 heights while the same is read: a quarter of them do."""
 _IN_VIEW = 0.1
 """Letter heights by which the view must go on beyond an end, in two readings, for it to be the text that ends there and
 not the view: a camera that stands still sees the same end again and again. Boxes are grown by about as much."""
-
-_FEW_LETTERS = 3
-"""Letters of a part that are no word: a piece of a frieze is read as few. An ideograph counts for two."""
 
 _ACROSS = 0.6
 """Share of the higher text's height within which parts stand on one line."""
@@ -140,7 +136,7 @@ def _longest(cuts: list[CutText]) -> list[CutText]:
     if longer and _reach_beyond(longer, whole):
         return []
     alike = [(key, each) for key, each in zip(keys, cuts, strict=True) if similarity(key, longest) >= _SLIPS]
-    if not _has_ends([each for key, each in alike if len(key) >= len(longest)], _is_short(longest)):
+    if not _has_ends([each for key, each in alike if len(key) >= len(longest)], is_short(longest)):
         return []
     return [
         cut if len(key) >= len(longest) else replace(cut, glance=replace(cut.glance, right=_SHORTER * cut.glance.right))
@@ -148,17 +144,13 @@ def _longest(cuts: list[CutText]) -> list[CutText]:
     ]
 
 
-def _is_short(key: str) -> bool:
-    return sum(1 + is_ideograph(letter) for letter in key) <= _FEW_LETTERS
-
-
-def _has_ends(cuts: list[CutText], is_short: bool) -> bool:
+def _has_ends(cuts: list[CutText], is_piece: bool) -> bool:
     """Whether both ends of a text stay where they are, and the view went on beyond them or a word ends there.
 
     What is cut ends where the view does: while a camera hardly moves, that end stays as well.
     """
     in_view = np.array([each.room for each in cuts]) >= _IN_VIEW
-    are_words = np.array([not is_short and each.glance.right >= _LONGER for each in cuts])[:, None] & np.array(
+    are_words = np.array([not is_piece and each.glance.right >= _LONGER for each in cuts])[:, None] & np.array(
         [ends_as_words_do(each.text.text) for each in cuts]
     )
     reaches, stray = _reaches(cuts, cuts[0])
