@@ -366,6 +366,27 @@ def test_text_hidden_by_something_nearer_waits_for_the_rest() -> None:
     assert list(text_class.variants) == ["INFORMATION"]
 
 
+@pytest.mark.parametrize(
+    ("wholes", "part", "is_remembered"), [(2, "INFORMA", True), (1, "INFORMA", False), (2, "SHOES", False)]
+)
+def test_parts_of_what_was_seen_as_a_whole_for_a_moment_speak_for_it(
+    wholes: int, part: str, is_remembered: bool
+) -> None:
+    spotter = ScriptedSpotter((box(400, 200, 165), "INFORMATION", 0.99))
+    mapper = TextMapper(CAMERA, spotter, CONFIG)
+    times = [2 * index for index in range(wholes)]
+    for index in times:
+        mapper.observe(frame(index, FLAT), tracked(index))
+    # It leaves the view; what stays of it is cut off.
+    away = np.eye(4)
+    away[0, 3] = -180.0 / 570.0 * 2.0
+    spotter.seen = [(box(580, 200, 58), part, 0.99)]
+    for index in range(4, 40):
+        moved = replace(tracked(index), keyframe_from_camera=away, world_from_camera=away)
+        mapper.observe(frame(index, FLAT), moved)
+    assert [each.name for each in mapper.text_map.long_term] == ["INFORMATION"] * is_remembered
+
+
 def test_text_that_is_never_seen_as_a_whole_is_known_by_the_most_of_it() -> None:
     spotter = ScriptedSpotter()
     mapper = TextMapper(CAMERA, spotter, CONFIG)

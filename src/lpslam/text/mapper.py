@@ -28,7 +28,7 @@ from lpslam.text.reading.spotting import TextSpotter
 from lpslam.text.remembering.evidence import Glance
 from lpslam.text.remembering.memory import Pool, TextClass
 from lpslam.text.remembering.naming import BesideNaming, name_class, needs_name, rename_class
-from lpslam.text.remembering.similarity import comparison_key
+from lpslam.text.remembering.similarity import comparison_key, is_fragment
 from lpslam.text.remembering.waiting import CutText, WaitingTexts
 from lpslam.text.sightings import Sighting, pictured
 from lpslam.text.sorting import NOWHERE, BoxSorter
@@ -285,6 +285,7 @@ class TextMapper:
             if self._says_what_is_known(text, placement, world_from_keyframe):
                 self._remember(text, glance, observation, world_from_keyframe)
             else:
+                self._strengthen_whole(text, placement, frame.timestamp, world_from_keyframe)
                 hidden = hidden_pixels(text.box, placement, frame.depth, self._camera, pose, self._config.placement)
                 room = room_beyond(frame.rgb, text.box, hidden)
                 alike = self._waiting.add(CutText(text, placement, glance, observation, world_from_keyframe, room))
@@ -294,6 +295,17 @@ class TextMapper:
     def _says_what_is_known(self, text: SpottedText, placement: Placement, world_from_keyframe: Array) -> bool:
         """Whether what may be cut was read so, as a whole, where it stands."""
         return comparison_key(text.text) in self._spots.spellings_at(placement, world_from_keyframe)
+
+    def _strengthen_whole(
+        self, text: SpottedText, placement: Placement, timestamp: float, world_from_keyframe: Array
+    ) -> None:
+        """Count a part for what was read twice as a whole where it stands: that it is there needs no more letters."""
+        if not self._sorter.is_sure(placement):
+            return
+        for text_class in self.text_map.memory.classes_of(self._spots.classes_at(placement, world_from_keyframe)):
+            again = (spelling for spelling, variant in text_class.variants.items() if variant.count > 1)
+            if any(is_fragment(text.text, spelling) for spelling in again):
+                self.text_map.memory.confirm(text_class.id, timestamp)
 
     def take_waiting(self, timestamp: float | None = None) -> None:
         """Remember what was only ever seen in parts, once it is out of view; without a time, at the end, all of it."""

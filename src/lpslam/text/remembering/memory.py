@@ -129,6 +129,11 @@ class LongShortTermMemory:
         """All classes of both pools, long-term first, by id."""
         return [pool[key] for pool in (self.long_term, self.short_term) for key in sorted(pool)]
 
+    def classes_of(self, identifiers: Collection[int]) -> list[TextClass]:
+        """The classes with some ids, by id; those that were forgotten are left out."""
+        found = ((self.long_term.get(each) or self.short_term.get(each)) for each in sorted(identifiers))
+        return [each for each in found if each is not None]
+
     def forget(self, timestamp: float) -> None:
         """Let time pass until `timestamp`: every score fades, and short-term classes without any are eliminated.
 
