@@ -216,4 +216,5 @@ class FrameReader:
 def _among_marks(found: _Sorted, unread: Sequence[int]) -> list[int]:
     """Rows of short texts, no words, that stand among boxes as large in which there is nothing to read."""
     rows = [row for row, text in found.texts.items() if is_short(text.text) and not is_word(text.text)]
-    return np.array(rows, np.intp)[are_among_marks(found.boxes[rows], found.boxes[unread])].tolist()
+    among = are_among_marks(found.boxes[rows], found.boxes[unread])
+    return [row for row, is_among in zip(rows, among, strict=True) if is_among]
