@@ -326,6 +326,8 @@ class TextMapper:
         memory, placement = self.text_map.memory, observation.placement
         if placement is None or world_from_keyframe is None or not self._sorter.is_sure(placement):
             text_class = memory.sight(text.text, text.confidence, observation.timestamp, glance=glance)
+            if observation.bearing is not None:
+                self._sorter.directions.add(observation.keyframe, text_class.id, observation.bearing, glance.height)
         else:
             here = self._spots.classes_at(placement, world_from_keyframe)
             again = self._says_what_is_known(text, placement, world_from_keyframe)

@@ -9,15 +9,17 @@ from numpy.typing import NDArray
 from lpslam.camera import PinholeCamera, inverse_transform, transform_points
 from lpslam.config import TextConfig
 from lpslam.frames import RgbdFrame
+from lpslam.text.placing.directions import Directions
 from lpslam.text.placing.placement import PlacementFault, place_text
 from lpslam.text.placing.spots import Spots
+from lpslam.text.placing.views import bearing_of
 from lpslam.text.reading.borders import cut_by_border
 from lpslam.text.reading.boxes import Boxes, letter_heights
 from lpslam.text.reading.legibility import SeenSize, frontal_cosine
 from lpslam.text.reading.ornaments import PatternVotes
 from lpslam.text.reading.patterns import Likeness
 from lpslam.text.remembering.memory import LongShortTermMemory
-from lpslam.text.types import BoxFate, Placement
+from lpslam.text.types import Bearing, BoxFate, Placement
 
 Array = NDArray[np.float64]
 
@@ -40,6 +42,7 @@ class BoxSorter:
         points_seen_by: Callable[[int], Array],
     ) -> None:
         self.votes = PatternVotes()
+        self.directions = Directions()
         self._camera = camera
         self._config = config
         self._memory = memory
@@ -78,8 +81,14 @@ class BoxSorter:
                 placement = place(boxes[row], is_cut=True)
             is_placed = isinstance(placement, Placement) and world_from_keyframe is not None
             if not isinstance(placement, Placement) or not self.is_sure(placement) or world_from_keyframe is None:
+                is_kept = fates[row] == BoxFate.KEPT
+                if is_kept and world_from_keyframe is not None:
+                    bearing = bearing_of(boxes[row], self._camera, keyframe_from_camera)
+                    if self._was_read_from(keyframe, bearing, heights[row], frame.timestamp):
+                        fates[row] = BoxFate.KNOWN
+                        continue
                 # What is cut waits for its rest where it stands, be that roughly known.
-                if fates[row] == BoxFate.KEPT or is_placed:
+                if is_kept or is_placed:
                     placements[row] = placement
                 continue
             seen = SeenSize(heights[row], frontal_cosine(placement, keyframe_from_camera))
@@ -115,6 +124,14 @@ class BoxSorter:
         if settled is None:
             return False
         self._memory.confirm(settled, timestamp)
+        return True
+
+    def _was_read_from(self, keyframe: int, bearing: Bearing, letters: float, timestamp: float) -> bool:
+        """Whether a text without a sure place was read so from this keyframe that another reading tells nothing."""
+        known = self.directions.settled_at(keyframe, bearing, letters, self._is_sure_of_name, self._config.reading)
+        if known is None:
+            return False
+        self._memory.confirm(known, timestamp)
         return True
 
     def _is_sure_of_name(self, identifier: int) -> bool:
