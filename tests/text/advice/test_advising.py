@@ -403,6 +403,23 @@ def test_too_little_says_nothing_of_a_place(signs: list[Sign]) -> None:
     assert judged(100.0, signs) is None
 
 
+@pytest.mark.parametrize(
+    ("others", "said"),
+    [([], None), (SIGNS[1:2], True), ([Sign("GUCCI", 2.2), Sign("面馆", 3.4)], False)],
+    ids=["alone", "with its neighbour", "among others"],
+)
+def test_a_sign_that_alone_told_the_place_is_no_witness_of_it(others: list[Sign], said: bool | None) -> None:
+    """Another shop of the same name tells the same wrong place, and would agree with it."""
+    walks = TwoWalks([*SIGNS, Sign("LOTUS TEA", 3.4)], [])
+    walks.advisor.note_view(-1, [replace(walks.sighting(3, SIGNS[0], 99.0), keyframe=-1)])
+    (place,) = walks.advisor.recalls(walks.map)
+    assert place.camera_from_world is None
+    for number in range(2, 7):
+        for sign in (SIGNS[0], *others):
+            walks.advisor.note_doubtful(walks.sighting(number, sign, 100.0 + number))
+    assert walks.advisor.judges(walks.map, 4, 100.0) is said
+
+
 def test_what_was_read_in_an_earlier_doubt_is_not_counted() -> None:
     walks = TwoWalks(SIGNS, [])
     for sign in repainted(SIGNS[:2], "GUCCI", "面馆"):

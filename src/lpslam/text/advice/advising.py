@@ -23,6 +23,7 @@ from lpslam.text.advice.constellations import (
     agree,
     constellations,
     contradict,
+    likeness,
     nearest_views,
     seen_texts,
 )
@@ -70,6 +71,7 @@ class TextAdvisor:
         self._views: dict[int, list[TextObservation]] = {}
         self._lost: list[TextObservation] = []
         self._recalled: list[Recalled] | None = None
+        self._told_by: Seen | None = None
         self._has_news = False
         self.proposed = 0
         self.vetoed = 0
@@ -140,7 +142,7 @@ class TextAdvisor:
         camera_from_last = keyframes.camera_from_world(keyframe) @ keyframes.world_from_keyframe(last)
         classes = self._classes_like(seen)
         before = self._before(keyframes, keyframe, {key for each in classes for key in each})
-        return self._recall(seen, classes, camera_from_last, before, keyframes)
+        return self._recall(seen, classes, camera_from_last, before, keyframes)[0]
 
     def recalls(self, keyframes: KeyframeMap) -> list[Recalled]:
         """Where two texts or more would be seen as a lost camera sees them."""
@@ -158,7 +160,8 @@ class TextAdvisor:
         # One frame reads a text once: it may be of every class that has a spelling like it.
         classes = self._classes_like(lost)
         before = self._newest({key for each in classes for key in each}, len(keyframes.submaps()))
-        return self._recall(lost, classes, np.eye(4), before, keyframes)
+        recalled, self._told_by = self._recall(lost, classes, np.eye(4), before, keyframes)
+        return recalled
 
     def _recall(
         self,
@@ -167,8 +170,8 @@ class TextAdvisor:
         camera_from_keyframe: Array,
         before: list[Sighting],
         keyframes: KeyframeMap,
-    ) -> list[Recalled]:
-        """Where a camera is that has these texts in view, each of some classes, among sightings of before."""
+    ) -> tuple[list[Recalled], Seen | None]:
+        """Where a camera is that has these texts in view, each of some classes; and the sign, if one alone says it."""
         seen = [
             (each, each.bearing, keys)
             for each, keys in zip(texts, classes, strict=True)
@@ -191,7 +194,7 @@ class TextAdvisor:
             own = [each for each in before if each[0] in keys]
             return self._anchored(text, bearing, camera_from_keyframe, own, keyframes)
         found.sort(key=lambda each: -each[0])
-        return [each for _, each in found[: self._config.proposals]]
+        return [each for _, each in found[: self._config.proposals]], None
 
     def _anchored(
         self,
@@ -200,13 +203,13 @@ class TextAdvisor:
         camera_from_keyframe: Array,
         before: list[Sighting],
         keyframes: KeyframeMap,
-    ) -> list[Recalled]:
+    ) -> tuple[list[Recalled], Seen | None]:
         """Where a text stands that stands at one place of the map alone, by the keyframe that saw it most alike."""
         submaps, alive = keyframes.submaps(), set(keyframes.living_keyframes().tolist())
         worlds = {int(submaps[observation.keyframe]) for _, observation in before}
         signs = self._often_read(before, keyframes) if len(worlds) == 1 else []
         if len(signs) != 1:
-            return []
+            return [], None
         corners = Sightline(bearing, camera_from_keyframe, signs).corners_if(signs[0])
         alike = [
             (abs(float(np.log(observation.letter_height / text.letter_height))), observation.keyframe)
@@ -214,8 +217,8 @@ class TextAdvisor:
             if observation.keyframe in alive
         ]
         if not alike or (corners[:, 2] <= 0).any():
-            return []
-        return [Recalled(min(alike)[1], anchor=anchor_of([(corners, signs[0])]))]
+            return [], None
+        return [Recalled(min(alike)[1], anchor=anchor_of([(corners, signs[0])]))], signs[0]
 
     def vetoes(self, keyframes: KeyframeMap, keyframe: int, candidate: int, camera_from_world: Array) -> str | None:
         """Refuse a pose among signs that say something else than those that were read lately."""
@@ -244,7 +247,10 @@ class TextAdvisor:
             doubtful = list(self._doubtful)
         if not doubtful:
             return None
-        new = seen_texts(doubtful, keyframes.world_from_keyframe, self._config)
+        new, told_by = seen_texts(doubtful, keyframes.world_from_keyframe, self._config), self._told_by
+        if told_by is not None:
+            # A sign that alone told the place, as another shop of its name may, is no witness of it.
+            new = [text for text in new if likeness(text, told_by) < self._config.alike]
         around = self._around(keyframes, keyframe, ())
         if contradict(new, around, self._config):
             self.vetoed += 1
