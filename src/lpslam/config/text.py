@@ -86,6 +86,8 @@ class PlacementConfig(Section):
     # Fewest pixels with depth, and the share of the box's pixels they must be.
     min_samples: int = Field(default=12, ge=3)
     min_depth_share: float = Field(default=0.15, ge=0, le=1)
+    # Share of the text's length that must have so much: one who walks by has it on a few letters alone.
+    min_covered_share: float = Field(default=0.5, ge=0, le=1)
     # Where a sign gives no depth, its surface is sought so many letter heights around it: first in the depth image, ...
     surroundings: float = Field(default=1.0, gt=0)
     # ... then among the map's points, of which so many must lie there.

@@ -305,3 +305,28 @@ def test_what_stands_before_the_end_of_a_placed_text_hides_it() -> None:
     row = int(box[:, 1].mean())
     assert hidden[row, begin - 8 : begin].all()
     assert not hidden[row, begin:].any(), "the wall itself hides nothing"
+
+
+@pytest.mark.parametrize("at", [0.1, 0.4, 0.7])
+def test_who_walks_by_before_a_sign_beyond_the_sensors_reach_does_not_carry_it(at: float) -> None:
+    """The letters that he covers are missing; the depth of the rest is not known."""
+    _, box, _ = sign(np.array([0.0, -0.5, 9.0]), 5.0, width=2.4, height=0.4)
+    depth = np.zeros((480, 640), np.float32)
+    left, right = box[:, 0].min(), box[:, 0].max()
+    first, last = (int(left + share * (right - left)) for share in (at, at + 0.25))
+    depth[100:, first:last] = 4.5
+    result = place_text(box, depth, CAMERA, np.eye(4), CONFIG)
+    assert result in (PlacementFault.NO_DEPTH, PlacementFault.HIDDEN)
+
+
+def test_a_sign_half_of_which_has_depth_hangs_where_that_is() -> None:
+    centre = np.array([0.0, 0.0, 3.0])
+    _, box, normal = sign(centre, 20.0)
+    depth = wall_depth(centre, normal, 0.0022)
+    left, right = box[:, 0].min(), box[:, 0].max()
+    depth[:, int(left + 0.55 * (right - left)) :] = 0.0
+    assert placed(box, depth).position == pytest.approx(centre, abs=0.03)
+    # Letters that have none, on a board that has it.
+    letters = wall_depth(centre, normal, 0.0022)
+    letters[:, int(left) : int(right)][:, (np.arange(int(right) - int(left)) // 6) % 2 == 0] = 0.0
+    assert placed(box, letters).position == pytest.approx(centre, abs=0.03)

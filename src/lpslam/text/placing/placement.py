@@ -61,15 +61,19 @@ def place_text(
     """
     middle_of_box = box.mean(axis=0)
     pixels, depths, area = _depths_inside(middle_of_box + (box - middle_of_box) * config.inner_share, depth, config)
-    is_own = len(depths) >= max(config.min_samples, config.min_depth_share * area)
+    is_own = len(depths) >= max(config.min_samples, config.min_depth_share * area) and (
+        _covered_share(box, pixels, area, config) >= config.min_covered_share
+    )
     rays = camera.back_project(camera.undistort(pixels), np.ones(len(depths)))
     corner_rays = camera.back_project(camera.undistort(box), np.ones(4))
     if not is_own:
         if not is_cut and _goes_on_behind_something_near(box, depth, config, rgb):
             return PlacementFault.HIDDEN
-        pixels, depths, _ = _depths_inside(_grown(box, config.surroundings), depth, config)
+        around = _grown(box, config.surroundings)
+        pixels, depths, area = _depths_inside(around, depth, config)
         rays = camera.back_project(camera.undistort(pixels), np.ones(len(depths)))
-        if len(depths) < config.min_samples or not _surround(corner_rays.mean(axis=0), rays):
+        is_along = _covered_share(around, pixels, area, config) >= config.min_covered_share
+        if len(depths) < config.min_samples or not is_along or not _surround(corner_rays.mean(axis=0), rays):
             rays, depths = _points_inside(_grown(box, config.surroundings_of_points), map_points(), camera, config)
             if len(depths) < config.min_points:
                 return PlacementFault.NO_DEPTH
@@ -116,6 +120,27 @@ def place_text(
         height=height,
         uncertainty=float(spread if is_own else np.hypot(spread, config.surroundings_uncertainty)),
     )
+
+
+def _covered_share(box: Array, pixels: Array, area: int, config: PlacementConfig) -> float:
+    """Share of a text's length along which its box has depth at pixels (n, 2), of so many that were looked at.
+
+    Of a text beyond the sensor's reach, whoever walks by has all the depth: on a few letters, and not on the rest.
+    """
+    line = along_the_lines(box[None])[0]
+    along = line[1] + line[2] - line[0] - line[3]
+    length = float(np.linalg.norm(along)) / 2.0
+    parts = max(_FEWEST_PARTS, round(_PARTS_OF_A_LETTER * length / max(float(letter_heights(box[None])[0]), 1.0)))
+    at = (pixels - line.mean(axis=0)) @ _unit(along) / (config.inner_share * length) + 0.5
+    counts = np.bincount(np.clip((at * parts).astype(int), 0, parts - 1), minlength=parts)
+    return float(np.mean(counts >= max(1.0, config.min_depth_share * area / parts)))
+
+
+_PARTS_OF_A_LETTER = 3
+"""Of a text's length, in the height of a letter: each has depth or not."""
+
+_FEWEST_PARTS = 8
+"""Of a short word."""
 
 
 def _fault_at_ends(
