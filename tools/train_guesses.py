@@ -4,9 +4,9 @@ python tools/train_guesses.py             # report by leaving each set of wishes
 python tools/train_guesses.py --write     # train on all and write
 
 Wishes of all sets that are answered by words are asked as in `train_certainty.py`: of whole maps and of small ones,
-with and without the place that is meant, with all tables and with tables of which a part is hidden. Where tables find
-nothing sure, the landmarks are ranked by a conditional logit of their columns, and the first is judged by a logistic
-model of its clues; a second one judges what the tables are sure of.
+with and without the place that is meant, with all tables and with tables of which a part is hidden. The landmarks are
+ranked by a conditional logit of their columns; the first of them, and what the tables found, are judged by a logistic
+model of their clues.
 """
 
 import argparse
@@ -21,12 +21,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from lpslam.language.choosing.guessing import COLUMNS, Guessing, Heard
-from lpslam.language.choosing.serving import best_of
+from lpslam.language.choosing.guessing import COLUMNS, Found, Guessing, Heard
 from lpslam.language.offline import OfflineModel
 from lpslam.language.wishes import guesses
 from lpslam.language.wishes.form import Stop, Which
-from lpslam.language.wishes.served import LEAST_SURE, Served
+from lpslam.language.wishes.served import Served
 from train_certainty import SETS, model_of, wishes_of
 from wishes import accepts, places_of
 
@@ -35,7 +34,7 @@ SMALL = (1, 2, 3, 4, 5, 6, 10)  # signs of small maps
 WEIGHT = {"whole": 1.0, "small": 0.5, "without": 0.3, "everyday": 0.3}  # of an answer, by its map
 EACH = 3  # of so many everyday questions one is asked
 RIDGE = 10.0  # of logistic weights, in columns of spread 1
-TOLD = (0.5, 0.6, 0.7, 0.75, 0.8, 0.85)  # probabilities of the report
+TOLD = (0.4, 0.5, 0.6, 0.65, 0.7, 0.75, 0.8)  # probabilities of the report
 
 Floats = NDArray[np.float64]
 
@@ -49,15 +48,8 @@ class Row:
     is_hidden: bool
     guessing: Guessing
     heard: Heard
-    sure: dict[int, float]
-    is_doubted: bool
-    vain: bool
+    found: Found
     right: NDArray[np.bool_]
-
-    @property
-    def is_sure(self) -> bool:
-        """Whether the tables answer."""
-        return max(self.sure.values(), default=0.0) >= LEAST_SURE
 
 
 class Asking:
@@ -68,18 +60,15 @@ class Asking:
         kept: list[Row] = []
 
         def judged(given: guesses.Guesses, served: Served, meaning: Any, language: str, trusted: Any) -> Served:
-            if given.support.group_of:
-                heard = given.heard(served, language)
-                found = {best_of(served.scores): served.sure} if served.scores else {}
-                vain = any(weight >= guesses._READ for _, weight in meaning.wanted)
-                is_right = np.isin(heard.ids, list(right))
-                kept.append(
-                    Row(name, kind, is_hidden, given.guessing, heard, found, guesses.is_doubted(served), vain, is_right)
-                )
+            asked = given.asked(served, meaning, language)
+            if asked is not None:
+                is_right = np.isin(asked[0].ids, list(right))
+                kept.append(Row(name, kind, is_hidden, given.guessing, *asked, is_right))
             return served
 
-        guesses.Guesses.judged = judged  # type: ignore[method-assign, assignment]
+        guesses.Guesses.judged, before = judged, guesses.Guesses.judged  # type: ignore[method-assign, assignment]
         scorer.serve(stop)
+        guesses.Guesses.judged = before  # type: ignore[method-assign]
         yield from kept
 
 
@@ -179,64 +168,46 @@ def fitted(clues: Floats, right: NDArray[np.bool_], weight: Floats) -> Floats:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Judged:
-    """Clues of the answers of some rows, and whether those are right."""
+    """What may be meant by wishes: whose, clues, and whether it is right."""
 
-    rows: list[Row]
+    of: NDArray[np.int64]
     clues: Floats
     names: tuple[str, ...]
     right: NDArray[np.bool_]
 
-    def trained(self) -> Floats:
-        """A logistic model of them."""
-        return fitted(self.clues, self.right, np.array([WEIGHT[row.map] for row in self.rows]))
 
-
-def guessed(rows: Sequence[Row], rank: Floats) -> Judged:
-    """The guesses of what the tables are not sure of."""
-    some, found, right = [row for row in rows if not row.is_sure], list[dict[str, float]](), list[bool]()
-    for row in some:
-        at = int(np.argmax(row.heard.columns @ rank))
-        found.append(row.guessing.clues_of_guess(row.heard, at, rank, row.sure, row.vain))
-        right.append(bool(row.right[at]))
-    return Judged(some, np.array([list(each.values()) for each in found]), tuple(found[0]), np.array(right))
-
-
-def standing(rows: Sequence[Row], rank: Floats) -> Judged:
-    """What the tables are sure of."""
-    some, found, right = list[Row](), list[dict[str, float]](), list[bool]()
-    for row in rows:
-        if row.is_sure and row.is_doubted:
-            (id_,) = row.sure
-            at = row.guessing.row_of(id_)
-            if at is not None:
-                some.append(row)
-                found.append(row.guessing.clues(row.heard, at, rank, row.sure[id_], 0.0, False))
-                right.append(bool(row.right[at]))
-    return Judged(some, np.array([list(each.values()) for each in found]), tuple(found[0]), np.array(right))
+def judged(rows: Sequence[Row], rank: Floats) -> Judged:
+    """What may be meant: what comes first, and what the tables found."""
+    of, found, right = list[int](), list[dict[str, float]](), list[bool]()
+    for number, row in enumerate(rows):
+        for at in row.guessing.likeliest(row.heard, row.found, rank):
+            of.append(number)
+            found.append(row.guessing.clues(row.heard, at, rank, row.found))
+            right.append(bool(row.right[at]))
+    return Judged(np.array(of), np.array([list(each.values()) for each in found]), tuple(found[0]), np.array(right))
 
 
 def report(rows: Sequence[Row]) -> None:
-    """Print what guesses and doubts do to each set that is left out."""
-    for kind, judge in (("guesses", guessed), ("what tables found", standing)):
-        total: Counter[tuple[str, float, bool]] = Counter()
-        for name in sorted({row.set for row in rows} - {""}):
-            rank = ranked([row for row in rows if row.set != name and not row.is_sure])
-            judged = judge(rows, rank)
-            out = np.array([row.set == name for row in judged.rows])
-            model = Judged(
-                *([row for row in judged.rows if row.set != name], judged.clues[~out], judged.names),
-                judged.right[~out],
-            ).trained()
-            sure = 1.0 / (1.0 + np.exp(-(judged.clues[out] @ model[:-1] + model[-1])))
-            said = [row for row in judged.rows if row.set == name]
-            for row, p, right in zip(said, sure, judged.right[out], strict=True):
-                for least in (0.0, *TOLD):
-                    total[f"{row.map}{', hidden' if row.is_hidden else ''}", least, bool(right)] += p >= least
-                    if row.map == "whole" and not row.is_hidden:
-                        total[name, least, bool(right)] += p >= least
-        print(f"{kind}, from each probability on: right and wrong")
-        for key in sorted({key for key, _, _ in total}):
-            print(key, "; ".join(f"{t:.2f}: {total[key, t, True]} {total[key, t, False]}" for t in (0.0, *TOLD)))
+    """Print what is answered of each set that is left out."""
+    total: Counter[tuple[str, float, bool]] = Counter()
+    every = judged(rows, ranked(rows))
+    sets, weight = np.array([row.set for row in rows])[every.of], np.array([WEIGHT[row.map] for row in rows])[every.of]
+    for name in sorted({row.set for row in rows} - {""}):
+        out = sets == name
+        model = fitted(every.clues[~out], every.right[~out], weight[~out])
+        sure = 1.0 / (1.0 + np.exp(-(every.clues[out] @ model[:-1] + model[-1])))
+        best: dict[int, tuple[float, bool]] = {}
+        for number, p, right in zip(every.of[out].tolist(), sure.tolist(), every.right[out].tolist(), strict=True):
+            best[number] = max(best.get(number, (0.0, False)), (p, right))
+        for number, (p, right) in best.items():
+            row = rows[number]
+            for least in (0.0, *TOLD):
+                total[f"{row.map}{', hidden' if row.is_hidden else ''}", least, right] += p >= least
+                if row.map == "whole":
+                    total[f"{name}{', hidden' if row.is_hidden else ''}", least, right] += p >= least
+    print("from each probability on: right and wrong")
+    for key in sorted({key for key, _, _ in total}):
+        print(key, "; ".join(f"{t:.2f}: {total[key, t, True]} {total[key, t, False]}" for t in (0.0, *TOLD)))
 
 
 def main() -> None:
@@ -249,13 +220,13 @@ def main() -> None:
     if not given.write:
         report(rows)
         return
-    rank = ranked([row for row in rows if not row.is_sure])
-    of_guess, of_found = guessed(rows, rank), standing(rows, rank)
+    rank = ranked(rows)
+    every = judged(rows, rank)
+    weight = np.array([WEIGHT[row.map] for row in rows])[every.of]
     document = {
         "rank": np.round(rank, 4).tolist(),
-        "names": of_guess.names,
-        "of_guess": np.round(of_guess.trained(), 4).tolist(),
-        "of_found": np.round(of_found.trained(), 4).tolist(),
+        "names": every.names,
+        "weights": np.round(fitted(every.clues, every.right, weight), 4).tolist(),
     }
     WRITTEN.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
 

@@ -25,6 +25,9 @@ Floats = NDArray[np.float64]
 _UNKIND = 0.7  # of its board's cosine: the cosine of a kind that is not known
 _FARTHEST = 1.6  # below the best score: what comes less near is not offered
 _MOST = 4.0  # of a lead by which guesses differ
+_AS_WELL = 0.97  # of how well tables see a place serve: another that serves as well
+_STANDS = 0.5  # probability of what the tables are sure of, from which it stands
+_UNSURE = 0.01  # a probability is never nearer to 0 or 1 than this
 _NUMBER = re.compile(r"\d+")
 _UNSPACED = frozenset({"zh", "ja", "ko"})
 COLUMNS = (
@@ -57,6 +60,25 @@ class Heard:
     words: Floats
     spread: float
     language: str
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """What the tables found, and how probably it is meant as they see it.
+
+    Attributes:
+        best: the landmark; None where they found none.
+        sure: probability.
+        is_named: whether its board says the very words.
+        is_sure: whether that is an answer.
+        reads_more: whether they read something in the question.
+    """
+
+    best: int | None
+    sure: float
+    is_named: bool
+    is_sure: bool
+    reads_more: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,35 +157,32 @@ class Guessing:
         np.maximum.at(best, self._groups, own)
         return np.where(self._is_known[self._groups], best[self._groups], own), kind
 
-    def clues(self, heard: Heard, row: int, weights: Floats, sure: float, other: float, vain: bool) -> dict[str, float]:
-        """Return what tells how sure it is that a landmark is meant.
-
-        Args:
-            heard: what the question says.
-            row: of the landmark.
-            weights: of the columns.
-            sure: how sure the tables are of it.
-            other: how sure they are of another.
-            vain: whether what they read is not here.
-        """
+    def clues(self, heard: Heard, row: int, weights: Floats, found: Found) -> dict[str, float]:
+        """Return what tells how sure it is that a landmark is meant, by the weights of the columns."""
         score = heard.columns @ weights
-        others = heard.groups != heard.groups[row]
         own = dict(zip(COLUMNS, heard.columns[row], strict=True))
+        others = heard.groups != heard.groups[row]
+        # What serves what is read as well is no rival: who is hungry is told of any of two restaurants.
+        as_well = others & (heard.columns[:, 3] >= _AS_WELL * own["read"]) & (own["read"] > 0.0)
+        others &= ~as_well
         in_meaning = heard.columns[:, 4] * weights[4] + heard.columns[:, 5] * weights[5]
         best = np.full(len(self._is_known), -np.inf)
-        np.maximum.at(best, heard.groups, score)
+        np.maximum.at(best, heard.groups[~as_well], score[~as_well])
         shares = np.exp(best[np.isfinite(best)] - score[row])
         crowd = np.ones(len(heard.cosines), bool)
         crowd[self._served[int(heard.groups[row])]] = False
         known = (weights[0] * heard.words + (weights[4] + weights[5]) * heard.cosines)[crowd]
         alone = own["words"] * weights[0] + own["words of the board"] * weights[1] + float(in_meaning[row])
         nearest = max(own["board"], own["kind"])
+        is_found = found.best is not None and self._is_of(found.best, row)
+        same, other = (found.sure, 0.0) if is_found else (0.0, found.sure)
         return {
             "share": 1.0 / float(shares.sum()),
             "lead": _lead(score, row, others) / _MOST,
             "lead of meaning": _lead(in_meaning, row, others) / _MOST,
             "lead of words": _lead(heard.columns[:, 0], row, others) / _MOST,
             "alone": float(not others.any()),
+            "others as well": float(np.log1p(len(set(heard.groups[as_well].tolist())))),
             "board": own["board"] / heard.spread / 4.0,
             "kind": own["kind"] / heard.spread / 4.0,
             "words": min(own["words"], 8.0) / 5.0,
@@ -175,46 +194,42 @@ class Guessing:
             "nearer in meaning": float(np.log1p((heard.cosines[crowd] > nearest).sum())) / 4.0,
             "share of words": float(heard.said[row]),
             "few landmarks": 1.0 / self._size,
-            "sure by tables": sure,
+            "by tables": float(is_found),
+            "by its name": float(is_found and found.is_named),
+            "sure by tables": same,
+            "odds by tables": _odds(same),
             "another by tables": other,
-            "in vain": float(vain),
+            "odds of another": _odds(other),
+            "in vain": float(found.reads_more and not is_found),
             "no spaces": float(heard.language in _UNSPACED),
         }
 
-    def clues_of_guess(
-        self, heard: Heard, row: int, weights: Floats, sure: Mapping[int, float], vain: bool
-    ) -> dict[str, float]:
-        """`clues` of a guess; `sure` is how sure the tables are of what they found."""
-        same = max((sure[id_] for id_ in sure if self._is_of(id_, row)), default=0.0)
-        other = max((sure[id_] for id_ in sure if not self._is_of(id_, row)), default=0.0)
-        return self.clues(heard, row, weights, same, other, vain and not same)
+    def likeliest(self, heard: Heard, found: Found, weights: Floats) -> list[int]:
+        """Return the rows of the landmarks that may be meant: what the tables found, and what comes first."""
+        score = heard.columns @ weights
+        rows = [int(np.argmax(score))] if score.max(initial=0.0) > 0.0 else []
+        if found.best is None:
+            return rows
+        return [self._row_of[found.best], *(row for row in rows if not self._is_of(found.best, row))]
 
-    def best(self, heard: Heard, sure: Mapping[int, float], vain: bool) -> Guess | None:
-        """Return the likeliest landmark; `sure` is how sure the tables are of what they found."""
+    def best(self, heard: Heard, found: Found) -> Guess | None:
+        """Return the landmark that is likeliest to be meant."""
         model = _model()
-        score = heard.columns @ model.rank
-        if not len(score) or score.max() <= 0.0:
+        rows = self.likeliest(heard, found, model.rank)
+        if not rows:
             return None
-        row = int(np.argmax(score))
-        clues = self.clues_of_guess(heard, row, model.rank, sure, vain)
+        surest = {row: model.probability(self.clues(heard, row, model.rank, found)) for row in rows}
+        row = max(surest, key=lambda each: surest[each])
+        if found.is_sure and surest[rows[0]] >= _STANDS:
+            # What is told in so many words is not taken back for what is a little likelier.
+            row, surest = rows[0], {rows[0]: found.sure}
+        score = heard.columns @ model.rank
         near = np.flatnonzero(score >= score[row] - _FARTHEST)
-        scores = {int(self._ids[at]): float(np.exp(score[at] - score[row])) for at in near}
-        return Guess(int(self._ids[row]), scores, model.found(clues))
-
-    def stands(self, heard: Heard, id_: int, sure: float) -> float:
-        """Return how probably what the tables found is meant, as the meaning of all boards has it."""
-        row = self.row_of(id_)
-        if row is None:
-            return 1.0
-        model = _model()
-        return model.stands(self.clues(heard, row, model.rank, sure, 0.0, False))
-
-    def row_of(self, id_: int) -> int | None:
-        """The row of a landmark, None where it is no place."""
-        return self._row_of.get(id_)
+        scores = {int(self._ids[at]): min(1.0, float(np.exp(score[at] - score[row]))) for at in near}
+        return Guess(int(self._ids[row]), scores, surest[row])
 
     def _is_of(self, id_: int, row: int) -> bool:
-        return id_ in self._row_of and bool(self._groups[self._row_of[id_]] == self._groups[row])
+        return bool(self._groups[self._row_of[id_]] == self._groups[row])
 
 
 def _lead(score: Floats, row: int, others: NDArray[np.bool_]) -> float:
@@ -222,32 +237,26 @@ def _lead(score: Floats, row: int, others: NDArray[np.bool_]) -> float:
     return float(np.clip(score[row] - score[others].max(), -_MOST, _MOST)) if others.any() else 0.5 * _MOST
 
 
+def _odds(sure: float) -> float:
+    """The logarithm of the odds of a probability, 0 where there is none."""
+    return float(np.log(max(sure, _UNSURE) / max(1.0 - sure, _UNSURE))) if sure else 0.0
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class _Model:
-    """Weights of columns, and two logistic models of clues: of a guess, and of what the tables found."""
+    """Weights of columns, and a logistic model of the clues of what may be meant; its last weight stands alone."""
 
     rank: Floats
     names: tuple[str, ...]
-    of_guess: Floats
-    of_found: Floats
+    weights: Floats
 
-    def found(self, clues: Mapping[str, float]) -> float:
-        """How probably a guess is right."""
-        return self._probability(clues, self.of_guess)
-
-    def stands(self, clues: Mapping[str, float]) -> float:
-        """How probably what the tables found is right."""
-        return self._probability(clues, self.of_found)
-
-    def _probability(self, clues: Mapping[str, float], weights: Floats) -> float:
+    def probability(self, clues: Mapping[str, float]) -> float:
+        """How probably it is meant."""
         x = np.array([*(clues[name] for name in self.names), 1.0])
-        return float(1.0 / (1.0 + np.exp(-(x @ weights))))
+        return float(1.0 / (1.0 + np.exp(-(x @ self.weights))))
 
 
 @lru_cache(maxsize=1)
 def _model() -> _Model:
     tree: Mapping[str, Any] = read_table("wishes/guesses.json")
-    return _Model(
-        *(np.array(tree["rank"]), tuple(tree["names"])),
-        *(np.array(tree[each], float) for each in ("of_guess", "of_found")),
-    )
+    return _Model(np.array(tree["rank"], float), tuple(tree["names"]), np.array(tree["weights"], float))

@@ -95,7 +95,7 @@ class EmbeddedScorer:
         clues = self.clues(served)
         if clues["is one"] >= 1.0 and clues["says so"] >= 1.0:
             # Every word asks for this very kind, and the sign is one: “a restaurant”.
-            return served
+            return replace(served, is_said=True)
         sure = probability(clues)
         is_said = clues["says so"] >= 1.0 and clues["length"] <= _BRIEF
         served = replace(served, sure=sure, confidence=min(served.confidence, sure), is_said=is_said)
@@ -120,7 +120,7 @@ class EmbeddedScorer:
         if self._boards.refuses(stop.what, meaning):
             language = self._language(stop, meaning)
             return self._guesses.agreed(self._without_refused(served, language), meaning, language)
-        if meaning.wanted_names or meaning.contested or self._boards.is_bare_name(stop.what):
+        if meaning.wanted_names or meaning.contested:
             return served
         return self._guesses.judged(served, meaning, self._language(stop, meaning), partial(self._not_otherwise, stop))
 

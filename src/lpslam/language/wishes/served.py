@@ -52,7 +52,7 @@ class Served:
         exact: of those, the landmarks whose board says these very words, and no more.
         read: how well landmarks serve what the tables read, by id, before anything else speaks.
         doubt: why none is the answer where that is not sure.
-        is_said: whether every word that is asked asks for what was found.
+        is_said: whether all that is asked, in a word or two, asks for what was found.
         settled: whether it is known that what is asked for is not here.
         sees_all: whether every landmark that serves has its score; a model names a few only.
     """
