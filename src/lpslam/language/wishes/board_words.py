@@ -1,5 +1,6 @@
 """What the words of boards have in common with the words of a stop: names, words just so, and names as heard."""
 
+import re
 from collections.abc import Mapping, Sequence
 
 from lpslam.language.choosing.landmark_index import LandmarkIndex
@@ -16,6 +17,7 @@ _SURE, _NAMED, _ACROSS = 1.0, 0.9, 0.85  # of a code or person, of a part of a n
 _WHOLE = 0.95  # of a name's letters: the name itself
 _FEWEST_BORNE, _MOST_BORNE = 2, 0.5  # words of a question that a board bears, and their share of its letters
 _MOST_OF_IT = 0.7  # of the letters that are asked for: a name, with a particle
+_NAME = re.compile(r"(?<=[a-zà-ÿ] )[A-Z][\w'’-]* (?:[A-Z&][\w'’-]* ?)+")  # “is there a Burger King”
 _FEW_WORDS = 3  # of a stop that may be no more than a name and the word before it
 _LEAST_LITERAL = 0.3  # of a board's letters that are asked for word by word
 
@@ -95,6 +97,13 @@ class BoardWords:
             or (self._names.sounding(proper, is_all=True) if is_name else {})
             or self._names.sounding(proper)
         )
+
+    def is_bare_name(self, text: str) -> bool:
+        """Whether all that is asked for is a name: words of no table and of no language, or spelt as names are."""
+        if _NAME.search(text):
+            return True
+        words, proper = self._asked.asked(text)
+        return bool(words) and not any(is_unspaced(word) or word in load_words() for word in words) and words == proper
 
     def literal(self, text: str, meaning: Meaning) -> dict[int, float]:
         """Boards that bear every word, where nothing else is known to serve."""

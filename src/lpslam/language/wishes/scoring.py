@@ -120,7 +120,7 @@ class EmbeddedScorer:
         if self._boards.refuses(stop.what, meaning):
             language = self._language(stop, meaning)
             return self._guesses.agreed(self._without_refused(served, language), meaning, language)
-        if meaning.wanted_names or meaning.contested:
+        if meaning.wanted_names or meaning.contested or self._boards.is_bare_name(stop.what):
             return served
         return self._guesses.judged(served, meaning, self._language(stop, meaning), partial(self._not_otherwise, stop))
 
