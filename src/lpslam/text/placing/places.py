@@ -10,14 +10,13 @@ from scipy.spatial import KDTree
 
 from lpslam.config import InstanceConfig, MemoryConfig
 from lpslam.language.naming.channel import evidence_of, log_likelihood, paint_key
-from lpslam.language.tables.spelling import is_ideograph
 from lpslam.text.placing.bearings import placed
 from lpslam.text.placing.columns import WorldSightings
 from lpslam.text.placing.instances import KeyframePoses, split_places, trimmed_position
-from lpslam.text.remembering.ends import is_word
+from lpslam.text.remembering.ends import says_little
 from lpslam.text.remembering.evidence import looks_of, readings_of
 from lpslam.text.remembering.memory import TextClass
-from lpslam.text.remembering.similarity import IDEOGRAPHS, is_short
+from lpslam.text.remembering.similarity import IDEOGRAPHS
 from lpslam.text.types import TextObservation
 
 Array = NDArray[np.float64]
@@ -177,14 +176,9 @@ def _is_hardly_text(name: str, sure: float, sightings: WorldSightings) -> bool:
     """Whether a text was read so badly or so differently, for its length, that it is likelier no text at all."""
     right = [each.right for each in sightings.observations if each.right is not None]
     commonest = next(iter(sightings.variants))
-    if _says_little(name) or _says_little(commonest):
+    if says_little(name) or says_little(commonest):
         return sure < _UNSURE or (bool(right) and max(right) < _LIKELY)
     return sure < _UNSURE and bool(right) and max(right) < _POSSIBLE
-
-
-def _says_little(text: str) -> bool:
-    """Whether a text is short, and no word of two ideographs, which says more than three letters do."""
-    return is_short(text) and not (len(text) > 1 and is_ideograph(text[0]) and is_word(text))
 
 
 def _doubtful(sightings: WorldSightings, config: InstanceConfig) -> NDArray[np.bool_]:

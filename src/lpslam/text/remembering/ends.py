@@ -2,6 +2,7 @@
 
 from lpslam.language.tables.knowledge import load_knowledge, load_words
 from lpslam.language.tables.spelling import is_ideograph
+from lpslam.text.remembering.similarity import is_short
 
 _LEAST = 2
 """Letters of a word at an end: one by itself is a piece of any."""
@@ -9,28 +10,33 @@ _LEAST = 2
 _WORDS = 3
 """Words at an end that are looked up together."""
 
-_IDEOGRAPHS = 6
-"""Characters at an end that are looked up together, where no space parts words."""
-
 
 def ends_as_words_do(text: str) -> tuple[bool, bool]:
-    """Whether a text begins with a known word or name, and whether it ends with one."""
+    """Whether a text begins with a known word or name, and whether it ends with one.
+
+    An ideograph is a word, or a part of one that the tables need not know: it may end a text as well as any other.
+    """
     knowledge = load_knowledge()
     words = [key for word in text.split() if (key := knowledge.folder.key(word))]
     if not words:
         return False, False
-    first = [words[0], *("".join(words[:count]) for count in range(2, min(_WORDS, len(words)) + 1))]
-    last = [words[-1], *("".join(words[-count:]) for count in range(2, min(_WORDS, len(words)) + 1))]
-    if is_ideograph(words[0][0]):
-        first += [words[0][:count] for count in range(_LEAST, min(_IDEOGRAPHS, len(words[0])))]
-    if is_ideograph(words[-1][-1]):
-        last += [words[-1][-count:] for count in range(_LEAST, min(_IDEOGRAPHS, len(words[-1])))]
-    return any(map(_is_word, first)), any(map(_is_word, last))
+    counts = range(2, min(_WORDS, len(words)) + 1)
+    first = [words[0], *("".join(words[:count]) for count in counts)]
+    last = [words[-1], *("".join(words[-count:]) for count in counts)]
+    return (
+        is_ideograph(words[0][0]) or any(map(_is_word, first)),
+        is_ideograph(words[-1][-1]) or any(map(_is_word, last)),
+    )
 
 
 def is_word(text: str) -> bool:
     """Whether a text is a known word or name, or a character that signs bear by itself."""
     return _is_known(load_knowledge().folder.key(text))
+
+
+def says_little(text: str) -> bool:
+    """Whether a text is short, and no word of two ideographs, which says more than three letters do."""
+    return is_short(text) and not (len(text) > 1 and is_ideograph(text[0]) and is_word(text))
 
 
 def _is_word(key: str) -> bool:

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.camera import transform_points
-from lpslam.text.remembering.ends import ends_as_words_do
+from lpslam.text.remembering.ends import ends_as_words_do, says_little
 from lpslam.text.remembering.evidence import Glance
-from lpslam.text.remembering.similarity import comparison_key, is_fragment, is_short, similarity
+from lpslam.text.remembering.similarity import comparison_key, is_fragment, similarity
 from lpslam.text.types import Placement, SpottedText, TextObservation
 
 Array = NDArray[np.float64]
@@ -136,7 +136,7 @@ def _longest(cuts: list[CutText]) -> list[CutText]:
     if longer and _reach_beyond(longer, whole):
         return []
     alike = [(key, each) for key, each in zip(keys, cuts, strict=True) if similarity(key, longest) >= _SLIPS]
-    if not _has_ends([each for key, each in alike if len(key) >= len(longest)], is_short(longest)):
+    if not _has_ends([each for key, each in alike if len(key) >= len(longest)], says_little(longest)):
         return []
     return [
         cut if len(key) >= len(longest) else replace(cut, glance=replace(cut.glance, right=_SHORTER * cut.glance.right))
