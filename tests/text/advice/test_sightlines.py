@@ -128,3 +128,12 @@ def test_what_one_frame_saw_another_would_have_seen_elsewhere() -> None:
     expected = transform_points(asks, corners_of(SIGNS[0]))
     expected /= np.linalg.norm(expected, axis=1, keepdims=True)
     np.testing.assert_allclose(lines[0].corners_if(SIGNS[0]), expected, atol=0.004)
+
+
+@pytest.mark.parametrize(("width", "height"), [(0.0, 0.2), (1.4, 0.0), (0.0, 0.0), (1e6, 1e6)])
+def test_signs_of_an_edited_map_without_a_size_tell_nothing(width: float, height: float) -> None:
+    pose = camera_at(2.0, 6.0)
+    names = ("WALNUT TAILORS", "METRO SNEAKERS")
+    broken = [sign(at, name, 3.3 * at, width=width, height=height) for at, name in enumerate(names)]
+    lines = [line(whole, pose, [each]) for whole, each in zip(SIGNS, broken, strict=False)]
+    assert list(standpoints(lines, CONFIG)) == []

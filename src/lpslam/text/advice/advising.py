@@ -27,7 +27,7 @@ from lpslam.text.advice.constellations import (
     nearest_views,
     seen_texts,
 )
-from lpslam.text.advice.sightlines import Sightline, anchor_of, standpoints
+from lpslam.text.advice.sightlines import Sightline, anchor_of, is_ahead, standpoints
 from lpslam.text.remembering.memory import TextClass
 from lpslam.text.remembering.similarity import comparison_key, similarity
 from lpslam.text.types import Bearing, TextObservation
@@ -212,11 +212,11 @@ class TextAdvisor:
             return [], None
         corners = Sightline(bearing, camera_from_keyframe, signs).corners_if(signs[0])
         alike = [
-            (abs(float(np.log(observation.letter_height / text.letter_height))), observation.keyframe)
+            (abs(observation.letter_height - text.letter_height), observation.keyframe)
             for _, observation in before
             if observation.keyframe in alive
         ]
-        if not alike or (corners[:, 2] <= 0).any():
+        if not alike or not is_ahead(corners):
             return [], None
         return [Recalled(min(alike)[1], anchor=anchor_of([(corners, signs[0])]))], signs[0]
 

@@ -22,6 +22,9 @@ Array = NDArray[np.float64]
 # Most pairs of signs that are tried, the rarest first; each costs a tenth of a millisecond.
 _TRIED = 200
 
+# Cosine between the camera's axis and what it may see, at least: 84 degrees.
+_LEAST_AHEAD = 0.1
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sightline:
@@ -43,7 +46,7 @@ class Sightline:
         down = float(np.linalg.norm(rays[3] - rays[0] + rays[2] - rays[1])) / 2
         points = np.array(self.bearing.origin) + rays * (sign.height / max(down, 1e-9))
         local = transform_points(self.camera_from_keyframe, points)
-        directions: Array = local / np.linalg.norm(local, axis=1, keepdims=True)
+        directions: Array = local / np.maximum(np.linalg.norm(local, axis=1, keepdims=True), 1e-9)
         return directions
 
 
@@ -86,7 +89,7 @@ def standpoints(sightlines: Sequence[Sightline], config: AdviceConfig) -> Iterat
         _Choice(row, sign, corners, 1.0 / len(each.signs))
         for row, each in enumerate(sightlines)
         for sign in each.signs
-        if ((corners := each.corners_if(sign))[:, 2] > 0).all()
+        if is_ahead(corners := each.corners_if(sign))
     ]
     pairs = [pair for pair in combinations(choices, 2) if _may_go_together(*pair, config)]
     pairs = sorted(pairs, key=lambda pair: -(pair[0].weight + pair[1].weight))[:_TRIED]
@@ -109,6 +112,11 @@ def standpoints(sightlines: Sequence[Sightline], config: AdviceConfig) -> Iterat
         if rarity >= config.min_rarity and not used & own:
             used |= own
             yield Standpoint(rarity, pose, anchor_of([(each.corners, each.sign) for each in group]))
+
+
+def is_ahead(corners: Array) -> bool:
+    """Whether directions (4, 3) lie in front of a camera, where an image can have them."""
+    return bool((corners[:, 2] > _LEAST_AHEAD).all())
 
 
 def anchor_of(matches: Sequence[tuple[Array, Seen]]) -> Anchor:
@@ -148,7 +156,11 @@ def _pose(choices: Sequence[_Choice]) -> Array | None:
     points, directions = anchor.corners.reshape(-1, 3), anchor.directions.reshape(-1, 3)
     pixels = directions[:, :2] / directions[:, 2:]
     middle = points.mean(axis=0)
-    is_found, turn, way = cv2.solvePnP(points - middle, pixels, np.eye(3), None, flags=cv2.SOLVEPNP_SQPNP)
+    try:
+        is_found, turn, way = cv2.solvePnP(points - middle, pixels, np.eye(3), None, flags=cv2.SOLVEPNP_SQPNP)
+    except cv2.error:
+        # Signs without a size, of a map that was edited.
+        return None
     if not is_found or not (np.isfinite(turn).all() and np.isfinite(way).all()):
         return None
     pose = np.eye(4)
