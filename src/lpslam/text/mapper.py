@@ -309,7 +309,7 @@ class TextMapper:
 
     def take_waiting(self, timestamp: float | None = None) -> None:
         """Remember what was only ever seen in parts, once it is out of view; without a time, at the end, all of it."""
-        for cuts in self._waiting.gone(timestamp, self._names_at):
+        for cuts in self._waiting.gone(timestamp, self._names_at, self.text_map.memory.is_remembered):
             for cut in cuts:
                 self._remember(cut.text, cut.glance, cut.observation, cut.world_from_keyframe)
 

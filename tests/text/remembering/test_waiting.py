@@ -157,3 +157,11 @@ def test_it_is_told_how_often_the_same_waits_at_a_place() -> None:
     texts = WaitingTexts(patience=2.0)
     assert [texts.add(cut(each, 0.0)) for each in ("NORVANE", "NOR", "Nor Vane")] == [1, 1, 2]
     assert texts.add(cut("NORVANE", 0.0, x=3.0)) == 1
+
+
+def test_a_part_of_what_is_in_memory_need_not_be_the_whole() -> None:
+    readings = [cut("MACY 24", index / 10, room=(0.0, 5.0)) for index in range(3)]
+    assert waiting(*readings).gone(None, named()) == []
+    assert spelled(waiting(*readings).gone(None, named(), lambda text: text == "macy24")) == [["MACY 24"] * 3]
+    few = [cut("OX", index / 10, room=(0.0, 5.0)) for index in range(3)]
+    assert waiting(*few).gone(None, named(), lambda text: True) == [], "a piece of a frieze is like any"

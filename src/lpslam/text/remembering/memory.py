@@ -20,6 +20,9 @@ from lpslam.text.types import TextObservation
 # A class is recognised by its commonest spellings only: else each slip would admit the next, and classes would drift.
 _LEADING_SPELLINGS = 4
 
+# Eq. 3 similarity from which a spelling is nearly another one.
+_NEARLY = 0.75
+
 # Pixels, of a box that nothing is known of.
 _USUAL_HEIGHT = 24.0
 
@@ -128,6 +131,11 @@ class LongShortTermMemory:
     def classes(self) -> list[TextClass]:
         """All classes of both pools, long-term first, by id."""
         return [pool[key] for pool in (self.long_term, self.short_term) for key in sorted(pool)]
+
+    def is_remembered(self, text: str) -> bool:
+        """Whether a class in long-term memory is known by nearly the same spelling."""
+        known = {each.id: each.spellings[:_LEADING_SPELLINGS] for each in self.long_term.values()}
+        return best_class(text, known, _NEARLY) is not None
 
     def classes_of(self, identifiers: Collection[int]) -> list[TextClass]:
         """The classes with some ids, by id; those that were forgotten are left out."""

@@ -104,20 +104,26 @@ class WaitingTexts:
         key = comparison_key(cut.text.text)
         return sum(comparison_key(each.text.text) == key for each in line.cuts)
 
-    def gone(self, timestamp: float | None, names_at: Callable[[Placement, Array], list[str]]) -> list[list[CutText]]:
+    def gone(
+        self,
+        timestamp: float | None,
+        names_at: Callable[[Placement, Array], list[str]],
+        is_remembered: Callable[[str], bool] = lambda text: False,
+    ) -> list[list[CutText]]:
         """Give up, text by text, the readings of what has gone out of view and is known by nothing better.
 
         Args:
             timestamp: seconds, now; None at the end, when all has.
             names_at: what texts that were read as a whole say where a reading stands.
+            is_remembered: whether a text in memory says nearly the same: then it need not be the whole of it.
         """
         gone = [each for each in self._lines if timestamp is None or timestamp - each.last_seen > self._patience]
         self._lines = [each for each in self._lines if each not in gone]
-        found = (_longest(each.cuts) for each in gone)
+        found = (_longest(each.cuts, is_remembered) for each in gone)
         return [cuts for cuts in found if cuts and not _is_told(cuts, names_at)]
 
 
-def _longest(cuts: list[CutText]) -> list[CutText]:
+def _longest(cuts: list[CutText], is_remembered: Callable[[str], bool]) -> list[CutText]:
     """The readings of the longest spelling and its slips, in order of time; none where it goes on, or was read once."""
     keys = [comparison_key(each.text.text) for each in cuts]
     weights: dict[str, float] = defaultdict(float)
@@ -136,7 +142,8 @@ def _longest(cuts: list[CutText]) -> list[CutText]:
     if longer and _reach_beyond(longer, whole):
         return []
     alike = [(key, each) for key, each in zip(keys, cuts, strict=True) if similarity(key, longest) >= _SLIPS]
-    if not _has_ends([each for key, each in alike if len(key) >= len(longest)], says_little(longest)):
+    is_enough = not says_little(longest) and is_remembered(longest)
+    if not _has_ends([each for key, each in alike if len(key) >= len(longest)], says_little(longest), is_enough):
         return []
     return [
         cut if len(key) >= len(longest) else replace(cut, glance=replace(cut.glance, right=_SHORTER * cut.glance.right))
@@ -144,7 +151,7 @@ def _longest(cuts: list[CutText]) -> list[CutText]:
     ]
 
 
-def _has_ends(cuts: list[CutText], is_piece: bool) -> bool:
+def _has_ends(cuts: list[CutText], is_piece: bool, is_enough: bool) -> bool:
     """Whether both ends of a text stay where they are, and the view went on beyond them or a word ends there.
 
     What is cut ends where the view does: while a camera hardly moves, that end stays as well.
@@ -158,7 +165,7 @@ def _has_ends(cuts: list[CutText], is_piece: bool) -> bool:
         there = ends >= ends.max() - stray
         if np.count_nonzero(there) < max(2.0, _STAYS * len(cuts)):
             return False
-        if np.count_nonzero(there & is_seen) < 2 and not (there & is_word).any():
+        if not is_enough and np.count_nonzero(there & is_seen) < 2 and not (there & is_word).any():
             return False
     return True
 
