@@ -162,7 +162,7 @@ def _as_understood(
         return Ranked(_without_brand(missing[0], question, index, signs, knowledge, model, phrases))
     if not wanted and not wish.contested:
         return Ranked(Choice(None, 0.0, phrases.say("no_kind"), model))
-    if wanted.keys() <= _ANY and not wish.contested:
+    if (wanted.keys() <= _ANY and not wish.contested) or wish.unknown:
         return Ranked(Choice(None, 0.5, phrases.say("unknown"), model))
     wishes = _in_turn(wish, index, knowledge)
     found: list[Ranked] = []

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 
+from lpslam.language.questions.sorts import is_eaten
 from lpslam.language.questions.wanted import Wish
 from lpslam.language.tables.knowledge import Knowledge
 
@@ -12,6 +13,7 @@ FITS = 0.45  # a landmark that serves the wish less than this is not offered
 FITS_INSTEAD = 0.34  # where what fits better is refused
 _REFUSED_KIND = 0.4  # a place is what is refused when its words say so at least this surely
 _SIDE_OFFER = 0.7  # a place that sells what is refused this surely, beside other things
+_CLEARLY = 0.03  # by which a place must be better at what is refused than at what is wanted
 _SIDE_REFUSED = 0.5  # what such a place loses
 _LIGHT_MEAL = 0.7  # of a place that sells cake or coffee first of all
 _SERVES_MEALS = frozenset({"amenity/restaurant", "facility/canteen"})  # also where it is a café as well
@@ -90,6 +92,7 @@ def serve(wish: Wish, kinds: Kinds, knowledge: Knowledge, matches: Mapping[str, 
     if whom_for and not asked_for:
         score *= _FOR_SOME
     best = max((matches[concept] for concept in wish.main), default=0.0)
+    vague = (knowledge.modifiers | knowledge.general).issuperset(wish.main)
     for concept in wish.refused:
         # Ramen has noodles in it, and Thai food is hot.
         own = _any_of({concept, *knowledge.contained.get(concept, ())}, kinds, knowledge)
@@ -98,6 +101,10 @@ def serve(wish: Wish, kinds: Kinds, knowledge: Knowledge, matches: Mapping[str, 
         if own >= _REFUSED_KIND and not is_spared and not _is_also_another(concept, own, kinds, wish, knowledge):
             return Served(0.0, 0.0, ())
         ware = match(concept, kinds, knowledge) if "/" not in concept else 0.0
+        is_meant = ware > best + _CLEARLY and ware >= _SIDE_OFFER and not is_eaten(concept, knowledge)
+        if (ware >= _SURE and vague) or is_meant:
+            # “A present, but no toys”: a toy shop has presents, and is not meant; nor Decathlon for what is not sporty.
+            return Served(0.0, 0.0, ())
         if own < _REFUSED_KIND and is_spared:
             continue
         if own >= _REFUSED_KIND or ware >= _SIDE_OFFER:

@@ -15,6 +15,7 @@ from lpslam.language.questions.readings import Readings
 from lpslam.language.questions.sorts import is_general
 from lpslam.language.questions.speaking import language_by_its_phrases, languages_of
 from lpslam.language.questions.stance import NEXT_TO, Stand, hurting, spilled, told_in
+from lpslam.language.questions.unknown_things import asks_for_unknown
 from lpslam.language.questions.wanted import THING, Wish
 from lpslam.language.questions.weighing import ASIDE, GENERAL, GIFTS, HINT, MAIN, MODIFIER, as_treated, without_symptoms
 from lpslam.language.sanitise import clean_text
@@ -200,6 +201,7 @@ class _Reading:
         wanted = self._weighed(said)
         main = [concept for concept, weight in wanted.items() if weight > GENERAL]
         mended = [each.concept for each in self._troubles if each.concept not in said.wanted_by]
+        asks_for_something = not main and not said.refused
         return Wish(
             tuple(wanted.items()),
             tuple(dict.fromkeys(said.refused)),
@@ -207,6 +209,8 @@ class _Reading:
             tuple(dict.fromkeys(said.names["refused"])),
             self._language,
             tuple(dict.fromkeys(said.names["near"])),
+            # After a refusal, what else may be eaten is left open.
+            asks_for_something and asks_for_unknown(self._units, self._spans, self._language, self._knowledge),
             contested,
             tuple(_ANEW[concept] for concept in mended if concept in _ANEW),
             () if main or contested else tuple(sorted(contradicted)),
@@ -300,6 +304,9 @@ class _Reading:
     def _weighed(self, said: _Said) -> dict[str, float]:
         """Weigh what is wanted: what is done to things, whom they are for, what will do instead."""
         knowledge, wanted = self._knowledge, said.wanted
+        if said.refused and all(concept in knowledge.instead_of for concept in said.refused):
+            # Who eats no meat wants a kitchen without.
+            wanted |= {knowledge.instead_of[concept]: MAIN for concept in said.refused}
         is_child_ill = "child" in wanted and max(wanted.get("medicine", 0.0), wanted.get("doctor", 0.0)) >= MAIN
         wanted = as_treated(without_symptoms(wanted, knowledge), knowledge)
         if is_child_ill:

@@ -7,6 +7,7 @@ tells is no wish: who says what Zara is like and then asks for a dress wants ano
 
 from collections.abc import Sequence, Set
 from enum import Enum
+from itertools import pairwise
 
 from lpslam.language.questions.clauses import Clause, between_marks
 from lpslam.language.questions.sorts import (
@@ -25,6 +26,8 @@ from lpslam.language.tables.lexicon import Meaning
 from lpslam.language.tables.words import Span, is_mark
 
 NEXT_TO = 3  # units between two phrases that speak of one another
+_TELLING_MUCH = 4  # words beside a kind of place that make a statement of it, though it would serve
+_SERVES = 0.6  # a kind of place that serves what is asked for as well as this is not refused for being told of
 _VERB_LAST = frozenset({"ja", "ko"})  # languages whose refusals always stand behind
 _WHOLE_BACK = _VERB_LAST | {"zh"}  # whose short clauses are refused as a whole
 _PASTIMES = frozenset({"entertainment", "children_play", "rest"})
@@ -69,7 +72,16 @@ def told_in(
         if stands[at][:1] == [Stand.REFUSED] and _is_listed_before(clauses[at - 1], clauses[at], knowledge):
             # “Ramen, udon, no more.”
             stands[at - 1] = [Stand.REFUSED] * len(stands[at - 1])
-    told = [_told(clause.spans, each, knowledge) for clause, each in zip(clauses, stands, strict=True)]
+    wanted = {
+        span.key
+        for clause, each in zip(clauses, stands, strict=True)
+        for span, stand in zip(clause.spans, each, strict=True)
+        if stand is Stand.WANTED
+    }
+    told = [
+        _told(clause.spans, _only_the_special(clause.spans, each, wanted), knowledge)
+        for clause, each in zip(clauses, stands, strict=True)
+    ]
     for at in range(1, len(clauses)):
         # “I need shoes, but Bata's are for aunties.”
         wants = any(_is_wanted(one) and one[0].value.role == "means" for each in told[:at] for one in each)
@@ -150,7 +162,10 @@ def _without_telling(
     return [
         each
         if asking[at]
-        else [(span, asked.stand(at, span) if stand is Stand.WANTED else stand) for span, stand in each]
+        else [
+            (span, asked.stand(at, span, before[0] if before else None) if stand is Stand.WANTED else stand)
+            for before, (span, stand) in zip((None, *each), each, strict=False)
+        ]
         for at, each in enumerate(told)
     ]
 
@@ -186,8 +201,8 @@ class _Asked:
         self._diets = {*knowledge.instead_of.values(), *knowledge.refusing}
         self._is_asked = any(clause.asks for clause in clauses)
 
-    def stand(self, at: int, span: Span[Meaning]) -> Stand:
-        """How the speaker stands to a phrase of a clause that does not ask."""
+    def stand(self, at: int, span: Span[Meaning], before: Span[Meaning] | None) -> Stand:
+        """How the speaker stands to a phrase of a clause that does not ask; `before` is what is said before it."""
         clause, concepts = self._clauses[at], {concept for concept, _ in span.value.concepts}
         if span.value.role == "name":
             return Stand.REFUSED if clause.tells and self._wants_anything else Stand.WANTED
@@ -203,7 +218,10 @@ class _Asked:
             return Stand.WANTED
         is_doubted = clause.denies or (clause.echoes and (bool(self._concepts) or self._wants_another))
         if is_place(span, self._knowledge):
-            is_refused = is_doubted or self._tells_of_a_place(clause)
+            is_refused = is_doubted or self._tells_of_a_place(clause, concepts)
+        elif before is not None and before.value.role == "name" and span.start - before.end <= 1:
+            # A brand's coffee says nothing against coffee.
+            is_refused = False
         elif concepts <= self._diets:
             # “No meat” is a wish.
             is_refused = False
@@ -218,9 +236,12 @@ class _Asked:
         )
         return Stand.ASIDE if is_by_the_way else Stand.WANTED
 
-    def _tells_of_a_place(self, clause: Clause) -> bool:
-        """Whether a kind of place is said to be like this or that."""
-        return clause.says > 1 and (self._is_special or self._wants_another)
+    def _tells_of_a_place(self, clause: Clause, kinds: Set[str]) -> bool:
+        """Whether a kind of place is said to have been visited, or to be like this or that."""
+        if any(span.value.role == "past" for span in clause.spans):
+            return True
+        serves = any(self._knowledge.share(each, kind) >= _SERVES for each in self._concepts for kind in kinds)
+        return clause.says > (_TELLING_MUCH if serves else 1) and (self._is_special or self._wants_another)
 
     def _tells_of_a_ware(self, at: int, span: Span[Meaning]) -> bool:
         """Whether something else is asked for than a ware that is told of, and not where it has run out."""
@@ -340,6 +361,21 @@ def _linked_from(clause: Sequence[Span[Meaning]], since: int, at: int) -> int:
             break
         start -= 1
     return start
+
+
+def _only_the_special(clause: Sequence[Span[Meaning]], stands: Sequence[Stand], wanted: Set[str]) -> list[Stand]:
+    """“Shoes, but no sports shoes” refuses sports: beside another phrase, one that is wanted besides is spared."""
+    spared = list(stands)
+    for before, after in pairwise(range(len(clause))):
+        pair = (clause[before], clause[after])
+        if (
+            stands[before] is stands[after] is Stand.REFUSED
+            and pair[0].end == pair[1].start
+            and all(span.value.role == "means" for span in pair)
+            and (pair[0].key in wanted) != (pair[1].key in wanted)
+        ):
+            spared[before if pair[0].key in wanted else after] = Stand.WANTED
+    return spared
 
 
 def _told(clause: Sequence[Span[Meaning]], stands: Sequence[Stand], knowledge: Knowledge) -> Told:

@@ -33,6 +33,7 @@ from lpslam.language.wishes.rules import Row, Rules, content_left, rules_of
 
 _LONGEST = 400  # letters of a question
 _ENDS = " .。!！?？,，、;；¿¡"
+_LISTED = re.compile(r"[,，;；、] ?(?:(?:and|und|et|y) )?")
 _JOINED = re.compile(r" (?:and|und|et|y|e) ")
 _MOST_STOPS = 6
 _OPPOSED = {Which.NEAREST.value, Which.FARTHEST.value}  # one place is hardly both
@@ -115,6 +116,9 @@ def _parts(
 
 def _pieces(text: str, languages: Sequence[str], knowledge: Knowledge) -> list[str]:
     """The stops that a part of a plan names, each something of its own; the part itself where it names one."""
+    chain = chained(text, languages)
+    if len(chain) >= _FEWEST_LISTED and all(_are_things((piece,), knowledge) for piece in chain):
+        return chain
     for pieces in (chained(text, languages), _listed(text, knowledge)):
         if len(pieces) > 1 and _are_things(pieces, knowledge):
             return pieces
@@ -174,6 +178,9 @@ def _says_a_place(text: str, knowledge: Knowledge) -> bool:
 
 def _listed(text: str, knowledge: Knowledge) -> list[str]:
     """The stops that a part of a plan lists: “buy a ticket, grab a croissant”, each something of its own."""
+    pieces = [each for each in _LISTED.split(text) if each.strip(_ENDS)]
+    if len(pieces) > 1 and _are_things(pieces, knowledge):
+        return pieces
     both = [each for each in _JOINED.split(text) if len(each.split()) > 1]
     return both if len(both) > 1 and _are_things(both, knowledge) else [text]
 

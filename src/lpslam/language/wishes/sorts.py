@@ -65,7 +65,7 @@ class Sorts:
 
     def the_only_shop(self, stop: Stop, meaning: Meaning) -> dict[int, float]:
         """“The shop” of a museum is the one that it has."""
-        if len(stop.what.split()) > _SHORT_NAME:
+        if meaning.unknown or len(stop.what.split()) > _SHORT_NAME:
             return {}
         shops = [
             id_
