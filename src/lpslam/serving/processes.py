@@ -36,7 +36,7 @@ async def ended(process: Process) -> None:
     """End a process and all that it has started, and wait until the system has forgotten it."""
     kill(process)
     try:
-        await _to_its_end(asyncio.ensure_future(_gone(process)))
+        await _to_its_end(asyncio.ensure_future(process.wait()))
     finally:
         # Only with its transport closed is a process released before the loop ends; no public name leads to it.
         if (transport := getattr(process, "_transport", None)) is not None:
@@ -52,10 +52,6 @@ def kill(process: Process) -> None:
     except (ProcessLookupError, PermissionError):
         with contextlib.suppress(ProcessLookupError):
             process.kill()
-
-
-async def _gone(process: Process) -> None:
-    await process.wait()
 
 
 async def _to_its_end(task: "asyncio.Future[_Result]") -> _Result:

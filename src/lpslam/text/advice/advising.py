@@ -128,8 +128,11 @@ class TextAdvisor:
             return []
         before = self._before(keyframes, keyframe, {text.text_class for text in lately})
         found = self._found_again(lately, before, keyframes)
-        views = [self._view(keyframes, keyframe, *each) for each in found]
-        return list({view.keyframe: view for view in reversed(views) if view is not None}.values())[::-1]
+        views: dict[int, Recalled] = {}
+        for each in found:
+            if (view := self._view(keyframes, keyframe, *each)) is not None:
+                views.setdefault(view.keyframe, view)
+        return list(views.values())
 
     def _proposed_by_sight(self, keyframes: KeyframeMap, keyframe: int) -> list[Recalled]:
         """By the last frame that was read, as this keyframe would have seen it."""
@@ -145,7 +148,7 @@ class TextAdvisor:
         return self._recall(seen, classes, camera_from_last, before, keyframes)[0]
 
     def recalls(self, keyframes: KeyframeMap) -> list[Recalled]:
-        """Where two texts or more would be seen as a lost camera sees them."""
+        """Where texts would be seen as a lost camera sees them: two or more, or one that stands nowhere else."""
         with self._lock:
             lost, recalled = self._lost, self._recalled
         if recalled is None:
@@ -317,9 +320,9 @@ class TextAdvisor:
             {
                 text_class
                 for text_class, known in keys.items()
-                if any(similarity(other, comparison_key(each.text)) >= NEARLY_THE_SAME for other in known)
+                if any(similarity(other, own) >= NEARLY_THE_SAME for other in known)
             }
-            for each in observations
+            for own in (comparison_key(each.text) for each in observations)
         ]
 
     # Where that is --------------------------------------------------------------------------------------------------
