@@ -43,4 +43,4 @@ def answer_wish(
         scorer = embedded.scorer(known.candidates)
     else:
         scorer = ModelScorer(language, known.candidates, question, wish, history)
-    return solve(wish, known.places, scorer, here, ways, known.config)
+    return solve(wish, known.sites, scorer, here, ways, known.config)

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.navigation.places import Place, Point
-from lpslam.navigation.relations import Scene, tree_of
+from lpslam.navigation.relations import Scene
+from lpslam.navigation.sites import tree_of
 
 NEAR_ANCHORS = 8
 """Places of an anchor that a place is held against: those nearest to it."""
@@ -18,9 +19,9 @@ class Serving:
     def __init__(self, scene: Scene, scores: Mapping[int, float], least: float = 0.0) -> None:
         ids = np.fromiter(scores.keys(), np.int64, len(scores))
         values = np.fromiter(scores.values(), np.float64, len(scores))
-        rows = scene.rows(ids)
+        rows = scene.sites.rows(ids)
         kept = (rows >= 0) & (values >= least * values.max(initial=0.0))
-        self._scene = scene
+        self._sites = scene.sites
         self.ids, self.scores, self._rows = ids[kept], values[kept], rows[kept]
 
     def __len__(self) -> int:
@@ -29,11 +30,11 @@ class Serving:
     @property
     def positions(self) -> NDArray[np.float64]:
         """(n, 3) metres."""
-        return np.asarray(self._scene.positions[self._rows])
+        return np.asarray(self._sites.positions[self._rows])
 
     def place(self, at: int) -> Place:
         """One of them."""
-        return self._scene.places[int(self._rows[at])]
+        return self._sites.places[int(self._rows[at])]
 
     def first(self, most: int, *keys: NDArray[np.float64]) -> list[int]:
         """The first so many, by some keys, the most important first, and then by id."""

@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterable
 from lpslam.config import NavigationConfig
 from lpslam.language.model import Candidate
 from lpslam.navigation.places import Place
+from lpslam.navigation.sites import Sites
 from lpslam.text.types import Landmark
 
 
@@ -21,7 +22,7 @@ class Directory:
         landmarks: as they were given.
         by_id: the same, looked up.
         candidates: ids and strings, for language. One object: the embedded model knows it again by that.
-        places: ids and positions, for the solver.
+        sites: ids and positions, for the solver.
         names: how many landmarks have each name.
     """
 
@@ -32,8 +33,11 @@ class Directory:
         self.candidates = tuple(
             Candidate(mark.id, mark.name, tuple(mark.variants), mark.other_lines) for mark in self.landmarks
         )
-        self.places = tuple(
-            Place(mark.id, mark.name, mark.position, mark.normal, mark.width, mark.spread) for mark in self.landmarks
+        self.sites = Sites(
+            tuple(
+                Place(mark.id, mark.name, mark.position, mark.normal, mark.width, mark.spread)
+                for mark in self.landmarks
+            )
         )
         self.names = Counter(mark.name for mark in self.landmarks)
 

@@ -3,26 +3,22 @@
 A relation that the positions cannot decide does not hold, and its doubt says why.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lpslam.config import NavigationConfig
 from lpslam.language.wishes.form import Relation
 from lpslam.navigation.floors import Floors
 from lpslam.navigation.places import Distances, Here, Place, Point
-
-if TYPE_CHECKING:
-    from scipy.spatial import cKDTree
+from lpslam.navigation.sites import Sites
 
 _UP = np.array([0.0, 0.0, 1.0])
 _NO = float("inf")
 _NEIGHBOURS_OF_A_LINE = 3  # places that tell along which line boards hang
-_GAPS = 5_000  # places whose nearest neighbours tell the usual gap
+_NEAREST = 5  # places around a board, itself among them, whose line it is held to hang on
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,63 +29,21 @@ class Judged:
     doubt: str = ""
 
 
-def tree_of(points: NDArray[np.float64]) -> "cKDTree":
-    """A tree over (n, 3) points. Most wishes need none, and its library takes longer to load than they to answer."""
-    from scipy.spatial import cKDTree
-
-    return cKDTree(points)
-
-
 class Scene:
     """All places, the asker, how far it is between them, and by what they are judged."""
 
-    def __init__(self, places: Sequence[Place], here: Here, ways: Distances, config: NavigationConfig) -> None:
+    def __init__(self, sites: Sites, here: Here, ways: Distances, config: NavigationConfig) -> None:
         self.config = config
-        self.places = places
+        self.sites = sites
+        self.places = sites.places
         self.here = here
         self.ways = ways
         self._facings: dict[int, tuple[Point | None, str]] = {}
 
     @cached_property
-    def positions(self) -> NDArray[np.float64]:
-        """(n, 3) metres, of all places."""
-        return np.array([place.position for place in self.places], dtype=np.float64).reshape(-1, 3)
-
-    @cached_property
     def floors(self) -> Floors:
         """The floors on which the places lie."""
         return Floors(self.places, self.config)
-
-    @cached_property
-    def _rows_by_id(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """The ids of all places in order, and which place each is."""
-        ids = np.array([place.id for place in self.places], dtype=np.int64)
-        order = np.argsort(ids, kind="stable")
-        return ids[order], order
-
-    def rows(self, ids: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Which places have these ids; -1 where none has."""
-        known, order = self._rows_by_id
-        if not len(known):
-            return np.full(len(ids), -1, dtype=np.int64)
-        at = np.minimum(np.searchsorted(known, ids), len(known) - 1)
-        return np.where(known[at] == ids, order[at], -1)
-
-    @cached_property
-    def _tree(self) -> "cKDTree":
-        return tree_of(self.positions)
-
-    @cached_property
-    def usual_gap(self) -> float:
-        """Metres, the median distance from a place to its nearest neighbour; 0 where there is none.
-
-        Of very many places a few thousand are asked: their median is as good.
-        """
-        if len(self.places) < 2:
-            return 0.0
-        some = self.positions[:: max(1, len(self.places) // _GAPS)]
-        apart = np.asarray(self._tree.query(some, k=2)[0])
-        return float(np.median(apart[:, 1]))
 
     def facing_of(self, place: Place) -> tuple[Point | None, str]:
         """Where a board faces; where that is not known, across the line of its neighbours, which is a guess."""
@@ -102,8 +56,8 @@ class Scene:
     def _guessed_facing(self, place: Place) -> tuple[Point | None, str]:
         if len(self.places) < _NEIGHBOURS_OF_A_LINE:
             return None, ""
-        near = np.asarray(self._tree.query(place.position, k=min(len(self.places), 5))[1])
-        spread = np.array([self.places[int(at)].position[:2] for at in near]) - place.position[:2]
+        near = self.sites.nearest(place.position, _NEAREST)
+        spread = np.array([each.position[:2] for each in near]) - place.position[:2]
         _, _, axes = np.linalg.svd(np.vstack([spread, -spread]), full_matrices=False)
         normal = np.array([-axes[0][1], axes[0][0], 0.0])
         return normal, f"which way {place.name} faces is guessed from its neighbours"
@@ -136,7 +90,7 @@ def next_to(place: Place, anchor: Place, scene: Scene) -> Judged:
     apart = scene.ways.distance(place.position, anchor.position)
     if not scene.is_same_floor(place, anchor):
         return Judged(_NO)
-    reach = max(scene.config.neighbour_reach, scene.config.neighbour_gaps * scene.usual_gap)
+    reach = max(scene.config.neighbour_reach, scene.config.neighbour_gaps * scene.sites.usual_gap)
     if apart > reach:
         return Judged(_NO)
     if scene.are_opposed(place, anchor):

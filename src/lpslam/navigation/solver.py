@@ -2,9 +2,8 @@
 
 import heapq
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +13,8 @@ from lpslam.language.wishes.form import PREVIOUS, Counting, Relation, Stop, Whic
 from lpslam.language.wishes.served import LEAST_SURE, Scorer, Served
 from lpslam.navigation.columns import NEAR_ANCHORS, Serving, apart_from, detours
 from lpslam.navigation.places import Distances, Here, Place, Point, Straight
-from lpslam.navigation.relations import PAIRED, Judged, Scene, between, on_the_way, tree_of
+from lpslam.navigation.relations import PAIRED, Judged, Scene, between, on_the_way
+from lpslam.navigation.sites import Sites, tree_of
 
 _OUTWARDS = frozenset({Relation.NEXT_TO, Relation.NEAR, Relation.OPPOSITE, Relation.LEFT_OF, Relation.RIGHT_OF})
 """Relations that cost at least the straight way to the anchor."""
@@ -59,7 +59,7 @@ class Solution:
 
 def solve(
     wish: Wish,
-    places: Sequence[Place],
+    places: Sequence[Place] | Sites,
     scorer: Scorer,
     here: Here | None = None,
     ways: Distances | None = None,
@@ -69,13 +69,14 @@ def solve(
 
     Args:
         wish: what is meant.
-        places: all landmarks, where they stand.
+        places: all landmarks, where they stand; `Sites` of them, where many wishes are answered.
         scorer: says which landmarks serve a stop's words.
         here: where the asker stands; unknown without.
         ways: distances between points; straight without.
         config: thresholds; the defaults without.
     """
-    solver = _Solver(Scene(places, here or Here(), ways or Straight(), config or NavigationConfig()), scorer)
+    sites = places if isinstance(places, Sites) else Sites(places)
+    solver = _Solver(Scene(sites, here or Here(), ways or Straight(), config or NavigationConfig()), scorer)
     solved = _in_order(solver, wish.stops)
     if wish.instead is not None and len({each.place.id for each in solved if each.place is not None}) < len(solved):
         alone = _in_order(solver, (wish.instead,))
@@ -123,10 +124,7 @@ class _Solver:
         self._scene = scene
         self._scorer = scorer
         self.config = scene.config
-
-    @cached_property
-    def _by_id(self) -> Mapping[int, Place]:
-        return {place.id: place for place in self._scene.places}
+        self._by_id = scene.sites.by_id
 
     def stop(self, stop: Stop, previous: Place | None, is_later: bool, least: float = LEAST_SURE) -> Solved:
         """Answer one stop, if it is sure enough; `previous` is the place of the stop before."""

@@ -18,7 +18,7 @@ from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.reader import SignReader
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.lexicon import Meaning
-from lpslam.language.tables.words import longest_phrases
+from lpslam.language.tables.words import PhraseTable, longest_phrases
 
 _YES = 0.5  # a place is a kind when its words say so at least this surely
 _SPECIAL = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
@@ -267,8 +267,8 @@ def understand(
         for phrase, identity in signs.brands_in(text).items()
         if phrase not in index.names
     }
-    unsaid = index.unsaid(text, knowledge.folder)
-    names = _Names(brands, index.names, unsaid) if brands or unsaid else index.names
+    is_unsaid = partial(index.is_unsaid, text, knowledge.folder)
+    names = _Names(PhraseTable(brands), index.names, is_unsaid)
     parts = _parts_in(text, index, knowledge)
     languages = languages_of(text, knowledge)[:1]
     runs = index.runs_in(text, knowledge, languages[0]) if languages and languages[0] in _UNSPACED else {}
@@ -277,7 +277,8 @@ def understand(
     if not parts:
         return read_question(question, knowledge, names, is_plain, language), set(), []
     mentioned = {word: Meaning("name", ((_PART + word, 1.0),)) for word in parts}
-    wish = read_question(question, knowledge, _Names(brands | mentioned, index.names, unsaid), is_plain, language)
+    all_names = _Names(PhraseTable(brands | mentioned), index.names, is_unsaid)
+    wish = read_question(question, knowledge, all_names, is_plain, language)
     refused = {name for name in wish.refused_names if name.startswith(_PART)}
     if asks_for_another(question):
         refused |= {name for name in wish.wanted_names if name.startswith(_PART)}
@@ -312,16 +313,23 @@ def _parts_in(text: str, index: LandmarkIndex, knowledge: Knowledge) -> dict[str
     return {unit: ids for unit, ids in few.items() if not any(unit in knowledge.spoken(each) for each in languages)}
 
 
-class _Names(dict[str, Meaning]):
+@dataclass(frozen=True, slots=True, eq=False)
+class _Names:
     """A few names before many, without copying the many, and without some of them."""
 
-    def __init__(self, few: Mapping[str, Meaning], many: Mapping[str, Meaning], hidden: Collection[str]) -> None:
-        super().__init__(few)
-        self._many = many
-        self._hidden = hidden
+    few: PhraseTable[Meaning]
+    many: PhraseTable[Meaning]
+    is_hidden: Callable[[str], bool]
 
-    def get(self, key: str, default: Meaning | None = None) -> Meaning | None:  # type: ignore[override]
-        return super().get(key) or (default if key in self._hidden else self._many.get(key, default))
+    def get(self, key: str, /) -> Meaning | None:
+        found = self.few.get(key)
+        if found is None and (found := self.many.get(key)) is not None and self.is_hidden(key):
+            return None
+        return found
+
+    def sizes(self, units: Sequence[str], at: int, /) -> Collection[int]:
+        few = self.few.sizes(units, at)
+        return (*few, *self.many.sizes(units, at)) if few else self.many.sizes(units, at)
 
 
 def _best(

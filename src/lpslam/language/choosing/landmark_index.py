@@ -12,7 +12,7 @@ from lpslam.language.signs.meaning import SignMeaning, joined
 from lpslam.language.signs.reader import SignReader
 from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.lexicon import Meaning
-from lpslam.language.tables.words import UNSPACED_RUN, Folder, is_unspaced
+from lpslam.language.tables.words import UNSPACED_RUN, Folder, PhraseTable, is_unspaced
 
 _NUMBERED = re.compile(r"[A-Z]?\d+(?:[.-]\d+)*(?:\s*[-–—~〜]\s*[A-Z]?\d+)?")
 _SURELY = 0.5  # a place is of a kind when its words say so at least this surely
@@ -64,7 +64,7 @@ class LandmarkIndex:
         self.shops = shops / max(len(landmarks), 1)  # share of the landmarks that are shops and places to eat
         place = {landmark.id: at for at, landmark in enumerate(landmarks)}
         self.ids_of = {phrase: tuple(sorted(ids, key=place.__getitem__)) for phrase, ids in called.ids.items()}
-        self.names = {phrase: Meaning("name", ((phrase, 1.0),)) for phrase in called.ids}
+        self.names = PhraseTable((phrase, Meaning("name", ((phrase, 1.0),))) for phrase in called.ids)
         self.ids_by_word = _ids_by_word(called.ids)
         self._add_owners(knowledge)
         # McDonald's is called McDonalds too, and by some Starbucks Starbuck.
@@ -94,21 +94,16 @@ class LandmarkIndex:
             self._has[concept] = found
         return found
 
-    def unsaid(self, question: str, folder: Folder) -> frozenset[str]:
-        """Names that only seem to be said.
+    def is_unsaid(self, question: str, folder: Folder, phrase: str) -> bool:
+        """Whether a name only seems to be said.
 
         Phrases drop the plural, but “the sole of my boot” does not say “Boots”; and two letters are a name only where
         they stand in capitals of their own.
         """
-        folded_question = folder.fold(question)
-        return frozenset(
-            [phrase for phrase, folded in self._plurals.items() if folded not in folded_question]
-            + [
-                phrase
-                for phrase, name in self._initials.items()
-                if not re.search(rf"(?<![A-Za-z]){name}(?![A-Za-z])", question)
-            ]
-        )
+        plural, name = self._plurals.get(phrase), self._initials.get(phrase)
+        if plural is not None and plural not in folder.fold(question):
+            return True
+        return name is not None and not re.search(rf"(?<![A-Za-z]){name}(?![A-Za-z])", question)
 
     def runs_in(self, question: str, knowledge: Knowledge, language: str) -> dict[str, set[int]]:
         """Landmarks by the longest parts of their names that a question in a script without spaces says: 羊肉泡馍.

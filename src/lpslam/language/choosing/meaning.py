@@ -21,6 +21,7 @@ Vectors = NDArray[np.float32]
 WRITTEN = Path(__file__).parent.parent / "data" / "meaning.npz"
 _SPACE = "▁"  # stands for a space in pieces
 _UNKNOWN = -20.0  # log probability of a letter of no piece
+_BEGINNING = 2  # letters of a piece by which it is looked for
 _LEVELS = 15  # steps of a number of four bits
 
 
@@ -36,12 +37,15 @@ class Pieces:
     texts: tuple[str, ...]
     scores: NDArray[Any]
     _at: dict[str, int] = field(init=False)
-    _longest: int = field(init=False)
+    _sizes: dict[str, list[int]] = field(init=False)
     _score: list[float] = field(init=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "_at", {text: at for at, text in enumerate(self.texts)})
-        object.__setattr__(self, "_longest", max(map(len, self.texts), default=0))
+        sizes: dict[str, set[int]] = {}
+        for text in self.texts:
+            sizes.setdefault(text[:_BEGINNING], set()).add(len(text))
+        object.__setattr__(self, "_sizes", {beginning: sorted(found) for beginning, found in sizes.items()})
         object.__setattr__(self, "_score", np.asarray(self.scores, float).tolist())
 
     def of(self, text: str) -> list[int]:
@@ -52,13 +56,15 @@ class Pieces:
         best = [0.0] + [-math.inf] * len(said)
         back: list[tuple[int, int]] = [(0, -1)] * (len(said) + 1)
         for start in range(len(said)):
-            for end in range(start + 1, min(start + self._longest, len(said)) + 1):
-                row = self._at.get(said[start:end], -1)
-                if row < 0 and end > start + 1:
-                    continue
-                score = best[start] + (self._score[row] if row >= 0 else _UNKNOWN)
-                if score > best[end]:
-                    best[end], back[end] = score, (start, row)
+            # A letter that is no piece stands alone.
+            one = self._at.get(said[start], -1)
+            score = best[start] + (self._score[one] if one >= 0 else _UNKNOWN)
+            if score > best[start + 1]:
+                best[start + 1], back[start + 1] = score, (start, one)
+            for size in self._sizes.get(said[start : start + _BEGINNING], ()):
+                row, end = self._at.get(said[start : start + size], -1), start + size
+                if row >= 0 and end <= len(said) and best[start] + self._score[row] > best[end]:
+                    best[end], back[end] = best[start] + self._score[row], (start, row)
         found: list[int] = []
         at = len(said)
         while at > 0:

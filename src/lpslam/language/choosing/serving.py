@@ -35,7 +35,8 @@ class Served:
 
 def best_of(scores: Mapping[int, float]) -> int:
     """The landmark of the highest score, of equals the one of the lowest id."""
-    return max(scores, key=lambda id_: (scores[id_], -id_))
+    top = max(scores.values())
+    return min(id_ for id_, score in scores.items() if score == top)
 
 
 def likeness(concept: str, kinds: Kinds, knowledge: Knowledge) -> float:

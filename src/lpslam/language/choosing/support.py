@@ -62,6 +62,7 @@ class Support:
         self._columns = {
             concept: (np.array(list(shares)), np.array(list(shares.values()))) for concept, shares in serving.items()
         }
+        self._last: tuple[tuple[str, str], tuple[list[str], NDArray[np.float64], float]] | None = None
 
     def of(self, question: str, language: str, read: Mapping[int, float]) -> Supported:
         """Return what speaks for the landmarks; `read` is how well each serves what the tables read."""
@@ -116,10 +117,17 @@ class Support:
 
     def evidence(self, question: str, language: str) -> tuple[list[str], NDArray[np.float64], float]:
         """The words of a question that say something, (words, groups) how much each speaks for each group, and how
-        much all speak for the concept that nothing here serves.
+        much all speak for the concept that nothing here serves; not to be changed.
 
         All words of a group are heard of the one thing that they say most of together: who sells much has no advantage.
         """
+        # One question is asked of tables and guesses.
+        last = self._last
+        if last is None or last[0] != (question, language):
+            last = self._last = (question, language), self._evidence(question, language)
+        return last[1]
+
+    def _evidence(self, question: str, language: str) -> tuple[list[str], NDArray[np.float64], float]:
         heard = heard_in(language, self.knowledge)
         terms = heard.terms(question)
         found = np.zeros((len(terms), len(self.ids)))

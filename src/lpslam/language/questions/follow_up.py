@@ -9,7 +9,7 @@ from lpslam.language.questions.question import read_question
 from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.knowledge import Knowledge, load_knowledge
 from lpslam.language.tables.lexicon import read_table
-from lpslam.language.tables.words import is_mark, longest_phrases
+from lpslam.language.tables.words import PhraseTable, is_mark, longest_phrases
 
 _MORE, _FILLER = "more", "filler"
 _LONGEST = 80  # letters; whoever says more says what
@@ -62,10 +62,10 @@ def _in_script(language: str, detected: str) -> str:
 
 
 @lru_cache(maxsize=1)
-def _tables() -> Mapping[str, Mapping[str, str]]:
+def _tables() -> Mapping[str, PhraseTable[str]]:
     tree = read_table("follow_ups.json")
     phrase = load_knowledge().folder.phrase
     return {
-        language: {phrase(text): role for role in (_FILLER, _MORE) for text in roles[role].split("|")}
+        language: PhraseTable((phrase(text), role) for role in (_FILLER, _MORE) for text in roles[role].split("|"))
         for language, roles in tree.items()
     }

@@ -5,7 +5,7 @@ refused, what is only said by the way ("on the train", 看电影前) and where o
 """
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import lru_cache, partial
 from itertools import pairwise
 
@@ -23,7 +23,7 @@ from lpslam.language.tables.inflection import known_form
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.lexicon import Meaning
 from lpslam.language.tables.states import Trouble, says_at_home, troubles_in
-from lpslam.language.tables.words import Span, is_mark, is_unspaced, longest_phrases
+from lpslam.language.tables.words import Phrases, PhraseTable, Span, is_mark, is_unspaced, longest_phrases
 
 _HYPHEN = re.compile(r"(?<=[^\W\d_])[-\u2010\u2011](?=\w)|(?<=\w)[-\u2010\u2011](?=[^\W\d_])")
 # The mark in “T. rex” ends no clause.
@@ -53,6 +53,8 @@ _ANEW = {
 _FEW_WORDS = 2  # words of a question that may be in any language
 _HABITS = frozenset({"tobacco", "amenity/smoking_area"})  # who refuses them says “smoke” by the way
 _MEALS = frozenset({"food", "drink"})
+NO_NAMES: PhraseTable[Meaning] = PhraseTable()
+"""Of who knows none."""
 
 
 def language_of(text: str, knowledge: Knowledge) -> str | None:
@@ -64,7 +66,7 @@ def language_of(text: str, knowledge: Knowledge) -> str | None:
 def read_question(
     question: str,
     knowledge: Knowledge,
-    names: Mapping[str, Meaning] | None = None,
+    names: Phrases[Meaning] = NO_NAMES,
     is_plain: bool = False,
     language: str | None = None,
 ) -> Wish:
@@ -73,7 +75,7 @@ def read_question(
     It is read in the likeliest language in which it says something; plainly, without the turns of phrase that are
     used in other buildings than malls; `language` is the one that it is in, where that is known.
     """
-    return _readings(question, knowledge, is_plain, language).with_names({} if names is None else names)
+    return _readings(question, knowledge, is_plain, language).with_names(names)
 
 
 @lru_cache(maxsize=_KEPT)
@@ -82,9 +84,7 @@ def _readings(question: str, knowledge: Knowledge, is_plain: bool, language: str
     return Readings(partial(_read, question, knowledge, is_plain, language))
 
 
-def _read(
-    question: str, knowledge: Knowledge, is_plain: bool, language: str | None, names: Mapping[str, Meaning]
-) -> Wish:
+def _read(question: str, knowledge: Knowledge, is_plain: bool, language: str | None, names: Phrases[Meaning]) -> Wish:
     """As `read_question`."""
     # “A sit-down meal” is looked up as three words.
     text = _ABBREVIATED.sub(r"\1 ", clean_text(question, _QUESTION_LENGTH))
@@ -151,9 +151,7 @@ class _Said:
 class _Reading:
     """One question in one language: cut once into units, phrases, troubles and clauses, and then weighed."""
 
-    def __init__(
-        self, text: str, language: str, knowledge: Knowledge, names: Mapping[str, Meaning], is_plain: bool
-    ) -> None:
+    def __init__(self, text: str, language: str, knowledge: Knowledge, names: Phrases[Meaning], is_plain: bool) -> None:
         self._text = _SPANISH_TEA.sub("tea", text) if language == "es" else text
         self._language, self._knowledge = language, knowledge
         self._units, spans = self._phrases((names, *knowledge.tables_of(language, is_plain)))
@@ -173,7 +171,7 @@ class _Reading:
         self._troubles += knowledge.combined(language).found(knowledge.folder.units(self._text))
         self._stains = [trouble.units for trouble in self._troubles if trouble.concept == "laundry"]
 
-    def _phrases(self, tables: tuple[Mapping[str, Meaning], ...]) -> tuple[list[str], list[Span[Meaning]]]:
+    def _phrases(self, tables: tuple[Phrases[Meaning], ...]) -> tuple[list[str], list[Span[Meaning]]]:
         folder = self._knowledge.folder
         units = folder.units(self._text)
         starts = folder.word_starts(self._text) if self._language == "ko" else frozenset[int]()

@@ -1,10 +1,10 @@
 """A question that is read once for all who know different names: most names say nothing of it."""
 
-from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from collections.abc import Callable, Collection, Sequence
 
 from lpslam.language.questions.wanted import Wish
 from lpslam.language.tables.lexicon import Meaning
+from lpslam.language.tables.words import Phrases
 
 _KEPT = 4  # ways in which the names of maps change the reading of one question
 
@@ -16,41 +16,48 @@ class Readings:
         read: reads it with names.
     """
 
-    def __init__(self, read: Callable[[Mapping[str, Meaning]], Wish]) -> None:
+    def __init__(self, read: Callable[[Phrases[Meaning]], Wish]) -> None:
         self._read = read
-        self._found: tuple[tuple[Mapping[str, Meaning | None], Wish], ...] = ()
+        self._found: tuple[tuple[_Noted, Wish], ...] = ()
 
-    def with_names(self, names: Mapping[str, Meaning]) -> Wish:
+    def with_names(self, names: Phrases[Meaning]) -> Wish:
         """What is asked by who knows these names: as it was read before, where they say the same of all looked up."""
-        for said, wish in self._found:
-            if all(names.get(phrase) == meaning for phrase, meaning in said.items()):
+        for noted, wish in self._found:
+            if noted.is_all_of(names):
                 return wish
         noted = _Noted(names)
         wish = self._read(noted)
-        self._found = ((noted.said, wish), *self._found[: _KEPT - 1])
+        self._found = ((noted, wish), *self._found[: _KEPT - 1])
         return wish
 
 
-class _Noted(Mapping[str, Meaning]):
-    """Names that note which phrases are looked up in them, and what they say of each."""
+class _Noted:
+    """Names that note what is asked of them, and what they say."""
 
-    def __init__(self, names: Mapping[str, Meaning]) -> None:
+    def __init__(self, names: Phrases[Meaning]) -> None:
         self._names = names
-        self.said: dict[str, Meaning | None] = {}
+        self._said: dict[str, Meaning | None] = {}
+        self._texts: dict[tuple[str, ...], set[int]] = {}
+        self._last: tuple[Sequence[str], set[int]] = ((), set())
 
-    def get(self, key: str, default: Any = None) -> Any:
-        """As of any mapping, noted."""
-        found = self.said[key] = self._names.get(key)
-        return default if found is None else found
+    def get(self, key: str, /) -> Meaning | None:
+        """As of any names, noted."""
+        found = self._said[key] = self._names.get(key)
+        return found
 
-    def __getitem__(self, key: str) -> Meaning:
-        found = self.get(key)
-        if found is None:
-            raise KeyError(key)
-        return found  # type: ignore[no-any-return]
+    def sizes(self, units: Sequence[str], at: int, /) -> Collection[int]:
+        """As of any names, noted."""
+        if units is not self._last[0]:
+            self._last = units, self._texts.setdefault(tuple(units), set())
+        self._last[1].add(at)
+        return self._names.sizes(units, at)
 
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._names)
-
-    def __len__(self) -> int:
-        return len(self._names)
+    def is_all_of(self, names: Phrases[Meaning]) -> bool:
+        """Whether other names say the same of all that these were asked."""
+        return all(names.get(key) == said for key, said in self._said.items()) and not any(
+            names.get(key) is not None
+            for units, places in self._texts.items()
+            for at in places
+            for size in names.sizes(units, at)
+            if (key := " ".join(units[at : at + size])) not in self._said
+        )

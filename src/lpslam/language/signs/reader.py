@@ -122,6 +122,8 @@ class SignReader:
         capital = {unit for word in question.split()[1:] if word[:1].isupper() for unit in fold.units(word)[:1]}
         found: dict[str, str] = {}
         for at in range(len(units)):
+            if units[at][0] not in "-/" and not (is_unspaced(units[at]) or units[at] in capital or units[at].isdigit()):
+                continue
             for end in range(at + 1, min(len(units), at + 6) + 1):
                 # 7-11 has a mark inside.
                 phrase, key = " ".join(units[at:end]), "".join(units[at:end]).translate(_JOINS)

@@ -80,6 +80,12 @@ def _single_words(language: str, knowledge: Knowledge) -> tuple[str, ...]:
     )
 
 
+@lru_cache(maxsize=1 << 8)
+def _words_of_length(length: int, slips: int, language: str, knowledge: Knowledge) -> tuple[str, ...]:
+    """The single words that may be some slips away from one of a length, in their order."""
+    return tuple(word for word in _single_words(language, knowledge) if abs(len(word) - length) <= slips)
+
+
 def _head_of_compound(word: str, table: Mapping[str, Meaning]) -> str | None:
     """The longest known word that a German compound ends with: it says what the whole is."""
     if len(word) < _SHORTEST_COMPOUND:
@@ -105,7 +111,8 @@ def _untyped(word: str, language: str, knowledge: Knowledge) -> str | None:
     if len(word) < _SHORTEST_TYPED or word in load_words():
         return None
     slips = 1 if len(word) < _LONG else 2
-    near = process.extract(word, _single_words(language, knowledge), scorer=OSA.distance, score_cutoff=slips, limit=2)
+    words = _words_of_length(len(word), slips, language, knowledge)
+    near = process.extract(word, words, scorer=OSA.distance, score_cutoff=slips, limit=2)
     # A slip seldom falls on the first letter: “derrito” melts, and is no “perrito”.
     near = [match for match in near if len(match[0]) >= _SHORTEST_TYPED and match[0][0] == word[0]]
     if not near or (len(near) > 1 and near[0][1] == near[1][1]):

@@ -26,7 +26,7 @@ from lpslam.language.tables.lexicon import (
 )
 from lpslam.language.tables.painted import Known, add_brands, add_kinds, add_painted, add_venues
 from lpslam.language.tables.states import StateTables
-from lpslam.language.tables.words import Folder
+from lpslam.language.tables.words import Folder, PhraseTable
 
 _SUBSTITUTE = 0.8
 _TRADE_FIRST = ("de", "es", "fr")
@@ -37,7 +37,7 @@ class Knowledge:
     """All tables, ready to look up. Phrase tables are keyed by `Folder.phrase`, `known` by `Folder.key`."""
 
     folder: Folder
-    painted: Mapping[str, Meaning]
+    painted: PhraseTable[Meaning]
     common: Mapping[str, frozenset[str]]
     articles: frozenset[str]
     joining: frozenset[str]
@@ -55,7 +55,7 @@ class Knowledge:
     national: frozenset[str]
     people: frozenset[str]
     worn: frozenset[str]
-    relatives: Mapping[str, Mapping[str, str]]
+    relatives: Mapping[str, PhraseTable[str]]
     auxiliary: frozenset[str]
     treatments: frozenset[str]
     instead: Mapping[str, str]
@@ -80,11 +80,11 @@ class Knowledge:
     _shares: dict[tuple[str, str], float] = field(default_factory=dict)
     _served: dict[str, Mapping[str, float]] = field(default_factory=dict)
 
-    def spoken(self, language: str) -> Mapping[str, Meaning]:
+    def spoken(self, language: str) -> PhraseTable[Meaning]:
         """Return what the phrases of a language mean in a question; built when it is first asked for."""
         return self._tables.of(language)
 
-    def tables_of(self, language: str, is_plain: bool = False) -> tuple[Mapping[str, Meaning], ...]:
+    def tables_of(self, language: str, is_plain: bool = False) -> tuple[PhraseTable[Meaning], ...]:
         """Return the tables in which a question is looked up: the language's, and English words that it borrows.
 
         Plain, they are without the turns of phrase of hospitals, offices and so on.
@@ -201,7 +201,7 @@ def load_knowledge() -> Knowledge:
         add_venues(lexicon, folder, painted, known)
     return Knowledge(
         folder=folder,
-        painted=painted,
+        painted=PhraseTable(painted),
         common={language: phrases_of(folder, lexicon.get("common", "")) for language, lexicon in lexicons.items()},
         articles=_in_any(lexicons, "article", folder),
         joining=joining,
@@ -220,7 +220,9 @@ def load_knowledge() -> Knowledge:
         people=frozenset(kinds["people"]),
         worn=frozenset(kinds["worn"]),
         relatives={
-            language: {folder.phrase(text): who for who, joined in by_whom.items() for text in split(joined)}
+            language: PhraseTable(
+                (folder.phrase(text), who) for who, joined in by_whom.items() for text in split(joined)
+            )
             for language, by_whom in kinds["relatives"].items()
         },
         auxiliary=frozenset(kinds["auxiliary"]),

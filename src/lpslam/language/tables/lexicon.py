@@ -10,7 +10,7 @@ from lpslam.language.languages import LANGUAGES
 from lpslam.language.tables.combined import Combined
 from lpslam.language.tables.concepts import load_buildings
 from lpslam.language.tables.states import StateTables
-from lpslam.language.tables.words import Folder
+from lpslam.language.tables.words import Folder, PhraseTable
 
 TOPICS = ("food", "goods", "services", "facilities", "trades")
 SAID_ONLY = ("needs",)  # topics of which nothing is painted on a sign
@@ -89,32 +89,33 @@ class SpokenTables:
         self._lexicons = lexicons
         self._gazetteer = gazetteer
         self._cuisine_kinds = cuisine_kinds
-        self._built: dict[str, dict[str, Meaning]] = {}
-        self._plain: dict[str, dict[str, Meaning]] = {}
-        self._borrowed: dict[str, dict[str, Meaning]] = {}
+        self._built: dict[str, PhraseTable[Meaning]] = {}
+        self._plain: dict[str, PhraseTable[Meaning]] = {}
+        self._borrowed: dict[str, PhraseTable[Meaning]] = {}
         self._states: dict[str, StateTables] = {}
         self._combined: dict[str, Combined] = {}
 
-    def of(self, language: str) -> dict[str, Meaning]:
+    def of(self, language: str) -> PhraseTable[Meaning]:
         """Return what a language's phrases mean, by `Folder.phrase`; built when it is first asked for."""
         if language not in self._built:
             with building():
-                self._built[language] = self._build(language)
+                self._built[language] = PhraseTable(self._build(language))
         return self._built[language]
 
-    def plain(self, language: str) -> dict[str, Meaning]:
+    def plain(self, language: str) -> PhraseTable[Meaning]:
         """Return `of` without the turns of phrase of other buildings than malls, which hide the words in them."""
         self.of(language)
         return self._plain[language]
 
-    def with_english(self, language: str) -> tuple[dict[str, Meaning], ...]:
+    def with_english(self, language: str) -> tuple[PhraseTable[Meaning], ...]:
         """Return a language's table, and the English words that it borrows."""
         if language == "en":
             return (self.of("en"),)
         if language not in self._borrowed:
             # German “hat” is no hat, Spanish “suspender” no braces: a language's own words are not borrowed.
             own = self._common(language) | phrases_of(self._folder, self._lexicons[language].get("own_words", ""))
-            self._borrowed[language] = {key: said for key, said in self.of("en").items() if key not in own}
+            borrowed = ((key, said) for key, said in self.of("en").items() if key not in own)
+            self._borrowed[language] = PhraseTable(borrowed)
         return self.of(language), self._borrowed[language]
 
     def states_of(self, language: str) -> StateTables:
@@ -124,7 +125,7 @@ class SpokenTables:
             self._states[language] = StateTables(
                 self._names(tree["things"], language),
                 self._names(tree["states"], language),
-                phrases_of(self._folder, tree["at_home"][language]),
+                PhraseTable((phrase, ()) for phrase in phrases_of(self._folder, tree["at_home"][language])),
                 {(pair.split("+")[0], pair.split("+")[1]): want for pair, want in tree["together"].items()},
             )
         return self._states[language]
@@ -147,12 +148,12 @@ class SpokenTables:
             return None
         return self._folder.traditional(words[0]) if script == "Hant" else words[0]
 
-    def _names(self, by_name: Mapping[str, Mapping[str, str]], language: str) -> dict[str, tuple[str, ...]]:
+    def _names(self, by_name: Mapping[str, Mapping[str, str]], language: str) -> PhraseTable[tuple[str, ...]]:
         found: dict[str, list[str]] = {}
         for name, by_language in by_name.items():
             for text in split(by_language[language]):
                 found.setdefault(self._folder.phrase(text), []).append(name)
-        return {phrase: tuple(names) for phrase, names in found.items()}
+        return PhraseTable((phrase, tuple(names)) for phrase, names in found.items())
 
     def _build(self, language: str) -> dict[str, Meaning]:
         lexicon = self._lexicons[language]
@@ -189,7 +190,7 @@ class SpokenTables:
                         self._add(table, concept, sure, (each for each in joined.split("|") if each not in known))
         for section in ("venues", "said_in_venues"):
             if section == "said_in_venues":
-                self._plain[language] = dict(table)
+                self._plain[language] = PhraseTable(table)
             for concept, joined in lexicon[section].items():
                 said = [phrase(text) for text in split(joined)]
                 # “Du beurre” stands in the tables as it is.

@@ -9,9 +9,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
 
-from lpslam.language.tables.words import Span, is_unspaced, longest_phrases
+from lpslam.language.tables.words import PhraseTable, Span, is_unspaced, longest_phrases
 
 _SENTENCE_ENDS = frozenset(".?!。？！;；")
+_LONGEST = 8  # units of a state
 _FARTHEST_WORDS, _FARTHEST_LETTERS = 9, 16  # between a thing and its state
 
 Names = tuple[str, ...]
@@ -29,9 +30,9 @@ class Trouble:
 class StateTables:
     """Phrases of one language: for things, for states, and for being at home with what was left there."""
 
-    things: Mapping[str, Names]
-    states: Mapping[str, Names]
-    at_home: frozenset[str]
+    things: PhraseTable[Names]
+    states: PhraseTable[Names]
+    at_home: PhraseTable[Names]
     together: Mapping[tuple[str, str], str]
 
     @cached_property
@@ -63,7 +64,7 @@ def troubles_in(units: Sequence[str], tables: StateTables) -> list[Trouble]:
 
 def says_at_home(units: Sequence[str], tables: StateTables) -> bool:
     """Whether what is missing lies at home: then it is bought anew, not asked for where lost things are kept."""
-    return any(True for _ in _everywhere(units, dict.fromkeys(tables.at_home, ())))
+    return any(True for _ in _everywhere(units, tables.at_home))
 
 
 def _wants(thing: Span[Names], state: Span[Names], tables: StateTables) -> list[str]:
@@ -72,13 +73,13 @@ def _wants(thing: Span[Names], state: Span[Names], tables: StateTables) -> list[
     return [want for want in wants if want is not None][:1]
 
 
-def _everywhere(units: Sequence[str], table: Mapping[str, Names]) -> Iterator[Span[Names]]:
+def _everywhere(units: Sequence[str], table: PhraseTable[Names]) -> Iterator[Span[Names]]:
     """Every phrase of the table at every place, also where they overlap: “won't turn on” has no work of “on” in it."""
     for at in range(len(units)):
-        for end in range(min(len(units), at + 8), at, -1):
-            key = " ".join(units[at:end])
-            if key in table:
-                yield Span(at, end, key, table[key])
+        for size in sorted(table.sizes(units, at), reverse=True):
+            key = " ".join(units[at : at + size])
+            if size <= min(len(units) - at, _LONGEST) and key in table:
+                yield Span(at, at + size, key, table[key])
                 break
 
 

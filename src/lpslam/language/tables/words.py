@@ -6,10 +6,10 @@ Thai). A phrase is a run of units; its key joins them with single spaces, so one
 
 import re
 import unicodedata
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
-from typing import Generic, TypeVar
+from functools import cached_property, lru_cache
+from typing import Generic, Protocol, TypeVar
 
 _UNSPACED = "\u0e00-\u0e7f\u1100-\u11ff\u3040-\u30ff\u3400-\u4dbf\u4e00-\u9fff\uac00-\ud7af\uf900-\ufaff"
 _UNIT = re.compile(rf"[{_UNSPACED}]|[^\W_{_UNSPACED}]+|[^\w\s]")
@@ -21,8 +21,40 @@ _ACCENT = re.compile("[\u0300-\u036f]")
 _NOT_LETTER = re.compile(r"[\W_]+")
 UNSPACED_RUN = re.compile(f"[{_UNSPACED}]+")
 _BEGINS_UNSPACED = re.compile(f"[{_UNSPACED}]")
+_FIRST_UNSPACED = _UNSPACED[0]
 
 Value = TypeVar("Value")
+Said = TypeVar("Said", covariant=True)
+
+_KEPT = 64  # texts whose units are kept: a question, its parts, and the board that is held against it
+_NO_SIZES: tuple[int, ...] = ()
+
+
+class Phrases(Protocol[Said]):
+    """A table of phrases that tells how long those are that may begin at a unit of a text."""
+
+    def get(self, key: str, /) -> Said | None:
+        """What a phrase says; None where it is none."""
+        ...
+
+    def sizes(self, units: Sequence[str], at: int, /) -> Collection[int]:
+        """The lengths, in units, of all phrases that may begin at one of some units, and perhaps others."""
+        ...
+
+
+class PhraseTable(dict[str, Value]):
+    """What phrases say; not to be changed once any was looked for in a text."""
+
+    @cached_property
+    def _sizes(self) -> Mapping[str, tuple[int, ...]]:
+        found: dict[str, set[int]] = {}
+        for phrase in self:
+            found.setdefault(phrase.partition(" ")[0], set()).add(phrase.count(" ") + 1)
+        return {unit: tuple(sizes) for unit, sizes in found.items()}
+
+    def sizes(self, units: Sequence[str], at: int, /) -> tuple[int, ...]:
+        """The lengths of all phrases whose first unit that is."""
+        return self._sizes.get(units[at], _NO_SIZES)
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +82,7 @@ class Folder:
         # Of several traditional characters that became one, the commonest is listed first.
         self._simplified = {new: old for old, new in reversed(self._traditional.items()) if new not in both}
         self._alike = {ord(pair[0]): pair[1] for pair in lookalikes.split()}
+        self._units: dict[str, tuple[str, ...]] = {}
 
     def fold(self, text: str) -> str:
         """Return `text` as it is compared: NFKC, no case, no accents, simplified characters, `'` for apostrophes."""
@@ -80,7 +113,13 @@ class Folder:
 
     def units(self, text: str) -> list[str]:
         """Return the units of `text` in order; punctuation marks are units of their own."""
-        return _units(self.fold(text))
+        found = self._units.get(text)
+        if found is None:
+            # One question is cut again and again.
+            if len(self._units) >= _KEPT:
+                self._units.clear()
+            found = self._units[text] = tuple(_units(self.fold(text)))
+        return list(found)
 
     def word_starts(self, text: str) -> frozenset[int]:
         """Return which units of a text begin a word that a space sets apart."""
@@ -125,12 +164,12 @@ def is_mark(unit: str) -> bool:
 
 def is_unspaced(text: str) -> bool:
     """Whether `text` begins in a script that writes no spaces between words."""
-    return bool(_BEGINS_UNSPACED.match(text))
+    return text >= _FIRST_UNSPACED and _BEGINS_UNSPACED.match(text) is not None
 
 
 def longest_phrases(
     units: Sequence[str],
-    tables: Iterable[Mapping[str, Value]],
+    tables: Iterable[Phrases[Value]],
     is_barred: Callable[[int, int, Value], bool] | None = None,
     longest: int = 12,
 ) -> list[Span[Value]]:
@@ -152,16 +191,20 @@ def longest_phrases(
 def _phrase_at(
     units: Sequence[str],
     at: int,
-    chain: tuple[Mapping[str, Value], ...],
+    chain: tuple[Phrases[Value], ...],
     is_barred: Callable[[int, int, Value], bool] | None,
     longest: int,
 ) -> Span[Value] | None:
-    for end in range(min(len(units), at + longest), at, -1):
-        key = " ".join(units[at:end])
+    sizes = {size for table in chain for size in table.sizes(units, at)}
+    room = min(len(units) - at, longest)
+    for size in sorted(sizes, reverse=True) if len(sizes) > 1 else sizes:
+        if size > room:
+            continue
+        key = " ".join(units[at : at + size])
         for table in chain:
             value = table.get(key)
-            if value is not None and not (is_barred and is_barred(at, end, value)):
-                return Span(at, end, key, value)
+            if value is not None and not (is_barred and is_barred(at, at + size, value)):
+                return Span(at, at + size, key, value)
     return None
 
 

@@ -131,9 +131,15 @@ def _unordered(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> l
     is_list = len(pieces) >= _FEWEST_LISTED and all(map(is_brief, pieces))
     if is_list and sum(_are_things((piece,), knowledge) for piece in pieces) >= len(pieces) - 1:
         return pieces
+    # Most questions list nothing so short: they need not be read part by part.
+    if not any(map(_is_short_list, _lists_in(text))):
+        return []
     listed = _listed(text, knowledge)
-    is_bare = len(listed) >= _FEWEST_LISTED and all(len(each.split()) <= _MOST_LISTED_WORDS for each in listed)
-    return listed if is_bare else []
+    return listed if _is_short_list(listed) else []
+
+
+def _is_short_list(pieces: Sequence[str]) -> bool:
+    return len(pieces) >= _FEWEST_LISTED and all(len(each.split()) <= _MOST_LISTED_WORDS for each in pieces)
 
 
 def _among(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> Stop | None:
@@ -178,11 +184,16 @@ def _says_a_place(text: str, knowledge: Knowledge) -> bool:
 
 def _listed(text: str, knowledge: Knowledge) -> list[str]:
     """The stops that a part of a plan lists: “buy a ticket, grab a croissant”, each something of its own."""
-    pieces = [each for each in _LISTED.split(text) if each.strip(_ENDS)]
-    if len(pieces) > 1 and _are_things(pieces, knowledge):
-        return pieces
-    both = [each for each in _JOINED.split(text) if len(each.split()) > 1]
-    return both if len(both) > 1 and _are_things(both, knowledge) else [text]
+    lists = (pieces for pieces in _lists_in(text) if len(pieces) > 1 and _are_things(pieces, knowledge))
+    return next(lists, [text])
+
+
+def _lists_in(text: str) -> tuple[list[str], list[str]]:
+    """How a text may be parted: by marks, and by “and” between words."""
+    return (
+        [each for each in _LISTED.split(text) if each.strip(_ENDS)],
+        [each for each in _JOINED.split(text) if len(each.split()) > 1],
+    )
 
 
 def _are_things(pieces: Sequence[str], knowledge: Knowledge) -> bool:
@@ -369,18 +380,18 @@ def _ordered(text: str, languages: tuple[str, ...]) -> tuple[Which | None, int]:
 
 def _orders(text: str, languages: tuple[str, ...]) -> set[Which]:
     """All orders that are asked for, in the first language that has any."""
-    found = ({Which(row.then["which"]) for row in rules_of(each).orders if row.match(text)} for each in languages)
+    every = (rules_of(each) for each in languages)
+    found = ({Which(row.then["which"]) for row, _ in rules.holding(rules.orders, text)} for rules in every)
     return next((each for each in found if each), set())
 
 
 def _related(text: str, languages: tuple[str, ...]) -> tuple[Row, re.Match[str], Rules] | None:
     for language in languages:
         rules = rules_of(language)
-        for row in rules.relations:
-            match = row.match(text)
-            if match is not None and content_left(match.group("anchor"), rules, least=1):
+        for row, match in rules.holding(rules.relations, text):
+            if content_left(match.group("anchor"), rules, least=1):
                 return row, match, rules
-            if match is not None and rules.previous.match(match.group("anchor").strip(_ENDS)):
+            if rules.previous.match(match.group("anchor").strip(_ENDS)):
                 return row, match, rules
     return None
 

@@ -5,13 +5,14 @@ pattern is the part of that name; `<ordinal>` is every ordinal number of the lan
 """
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
 from lpslam.language.tables.lexicon import read_table
 from lpslam.language.wishes.numerals import ordinals
+from lpslam.language.wishes.sieve import Sieve
 
 _NAMED = re.compile(r"(?<!\(\?P)<(\w+)>")
 _ENDS = " .。!！?？,，、;；¿¡"
@@ -25,6 +26,7 @@ class Row:
     when: re.Pattern[str]
     unless: re.Pattern[str] | None
     then: Mapping[str, Any]
+    number: int = 0  # among all rows of a language
 
     def match(self, text: str) -> re.Match[str] | None:
         """Return where the row's pattern is, if the row holds."""
@@ -56,10 +58,16 @@ class Rules:
     alternative_ends: re.Pattern[str]
     joints: re.Pattern[str]
     ordering: re.Pattern[str]
+    sieve: Sieve
+
+    def holding(self, rows: Sequence[Row], text: str) -> Iterator[tuple[Row, re.Match[str]]]:
+        """The rows that hold, in their order."""
+        possible = self.sieve.possible(text)
+        return ((row, found) for row in rows if row.number in possible and (found := row.match(text)))
 
     def first(self, rows: Sequence[Row], text: str) -> tuple[Row, re.Match[str]] | None:
         """The first row that holds; rows stand in order, the most particular first."""
-        return next(((row, found) for row in rows if (found := row.match(text))), None)
+        return next(self.holding(rows, text), None)
 
 
 @lru_cache(maxsize=8)
@@ -78,9 +86,16 @@ def rules_of(language: str) -> Rules:
     def compiled(pattern: str) -> re.Pattern[str]:
         return re.compile(filled(pattern), re.IGNORECASE)
 
+    numbered: list[re.Pattern[str]] = []
+
+    def numbered_row(when: str, row: Mapping[str, Any]) -> Row:
+        numbered.append(compiled(when))
+        unless = compiled(row["unless"]) if "unless" in row else None
+        return Row(numbered[-1], unless, row.get("then", {}), len(numbered) - 1)
+
     def rows(name: str) -> tuple[Row, ...]:
         return tuple(
-            Row(compiled(when), compiled(row["unless"]) if "unless" in row else None, row.get("then", {}))
+            numbered_row(when, row)
             for row in tree.get(name, ())
             for when in ([row["when"]] if "when" in row else [_said(shape, row["said"]) for shape in tree["shapes"]])
         )
@@ -105,6 +120,7 @@ def rules_of(language: str) -> Rules:
         compiled(tree["alternative_ends"]),
         compiled(tree["joints"]),
         compiled(tree["ordering"]),
+        Sieve(numbered),
     )
 
 
