@@ -27,9 +27,14 @@ async def started(
     try:
         return await asyncio.shield(starting)
     except asyncio.CancelledError:
+        # In a task of its own, which nobody cancels: whoever waits for it may be cancelled once more.
         with contextlib.suppress(asyncio.CancelledError, OSError):
-            await ended(await _to_its_end(starting))
+            await _to_its_end(asyncio.ensure_future(_ended_once_started(starting)))
         raise
+
+
+async def _ended_once_started(starting: "asyncio.Future[Process]") -> None:
+    await ended(await starting)
 
 
 async def ended(process: Process) -> None:
