@@ -10,6 +10,7 @@ from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.lexicon import read_table
 from lpslam.language.tables.words import is_unspaced
 from lpslam.language.wishes.numerals import number_of, with_digits
+from lpslam.language.wishes.sieve import Sieve
 
 _HOUR, _NOON, _DAY = 60, 12 * 60, 24 * 60
 _NIGHT_BEGINS = 6  # o'clock: from then on an hour “at night” is before midnight
@@ -133,10 +134,24 @@ def without_hours(text: str) -> str:
     return bare if any(ch.isalpha() for ch in bare) else text
 
 
+@lru_cache(maxsize=1)
+def _on_boards() -> Sieve:
+    patterns = _patterns()
+    return Sieve([each.pattern for each in (patterns.all_day, patterns.ranges, patterns.until, patterns.since)])
+
+
+@lru_cache(maxsize=1)
+def _in_questions() -> Sieve:
+    patterns = _patterns()
+    return Sieve([each.pattern for each in (patterns.all_day, patterns.noon, patterns.midnight, patterns.numeral)])
+
+
 def _read(text: str) -> tuple[tuple[Hours, ...], str]:
     if not any(ch.isdigit() for ch in text) and "oc" not in text and "uhr" not in text.casefold():
         return (), text
     patterns = _patterns()
+    if not _on_boards().possible(text):
+        return (), " ".join(text.split())
     if patterns.all_day.search(text):
         return (ALL_DAY,), " ".join(patterns.all_day.sub(" ", text).split())
     hours = []
@@ -176,17 +191,21 @@ class Asked:
 def asked_time(question: str) -> Asked | None:
     """Return when a place must be open, where a question says so."""
     patterns = _patterns()
-    if patterns.all_day.search(question):
+    all_day, noon, midnight, numeral = (at in _in_questions().possible(question) for at in range(4))
+    if all_day and patterns.all_day.search(question):
         return Asked((3 * _HOUR,), _without_open(patterns.all_day.sub(" ", question)))
-    painted = patterns.numeral.sub(_digits, question)
+    painted = patterns.numeral.sub(_digits, question) if numeral else question
     folded = painted.casefold()
     spelled = with_digits(folded, lambda at: bool(patterns.led.search(folded[:at])), lambda _: False)
     for text in dict.fromkeys((painted, spelled)):
         for found in patterns.asked.finditer(text):
             if int(found["h"]) <= 24 and _is_time(found):
                 return Asked(_meant(found), _without_open(f"{text[: found.start()]} {text[found.end() :]}"))
-    for pattern, minute in ((patterns.noon, _NOON), (patterns.midnight, _DAY + 1)):
-        if pattern.search(painted):
+    for is_possible, pattern, minute in (
+        (noon, patterns.noon, _NOON),
+        (midnight, patterns.midnight, _DAY + 1),
+    ):
+        if (is_possible or numeral) and pattern.search(painted):
             return Asked((minute % _DAY,), _without_open(pattern.sub(" ", painted)))
     return None
 

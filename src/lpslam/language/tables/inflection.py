@@ -12,6 +12,7 @@ from rapidfuzz.distance import OSA
 
 from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.lexicon import Meaning
+from lpslam.language.tables.nearest import OfLength
 
 # Longest first. Accents are folded away before.
 _ENDINGS = {
@@ -80,10 +81,9 @@ def _single_words(language: str, knowledge: Knowledge) -> tuple[str, ...]:
     )
 
 
-@lru_cache(maxsize=1 << 8)
-def _words_of_length(length: int, slips: int, language: str, knowledge: Knowledge) -> tuple[str, ...]:
-    """The single words that may be some slips away from one of a length, in their order."""
-    return tuple(word for word in _single_words(language, knowledge) if abs(len(word) - length) <= slips)
+@lru_cache(maxsize=8)
+def _words_by_length(language: str, knowledge: Knowledge) -> OfLength:
+    return OfLength(_single_words(language, knowledge))
 
 
 def _head_of_compound(word: str, table: Mapping[str, Meaning]) -> str | None:
@@ -111,7 +111,7 @@ def _untyped(word: str, language: str, knowledge: Knowledge) -> str | None:
     if len(word) < _SHORTEST_TYPED or word in load_words():
         return None
     slips = 1 if len(word) < _LONG else 2
-    words = _words_of_length(len(word), slips, language, knowledge)
+    words, _ = _words_by_length(language, knowledge).within(len(word), slips)
     near = process.extract(word, words, scorer=OSA.distance, score_cutoff=slips, limit=2)
     # A slip seldom falls on the first letter: “derrito” melts, and is no “perrito”.
     near = [match for match in near if len(match[0]) >= _SHORTEST_TYPED and match[0][0] == word[0]]

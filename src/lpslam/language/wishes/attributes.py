@@ -15,7 +15,7 @@ def _patterns() -> tuple[Sequence[tuple[str, str]], Sequence[re.Pattern[str]], S
     """Groups and what each may be, and how that is said; of a group a place has one."""
     tree: Mapping[str, Mapping[str, str]] = read_table("wishes/attributes.json")
     said = {(group, value): _pattern(joined) for group, values in tree.items() for value, joined in values.items()}
-    return list(said), list(said.values()), Sieve(list(said.values()))
+    return list(said), list(said.values()), Sieve([each.pattern for each in said.values()])
 
 
 def _pattern(joined: str) -> re.Pattern[str]:

@@ -17,7 +17,7 @@ _MOST = 60  # floors of a building: a larger number is none
 
 @lru_cache(maxsize=1)
 def _sieve() -> Sieve:
-    return Sieve(list(_patterns().values()))
+    return Sieve([pattern.pattern for pattern in _patterns().values()])
 
 
 @lru_cache(maxsize=1)

@@ -81,8 +81,13 @@ class HeardNames:
         self._sounds = [by_ear(word) for word, _ in rows]
         self._skeletons = [_skeleton(sound) for sound in self._sounds]
         self._rows_of: dict[str, list[int]] = defaultdict(list)
+        # Those are alike whose first consonant is the same.
+        self._beginning: dict[str, tuple[list[str], list[int]]] = defaultdict(lambda: ([], []))
         for at, (word, _) in enumerate(rows):
             self._rows_of[word].append(at)
+            skeletons, places = self._beginning[self._skeletons[at][:1]]
+            skeletons.append(self._skeletons[at])
+            places.append(at)
 
     def sounding(self, words: Sequence[str], is_all: bool) -> dict[int, float]:
         """Return the landmark whose name sounds like words of a question, and how alike, 0 to 1; none where two do.
@@ -117,11 +122,12 @@ class HeardNames:
             # Who writes a word of a language rightly hardly means another.
             return found
         least = 100.0 if is_few else _SOUNDS_ALIKE
-        for said, _, at in process.extract(sought, self._skeletons, scorer=fuzz.ratio, score_cutoff=least, limit=None):
-            alike = fuzz.ratio(sound, self._sounds[at]) / 100.0
+        skeletons, places = self._beginning.get(sought[0], ([], []))
+        for said, _, row in process.extract(sought, skeletons, scorer=fuzz.ratio, score_cutoff=least, limit=None):
+            alike = fuzz.ratio(sound, self._sounds[places[row]]) / 100.0
             is_short = min(len(sought), len(said)) < _CONSONANTS
-            if sought[0] == said[0] and alike >= (_FEW_ALIKE if is_short else _SPELT_ALIKE):
-                found[at] = alike
+            if alike >= (_FEW_ALIKE if is_short else _SPELT_ALIKE):
+                found[places[row]] = alike
         return found
 
 

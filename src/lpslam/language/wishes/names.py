@@ -15,6 +15,7 @@ from rapidfuzz.distance import OSA, Levenshtein
 from lpslam.language.model import Candidate
 from lpslam.language.signs.repair import Repair
 from lpslam.language.tables.knowledge import Knowledge, load_words
+from lpslam.language.tables.nearest import OfLength
 from lpslam.language.tables.words import UNSPACED_RUN, is_mark, is_unspaced
 from lpslam.language.wishes.heard import HeardNames, sound_the_same
 from lpslam.language.wishes.persons import called, consonants, spellings
@@ -58,7 +59,7 @@ class Names:
         for id_, lines in self._words.items():
             for piece in {piece for line in lines for piece in (*line.units, *_pairs(line.runs))}:
                 self._ids_of.setdefault(piece, set()).add(id_)
-        self._long = [unit for unit in self._ids_of if len(unit) >= _LONG]
+        self._long = OfLength(unit for unit in self._ids_of if len(unit) >= _LONG)
         self._read_aloud: dict[int, Mapping[str, Mapping[int, None]]] = {}
 
     @cached_property
@@ -100,9 +101,8 @@ class Names:
         ids = set(self._ids_of.get(word, ()))
         if len(word) >= _LONG:
             slips = _slips(word)
-            for unit, _, _ in process.extract(
-                word, self._long, scorer=Levenshtein.distance, score_cutoff=slips, limit=None
-            ):
+            units, _ = self._long.within(len(word), slips)
+            for unit, _, _ in process.extract(word, units, scorer=Levenshtein.distance, score_cutoff=slips, limit=None):
                 ids |= self._ids_of[unit]
         return ids
 
@@ -128,7 +128,7 @@ class Names:
         key = "".join(content)
         if is_unspaced(key):
             return dict.fromkeys(self._sounding(len(key)).get(_latin(key), ()), 1.0) if len(key) >= _HOMOPHONES else {}
-        keys, ids = self._keys
+        keys, ids = self._keys_near(key, _slips(key))
         near = process.extract(key, keys, scorer=Levenshtein.distance, score_cutoff=_slips(key), limit=None)
         return {ids[at]: 1.0 - slips / len(key) for _, slips, at in sorted(near, key=lambda each: -each[1])}
 
@@ -152,12 +152,18 @@ class Names:
         key = "".join(words)
         if len(key) < _FAR or is_unspaced(key) or not key.isalpha():
             return {}
-        keys, ids = self._keys
+        keys, ids = self._keys_near(key, len(key) // _FAR)
         near = process.extract(key, keys, scorer=OSA.distance, score_cutoff=len(key) // _FAR, limit=None)
         return {ids[at]: 1.0 - slips / len(key) for said, slips, at in near if said.isalpha()}
 
+    def _keys_near(self, key: str, slips: int) -> tuple[list[str], list[int]]:
+        """The letters of the lines that are about as long, and their landmarks."""
+        keys, ids = self._keys
+        near, rows = keys.within(len(key), slips)
+        return near, [ids[row] for row in rows]
+
     @cached_property
-    def _keys(self) -> tuple[list[str], list[int]]:
+    def _keys(self) -> tuple[OfLength, list[int]]:
         """The letters of every line, as painted and without the endings of plurals, and its landmark."""
         rows = [
             (key, id_)
@@ -165,7 +171,7 @@ class Names:
             for line in lines
             for key in dict.fromkeys((line.key, "".join(line.in_order)))
         ]
-        return [key for key, _ in rows], [id_ for _, id_ in rows]
+        return OfLength(key for key, _ in rows), [id_ for _, id_ in rows]
 
     @cached_property
     def _in_runs(self) -> dict[int, list[Words]]:

@@ -7,7 +7,7 @@ pattern is the part of that name; `<ordinal>` is every ordinal number of the lan
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Any
 
 from lpslam.language.tables.lexicon import read_table
@@ -21,18 +21,24 @@ _DEEPEST = 3  # parts within parts
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """When the pattern is found, and not the other, then this."""
+    """When the pattern is found, and not the other, then this; `number` is its own among all rows of a language."""
 
-    when: re.Pattern[str]
-    unless: re.Pattern[str] | None
+    when: str
+    unless: str | None
     then: Mapping[str, Any]
-    number: int = 0  # among all rows of a language
+    number: int
 
     def match(self, text: str) -> re.Match[str] | None:
         """Return where the row's pattern is, if the row holds."""
-        found = self.when.search(text)
+        found = _compiled(self.when).search(text)
         # Few rows are found: what they have beside is looked for last.
-        return None if found and self.unless is not None and self.unless.search(text) else found
+        return None if found and self.unless is not None and _compiled(self.unless).search(text) else found
+
+
+@cache
+def _compiled(pattern: str) -> re.Pattern[str]:
+    """A pattern, ready to be looked for: when it is first, since few of a thousand ever are."""
+    return re.compile(pattern, re.IGNORECASE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,11 +92,11 @@ def rules_of(language: str) -> Rules:
     def compiled(pattern: str) -> re.Pattern[str]:
         return re.compile(filled(pattern), re.IGNORECASE)
 
-    numbered: list[re.Pattern[str]] = []
+    numbered: list[str] = []
 
     def numbered_row(when: str, row: Mapping[str, Any]) -> Row:
-        numbered.append(compiled(when))
-        unless = compiled(row["unless"]) if "unless" in row else None
+        numbered.append(filled(when))
+        unless = filled(row["unless"]) if "unless" in row else None
         return Row(numbered[-1], unless, row.get("then", {}), len(numbered) - 1)
 
     def rows(name: str) -> tuple[Row, ...]:

@@ -23,15 +23,18 @@ class Sieve:
     """Patterns by the pieces that they need.
 
     Args:
-        patterns: to be looked for, with or without case.
+        patterns: to be looked for, with or without case; they are parsed, and not compiled.
+
+    Raises:
+        re.error: one is no pattern.
     """
 
-    def __init__(self, patterns: Sequence[re.Pattern[str]]) -> None:
+    def __init__(self, patterns: Sequence[str]) -> None:
         self._every = frozenset(range(len(patterns)))
         always: set[int] = set()
         by_letters: dict[str, set[int]] = {}
         for at, pattern in enumerate(patterns):
-            needed = _needed(parser.parse(pattern.pattern, pattern.flags))
+            needed = _needed(parser.parse(pattern, re.IGNORECASE))
             for piece in needed or ():
                 by_letters.setdefault(_letters(piece), set()).add(at)
             if needed is None:
