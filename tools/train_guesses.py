@@ -33,6 +33,7 @@ WRITTEN = Path(guesses.__file__).parent.parent / "data" / "wishes" / "guesses.js
 SMALL = (1, 2, 3, 4, 5, 6, 10)  # signs of small maps
 WEIGHT = {"whole": 1.0, "small": 0.5, "without": 0.3, "everyday": 0.3}  # of an answer, by its map
 EACH = 3  # of so many everyday questions one is asked
+USUAL = 3.0  # landmarks of a kind that are as likely as any other, beside those that were seen
 RIDGE = 10.0  # of logistic weights, in columns of spread 1
 TOLD = (0.4, 0.5, 0.6, 0.65, 0.7, 0.75, 0.8)  # probabilities of the report
 
@@ -173,18 +174,42 @@ class Judged:
     of: NDArray[np.int64]
     clues: Floats
     names: tuple[str, ...]
+    kinds: tuple[str, ...]
     right: NDArray[np.bool_]
+    is_whole: NDArray[np.bool_]
+
+    def usual(self, taken: NDArray[np.bool_]) -> dict[str, float]:
+        """By kind, how much oftener one that may be meant is meant than others are, of the whole maps among `taken`."""
+        taken = taken & self.is_whole
+        seen, right = Counter[str](), Counter[str]()
+        for at in np.flatnonzero(taken).tolist():
+            seen[self.kinds[at]] += 1
+            right[self.kinds[at]] += bool(self.right[at])
+        share = float(self.right[taken].mean())
+        odds = np.log(share / (1.0 - share))
+        return {
+            kind: float(np.log((right[kind] + USUAL * share) / (n - right[kind] + USUAL * (1.0 - share))) - odds)
+            for kind, n in sorted(seen.items())
+            if kind
+        }
+
+    def with_usual(self, usual: Mapping[str, float]) -> Floats:
+        """The clues, and how usual each kind is."""
+        return np.column_stack([self.clues, [usual.get(kind, 0.0) for kind in self.kinds]])
 
 
 def judged(rows: Sequence[Row], rank: Floats) -> Judged:
     """What may be meant: what comes first, and what the tables found."""
-    of, found, right = list[int](), list[dict[str, float]](), list[bool]()
+    of, found, right, kinds = list[int](), list[dict[str, float]](), list[bool](), list[str]()
     for number, row in enumerate(rows):
         for at in row.guessing.likeliest(row.heard, row.found, rank):
             of.append(number)
             found.append(row.guessing.clues(row.heard, at, rank, row.found))
             right.append(bool(row.right[at]))
-    return Judged(np.array(of), np.array([list(each.values()) for each in found]), tuple(found[0]), np.array(right))
+            kinds.append(row.guessing.kind(row.heard, at))
+    clues = np.array([list(each.values()) for each in found])
+    is_whole = np.array([rows[at].map == "whole" and not rows[at].is_hidden for at in of])
+    return Judged(np.array(of), clues, tuple(found[0]), tuple(kinds), np.array(right), is_whole)
 
 
 def report(rows: Sequence[Row]) -> None:
@@ -194,8 +219,9 @@ def report(rows: Sequence[Row]) -> None:
     sets, weight = np.array([row.set for row in rows])[every.of], np.array([WEIGHT[row.map] for row in rows])[every.of]
     for name in sorted({row.set for row in rows} - {""}):
         out = sets == name
-        model = fitted(every.clues[~out], every.right[~out], weight[~out])
-        sure = 1.0 / (1.0 + np.exp(-(every.clues[out] @ model[:-1] + model[-1])))
+        clues = every.with_usual(every.usual(~out))
+        model = fitted(clues[~out], every.right[~out], weight[~out])
+        sure = 1.0 / (1.0 + np.exp(-(clues[out] @ model[:-1] + model[-1])))
         best: dict[int, tuple[float, bool]] = {}
         for number, p, right in zip(every.of[out].tolist(), sure.tolist(), every.right[out].tolist(), strict=True):
             best[number] = max(best.get(number, (0.0, False)), (p, right))
@@ -223,10 +249,12 @@ def main() -> None:
     rank = ranked(rows)
     every = judged(rows, rank)
     weight = np.array([WEIGHT[row.map] for row in rows])[every.of]
+    usual = every.usual(np.ones(len(every.right), bool))
     document = {
         "rank": np.round(rank, 4).tolist(),
         "names": every.names,
-        "weights": np.round(fitted(every.clues, every.right, weight), 4).tolist(),
+        "usual": {kind: round(odds, 3) for kind, odds in usual.items()},
+        "weights": np.round(fitted(every.with_usual(usual), every.right, weight), 4).tolist(),
     }
     WRITTEN.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
 

@@ -18,8 +18,10 @@ class NavigationConfig(Section):
     listed: int = Field(default=50, ge=1)
     # Further places that are told where one is asked for.
     alternatives: int = Field(default=5, ge=0)
-    # How sure a stop beside others must be: a plan with a gap serves nobody, so the likeliest is told.
-    least_sure_in_plan: float = Field(default=0.4, ge=0, le=1)
+    # How sure a stop beside others must be: a plan with a gap serves nobody, so the likeliest is told; ...
+    least_sure_in_plan: float = Field(default=0.25, ge=0, le=1)
+    # ... and where it is not said that there are several: a guess below it is as often wrong as right.
+    least_sure_apart: float = Field(default=0.4, ge=0, le=1)
     # Standard deviations by which two distances must differ to be told apart.
     decided_sigmas: float = Field(default=2.0, ge=0)
     # Times as sure as before, where they do not.

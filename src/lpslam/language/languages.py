@@ -3,3 +3,5 @@
 LANGUAGES = ("en", "zh", "ja", "ko", "es", "de", "fr")
 LATIN = ("en", "es", "de", "fr")
 """Those that are written in Latin letters, with spaces between words."""
+CAPITALS_ARE_NAMES = frozenset({"en", "es", "fr"})
+"""Those in which a capital within a sentence is a name's."""

@@ -77,20 +77,20 @@ def solve(
     """
     sites = places if isinstance(places, Sites) else Sites(places)
     solver = _Solver(Scene(sites, here or Here(), ways or Straight(), config or NavigationConfig()), scorer)
-    solved = _in_order(solver, wish.stops)
-    if wish.instead is not None and len({each.place.id for each in solved if each.place is not None}) < len(solved):
-        alone = _in_order(solver, (wish.instead,))
-        solved = alone
+    solved = _in_order(solver, wish)
     return Solution(replace(wish, stops=tuple(each.stop for each in solved)), tuple(solved))
 
 
-def _in_order(solver: "_Solver", stops: Sequence[Stop]) -> list[Solved]:
-    solved: list[Solved] = []
+def _in_order(solver: "_Solver", wish: Wish) -> list[Solved]:
+    """The stops of a wish answered; where that may be read otherwise, only if each has a place of its own."""
+    config, solved = solver.config, list[Solved]()
     # A plan with a gap serves nobody, so the likeliest is told.
-    least = LEAST_SURE if len(stops) == 1 else solver.config.least_sure_in_plan
-    for stop in stops:
-        solved.append(solver.stop(stop, solved[-1].place if solved else None, bool(solved), least))
-    return solved
+    least = config.least_sure_in_plan if wish.instead is None else config.least_sure_apart
+    for stop in wish.stops:
+        sure = LEAST_SURE if len(wish.stops) == 1 else least
+        solved.append(solver.stop(stop, solved[-1].place if solved else None, bool(solved), sure))
+    is_apart = len({each.place.id for each in solved if each.place is not None}) == len(solved)
+    return solved if is_apart or wish.instead is None else _in_order(solver, wish.instead)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

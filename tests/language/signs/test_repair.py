@@ -15,6 +15,8 @@ READER = load_sign_reader()
         ("Fundbür0", "facility/lost_property"),
         ("Gep4ck Restaurante", "amenity/restaurant"),
         ("RESTAURAMT Adria", "amenity/restaurant"),
+        ("Post Off ce", "amenity/post_office"),
+        ("Phar acie du Port", "amenity/pharmacy"),
         ("康福动物医皖", "amenity/veterinary"),
     ],
 )

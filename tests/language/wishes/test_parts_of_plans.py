@@ -51,3 +51,25 @@ def test_a_plan_is_in_the_language_of_the_words_that_order_it() -> None:
     # No common word of German is in it but those; the reason of “Pizza” was said in English.
     wish = OfflineModel().read_wish("Zuerst zur Toilette, dann Pizza")
     assert [(stop.what, stop.language) for stop in wish.stops] == [("zur Toilette", "de"), ("Pizza", "de")]
+
+
+BOARDS = ("Registrar", "Citizens Advice", "Bike Sheds", "Admissions Office", "Refectory", "Print Shop", "Toilets")
+
+
+@pytest.mark.parametrize(
+    ("question", "names"),
+    [
+        ("register a birth and then use the toilet", ["Registrar", "Toilets"]),
+        ("park my bike, eat a hot meal and finally print my flyer", ["Bike Sheds", "Refectory", "Print Shop"]),
+    ],
+)
+def test_the_map_says_whether_a_text_has_several_stops(question: str, names: list[str]) -> None:
+    assert [each.place and each.place.name for each in stops(question, BOARDS)] == names
+
+
+def test_other_readings_of_a_wish_are_kept_in_a_document() -> None:
+    wish = OfflineModel().read_wish("park the bike, sign up, eat something and finally print my flyer")
+    assert len(wish.stops) == 4
+    assert wish.instead is not None
+    assert len(wish.instead.stops) == 2
+    assert Wish.from_document(wish.to_document()) == wish

@@ -106,6 +106,7 @@ class Guessing:
         self._boards = self._senses.boards(list(texts))
         self._board_of = np.array([texts[said[id_]] for id_ in support.group_of], int)
         known = self._senses.concepts
+        self._concepts = list(known)
         signs = [index.signs[int(ids[0])] for ids in support.ids]
         rows = [(at, known[k], w) for at, sign in enumerate(signs) for k, w in sign.kinds if k in known]
         self._kinds = np.array(rows, float).reshape(len(rows), 3)
@@ -204,6 +205,11 @@ class Guessing:
             "no spaces": float(heard.language in _UNSPACED),
         }
 
+    def kind(self, heard: Heard, row: int) -> str:
+        """Return the concept that a landmark is first of all; empty where no table reads it."""
+        served = self._served[int(heard.groups[row])]
+        return self._concepts[served[0]] if served else ""
+
     def likeliest(self, heard: Heard, found: Found, weights: Floats) -> list[int]:
         """Return the rows of the landmarks that may be meant: what the tables found, and what comes first."""
         score = heard.columns @ weights
@@ -218,7 +224,9 @@ class Guessing:
         rows = self.likeliest(heard, found, model.rank)
         if not rows:
             return None
-        surest = {row: model.probability(self.clues(heard, row, model.rank, found)) for row in rows}
+        surest = {
+            row: model.probability(self.clues(heard, row, model.rank, found), self.kind(heard, row)) for row in rows
+        }
         row = max(surest, key=lambda each: surest[each])
         if found.is_sure and surest[rows[0]] >= _STANDS:
             # What is told in so many words is not taken back for what is a little likelier.
@@ -244,19 +252,28 @@ def _odds(sure: float) -> float:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Model:
-    """Weights of columns, and a logistic model of the clues of what may be meant; its last weight stands alone."""
+    """Weights of columns, and a logistic model of what may be meant.
+
+    Attributes:
+        rank: weights of the columns.
+        names: of the clues.
+        usual: by concept, by how much oftener than others one that may be meant is: logarithm of odds.
+        weights: of the clues, of what is usual, and one that stands alone.
+    """
 
     rank: Floats
     names: tuple[str, ...]
+    usual: Mapping[str, float]
     weights: Floats
 
-    def probability(self, clues: Mapping[str, float]) -> float:
-        """How probably it is meant."""
-        x = np.array([*(clues[name] for name in self.names), 1.0])
+    def probability(self, clues: Mapping[str, float], kind: str) -> float:
+        """How probably a landmark of a kind is meant."""
+        x = np.array([*(clues[name] for name in self.names), self.usual.get(kind, 0.0), 1.0])
         return float(1.0 / (1.0 + np.exp(-(x @ self.weights))))
 
 
 @lru_cache(maxsize=1)
 def _model() -> _Model:
     tree: Mapping[str, Any] = read_table("wishes/guesses.json")
-    return _Model(np.array(tree["rank"], float), tuple(tree["names"]), np.array(tree["weights"], float))
+    rank, weights = np.array(tree["rank"], float), np.array(tree["weights"], float)
+    return _Model(rank, tuple(tree["names"]), tree["usual"], weights)

@@ -51,7 +51,29 @@ class Repair:
 
     def words(self, units: Sequence[str], says_something: bool = False) -> list[str]:
         """Return the units with the words of spaced scripts that they stand for."""
-        return [self._word(unit, says_something) for unit in units]
+        return [self._word(unit, says_something) for unit in self._closed(units)]
+
+    def _closed(self, units: Sequence[str]) -> list[str]:
+        """Units with the words that fell in two where a letter was lost: “Se urity”."""
+        found: list[str] = []
+        for unit in units:
+            whole = self._torn(found[-1], unit) if found else None
+            if whole is None:
+                found.append(unit)
+            else:
+                found[-1] = whole
+        return found
+
+    def _torn(self, head: str, tail: str) -> str | None:
+        """The word of which two units are the ends, of which one is none itself."""
+        both = head + tail
+        if len(both) + 1 < _SHORTEST or not (both.isascii() and both.isalpha()):
+            return None
+        if all(len(each) > 1 and (each in self._vocabulary or each in load_words()) for each in (head, tail)):
+            return None
+        ends = len(head), len(both) + 1
+        near = (word for _, word in self._nearest.near(both, 1) if len(word) == ends[1])
+        return next((word for word in near if word[: ends[0]] == head and word[ends[0] + 1 :] == tail), None)
 
     def _word(self, unit: str, says_something: bool) -> str:
         letters = unit.translate(_DIGITS)

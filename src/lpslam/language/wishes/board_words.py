@@ -11,6 +11,7 @@ from lpslam.language.tables.words import is_mark, is_unspaced, longest_phrases
 from lpslam.language.wishes.asked_words import SHORTEST, AskedWords
 from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.reading import content_of, wish_languages
+from lpslam.language.wishes.refusals import parted
 from lpslam.language.wishes.rules import content_left, rules_of
 
 _SURE, _NAMED, _ACROSS = 1.0, 0.9, 0.85  # of a code or person, of a part of a name, of a name in another script
@@ -38,6 +39,13 @@ class BoardWords:
             for language in self._asked.likely(text)[:1]
             for span in longest_phrases(units, (self._knowledge.spoken(language),))
         )
+
+    def leaves_out(self, text: str, language: str) -> bool:
+        """Whether a text says no to a part of what it asks for (“but”, “except”), not only of something."""
+        units = self._knowledge.folder.units(text)
+        said = f" {' '.join(units)} "
+        turns = any(f" {word} " in said or (is_unspaced(word) and word in text) for word in self._knowledge.turning)
+        return turns or asks_for_another(text) or parted(text, language) is not None
 
     def by_name(self, text: str, meaning: Meaning) -> dict[int, float]:
         """Landmarks whose board bears every word that is asked for and means nothing else."""
@@ -103,7 +111,10 @@ class BoardWords:
         if _NAME.search(text):
             return True
         words, proper = self._asked.asked(text)
-        return bool(words) and not any(is_unspaced(word) or word in load_words() for word in words) and words == proper
+        if words != proper or not words or any(is_unspaced(word) or word in load_words() for word in words):
+            return False
+        # “Mein Arm soll geröntgt werden” is a sentence.
+        return self._all_words(text, wish_languages(text, self._knowledge)) == words
 
     def literal(self, text: str, meaning: Meaning) -> dict[int, float]:
         """Boards that bear every word, where nothing else is known to serve."""

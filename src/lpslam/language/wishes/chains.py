@@ -1,14 +1,24 @@
 """Plans that are told as a chain: clauses that are joined one after the other, each for a place of its own.
 
 “표 사고, 짐 맡기고, 커피 마시자”, 切符を買って、荷物を預けて, “sacar dinero, comprar un libro y tomar un café”: each
-language has its `joints`, after which the next clause begins. Whether the pieces are stops is for the reader to say.
+language has its `joints`, after which the next clause begins. Whether the pieces are stops their words say, or the map.
 """
 
+import re
 from collections.abc import Sequence
 
+from lpslam.language.languages import CAPITALS_ARE_NAMES
+from lpslam.language.questions.question import read_question
+from lpslam.language.questions.weighing import MAIN
+from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.words import is_unspaced
-from lpslam.language.wishes.rules import Rules, rules_of
+from lpslam.language.wishes.codes import asked_codes
+from lpslam.language.wishes.rules import Rules, content_left, rules_of
 
+_LISTED = re.compile(r"[,，;；、] ?(?:(?:and|und|et|y) )?")
+_JOINED = re.compile(r" (?:and|und|et|y|e) ")
+_ANY_KIND = frozenset({"shop", "place", "business"})  # kinds that say nothing of what is wanted
+FEWEST_LISTED = 3  # things that are listed without a word for their order: “pharmacy, bank, coffee”
 _ENDS = " .。!！?？,，、;；¿¡"
 _MOST_LETTERS = 60  # of a piece: longer ones tell of something
 _BARE_WORDS = 2  # of a stop of a plan that is a name alone
@@ -44,3 +54,59 @@ def _merged(pieces: Sequence[str], rules: Rules) -> list[str]:
     """Pieces that say something, without the words that order them."""
     bare = [rules.ordering.sub(" ", piece).strip(_ENDS) for piece in pieces]
     return [piece for piece in bare if piece and rules.filler.sub(" ", piece).strip(_ENDS + "'’")]
+
+
+def pieces_of(text: str, languages: Sequence[str], knowledge: Knowledge) -> list[str]:
+    """The stops that a part of a plan names, each something of its own; the part itself where it names one."""
+    chain = chained(text, languages)
+    if len(chain) >= FEWEST_LISTED and all(are_things((piece,), knowledge) for piece in chain):
+        return chain
+    for pieces in (chained(text, languages), listed_in(text, knowledge)):
+        if len(pieces) > 1 and are_things(pieces, knowledge):
+            return pieces
+    return [text]
+
+
+def brief_pieces(text: str, language: str) -> list[str]:
+    """What a part of a plan may list: “lock up my bicycle, enrol, get lunch”; whether it does is for the map to say."""
+    rules = rules_of(language)
+    pieces = chained(text, (language,))
+    return pieces if all(is_brief(piece) and content_left(piece, rules) for piece in pieces) else [text]
+
+
+def says_a_place(text: str, knowledge: Knowledge) -> bool:
+    """Whether a part of a question may be a stop: it wants something or bears a name, and refuses nothing."""
+    read = read_question(text, knowledge)
+    if read.refused or read.refused_names:
+        return False
+    return bool(read.wanted) or any(ch.isupper() or ch.isdigit() for ch in text)
+
+
+def says_a_kind(text: str, languages: Sequence[str], knowledge: Knowledge) -> bool:
+    """Whether a text says which kind or name of place, and more than “which shop”, “what is straight”."""
+    wanted = read_question(text, knowledge).wanted
+    is_name = languages[0] in CAPITALS_ARE_NAMES and any(word[0].isupper() for word in text.split()[1:])
+    return is_name or any(weight >= MAIN and kind not in _ANY_KIND for kind, weight in wanted)
+
+
+def listed_in(text: str, knowledge: Knowledge) -> list[str]:
+    """The stops that a part of a plan lists: “buy a ticket, grab a croissant”, each something of its own."""
+    lists = (pieces for pieces in lists_in(text) if len(pieces) > 1 and are_things(pieces, knowledge))
+    return next(lists, [text])
+
+
+def lists_in(text: str) -> tuple[list[str], list[str]]:
+    """How a text may be parted: by marks, and by “and” between words."""
+    return (
+        [each for each in _LISTED.split(text) if each.strip(_ENDS)],
+        [each for each in _JOINED.split(text) if len(each.split()) > 1],
+    )
+
+
+def are_things(pieces: Sequence[str], knowledge: Knowledge) -> bool:
+    """Whether each piece wants something of its own, or bears a code or name, and refuses nothing."""
+    reads = [read_question(piece, knowledge) for piece in pieces]
+    wanted = [{concept for concept, weight in read.wanted if weight >= MAIN} for read in reads]
+    apart = len(set().union(*wanted)) == sum(map(len, wanted))
+    says = all(mine or asked_codes(piece) for mine, piece in zip(wanted, pieces, strict=True))
+    return says and apart and not any(read.refused or read.refused_names for read in reads)

@@ -160,13 +160,13 @@ class Wish:
         stops: in order.
         language: in which it was asked; None where that is not known.
         notes: what is not sure of it.
-        instead: the one stop that it is where the map has not all of them: “before I go to the meeting, a coffee”.
+        instead: what it is where the map has not all of its stops: “before I go to the meeting, a coffee” is one then.
     """
 
     stops: tuple[Stop, ...]
     language: str | None = None
     notes: tuple[str, ...] = field(default=())
-    instead: Stop | None = None
+    instead: "Wish | None" = None
 
     def to_document(self) -> dict[str, Any]:
         """Return the wish as JSON."""
@@ -187,7 +187,7 @@ class Wish:
                 stops,
                 None if language is None else str(language),
                 _texts(tree.get("notes", ())),
-                None if instead is None else _stop_of(instead),
+                None if instead is None else cls.from_document(instead),
             )
         except (KeyError, TypeError, AttributeError) as error:
             raise ValueError(f"this is no wish: {error!r}") from error

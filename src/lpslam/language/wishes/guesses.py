@@ -15,7 +15,7 @@ from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.wishes.form import Stop, Which
 from lpslam.language.wishes.served import LEAST_SURE, Served, Way
 
-_LEAST_OFFERED = 0.4  # probability of a guess from which it fills a gap in a plan
+_LEAST_OFFERED = 0.25  # probability of a guess from which it fills a gap in a plan
 _READ = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
 
 
@@ -66,6 +66,20 @@ class Guesses:
         if guess is None or guess.sure < LEAST_SURE or not self._are_alike(guess.best, best_of(served.scores)):
             return served
         return replace(served, sure=guess.sure, confidence=guess.sure)
+
+    def told(
+        self,
+        served: Served,
+        meaning: Meaning,
+        language: str,
+        trusted: Callable[[Mapping[int, float]], dict[int, float]],
+    ) -> Served:
+        """Return a sure guess where a negation only tells of something: “my jacket can't go in the washing machine”."""
+        guess = self._guess(served, meaning, language)
+        if guess is None or guess.sure < LEAST_SURE:
+            return served
+        scores = trusted(guess.scores)
+        return self._guessed(served, guess, scores) if guess.best in scores else served
 
     def asked(self, served: Served, meaning: Meaning, language: str) -> tuple[Heard, Found] | None:
         """What a stop says of every landmark, and what the tables found.

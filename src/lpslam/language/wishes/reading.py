@@ -7,13 +7,25 @@ from dataclasses import replace
 from lpslam.language.languages import LANGUAGES, LATIN
 from lpslam.language.questions.question import read_question
 from lpslam.language.questions.speaking import languages_of
-from lpslam.language.questions.weighing import MAIN
 from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.hours import asked_time
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.words import is_mark
 from lpslam.language.wishes.attributes import attributes_of
-from lpslam.language.wishes.chains import chained, is_bare, is_brief, says_an_order
+from lpslam.language.wishes.chains import (
+    FEWEST_LISTED,
+    are_things,
+    brief_pieces,
+    chained,
+    is_bare,
+    is_brief,
+    listed_in,
+    lists_in,
+    pieces_of,
+    says_a_kind,
+    says_a_place,
+    says_an_order,
+)
 from lpslam.language.wishes.codes import asked_codes, identities, numbers_of_things
 from lpslam.language.wishes.floors import floor_of
 from lpslam.language.wishes.form import (
@@ -33,14 +45,11 @@ from lpslam.language.wishes.rules import Row, Rules, content_left, rules_of
 
 _LONGEST = 400  # letters of a question
 _ENDS = " .。!！?？,，、;；¿¡"
-_LISTED = re.compile(r"[,，;；、] ?(?:(?:and|und|et|y) )?")
-_JOINED = re.compile(r" (?:and|und|et|y|e) ")
 _MOST_STOPS = 6
 _OPPOSED = {Which.NEAREST.value, Which.FARTHEST.value}  # one place is hardly both
 _COUNTED = frozenset(map(str, (Relation.NEAR, Relation.BEFORE, Relation.BEHIND, Relation.LEFT_OF, Relation.RIGHT_OF)))
 """Relations of which places come one after the other."""
 _MOST_LISTED_WORDS = 4  # of each: longer ones tell of something
-_FEWEST_LISTED = 3  # things that are listed without a word for their order: “pharmacy, bank, coffee”
 _FEWEST_ALTERNATIVES = 2
 _MOST_NAMED_WORDS = 7  # of an alternative: longer ones tell of something
 _DEEPEST = 2  # anchors of anchors
@@ -71,7 +80,7 @@ def read_wish(question: str, knowledge: Knowledge) -> Wish:
     is_plain = alone.relation is None and not alone.without and not alone.contradiction
     listed = _unordered(text, languages, knowledge) if is_plain else []
     if listed:
-        return Wish(_parts(listed, languages, knowledge, language), language, instead=alone)
+        return Wish(_parts(listed, languages, knowledge, language), language, instead=Wish((alone,), language))
     return Wish((alone,), language)
 
 
@@ -90,19 +99,24 @@ def _plan(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> Wish |
         found = rules.first(rules.sequences, text)
         rest, parts = _in_sequence(text, rules), list[str]()
         if len(rest) > 1 or says_an_order(text, (language,)):
-            parts = [each for part in rest for each in _pieces(part, (language,), knowledge)]
+            parts = [each for part in rest for each in pieces_of(part, (language,), knowledge)]
         is_ordered = says_an_order(text, (language,))
         is_sure = found is None or not found[0].then.get("perhaps") or is_ordered
         # “Zuerst zu COFFEE, dann zu think”: a word or two behind “then” are a name, even of small letters.
-        says = sum(_says_a_place(part, knowledge) or (is_ordered and is_bare(part, rules)) for part in parts)
+        says = sum(says_a_place(part, knowledge) or (is_ordered and is_bare(part, rules)) for part in parts)
         # Where the text may be one wish, whether there is such a place is for the map to say.
         says = says if is_sure else sum(bool(content_left(part, rules)) for part in parts)
-        if len(parts) > 1 and says >= max(2, len(parts) - 1):
+        is_read = says >= max(2, len(parts) - 1)
+        if len(parts) > 1 and (is_read or all(content_left(part, rules) for part in parts)):
             # “Zuerst zur Toilette, dann Pizza” is in the language of the words that order it.
             own = language if is_ordered else None
-            stops = _parts(parts, languages, knowledge, next(iter(languages_of(text, knowledge)), own))
-            instead = None if is_sure else _stop(text, languages, knowledge)
-            return Wish(stops, language, instead=instead)
+            spoken = next(iter(languages_of(text, knowledge)), own)
+            alone = None if is_sure and is_read else Wish((_stop(text, languages, knowledge),), language)
+            plan = Wish(_parts(parts, languages, knowledge, spoken), language, instead=alone)
+            finer = [piece for part in parts for piece in brief_pieces(part, language)]
+            if len(parts) < len(finer) <= _MOST_STOPS:
+                return Wish(_parts(finer, languages, knowledge, spoken), language, instead=plan)
+            return plan
     return None
 
 
@@ -114,32 +128,21 @@ def _parts(
     return tuple(replace(stop, language=language) for stop in stops)
 
 
-def _pieces(text: str, languages: Sequence[str], knowledge: Knowledge) -> list[str]:
-    """The stops that a part of a plan names, each something of its own; the part itself where it names one."""
-    chain = chained(text, languages)
-    if len(chain) >= _FEWEST_LISTED and all(_are_things((piece,), knowledge) for piece in chain):
-        return chain
-    for pieces in (chained(text, languages), _listed(text, knowledge)):
-        if len(pieces) > 1 and _are_things(pieces, knowledge):
-            return pieces
-    return [text]
-
-
 def _unordered(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> list[str]:
     """Things that are listed without a word for their order: three at least, each something of its own."""
     pieces = chained(text, languages)
-    is_list = len(pieces) >= _FEWEST_LISTED and all(map(is_brief, pieces))
-    if is_list and sum(_are_things((piece,), knowledge) for piece in pieces) >= len(pieces) - 1:
+    is_list = len(pieces) >= FEWEST_LISTED and all(map(is_brief, pieces))
+    if is_list and sum(are_things((piece,), knowledge) for piece in pieces) >= len(pieces) - 1:
         return pieces
     # Most questions list nothing so short: they need not be read part by part.
-    if not any(map(_is_short_list, _lists_in(text))):
+    if not any(map(_is_short_list, lists_in(text))):
         return []
-    listed = _listed(text, knowledge)
+    listed = listed_in(text, knowledge)
     return listed if _is_short_list(listed) else []
 
 
 def _is_short_list(pieces: Sequence[str]) -> bool:
-    return len(pieces) >= _FEWEST_LISTED and all(len(each.split()) <= _MOST_LISTED_WORDS for each in pieces)
+    return len(pieces) >= FEWEST_LISTED and all(len(each.split()) <= _MOST_LISTED_WORDS for each in pieces)
 
 
 def _among(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> Stop | None:
@@ -174,37 +177,6 @@ def _among(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> Stop 
     return None
 
 
-def _says_a_place(text: str, knowledge: Knowledge) -> bool:
-    """Whether a part of a question may be a stop: it wants something or bears a name, and refuses nothing."""
-    read = read_question(text, knowledge)
-    if read.refused or read.refused_names:
-        return False
-    return bool(read.wanted) or any(ch.isupper() or ch.isdigit() for ch in text)
-
-
-def _listed(text: str, knowledge: Knowledge) -> list[str]:
-    """The stops that a part of a plan lists: “buy a ticket, grab a croissant”, each something of its own."""
-    lists = (pieces for pieces in _lists_in(text) if len(pieces) > 1 and _are_things(pieces, knowledge))
-    return next(lists, [text])
-
-
-def _lists_in(text: str) -> tuple[list[str], list[str]]:
-    """How a text may be parted: by marks, and by “and” between words."""
-    return (
-        [each for each in _LISTED.split(text) if each.strip(_ENDS)],
-        [each for each in _JOINED.split(text) if len(each.split()) > 1],
-    )
-
-
-def _are_things(pieces: Sequence[str], knowledge: Knowledge) -> bool:
-    """Whether each piece wants something of its own, or bears a code or name, and refuses nothing."""
-    reads = [read_question(piece, knowledge) for piece in pieces]
-    wanted = [{concept for concept, weight in read.wanted if weight >= MAIN} for read in reads]
-    apart = len(set().union(*wanted)) == sum(map(len, wanted))
-    says = all(mine or asked_codes(piece) for mine, piece in zip(wanted, pieces, strict=True))
-    return says and apart and not any(read.refused or read.refused_names for read in reads)
-
-
 def _in_sequence(text: str, rules: Rules) -> list[str]:
     found = rules.first(rules.sequences, text)
     if found is None:
@@ -237,6 +209,8 @@ def _stop(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: in
         left = content_left(rules.any.sub(" ", what), rules)
     if is_placed:
         left = _uncommon(left, languages, knowledge)
+        if ask is Ask.WHICH and stop.relation is not None and not says_a_kind(what, languages, knowledge):
+            left = ""
     is_any = ask in OF_ANY_PLACE or (not left and (is_placed or ask is Ask.LIST))
     which = stop.which
     opposed = sorted({each.value for each in _orders(what, languages)} & _OPPOSED)

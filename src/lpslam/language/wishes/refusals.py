@@ -12,16 +12,24 @@ _ALIKE = 0.9  # of the best score: what serves what is refused as well
 _LEAST_REFUSED = 0.4  # probability that a place is what is refused, from which it is left out
 _EACH = re.compile(r"[,，、;] ?|(?: |^)(?:ni|nor|or|noch|und|oder|et|ou|y|o|and)(?: |$)|[和或とや]|(?:이나|하고) ")
 _ENDS = " .。!！?？,，、;；:"
+ALL_REFUSED = "all that serves is refused"
+_NO = re.compile(
+    r"^(?:(?:and|or|y|o|et|ou|und|oder) )?(?:(?:not|no|nothing|neither|without|anything|nada|sin|ni|tampoco|nicht"
+    r"|nichts|kein(?:e[nmrs]?)?|ohne|pas|rien|sans|surtout|bitte|please)\b[ '’]*"
+    r"|(?:with|from|in|de|con|mit|aus|d|avec)\b[ '’]+|(?:也|还有|都)?(?:不要|不是|不想|不吃|不喝|不去|别))+"
+)
+"""A negation said once more: “nothing frozen and nothing with gluten”."""
 
 
 def parted(text: str, language: str) -> tuple[str, list[str]] | None:
     """Return what a text wants, and each thing that it refuses; None where no word parts them."""
     rules = rules_of(language)
-    found = rules.first(rules.exclusions, text.strip(_ENDS))
+    found = rules.first((*rules.refusals, *rules.exclusions), text.strip(_ENDS))
     if found is None:
         return None
     what, out = (found[1].group(name).strip(_ENDS) for name in ("what", "not"))
-    refused = [each.strip(_ENDS) for each in _EACH.split(out) if each and content_left(each, rules)]
+    named = (_NO.sub("", each.strip(_ENDS)) for each in _EACH.split(out) if each)
+    refused = [each for each in named if content_left(each, rules)]
     return (what, refused) if refused and content_left(what, rules) else None
 
 
@@ -45,24 +53,27 @@ def left_of(
     if parts is None:
         return served
     what, refused = parts
-    wanted = serve(replace(served.stop, what=what, kinds=(), refused=()))
+    is_sure = bool(served.scores) and served.sure >= LEAST_SURE
+    wanted = served if is_sure else serve(replace(served.stop, what=what, kinds=(), refused=()))
     if not wanted.scores or wanted.sure < LEAST_SURE:
         return served
     out: set[int] = set()
     for each in refused:
         not_this = serve(replace(served.stop, what=each, kinds=(), refused=()))
-        is_found = bool(not_this.scores) and not_this.sure >= _LEAST_REFUSED
+        is_found = bool(not_this.scores) and not_this.sure >= (LEAST_SURE if is_sure else _LEAST_REFUSED)
         borne = bearing(each)
-        if not (is_found or borne or is_understood(not_this.stop)):
+        if not (is_sure or is_found or borne or is_understood(not_this.stop)):
             # What is refused by words that nothing explains may be any of those that are wanted.
             return served
         best = max(not_this.scores.values(), default=0.0)
         out.update(borne)
         out.update(id_ for id_, score in not_this.scores.items() if is_found and score >= _ALIKE * best)
     left = {id_: score for id_, score in wanted.scores.items() if id_ not in out}
-    if not left or len(left) == len(wanted.scores):
+    if len(left) == len(wanted.scores):
         # Nothing here is refused: then it is not known what was meant by it.
-        return served if not left else replace(wanted, stop=served.stop)
+        return served if is_sure else replace(wanted, stop=served.stop)
+    if not left:
+        return replace(served, scores={}, evidence=ALL_REFUSED) if is_sure else served
     best = max(left.values())
     exact = wanted.exact - out
     return replace(wanted, stop=served.stop, scores={id_: each / best for id_, each in left.items()}, exact=exact)

@@ -51,6 +51,7 @@ class Rules:
     sequences: tuple[Row, ...]
     relations: tuple[Row, ...]
     exclusions: tuple[Row, ...]
+    refusals: tuple[Row, ...]
     among: tuple[Row, ...]
     persons: tuple[Row, ...]
     counts: tuple[Row, ...]
@@ -113,6 +114,7 @@ def rules_of(language: str) -> Rules:
         rows("sequences"),
         rows("relations"),
         rows("exclusions"),
+        rows("refusals"),
         rows("among"),
         rows("persons"),
         rows("counts"),

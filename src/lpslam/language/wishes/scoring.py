@@ -6,26 +6,24 @@ Ids and strings only: where landmarks stand is the map's own knowledge.
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property, partial
+from functools import partial
 from itertools import pairwise
 
 from lpslam.language.choosing.choosing import Ranked, ranked
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import FITS, best_of, match
 from lpslam.language.choosing.support import Supported
+from lpslam.language.languages import CAPITALS_ARE_NAMES
 from lpslam.language.model import Candidate
 from lpslam.language.questions.parts import read_part
 from lpslam.language.questions.phrasing import answer_language, phrases_in
 from lpslam.language.questions.question import read_question
 from lpslam.language.questions.wanted import Wish as Meaning
 from lpslam.language.sanitise import clean_text
-from lpslam.language.signs.distrust import commands
 from lpslam.language.signs.reader import SignReader
-from lpslam.language.signs.wording import WARNING
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.wishes.asked_words import AskedWords
 from lpslam.language.wishes.attributes import attributes_of, told_apart
-from lpslam.language.wishes.barred import barred
 from lpslam.language.wishes.board_words import BoardWords
 from lpslam.language.wishes.certainty import clues_of, probability
 from lpslam.language.wishes.codes import without_codes
@@ -39,13 +37,13 @@ from lpslam.language.wishes.refusals import left_of
 from lpslam.language.wishes.rules import content_left, rules_of
 from lpslam.language.wishes.served import LEAST_SURE, UNQUESTIONED, Served, Way
 from lpslam.language.wishes.sorts import Sorts
+from lpslam.language.wishes.trust import Trust
 
 _FEWEST_TO_TELL_APART = 2
 _SHORT_QUESTION = 8  # words of a question whose capital is the name that it asks for
 _BRIEF = math.log1p(2)  # of a wish of two words, as `clues_of` has its length: “milk”
 _SHORT_NAME = 5  # words of an anchor that is a name
 _DISTRUSTED = "what the only such board says reads as if it spoke to a machine"
-_CAPITALS_ARE_NAMES = frozenset({"en", "es", "fr"})
 _NAMED = 0.9  # of what alone tells a place
 _WHOLE = 0.95  # of a name's letters: the name itself
 _READ = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
@@ -70,18 +68,12 @@ class EmbeddedScorer:
         self._opening = Opening(landmarks)
         self._by_id = {mark.id: mark for mark in landmarks}
         self._guesses = Guesses(index, self._names.bearing, knowledge)
-        self._heard: set[int] = set()
-        self._commanding: set[int] = set()
-
-    @cached_property
-    def _warning(self) -> frozenset[int]:
-        return frozenset(
-            id_ for id_, sign in self._index.signs.items() if any(kind == WARNING for kind, _ in sign.kinds)
-        )
+        self._trust = Trust(landmarks, index)
+        self._trusted = self._trust.of
 
     def serve(self, stop: Stop) -> Served:
         """Return the landmarks that serve a stop: by identity, by name, else by what they are."""
-        served = self._judged(self._as_sure(self._found(stop))) if stop.what else self._any_place(stop)
+        served = self._judged(self._as_sure(self._found(stop))) if stop.what else self._trust.any_place(stop)
         return self._opening.open(served) if stop.at else served
 
     def clues(self, served: Served) -> dict[str, float]:
@@ -119,7 +111,11 @@ class EmbeddedScorer:
         meaning = self._read(stop)
         if self._boards.refuses(stop.what, meaning):
             language = self._language(stop, meaning)
-            return self._guesses.agreed(self._without_refused(served, language), meaning, language)
+            left = self._guesses.agreed(self._without_refused(served, language), meaning, language)
+            is_found = bool(left.scores) and left.sure >= LEAST_SURE
+            if is_found or meaning.contradicted or self._boards.leaves_out(stop.what, language):
+                return left
+            return self._guesses.told(left, meaning, language, partial(self._not_refused, stop, meaning))
         if meaning.wanted_names or meaning.contested or self._boards.is_bare_name(stop.what):
             return served
         return self._guesses.judged(served, meaning, self._language(stop, meaning), partial(self._not_otherwise, stop))
@@ -133,10 +129,13 @@ class EmbeddedScorer:
             if not asked or told_apart(asked, attributes_of(self._by_id[id_].name)) >= 0
         }
 
+    def _not_refused(self, stop: Stop, meaning: Meaning, scores: Mapping[int, float]) -> dict[int, float]:
+        """Of those, landmarks that are not what a negation is said of."""
+        refused = {id_ for name in meaning.refused_names for id_ in self._index.ids_of.get(name, ())}
+        return {id_: score for id_, score in self._not_otherwise(stop, scores).items() if id_ not in refused}
+
     def _without_refused(self, served: Served, language: str) -> Served:
-        """Where the whole of a stop that refuses something serves nothing surely: its parts."""
-        if served.scores and served.sure >= LEAST_SURE:
-            return served
+        """Of a stop that refuses something, what serves the part that wants less what serves the part that refuses."""
         return left_of(served, language, self.serve, self._said_on, self.is_understood)
 
     def _said_on(self, text: str) -> dict[int, float]:
@@ -334,7 +333,7 @@ class EmbeddedScorer:
     def _is_another(self, stop: Stop, meaning: Meaning, scores: Mapping[int, float]) -> bool:
         """Whether a name is asked for that stands on no board, where boards of the sort bear names: room Gamma."""
         languages = wish_languages(stop.what, self._knowledge)
-        if not languages or languages[0] not in _CAPITALS_ARE_NAMES or self._boards.refuses(stop.what, meaning):
+        if not languages or languages[0] not in CAPITALS_ARE_NAMES or self._boards.refuses(stop.what, meaning):
             return False
         _, proper = self._asked.asked(stop.what)
         said = stop.what.split()
@@ -363,29 +362,6 @@ class EmbeddedScorer:
 
     def _bears_a_name(self, id_: int, languages: Sequence[str]) -> bool:
         return bool(self._asked.of(self._by_id[id_].name, languages)[1]) or bool(self._identities.codes[id_])
-
-    def _trusted(self, scores: Mapping[int, float]) -> dict[int, float]:
-        # Sets that only grow: threads that ask at the same time add the same.
-        for id_ in scores.keys() - self._heard:
-            if commands(self._by_id[id_].name) is not None:
-                self._commanding.add(id_)
-            self._heard.add(id_)
-        if self._commanding.isdisjoint(scores):
-            return dict(scores)
-        return {id_: score for id_, score in scores.items() if id_ not in self._commanding}
-
-    def _any_place(self, stop: Stop) -> Served:
-        if stop.ask is Ask.FORBIDDEN:
-            return Served(stop, dict.fromkeys(sorted(self._warning), 1.0), "what warns or forbids", 0.9)
-        if stop.ask is Ask.BARRED:
-            return Served(stop, dict.fromkeys(sorted(barred(self._landmarks)), 1.0), "its board keeps people out", 0.9)
-        return Served(stop, self._places, "any place", 0.9)
-
-    @cached_property
-    def _places(self) -> Mapping[int, float]:
-        """All places that neither warn nor speak to a machine."""
-        places = [mark.id for mark in self._landmarks if mark.id not in self._warning]
-        return self._trusted(dict.fromkeys(places, 1.0))
 
     def _of_what(self, stop: Stop) -> tuple[int, ...]:
         """What comes next where an identity stands on no board: others of the same sort."""

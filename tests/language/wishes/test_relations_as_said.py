@@ -1,0 +1,68 @@
+"""Relations by how soon one is there, by the way between two places, and of whatever stands there."""
+
+import numpy as np
+import pytest
+
+from lpslam.language.model import Candidate
+from lpslam.language.offline import OfflineModel
+from lpslam.navigation.places import Here, Place
+from lpslam.navigation.solver import solve
+
+
+@pytest.mark.parametrize(
+    ("question", "relation", "what", "anchor", "start"),
+    [
+        ("Which café is quickest to reach from the entrance?", "near", "Which café", "the entrance", ""),
+        ("the lift that I can reach fastest from the reception", "near", "the lift", "the reception", ""),
+        ("Welche Toiletten liegen näher am Ausgang?", "near", "Welche Toiletten", "Ausgang", ""),
+        ("Welches Café ist vom Eingang aus am schnellsten zu erreichen?", "near", "Welches Café", "Eingang", ""),
+        ("¿A qué cafetería se llega antes desde la entrada?", "near", "A qué cafetería", "la entrada", ""),
+        (
+            "un cajero que me pille de camino desde la entrada hasta el cine",
+            "on the way to",
+            "un cajero",
+            "el cine",
+            "la entrada",
+        ),
+        ("Quel café est le plus rapide à atteindre depuis l'entrée ?", "near", "Quel café", "l'entrée", ""),
+        (
+            "un distributeur sur le chemin entre l'entrée et le cinéma",
+            "on the way to",
+            "un distributeur",
+            "le cinéma",
+            "l'entrée",
+        ),
+        ("从入口去哪个厕所最快？", "near", "哪个厕所", "入口", ""),
+        ("どのエレベーターが入口に近いですか", "near", "どのエレベーター", "入口", ""),
+        ("入口から一番早く行けるトイレはどれ", "near", "トイレ", "入口", ""),
+        ("어느 엘리베이터가 입구에서 더 가까워요?", "near", "어느 엘리베이터", "입구", ""),
+        ("입구에서 제일 빨리 갈 수 있는 화장실", "near", "화장실", "입구", ""),
+    ],
+)
+def test_a_relation_is_read(question: str, relation: str, what: str, anchor: str, start: str) -> None:
+    (stop,) = OfflineModel().read_wish(question).stops
+    assert stop.relation is not None
+    assert (stop.relation.value, stop.what, [each.what for each in stop.anchor]) == (relation, what, [anchor])
+    assert (stop.start.what if stop.start else "") == start
+
+
+@pytest.mark.parametrize(
+    "question",
+    [
+        "What's straight across from the cinema?",
+        "which firm is opposite the cinema?",
+        "Was ist denn da direkt gegenüber vom Kino?",
+    ],
+)
+def test_whatever_stands_there_is_asked_for(question: str) -> None:
+    names = ("Cinema", "Blue Harbour", "Toilets")
+    at, facing = ((0.0, 0.0), (0.0, 5.0), (30.0, 5.0)), (1.0, -1.0, -1.0)
+    places = [
+        Place(id_, name, np.array([*xy, 0.0]), np.array([0.0, y, 0.0]))
+        for id_, (name, xy, y) in enumerate(zip(names, at, facing, strict=True))
+    ]
+    model = OfflineModel()
+    scorer = model.scorer([Candidate(id_, name) for id_, name in enumerate(names)])
+    (stop,) = solve(model.read_wish(question), places, scorer, Here()).stops
+    assert stop.place is not None
+    assert stop.place.name == "Blue Harbour"
