@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ from lpslam.poses import StampedPoses
 from lpslam.simulation.source import MallSource
 from lpslam.simulation.worlds.source import WorldSource
 from lpslam.slam.map import SlamMap
-from lpslam.slam.state import EventKind
+from lpslam.slam.state import EventKind, TrackedFrame
 from lpslam.slam.system import RgbdSlam
 from lpslam.sources.prefetch import Prefetched
 from slam_recordings import Recording
@@ -77,8 +77,16 @@ def _keeping_the_last(frames: Prefetched, kept: list[RgbdFrame]) -> Iterator[Rgb
         yield frame
 
 
+class Processor(Protocol):
+    """Tracks frames: `RgbdSlam`, or whatever stands around it."""
+
+    def process(self, frame: RgbdFrame) -> TrackedFrame:
+        """Track one frame."""
+        ...
+
+
 def carry(
-    slam: RgbdSlam,
+    slam: Processor,
     before: Sequence[RgbdFrame],
     mall: MallSource | WorldSource,
     start: int,

@@ -6,6 +6,7 @@
     python benchmarks/worlds.py run     --set dev --compare FILE ...             another configuration, in ratios
     python benchmarks/worlds.py run     --set dev --text ...                     with the signs that are read
     python benchmarks/worlds.py carried --set dev --cache DIR                    blanked and set down elsewhere
+    python benchmarks/worlds.py carried --set dev --text ...                     the same, with the signs that are read
 
 Seeds count from 1 within a set; 1 to 40 show every value of every factor about equally often, what follows is drawn
 freely. Worlds of `dev` are to develop on; nothing is tuned on those of `test`. Tracked is the share of frames with a
@@ -29,7 +30,7 @@ def main() -> None:
     parser.add_argument("--starts", type=int, default=1, help="run: each leaves out one more frame (default 1)")
     parser.add_argument("--config", type=Path, help="run: a configuration instead of the defaults")
     parser.add_argument("--compare", type=Path, help="run: a second configuration, reported in ratios to the first")
-    parser.add_argument("--text", action="store_true", help="run: read signs too (no other starts)")
+    parser.add_argument("--text", action="store_true", help="read signs too (run: no other starts)")
     parser.add_argument("--trials", type=int, default=4, help="carried: places for each world (default 4)")
     parser.add_argument("--out", type=Path, help="folder for results.jsonl")
     given = parser.parse_args()
@@ -46,7 +47,7 @@ def main() -> None:
         configs = [given.config, given.compare] if given.compare else [given.config]
         worlds_runs.measure(recordings, configs, given.starts, given.text, given.processes, Report(given.out))
     elif given.what == "carried":
-        worlds_carried.measure(recordings, given.config, given.trials, given.processes, Report(given.out))
+        worlds_carried.measure(recordings, given.config, given.trials, given.text, given.processes, Report(given.out))
 
 
 if __name__ == "__main__":

@@ -2,10 +2,11 @@
 
 Half of the trials see frames of the same pass with new noise, half those of another pass, at another height and pace;
 of either, half only localise in the map and half continue it. Frames count from the first that shows a mapped place.
+With text the map is read as `lpslam run` makes it, and signs help to find the camera and to doubt where it was found.
 """
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,11 +18,16 @@ from lpslam.camera import PinholeCamera, inverse_transform, transform_points
 from lpslam.config import Config
 from lpslam.frames import RgbdFrame
 from lpslam.poses import StampedPoses
+from lpslam.session.copying import copied
+from lpslam.session.localiser import Localiser
+from lpslam.session.session import Session
 from lpslam.slam.map import SlamMap
+from lpslam.slam.state import TrackedFrame
 from lpslam.slam.system import RgbdSlam
 from lpslam.sources.prefetch import Prefetched
+from lpslam.text.reading.spotting import PaddleSpotter
 from side_by_side import beside
-from slam_recovery import GOOD, LEAD_IN, PATIENCE, carry
+from slam_recovery import GOOD, LEAD_IN, PATIENCE, Processor, carry
 from slam_report import Report
 from slam_scores import run, true_pose
 from worlds_recordings import WorldRecording
@@ -34,11 +40,12 @@ SEEING = 8  # frames after a start in which the camera must not be blind
 
 @dataclass(frozen=True)
 class Task:
-    """A world, and how often the camera is set down in it."""
+    """A world, how often the camera is set down in it, and whether signs are read."""
 
     recording: WorldRecording
     config: Path | None
     trials: int
+    with_text: bool
 
 
 @dataclass(frozen=True)
@@ -82,11 +89,16 @@ class MappedViews:
 
 
 def measure(
-    recordings: Sequence[WorldRecording], config: Path | None, trials: int, processes: int, report: Report
+    recordings: Sequence[WorldRecording],
+    config: Path | None,
+    trials: int,
+    with_text: bool,
+    processes: int,
+    report: Report,
 ) -> None:
     """Map every world, then carry the camera elsewhere in it."""
     rows: list[dict[str, Any]] = []
-    for facts in beside(_carried, [Task(recording, config, trials) for recording in recordings], processes):
+    for facts in beside(_carried, [Task(recording, config, trials, with_text) for recording in recordings], processes):
         for trial in facts["trials"]:
             report.line(world=facts["world"], factors=facts["factors"], **trial)
         rows.append(facts)
@@ -120,15 +132,15 @@ def _carried(task: Task) -> dict[str, Any]:
     import cv2
 
     cv2.setNumThreads(1)
-    config = (Config.from_yaml(task.config) if task.config else Config()).slam
-    recording = task.recording
-    source, frames = recording.open(), list[RgbdFrame]()
-    done = run(RgbdSlam(source.camera, config), _keeping_the_last(Prefetched(source), frames))
-    arrays = done.slam.map.to_arrays()
+    config = Config.from_yaml(task.config) if task.config else Config()
+    recording, source = task.recording, task.recording.open()
+    frames: list[RgbdFrame] = []
+    mapped = Mapped.of(_keeping_the_last(Prefetched(source), frames), source.camera, config, task.with_text)
     facts: dict[str, Any] = {"world": recording.name, "factors": recording.world.factors(), "trials": []}
-    if done.tracked < 3:
+    if len(mapped.estimate.timestamps) < 3:
         return facts
-    truth_from_map = _aligned(recording.truth, done.estimate)
+    truth_from_map = _aligned(recording.truth, mapped.estimate)
+    views = MappedViews.of(mapped.slam_map, truth_from_map, source.camera)
     rng = np.random.default_rng([recording.world.seed, 117])
     for trial in range(task.trials):
         visit, grows = trial % 2, trial // 2 % 2 == 0
@@ -136,16 +148,71 @@ def _carried(task: Task) -> dict[str, Any]:
         blind = np.convolve(world.blind, np.ones(SEEING))[SEEING - 1 :]
         starts = np.flatnonzero(blind[: max(1, len(world) - PATIENCE)] == 0)
         start = int(rng.choice(starts)) if len(starts) else 0
-        again = RgbdSlam(source.camera, config, base=SlamMap.from_arrays(arrays), grows=grows)
-        views = MappedViews.of(done.slam.map, truth_from_map, source.camera)
         verdict, waited, error = carry(
-            again, frames, world, start, trial + 1, truth_from_map, recording.world.fps, views.show
+            mapped.again(grows), frames, world, start, trial + 1, truth_from_map, recording.world.fps, views.show
         )
         facts["trials"].append({
             "trial": trial, "visit": visit, "grows": grows, "start": start, "verdict": verdict, "frames": waited,
             "error_m": error,
         })  # fmt: skip
     return facts
+
+
+@dataclass(frozen=True)
+class Mapped:
+    """A map, and how it is used again.
+
+    Attributes:
+        slam_map: its keyframes and points.
+        estimate: where the camera was while it was made.
+        again: the map fresh, to go on with or only to be found in; each is asked for one frame after the other.
+    """
+
+    slam_map: SlamMap
+    estimate: StampedPoses
+    again: Callable[[bool], Processor]
+
+    @classmethod
+    def of(cls, frames: Iterable[RgbdFrame], camera: PinholeCamera, config: Config, with_text: bool) -> "Mapped":
+        """Of the frames of a camera."""
+        return cls._read(frames, camera, config) if with_text else cls._unread(frames, camera, config)
+
+    @classmethod
+    def _unread(cls, frames: Iterable[RgbdFrame], camera: PinholeCamera, config: Config) -> "Mapped":
+        done = run(RgbdSlam(camera, config.slam), frames)
+        arrays = done.slam.map.to_arrays()
+
+        def again(grows: bool) -> RgbdSlam:
+            return RgbdSlam(camera, config.slam, base=SlamMap.from_arrays(arrays), grows=grows)
+
+        return cls(done.slam.map, done.estimate, again)
+
+    @classmethod
+    def _read(cls, frames: Iterable[RgbdFrame], camera: PinholeCamera, config: Config) -> "Mapped":
+        reader = PaddleSpotter(config.text.spotting)
+        session = Session(camera, config, spotter=reader)
+        for frame in frames:
+            session.take(frame)
+        world = session.close()
+
+        def again(grows: bool) -> Processor:
+            base = copied(world)
+            if grows:
+                return InSession(Session(camera, config, base=base, spotter=reader))
+            return InSession(Localiser(camera, base, config, spotter=reader))
+
+        return cls(world.slam, world.frame_poses(), again)
+
+
+@dataclass(frozen=True)
+class InSession:
+    """Frames tracked by a session or a localiser, signs and all."""
+
+    session: Session | Localiser
+
+    def process(self, frame: RgbdFrame) -> TrackedFrame:
+        """As `RgbdSlam.process`."""
+        return self.session.take(frame).tracked
 
 
 def _keeping_the_last(frames: Prefetched, kept: list[RgbdFrame]) -> Iterator[RgbdFrame]:

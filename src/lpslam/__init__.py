@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from lpslam.mapfile.language_map import LanguageMap
     from lpslam.navigation.asking import Answer, ask
     from lpslam.pipeline import distill, localise, run
+    from lpslam.session.localiser import Localiser
     from lpslam.session.session import Session
     from lpslam.session.step import Step
     from lpslam.sources.open import open_source
@@ -31,6 +32,7 @@ __all__ = [
     "Config",
     "Landmark",
     "LanguageMap",
+    "Localiser",
     "LpSlamError",
     "PinholeCamera",
     "RgbdFrame",
@@ -52,6 +54,7 @@ _HOMES = {
     "Config": "lpslam.config",
     "Landmark": "lpslam.text.types",
     "LanguageMap": "lpslam.mapfile.language_map",
+    "Localiser": "lpslam.session.localiser",
     "LpSlamError": "lpslam.errors",
     "PinholeCamera": "lpslam.camera",
     "RgbdFrame": "lpslam.frames",

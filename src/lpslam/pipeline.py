@@ -11,25 +11,21 @@ from lpslam.errors import UserError
 from lpslam.frames import FrameSource, RgbdFrame
 from lpslam.language.model import LanguageModel
 from lpslam.language.offline import OfflineModel
-from lpslam.mapfile.compatibility import refuse_other_camera
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.navigation.asking import Answer, ask
 from lpslam.poses import StampedPoses
+from lpslam.session.localiser import Localiser
 from lpslam.session.parts import load_spotter
 from lpslam.session.session import Session
 from lpslam.session.step import Step
-from lpslam.slam.advice import NO_ADVICE
-from lpslam.slam.state import SlamEvent, TrackedFrame, TrackingState
-from lpslam.slam.system import RgbdSlam
+from lpslam.slam.state import SlamEvent, TrackedFrame
 from lpslam.sources.in_order import InOrder
 from lpslam.sources.live.source import LiveSource, camera_in
 from lpslam.sources.open import open_source
 from lpslam.sources.pacing import Paced
 from lpslam.sources.prefetch import Prefetched
-from lpslam.text.advice.advising import TextAdvisor
 from lpslam.text.again.looking import look_again
 from lpslam.text.distilling import DEFAULT_QUESTION, distil
-from lpslam.text.mapper import TextMapper
 from lpslam.text.reading.spotting import TextSpotter
 from lpslam.text.remembering.naming import name_class
 from lpslam.text.types import Landmark
@@ -191,34 +187,17 @@ def localise(
         UserError: not one frame of the source can be used, or the map was made with another camera.
     """
     config = config or Config()
-    refuse_other_camera(world.camera, source.camera, "the map", config.same_camera)
-    classes = world.text.memory.classes if text and config.text.advice.enabled else []
-    words = TextAdvisor(config.text.advice, classes)
-    slam = RgbdSlam(source.camera, config.slam, base=world.slam, grows=False, advisor=words if classes else NO_ADVICE)
-    reading: TextMapper | None = None
-    started, seconds_tracking, count = time.perf_counter(), 0.0, 0
-    landmarks = len(world.text.memory.long_term)
+    localiser = Localiser(source.camera, world, config, spotter=spotter, text=text)
+    started, landmarks = time.perf_counter(), len(world.text.memory.long_term)
+    keyframes = len(world.slam.living_keyframes())
     for frame in _frames_of(source, config, False, should_stop):
         if should_stop():
             break
-        before = time.perf_counter()
-        tracked = slam.process(frame)
-        seconds_tracking += time.perf_counter() - before
-        if classes and (tracked.is_doubted or tracked.state is TrackingState.LOST):
-            reading = reading or TextMapper(
-                source.camera,
-                spotter or load_spotter(config.text.spotting, 0),
-                config.text,
-                on_doubtful=words.note_doubtful,
-                on_view=words.note_view,
-            )
-            reading.observe(slam.measured(frame), tracked)
-        count += 1
-        rate = count / (time.perf_counter() - started)
-        on_progress(Progress(tracked, count, rate, len(slam.map.living_keyframes()), landmarks))
-    slam.finish()
-    poses = StampedPoses(*slam.trajectory.world_from_camera(slam.map))
-    return Localised(poses, count, slam.events, seconds_tracking)
+        step = localiser.take(frame)
+        rate = localiser.frames / (time.perf_counter() - started)
+        on_progress(Progress(step.tracked, localiser.frames, rate, keyframes, landmarks))
+    localiser.finish()
+    return Localised(localiser.poses, localiser.frames, localiser.events, localiser.seconds_tracking)
 
 
 def distill(
