@@ -253,9 +253,11 @@ def test_few_matches_are_no_trouble(count: int) -> None:
 def test_twins_look_as_much_alike_and_stand_elsewhere() -> None:
     random = np.random.default_rng(4)
     descriptors = random.integers(0, 2**63, (4, 4), dtype=np.uint64)
-    # The first has a copy far away, the second one beside it, the third one that is not looked at.
-    points = np.concatenate([descriptors, descriptors[:3]])
-    position = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0], [0, 4, 0], [1, 0.1, 0], [2, 4, 0]], float)
-    among = np.array([0, 1, 2, 3, 4, 5], np.int32)
-    found = matching.have_twins(descriptors, np.arange(4, dtype=np.int32), among, points, position, 0.5)
-    assert found.tolist() == [True, False, False, False]
+    # The first has two copies far away, one of them blurred, the second one beside it, the third one not looked at.
+    points = np.concatenate([descriptors ^ np.uint64(7), descriptors[:1] ^ np.uint64(1), descriptors[:3]])
+    position = np.array(
+        [[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0], [0, 6, 0], [0, 4, 0], [1, 0.1, 0], [2, 4, 0]], float
+    )
+    among = np.array([0, 1, 2, 3, 4, 5, 6], np.int32)
+    found = matching.twins(descriptors, np.arange(4, dtype=np.int32), among, points, position, 0.5)
+    assert found.tolist() == [5, -1, -1, -1]

@@ -164,7 +164,7 @@ def run_mapping() -> None:
         slam_map.add_points(keyframe, own, positions[own])
         mapper.process(keyframe)
     m, ids = slam_map.columns, np.arange(2, dtype=np.int32)
-    matching.have_twins(descriptor[:2], ids, ids, m.point_descriptor, m.position, 0.5)
+    matching.twins(descriptor[:2], ids, ids, m.point_descriptor, m.position, 0.5)
     tie = Tie(2, 0, slam_map.camera_from_world(2), np.arange(count, dtype=np.int32))
     LoopCorrector(slam_map, sensor, config.loops, config.mapping).close([tie], slam_map.version, np.zeros(1, np.bool_))
     places = PlaceIndex.of(slam_map)

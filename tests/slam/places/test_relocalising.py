@@ -1,5 +1,6 @@
 """Which of the places that could be a lost view's is believed."""
 
+from collections.abc import Iterator
 from typing import cast
 
 import numpy as np
@@ -13,6 +14,7 @@ from lpslam.slam.features import Features
 from lpslam.slam.map import SlamMap
 from lpslam.slam.places.index import PlaceIndex
 from lpslam.slam.places.locating import Located, Locator
+from lpslam.slam.places.parts import Parts
 from lpslam.slam.places.relocalising import LastSeen, Relocaliser
 
 VIEW = view_of(np.eye(4), np.array([[0.0, 0.0, 2.0]]), np.zeros((1, 4), np.uint64))
@@ -31,8 +33,13 @@ class Places:
 class Holding:
     """A locator for which some keyframes hold, each with a pose and so many inliers; remembers what it was asked."""
 
-    def __init__(self, holds: dict[int, tuple[float, int]], agreement: float = 1.0) -> None:
+    def __init__(
+        self, holds: dict[int, tuple[float, int]], agreement: float = 1.0, alike: tuple[int, ...] = ()
+    ) -> None:
         self.holds = holds
+        self.alike = alike
+        self.parts: dict[int, Parts] = {}
+        self.repeated: tuple[int, ...] = ()
         self.agreement = agreement
         self.asked: list[int] = []
         self.guesses: dict[int, np.ndarray] = {}
@@ -44,6 +51,7 @@ class Holding:
         candidate: int,
         guess: np.ndarray | None = None,
         anchor: Anchor | None = None,
+        is_anywhere: bool = True,
     ) -> Located | None:
         self.asked.append(candidate)
         if anchor is not None:
@@ -55,7 +63,15 @@ class Holding:
         metres, inliers = self.holds[candidate]
         pose = inverse_transform(rigid([metres, 0.0, 0.0], [0, 0, 0]))
         points, is_told = np.zeros(1, np.int32), guess is not None or anchor is not None
-        return Located(candidate, pose, points, inliers, 2 * inliers, 0.0, 1.0, self.agreement, is_told)
+        parts = self.parts.get(candidate, Parts(np.zeros(48, np.intp), np.zeros(48, np.intp)))
+        return Located(candidate, pose, points, inliers, 2 * inliers, parts, 1.0, self.agreement, is_told)
+
+    def is_unique(self, features: Features, located: Located) -> bool:
+        return located.keyframe not in self.repeated
+
+    def rivals(self, features: Features, located: Located) -> Iterator[Located]:
+        found = (self.locate(features, keyframe) for keyframe in self.alike)
+        return (rival for rival in found if rival is not None)
 
 
 def places_apart(count: int, submaps: dict[int, int] | None = None) -> SlamMap:
@@ -102,11 +118,75 @@ def test_a_place_that_is_recalled_is_tried_from_where_that_says_whatever_it_look
     np.testing.assert_array_equal(locator.guesses[2], guess)
 
 
-def test_a_place_that_is_recalled_is_believed_no_sooner_than_another() -> None:
+def test_of_places_that_look_alike_the_one_that_is_told_is_believed() -> None:
     slam_map, advisor = places_apart(5), Recalling(Recalled(2, np.eye(4)))
     assert relocaliser(slam_map, [0.0] * 5, Holding({}), advisor).find(VIEW, 4) is None
-    rivals = Holding({2: (1.0, 80), 4: (9.0, 70)})
-    assert relocaliser(slam_map, [0.0] * 5, rivals, advisor).find(VIEW, 4) is None
+    for inliers in (70, 90):
+        alike = Holding({2: (1.0, 80), 4: (9.0, inliers)})
+        found = relocaliser(slam_map, [0.0] * 5, alike, advisor).find(VIEW, 4)
+        assert found is not None
+        assert found.keyframe == 2
+
+
+def test_a_place_that_is_told_is_not_believed_where_much_less_agrees_or_two_are_told() -> None:
+    slam_map, advisor = places_apart(5), Recalling(Recalled(2, np.eye(4)), Recalled(3, np.eye(4)))
+    poorer = Holding({2: (1.0, 80), 4: (9.0, 200)})
+    found = relocaliser(slam_map, [0.0] * 5, poorer, advisor).find(VIEW, 4)
+    assert found is not None
+    assert found.keyframe == 4
+    both = Holding({2: (1.0, 80), 3: (5.0, 75)})
+    assert relocaliser(slam_map, [0.0] * 5, both, advisor).find(VIEW, 4) is None
+
+
+def test_what_looks_like_a_place_is_looked_for_in_the_whole_map() -> None:
+    """The right front of a row that are all alike need not be among the few candidates."""
+    locator = Holding({4: (0.0, 90), 1: (6.0, 85)}, alike=(1,))
+    assert relocaliser(places_apart(5), [0.0] * 5, locator).find(VIEW, 4) is None
+    poorer = Holding({4: (0.0, 90), 1: (6.0, 30)}, alike=(1,))
+    assert relocaliser(places_apart(5), [0.0] * 5, poorer).find(VIEW, 4) is not None
+
+
+def seen_in_parts(*shares: float) -> Parts:
+    """Of twenty points in each of some parts of the image, so many are seen."""
+    expected, seen = np.zeros(48, np.intp), np.zeros(48, np.intp)
+    expected[: len(shares)] = 20
+    seen[: len(shares)] = np.round(20 * np.array(shares))
+    return Parts(expected, seen)
+
+
+@pytest.mark.parametrize("at", [1, 4])
+def test_of_places_that_look_alike_the_one_that_more_parts_of_the_view_show_is_believed(at: int) -> None:
+    locator = Holding({4: (0.0, 90), 1: (6.0, 85)}, alike=(1,))
+    locator.parts = {4: seen_in_parts(0.5, 0.4, 0.5), 1: seen_in_parts(0.5, 0.4, 0.5)}
+    searching = relocaliser(places_apart(5), [0.0] * 5, locator)
+    assert searching.find(VIEW, 4) is None
+    locator.parts[5 - at] = seen_in_parts(0.0, 0.4, 0.0)
+    found = searching.find(VIEW, 4)
+    assert found is not None
+    assert found.keyframe == at
+
+
+def test_a_place_that_looks_like_others_that_do_not_hold_is_not_believed() -> None:
+    """Tiles of a floor fit in many places, of which the right one need not be mapped."""
+    locator = Holding({4: (0.0, 90)})
+    locator.repeated = (4,)
+    assert relocaliser(places_apart(5), [0.0] * 5, locator).find(VIEW, 4) is None
+
+
+def test_a_look_alike_out_of_reach_is_no_rival_a_moment_after_the_camera_was_seen() -> None:
+    locator = Holding({4: (0.0, 90), 1: (6.0, 85)}, alike=(1,))
+    seen = LastSeen(4, np.eye(4), 10.0)
+    for later, is_found in ((0.1, True), (2.0, False)):
+        searching = relocaliser(places_apart(5), [0.0] * 5, locator)
+        found = [searching.confirm(VIEW, 4, seen, 10.0 + later + n / 30) for n in range(3)]
+        assert any(located is not None for located in found) == is_found
+
+
+def test_a_place_that_signs_have_spoken_against_is_no_rival() -> None:
+    locator = Holding({4: (0.0, 90), 1: (6.0, 85)}, alike=(1,))
+    searching = relocaliser(places_apart(5), [0.0] * 5, locator)
+    searching.disown(1, inverse_transform(rigid([6.0, 0.0, 0.0], [0, 0, 0])))
+    assert searching.find(VIEW, 4) is not None
 
 
 def test_what_something_in_view_told_is_looked_for_there_in_the_next_frames() -> None:

@@ -272,32 +272,35 @@ def keep_consistent_rotations(
 
 
 @njit(cache=True, nogil=True)
-def have_twins(
+def twins(
     descriptors: NDArray[np.uint64],
     points: NDArray[np.int32],
     among: NDArray[np.int32],
     point_descriptor: NDArray[np.uint64],
     position: NDArray[np.float64],
     apart: float,
-) -> NDArray[np.bool_]:
-    """Whether what each descriptor (n, 4) was matched with, `points` (n,), looks as much like a point somewhere else.
+) -> NDArray[np.int32]:
+    """What looks most like each descriptor (n, 4), at least as its match does, `points` (n,), and stands elsewhere.
 
     Args:
         among: (m,) points that are looked through.
         point_descriptor, position: of all points, by id.
         apart: metres; what is nearer to the match is the same thing.
+
+    Returns:
+        (n,) ids, or -1 where nothing looks so.
     """
-    found = np.zeros(len(points), np.bool_)
+    found = np.full(len(points), -1, np.int32)
     for i in range(len(points)):
         own = points[i]
         limit = hamming(descriptors[i], point_descriptor[own])
         for other in among:
-            if hamming(descriptors[i], point_descriptor[other]) > limit:
+            distance = hamming(descriptors[i], point_descriptor[other])
+            if distance > limit or (distance == limit and found[i] >= 0):
                 continue
             x = position[other, 0] - position[own, 0]
             y = position[other, 1] - position[own, 1]
             z = position[other, 2] - position[own, 2]
             if x * x + y * y + z * z > apart * apart:
-                found[i] = True
-                break
+                found[i], limit = other, distance
     return found

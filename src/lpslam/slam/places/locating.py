@@ -1,6 +1,6 @@
 """Where in the map a view could have been taken: for relocalising, closing loops and merging (ORB-SLAM, V-E, VII-B)."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,6 +14,8 @@ from lpslam.slam.features import Features
 from lpslam.slam.kernels import graph, matching
 from lpslam.slam.map import SlamMap
 from lpslam.slam.places.anchored import anchored_pose
+from lpslam.slam.places.parts import Parts
+from lpslam.slam.places.twins import Twins, spread_over
 from lpslam.slam.rays import is_unsure
 from lpslam.slam.sensor import SensorModel
 
@@ -31,7 +33,7 @@ class Located:
         points: (n,) the map point that each keypoint sees, or -1.
         inliers: how many do.
         predicted: how many map points should be seen from there, where nothing hides them.
-        missing_share: share of these in parts of the image where none of them is seen, beyond what chance explains.
+        parts: of these, in every part of the image.
         depth_agreement: share of the inliers with a depth whose depth agrees with the map.
         alike_agreement: share of the keypoints that look like one point of the place, and like no other, that see it:
             so much at least, with 95 %.
@@ -43,10 +45,15 @@ class Located:
     points: _Rows
     inliers: int
     predicted: int
-    missing_share: float
+    parts: Parts
     depth_agreement: float
     alike_agreement: float
     is_told: bool = False
+
+    @property
+    def missing_share(self) -> float:
+        """Share of what should be seen in parts of the image where none of it is, beyond what chance explains."""
+        return self.parts.missing_share
 
     @property
     def seen_share(self) -> float:
@@ -73,6 +80,7 @@ class Locator:
         self._config = config
         self._hamming, self._ratio = tracking.hamming_strict, tracking.ratio_brute_force
         self._associator = Associator(slam_map, sensor, tracking)
+        self._twins = Twins(slam_map, config)
 
     def locate(
         self,
@@ -119,6 +127,11 @@ class Locator:
         if located.alike_agreement < config.min_alike_agreement or not self._is_certain(features, located):
             return None
         return located if not is_anywhere or self._is_unique(features, alike, located, allowed) else None
+
+    def is_unique(self, features: Features, located: Located) -> bool:
+        """Whether a place that holds for a view looks like no other of the map."""
+        alike = self._alike(features, self._group(located.keyframe, self._config.matched_keyframes, None))
+        return self._is_unique(features, alike, located, None)
 
     def _guided(
         self, features: Features, camera_from_world: _Matrix, points: _Rows, widenings: Sequence[float]
@@ -234,23 +247,10 @@ class Locator:
             estimate.points,
             estimate.matches,
             int((~hidden).sum()),
-            self._missing_share(predicted.projections[~hidden, :2], found[~hidden]),
+            Parts.of(predicted.projections[~hidden, :2], found[~hidden], self._sensor.image_size),
             float(agrees.mean()) if len(seeing) else 1.0,
             self._agreement(features, alike, pose),
         )
-
-    def _missing_share(self, pixels: NDArray[np.float32], found: NDArray[np.bool_]) -> float:
-        """Of points (n,) that should be seen at pixels (n, 2), the share in parts where none is found (n,)."""
-        if not len(found):
-            return 0.0
-        width, height = self._sensor.image_size
-        parts = np.clip(pixels / (width, height) * _PARTS, 0, np.array(_PARTS) - 1).astype(int)
-        at = parts[:, 0] * _PARTS[1] + parts[:, 1]
-        expected, seen = np.bincount(at), np.bincount(at, found)
-        known = expected >= _LEAST_IN_PART
-        empty = known & (seen == 0)
-        by_chance = expected[known] * (1.0 - found.mean()) ** expected[known]
-        return float((expected[empty].sum() - by_chance.sum()) / max(expected[known].sum(), 1))
 
     def _agreement(self, features: Features, alike: _Alike, camera_from_world: _Matrix) -> float:
         """Share of what looks alike that is seen where a pose (4×4) has it, at least; 1 where too little says anything.
@@ -280,20 +280,26 @@ class Locator:
         """
         if len(alike.keypoints) < self._config.min_matches:
             return True
-        slam_map, m = self._map, self._map.columns
-        first = m.first_keyframe[: slam_map.point_count]
-        same = slam_map.submaps() == slam_map.submaps()[located.keyframe]
-        here = same if allowed is None else same & allowed
-        among = np.flatnonzero(m.point_alive[: slam_map.point_count] & here[first]).astype(np.int32)
-        count = len(alike.keypoints)
-        asked = np.unique(np.linspace(0, count - 1, min(count, _MOST_ASKED)).astype(int))
+        asked = spread_over(np.arange(len(alike.keypoints)), _MOST_ASKED)
         sample = _Alike(alike.keypoints[asked], alike.points[asked])
         agrees = self._agrees(features, sample, located.camera_from_world)
         found = sample.keypoints[agrees], sample.points[agrees]
-        elsewhere = matching.have_twins(
-            features.descriptor[found[0]], found[1], among, m.point_descriptor, m.position, self._config.rival_distance
-        )
-        return _at_least(int((~elsewhere).sum()), len(asked)) >= self._config.min_unique_agreement
+        unique = self._twins.of(features, *found, located.keyframe, allowed) < 0
+        return _at_least(int(unique.sum()), len(asked)) >= self._config.min_unique_agreement
+
+    def rivals(self, features: Features, located: Located) -> Iterator[Located]:
+        """Other places of the sub-map that hold for a view, where what it shows looks like what it was located by."""
+        config = self._config
+        intrinsics = self._sensor.intrinsics
+        for keyframe, pose in self._twins.places(features, located.points, located.keyframe, intrinsics):
+            group = self._group(keyframe, config.guided_keyframes, None)
+            points = graph.points_of(self._map.columns, group, self._map.point_count)
+            estimate = self._guided(features, pose, points, (config.wide_search, 1.0))
+            if estimate is not None:
+                alike = self._alike(features, group[: config.matched_keyframes])
+                rival = self._judge(features, keyframe, estimate, points, alike)
+                if rival.alike_agreement >= config.min_alike_agreement and self._is_certain(features, rival):
+                    yield rival
 
     def _is_certain(self, features: Features, located: Located) -> bool:
         """Look-alike places share patches: believe only what fills the view and contradicts little of the map."""
@@ -315,12 +321,6 @@ def _at_least(seen: int, of: int) -> float:
     share, spread = seen / of, _SIGMAS**2 / of
     return (share + spread / 2 - float(np.sqrt(share * (1 - share) * spread + spread**2 / 4))) / (1 + spread)
 
-
-_PARTS = (8, 6)
-"""Columns and rows of parts of the image."""
-
-_LEAST_IN_PART = 5
-"""Points that should be seen in a part; of fewer, none may be found by chance."""
 
 _MOST_ASKED = 100
 """Keypoints that are looked for in the whole map: a share is known well enough by so many."""

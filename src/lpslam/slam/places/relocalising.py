@@ -1,7 +1,8 @@
 """Finding a lost view in the whole map (ORB-SLAM, V-B)."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,7 +59,7 @@ class Relocaliser:
         self._sweep = tracking.recovery_sweep
         self._swept = -1
         self._disowned: list[tuple[int, NDArray[np.float64]]] = []
-        self._carried_speed = tracking.carried_speed
+        self._carried_speed, self._moment = tracking.carried_speed, tracking.coast_seconds
         self._unconfirmed: LastSeen | None = None
         self._found_in_a_row = 0
 
@@ -78,7 +79,13 @@ class Relocaliser:
         """
         config = self._config
         before, self._unconfirmed = self._unconfirmed, None
-        located = self.find(features, last_reference, () if before is None else (self._again(before),))
+        likely = () if before is None else (self._again(before),)
+        if last_seen is not None and abs(timestamp - last_seen.timestamp) <= self._moment:
+            located = self.find(
+                features, last_reference, likely, lambda other: self._is_within_reach(other, last_seen, timestamp)
+            )
+        else:
+            located = self.find(features, last_reference, likely)
         is_sure = located is not None and (
             located.inliers >= config.sure_inliers and located.alike_agreement >= config.sure_alike_agreement
         )
@@ -100,13 +107,20 @@ class Relocaliser:
             return Recalled(seen.keyframe)
         return Recalled(seen.keyframe, seen.camera_from_keyframe @ self._map.camera_from_world(seen.keyframe))
 
-    def find(self, features: Features, last_reference: int, likely: Sequence[Recalled] = ()) -> Located | None:
+    def find(
+        self,
+        features: Features,
+        last_reference: int,
+        likely: Sequence[Recalled] = (),
+        may_be_at: Callable[[Located], bool] = lambda located: True,
+    ) -> Located | None:
         """The place of a view, or None; the caller holds the map's lock.
 
         Args:
             features: the view's keypoints.
             last_reference: the keyframe by which the camera was last seen, tried first.
             likely: keyframes tried next.
+            may_be_at: where the camera cannot be is no rival of where it can.
         """
         found = [
             located
@@ -116,8 +130,31 @@ class Relocaliser:
         if not found:
             return None
         best = max(found, key=lambda located: located.inliers)
-        rivals = [other for other in found if other.inliers > self._config.rival_share * best.inliers]
-        return None if any(self._is_elsewhere(best, other) for other in rivals) else best
+        told = [located for located in found if located.is_told and self._is_like(best, located)]
+        if told:
+            # Of places that look alike, a sign tells which it is.
+            best, others = max(told, key=lambda located: located.inliers), iter(told)
+        else:
+            others = chain(found, self._locator.rivals(features, best))
+        rivals = [
+            other
+            for other in others
+            if self._is_like(best, other)
+            and self._is_elsewhere(best, other)
+            and may_be_at(other)
+            and not self._is_disowned(other)
+        ]
+        if not rivals:
+            return best if best.is_told or self._locator.is_unique(features, best) else None
+        return self._preferred([best, *rivals])
+
+    def _preferred(self, places: Sequence[Located]) -> Located | None:
+        """The one of places that look alike for which the view speaks rather than for any other, or None."""
+        for one in places:
+            others = (other for other in places if other is not one and self._is_elsewhere(one, other))
+            if all(one.parts.speak_for(other.parts) >= self._config.rival_evidence for other in others):
+                return one
+        return None
 
     def disown(self, keyframe: int, camera_from_world: NDArray[np.float64]) -> None:
         """Believe no place around a pose any more, given in the world of a keyframe's sub-map, until `forget`."""
@@ -148,7 +185,7 @@ class Relocaliser:
 
     def _locate(self, features: Features, candidate: Recalled) -> Located | None:
         guess, anchor = candidate.camera_from_world, candidate.anchor
-        return self._locator.locate(features, candidate.keyframe, guess=guess, anchor=anchor)
+        return self._locator.locate(features, candidate.keyframe, guess=guess, anchor=anchor, is_anywhere=False)
 
     def _likely(self, features: Features, last_reference: int, likely: Sequence[Recalled]) -> Iterator[Recalled]:
         """Keyframes to try, with what is known of the pose from elsewhere."""
@@ -178,6 +215,10 @@ class Relocaliser:
         chosen = living[np.arange(first, first - min(self._sweep, len(living)), -1) % len(living)]
         self._swept = int(chosen[-1])
         return [int(keyframe) for keyframe in chosen]
+
+    def _is_like(self, best: Located, other: Located) -> bool:
+        """Whether another place holds nearly as well as the best."""
+        return other.inliers > self._config.rival_share * best.inliers
 
     def _is_elsewhere(self, one: Located, other: Located) -> bool:
         """Whether two places contradict each other; in different sub-maps both may be the same place."""
