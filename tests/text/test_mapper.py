@@ -639,6 +639,22 @@ def test_a_lost_camera_reads_nothing_that_nobody_asks_for() -> None:
     assert not any(mapper.wants(frame(index), tracked(index, lost=True)) for index in range(30))
 
 
+def test_what_is_in_view_of_a_doubted_place_is_told_as_it_stands_before_the_camera() -> None:
+    """It may stand elsewhere in the map; where the camera is believed to be says nothing of it."""
+    spotter = ScriptedSpotter((box(100, 200), "GUCCI", 0.98))
+    told: list[tuple[int, Sequence[TextObservation]]] = []
+    mapper = TextMapper(CAMERA, spotter, CONFIG, on_view=lambda keyframe, seen: told.append((keyframe, seen)))
+    turned = np.diag([-1.0, 1.0, -1.0, 1.0])
+    for index in range(30):
+        doubted = replace(tracked(index), is_doubted=True, keyframe_from_camera=turned)
+        mapper.observe(frame(index), doubted)
+    keyframe, (seen,) = told[0]
+    assert keyframe < 0
+    assert seen.placement is None
+    left = np.array(seen.bearing.corners[0])
+    np.testing.assert_allclose(left[:2] / left[2], [(100 - 320) / 570, (200 - 240) / 570], atol=1e-6)
+
+
 def test_what_is_read_in_a_doubted_place_is_told_and_not_remembered() -> None:
     spotter = ScriptedSpotter((box(100, 200), "GUCCI", 0.98))
     told: list[TextObservation] = []

@@ -104,12 +104,13 @@ class LoopAdvisor(Protocol):
     def recalls(self, keyframes: KeyframeMap) -> Sequence[Recalled]:
         """Where a lost camera may be, likeliest first; each is verified like any other place.
 
-        Called in the tracking thread for every frame that is lost.
+        Called in the tracking thread for every frame that is lost, or whose place is doubted. What was given last is
+        given again, itself, until something else is in view.
         """
         ...
 
     def knows(self, keyframes: KeyframeMap, keyframe: int) -> bool:
-        """Whether enough is known around a keyframe to tell its place from its like."""
+        """Whether anything is known that may tell the place of a keyframe from its like."""
         ...
 
     def judges(self, keyframes: KeyframeMap, keyframe: int, since: float) -> bool | None:

@@ -1,6 +1,6 @@
 """Runtime text mapping (paper, Fig. 1): read, classify, remember, name, place."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from time import perf_counter
 
@@ -140,6 +140,7 @@ class TextMapper:
             # Where a text stands would be wrong with the place: nothing is remembered until that is known.
             for observation in self._sure(reading, frame, tracked.keyframe, tracked.keyframe_from_camera):
                 self._on_doubtful(observation)
+            self._tell_view(frame, [(text, None) for text, _ in reading.texts])
             self._gate.hurry(frame.timestamp)
             return reading
         started = perf_counter()
@@ -178,8 +179,14 @@ class TextMapper:
             return
         reading = self._reader.read(frame, np.eye(4), None, NOWHERE)
         if reading is not None:
-            seen = [self._observation(frame, NOWHERE, np.eye(4), text, placement) for text, placement in reading.texts]
-            self._on_view(NOWHERE, seen)
+            self._tell_view(frame, reading.texts)
+
+    def _tell_view(self, frame: RgbdFrame, texts: Iterable[tuple[SpottedText, Placement | None]]) -> None:
+        """Tell what a camera sees, and in which directions from itself, wherever it is."""
+        if self._on_view is not None:
+            self._on_view(
+                NOWHERE, [self._observation(frame, NOWHERE, np.eye(4), text, placement) for text, placement in texts]
+            )
 
     def _sure(
         self, reading: FrameReading, frame: RgbdFrame, keyframe: int, keyframe_from_camera: Array

@@ -321,3 +321,47 @@ def test_a_place_near_which_the_camera_was_is_believed_when_one_more_frame_finds
         assert searching.confirm(VIEW, -1, last_seen, 10.0 + seconds) is None
         again = searching.confirm(VIEW, -1, last_seen, 10.0 + seconds + frame)
         assert (again is not None) == is_believed
+
+
+# A place in which the camera was found, and a sign in view that stands elsewhere -----------------------------------
+
+
+def told_elsewhere(locator: Holding, *recalled: Recalled) -> bool:
+    searching = relocaliser(places_apart(5), [0.0] * 5, locator, Recalling(*recalled))
+    return searching.is_told_elsewhere(VIEW, 4, inverse_transform(rigid([0.0, 0.0, 0.0], [0, 0, 0])))
+
+
+@pytest.mark.parametrize(
+    ("holds", "is_elsewhere"),
+    [
+        ({2: (6.0, 80), 4: (0.0, 90)}, True),
+        ({2: (6.0, 80)}, True),
+        ({2: (0.2, 80), 4: (0.0, 90)}, False),
+        ({2: (6.0, 40), 4: (0.0, 90)}, False),
+        ({4: (0.0, 90)}, False),
+    ],
+    ids=["holds as well", "holds alone", "the same place", "holds much less", "does not hold"],
+)
+def test_a_sign_that_stands_elsewhere_speaks_against_a_place_where_that_holds_as_well(
+    holds: dict[int, tuple[float, int]], is_elsewhere: bool
+) -> None:
+    assert told_elsewhere(Holding(holds), Recalled(2, np.eye(4))) == is_elsewhere
+
+
+def test_a_view_that_speaks_for_the_place_outweighs_a_sign_that_stands_elsewhere_too() -> None:
+    locator = Holding({2: (6.0, 80), 4: (0.0, 90)})
+    locator.parts = {4: seen_in_parts(0.5, 0.4, 0.5), 2: seen_in_parts(0.0, 0.4, 0.0)}
+    assert not told_elsewhere(locator, Recalled(2, np.eye(4)))
+
+
+def test_a_sign_that_also_stands_here_says_nothing() -> None:
+    locator = Holding({2: (6.0, 80), 3: (0.1, 80), 4: (0.0, 90)})
+    assert not told_elsewhere(locator, Recalled(2, np.eye(4)), Recalled(3, np.eye(4)))
+
+
+def test_a_view_is_compared_once() -> None:
+    locator, advisor = Holding({2: (6.0, 40), 4: (0.0, 90)}), Recalling(Recalled(2, np.eye(4)))
+    searching = relocaliser(places_apart(5), [0.0] * 5, locator, advisor)
+    for _ in range(3):
+        assert not searching.is_told_elsewhere(VIEW, 4, np.eye(4))
+    assert locator.asked == [2, 4]

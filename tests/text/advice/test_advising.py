@@ -434,6 +434,26 @@ def test_where_nothing_was_read_no_place_is_known() -> None:
     assert not walks.advisor.knows(walks.map, 4)
 
 
+def test_what_is_in_view_while_a_place_is_doubted_is_a_witness_of_it() -> None:
+    """It would tell the place as well, but something else has."""
+    walks = TwoWalks(SIGNS, [])
+    for number in range(2, 5):
+        walks.advisor.note_doubtful(walks.sighting(number, SIGNS[0], 100.0 + number))
+        walks.advisor.note_view(-1, [replace(walks.sighting(number, SIGNS[0], 100.0 + number), keyframe=-1)])
+        walks.advisor.recalls(walks.map)
+    assert walks.advisor.judges(walks.map, 4, 100.0) is True
+
+
+def test_what_is_recalled_stays_the_same_until_something_else_is_in_view() -> None:
+    walks = TwoWalks(SIGNS, [])
+    walks.advisor.note_view(-1, [replace(walks.sighting(3, SIGNS[0], 99.0), keyframe=-1)])
+    first = walks.advisor.recalls(walks.map)
+    assert first
+    assert walks.advisor.recalls(walks.map) is first
+    walks.advisor.note_view(-1, [replace(walks.sighting(4, SIGNS[0], 99.1), keyframe=-1)])
+    assert walks.advisor.recalls(walks.map) is not first
+
+
 def test_texts_of_one_doubt_are_told_from_those_of_the_next() -> None:
     walks = TwoWalks(SIGNS, [])
     for text, at in (("AAAAAA", 50.0), ("BBBBBB", 70.0)):

@@ -62,6 +62,7 @@ class Relocaliser:
         self._carried_speed, self._moment = tracking.carried_speed, tracking.coast_seconds
         self._unconfirmed: LastSeen | None = None
         self._found_in_a_row = 0
+        self._compared: Sequence[Recalled] = ()
 
     def confirm(
         self, features: Features, last_reference: int, last_seen: LastSeen | None, timestamp: float
@@ -155,6 +156,32 @@ class Relocaliser:
             if all(one.parts.speak_for(other.parts) >= self._config.rival_evidence for other in others):
                 return one
         return None
+
+    def is_told_elsewhere(self, features: Features, reference: int, camera_from_world: NDArray[np.float64]) -> bool:
+        """Whether a sign in view tells a place that holds as well as the one in which the camera was found.
+
+        Asked again only when something else is in view.
+
+        Args:
+            features: the view's keypoints.
+            reference: the keyframe by which the camera was found.
+            camera_from_world: its 4×4 pose there.
+        """
+        recalled = self._advisor.recalls(self._map)
+        if recalled is self._compared:
+            return False
+        self._compared = recalled
+        told = [each for each in (self._locate(features, one) for one in recalled) if each is not None and each.is_told]
+        told = [each for each in told if not self._is_disowned(each)]
+        if not told:
+            return False
+        best = max(told, key=lambda located: located.inliers)
+        here = self._locate(features, Recalled(reference, camera_from_world))
+        if here is None:
+            return True
+        if any(not self._is_elsewhere(each, here) for each in told):
+            return False
+        return self._is_like(here, best) and here.parts.speak_for(best.parts) < self._config.rival_evidence
 
     def disown(self, keyframe: int, camera_from_world: NDArray[np.float64]) -> None:
         """Believe no place around a pose any more, given in the world of a keyframe's sub-map, until `forget`."""

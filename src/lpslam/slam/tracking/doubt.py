@@ -7,7 +7,7 @@ from lpslam.slam.map import SlamMap
 
 
 class Doubt:
-    """Open after a relocalisation in a place of which an advisor knows more than its looks.
+    """Open after a relocalisation in a map of which an advisor knows more than its looks.
 
     While it is open nothing is mapped, so that a wrong place can be given up as if it had never been found.
 

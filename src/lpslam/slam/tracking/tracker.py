@@ -167,6 +167,8 @@ class Tracker:
         """Search the local map from the best first guess that leads to enough matches."""
         where, view = self._where, View.of(picture.features, self._sensor)
         gap = 0.0 if where.last is None else picture.timestamp - where.last.timestamp
+        if self._doubt.is_open and where.last is not None and self._is_told_elsewhere(view, where.last):
+            self._give_up_place(picture.frame, where.last)
         if where.state is not TrackingState.LOST:
             starts, is_strict = self._starts(picture.frame, view, followed), picture.timestamp < self._strict_until
             found = self._search.best(view, starts, gap, is_strict)
@@ -307,16 +309,23 @@ class Tracker:
 
     def _settle_doubt(self, frame: RgbdFrame, last: LastFrame) -> None:
         """After a relocalisation, give the place up again where the signs that are read there are others."""
-        where, since, placed_since = self._where, self._doubt.since, self._doubt.placed_since
         with self._map.lock:
-            is_right = self._doubt.settle(where.reference, frame.timestamp)
+            is_right = self._doubt.settle(self._where.reference, frame.timestamp)
             if is_right:
                 self._relocaliser.forget()
-            if is_right is not False:
-                return
-            where.tell(EventKind.LOST, frame, f"the signs read since {since:.2f} s are not those of the place")
-            self._relocaliser.disown(where.reference, self._guesser.pose(last))
-            where.reference = self._doubt.take_back(where.reference)
+            if is_right is False:
+                self._give_up_place(frame, last)
+
+    def _is_told_elsewhere(self, view: View, last: LastFrame) -> bool:
+        return self._relocaliser.is_told_elsewhere(view.features, self._where.reference, self._guesser.pose(last))
+
+    def _give_up_place(self, frame: RgbdFrame, last: LastFrame) -> None:
+        """The camera is not where it was found: forget what followed from that; the caller holds the map's lock."""
+        where, since, placed_since = self._where, self._doubt.since, self._doubt.placed_since
+        where.tell(EventKind.LOST, frame, f"the signs read since {since:.2f} s are not those of the place")
+        self._relocaliser.disown(where.reference, self._guesser.pose(last))
+        where.reference = self._doubt.take_back(where.reference)
+        self._doubt.end()
         where.state = TrackingState.LOST
         where.forget()
         self._losing.disown(placed_since)

@@ -6,7 +6,7 @@ located among signs that say something else than those it sees, loop closing is 
 """
 
 import threading
-from collections import defaultdict
+from collections import defaultdict, deque
 from collections.abc import Collection, Iterable, Sequence
 from itertools import count
 
@@ -44,6 +44,9 @@ _LOOKED_AT = 160
 # Keyframes up to the newest of which one has the last frame that was read: what it shows is still in view.
 _VIEWS = 4
 
+# Views of which it is kept which sign alone told their place: while one is doubted, others follow.
+_VIEWS_TOLD = 100
+
 SIGNS_DIFFER = "signs differ"
 
 
@@ -71,7 +74,7 @@ class TextAdvisor:
         self._views: dict[int, list[TextObservation]] = {}
         self._lost: list[TextObservation] = []
         self._recalled: list[Recalled] | None = None
-        self._told_by: Seen | None = None
+        self._told: deque[tuple[float, Seen | None]] = deque(maxlen=_VIEWS_TOLD)
         self._has_news = False
         self.proposed = 0
         self.vetoed = 0
@@ -107,7 +110,7 @@ class TextAdvisor:
     def note_view(self, keyframe: int, observations: Sequence[TextObservation]) -> None:
         """Take all that one frame shows, with or without a place; the newest of a keyframe counts.
 
-        Below zero is no keyframe: the camera is lost, and the texts are in its own frame.
+        Below zero is no keyframe: the camera is lost, or its place is doubted, and the texts are in its own frame.
         """
         with self._lock:
             if keyframe < 0:
@@ -163,7 +166,9 @@ class TextAdvisor:
         # One frame reads a text once: it may be of every class that has a spelling like it.
         classes = self._classes_like(lost)
         before = self._newest({key for each in classes for key in each}, len(keyframes.submaps()))
-        recalled, self._told_by = self._recall(lost, classes, np.eye(4), before, keyframes)
+        recalled, sign = self._recall(lost, classes, np.eye(4), before, keyframes)
+        if lost:
+            self._told.append((lost[0].timestamp, sign))
         return recalled
 
     def _recall(
@@ -236,8 +241,9 @@ class TextAdvisor:
         return SIGNS_DIFFER
 
     def knows(self, keyframes: KeyframeMap, keyframe: int) -> bool:
-        """Whether as many texts are known around a keyframe as must contradict."""
-        return len(self._around(keyframes, keyframe, ())) >= self._config.contradictions
+        """Whether anything was read: around the keyframe, or elsewhere, from where it may speak against it."""
+        with self._lock:
+            return bool(self._by_class)
 
     def judges(self, keyframes: KeyframeMap, keyframe: int, since: float) -> bool | None:
         """Compare the doubtful sightings with what was read around a keyframe before; None while they say nothing."""
@@ -250,7 +256,8 @@ class TextAdvisor:
             doubtful = list(self._doubtful)
         if not doubtful:
             return None
-        new, told_by = seen_texts(doubtful, keyframes.world_from_keyframe, self._config), self._told_by
+        new = seen_texts(doubtful, keyframes.world_from_keyframe, self._config)
+        told_by = next((sign for timestamp, sign in reversed(self._told) if timestamp < since), None)
         if told_by is not None:
             # A sign that alone told the place, as another shop of its name may, is no witness of it.
             new = [text for text in new if likeness(text, told_by) < self._config.alike]
