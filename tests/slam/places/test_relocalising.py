@@ -164,6 +164,10 @@ def test_of_places_that_look_alike_the_one_that_more_parts_of_the_view_show_is_b
     found = searching.find(VIEW, 4)
     assert found is not None
     assert found.keyframe == at
+    locator.repeated = (at,)
+    assert searching.find(VIEW, 4) is not None
+    locator.agreement = 0.7
+    assert searching.find(VIEW, 4) is None
 
 
 def test_a_place_that_looks_like_others_that_do_not_hold_is_not_believed() -> None:

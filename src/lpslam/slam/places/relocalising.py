@@ -145,9 +145,12 @@ class Relocaliser:
             and may_be_at(other)
             and not self._is_disowned(other)
         ]
-        if not rivals:
-            return best if best.is_told or self._locator.is_unique(features, best) else None
-        return self._preferred([best, *rivals])
+        chosen = self._preferred([best, *rivals])
+        # That it is better than others does not make it right: the right one need not be mapped.
+        is_sure = chosen is not None and bool(rivals) and chosen.alike_agreement >= self._config.sure_alike_agreement
+        if chosen is None or chosen.is_told or is_sure or self._locator.is_unique(features, chosen):
+            return chosen
+        return None
 
     def _preferred(self, places: Sequence[Located]) -> Located | None:
         """The one of places that look alike for which the view speaks rather than for any other, or None."""
