@@ -87,7 +87,10 @@ def _dropped(progress: "RunState") -> str:
 
 
 class InterruptFlag:
-    """Turns the first Ctrl-C (or a polite kill) into a flag; the second one acts as ever."""
+    """Turns the first Ctrl-C (or a polite kill) into a flag; the second one acts as ever.
+
+    What whoever started the process lets be ignored stays ignored: a shell's Ctrl-C is not for what runs behind it.
+    """
 
     def __init__(self) -> None:
         self._flag = threading.Event()
@@ -104,7 +107,8 @@ class InterruptFlag:
 
     def __enter__(self) -> Self:
         for number in (signal.SIGINT, signal.SIGTERM):
-            self._handlers[number] = signal.signal(number, self._note)
+            if signal.getsignal(number) is not signal.SIG_IGN:
+                self._handlers[number] = signal.signal(number, self._note)
         return self
 
     def __exit__(
