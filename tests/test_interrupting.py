@@ -58,6 +58,27 @@ def test_a_second_ctrl_c_ends_at_once(clip: Callable[[int], Path], tmp_path: Pat
     assert not list(tmp_path.glob("*map.lpmap*"))
 
 
+PREPARING = """
+import os, signal, time
+import lpslam.slam.warm_up
+from lpslam import cli
+signal.signal(signal.SIGINT, signal.default_int_handler)
+def warm_up(say):
+    os.kill(os.getpid(), signal.SIGINT)
+    time.sleep(60)
+lpslam.slam.warm_up.warm_up = warm_up
+cli.main()
+"""
+
+
+def test_ctrl_c_while_kernels_are_compiled_waits_for_none(clip: Callable[[int], Path], tmp_path: Path) -> None:
+    words = [sys.executable, "-c", PREPARING, "run", str(clip(30)), "-o", str(tmp_path / "map.lpmap")]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=50, check=False)
+    assert done.returncode == 130
+    assert done.stderr.strip().splitlines()[-1] == "lpslam: interrupted"
+    assert not list(tmp_path.glob("*map.lpmap*"))
+
+
 SLOW_READER = """
 import signal, sys, time
 import numpy as np

@@ -108,33 +108,34 @@ def run(
     watch = watched(frames.name, len(frames), port, settings, llm) if view else unwatched()
     with (
         watch as feed,
-        InterruptFlag() as interrupted,
         RunProgress(len(frames)) as progress,
         watchers_of(mcap, rerun, foxglove, frames) as watchers,
     ):
+        # Until the first frame there is nothing to keep: Ctrl-C ends at once.
         prepare()
-        world = pipeline.run(
-            frames,
-            settings,
-            language=language,
-            text=not no_text,
-            sequential=sequential,
-            live=live,
-            base=base,
-            on_progress=progress.update,
-            on_step=each_of(watchers.take, feed.on_step),
-            should_stop=interrupted.is_set,
-        )
-        watchers.finish(world)
-        if not world.trajectory.tracked_count:
-            say("interrupted before anything was mapped; nothing is written")
-            raise typer.Exit(INTERRUPTED)
-        # A camera has no other end.
-        is_broken_off = interrupted.is_set() and not is_endless
-        if is_broken_off:
-            output = partial_name(output)
-        keep(world, output)
-        feed.end(world, output.name)
+        with InterruptFlag() as interrupted:
+            world = pipeline.run(
+                frames,
+                settings,
+                language=language,
+                text=not no_text,
+                sequential=sequential,
+                live=live,
+                base=base,
+                on_progress=progress.update,
+                on_step=each_of(watchers.take, feed.on_step),
+                should_stop=interrupted.is_set,
+            )
+            watchers.finish(world)
+            if not world.trajectory.tracked_count:
+                say("interrupted before anything was mapped; nothing is written")
+                raise typer.Exit(INTERRUPTED)
+            # A camera has no other end.
+            is_broken_off = interrupted.is_set() and not is_endless
+            if is_broken_off:
+                output = partial_name(output)
+            keep(world, output)
+            feed.end(world, output.name)
     for note in run_notes(world, frames.faults, progress.first_untracked, language.model):
         say(note)
     say_usage(language)

@@ -130,7 +130,9 @@ def run(
         session.frames_skipped = len(frames.faults)
         session.frames_dropped = _dropped(frames)
         world = session.close(hurry=is_stopped)
-    if not is_stopped and world.trajectory.tracked_count == 0:
+    # A camera that was stopped before its first picture could not be tried.
+    is_untried = session.frames == 0 and should_stop()
+    if not (is_stopped or is_untried) and world.trajectory.tracked_count == 0:
         reason = step.reason if step is not None else "it gave none"
         raise UserError(
             f"{source.name}: none of {session.frames} frames can be tracked ({reason}); look at its colour and depth"

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from recordings import HEIGHT, WIDTH, picture
 
+from lpslam import pipeline
 from lpslam.camera import PinholeCamera
 from lpslam.errors import UserError
 from lpslam.frames import FrameSource, RgbdFrame
@@ -109,6 +110,16 @@ def test_a_camera_that_is_silent_or_gone_can_be_stopped() -> None:
         begun = time.monotonic()
         assert len(list(source)) <= 1
         assert time.monotonic() - begun < 2.0
+
+
+def test_a_camera_that_is_stopped_before_its_first_picture_is_no_mistake() -> None:
+    stopped = threading.Event()
+    threading.Timer(0.3, stopped.set).start()
+    world = pipeline.run(LiveSource(Scripted([]), backlog=2), text=False, should_stop=stopped.is_set)
+    assert world.trajectory.tracked_count == 0
+    # One that ends by itself without any is.
+    with pytest.raises(UserError, match="none of 0 frames"):
+        pipeline.run(LiveSource(Scripted([]), backlog=2, max_frames=0), text=False)
 
 
 def test_a_camera_that_is_not_there_is_one_line() -> None:
