@@ -5,6 +5,7 @@ nothing is downloaded, logged or resized on the way.
 """
 
 import importlib.util
+import sys
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
@@ -48,11 +49,28 @@ class OpenVinoNetwork:
         return output
 
 
+def _openvino() -> Any:
+    """OpenVINO without what reports its import to its makers over the network, and keeps a count in the user's home.
+
+    It does without where that package is not installed; here it seems not to be while it is looked for.
+    """
+    is_hidden = _REPORTS not in sys.modules
+    if is_hidden:
+        sys.modules[_REPORTS] = None  # type: ignore[assignment]
+    try:
+        import openvino
+    finally:
+        if is_hidden:
+            del sys.modules[_REPORTS]
+    return openvino
+
+
+_REPORTS = "openvino_telemetry"
+
+
 def compiled_model(model: Path, threads: int) -> tuple[Any, list[str]]:
     """A model as OpenVINO runs it, with the characters stored in it."""
-    import openvino
-
-    core = openvino.Core()
+    core = _openvino().Core()
     graph = core.read_model(str(model))
     metadata: Any = graph.get_rt_info()
     stored = metadata["framework"] if "framework" in metadata else {}  # noqa: SIM401 - OVAny has no `get`
