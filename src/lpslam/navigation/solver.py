@@ -124,7 +124,6 @@ class _Solver:
         self._scene = scene
         self._scorer = scorer
         self.config = scene.config
-        self._by_id = scene.sites.by_id
 
     def stop(self, stop: Stop, previous: Place | None, is_later: bool, least: float = LEAST_SURE) -> Solved:
         """Answer one stop, if it is sure enough; `previous` is the place of the stop before."""
@@ -229,7 +228,9 @@ class _Solver:
         return tuple(f"{stop.relation.value} {each.what}" for each in idle if stop.relation is not None)
 
     def _none(self, served: Served, notes: Sequence[str], others: Sequence[Place] = ()) -> Solved:
-        next_best = tuple(others) or tuple(self._by_id[id_] for id_ in served.others if id_ in self._by_id)
+        next_best = tuple(others) or tuple(
+            self._scene.sites.by_id[id_] for id_ in served.others if id_ in self._scene.sites.by_id
+        )
         return Solved(
             served.stop, None, next_best, served.confidence, served.evidence, tuple(dict.fromkeys(notes)), served.model
         )
@@ -390,7 +391,7 @@ class _Solver:
                 sure *= self.config.undecided_share
         others = [each.place for each in ranked if each.place is not chosen.place]
         others += [place for place in self._listed(served)[: self.config.alternatives] if place is not chosen.place]
-        others += [self._by_id[id_] for id_ in served.others if id_ in self._by_id]
+        others += [self._scene.sites.by_id[id_] for id_ in served.others if id_ in self._scene.sites.by_id]
         return Solved(
             stop,
             chosen.place,

@@ -128,9 +128,10 @@ class Names:
         key = "".join(content)
         if is_unspaced(key):
             return dict.fromkeys(self._sounding(len(key)).get(_latin(key), ()), 1.0) if len(key) >= _HOMOPHONES else {}
-        keys, ids = self._keys_near(key, _slips(key))
-        near = process.extract(key, keys, scorer=Levenshtein.distance, score_cutoff=_slips(key), limit=None)
-        return {ids[at]: 1.0 - slips / len(key) for _, slips, at in sorted(near, key=lambda each: -each[1])}
+        keys, ids = self._keys
+        alike, rows = keys.within(len(key), _slips(key))
+        near = process.extract(key, alike, scorer=Levenshtein.distance, score_cutoff=_slips(key), limit=None)
+        return {ids[rows[at]]: 1.0 - slips / len(key) for _, slips, at in sorted(near, key=lambda each: -each[1])}
 
     def _sounding(self, size: int) -> Mapping[str, Mapping[int, None]]:
         """Landmarks by how so many letters of a script without spaces on their boards are read; kept."""
@@ -152,15 +153,10 @@ class Names:
         key = "".join(words)
         if len(key) < _FAR or is_unspaced(key) or not key.isalpha():
             return {}
-        keys, ids = self._keys_near(key, len(key) // _FAR)
-        near = process.extract(key, keys, scorer=OSA.distance, score_cutoff=len(key) // _FAR, limit=None)
-        return {ids[at]: 1.0 - slips / len(key) for said, slips, at in near if said.isalpha()}
-
-    def _keys_near(self, key: str, slips: int) -> tuple[list[str], list[int]]:
-        """The letters of the lines that are about as long, and their landmarks."""
         keys, ids = self._keys
-        near, rows = keys.within(len(key), slips)
-        return near, [ids[row] for row in rows]
+        alike, rows = keys.within(len(key), len(key) // _FAR)
+        near = process.extract(key, alike, scorer=OSA.distance, score_cutoff=len(key) // _FAR, limit=None)
+        return {ids[rows[at]]: 1.0 - slips / len(key) for said, slips, at in near if said.isalpha()}
 
     @cached_property
     def _keys(self) -> tuple[OfLength, list[int]]:
