@@ -55,3 +55,10 @@ def test_a_common_word_before_a_number_is_not_what_a_board_numbers() -> None:
     found = MODEL.scorer(marks).serve(MODEL.read_wish("a gift for 20").stops[0])
     assert found.way is Way.GUESS
     assert found.sure < LEAST_SURE
+
+
+@pytest.mark.parametrize("question", ["Stall thirty-four", "stall 34", "Where is stall three four?"])
+def test_a_number_in_a_further_line_is_found_in_words_too(question: str) -> None:
+    marks = [Candidate(0, "Henley", (), ("Cheese · Ham", "Stall 34")), Candidate(1, "Brook", (), ("Stall 12",))]
+    found = MODEL.scorer(marks).serve(MODEL.read_wish(question).stops[0])
+    assert set(found.scores) == {0}

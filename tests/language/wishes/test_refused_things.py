@@ -58,3 +58,9 @@ def test_nothing_is_left_where_all_that_serves_is_refused() -> None:
     boards = [["Tennis Courts 1-4"], ["Swimming Pool"], ["Café"], ["Toilets"]]
     asked = "some sport, but nothing in the water and nothing with a racket"
     assert solved(OfflineModel(), asked, boards) == [None]
+
+
+def test_one_of_several_is_not_told_where_nobody_knows_what_is_refused() -> None:
+    boards = [["Sushi Maki"], ["Burger Yard"], ["Noodle House"], ["Toilets"]]
+    assert solved(OfflineModel(), "lunch, but nothing grumbulous", boards) == [None]
+    assert solved(OfflineModel(), "lunch, but nothing grumbulous", [boards[0], boards[3]]) == ["Sushi Maki"]

@@ -15,6 +15,7 @@ from lpslam.language.wishes.codes import (
     board_codes,
     board_keys,
     code_of,
+    in_digits,
     numbered_thing,
     spoken_numbers,
     without_codes,
@@ -131,7 +132,7 @@ class Identities:
 
     def numbered_as_here(self, what: str) -> dict[int, float]:
         """The landmarks that bear a number beside the word that is said before it: “unit 45” is Units 40-52."""
-        for word, code in asked_numbers(what):
+        for word, code in (*asked_numbers(what), *asked_numbers(in_digits(what))):
             said = {id_ for id_, words in self._words_of_codes.items() if any(_are_one(word, each) for each in words)}
             found = [id_ for id_ in sorted(said) if any(each.bears(code) for each in self.codes[id_])]
             if found:
@@ -146,7 +147,7 @@ class Identities:
         common = frozenset().union(*self._knowledge.common.values())
         for mark in self._landmarks:
             if any(code.number is not None for code in self.codes[mark.id]):
-                units = self._knowledge.folder.units(mark.name)
+                units = self._knowledge.folder.units(" ".join((mark.name, *mark.lines)))
                 found[mark.id] = {unit for unit in units if unit.isalpha() and len(unit) >= _SHORTEST_WORD} - common
         return found
 

@@ -6,9 +6,11 @@ from dataclasses import replace
 
 from lpslam.language.wishes.form import Stop
 from lpslam.language.wishes.rules import content_left, rules_of
-from lpslam.language.wishes.served import LEAST_SURE, Served
+from lpslam.language.wishes.served import LEAST_SURE, Served, Way
 
 _ALIKE = 0.9  # of the best score: what serves what is refused as well
+_EQUAL = 0.97  # of the best score: what serves what is wanted as well
+_UNEXPLAINED = 0.5  # probability of one of several that serve, where it is not known what is refused
 _LEAST_REFUSED = 0.4  # probability that a place is what is refused, from which it is left out
 _EACH = re.compile(r"[,，、;] ?|(?: |^)(?:ni|nor|or|noch|und|oder|et|ou|y|o|and)(?: |$)|[和或とや]|(?:이나|하고) ")
 _ENDS = " .。!！?？,，、;；:"
@@ -57,14 +59,18 @@ def left_of(
     wanted = served if is_sure else serve(replace(served.stop, what=what, kinds=(), refused=()))
     if not wanted.scores or wanted.sure < LEAST_SURE:
         return served
+    top = max(wanted.scores.values())
+    are_several = sum(score >= _EQUAL * top for score in wanted.scores.values()) > 1
     out: set[int] = set()
     for each in refused:
         not_this = serve(replace(served.stop, what=each, kinds=(), refused=()))
         is_found = bool(not_this.scores) and not_this.sure >= (LEAST_SURE if is_sure else _LEAST_REFUSED)
         borne = bearing(each)
-        if not (is_sure or is_found or borne or is_understood(not_this.stop)):
+        is_told = is_found and not_this.way is not Way.GUESS
+        is_explained = bool(is_told or borne or served.stop.refused) or is_understood(not_this.stop)
+        if not is_explained and (are_several if is_sure else not is_found):
             # What is refused by words that nothing explains may be any of those that are wanted.
-            return served
+            return replace(served, sure=_UNEXPLAINED) if is_sure else served
         best = max(not_this.scores.values(), default=0.0)
         out.update(borne)
         out.update(id_ for id_, score in not_this.scores.items() if is_found and score >= _ALIKE * best)
