@@ -43,7 +43,6 @@ _PLACES = (
     "railway/",
 )
 """Kinds of place that are no word of another language by chance."""
-_UNSPACED = frozenset({"zh", "ja", "ko"})
 _PART = "part:"  # before the words that are parts of names, among names
 
 
@@ -78,8 +77,8 @@ class Ranked:
         return self.choice.evidence if self.why is None else self.why(id_)
 
 
-Understood = tuple[Wish, set[int], list[int]]
-"""A wish, and the landmarks that are refused and that are wanted by a part of their name."""
+Understood = tuple[Wish, set[int]]
+"""A wish, and the landmarks that are refused by a part of their name."""
 
 
 def ranked(
@@ -135,14 +134,13 @@ def _as_understood(
     model: str,
     said_in: str,
 ) -> Ranked:
-    wish, refused, said = understood
+    wish, refused = understood
     wish = _as_in_this_building(wish, index, knowledge)
     phrases = phrases_in("en" if wish.language is None else said_in)
     if not index.landmarks or wish.language is None:
         return Ranked(Choice(None, float(not index.landmarks), phrases.say(_why_unread(index)), model))
     wish, refused = _without_refused(wish, refused, question, index)
     named = [id_ for name in wish.wanted_names for id_ in index.ids_of.get(name, ()) if id_ not in refused]
-    named += [id_ for id_ in said if id_ not in refused and id_ not in named]
     if named:
         choice = Choice(named[0], 0.95, phrases.say("named"), model, tuple(named[1 : 1 + _ALTERNATIVES]))
         return Ranked(choice, dict.fromkeys(named, 1.0))
@@ -259,7 +257,7 @@ def understand(
     """Read a question that may mention landmarks by name, and brands that are not here.
 
     Returns:
-        The wish, and the landmarks that are refused and that are wanted by a part of their name.
+        The wish, and the landmarks that are refused by a part of their name.
     """
     text = clean_text(question)
     brands = {
@@ -270,33 +268,23 @@ def understand(
     is_unsaid = partial(index.is_unsaid, text, knowledge.folder)
     names = _Names(PhraseTable(brands), index.names, is_unsaid)
     parts = _parts_in(text, index, knowledge)
-    languages = languages_of(text, knowledge)[:1]
-    runs = index.runs_in(text, knowledge, languages[0]) if languages and languages[0] in _UNSPACED else {}
-    runs = {run: ids for run, ids in runs.items() if len(ids) <= _FEW and run not in index.names}
-    parts |= runs
     if not parts:
-        return read_question(question, knowledge, names, is_plain, language), set(), []
+        return read_question(question, knowledge, names, is_plain, language), set()
     mentioned = {word: Meaning("name", ((_PART + word, 1.0),)) for word in parts}
     all_names = _Names(PhraseTable(brands | mentioned), index.names, is_unsaid)
     wish = read_question(question, knowledge, all_names, is_plain, language)
     refused = {name for name in wish.refused_names if name.startswith(_PART)}
     if asks_for_another(question):
         refused |= {name for name in wish.wanted_names if name.startswith(_PART)}
-    said = [
-        id_
-        for name in wish.wanted_names
-        if (run := name.removeprefix(_PART)) in runs and name not in refused
-        for id_ in sorted(runs[run])
-    ]
-    if not refused and not said:
+    if not refused:
         # A part of a name may be any word: alone it asks for nothing.
-        return read_question(question, knowledge, names, is_plain, language), set(), []
+        return read_question(question, knowledge, names, is_plain, language), set()
     wanted, others, near = (
         tuple(name for name in names if not name.startswith(_PART))
         for names in (wish.wanted_names, wish.refused_names, wish.near_names)
     )
     wish = replace(wish, wanted_names=wanted, refused_names=others, near_names=near)
-    return wish, {id_ for name in refused for id_ in parts[name.removeprefix(_PART)]}, said
+    return wish, {id_ for name in refused for id_ in parts[name.removeprefix(_PART)]}
 
 
 def _parts_in(text: str, index: LandmarkIndex, knowledge: Knowledge) -> dict[str, set[int]]:

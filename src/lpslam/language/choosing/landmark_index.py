@@ -35,7 +35,6 @@ class LandmarkIndex:
         self.signs: dict[int, SignMeaning] = {}
         self._matches: dict[str, dict[int, float]] = {}
         self._has: dict[str, bool] = {}
-        self._ids_by_gram: dict[str, set[int]] = {}
         called = _Called(signs, knowledge)
         of_brand: dict[str, list[int]] = {}
         for landmark in landmarks:
@@ -47,9 +46,6 @@ class LandmarkIndex:
             if sign.identity:
                 of_brand.setdefault(sign.identity, []).append(landmark.id)
             called.add_landmark(landmark, bool(sign.identity))
-            for run in UNSPACED_RUN.findall(knowledge.folder.fold(landmark.name)):
-                for gram in _grams(run):
-                    self._ids_by_gram.setdefault(gram, set()).add(landmark.id)
         # “Family Mart” is the brand of ファミリーマート, however it is written.
         self.phrase_of: dict[str, str] = {}
         for identity, ids in of_brand.items():
@@ -105,25 +101,6 @@ class LandmarkIndex:
             return True
         return name is not None and not re.search(rf"(?<![A-Za-z]){name}(?![A-Za-z])", question)
 
-    def runs_in(self, question: str, knowledge: Knowledge, language: str) -> dict[str, set[int]]:
-        """Landmarks by the longest parts of their names that a question in a script without spaces says: 羊肉泡馍.
-
-        Neither what is a word for something else, nor what everybody says.
-        """
-        found: dict[str, set[int]] = {}
-        for run in UNSPACED_RUN.findall(knowledge.folder.fold(question)):
-            at = 0
-            while at + _SHORTEST_RUN <= len(run):
-                ids, end = self._ids_by_gram.get(run[at : at + _SHORTEST_RUN], set()), at + _SHORTEST_RUN
-                while ids and end < len(run) and (more := ids & self._ids_by_gram.get(run[end - 2 : end + 1], set())):
-                    ids, end = more, end + 1
-                phrase = " ".join(run[at:end])
-                own = sum(letter not in knowledge.common[language] for letter in run[at:end])
-                if ids and own >= _SHORTEST_RUN and phrase not in knowledge.spoken(language):
-                    found.setdefault(phrase, set()).update(ids)
-                at = end if ids else at + 1
-        return found
-
     def is_of(self, landmarks: Sequence[Candidate]) -> bool:
         """Whether the index was made of just these landmarks."""
         if landmarks is self._given and isinstance(landmarks, tuple):
@@ -177,10 +154,6 @@ def _in_each_script(name: str) -> tuple[str, ...]:
     words = parts[0].split()
     is_own = any(word.casefold() not in load_words() for word in words) and len(parts[0]) >= _SHORTEST_WORD
     return (*(parts if is_own else ()), *(runs if len(runs[0]) >= _SHORTEST_RUN else ()))
-
-
-def _grams(run: str) -> list[str]:
-    return [run[at : at + _SHORTEST_RUN] for at in range(len(run) - _SHORTEST_RUN + 1)]
 
 
 def _is_short_name(name: str, phrase: str, knowledge: Knowledge) -> bool:
