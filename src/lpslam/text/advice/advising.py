@@ -69,6 +69,7 @@ class TextAdvisor:
         self._lock = threading.Lock()
         self._by_keyframe: dict[int, list[Sighting]] = defaultdict(list)
         self._by_class: dict[int, list[TextObservation]] = defaultdict(list)
+        self._keys: dict[int, set[str]] = defaultdict(set)
         self._doubtful: list[Sighting] = []
         self._doubtful_classes = count(1)
         self._views: dict[int, list[TextObservation]] = {}
@@ -90,6 +91,7 @@ class TextAdvisor:
             if sum(other == text_class for other, _ in here) < _KEPT:
                 here.append((text_class, observation))
                 self._by_class[text_class].append(observation)
+                self._keys[text_class].add(comparison_key(observation.text))
 
     def note_doubtful(self, observation: TextObservation) -> None:
         """Take a sighting from where the camera was found again: `judges` compares it with what was read there."""
@@ -321,8 +323,7 @@ class TextAdvisor:
     def _classes_like(self, observations: Sequence[TextObservation]) -> list[set[int]]:
         """For each text, the classes that have a sighting which says nearly the same."""
         with self._lock:
-            spellings = {key: {each.text for each in seen[-_LOOKED_AT:]} for key, seen in self._by_class.items()}
-        keys = {key: {comparison_key(text) for text in texts} for key, texts in sorted(spellings.items())}
+            keys = {text_class: tuple(known) for text_class, known in sorted(self._keys.items())}
         return [
             {
                 text_class
