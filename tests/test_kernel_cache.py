@@ -26,9 +26,17 @@ def read_only(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the package in which no cache can be made, even by the one who may write everywhere."""
     folder = tmp_path_factory.mktemp("packages")
     shutil.copytree(PACKAGE, folder / "lpslam", ignore=shutil.ignore_patterns("__pycache__"))
-    for package in ("slam/kernels", "simulation"):
-        (folder / "lpslam" / package / "__pycache__").write_text("no folder")
+    for package in {code.parent for code in (folder / "lpslam").rglob("*.py") if "@njit" in code.read_text()}:
+        (package / "__pycache__").write_text("no folder")
     return folder
+
+
+WITH_KERNELS = (
+    "ground.kernels",
+    "navigation.walking.searching",
+    "sources.bags.rvl",
+    "sources.registering.registration",
+)
 
 
 class Started:
@@ -208,3 +216,10 @@ def test_a_full_disk_is_one_line() -> None:
         )
     assert done.returncode == 2
     assert done.stderr == "lpslam: writing: No space left on device\n"
+
+
+@pytest.mark.parametrize("module", [*PACKAGES, "simulation.render"])
+def test_whatever_comes_first_has_a_place_for_its_kernels(started: Started, module: str) -> None:
+    done = started(f"import lpslam.{module}")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert not list(started.temporary.iterdir()), "removed"

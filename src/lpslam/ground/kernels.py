@@ -6,6 +6,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from lpslam.kernel_cache import provide_cache
+
+provide_cache(__file__)
+
 NOTHING, FLOOR, OBSTACLE, DROP = 0, 1, 2, 3
 """What a reading shows: nothing for a robot, ground to walk on, something in the way, ground that is too low."""
 

@@ -6,6 +6,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from lpslam.kernel_cache import provide_cache
+
+provide_cache(__file__)
+
 _DIAGONAL = math.sqrt(2.0)
 _EAGER = 1.03
 """How much what is left is made of: a way is 3 % too long at most, and open ground is crossed, not flooded."""

@@ -7,6 +7,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from lpslam.kernel_cache import provide_cache
+
+provide_cache(__file__)
+
 
 @njit(nogil=True, cache=True)
 def decode_rvl(words: NDArray[np.uint32], pixels: NDArray[np.uint16]) -> bool:

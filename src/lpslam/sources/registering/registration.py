@@ -9,6 +9,9 @@ from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera
 from lpslam.errors import UserError
+from lpslam.kernel_cache import provide_cache
+
+provide_cache(__file__)
 
 Depth = NDArray[np.float32]
 _MOST_PIXELS = 1 << 24
