@@ -218,7 +218,7 @@ def test_a_full_disk_is_one_line() -> None:
     assert done.stderr == "lpslam: writing: No space left on device\n"
 
 
-@pytest.mark.parametrize("module", [*PACKAGES, "simulation.render"])
+@pytest.mark.parametrize("module", [*WITH_KERNELS, "simulation.render"])
 def test_whatever_comes_first_has_a_place_for_its_kernels(started: Started, module: str) -> None:
     done = started(f"import lpslam.{module}")
     assert (done.returncode, done.stderr) == (0, "")
