@@ -47,10 +47,15 @@ class PhraseTable(dict[str, Value]):
 
     @cached_property
     def _sizes(self) -> Mapping[str, tuple[int, ...]]:
-        found: dict[str, set[int]] = {}
+        # A bit a length: tables have 200,000 phrases, and all are gone through before the first answer.
+        bits: dict[str, int] = {}
         for phrase in self:
-            found.setdefault(phrase.partition(" ")[0], set()).add(phrase.count(" ") + 1)
-        return {unit: tuple(sizes) for unit, sizes in found.items()}
+            unit = phrase.partition(" ")[0]
+            bits[unit] = bits.get(unit, 0) | 1 << phrase.count(" ")
+        sizes = {
+            each: tuple(at + 1 for at in range(each.bit_length()) if each >> at & 1) for each in set(bits.values())
+        }
+        return {unit: sizes[each] for unit, each in bits.items()}
 
     def sizes(self, units: Sequence[str], at: int, /) -> tuple[int, ...]:
         """The lengths of all phrases whose first unit that is."""
