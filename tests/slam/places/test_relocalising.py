@@ -341,10 +341,11 @@ def told_elsewhere(locator: Holding, *recalled: Recalled) -> bool:
         ({2: (6.0, 80), 4: (0.0, 90)}, True),
         ({2: (6.0, 80)}, True),
         ({2: (0.2, 80), 4: (0.0, 90)}, False),
+        ({2: (0.2, 80)}, False),
         ({2: (6.0, 40), 4: (0.0, 90)}, False),
         ({4: (0.0, 90)}, False),
     ],
-    ids=["holds as well", "holds alone", "the same place", "holds much less", "does not hold"],
+    ids=["holds as well", "holds alone", "the same place", "the same place alone", "holds much less", "does not hold"],
 )
 def test_a_sign_that_stands_elsewhere_speaks_against_a_place_where_that_holds_as_well(
     holds: dict[int, tuple[float, int]], is_elsewhere: bool

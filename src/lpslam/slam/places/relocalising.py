@@ -178,12 +178,12 @@ class Relocaliser:
         told = [each for each in told if not self._is_disowned(each)]
         if not told:
             return False
+        if any(not self._are_apart(each, reference, camera_from_world) for each in told):
+            return False
         best = max(told, key=lambda located: located.inliers)
         here = self._locate(features, Recalled(reference, camera_from_world))
         if here is None:
             return True
-        if any(not self._is_elsewhere(each, here) for each in told):
-            return False
         return self._is_like(here, best) and here.parts.speak_for(best.parts) < self._config.rival_evidence
 
     def disown(self, keyframe: int, camera_from_world: NDArray[np.float64]) -> None:
@@ -252,8 +252,12 @@ class Relocaliser:
 
     def _is_elsewhere(self, one: Located, other: Located) -> bool:
         """Whether two places contradict each other; in different sub-maps both may be the same place."""
+        return self._are_apart(one, other.keyframe, other.camera_from_world)
+
+    def _are_apart(self, one: Located, keyframe: int, camera_from_world: NDArray[np.float64]) -> bool:
+        """The same of a place and a pose (4×4) in the world of a keyframe's sub-map."""
         submaps = self._map.submaps()
-        if submaps[one.keyframe] != submaps[other.keyframe]:
+        if submaps[one.keyframe] != submaps[keyframe]:
             return False
-        apart = inverse_transform(one.camera_from_world)[:3, 3] - inverse_transform(other.camera_from_world)[:3, 3]
+        apart = inverse_transform(one.camera_from_world)[:3, 3] - inverse_transform(camera_from_world)[:3, 3]
         return float(np.linalg.norm(apart)) > self._config.rival_distance
