@@ -42,7 +42,7 @@ def _elsewhere(recording: Recording, trials: int, report: Report) -> Iterator[li
     source, truth = recording.open(), recording.truth
     frames: list[RgbdFrame] = []
     slam = RgbdSlam(source.camera)
-    mapped = run(slam, _keeping_the_last(Prefetched(source), frames))
+    mapped = run(slam, keeping_the_last(Prefetched(source), frames))
     arrays = slam.map.to_arrays()
     truth_from_map = mapped.ate(truth).truth_from_estimate
     for visit, place in ((0, "the same walk, new noise"), (1, "another walk")):
@@ -70,7 +70,8 @@ def _elsewhere(recording: Recording, trials: int, report: Report) -> Iterator[li
         ]
 
 
-def _keeping_the_last(frames: Prefetched, kept: list[RgbdFrame]) -> Iterator[RgbdFrame]:
+def keeping_the_last(frames: Prefetched, kept: list[RgbdFrame]) -> Iterator[RgbdFrame]:
+    """The frames, of which the last few are kept: those that come before the blank ones."""
     for frame in frames:
         kept.append(frame)
         del kept[:-LEAD_IN]

@@ -6,7 +6,7 @@ With text the map is read as `lpslam run` makes it, and signs help to find the c
 """
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -27,7 +27,7 @@ from lpslam.slam.system import RgbdSlam
 from lpslam.sources.prefetch import Prefetched
 from lpslam.text.reading.spotting import PaddleSpotter
 from side_by_side import beside
-from slam_recovery import GOOD, LEAD_IN, PATIENCE, Processor, carry
+from slam_recovery import GOOD, PATIENCE, Processor, carry, keeping_the_last
 from slam_report import Report
 from slam_scores import run, true_pose
 from worlds_recordings import WorldRecording
@@ -135,7 +135,7 @@ def _carried(task: Task) -> dict[str, Any]:
     config = Config.from_yaml(task.config) if task.config else Config()
     recording, source = task.recording, task.recording.open()
     frames: list[RgbdFrame] = []
-    mapped = Mapped.of(_keeping_the_last(Prefetched(source), frames), source.camera, config, task.with_text)
+    mapped = Mapped.of(keeping_the_last(Prefetched(source), frames), source.camera, config, task.with_text)
     facts: dict[str, Any] = {"world": recording.name, "factors": recording.world.factors(), "trials": []}
     if len(mapped.estimate.timestamps) < 3:
         return facts
@@ -213,13 +213,6 @@ class InSession:
     def process(self, frame: RgbdFrame) -> TrackedFrame:
         """As `RgbdSlam.process`."""
         return self.session.take(frame).tracked
-
-
-def _keeping_the_last(frames: Prefetched, kept: list[RgbdFrame]) -> Iterator[RgbdFrame]:
-    for frame in frames:
-        kept.append(frame)
-        del kept[:-LEAD_IN]
-        yield frame
 
 
 def _aligned(truth: StampedPoses, estimate: StampedPoses) -> NDArray[np.float64]:

@@ -18,6 +18,9 @@ from lpslam.language.wishes.served import LEAST_SURE, Served, Way
 _LEAST_OFFERED = 0.25  # probability of a guess from which it fills a gap in a plan
 _READ = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
 
+Trusted = Callable[[Mapping[int, float]], dict[int, float]]
+"""Leaves of landmarks with scores those that are believed."""
+
 
 def is_told(stop: Stop) -> bool:
     """Whether a place, an order or an exclusion tells which of a sort is meant."""
@@ -40,13 +43,7 @@ class Guesses:
         """What they mean, made when it is first asked for."""
         return Guessing(self._index, self.support)
 
-    def judged(
-        self,
-        served: Served,
-        meaning: Meaning,
-        language: str,
-        trusted: Callable[[Mapping[int, float]], dict[int, float]],
-    ) -> Served:
+    def judged(self, served: Served, meaning: Meaning, language: str, trusted: Trusted) -> Served:
         """Return what is likelier: what the tables found, or a guess; and how probably it is meant."""
         guess = self._guess(served, meaning, language)
         if guess is None:
@@ -67,13 +64,7 @@ class Guesses:
             return served
         return replace(served, sure=guess.sure, confidence=guess.sure)
 
-    def told(
-        self,
-        served: Served,
-        meaning: Meaning,
-        language: str,
-        trusted: Callable[[Mapping[int, float]], dict[int, float]],
-    ) -> Served:
+    def told(self, served: Served, meaning: Meaning, language: str, trusted: Trusted) -> Served:
         """Return a sure guess where a negation only tells of something: “my jacket can't go in the washing machine”."""
         guess = self._guess(served, meaning, language)
         if guess is None or guess.sure < LEAST_SURE:

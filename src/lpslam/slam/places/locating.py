@@ -120,18 +120,26 @@ class Locator:
         found = self._from_appearance(features, alike)
         if found is None:
             return None
-        estimate = self._guided(features, found.camera_from_world, points, (config.wide_search, 1.0))
-        if estimate is None:
-            return None
-        located = self._judge(features, candidate, estimate, points, alike)
-        if located.alike_agreement < config.min_alike_agreement or not self._is_certain(features, located):
-            return None
-        return located if not is_anywhere or self._is_unique(features, alike, located, allowed) else None
+        held = self._held(features, candidate, found.camera_from_world, points, alike)
+        if held is None or not is_anywhere or self._is_unique(features, alike, held, allowed):
+            return held
+        return None
 
     def is_unique(self, features: Features, located: Located) -> bool:
         """Whether a place that holds for a view looks like no other of the map."""
         alike = self._alike(features, self._group(located.keyframe, self._config.matched_keyframes, None))
         return self._is_unique(features, alike, located, None)
+
+    def _held(
+        self, features: Features, keyframe: int, camera_from_world: _Matrix, points: _Rows, alike: _Alike
+    ) -> Located | None:
+        """The place around a first pose (4×4), where looks alone hold it."""
+        estimate = self._guided(features, camera_from_world, points, (self._config.wide_search, 1.0))
+        if estimate is None:
+            return None
+        located = self._judge(features, keyframe, estimate, points, alike)
+        agrees = located.alike_agreement >= self._config.min_alike_agreement
+        return located if agrees and self._is_certain(features, located) else None
 
     def _guided(
         self, features: Features, camera_from_world: _Matrix, points: _Rows, widenings: Sequence[float]
@@ -294,12 +302,10 @@ class Locator:
         for keyframe, pose in self._twins.places(features, located.points, located.keyframe, intrinsics):
             group = self._group(keyframe, config.guided_keyframes, None)
             points = graph.points_of(self._map.columns, group, self._map.point_count)
-            estimate = self._guided(features, pose, points, (config.wide_search, 1.0))
-            if estimate is not None:
-                alike = self._alike(features, group[: config.matched_keyframes])
-                rival = self._judge(features, keyframe, estimate, points, alike)
-                if rival.alike_agreement >= config.min_alike_agreement and self._is_certain(features, rival):
-                    yield rival
+            alike = self._alike(features, group[: config.matched_keyframes])
+            rival = self._held(features, keyframe, pose, points, alike)
+            if rival is not None:
+                yield rival
 
     def _is_certain(self, features: Features, located: Located) -> bool:
         """Look-alike places share patches: believe only what fills the view and contradicts little of the map."""
