@@ -11,15 +11,16 @@ server that reads none of them and always says the same 2 KB: what lies between 
 """
 
 import argparse
-import asyncio
 import contextlib
 import json
 import os
+import selectors
 import socket
 import subprocess
 import sys
 import tempfile
 import time
+from collections import deque
 from pathlib import Path
 
 import numpy as np
@@ -78,63 +79,77 @@ uvicorn.run(app, port=int(sys.argv[1]), http="h11", lifespan="off", log_level="c
 
 
 class Asker:
-    """A connection that stays open."""
+    """A connection that stays open; it asks one question at a time, and costs little itself."""
 
     def __init__(self, port: int) -> None:
-        self._port = port
-        self._streams: tuple[asyncio.StreamReader, asyncio.StreamWriter] | None = None
+        self.socket = socket.create_connection(("127.0.0.1", port))
+        self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self._come = b""
+        self.due = 0.0
 
-    async def ask(self, question: str) -> int:
-        """Ask; returns the status."""
-        if self._streams is None:
-            self._streams = await asyncio.open_connection("127.0.0.1", self._port)
-        reader, writer = self._streams
-        body = json.dumps({"question": question}).encode()
-        head = (
-            f"POST /ask HTTP/1.1\r\nhost: 127.0.0.1:{self._port}\r\ncontent-type: application/json\r\n"
-            f"content-length: {len(body)}\r\n\r\n"
-        )
-        writer.write(head.encode() + body)
-        answer = await reader.readuntil(b"\r\n\r\n")
-        length = int(answer.lower().split(b"content-length: ")[1].split(b"\r\n")[0])
-        await reader.readexactly(length)
-        return int(answer.split(b" ")[1])
+    def send(self, request: bytes, due: float) -> None:
+        """Ask what was due then."""
+        self.due, self._come = due, b""
+        self.socket.sendall(request)
+
+    def status(self) -> int | None:
+        """The status, once the answer is whole; raises where the server hangs up."""
+        part = self.socket.recv(1 << 16)
+        if not part:
+            raise ConnectionError("no answer")
+        self._come += part
+        head, ends, body = self._come.partition(b"\r\n\r\n")
+        if not ends or len(body) < int(head.lower().split(b"content-length: ")[1].split(b"\r\n")[0]):
+            return None
+        return int(head.split(b" ")[1])
 
 
-async def alone(port: int, texts: list[str]) -> list[float]:
+def requests(port: int, texts: list[str]) -> list[bytes]:
+    """As they are sent."""
+    bodies = [json.dumps({"question": text}).encode() for text in texts]
+    head = f"POST /ask HTTP/1.1\r\nhost: 127.0.0.1:{port}\r\ncontent-type: application/json\r\ncontent-length: "
+    return [f"{head}{len(body)}\r\n\r\n".encode() + body for body in bodies]
+
+
+def alone(port: int, texts: list[str]) -> list[float]:
     """Milliseconds of each question, one after the other."""
     asker, spent = Asker(port), []
-    for text in texts:
+    for request in requests(port, texts):
         before = time.perf_counter()
-        assert await asker.ask(text) == 200
+        asker.send(request, before)
+        while (status := asker.status()) is None:
+            pass
+        assert status == 200
         spent.append(1000 * (time.perf_counter() - before))
     return spent
 
 
-async def at_rate(port: int, texts: list[str], rate: float) -> tuple[list[float], int, float]:
+def at_rate(port: int, texts: list[str], rate: float) -> tuple[list[float], int, float]:
     """Milliseconds of each question that was answered, from when it was due; how many were not; and seconds."""
+    waiting = selectors.DefaultSelector()
     idle: list[Asker] = []
     spent: list[float] = []
     refused = 0
+    left = deque(requests(port, texts))
     start = time.perf_counter() + 0.1
-
-    async def one(number: int, text: str) -> None:
-        nonlocal refused
-        due = start + number / rate
-        await asyncio.sleep(max(0.0, due - time.perf_counter()))
-        asker = idle.pop() if idle else Asker(port)
-        try:
-            status = await asker.ask(text)
-            idle.append(asker)
-        except (ConnectionError, asyncio.IncompleteReadError):
-            # More connections than the server takes: no answer either.
-            status = 503
-        if status == 200:
-            spent.append(1000 * (time.perf_counter() - due))
-        else:
-            refused += 1
-
-    await asyncio.gather(*(one(number, text) for number, text in enumerate(texts)))
+    while left or waiting.get_map():
+        due = start + (len(texts) - len(left)) / rate
+        for key, _ in waiting.select(max(0.0, due - time.perf_counter()) if left else None):
+            asker: Asker = key.data
+            try:
+                status = asker.status()
+            except ConnectionError:
+                # More connections than the server takes: no answer either.
+                status = 503
+            if status is not None:
+                waiting.unregister(asker.socket)
+                spent += [1000 * (time.perf_counter() - asker.due)] if status == 200 else []
+                refused += status != 200
+                idle += [asker] if status == 200 else []
+        if left and time.perf_counter() >= due:
+            asker = idle.pop() if idle else Asker(port)
+            asker.send(left.popleft(), due)
+            waiting.register(asker.socket, selectors.EVENT_READ, asker)
     return spent, refused, time.perf_counter() - start
 
 
@@ -163,9 +178,9 @@ def compared_with(texts: list[str], rate: float) -> None:
     with subprocess.Popen([sys.executable, "-c", _BARE, str(port)]) as bare:
         try:
             wait_for(port)
-            asyncio.run(alone(port, texts[:300]))
-            print("a bare answer, one after the other:", said(asyncio.run(alone(port, texts[300:600]))))
-            spent, _, seconds = asyncio.run(at_rate(port, texts[600:], rate))
+            alone(port, texts[:300])
+            print("a bare answer, one after the other:", said(alone(port, texts[300:600])))
+            spent, _, seconds = at_rate(port, texts[600:], rate)
             print(f"a bare answer, {rate:g} a second for {seconds:.1f} s: {said(spent)}")
         finally:
             bare.terminate()
@@ -204,13 +219,13 @@ def main() -> None:
         try:
             assert server.stderr is not None
             print(server.stderr.readline().strip())
-            asyncio.run(alone(port, texts[:300]))
+            alone(port, texts[:300])
             before = processor_seconds(server.pid)
-            print("one after the other:", said(asyncio.run(alone(port, texts[300:600]))))
+            print("one after the other:", said(alone(port, texts[300:600])))
             here, children = 1000 * (processor_seconds(server.pid) - before) / 300
             print(f"  processor: {here:.1f} ms a question in the server, {children:.1f} in its processes")
             before, load = processor_seconds(server.pid), os.getloadavg()[0]
-            spent, refused, seconds = asyncio.run(at_rate(port, texts[600:], options.rate))
+            spent, refused, seconds = at_rate(port, texts[600:], options.rate)
             print(f"{options.rate:g} a second for {seconds:.1f} s: {said(spent)}; {refused} refused")
             used = processor_seconds(server.pid) - before
             here, children = 1000 * used / len(texts[600:])

@@ -4,7 +4,8 @@ import asyncio
 import json
 import os
 import signal
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Iterator
+from io import FileIO
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ import pytest
 from lpslam.config import NavigationConfig
 from lpslam.errors import UserError
 from lpslam.language.offline import OfflineModel
+from lpslam.serving.answer_process import _asked_next
 from lpslam.serving.answerers import AnswerLostError, BusyError, ProcessAnswerer, ThreadAnswerer
 from lpslam.serving.atlas import Atlas
 from lpslam.serving.questions import Asked
@@ -120,3 +122,41 @@ def test_who_asks_the_same_gets_the_same_until_the_map_is_another(mall: Path) ->
         assert json.loads(await answerer.ask(asked, new))["answer"]["landmark"]["name"] == "KFC"
 
     with_processes(mall, use, kept=3)
+
+
+def test_a_question_that_takes_long_holds_up_no_other(mall: Path) -> None:
+    async def use(answerer: ProcessAnswerer, atlas: Atlas) -> None:
+        slow = answerer.process_ids[0]
+        os.kill(slow, signal.SIGSTOP)
+        try:
+            asked = [asyncio.create_task(answerer.ask(Asked(f"exit {at}"), atlas.get())) for at in range(8)]
+            done, left = await asyncio.wait(asked, timeout=5.0)
+            while len(left) > 1 and done:
+                done, left = await asyncio.wait(left, timeout=5.0)
+        finally:
+            os.kill(slow, signal.SIGCONT)
+        assert len(left) == 1
+        await asyncio.gather(*asked)
+
+    with_processes(mall, use)
+
+
+def test_while_nobody_asks_what_later_questions_need_is_built() -> None:
+    reader, writer = os.pipe()
+    built = 0
+
+    def preparations() -> Iterator[None]:
+        nonlocal built
+        while True:
+            built += 1
+            if built == 3:
+                os.write(writer, (5).to_bytes(8, "little") + b"first" + (6).to_bytes(8, "little") + b"second")
+            yield
+
+    steps = preparations()
+    with FileIO(reader) as requests:
+        assert _asked_next(requests, steps) == b"first"
+        assert _asked_next(requests, steps) == b"second"
+        assert built == 3
+        os.close(writer)
+        assert _asked_next(requests, steps) is None

@@ -4,9 +4,10 @@ It knows kinds of place, brands, makers, warnings and everyday wants in seven la
 and it rather chooses nothing than guesses.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import lru_cache
+from itertools import chain
 
 from lpslam.language.building import building
 from lpslam.language.choosing.choosing import choose
@@ -16,6 +17,7 @@ from lpslam.language.model import Candidate, Choice, Judgement, Naming, Reading
 from lpslam.language.naming.namer import Namer
 from lpslam.language.questions.question import read_question
 from lpslam.language.questions.wanted import Wish
+from lpslam.language.readiness import language_steps
 from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.reader import load_sign_reader
 from lpslam.language.tables.knowledge import load_knowledge
@@ -102,6 +104,10 @@ class OfflineModel:
             scorer = EmbeddedScorer(landmarks, index, self._signs, self._knowledge)
         self._keep({**self._scorers, id(index): (index, scorer)})
         return scorer
+
+    def preparations(self, landmarks: Sequence[Candidate]) -> Iterator[None]:
+        """Build, a little at a time, what questions about some landmarks would build when they first need it."""
+        return chain(language_steps(self._knowledge), self.scorer(landmarks).steps())
 
     def index(self, landmarks: Sequence[Candidate]) -> LandmarkIndex:
         """Return the landmarks as they are looked up; kept for the next question about the same ones."""

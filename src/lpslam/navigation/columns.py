@@ -63,3 +63,19 @@ def detours(serving: Serving, anchors: Sequence[Place], start: Point) -> NDArray
     there = np.linalg.norm(serving.positions - start, axis=1)[:, None]
     straight = np.linalg.norm(points - start, axis=1)[which]
     return np.asarray(np.where(itself, np.inf, there + onwards - straight).min(axis=1))
+
+
+class Near:
+    """The few anchors that stand nearest to a place, as the crow flies: the others can hardly be meant."""
+
+    def __init__(self, anchors: Sequence[Place]) -> None:
+        self._anchors = anchors
+        self._tree = tree_of(np.array([each.position for each in anchors])) if len(anchors) > NEAR_ANCHORS else None
+
+    def to(self, place: Place) -> Sequence[Place]:
+        """Anchors near a place, never the place itself."""
+        near: Sequence[Place] = self._anchors
+        if self._tree is not None:
+            found = np.asarray(self._tree.query(place.position, k=NEAR_ANCHORS)[1])
+            near = [self._anchors[int(at)] for at in found]
+        return [each for each in near if each is not place]

@@ -1,9 +1,10 @@
 """The landmarks of a map, made ready for many questions."""
 
 from collections import Counter
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Iterator
 
 from lpslam.config import NavigationConfig
+from lpslam.language.building import steps_of
 from lpslam.language.model import Candidate
 from lpslam.navigation.places import Place
 from lpslam.navigation.sites import Sites
@@ -40,6 +41,10 @@ class Directory:
             )
         )
         self.names = Counter(mark.name for mark in self.landmarks)
+
+    def preparations(self) -> Iterator[None]:
+        """Build, a little at a time, what the solver asks of the places when it first needs it."""
+        return steps_of((self.sites,))
 
     def without(self, excluded: Collection[int]) -> "Directory":
         """The same without some landmarks; itself where there is none of them."""

@@ -1,5 +1,6 @@
 """Places as the solver sees them, and the distances between them."""
 
+import math
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -50,7 +51,7 @@ class Straight:
 
     def distance(self, start: Point, end: Point) -> float:
         """Metres."""
-        return float(np.linalg.norm(end - start))
+        return math.dist(start, end)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

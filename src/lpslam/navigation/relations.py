@@ -39,11 +39,20 @@ class Scene:
         self.here = here
         self.ways = ways
         self._facings: dict[int, tuple[Point | None, str]] = {}
+        self._from_here: dict[int, float] = {}
 
     @cached_property
     def floors(self) -> Floors:
         """The floors on which the places lie."""
         return Floors(self.places, self.config)
+
+    def from_here(self, place: Place) -> float:
+        """Metres from the asker, whose place must be known: measured once, and compared with every anchor."""
+        assert self.here.position is not None
+        known = self._from_here.get(place.id)
+        if known is None:
+            known = self._from_here[place.id] = self.ways.distance(self.here.position, place.position)
+        return known
 
     def facing_of(self, place: Place) -> tuple[Point | None, str]:
         """Where a board faces; where that is not known, across the line of its neighbours, which is a guess."""
@@ -171,32 +180,31 @@ def on_the_way(place: Place, anchor: Place, start: Point | None, scene: Scene) -
 
 def before(place: Place, anchor: Place, scene: Scene) -> Judged:
     """In front of the anchor: on the way to it; without a start, where its board faces."""
-    start = scene.here.position
-    if start is None:
+    if scene.here.position is None:
         facing, doubt = scene.facing_of(anchor)
         offset = place.position - anchor.position
         if facing is None or float(offset @ facing) <= 0.0:
             return Judged(_NO, doubt or f"which way {anchor.name} faces is not known")
         return Judged(float(np.linalg.norm(offset)), doubt)
-    if scene.ways.distance(start, place.position) >= scene.ways.distance(start, anchor.position):
+    here_to_place, here_to_anchor = scene.from_here(place), scene.from_here(anchor)
+    if here_to_place >= here_to_anchor:
         return Judged(_NO)
-    detour = on_the_way(place, anchor, start, scene).cost
-    return Judged(detour + scene.ways.distance(place.position, anchor.position))
+    apart = scene.ways.distance(place.position, anchor.position)
+    return Judged(here_to_place + apart - here_to_anchor + apart)
 
 
 def behind(place: Place, anchor: Place, scene: Scene) -> Judged:
     """Past the anchor, seen from here; without a start, behind its board."""
-    start = scene.here.position
-    apart = scene.ways.distance(place.position, anchor.position)
-    if start is None:
+    if scene.here.position is None:
         facing, doubt = scene.facing_of(anchor)
         if facing is None or float((place.position - anchor.position) @ facing) >= 0.0:
             return Judged(_NO, doubt or f"which way {anchor.name} faces is not known")
-        return Judged(apart, doubt)
-    if scene.ways.distance(start, place.position) <= scene.ways.distance(start, anchor.position):
+        return Judged(scene.ways.distance(place.position, anchor.position), doubt)
+    here_to_place, here_to_anchor = scene.from_here(place), scene.from_here(anchor)
+    if here_to_place <= here_to_anchor:
         return Judged(_NO)
-    detour = scene.ways.distance(start, anchor.position) + apart - scene.ways.distance(start, place.position)
-    return Judged(detour + apart)
+    apart = scene.ways.distance(place.position, anchor.position)
+    return Judged(here_to_anchor + apart - here_to_place + apart)
 
 
 def this_side(place: Place, anchor: Place, scene: Scene) -> Judged:

@@ -11,13 +11,15 @@ from numpy.typing import NDArray
 from lpslam.config import NavigationConfig
 from lpslam.language.wishes.form import PREVIOUS, Counting, Relation, Stop, Which, Wish
 from lpslam.language.wishes.served import LEAST_SURE, Scorer, Served
-from lpslam.navigation.columns import NEAR_ANCHORS, Serving, apart_from, detours
+from lpslam.navigation.columns import Near, Serving, apart_from, detours
 from lpslam.navigation.places import Distances, Here, Place, Point, Straight
 from lpslam.navigation.relations import PAIRED, Judged, Scene, between, on_the_way
-from lpslam.navigation.sites import Sites, tree_of
+from lpslam.navigation.sites import Sites
 
 _OUTWARDS = frozenset({Relation.NEXT_TO, Relation.NEAR, Relation.OPPOSITE, Relation.LEFT_OF, Relation.RIGHT_OF})
-"""Relations that cost at least the straight way to the anchor."""
+"""Relations that cost at least the straight way to the anchor, ..."""
+_BY_DETOUR = frozenset({Relation.BEFORE, Relation.BEHIND, Relation.THIS_SIDE})
+"""... and those that do where a detour is never negative, as along straight ways."""
 _WEAK = frozenset({Relation.NEAR, Relation.BEFORE, Relation.BEHIND})  # said of times and manners as well
 
 
@@ -101,22 +103,6 @@ class _Ranked:
     place: Place
     score: float
     doubt: str = ""
-
-
-class _Near:
-    """The few anchors that stand nearest to a place, as the crow flies: the others can hardly be meant."""
-
-    def __init__(self, anchors: Sequence[Place]) -> None:
-        self._anchors = anchors
-        self._tree = tree_of(np.array([each.position for each in anchors])) if len(anchors) > NEAR_ANCHORS else None
-
-    def to(self, place: Place) -> Sequence[Place]:
-        """Anchors near a place, never the place itself."""
-        near: Sequence[Place] = self._anchors
-        if self._tree is not None:
-            found = np.asarray(self._tree.query(place.position, k=NEAR_ANCHORS)[1])
-            near = [self._anchors[int(at)] for at in found]
-        return [each for each in near if each is not place]
 
 
 class _Solver:
@@ -324,7 +310,7 @@ class _Solver:
 
         Places are judged from the anchors outwards, and no further than a better one may stand.
         """
-        near = [_Near(found) for found in anchors]
+        near = [Near(found) for found in anchors]
         is_by_detour = stop.relation is Relation.ON_THE_WAY and start is not None
         apart = (
             detours(serving, anchors[0], start) if is_by_detour and start is not None else apart_from(serving, anchors)
@@ -351,11 +337,12 @@ class _Solver:
         if stop.which is Which.FARTHEST or stop.relation is Relation.ON_THE_WAY:
             is_exact = stop.relation in (Relation.NEAR, Relation.ON_THE_WAY)
             return is_exact and isinstance(self._scene.ways, Straight)
-        if stop.relation not in _OUTWARDS:
-            return False
-        return apart > worst
+        is_outwards = stop.relation in _OUTWARDS
+        if stop.relation in _BY_DETOUR:
+            is_outwards = isinstance(self._scene.ways, Straight)
+        return is_outwards and apart > worst
 
-    def _judged(self, stop: Stop, place: Place, anchors: Sequence[_Near], start: Point | None) -> Judged:
+    def _judged(self, stop: Stop, place: Place, anchors: Sequence[Near], start: Point | None) -> Judged:
         """The cheapest of all anchors that may be meant; no place is its own anchor."""
         others = [near.to(place) for near in anchors]
         if not all(others):

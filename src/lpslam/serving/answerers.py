@@ -5,12 +5,13 @@ not be stopped.
 """
 
 import asyncio
+import contextlib
 import json
 import os
 import pickle
 import struct
 from collections import OrderedDict, deque
-from collections.abc import Iterable
+from collections.abc import AsyncIterator, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict
 from typing import Any, Protocol
@@ -116,13 +117,17 @@ class ProcessAnswerer:
         count: of processes.
         longest: letters of a question that are read.
         waiting: questions that may wait.
-        patience: seconds after which a question is given up, and its process with it.
+        patience: seconds after which a question that no process has taken is given up; as many after one has, that
+            process is ended with it.
         kept: answers that are kept.
     """
 
     def __init__(self, count: int, longest: int, waiting: int, patience: float, kept: int = 0) -> None:
         self._longest, self._waiting, self._patience, self._kept = longest, waiting, patience, kept
         self._members = [_Process() for _ in range(count)]
+        # A question is given to a process that answers no other: a long one holds up none but itself.
+        self._turns, self._taken = asyncio.Semaphore(count), set[_Process]()
+        self._pending = 0
         self._maps: dict[str, tuple[str, bytes]] = {}
         self._given: OrderedDict[tuple[str, Asked], bytes] = OrderedDict()
 
@@ -170,18 +175,37 @@ class ProcessAnswerer:
         await asyncio.gather(*(each.close() for each in self._members))
 
     async def _call(self, request: dict[str, Any]) -> bytes:
-        if sum(len(each.pending) for each in self._members) >= self._waiting:
+        if self._pending >= self._waiting:
             raise BusyError("too many questions wait for an answer; ask again in a second")
-        body = json.dumps(request).encode()
-        for _ in range(_TRIES):
-            member = min(self._members, key=lambda each: len(each.pending))
-            try:
-                await member.ready(self._maps)
-                return _opened(await member.call(body, self._patience))
-            except (ConnectionError, asyncio.IncompleteReadError):
+        self._pending += 1
+        try:
+            body = json.dumps(request).encode()
+            for _ in range(_TRIES):
+                with contextlib.suppress(ConnectionError, asyncio.IncompleteReadError):
+                    async with self._turn() as member:
+                        await member.ready(self._maps)
+                        return _opened(await member.call(body, self._patience))
                 # Its process has ended; another takes the question.
-                continue
+        finally:
+            self._pending -= 1
         raise AnswerLostError("this question ended the process that was to answer it; the others go on")
+
+    @contextlib.asynccontextmanager
+    async def _turn(self) -> AsyncIterator["_Process"]:
+        """A process that answers no question, for one: whoever waits longest has the next."""
+        try:
+            async with asyncio.timeout(self._patience):
+                await self._turns.acquire()
+        except TimeoutError:
+            raise AnswerLostError("too many questions came before this one; it is given up") from None
+        # One that is being told of a map may be free as well.
+        member = min((each for each in self._members if each not in self._taken), key=lambda each: len(each.pending))
+        self._taken.add(member)
+        try:
+            yield member
+        finally:
+            self._taken.discard(member)
+            self._turns.release()
 
 
 class _Process:

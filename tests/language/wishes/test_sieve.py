@@ -29,7 +29,7 @@ def possible(pattern: str, text: str) -> bool:
         ("a|", ["", "x"], []),
         ("(?<!un)clear", ["clear"], ["brief"]),
         (r"\bstraße\b", ["die Straße"], ["der Weg"]),
-        ("kiosk", ["the K\u0131O\u017fk"], ["the shop"]),
+        ("kiosk", ["the K\u0131O\u017fk", "\u212aiosk"], ["the shop", "Kasse und Koffer"]),
     ],
 )
 def test_a_pattern_may_be_found_where_one_of_its_pieces_stands(

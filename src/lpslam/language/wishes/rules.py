@@ -8,6 +8,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
+from itertools import chain
 from typing import Any
 
 from lpslam.language.tables.lexicon import read_table
@@ -33,6 +34,12 @@ class Row:
         found = _compiled(self.when).search(text)
         # Few rows are found: what they have beside is looked for last.
         return None if found and self.unless is not None and _compiled(self.unless).search(text) else found
+
+    def prepare(self) -> None:
+        """Make its patterns ready, so that no text has to wait for that."""
+        for pattern in (self.when, self.unless):
+            if pattern is not None:
+                _compiled(pattern)
 
 
 @cache
@@ -66,6 +73,12 @@ class Rules:
     joints: re.Pattern[str]
     ordering: re.Pattern[str]
     sieve: Sieve
+
+    @property
+    def rows(self) -> Iterator[Row]:
+        """The rows of all tables."""
+        tables = (self.asks, self.orders, self.corrections, self.sequences, self.relations, self.exclusions)
+        return chain(*tables, self.refusals, self.among, self.persons, self.counts)
 
     def holding(self, rows: Sequence[Row], text: str) -> Iterator[tuple[Row, re.Match[str]]]:
         """The rows that hold, in their order."""

@@ -4,11 +4,12 @@ Ids and strings only: where landmarks stand is the map's own knowledge.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 
+from lpslam.language.building import steps_of
 from lpslam.language.choosing.choosing import Ranked, ranked
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import FITS, best_of, match
@@ -70,6 +71,11 @@ class EmbeddedScorer:
         self._guesses = Guesses(index, self._names.bearing, knowledge)
         self._trust = Trust(landmarks, index)
         self._trusted = self._trust.of
+
+    def steps(self) -> Iterator[None]:
+        """Build what is made when it is first asked for, a little at a time."""
+        own = (self._names, self._identities, self._opening, self._guesses, self._trust, self._index.names)
+        return steps_of((*own, self._signs, self._signs.repair))
 
     def serve(self, stop: Stop) -> Served:
         """Return the landmarks that serve a stop: by identity, by name, else by what they are."""

@@ -13,7 +13,8 @@ from typing import Any
 
 _LONGEST = 3  # letters of a piece that are looked up
 _MOST_LETTERS = 12  # of a class of letters that is told letter by letter
-_ODD = frozenset("ıİſK")  # letters that a pattern without case takes for others
+# Letters that a pattern without case takes for i, s and k; the last is the sign of kelvins, and no K.
+_ODD = frozenset("\u0131\u0130\u017f\u212a")
 _KEPT = 16  # texts whose pieces are kept: those of one question
 
 Pieces = frozenset[str]
