@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
+from functools import lru_cache
 
 from lpslam.language.questions.sorts import is_eaten
 from lpslam.language.questions.wanted import Wish
@@ -73,9 +74,10 @@ def _is_light(kinds: Kinds, knowledge: Knowledge) -> bool:
     return not sure.isdisjoint(knowledge.light_food) and sure.isdisjoint(_SERVES_MEALS)
 
 
-def _whom_for(kinds: Kinds, knowledge: Knowledge) -> set[str]:
+@lru_cache(maxsize=1 << 14)
+def _whom_for(kinds: Kinds, people: frozenset[str]) -> frozenset[str]:
     """Whom alone the goods of a place are for: women, men or children."""
-    return {each for each in knowledge.people if any(kind in (each, f"trait/{each}") for kind, _ in kinds)}
+    return people.intersection(kind.removeprefix("trait/") for kind, _ in kinds)
 
 
 def serve(wish: Wish, kinds: Kinds, knowledge: Knowledge, matches: Mapping[str, float]) -> Served:
@@ -86,7 +88,7 @@ def serve(wish: Wish, kinds: Kinds, knowledge: Knowledge, matches: Mapping[str, 
     score = sum(weight * matches[concept] for concept, weight in wish.wanted)
     if not score:
         return Served(0.0, 0.0, ())
-    whom_for, asked_for = _whom_for(kinds, knowledge), knowledge.people.intersection(dict(wish.wanted))
+    whom_for, asked_for = _whom_for(kinds, knowledge.people), knowledge.people.intersection(dict(wish.wanted))
     if whom_for and asked_for and whom_for.isdisjoint(asked_for):
         # Whoever wants clothes for men is not sent to a women's shop.
         return Served(0.0, 0.0, ())

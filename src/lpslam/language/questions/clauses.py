@@ -1,6 +1,6 @@
 """The clauses of a question, and what their words do beside the phrases that mean something."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -125,22 +125,26 @@ def _goes_on(before: Span[Meaning], asking: Span[Meaning], knowledge: Knowledge)
 
 def places_of(phrases: frozenset[str], units: Sequence[str], without: frozenset[str] = frozenset()) -> set[int]:
     """Where any of some phrases begins, not right beside one of `without`: 想, but not 不想, nor “kann ich nicht”."""
-    longest = _longest(phrases)
+    sizes = _sizes(phrases)
     return {
         at
-        for at in range(len(units))
-        if not (at and units[at - 1] in without)
+        for at, unit in enumerate(units)
+        if unit in sizes
+        and not (at and units[at - 1] in without)
         and any(
             " ".join(units[at : at + size]) in phrases and not without.intersection(units[at + size : at + size + 1])
-            for size in range(1, longest + 1)
+            for size in sizes[unit]
         )
     }
 
 
 @lru_cache(maxsize=64)
-def _longest(phrases: frozenset[str]) -> int:
-    """The most units that any of some phrases has."""
-    return max((phrase.count(" ") + 1 for phrase in phrases), default=0)
+def _sizes(phrases: frozenset[str]) -> Mapping[str, frozenset[int]]:
+    """How many units the phrases have that begin with a unit."""
+    found: dict[str, set[int]] = {}
+    for phrase in phrases:
+        found.setdefault(phrase.partition(" ")[0], set()).add(phrase.count(" ") + 1)
+    return {unit: frozenset(sizes) for unit, sizes in found.items()}
 
 
 def _words_beside(clause: Sequence[Span[Meaning]], units: Sequence[str]) -> int:

@@ -200,7 +200,11 @@ def _phrase_at(
     is_barred: Callable[[int, int, Value], bool] | None,
     longest: int,
 ) -> Span[Value] | None:
-    sizes = {size for table in chain for size in table.sizes(units, at)}
+    sizes: Collection[int] = ()
+    for table in chain:
+        # Most units begin no phrase, or phrases of one table.
+        if of_table := table.sizes(units, at):
+            sizes = {*sizes, *of_table}
     room = min(len(units) - at, longest)
     for size in sorted(sizes, reverse=True) if len(sizes) > 1 else sizes:
         if size > room:
