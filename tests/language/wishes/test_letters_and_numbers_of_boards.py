@@ -69,3 +69,51 @@ def test_of_toilets_a_wheelchair_goes_to_the_one_that_says_so() -> None:
 def test_a_canteen_that_is_a_cafe_serves_meals() -> None:
     boards = (("Kiosk", "Bratwurst · Zeitungen"), ("Cafeteria",))
     assert found("Ich möchte etwas Warmes essen", boards) == "Cafeteria"
+
+
+NUMBERED: tuple[tuple[str, ...], ...] = (
+    ("Lockers 1–60",),
+    ("Lockers 61–120",),
+    ("Rooms 301–320",),
+    ("Offices", "3rd floor: 501–512 Planning"),
+    ("Salle 16",),
+    ("Stop North", "Bus 104 · 217"),
+    ("2号诊室 陈医生",),
+    ("304号 赵主任",),
+    ("田中研究室",),
+    ("김민수 교수 연구실",),
+    ("Puertas B9–B16",),
+    ("Café",),
+)
+
+
+@pytest.mark.parametrize(
+    ("question", "board"),
+    [
+        ("My locker is the 37", "Lockers 1–60"),
+        ("mine is locker number 88", "Lockers 61–120"),
+        ("dreihundertfünf", "Rooms 301–320"),
+        ("el dieciséis", "Salle 16"),
+        ("seize", "Salle 16"),
+        ("sixteen", "Salle 16"),
+        ("三〇五", "Rooms 301–320"),
+        ("삼공오", "Rooms 301–320"),
+        ("room 505", "Offices"),
+        ("where does the 217 stop", "Stop North"),
+        ("wo hält der 217er", "Stop North"),
+        ("salgo por la be doce", "Puertas B9–B16"),
+        ("I fly from bee ten", "Puertas B9–B16"),
+        ("陈大夫在哪", "2号诊室 陈医生"),
+        ("找赵老师", "304号 赵主任"),
+        ("Professor Tanaka Ichiro", "田中研究室"),
+        ("Professor Ichiro Tanaka", "田中研究室"),
+        ("김 선생님 방", "김민수 교수 연구실"),
+    ],
+)
+def test_numbers_alone_and_people_by_another_title(question: str, board: str) -> None:
+    assert found(question, NUMBERED) == board
+
+
+@pytest.mark.parametrize("question", ["王大夫", "six hundred and five", "二百零五"])
+def test_who_and_what_is_on_no_board_is_not_found(question: str) -> None:
+    assert found(question, NUMBERED) is None

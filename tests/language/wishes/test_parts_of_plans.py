@@ -73,3 +73,22 @@ def test_other_readings_of_a_wish_are_kept_in_a_document() -> None:
     assert wish.instead is not None
     assert len(wish.instead.stops) == 2
     assert Wish.from_document(wish.to_document()) == wish
+
+
+@pytest.mark.parametrize(
+    ("question", "names"),
+    [
+        ("bread, a bottle of wine and a coffee", ("Bakery", "Wine Shop", "Café")),
+        ("aceite, una botella de vino y pan", ("Pasillo 3 Aceite", "Vinos", "Panadería")),
+        ("buy bread, then wash my hands", ("Bakery", "Toilets")),
+    ],
+)
+def test_a_list_ends_with_and(question: str, names: tuple[str, ...]) -> None:
+    assert [each.place and each.place.name for each in stops(question, (*names, "Exit"))] == list(names)
+
+
+@pytest.mark.parametrize(
+    "question", ["my trousers are too long, can someone shorten them", "I'm thirsty, a coffee please"]
+)
+def test_what_is_told_beside_a_wish_is_no_stop(question: str) -> None:
+    assert len(stops(question, ("Tailor", "Café", "Hairdresser", "Toilets"))) == 1

@@ -32,6 +32,14 @@ def found(question: str, boards: Sequence[str]) -> str | None:
         ("es", "un taller, pero nada de pintura", "un taller", ["pintura"]),
         ("zh", "想吃点东西，不吃牛肉", "想吃点东西", ["牛肉"]),
         ("ko", "뭔가 먹고 싶은데, 고기는 못 먹어요", "뭔가 먹고 싶", ["고기"]),
+        ("en", "shoes, not for running but for dancing", "shoes for dancing", ["for running"]),
+        ("de", "Schuhe, nicht zum Laufen, sondern zum Tanzen", "Schuhe zum Tanzen", ["zum Laufen"]),
+        ("de", "ein Kurs, weder Yoga noch Pilates", "ein Kurs", ["Yoga", "Pilates"]),
+        ("fr", "des chaussures, pas de course, plutôt de danse", "des chaussures de danse", ["course"]),
+        ("es", "zapatos, no de correr sino de bailar", "zapatos de bailar", ["correr"]),
+        ("zh", "买鞋，不要跑步的，要跳舞的", "买鞋 跳舞的", ["跑步的"]),
+        ("ja", "靴、走るのじゃなくて踊るの", "靴 踊るの", ["走るの"]),
+        ("ko", "신발, 달리기 말고 춤추는 걸로", "신발 춤추는 걸로", ["달리기"]),
     ],
 )
 def test_a_text_is_parted_by_its_refusal(language: str, text: str, wanted: str, refused: list[str]) -> None:

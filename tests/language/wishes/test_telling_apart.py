@@ -96,3 +96,33 @@ def test_names_people_and_codes_across_scripts_and_misreadings(question: str, ex
 )
 def test_plans_list_their_stops_and_say_what_comes_after(question: str, expected: list[str]) -> None:
     assert answer(question, ("Dairy", "Bakery", "Exit", "Toilets")) == expected
+
+
+WHOSE = (
+    "Women's Changing Room",
+    "Men's Changing Room",
+    "Emergency",
+    "Children's Emergency",
+    "大浴場(男)",
+    "大浴場(女)",
+    "Café",
+)
+
+
+@pytest.mark.parametrize(
+    ("question", "expected"),
+    [
+        ("where does my wife get changed?", "Women's Changing Room"),
+        ("mi marido quiere cambiarse de ropa", "Men's Changing Room"),
+        ("the changing room, for men", "Men's Changing Room"),
+        ("아내는 어디서 옷을 갈아입어요", "Women's Changing Room"),
+        ("妻はお風呂", "大浴場(女)"),
+        ("男の大浴場", "大浴場(男)"),
+        ("Casualty, please, for my little boy", "Children's Emergency"),
+        ("the emergency room, but not the children's", "Emergency"),
+        ("ma femme veut un café", "Café"),
+        ("ein Kaffee für meinen Sohn", "Café"),
+    ],
+)
+def test_who_it_is_for_tells_places_of_a_kind_apart(question: str, expected: str) -> None:
+    assert answer(question, WHOSE) == [expected]

@@ -39,8 +39,7 @@ def attributes_of(text: str) -> frozenset[tuple[str, str]]:
 
 
 def told_apart(asked: frozenset[tuple[str, str]], board: frozenset[tuple[str, str]]) -> int:
-    """Return 1 where a board says all that is asked, -1 where it says something else of it, 0 where it is silent."""
-    if asked <= board:
-        return 1
+    """Return how much of what is asked a board says, 0 where it is silent, -1 where it says something else of it."""
     values = dict(board)
-    return -1 if any(group in values and (group, value) not in board for group, value in asked) else 0
+    is_another = any(group in values and (group, value) not in board for group, value in asked)
+    return -1 if is_another else len(asked & board)

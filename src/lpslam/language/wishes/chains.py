@@ -95,12 +95,12 @@ def listed_in(text: str, knowledge: Knowledge) -> list[str]:
     return next(lists, [text])
 
 
-def lists_in(text: str) -> tuple[list[str], list[str]]:
-    """How a text may be parted: by marks, and by “and” between words."""
-    return (
-        [each for each in _LISTED.split(text) if each.strip(_ENDS)],
-        [each for each in _JOINED.split(text) if len(each.split()) > 1],
-    )
+def lists_in(text: str) -> tuple[list[str], ...]:
+    """How a text may be parted: by marks and a last “and”, by marks, and by “and” between words."""
+    marked = [each for each in _LISTED.split(text) if each.strip(_ENDS)]
+    last = [each for each in _JOINED.split(marked[-1]) if each.strip(_ENDS)] if len(marked) > 1 else []
+    joined = [each for each in _JOINED.split(text) if len(each.split()) > 1]
+    return ([*marked[:-1], *last], marked, joined)
 
 
 def are_things(pieces: Sequence[str], knowledge: Knowledge) -> bool:

@@ -145,15 +145,26 @@ def _starting(text: str) -> frozenset[str]:
 
 
 def _last_words(text: str) -> list[tuple[re.Match[str], frozenset[str]]]:
-    """The words for what is numbered, the last first; one word may stand for several."""
-    return [(hit, _named(hit.group())) for hit in reversed(list(_classes()[0].finditer(text)))]
+    """The words for what is numbered, the last first; one word may stand for several, and one may have its number."""
+    hits = reversed(list(_classes()[0].finditer(text)))
+    return [
+        (hit, of)
+        for hit in hits
+        if (of := _named(hit.group())) and not (of & _LEVELS and _ORDINAL_BEFORE.search(text[: hit.start()]))
+    ]
 
 
+_LEVELS = frozenset({"floor"})
+_ORDINAL_BEFORE = re.compile(r"\d(?:st|nd|rd|th|\.|er|e|ère|ème|º|ª|°)? $")  # “3rd floor: 301–312”
+
+
+_NUMBERED_ONE = re.compile(r"(?<![\w.,:])(\d{3,4})er(?!\w)")  # “der 117er”
 _NUMBER_SIGN = re.compile(r"(?<!\w)(?:n ?[°º]|№|n[or]s?\.) ?(?=\d)")  # “n° 4”, “no. 4”, “Nr. 4”
 
 
 def _folded(text: str) -> str:
     clean = with_spoken_digits(_NUMBER_SIGN.sub("", clean_text(text).casefold()))
+    clean = _NUMBERED_ONE.sub(r"\1", clean)
     return _UNSPACED_NUMBER.sub(lambda found: str(number_of(next(filter(None, found.groups())))), clean)
 
 
@@ -282,12 +293,39 @@ def numbers_of_things(what: str, out: str) -> list[Code]:
     return [_code(number, words[0][1]) for number in re.findall(r"\d{1,4}", said)]
 
 
-def spoken_numbers(text: str) -> list[str]:
-    """Return the numbers of three digits and more that a question says in words, of whatever: “two oh seven”."""
+def spoken_numbers(text: str) -> list[Code]:
+    """Return the numbers that a question says in words, of whatever: “two oh seven”.
+
+    They have three digits and more, or are all that is said: “el dieciséis”, 二零五.
+    """
     folded = _folded(text)
+    if _UNSPACED_ALONE.fullmatch(folded.strip()):
+        return [_code(str(number_of(folded)), frozenset())]
     said = _QUANTITY.sub(" ", with_digits(folded, lambda at: True, lambda at: False))
+    is_alone = re.fullmatch(r"\d{1,4}", _NUMBER_WORD.sub(" ", f" {said} ").strip()) is not None
     painted = set(re.findall(r"\d+", folded))
-    return [number for number in re.findall(rf"(?<!\w)\d{{{_FEWEST_SPOKEN},4}}(?!\w)", said) if number not in painted]
+    fewest = 1 if is_alone else _FEWEST_SPOKEN
+    numbers = re.findall(rf"(?<!\w)\d{{{fewest},4}}(?!\w)", said)
+    return [_code(number, frozenset()) for number in numbers if number not in painted]
+
+
+_UNSPACED_ALONE = re.compile("[〇零一二三四五六七八九十百]{1,5}|[영공일이삼사오육칠팔구십백]{1,5}")
+
+
+def lettered_numbers(text: str) -> list[Code]:
+    """Return what may be a letter and a number as they are called, of whatever: “I leave from bee twelve”."""
+    lettered = with_letters(_folded(text), lambda *_: True)
+    said = with_digits(lettered, lambda at: _LETTER_ALONE.search(lettered[:at]) is not None, lambda at: False)
+    return [_code(hit.group(), frozenset()) for hit in re.finditer(r"(?<!\w)[a-z] \d{1,4}(?!\w)", said)]
+
+
+_LETTER_ALONE = re.compile(r"(?<!\w)[b-z] $")
+
+
+def numbers_in(text: str) -> list[Code]:
+    """Return the numbers that a question says, times, sums and amounts apart."""
+    folded = _QUANTITY.sub(" ", _folded(text))
+    return [_code(number, frozenset()) for number in re.findall(r"(?<![\w.,:])\d{1,4}(?![\w.,:]\d)", folded)]
 
 
 def _digits_in(folded: str) -> str:

@@ -1,13 +1,15 @@
 """The landmarks that bear what must stand on the board: codes, names of people, levels and buildings."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 
+from lpslam.language.languages import UNSPACED
 from lpslam.language.model import Candidate
 from lpslam.language.questions.question import read_question
 from lpslam.language.tables.knowledge import Knowledge
+from lpslam.language.tables.words import UNSPACED_RUN
 from lpslam.language.wishes.codes import (
     Code,
     alike_key,
@@ -16,18 +18,23 @@ from lpslam.language.wishes.codes import (
     board_keys,
     code_of,
     in_digits,
+    lettered_numbers,
     numbered_thing,
+    numbers_in,
     spoken_numbers,
     without_codes,
 )
 from lpslam.language.wishes.form import Identity, Sort, Stop
 from lpslam.language.wishes.names import Names
+from lpslam.language.wishes.rules import person_of
 
 _SURE = 1.0  # of a code or person
 _LONG_NUMBER = 3  # digits of a number that is a room's even where its board does not say so
 _LONG_KEY = 2  # letters and digits of a code that may be misread
 _SHORTEST_WORD = 3  # letters of a word for what is numbered here
-_ENDINGS = re.compile("(?:es|s|en|e|n)$")  # of plurals
+_AS_WELL = 0.97  # of the best score: what serves as well
+_FEWEST_OF_A_SORT = 2
+_ENDINGS = re.compile("(?:es|s|er|en|e|n)$")  # of plurals
 _BY_THE_WAY = frozenset({"floor", "building", "zone"})
 """What may be numbered beside what is asked for: “a toilet on level 2”."""
 
@@ -85,7 +92,8 @@ class Identities:
 
     def _bearing(self, identity: Identity) -> dict[int, float]:
         if identity.sort is Sort.PERSON:
-            ids = self._names.persons(identity.value) or self._names.persons_heard(identity.value)
+            ids = self._names.persons(identity.value) or self._titled(identity.value)
+            ids = ids or self._names.persons_heard(identity.value)
             return dict.fromkeys(ids, _SURE)
         asked = code_of(identity)
         # What is painted goes before what may be misread.
@@ -100,6 +108,19 @@ class Identities:
             found = {id_: score for id_, score in found.items() if score > _SURE - 0.1}
         best = max(found.values(), default=0.0)
         return {id_: score for id_, score in found.items() if score >= best - 0.01}
+
+    def _titled(self, name: str) -> list[int]:
+        """Landmarks that bear a person of that name with any title: 王大夫 is the 王 of 王医生."""
+        return [id_ for id_, persons in self._persons.items() if any(each.startswith(name) for each in persons)]
+
+    @cached_property
+    def _persons(self) -> dict[int, list[str]]:
+        """The people whom boards of scripts without spaces name by a title."""
+        found: dict[int, list[str]] = {}
+        for mark in self._landmarks:
+            said = [person_of(text, UNSPACED) for text in (mark.name, *mark.lines) if UNSPACED_RUN.search(text)]
+            found |= {mark.id: [name for name in said if name]} if any(said) else {}
+        return found
 
     def _alike(self, asked: Code) -> dict[int, float]:
         """Landmarks whose code differs by letters that readers confuse."""
@@ -132,13 +153,29 @@ class Identities:
 
     def numbered_as_here(self, what: str) -> dict[int, float]:
         """The landmarks that bear a number beside the word that is said before it: “unit 45” is Units 40-52."""
+        lettered = (self._coded(code, False) for code in lettered_numbers(what))
+        said_by_letters = next((dict.fromkeys(ids, _SURE) for ids in lettered if ids), {})
+        if said_by_letters:
+            return said_by_letters
         for word, code in (*asked_numbers(what), *asked_numbers(in_digits(what))):
             said = {id_ for id_, words in self._words_of_codes.items() if any(_are_one(word, each) for each in words)}
             found = [id_ for id_ in sorted(said) if any(each.bears(code) for each in self.codes[id_])]
             if found:
                 return dict.fromkeys(found, _SURE)
-        keys = (self._by_key.get(alike_key(number), set()) for number in spoken_numbers(what))
-        return next((dict.fromkeys(sorted(ids), _SURE) for ids in keys if ids), {})
+        found_by_number = (self._coded(code, False) or self._alike(code) for code in spoken_numbers(what))
+        scores = next((each for each in found_by_number if each), {})
+        best = max(scores.values(), default=0.0)
+        return {id_: _SURE for id_ in sorted(scores) if scores[id_] == best}
+
+    def of_the_number(self, what: str, scores: Mapping[int, float]) -> dict[int, float]:
+        """Of boards of one sort, the one that bears the number that is said: “mine is locker 37” is Lockers 1–60."""
+        top = max(scores.values(), default=0.0)
+        best = [id_ for id_, score in scores.items() if score >= _AS_WELL * top]
+        if len(best) < _FEWEST_OF_A_SORT or not all(self.codes[id_] for id_ in best):
+            return dict(scores)
+        bearing = ([id_ for id_ in best if any(e.bears(code) for e in self.codes[id_])] for code in numbers_in(what))
+        told = next((ids for ids in bearing if ids), best)
+        return {id_: score for id_, score in scores.items() if id_ in told or id_ not in best}
 
     @cached_property
     def _words_of_codes(self) -> dict[int, set[str]]:

@@ -31,7 +31,7 @@ _INITIALS_APART = re.compile(
 _WORD = re.compile(r"[a-zß-ÿœ]+")
 _BROKEN = re.compile(r"[^\w\s-]|_|\d")  # what does not stand within a number
 _HAN = {ch: at for at, ch in enumerate("〇一二三四五六七八九")} | {"零": 0, "两": 2, "兩": 2}
-_HANGUL = {ch: at for at, ch in enumerate("영일이삼사오육칠팔구")}
+_HANGUL = {ch: at for at, ch in enumerate("영일이삼사오육칠팔구")} | {"공": 0}
 _STEPS = {"十": 10, "百": 100, "십": 10, "백": 100}
 
 

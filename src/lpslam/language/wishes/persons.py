@@ -51,9 +51,10 @@ def spellings(name: str) -> list[tuple[str, ...]]:
 
 @lru_cache(maxsize=64)
 def _written(name: str) -> tuple[str, ...]:
-    """How the surname of a name in Latin letters is written in other scripts."""
+    """How the surname of a name in Latin letters, its last word or else its first, is written in other scripts."""
     named = [word for word in _letters(name) if len(word) > 1]
-    return tuple(surname for surname, forms in _surnames().items() if named and named[-1] in forms)
+    of = {word: tuple(surname for surname, forms in _surnames().items() if word in forms) for word in named}
+    return of[named[-1]] or of[named[0]] if named else ()
 
 
 def called(asked: str, words: Sequence[str], runs: Sequence[str]) -> float:

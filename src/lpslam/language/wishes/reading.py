@@ -19,7 +19,6 @@ from lpslam.language.wishes.chains import (
     chained,
     is_bare,
     is_brief,
-    listed_in,
     lists_in,
     pieces_of,
     says_a_kind,
@@ -41,7 +40,7 @@ from lpslam.language.wishes.form import (
     Wish,
 )
 from lpslam.language.wishes.numerals import with_initials
-from lpslam.language.wishes.rules import Row, Rules, content_left, rules_of
+from lpslam.language.wishes.rules import Row, Rules, content_left, person_of, rules_of
 
 _LONGEST = 400  # letters of a question
 _ENDS = " .。!！?？,，、;；¿¡"
@@ -49,10 +48,10 @@ _MOST_STOPS = 6
 _OPPOSED = {Which.NEAREST.value, Which.FARTHEST.value}  # one place is hardly both
 _COUNTED = frozenset(map(str, (Relation.NEAR, Relation.BEFORE, Relation.BEHIND, Relation.LEFT_OF, Relation.RIGHT_OF)))
 """Relations of which places come one after the other."""
-_MOST_LISTED_WORDS = 4  # of each: longer ones tell of something
 _FEWEST_ALTERNATIVES = 2
 _MOST_NAMED_WORDS = 7  # of an alternative: longer ones tell of something
 _DEEPEST = 2  # anchors of anchors
+_COLON = re.compile(r"(?<=\w)[:：](?=\s|[^\x00-\u2fff])")  # it parts clauses as a comma does
 _POSSESSIVE = re.compile(r"['’]s?$")
 
 
@@ -129,20 +128,18 @@ def _parts(
 
 
 def _unordered(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> list[str]:
-    """Things that are listed without a word for their order: three at least, each something of its own."""
-    pieces = chained(text, languages)
-    is_list = len(pieces) >= FEWEST_LISTED and all(map(is_brief, pieces))
-    if is_list and sum(are_things((piece,), knowledge) for piece in pieces) >= len(pieces) - 1:
-        return pieces
-    # Most questions list nothing so short: they need not be read part by part.
-    if not any(map(_is_short_list, lists_in(text))):
-        return []
-    listed = listed_in(text, knowledge)
-    return listed if _is_short_list(listed) else []
+    """Things that are listed without a word for their order, three at least, each brief and something of its own.
 
-
-def _is_short_list(pieces: Sequence[str]) -> bool:
-    return len(pieces) >= FEWEST_LISTED and all(len(each.split()) <= _MOST_LISTED_WORDS for each in pieces)
+    Whether each is a place of its own is for the map to say.
+    """
+    chain = chained(text, languages)
+    for pieces in (chain, *lists_in(text)):
+        if not FEWEST_LISTED <= len(pieces) <= _MOST_STOPS or not all(map(is_brief, pieces)):
+            continue
+        read = sum(are_things((piece,), knowledge) for piece in pieces)
+        if are_things(pieces, knowledge) or (pieces is chain and read >= len(pieces) - 1):
+            return pieces
+    return []
 
 
 def _among(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> Stop | None:
@@ -233,6 +230,7 @@ def _stop(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: in
 
 def _placed(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: int) -> tuple[Stop, str] | None:
     """Read where a stop is said to stand; return it with its relation, and what is wanted there."""
+    text = _COLON.sub(",", text)
     for language in languages:
         text = rules_of(language).unsaid.sub("", text)
     relation = _related(text, languages) if depth < _DEEPEST else None
@@ -371,8 +369,7 @@ def _related(text: str, languages: tuple[str, ...]) -> tuple[Row, re.Match[str],
 
 
 def _identity(text: str, languages: tuple[str, ...]) -> tuple[Identity, ...]:
-    found = (rules_of(language).first(rules_of(language).persons, text) for language in languages)
-    person = next((each[1].group("person") for each in found if each is not None), None)
+    person = person_of(text, languages)
     persons = () if person is None else (Identity(Sort.PERSON, _POSSESSIVE.sub("", person)),)
     return (*persons, *identities(asked_codes(text)))
 

@@ -29,7 +29,10 @@ def parted(text: str, language: str) -> tuple[str, list[str]] | None:
     found = rules.first((*rules.refusals, *rules.exclusions), text.strip(_ENDS))
     if found is None:
         return None
-    what, out = (found[1].group(name).strip(_ENDS) for name in ("what", "not"))
+    groups = found[1].groupdict()
+    # “Clothes, not for women but for men”: what is said after the refusal is wanted as well.
+    what = " ".join(each.strip(_ENDS) for each in (groups["what"], groups.get("rest", "")) if each)
+    out = groups["not"].strip(_ENDS)
     named = (_NO.sub("", each.strip(_ENDS)) for each in _EACH.split(out) if each)
     refused = [each for each in named if content_left(each, rules)]
     return (what, refused) if refused and content_left(what, rules) else None

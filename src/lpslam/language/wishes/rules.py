@@ -158,3 +158,9 @@ def content_left(text: str, rules: Rules, least: int = 1) -> str:
     """Return what of a text is not filler; empty where nothing is left."""
     left = " ".join(rules.filler.sub(" ", text).split()).strip(_ENDS + "'’")
     return left if len(left) >= least else ""
+
+
+def person_of(text: str, languages: Iterable[str]) -> str | None:
+    """Return the person whom a text names by a title, by the first language that hears one."""
+    found = (rules_of(language).first(rules_of(language).persons, text) for language in languages)
+    return next((each[1].group("person") for each in found if each is not None), None)

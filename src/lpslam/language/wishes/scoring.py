@@ -34,7 +34,7 @@ from lpslam.language.wishes.identities import Identities
 from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.opening import Opening
 from lpslam.language.wishes.reading import content_of, wish_languages
-from lpslam.language.wishes.refusals import left_of
+from lpslam.language.wishes.refusals import left_of, parted
 from lpslam.language.wishes.rules import content_left, rules_of
 from lpslam.language.wishes.served import LEAST_SURE, UNQUESTIONED, Served, Way
 from lpslam.language.wishes.sorts import Sorts
@@ -43,6 +43,7 @@ from lpslam.language.wishes.trust import Trust
 _FEWEST_TO_TELL_APART = 2
 _SHORT_QUESTION = 8  # words of a question whose capital is the name that it asks for
 _BRIEF = math.log1p(2)  # of a wish of two words, as `clues_of` has its length: “milk”
+_COMPARABLE = 0.6  # of the best score: places that an attribute may tell apart
 _SHORT_NAME = 5  # words of an anchor that is a name
 _DISTRUSTED = "what the only such board says reads as if it spoke to a machine"
 _NAMED = 0.9  # of what alone tells a place
@@ -156,7 +157,7 @@ class EmbeddedScorer:
 
     def _says_what_tells(self, served: Served) -> bool:
         """Whether the board of the best says both the kind and what tells it from others: the north gate."""
-        asked = attributes_of(served.stop.what)
+        asked = self._attributes(served.stop)
         best = best_of(served.scores)
         says = told_apart(asked, attributes_of(self._by_id[best].name)) if asked else 0
         return says > 0 and self._sorts.is_of_the_house(best)
@@ -208,7 +209,7 @@ class EmbeddedScorer:
         tables = ranked(stop.what, self._index, self._signs, self._knowledge, self.model, stop.language)
         choice = tables.choice
         scores = self._sorts.of_the_family(meaning, _within(self._trusted(tables.scores), within))
-        scores = self._told_apart(stop, scores)
+        scores = self._identities.of_the_number(stop.what, self._told_apart(stop, scores))
         is_another = bool(scores) and self._is_another(stop, meaning, scores)
         scores = {} if is_another else scores
         otherwise = None if scores else self._by_the_board(stop, meaning, ignored)
@@ -317,15 +318,21 @@ class EmbeddedScorer:
 
     def _told_apart(self, stop: Stop, scores: Mapping[int, float]) -> dict[int, float]:
         """Of rooms and doors of one kind, those that the wish tells from the others: “the blue lounge”, 北口."""
-        asked = attributes_of(stop.what)
+        asked = self._attributes(stop)
         if not asked:
             return dict(scores)
         told = {
             id_: told_apart(asked, attributes_of(self._by_id[id_].name)) if self._sorts.is_of_the_house(id_) else 0
             for id_ in scores
         }
-        best = max(0, *told.values()) if told else 0
+        least = _COMPARABLE * max(scores.values(), default=0.0)
+        best = max([0, *(told[id_] for id_, score in scores.items() if score >= least)])
         return {id_: score for id_, score in scores.items() if told[id_] >= best}
+
+    def _attributes(self, stop: Stop) -> frozenset[tuple[str, str]]:
+        """What a stop says of the place that it wants, not of what it refuses."""
+        parts = parted(stop.what, stop.language or next(iter(self._asked.likely(stop.what)), "en"))
+        return attributes_of(stop.what if parts is None else parts[0])
 
     def _told_only(self, stop: Stop) -> dict[int, float]:
         """“The green room” is whatever room says green."""

@@ -25,6 +25,7 @@ _OF_THE_HOUSE = (
         for each in ("charging_station", "smoking_area", "water_point", "clock", "lounge", "taxi", "recycling")
     ),
     *("facility", "highway/", "emergency/", "indoor/", "entrance", "aeroway/", "railway/", "department/"),
+    *("amenity/dressing_room", "sport/changing", "pool/", "leisure/spa", "sauna"),
     *("museum/", "aisle/", "warehouse/", "dock/", "office/", "faculty/", "ride/", "ferry/", "factory/"),
 )
 _ROOMS = ("facility/", "indoor/", "department/", "office/", "aeroway/", "amenity/doctors", "museum/")
