@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from lpslam import pipeline
 from lpslam.config import Config
-from lpslam.evaluation.trajectory import absolute_trajectory_error
+from lpslam.evaluation.trajectory import align_poses
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.slam.places.index import PlaceIndex
 from lpslam.text.reading.spotting import PaddleSpotter
@@ -65,7 +65,7 @@ def main() -> None:
     reader = PaddleSpotter(Config().text.spotting)
     first = Recording.at(given.mapped)
     world = pipeline.run(first.open(), spotter=reader)
-    truth_from_world = absolute_trajectory_error(first.truth, world.frame_poses()).truth_from_estimate
+    truth_from_world = align_poses(first.truth, world.frame_poses())
     for recording in map(Recording.at, given.then):
         for way in WAYS:
             done = localised(world, truth_from_world, recording, way, reader)

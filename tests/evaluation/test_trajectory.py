@@ -7,7 +7,13 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from lpslam.errors import UserError
-from lpslam.evaluation.trajectory import StampedPoses, absolute_trajectory_error, align_rigidly, share_tracked
+from lpslam.evaluation.trajectory import (
+    StampedPoses,
+    absolute_trajectory_error,
+    align_poses,
+    align_rigidly,
+    share_tracked,
+)
 from lpslam.poses import quaternions_from_rotations, rotations_from_quaternions
 from lpslam.timestamps import associate
 
@@ -53,6 +59,21 @@ def test_a_rigid_motion_of_the_truth_has_no_error_and_is_recovered(seed: int) ->
     assert result.rmse < 1e-9
     assert result.count == len(truth)
     np.testing.assert_allclose(result.truth_from_estimate @ estimate_from_truth, np.eye(4), atol=1e-9)
+
+
+def test_a_camera_that_only_turns_tells_where_things_are_by_its_directions() -> None:
+    rng = np.random.default_rng(3)
+    poses = np.tile(np.eye(4), (100, 1, 1))
+    poses[:, :3, :3] = Rotation.from_rotvec(np.outer(np.linspace(0, 3, 100), [0, 1, 0])).as_matrix()
+    truth = StampedPoses(np.arange(100) / 30, poses)
+    estimate = moved(truth, some_transform(3))
+    estimate.world_from_camera[:, :3, 3] += rng.normal(0, 0.01, (100, 3))
+    off = align_poses(truth, estimate) @ some_transform(3)
+    assert np.linalg.norm(Rotation.from_matrix(off[:3, :3]).as_rotvec()) < 0.01
+    assert np.linalg.norm(off[:3, 3]) < 0.01
+    # Positions alone are noise: something five metres away would be metres off.
+    by_positions = absolute_trajectory_error(truth, estimate).truth_from_estimate @ some_transform(3)
+    assert np.linalg.norm(Rotation.from_matrix(by_positions[:3, :3]).as_rotvec()) > 0.5
 
 
 def test_noise_of_known_size_is_measured() -> None:

@@ -11,7 +11,7 @@ from lpslam.errors import UserError
 from lpslam.evaluation.landmarks import LandmarkScore, score_landmarks
 from lpslam.evaluation.remembering import ReadingCost, reading_cost, remembering_delays
 from lpslam.evaluation.signs import TrueSign, read_signs
-from lpslam.evaluation.trajectory import AteResult, absolute_trajectory_error
+from lpslam.evaluation.trajectory import AteResult, absolute_trajectory_error, align_poses
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.poses import StampedPoses
 from lpslam.sources.ground_truth import read_ground_truth
@@ -102,9 +102,10 @@ def evaluate(
     ate = absolute_trajectory_error(truth, estimate, config.association_tolerance)
     scored, delays = None, {}
     if signs is not None:
-        scored = score_landmarks(world.landmarks(), signs, ate.truth_from_estimate, config)
+        truth_from_map = align_poses(truth, estimate, config.association_tolerance)
+        scored = score_landmarks(world.landmarks(), signs, truth_from_map, config)
         long_term = world.text.long_term
-        delays = remembering_delays(long_term, world.world_from_keyframe, signs, ate.truth_from_estimate, config)
+        delays = remembering_delays(long_term, world.world_from_keyframe, signs, truth_from_map, config)
     seconds = float(np.ptp(estimate.timestamps))
     return Evaluation(
         ate=ate,

@@ -9,7 +9,14 @@ from lpslam.errors import UserError
 from lpslam.poses import StampedPoses
 from lpslam.timestamps import associate
 
-__all__ = ["AteResult", "StampedPoses", "absolute_trajectory_error", "align_rigidly", "share_tracked"]
+__all__ = [
+    "AteResult",
+    "StampedPoses",
+    "absolute_trajectory_error",
+    "align_poses",
+    "align_rigidly",
+    "share_tracked",
+]
 
 Array = NDArray[np.float64]
 
@@ -89,6 +96,36 @@ def align_rigidly(points: Array, targets: Array) -> Array:
     target_from_point[:3, :3] = u @ handedness @ vt
     target_from_point[:3, 3] = target_centre - target_from_point[:3, :3] @ centre
     return target_from_point
+
+
+def align_poses(truth: StampedPoses, estimate: StampedPoses, tolerance: float = 0.02) -> Array:
+    """Find the rigid motion that takes poses, positions and directions, nearest to the true ones.
+
+    A camera that only turns has next to no path: its positions do not tell how the two frames are turned to each other,
+    and what it saw metres away would be compared at any angle. Each pose stands for points around it.
+
+    Args:
+        truth: the true trajectory, of the same camera frame.
+        estimate: the trajectory in a world frame of its own.
+        tolerance: seconds; poses are paired one to one by nearest time within it.
+
+    Returns:
+        The 4×4 truth_from_estimate.
+    """
+    rows, truth_rows = associate(estimate.timestamps, truth.timestamps, tolerance)
+    around, true_around = _around(estimate.world_from_camera[rows]), _around(truth.world_from_camera[truth_rows])
+    return align_rigidly(around, true_around)
+
+
+def _around(world_from_camera: Array) -> Array:
+    """(6n, 3) points on either side of each of n poses (n, 4, 4), along the camera's axes."""
+    arms = _ARM * np.concatenate([np.eye(3), -np.eye(3)])
+    points = np.einsum("nij,kj->nki", world_from_camera[:, :3, :3], arms) + world_from_camera[:, None, :3, 3]
+    return np.asarray(points.reshape(-1, 3), np.float64)
+
+
+_ARM = 1.0
+"""Metres: about as far as what is compared lies from the camera."""
 
 
 def share_tracked(frame_timestamps: Array, estimate: StampedPoses, tolerance: float = 0.02) -> float:
