@@ -26,7 +26,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from lpslam import pipeline
 from lpslam.camera import PinholeCamera
-from lpslam.frames import RgbdFrame
+from lpslam.frames import FrameSource, RgbdFrame
 from lpslam.session.session import Session
 from lpslam.slam.system import RgbdSlam
 from lpslam.slam.warm_up import warm_up
@@ -36,6 +36,7 @@ from lpslam.sources.writing.recordings import written
 
 COLOUR, DEPTH, INFO = "/camera/color/image_raw", "/camera/aligned_depth_to_color/image_raw", "/camera/color/camera_info"
 KINDS = ("bag", "db3", "mcap")
+ROUNDS = 3  # of each measurement
 
 
 def main() -> None:
@@ -78,23 +79,22 @@ def reading(folder: Path, count: int) -> None:
             path = Path(place) / f"raw.{kind}"
             write_raw(path, iter(source), source.camera)
             recordings[f"{kind}, raw"] = path
-        print("layout | decoding, ms a frame | run --no-text, ms a frame")
-        for name, path in recordings.items():
-            decoded = processor_time(lambda path=path: sum(1 for _ in open_source(path, max_frames=count)))
-            mapped = processor_time(
-                lambda path=path: pipeline.run(open_source(path, max_frames=count), text=False)  # type: ignore[misc]
-            )
-            print(f"{name} | {1000 * decoded / count:.2f} | {1000 * mapped / count:.2f}", flush=True)
-
-
-def processor_time(work: Callable[[], object], times: int = 3) -> float:
-    """The least of some runs, seconds of all threads."""
-    taken = []
-    for _ in range(times):
-        begun = time.process_time()
-        work()
-        taken.append(time.process_time() - begun)
-    return min(taken)
+        works: tuple[Callable[[FrameSource], object], ...] = (
+            lambda source: sum(1 for _ in source),
+            lambda source: pipeline.run(source, text=False),
+        )
+        # By turns, so that what else the machine does counts for all alike; the least of each.
+        taken = {name: np.full(len(works), np.inf) for name in recordings}
+        for _ in range(ROUNDS):
+            for at, work in enumerate(works):
+                for name, path in recordings.items():
+                    begun = time.process_time()
+                    work(open_source(path, max_frames=count))
+                    taken[name][at] = min(taken[name][at], time.process_time() - begun)
+        print("layout | decoding, ms a frame | run --no-text, ms a frame | of the run of the PNG folder")
+        for name, each in taken.items():
+            decoded, mapped = 1000 * each / count
+            print(f"{name} | {decoded:.2f} | {mapped:.2f} | {each[1] / taken['TUM folder, PNG'][1]:.3f}", flush=True)
 
 
 def large(gigabytes: float, kinds: list[str]) -> None:
