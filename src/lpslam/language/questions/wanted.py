@@ -1,7 +1,9 @@
 """What a question wants and what it refuses, as concepts and names."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
+_KEPT = 64  # what one question wants, and its parts
 THING = 0.7  # a wanted concept of this weight is a thing of its own
 
 
@@ -29,9 +31,15 @@ class Wish:
     @property
     def main(self) -> tuple[str, ...]:
         """The concepts that a place must serve: the weightiest sort of those that are wanted."""
-        things = tuple(concept for concept, weight in self.wanted if weight >= THING)
-        meals = tuple(concept for concept, _ in self.wanted if concept in ("food", "drink"))
-        if things or meals:
-            return things or meals
-        heaviest = max((weight for _, weight in self.wanted), default=0.0)
-        return tuple(concept for concept, weight in self.wanted if weight >= 0.9 * heaviest)
+        return _weightiest(self.wanted)
+
+
+@lru_cache(maxsize=_KEPT)
+def _weightiest(wanted: tuple[tuple[str, float], ...]) -> tuple[str, ...]:
+    # Every kind of place is held against the same wish.
+    things = tuple(concept for concept, weight in wanted if weight >= THING)
+    meals = tuple(concept for concept, _ in wanted if concept in ("food", "drink"))
+    if things or meals:
+        return things or meals
+    heaviest = max((weight for _, weight in wanted), default=0.0)
+    return tuple(concept for concept, weight in wanted if weight >= 0.9 * heaviest)

@@ -28,17 +28,24 @@ class BoardWords:
 
     def __init__(self, names: Names, asked: AskedWords, index: LandmarkIndex, knowledge: Knowledge) -> None:
         self._names, self._asked, self._index, self._knowledge = names, asked, index, knowledge
+        self._last: tuple[str, bool] | None = None
 
     def refuses(self, text: str, meaning: Meaning) -> bool:
         """Whether a text says no to something: then a name in it may be what is refused."""
-        if meaning.refused_names or meaning.refused or asks_for_another(text):
-            return True
-        units = self._knowledge.folder.units(text)
-        return any(
-            span.value.role.startswith("refuse")
-            for language in self._asked.likely(text)[:1]
-            for span in longest_phrases(units, (self._knowledge.spoken(language),))
-        )
+        return bool(meaning.refused_names or meaning.refused) or self._says_no(text)
+
+    def _says_no(self, text: str) -> bool:
+        # It is asked again and again of the text of one stop.
+        last = self._last
+        if last is None or last[0] != text:
+            units = self._knowledge.folder.units(text)
+            said_no = asks_for_another(text) or any(
+                span.value.role.startswith("refuse")
+                for language in self._asked.likely(text)[:1]
+                for span in longest_phrases(units, (self._knowledge.spoken(language),))
+            )
+            last = self._last = text, said_no
+        return last[1]
 
     def leaves_out(self, text: str, language: str) -> bool:
         """Whether a text says no to a part of what it asks for (“but”, “except”), not only of something."""

@@ -15,6 +15,7 @@ from lpslam.language.tables.words import is_unspaced
 from lpslam.language.wishes.form import Identity, Sort
 from lpslam.language.wishes.numerals import digit_ordinal, number_of, with_digits, with_letters, with_spoken_digits
 
+_KEPT = 64  # texts as codes are looked for in them: a question and its parts
 # 一番近い is the nearest, 一番線 is platform 1; 이번 is this time, 이층 the second floor.
 _UNSPACED_NUMBER = re.compile(
     r"(?!一番(?![線线口のホゲ通窓乗出カ]|$))第?([〇零一二三四五六七八九两兩十百]+)(?=[号號番楼樓层層階栋幢站股])|(?<=[第])([一二三四五六七八九十]+)(?!近)"
@@ -162,6 +163,7 @@ _NUMBERED_ONE = re.compile(r"(?<![\w.,:])(\d{3,4})er(?!\w)")  # “der 117er”
 _NUMBER_SIGN = re.compile(r"(?<!\w)(?:n ?[°º]|№|n[or]s?\.) ?(?=\d)")  # “n° 4”, “no. 4”, “Nr. 4”
 
 
+@lru_cache(maxsize=_KEPT)
 def _folded(text: str) -> str:
     clean = with_spoken_digits(_NUMBER_SIGN.sub("", clean_text(text).casefold()))
     clean = _NUMBERED_ONE.sub(r"\1", clean)
@@ -328,6 +330,7 @@ def numbers_in(text: str) -> list[Code]:
     return [_code(number, frozenset()) for number in re.findall(r"(?<![\w.,:])\d{1,4}(?![\w.,:]\d)", folded)]
 
 
+@lru_cache(maxsize=_KEPT)
 def _digits_in(folded: str) -> str:
     folded = with_letters(folded, _follows)
     folded = digit_ordinal().sub(lambda hit: hit.group(1) if _leads(folded, hit.end()) else hit.group(), folded)

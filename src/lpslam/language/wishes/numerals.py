@@ -49,6 +49,8 @@ def _words(joined: str) -> list[list[str]]:
 @lru_cache(maxsize=1 << 12)
 def _key(text: str) -> str:
     """A number as it is compared: its letters without accents."""
+    if text.isascii() and text.isalpha():
+        return text.casefold()
     bare = unicodedata.normalize("NFKD", text.casefold().replace("ß", "ss"))
     return "".join(ch for ch in bare if ch.isalpha())
 
