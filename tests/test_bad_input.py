@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from command_line import Command
+from small_maps import small_map, with_floor
 
 pytestmark = pytest.mark.slow
 
@@ -107,6 +108,15 @@ def test_frames_without_a_pose_are_said_with_their_reason(lpslam: Command, clip:
     done = lpslam("run", recording, "-o", tmp_path / "map.lpmap", "--no-text", "--json")
     assert done.json["frames_tracked"] == 4
     assert done.err.startswith("lpslam: 2 frames not tracked; the first, frame 4: coasting: 0 keypoints")
+
+
+@pytest.mark.parametrize("has_ground", [False, True])
+def test_an_export_that_cannot_be_whole_writes_nothing(lpslam: Command, tmp_path: Path, has_ground: bool) -> None:
+    world = small_map(["Bakery"])
+    (with_floor(world) if has_ground else world).save(tmp_path / "map.lpmap")
+    done = lpslam("export", tmp_path / "map.lpmap", tmp_path / "out", "--nav2", "--route", "Where is an aeroplane?")
+    assert ("nothing on the map serves" if has_ground else "nothing of the ground") in done.complaint
+    assert not (tmp_path / "out").exists()
 
 
 def test_places_that_cannot_be_written(lpslam: Command, walked: Path, clip: Clip, tmp_path: Path) -> None:

@@ -205,13 +205,15 @@ def export(
 
     settings = config_of(config)
     world = LanguageMap.load(map_file)
+    # A map without ground, or a question that nothing answers, is told before anything is written.
+    write_ground = Guide(world, settings).ready_to_export(route) if nav2 or route is not None else None
     written = export_map(world, folder)
     if html:
         from lpslam.page.building import write_page
 
         written.append(write_page(world, folder / "page.html", settings.page))
-    if nav2 or route is not None:
-        written += Guide(world, settings).export(folder, route)
+    if write_ground is not None:
+        written += write_ground(folder)
     print_written(written, as_json)
 
 

@@ -1,5 +1,6 @@
 """What the command line says of the ground: where to stand before an answer, how to go, and robots' own files."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -69,11 +70,12 @@ class Guide:
             lines += [f"    {number}. {printable(step)}" for number, step in enumerate(steps, 1)]
         return "\n".join(lines)
 
-    def export(self, folder: Path, question: str | None = None) -> list[Path]:
-        """Write the ground in robots' own formats, with the way to the answer of a question if there is one.
+    def ready_to_export(self, question: str | None = None) -> Callable[[Path], list[Path]]:
+        """What writes the ground into a folder in robots' own formats, with the way to the answer of a question if
+        there is one, and returns the files.
 
         Raises:
-            UserError: the map has no ground, or the folder cannot be written.
+            UserError: the map has no ground, or nothing serves.
         """
         from lpslam.language.offline import embedded_model
         from lpslam.navigation.asking import ask
@@ -84,7 +86,7 @@ class Guide:
         legs = () if question is None else route(ask(self._world, question), ground)
         judged = embedded_model().judge([mark.name for mark in landmarks], _WARNING)
         warnings = [mark for mark, judgement in zip(landmarks, judged, strict=True) if judgement.answer]
-        return export_ground(folder, ground, landmarks, warnings, legs)
+        return lambda folder: export_ground(folder, ground, landmarks, warnings, legs)
 
     def _steps(self, answer: Answer, legs: Any) -> list[list[str]]:
         from lpslam.language.questions.phrasing import answer_language
