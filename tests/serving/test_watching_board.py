@@ -3,9 +3,13 @@
 import asyncio
 import time
 from collections.abc import AsyncIterator
+from io import BytesIO
+
+import pytest
 
 from lpslam.serving.watching.board import Board
 from lpslam.serving.watching.pace import Pace
+from lpslam.serving.watching.wire import End, send
 
 
 async def take(events: AsyncIterator[bytes], count: int) -> list[bytes]:
@@ -68,3 +72,12 @@ def test_what_costs_much_is_done_seldom() -> None:
         pass
     time.sleep(0.01)
     assert cheap.is_due()
+
+
+def test_what_is_told_when_the_run_has_closed_the_pipe_reaches_nobody_and_is_no_error_of_the_run() -> None:
+    pipe = BytesIO()
+    send(pipe, End("mall.lpmap"))
+    pipe.close()
+    # The thread that tells gives up at this, and at nothing else.
+    with pytest.raises(OSError, match="closed"):
+        send(pipe, End("mall.lpmap"))

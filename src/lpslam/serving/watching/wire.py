@@ -142,8 +142,12 @@ def send(pipe: IO[bytes], message: Message) -> None:
         OSError: nobody listens any more.
     """
     body = pickle.dumps(message, pickle.HIGHEST_PROTOCOL)
-    pipe.write(_HEAD.pack(len(body)) + body)
-    pipe.flush()
+    try:
+        pipe.write(_HEAD.pack(len(body)) + body)
+        pipe.flush()
+    except ValueError as error:
+        # The run has ended, and closed it, while this was told.
+        raise BrokenPipeError(*error.args) from error
 
 
 def receive(pipe: IO[bytes]) -> Message | None:
