@@ -15,6 +15,10 @@ Slots = tuple[Slot, ...]
 """A line as a recogniser saw it, place by place in the order of reading."""
 
 
+LINES_APART = " | "
+"""Between the lines of one board, where they are told as one string."""
+
+
 @dataclass(frozen=True, slots=True)
 class Reading:
     """One spelling of a class of homologous texts with how often and how surely it was read.
@@ -95,7 +99,7 @@ class LanguageModel(Protocol):
         ...
 
     def judge(self, names: Sequence[str], question: str) -> list[Judgement]:
-        """Answer the question for each name apart, in the order of the names."""
+        """Answer the question for each name apart, in the order of the names; `LINES_APART` parts a board's lines."""
         ...
 
     def choose(self, question: str, landmarks: Sequence[Candidate]) -> Choice:

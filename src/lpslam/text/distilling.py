@@ -39,10 +39,10 @@ def distil(
         LpSlamError: what the language model raises when it cannot judge.
     """
     errors = name_classes(text_map.long_term, language, text_map.config)
-    names = list(dict.fromkeys(landmark.wording for landmark in text_map.landmarks(world_from_keyframe)))
-    judgements = language.judge(names, question) if names else []
+    boards = {each.wording: each.wording_by_line for each in text_map.landmarks(world_from_keyframe)}
+    judgements = language.judge(list(boards.values()), question) if boards else []
     if judgements and not any(each.confidence for each in judgements):
         # What is not understood is not answered with no: the map keeps the judgements that it has.
         raise UserError(judgements[0].evidence)
-    text_map.judge(list(zip(names, judgements, strict=True)), question)
+    text_map.judge(list(zip(boards, judgements, strict=True)), question)
     return Distilled(text_map.landmarks(world_from_keyframe), errors)

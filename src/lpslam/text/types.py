@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.language.model import Judgement, Slots
+from lpslam.language.model import LINES_APART, Judgement, Slots
 from lpslam.text.correcting.corrections import Correction
 
 Vector3 = tuple[float, float, float]
@@ -282,10 +282,20 @@ class Landmark:
     corrections: tuple[Correction, ...] = ()
 
     @property
+    def telling_lines(self) -> tuple[str, ...]:
+        """What it says of itself: the name and the lines that say more of it, but no numbers and no menu."""
+        told = tuple(line.text for line in self.lines if line.role in ("primary", "secondary"))
+        return told if self.role == "primary" and told else (self.name,)
+
+    @property
     def wording(self) -> str:
-        """What it says of itself: the name with the lines that say more of it, but no numbers and no menu."""
-        told = [line.text for line in self.lines if line.role in ("primary", "secondary")]
-        return " ".join(told) if self.role == "primary" and told else self.name
+        """The same as one text, by which judgements are kept."""
+        return " ".join(self.telling_lines)
+
+    @property
+    def wording_by_line(self) -> str:
+        """The same with its lines apart, as it is judged."""
+        return LINES_APART.join(self.telling_lines)
 
     @property
     def other_lines(self) -> tuple[str, ...]:

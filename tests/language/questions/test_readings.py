@@ -3,8 +3,11 @@
 import subprocess
 import sys
 
+import pytest
+
 from lpslam.language.questions.question import read_question
 from lpslam.language.questions.readings import Readings
+from lpslam.language.questions.speaking import languages_of
 from lpslam.language.questions.wanted import Wish
 from lpslam.language.tables.knowledge import load_knowledge
 from lpslam.language.tables.lexicon import Meaning
@@ -78,3 +81,8 @@ def test_a_question_means_the_same_in_every_process() -> None:
         for seed in (1, 5)
     }
     assert len(said) == 1
+
+
+@pytest.mark.parametrize("name", ["Nadia's Bakery", "Tomas’s Books"])
+def test_a_name_with_a_possessive_is_english(name: str) -> None:
+    assert languages_of(name, load_knowledge())[0] == "en"

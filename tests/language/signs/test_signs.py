@@ -85,3 +85,25 @@ def test_where_dangerous_goods_are_kept_is_a_place(name: str) -> None:
 )
 def test_a_warning_of_dangerous_goods_stays_one(name: str) -> None:
     assert load_sign_reader().read(name).kinds[0][0] == WARNING
+
+
+@pytest.mark.parametrize(
+    ("board", "kind"),
+    [
+        ("FRESH EVERY DAY | NADIA'S BAKERY | BAKERY", "shop/bakery"),
+        ("全场八折 | 鸿达茶餐厅", "cuisine/cantonese"),
+        ("SEE YOU | SOON AT | KFC", "amenity/fast_food"),
+        ("Stop & Shop | open daily", "shop/supermarket"),
+    ],
+)
+def test_a_shop_may_have_a_slogan_on_a_line_of_its_own(signs: SignReader, board: str, kind: str) -> None:
+    meaning = signs.read(board)
+    assert meaning.is_place
+    assert kind in {each for each, _ in meaning.kinds}
+
+
+@pytest.mark.parametrize(
+    "board", ["BIG SALE | 全场五折", "DO NOT | ENTER", "CAUTION | WET FLOOR | Nadia's Bakery", "小心地滑 | 星巴克"]
+)
+def test_slogans_and_warnings_over_several_lines_are_no_place(signs: SignReader, board: str) -> None:
+    assert not signs.read(board).is_place

@@ -10,6 +10,7 @@ from lpslam.language.tables.words import is_mark, is_unspaced, longest_phrases
 _KANA = re.compile(r"[\u3040-\u30ff]")
 _HANGUL = re.compile(r"[\uac00-\ud7af]")
 _HAN = re.compile(r"[\u4e00-\u9fff]")
+_POSSESSIVE = re.compile(r"\w['’]s\b")
 # Letters and turns that one language of Latin script has and the others do not.
 _OWN_LETTERS = {
     "es": re.compile(r"[¿¡ñ]"),
@@ -39,6 +40,9 @@ def languages_of(text: str, knowledge: Knowledge) -> tuple[str, ...]:
     for language, letters in _OWN_LETTERS.items():
         if hits[language] and letters.search(text):
             hits[language] += 1.5
+    if _POSSESSIVE.search(text):
+        # “Nadia's” is a name as English has them; its “s” is a word in French.
+        hits["en"] += 1.5
     ranked = sorted(LATIN, key=lambda language: -hits[language])
     if hits[ranked[0]] >= 2 or (hits[ranked[0]] and len(words) <= 3):
         return tuple(language for language in ranked if hits[language] >= _RIVAL * hits[ranked[0]])

@@ -30,6 +30,11 @@ class SignMeaning:
         """Whether the sign names somewhere to go rather than warns, advertises or says nothing."""
         return any(not kind.startswith("sign") for kind, _ in self.kinds)
 
+    @property
+    def warns(self) -> bool:
+        """Whether the sign warns or forbids."""
+        return any(kind == WARNING for kind, _ in self.kinds)
+
 
 def of_known(known: Known, sure: float, evidence: str, words: dict[str, float] | None = None) -> SignMeaning:
     """What a known name is, and what is told by other `words` beside it."""
@@ -59,7 +64,7 @@ def as_unknown(text: str, units: Sequence[str]) -> SignMeaning:
 def joined(parts: Sequence[SignMeaning]) -> SignMeaning:
     """Join what the parts of a sign say; a warning in one of them makes the whole a warning."""
     for part in parts:
-        if any(kind == WARNING for kind, _ in part.kinds):
+        if part.warns:
             return part
     telling = [part for part in parts if part.kinds] or list(parts)
     kinds: dict[str, float] = {}

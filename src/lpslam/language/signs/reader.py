@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
 
+from lpslam.language.model import LINES_APART
 from lpslam.language.questions.sorts import is_eaten
 from lpslam.language.questions.speaking import languages_of
 from lpslam.language.sanitise import clean_text
@@ -87,6 +88,8 @@ class SignReader:
     def _read(self, name: str) -> SignMeaning:
         """Return the meaning of one painted name; brackets and dashes part it, a warning in any part decides."""
         text = clean_text(name)
+        if LINES_APART in text:
+            return self._read_board(text.split(LINES_APART))
         parts = [part for part in (piece.strip() for piece in _PARTS.split(text)) if part]
         if len(parts) > 1 and _PERSON.match(text):
             # Who “Dr. Schneider – Orthopaedics” is called says nothing of what is done there.
@@ -94,6 +97,20 @@ class SignReader:
         if len(parts) > 1 and self._fold.key(text) not in self._knowledge.known:
             return joined([self._read_part(part) for part in parts])
         return self._read_part(text)
+
+    def _read_board(self, lines: Sequence[str]) -> SignMeaning:
+        """Return what the lines of a board say together, and else what one of them says: a shop may have a slogan.
+
+        A warning may go over several lines; only a known name on a line of its own is none.
+        """
+        whole = self._read(" ".join(lines))
+        if whole.is_place:
+            return whole
+        told = [self._read(line) for line in lines]
+        surest = max(told, key=lambda line: (line.is_place, max((weight for _, weight in line.kinds), default=0.0)))
+        if not surest.is_place or any(line.warns for line in told) or (whole.warns and surest.identity is None):
+            return whole
+        return surest
 
     def listed(self, thing: str) -> SignMeaning | None:
         """Return what a thing that a line lists means, by its words alone: in a list “Boots” are no brand."""

@@ -153,5 +153,5 @@ def _judge(text_map: TextMap, world_from_keyframe: KeyframePoses, id_: int, lang
     mark = next((each for each in text_map.landmarks(world_from_keyframe) if each.id == id_), None)
     if question is None or mark is None or question in mark.judgements:
         return
-    (judgement,) = language.judge([mark.wording], question)
+    (judgement,) = language.judge([mark.wording_by_line], question)
     text_map.judge([(mark.wording, judgement)], question)
