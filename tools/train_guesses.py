@@ -1,19 +1,22 @@
-"""Train what weighs how much in guesses, and how sure they are (data/wishes/guesses.json).
+"""Train what weighs how much in guesses, and how sure the embedded model is (data/wishes/guesses.json).
 
 python tools/train_guesses.py             # report by leaving each set of wishes out
 python tools/train_guesses.py --write     # train on all and write
 
-Wishes of all sets that are answered by words are asked as in `train_certainty.py`: of whole maps and of small ones,
-with and without the place that is meant, with all tables and with tables of which a part is hidden. The landmarks are
-ranked by a conditional logit of their columns; the first of them, and what the tables found, are judged by a logistic
-model of their clues.
+Wishes of all sets that are answered by words are asked of whole maps and of small ones, with and without the place that
+is meant. The tables were mended by nearly all sets, so their answers are surer than those of questions that nobody has
+seen: all are asked once more with tables of which a part is hidden, turns of phrase sooner than words. The landmarks
+are ranked by a conditional logit of their columns; the first of them, and what the tables found, are judged by a
+logistic model of their clues.
 """
 
 import argparse
 import json
+import sys
+import zlib
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -21,28 +24,111 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from lpslam.language.choosing.guessing import COLUMNS, Found, Guessing, Heard
-from lpslam.language.offline import OfflineModel
-from lpslam.language.wishes import guesses
-from lpslam.language.wishes.form import Stop, Which
-from lpslam.language.wishes.served import Served
-from train_certainty import SETS, model_of, wishes_of
-from wishes import accepts, places_of
+ROOT = Path(__file__).parent.parent
+sys.path.insert(0, str(ROOT / "benchmarks"))
 
+from lpslam.language.choosing import evidence  # noqa: E402
+from lpslam.language.choosing.guessing import COLUMNS, Found, Guessing, Heard  # noqa: E402
+from lpslam.language.offline import OfflineModel  # noqa: E402
+from lpslam.language.signs.reader import load_sign_reader  # noqa: E402
+from lpslam.language.tables import combined, knowledge  # noqa: E402
+from lpslam.language.tables.concepts import APART, Buildings, load_associations, load_buildings  # noqa: E402
+from lpslam.language.tables.lexicon import load_lexicons, split  # noqa: E402
+from lpslam.language.wishes import guesses  # noqa: E402
+from lpslam.language.wishes.form import Stop, Which  # noqa: E402
+from lpslam.language.wishes.served import Served  # noqa: E402
+from wishes import accepts, places_of  # noqa: E402
+
+SETS = ROOT / "benchmarks" / "language"
+HIDDEN_WORDS, HIDDEN_TURNS = 0.12, 0.45  # of the tables' words, and of their phrases of several words
+SECTIONS = ("means", "venues", "said", "said_in_venues")
 WRITTEN = Path(guesses.__file__).parent.parent / "data" / "wishes" / "guesses.json"
 SMALL = (1, 2, 3, 4, 5, 6, 10)  # signs of small maps
 WEIGHT = {"whole": 1.0, "small": 0.5, "without": 0.3, "everyday": 0.3}  # of an answer, by its map
 EACH = 3  # of so many everyday questions one is asked
 USUAL = 3.0  # landmarks of a kind that are as likely as any other, beside those that were seen
-RIDGE = 10.0  # of logistic weights, in columns of spread 1
+RIDGE = 30.0  # of logistic weights, in columns of spread 1
 TOLD = (0.4, 0.5, 0.6, 0.65, 0.7, 0.75, 0.8)  # probabilities of the report
 
 Floats = NDArray[np.float64]
 
 
+def wishes_of(name: str) -> dict[str, Any]:
+    """The worlds of a set of wishes."""
+    worlds: dict[str, Any] = json.loads((SETS / f"wishes_{name}.json").read_text(encoding="utf-8"))["worlds"]
+    return worlds
+
+
+def is_kept(seed: int, phrase: str) -> bool:
+    """Whether a phrase is left in the tables of a round."""
+    is_turn = " " in phrase or APART in phrase or (len(phrase) > 4 and not phrase.isascii() and ord(phrase[0]) > 0x3000)
+    drawn = zlib.crc32(f"{seed} {phrase}".encode()) / 2**32
+    return drawn >= (HIDDEN_TURNS if is_turn else HIDDEN_WORDS)
+
+
+def hiding(seed: int) -> Callable[[], dict[str, dict[str, Any]]]:
+    """Lexicons of which a part is hidden."""
+
+    def load() -> dict[str, dict[str, Any]]:
+        lexicons = load_lexicons()
+        for lexicon in lexicons.values():
+            for section in SECTIONS:
+                lexicon[section] = {
+                    concept: "|".join(phrase for phrase in split(joined) if is_kept(seed, phrase))
+                    for concept, joined in lexicon.get(section, {}).items()
+                }
+        return lexicons
+
+    return load
+
+
+def hiding_apart(seed: int) -> Callable[[], Buildings]:
+    """Entries of buildings of which a part of the words that stand apart is hidden."""
+
+    def load() -> Buildings:
+        entries = load_buildings()
+        concepts = tuple(
+            replace(
+                entry,
+                apart={
+                    language: tuple(parts for parts in rows if is_kept(seed, APART.join(parts)))
+                    for language, rows in entry.apart.items()
+                },
+            )
+            for entry in entries.concepts
+        )
+        return replace(entries, concepts=concepts)
+
+    return load
+
+
+def hiding_associations(seed: int) -> Callable[[str], Iterator[tuple[str, list[str]]]]:
+    """Associations of which a part is hidden."""
+
+    def load(language: str) -> Iterator[tuple[str, list[str]]]:
+        for concept, phrases in load_associations(language):
+            yield concept, [phrase for phrase in phrases if is_kept(seed, phrase)]
+
+    return load
+
+
+def model_of(seed: int | None) -> OfflineModel:
+    """The embedded model, with a part of its tables hidden unless `seed` is None."""
+    knowledge.load_lexicons = load_lexicons if seed is None else hiding(seed)  # type: ignore[attr-defined]
+    combined.load_buildings = load_buildings if seed is None else hiding_apart(seed)  # type: ignore[attr-defined]
+    evidence.load_buildings = combined.load_buildings  # type: ignore[attr-defined]
+    evidence.load_associations = load_associations if seed is None else hiding_associations(seed)  # type: ignore[attr-defined]
+    knowledge.load_knowledge.cache_clear()
+    load_sign_reader.cache_clear()
+    return OfflineModel()
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Row:
-    """One wish of one map: what was heard, what the tables found and how surely, and which landmarks are right."""
+    """One wish of one map: what was heard, what the tables found, and which landmarks are right.
+
+    `is_told` says that only what the tables found may be the answer.
+    """
 
     set: str
     map: str
@@ -51,6 +137,12 @@ class Row:
     heard: Heard
     found: Found
     right: NDArray[np.bool_]
+    is_told: bool
+
+    def likeliest(self, rank: Floats) -> list[int]:
+        """The landmarks that may be meant."""
+        rows = self.guessing.likeliest(self.heard, self.found, rank)
+        return rows[:1] if self.is_told else rows
 
 
 class Asking:
@@ -59,18 +151,25 @@ class Asking:
     def rows(self, scorer: Any, stop: Stop, right: set[int], name: str, kind: str, is_hidden: bool) -> Iterator[Row]:
         """The row of a stop, if it is one to guess at."""
         kept: list[Row] = []
+        asked, judge = guesses.Guesses.asked, guesses.Guesses.judged
 
-        def judged(given: guesses.Guesses, served: Served, meaning: Any, language: str, trusted: Any) -> Served:
-            asked = given.asked(served, meaning, language)
-            if asked is not None:
-                is_right = np.isin(asked[0].ids, list(right))
-                kept.append(Row(name, kind, is_hidden, given.guessing, *asked, is_right))
+        def noted(given: guesses.Guesses, served: Served, *args: Any) -> tuple[Heard, Found] | None:
+            heard = asked(given, served, *args)
+            if heard is not None:
+                is_right = np.isin(heard[0].ids, list(right))
+                kept.append(Row(name, kind, is_hidden, given.guessing, *heard, is_right, True))
+            return heard
+
+        def judged(given: guesses.Guesses, served: Served, clues: Any, meaning: Any, language: str, _: Any) -> Served:
+            if given.asked(served, clues, meaning, language) is not None:
+                kept[-1] = replace(kept[-1], is_told=False)
             return served
 
-        guesses.Guesses.judged, before = judged, guesses.Guesses.judged  # type: ignore[method-assign, assignment]
+        guesses.Guesses.asked, guesses.Guesses.judged = noted, judged  # type: ignore[method-assign, assignment]
         scorer.serve(stop)
-        guesses.Guesses.judged = before  # type: ignore[method-assign]
-        yield from kept
+        guesses.Guesses.asked, guesses.Guesses.judged = asked, judge  # type: ignore[method-assign]
+        # What is asked last is what is answered.
+        yield from [row for row in kept[-1:] if row.found.best is not None or not row.is_told]
 
 
 def maps_of(world: dict[str, Any], model: OfflineModel, seed: int) -> list[tuple[Any, Any]]:
@@ -133,7 +232,7 @@ def of_questions(asking: Asking, seed: int | None) -> Iterator[Row]:
 
 def ranked(rows: Sequence[Row]) -> Floats:
     """Weights of columns by which what is right comes first: a conditional logit of every wish's landmarks."""
-    rows = [row for row in rows if row.right.any() and not row.right.all()]
+    rows = [row for row in rows if not row.is_told and row.right.any() and not row.right.all()]
     x = np.concatenate([row.heard.columns for row in rows])
     right = np.concatenate([row.right for row in rows])
     lengths = [len(row.right) for row in rows]
@@ -202,14 +301,15 @@ def judged(rows: Sequence[Row], rank: Floats) -> Judged:
     """What may be meant: what comes first, and what the tables found."""
     of, found, right, kinds = list[int](), list[dict[str, float]](), list[bool](), list[str]()
     for number, row in enumerate(rows):
-        for at in row.guessing.likeliest(row.heard, row.found, rank):
+        for at in row.likeliest(rank):
             of.append(number)
             found.append(row.guessing.clues(row.heard, at, rank, row.found))
             right.append(bool(row.right[at]))
             kinds.append(row.guessing.kind(row.heard, at))
-    clues = np.array([list(each.values()) for each in found])
+    names = sorted({name for each in found for name in each})
+    clues = np.array([[each.get(name, 0.0) for name in names] for each in found])
     is_whole = np.array([rows[at].map == "whole" and not rows[at].is_hidden for at in of])
-    return Judged(np.array(of), clues, tuple(found[0]), tuple(kinds), np.array(right), is_whole)
+    return Judged(np.array(of), clues, tuple(names), tuple(kinds), np.array(right), is_whole)
 
 
 def report(rows: Sequence[Row]) -> None:
@@ -256,7 +356,7 @@ def main() -> None:
         "usual": {kind: round(odds, 3) for kind, odds in usual.items()},
         "weights": np.round(fitted(every.with_usual(usual), every.right, weight), 4).tolist(),
     }
-    WRITTEN.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
+    WRITTEN.write_text(json.dumps(document, ensure_ascii=False) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

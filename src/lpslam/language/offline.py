@@ -11,6 +11,7 @@ from itertools import chain
 
 from lpslam.language.building import building
 from lpslam.language.choosing.choosing import choose
+from lpslam.language.choosing.guessing import LEAST_SURE
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import best_of, likeness, match
 from lpslam.language.model import Candidate, Choice, Judgement, Naming, Reading
@@ -25,7 +26,7 @@ from lpslam.language.wishes.form import Stop
 from lpslam.language.wishes.form import Wish as WishForm
 from lpslam.language.wishes.reading import read_wish
 from lpslam.language.wishes.scoring import EmbeddedScorer
-from lpslam.language.wishes.served import LEAST_SURE, Way
+from lpslam.language.wishes.served import Way
 
 CANNOT_JUDGE = (
     "I cannot judge this: the question names no kind of place that is known; "

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.config import NavigationConfig
+from lpslam.language.choosing.guessing import LEAST_SURE
 from lpslam.language.wishes.form import PREVIOUS, Counting, Relation, Stop, Which, Wish
-from lpslam.language.wishes.served import LEAST_SURE, Scorer, Served
+from lpslam.language.wishes.served import Scorer, Served
 from lpslam.navigation.columns import Near, Serving, apart_from, detours
 from lpslam.navigation.places import Distances, Here, Place, Point, Straight
 from lpslam.navigation.relations import PAIRED, Judged, Scene, between, on_the_way

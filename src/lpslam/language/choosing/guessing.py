@@ -26,10 +26,10 @@ _UNKIND = 0.7  # of its board's cosine: the cosine of a kind that is not known
 _FARTHEST = 1.6  # below the best score: what comes less near is not offered
 _MOST = 4.0  # of a lead by which guesses differ
 _AS_WELL = 0.97  # of how well tables see a place serve: another that serves as well
-_STANDS = 0.3  # probability of what the tables are sure of, from which it stands
-_UNSURE = 0.01  # a probability is never nearer to 0 or 1 than this
 _NUMBER = re.compile(r"\d+")
 _UNSPACED = frozenset({"zh", "ja", "ko"})
+LEAST_SURE = 0.55
+"""Probability of a place to be what was meant, below which the answer is none."""
 COLUMNS = (
     *("words", "words of the board", "read, of the best", "read", "board", "kind", "strongest word"),
     "kind not known",
@@ -64,20 +64,16 @@ class Heard:
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """What the tables found, and how probably it is meant as they see it.
+    """What the tables found.
 
     Attributes:
         best: the landmark; None where they found none.
-        sure: probability.
-        is_named: whether its board says the very words.
-        is_sure: whether that is an answer.
+        clues: what tells how sure that is, by name.
         reads_more: whether they read something in the question.
     """
 
     best: int | None
-    sure: float
-    is_named: bool
-    is_sure: bool
+    clues: Mapping[str, float]
     reads_more: bool
 
 
@@ -176,8 +172,8 @@ class Guessing:
         alone = own["words"] * weights[0] + own["words of the board"] * weights[1] + float(in_meaning[row])
         nearest = max(own["board"], own["kind"])
         is_found = found.best is not None and self._is_of(found.best, row)
-        same, other = (found.sure, 0.0) if is_found else (0.0, found.sure)
         return {
+            **(found.clues if is_found else {}),
             "share": 1.0 / float(shares.sum()),
             "lead": _lead(score, row, others) / _MOST,
             "lead of meaning": _lead(in_meaning, row, others) / _MOST,
@@ -196,11 +192,7 @@ class Guessing:
             "share of words": float(heard.said[row]),
             "few landmarks": 1.0 / self._size,
             "by tables": float(is_found),
-            "by its name": float(is_found and found.is_named),
-            "sure by tables": same,
-            "odds by tables": _odds(same),
-            "another by tables": other,
-            "odds of another": _odds(other),
+            "another by tables": float(found.best is not None and not is_found),
             "in vain": float(found.reads_more and not is_found),
             "no spaces": float(heard.language in _UNSPACED),
         }
@@ -218,8 +210,15 @@ class Guessing:
             return rows
         return [self._row_of[found.best], *(row for row in rows if not self._is_of(found.best, row))]
 
+    def sure(self, heard: Heard, found: Found) -> float:
+        """Return how probably what the tables found is meant."""
+        assert found.best is not None
+        model = _model()
+        row = self._row_of[found.best]
+        return model.probability(self.clues(heard, row, model.rank, found), self.kind(heard, row))
+
     def best(self, heard: Heard, found: Found) -> Guess | None:
-        """Return the landmark that is likeliest to be meant."""
+        """Return the landmark that is likeliest to be meant; what the tables are sure of stands."""
         model = _model()
         rows = self.likeliest(heard, found, model.rank)
         if not rows:
@@ -227,10 +226,9 @@ class Guessing:
         surest = {
             row: model.probability(self.clues(heard, row, model.rank, found), self.kind(heard, row)) for row in rows
         }
-        row = max(surest, key=lambda each: surest[each])
-        if found.is_sure and surest[rows[0]] >= _STANDS:
-            # What is told in so many words is not taken back for what is a little likelier.
-            row, surest = rows[0], {rows[0]: found.sure}
+        is_sure = found.best is not None and surest[rows[0]] >= LEAST_SURE
+        # What is told in so many words is not taken back for what is a little likelier.
+        row = rows[0] if is_sure else max(surest, key=lambda each: surest[each])
         score = heard.columns @ model.rank
         near = np.flatnonzero(score >= score[row] - _FARTHEST)
         scores = {int(self._ids[at]): min(1.0, float(np.exp(score[at] - score[row]))) for at in near}
@@ -243,11 +241,6 @@ class Guessing:
 def _lead(score: Floats, row: int, others: NDArray[np.bool_]) -> float:
     """By how much a landmark leads those of other kinds, below 0 where it does not."""
     return float(np.clip(score[row] - score[others].max(), -_MOST, _MOST)) if others.any() else 0.5 * _MOST
-
-
-def _odds(sure: float) -> float:
-    """The logarithm of the odds of a probability, 0 where there is none."""
-    return float(np.log(max(sure, _UNSURE) / max(1.0 - sure, _UNSURE))) if sure else 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -268,7 +261,7 @@ class _Model:
 
     def probability(self, clues: Mapping[str, float], kind: str) -> float:
         """How probably a landmark of a kind is meant."""
-        x = np.array([*(clues[name] for name in self.names), self.usual.get(kind, 0.0), 1.0])
+        x = np.array([*(clues.get(name, 0.0) for name in self.names), self.usual.get(kind, 0.0), 1.0])
         return float(1.0 / (1.0 + np.exp(-(x @ self.weights))))
 
 

@@ -1,24 +1,16 @@
-"""How sure it is that what was found is what was meant, as a probability.
+"""What tells how sure it is that what the tables found is what was meant.
 
-A logistic model of how the best landmark was found, by how much it leads, and how much of the question says so; its
-weights are in `data/wishes/certainty.json` (`tools/train_certainty.py`).
+How the best landmark was found, by how much it leads, and how much of the question says so; `choosing/guessing.py`
+judges it together with what guesses know.
 """
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import lru_cache
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
 
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import FITS, best_of, likeness, match
 from lpslam.language.choosing.support import CLUES
 from lpslam.language.questions.parts import read_part
 from lpslam.language.tables.knowledge import Knowledge
-from lpslam.language.tables.lexicon import read_table
 from lpslam.language.tables.words import is_mark, longest_phrases
 from lpslam.language.wishes.asked_words import AskedWords
 from lpslam.language.wishes.form import Which
@@ -87,7 +79,7 @@ def clues_of(served: Served, index: LandmarkIndex, asked: AskedWords, knowledge:
         "strength": served.strength if is_kind else 0.0,
         "strength of words": served.strength if served.way in (Way.WORDS, Way.NAME) else 0.0,
         "strength of a guess": served.strength if served.way is Way.GUESS else 0.0,
-        "lead": (top - max(others, default=0.0)) / top,
+        "lead by tables": (top - max(others, default=0.0)) / top,
         "rivals": math.log(len(ties)),
         "says so": sum(at in telling for at in own) / words if is_kind else 0.0,
         "nothing says so": float(is_kind and not telling),
@@ -109,31 +101,3 @@ def clues_of(served: Served, index: LandmarkIndex, asked: AskedWords, knowledge:
     for way in (Way.NAME, Way.WORDS, Way.TOLD, Way.GUESS):
         clues[way.value] = float(served.way is way)
     return clues
-
-
-def probability(clues: Mapping[str, float]) -> float:
-    """Return how probably an answer with such clues is right."""
-    model = _model()
-    if model is None:
-        return 1.0
-    x = np.array([clues.get(name, 0.0) for name in model.names])
-    return float(1.0 / (1.0 + np.exp(-(model.bias + paired(x[None, :])[0] @ model.weights))))
-
-
-def paired(x: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(n, k) clues with all their products of two: what one tells depends on the others."""
-    first, second = np.triu_indices(x.shape[1])
-    return np.hstack([x, x[:, first] * x[:, second]])
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Model:
-    names: tuple[str, ...]
-    weights: NDArray[np.float64]
-    bias: float
-
-
-@lru_cache(maxsize=1)
-def _model() -> _Model | None:
-    tree: Mapping[str, Any] = read_table("wishes/certainty.json")
-    return _Model(tuple(tree["names"]), np.array(tree["weights"]), float(tree["bias"])) if tree else None

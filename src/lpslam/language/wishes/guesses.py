@@ -4,7 +4,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from functools import cached_property
 
-from lpslam.language.choosing.guessing import Found, Guess, Guessing, Heard
+from lpslam.language.choosing.guessing import LEAST_SURE, Found, Guess, Guessing, Heard
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import best_of
 from lpslam.language.choosing.support import Support
@@ -13,13 +13,16 @@ from lpslam.language.questions.wanted import Wish as Meaning
 from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.wishes.form import Stop, Which
-from lpslam.language.wishes.served import LEAST_SURE, Served, Way
+from lpslam.language.wishes.served import Served, Way
 
 _LEAST_OFFERED = 0.25  # probability of a guess from which it fills a gap in a plan
+_LEAST_IN_SPITE = 0.75  # probability of a guess that hears no negation, from which it answers in spite of one
 _READ = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
 
 Trusted = Callable[[Mapping[int, float]], dict[int, float]]
 """Leaves of landmarks with scores those that are believed."""
+Clues = Mapping[str, float]
+"""What tells how sure what the tables found is (`certainty.py`)."""
 
 
 def is_told(stop: Stop) -> bool:
@@ -43,9 +46,9 @@ class Guesses:
         """What they mean, made when it is first asked for."""
         return Guessing(self._index, self.support)
 
-    def judged(self, served: Served, meaning: Meaning, language: str, trusted: Trusted) -> Served:
+    def judged(self, served: Served, clues: Clues, meaning: Meaning, language: str, trusted: Trusted) -> Served:
         """Return what is likelier: what the tables found, or a guess; and how probably it is meant."""
-        guess = self._guess(served, meaning, language)
+        guess = self._guess(served, clues, meaning, language)
         if guess is None:
             return served
         if served.scores and self._are_alike(guess.best, best_of(served.scores)):
@@ -55,41 +58,38 @@ class Guesses:
             return replace(served, sure=min(served.sure, guess.sure))
         return self._guessed(served, guess, scores)
 
-    def agreed(self, served: Served, meaning: Meaning, language: str) -> Served:
+    def sure(self, served: Served, clues: Clues, meaning: Meaning, language: str) -> float:
+        """Return how probably what the tables found is meant, no guess beside it."""
+        asked = self.asked(served, clues, meaning, language)
+        return 1.0 if asked is None or not served.scores else self.guessing.sure(*asked)
+
+    def agreed(self, served: Served, clues: Clues, meaning: Meaning, language: str) -> Served:
         """Return what tables left of a refusal, surer where a guess is the same: a guess hears no refusal itself."""
         if not served.scores or served.sure >= LEAST_SURE:
             return served
-        guess = self._guess(served, meaning, language)
-        if guess is None or guess.sure < LEAST_SURE or not self._are_alike(guess.best, best_of(served.scores)):
+        guess = self._guess(served, clues, meaning, language)
+        if guess is None or guess.sure < _LEAST_IN_SPITE or not self._are_alike(guess.best, best_of(served.scores)):
             return served
         return replace(served, sure=guess.sure, confidence=guess.sure)
 
     def told(self, served: Served, meaning: Meaning, language: str, trusted: Trusted) -> Served:
         """Return a sure guess where a negation only tells of something: “my jacket can't go in the washing machine”."""
-        guess = self._guess(served, meaning, language)
-        if guess is None or guess.sure < LEAST_SURE:
+        guess = self._guess(served, {}, meaning, language)
+        if guess is None or guess.sure < _LEAST_IN_SPITE:
             return served
         scores = trusted(guess.scores)
         return self._guessed(served, guess, scores) if guess.best in scores else served
 
-    def asked(self, served: Served, meaning: Meaning, language: str) -> tuple[Heard, Found] | None:
-        """What a stop says of every landmark, and what the tables found.
-
-        None where that is no place, or is certain: a name, or what is asked for in so many words.
-        """
+    def asked(self, served: Served, clues: Clues, meaning: Meaning, language: str) -> tuple[Heard, Found] | None:
+        """What a stop says of every landmark, and what the tables found; None where that is no place."""
         best = best_of(served.scores) if served.scores else None
         if not self.support.group_of or (best is not None and best not in self.support.group_of):
             return None
         reads_more = any(weight >= _READ for _, weight in meaning.wanted)
-        is_named = best is not None and served.way not in (Way.KIND, Way.GUESS)
-        is_sure = best is not None and served.sure >= LEAST_SURE
-        if is_sure and (is_named or served.is_said):
-            return None
-        found = Found(best, served.sure if served.scores else 0.0, is_named, is_sure, reads_more)
-        return self.guessing.heard(served.stop.what, language, served.read), found
+        return self.guessing.heard(served.stop.what, language, served.read), Found(best, clues, reads_more)
 
-    def _guess(self, served: Served, meaning: Meaning, language: str) -> Guess | None:
-        asked = self.asked(served, meaning, language)
+    def _guess(self, served: Served, clues: Clues, meaning: Meaning, language: str) -> Guess | None:
+        asked = self.asked(served, clues, meaning, language)
         return None if asked is None else self.guessing.best(*asked)
 
     def _are_alike(self, one: int, other: int) -> bool:

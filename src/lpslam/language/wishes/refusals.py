@@ -4,11 +4,12 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
+from lpslam.language.choosing.guessing import LEAST_SURE
 from lpslam.language.wishes.form import Stop
 from lpslam.language.wishes.rules import content_left, rules_of
-from lpslam.language.wishes.served import LEAST_SURE, Served, Way
+from lpslam.language.wishes.served import Served, Way
 
-_ALIKE = 0.9  # of the best score: what serves what is refused as well
+_ALIKE = 0.9  # of the best score: what serves what is refused, or what is left of what is wanted, as well
 _EQUAL = 0.97  # of the best score: what serves what is wanted as well
 _UNEXPLAINED = 0.5  # probability of one of several that serve, where it is not known what is refused
 _LEAST_REFUSED = 0.4  # probability that a place is what is refused, from which it is left out
@@ -77,10 +78,11 @@ def left_of(
         best = max(not_this.scores.values(), default=0.0)
         out.update(borne)
         out.update(id_ for id_, score in not_this.scores.items() if is_found and score >= _ALIKE * best)
-    left = {id_: score for id_, score in wanted.scores.items() if id_ not in out}
-    if len(left) == len(wanted.scores):
+    if out.isdisjoint(wanted.scores):
         # Nothing here is refused: then it is not known what was meant by it.
         return served if is_sure else replace(wanted, stop=served.stop)
+    # What comes far behind what is refused is not what was wanted.
+    left = {id_: score for id_, score in wanted.scores.items() if id_ not in out and score >= _ALIKE * top}
     if not left:
         return replace(served, scores={}, evidence=ALL_REFUSED) if is_sure else served
     best = max(left.values())

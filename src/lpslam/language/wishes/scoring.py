@@ -11,6 +11,7 @@ from itertools import pairwise
 
 from lpslam.language.building import steps_of
 from lpslam.language.choosing.choosing import Ranked, ranked
+from lpslam.language.choosing.guessing import LEAST_SURE
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import FITS, best_of, match
 from lpslam.language.choosing.support import Supported
@@ -26,7 +27,7 @@ from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.wishes.asked_words import AskedWords
 from lpslam.language.wishes.attributes import attributes_of, told_apart
 from lpslam.language.wishes.board_words import BoardWords
-from lpslam.language.wishes.certainty import clues_of, probability
+from lpslam.language.wishes.certainty import clues_of
 from lpslam.language.wishes.codes import without_codes
 from lpslam.language.wishes.form import Ask, Stop, with_meaning
 from lpslam.language.wishes.guesses import Guesses, is_told
@@ -36,7 +37,7 @@ from lpslam.language.wishes.opening import Opening
 from lpslam.language.wishes.reading import content_of, wish_languages
 from lpslam.language.wishes.refusals import left_of, parted
 from lpslam.language.wishes.rules import content_left, rules_of
-from lpslam.language.wishes.served import LEAST_SURE, UNQUESTIONED, Served, Way
+from lpslam.language.wishes.served import UNQUESTIONED, Served, Way
 from lpslam.language.wishes.sorts import Sorts
 from lpslam.language.wishes.trust import Trust
 
@@ -80,52 +81,65 @@ class EmbeddedScorer:
 
     def serve(self, stop: Stop) -> Served:
         """Return the landmarks that serve a stop: by identity, by name, else by what they are."""
-        served = self._judged(self._as_sure(self._found(stop))) if stop.what else self._trust.any_place(stop)
+        served = self._judged(self._found(stop)) if stop.what else self._trust.any_place(stop)
         return self._opening.open(served) if stop.at else served
 
     def clues(self, served: Served) -> dict[str, float]:
         """What tells how sure it is that what serves a stop is what was meant."""
         return clues_of(served, self._index, self._asked, self._knowledge)
 
-    def _as_sure(self, served: Served) -> Served:
-        """With how probable it is that what serves is what was meant; where that is little, the words of the boards."""
-        if not served.scores or served.way in UNQUESTIONED or self._says_what_tells(served):
-            return served
-        clues = self.clues(served)
-        if clues["is one"] >= 1.0 and clues["says so"] >= 1.0:
-            # Every word asks for this very kind, and the sign is one: “a restaurant”.
-            return replace(served, is_said=True)
-        sure = probability(clues)
-        is_said = clues["says so"] >= 1.0 and clues["length"] <= _BRIEF
-        served = replace(served, sure=sure, confidence=min(served.confidence, sure), is_said=is_said)
-        if sure >= LEAST_SURE or served.way not in (Way.KIND, Way.GUESS):
-            return served
-        numbered = self._numbered(served.stop, served.ignored)
-        if numbered is not None:
-            return numbered
-        meaning = self._read(served.stop)
-        said = self._by_words(served.stop, meaning, served.ignored)
-        other = probability(self.clues(said)) if said is not None and said.scores else 0.0
-        if max(other, sure) < LEAST_SURE and (heard := self._by_ear(served.stop, meaning, served.ignored)) is not None:
-            return heard
-        return served if said is None or other <= sure else replace(said, sure=other, confidence=other)
-
     def _judged(self, served: Served) -> Served:
-        """Where tables find nothing sure, a guess; nothing that is refused is weighed."""
+        """With how probable it is that what serves is what was meant; a guess where that is likelier."""
         stop = served.stop
-        if served.settled or stop.identity or is_told(stop) or served.way in UNQUESTIONED[1:]:
+        if served.settled or stop.identity or served.way in UNQUESTIONED[1:]:
             return served
         meaning = self._read(stop)
+        language = self._language(stop, meaning)
+        served, clues = self._surest(served, meaning, language)
+        if is_told(stop) or served.way in UNQUESTIONED[1:]:
+            return served
         if self._boards.refuses(stop.what, meaning):
-            language = self._language(stop, meaning)
-            left = self._guesses.agreed(self._without_refused(served, language), meaning, language)
+            left = self._without_refused(served, language)
+            left = self._guesses.agreed(left, self.clues(left) if left.scores else {}, meaning, language)
             is_found = bool(left.scores) and left.sure >= LEAST_SURE
             if is_found or meaning.contradicted or self._boards.leaves_out(stop.what, language):
                 return left
             return self._guesses.told(left, meaning, language, partial(self._not_refused, stop, meaning))
-        if meaning.wanted_names or meaning.contested or self._boards.is_bare_name(stop.what):
+        is_bare = meaning.wanted_names or meaning.contested or self._boards.is_bare_name(stop.what)
+        if is_bare or served.is_said or (served.scores and not clues):
             return served
-        return self._guesses.judged(served, meaning, self._language(stop, meaning), partial(self._not_otherwise, stop))
+        return self._guesses.judged(served, clues, meaning, language, partial(self._not_otherwise, stop))
+
+    def _surest(self, served: Served, meaning: Meaning, language: str) -> tuple[Served, Mapping[str, float]]:
+        """What tables found, and how sure that is; where it is little, what the words of boards say.
+
+        With the clues, none where nothing is to be doubted.
+        """
+        if not served.scores or served.way is Way.NAME or self._says_what_tells(served):
+            return served, {}
+        clues = self.clues(served)
+        is_turn = clues["phrase of several words"] > 0.0 and clues["length"] <= _BRIEF
+        if clues["says so"] >= 1.0 and (clues["is one"] >= 1.0 or is_turn):
+            # Every word asks for this very kind, and the sign is one: “a restaurant”; or all is one turn of phrase.
+            return replace(served, is_said=True), {}
+        sure = self._guesses.sure(served, clues, meaning, language)
+        is_said = clues["says so"] >= 1.0 and clues["length"] <= _BRIEF and sure >= LEAST_SURE
+        served = replace(served, sure=sure, confidence=min(served.confidence, sure), is_said=is_said)
+        if sure >= LEAST_SURE or served.way not in (Way.KIND, Way.GUESS):
+            return served, clues
+        numbered = self._numbered(served.stop, served.ignored)
+        if numbered is not None:
+            return numbered, {}
+        said = self._by_words(served.stop, meaning, served.ignored)
+        other, of_said = 0.0, dict[str, float]()
+        if said is not None and said.scores:
+            of_said = self.clues(said)
+            other = self._guesses.sure(said, of_said, meaning, language)
+        if max(other, sure) < LEAST_SURE and (heard := self._by_ear(served.stop, meaning, served.ignored)) is not None:
+            return heard, {}
+        if said is None or other <= sure:
+            return served, clues
+        return replace(said, sure=other, confidence=other), of_said
 
     def _not_otherwise(self, stop: Stop, scores: Mapping[int, float]) -> dict[int, float]:
         """Landmarks that may be trusted, and whose boards say nothing else: the north entrance is not the east one."""

@@ -7,10 +7,6 @@ from typing import Protocol
 
 from lpslam.language.wishes.form import Stop
 
-LEAST_SURE = 0.75
-"""Probability of a place to be what was meant, below which the answer is none: a wrong one is three times as bad."""
-
-
 _LEAST_ANCHOR = 0.4  # probability of a guess from which it is an anchor, as it is a stop of a plan
 NOT_SURE = "it is not sure what is meant"
 
