@@ -29,7 +29,7 @@ def chosen(question: str, names: tuple[str, ...] = NAMES) -> str | None:
 def support_of(names: tuple[str, ...]) -> Support:
     knowledge = load_knowledge()
     index = LandmarkIndex(marks_of(names), load_sign_reader(), knowledge)
-    return Support(index, lambda word: (), knowledge)
+    return Support(index, lambda word: (), lambda word: (), knowledge)
 
 
 @pytest.mark.parametrize(

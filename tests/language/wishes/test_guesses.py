@@ -26,7 +26,7 @@ def found(question: str, boards: Sequence[str]) -> list[str | None]:
 def guessing_of(boards: Sequence[str]) -> Guessing:
     knowledge = load_knowledge()
     index = LandmarkIndex([Candidate(at, name) for at, name in enumerate(boards)], load_sign_reader(), knowledge)
-    return Guessing(index, Support(index, lambda word: set(), knowledge))
+    return Guessing(index, Support(index, lambda word: set(), lambda word: set(), knowledge))
 
 
 def test_what_no_table_reads_is_guessed_by_its_meaning() -> None:

@@ -4,6 +4,9 @@ import pytest
 
 from lpslam.language.model import Candidate
 from lpslam.language.offline import OfflineModel
+from lpslam.language.signs.reader import load_sign_reader
+from lpslam.language.tables.knowledge import load_knowledge
+from lpslam.language.wishes.names import Names
 
 BOARDS = (
     "GRAND STREET 1070 a cowte m 653",
@@ -74,3 +77,17 @@ def test_what_stands_on_no_board_abstains(model: OfflineModel, question: str) ->
 
 def test_a_name_that_is_refused_is_not_found(model: OfflineModel) -> None:
     assert "Starbucks" not in found(model, "coffee, but not at Starbucks")
+
+
+@pytest.mark.parametrize(
+    ("question", "board"),
+    [("la bibli", "Bibliothèque"), ("adoptieren", "Zimmer 9 Adoption"), ("la carni", "Carnicería Paco")],
+)
+def test_words_that_begin_alike_speak_for_a_board(question: str, board: str) -> None:
+    names = Names(
+        [Candidate(at, name) for at, name in enumerate((board, "Salle 3", "Kasse"))],
+        load_knowledge(),
+        load_sign_reader().repair,
+    )
+    words = [names.akin(word) for word in load_knowledge().folder.units(question)]
+    assert set().union(*words) == {0}

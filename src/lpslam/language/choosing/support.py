@@ -20,6 +20,7 @@ from lpslam.language.tables.knowledge import Knowledge
 _LEAST_SERVED = 0.3  # a kind that serves a concept less than this does not speak for it
 _OF_WORDS, _OF_BEST, _OF_READING = 1.3, 1.8, 1.4
 """What evidence weighs, what tables read of a place as a share of the best, and as it is (a fit of choices to sets)."""
+_AKIN = 0.6  # of what a word of a board says, what another that begins alike says
 _SAYS = 0.5  # evidence of a word that speaks for a place
 _FARTHEST = 1.6  # below the best score: what comes less near is not offered
 
@@ -47,10 +48,16 @@ class Supported:
 class Support:
     """The groups of landmarks of a map by the concepts that they serve."""
 
-    def __init__(self, index: LandmarkIndex, bearing: Callable[[str], Collection[int]], knowledge: Knowledge) -> None:
-        """`bearing` returns the landmarks whose boards bear a word."""
+    def __init__(
+        self,
+        index: LandmarkIndex,
+        bearing: Callable[[str], Collection[int]],
+        akin: Callable[[str], Collection[int]],
+        knowledge: Knowledge,
+    ) -> None:
+        """`bearing` returns the landmarks whose boards bear a word, `akin` those that bear one that begins alike."""
         self.knowledge = knowledge
-        self._bearing = bearing
+        self._bearing, self._akin = bearing, akin
         self._count = len(index.landmarks)
         groups = [(kinds, ids) for kinds, ids in index.groups.items() if not kinds or index.signs[ids[0]].is_place]
         self.ids = [ids for _, ids in groups]
@@ -150,10 +157,11 @@ class Support:
         """How much the words of a question speak for the landmarks whose boards bear them, the rarer the more."""
         found: dict[int, float] = defaultdict(float)
         for term in terms:
-            ids = self._bearing(term.replace(" ", ""))
-            for id_ in ids:
-                if id_ in self.group_of:
-                    found[id_] += math.log1p(self._count / len(ids))
+            word = term.replace(" ", "")
+            for ids, share in ((self._bearing(word), 1.0), (self._akin(word), _AKIN)):
+                for id_ in ids:
+                    if id_ in self.group_of:
+                        found[id_] += share * math.log1p(self._count / len(ids))
         return found
 
     def _scored(

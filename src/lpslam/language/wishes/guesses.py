@@ -1,6 +1,6 @@
 """Guesses beside what the tables found: they answer where tables find nothing sure, and may doubt what those found."""
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cached_property
 
@@ -13,6 +13,7 @@ from lpslam.language.questions.wanted import Wish as Meaning
 from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.wishes.form import Stop, Which
+from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.served import Served, Way
 
 _LEAST_OFFERED = 0.25  # probability of a guess from which it fills a gap in a plan
@@ -33,13 +34,13 @@ def is_told(stop: Stop) -> bool:
 class Guesses:
     """The guesses about one set of landmarks."""
 
-    def __init__(self, index: LandmarkIndex, bearing: Callable[[str], Collection[int]], knowledge: Knowledge) -> None:
-        self._index, self._bearing, self._knowledge = index, bearing, knowledge
+    def __init__(self, index: LandmarkIndex, names: Names, knowledge: Knowledge) -> None:
+        self._index, self._names, self._knowledge = index, names, knowledge
 
     @cached_property
     def support(self) -> Support:
         """What speaks for the landmarks, made when it is first asked for."""
-        return Support(self._index, self._bearing, self._knowledge)
+        return Support(self._index, self._names.bearing, self._names.akin, self._knowledge)
 
     @cached_property
     def guessing(self) -> Guessing:

@@ -27,6 +27,7 @@ _LONG = 5  # letters of a word in which a slip is forgiven
 _CONSONANTS = 4  # of a name that is compared by them alone: フェルメール is Vermeer
 _HOMOPHONES = 3  # characters of a name that is compared by how they are read: 同仁唐 is 同仁堂
 _ACROSS = 80.0  # of 100: a name in other letters sounds the same
+_STEM, _STEM_SHARE = 5, 0.6  # letters with which words begin alike, at least, and their share of the shorter one
 _SHORTEST = 4  # letters of a name that may be compared across scripts
 
 
@@ -92,6 +93,24 @@ class Names:
     def bearing(self, piece: str) -> set[int]:
         """Landmarks whose boards bear a word just so, or two characters of a script without spaces."""
         return self._ids_of.get(piece, set())
+
+    def akin(self, word: str) -> set[int]:
+        """Landmarks whose boards bear another word that begins alike: adoptieren, Adoption."""
+        found: set[int] = set()
+        for unit in self._by_stem.get(word[:_STEM], ()) if len(word) >= _STEM else ():
+            alike = next((at for at, (a, b) in enumerate(zip(word, unit, strict=False)) if a != b), None)
+            common = min(len(word), len(unit)) if alike is None else alike
+            if unit != word and common >= _STEM_SHARE * min(len(word), len(unit)):
+                found |= self._ids_of[unit]
+        return found
+
+    @cached_property
+    def _by_stem(self) -> dict[str, list[str]]:
+        found: dict[str, list[str]] = {}
+        for unit in self._ids_of:
+            if len(unit) >= _STEM and not is_unspaced(unit):
+                found.setdefault(unit[:_STEM], []).append(unit)
+        return found
 
     def _bearing(self, word: str) -> set[int]:
         """Landmarks that may bear a word: its own, one a slip away, or all pairs of its characters."""

@@ -70,7 +70,7 @@ class EmbeddedScorer:
         self._sorts = Sorts(landmarks, index, knowledge)
         self._opening = Opening(landmarks)
         self._by_id = {mark.id: mark for mark in landmarks}
-        self._guesses = Guesses(index, self._names.bearing, knowledge)
+        self._guesses = Guesses(index, self._names, knowledge)
         self._trust = Trust(landmarks, index)
         self._trusted = self._trust.of
 
@@ -300,7 +300,7 @@ class EmbeddedScorer:
         if not scores and self._is_missing(stop, meaning):
             return None
         found = self._guesses.support.of(stop.what, self._language(stop, meaning), scores)
-        kept = _within(self._trusted(found.scores), within)
+        kept = self._identities.of_the_number(stop.what, _within(self._trusted(found.scores), within))
         return replace(found, scores=kept) if kept else None
 
     def _spoken_for(self, stop: Stop, tables: Ranked, supported: Supported) -> Callable[[int], str]:
