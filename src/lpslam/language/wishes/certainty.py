@@ -18,7 +18,6 @@ from lpslam.language.wishes.served import Served, Way
 
 _RIVALS = 0.97  # of the best score: what serves as well
 _MOST_UNITS = 20  # units of a question that count as many
-_UNSPACED = frozenset({"zh", "ja", "ko"})
 
 
 def clues_of(served: Served, index: LandmarkIndex, asked: AskedWords, knowledge: Knowledge) -> dict[str, float]:
@@ -57,15 +56,6 @@ def clues_of(served: Served, index: LandmarkIndex, asked: AskedWords, knowledge:
     weight = dict(wish.wanted)
     direct = max((weight[each] * likeness(each, kinds, knowledge) for each in meant), default=0.0)
     offered = max((weight[each] * match(each, kinds, knowledge) for each in meant), default=0.0)
-    painted = knowledge.folder.units(index.name_of[best])
-    said_on_board = {
-        at
-        for span in longest_phrases(painted, (knowledge.painted,))
-        if any(concept in dict(kinds) for concept, _ in span.value.concepts)
-        for at in range(span.start, span.end)
-    }
-    letters = [len(unit) for unit in painted if not is_mark(unit) and not unit.isdigit()]
-    told = [len(painted[at]) for at in said_on_board if at < len(painted)]
     is_kind = served.way is Way.KIND
     clues = {
         "is one": direct if is_kind else 0.0,
@@ -73,31 +63,18 @@ def clues_of(served: Served, index: LandmarkIndex, asked: AskedWords, knowledge:
         "longest phrase": longest / 10.0 if is_kind else 0.0,
         "phrase of several words": float(is_kind and several),
         "unread signs": index.unread,
-        "shops around": index.shops,
-        "board says so": sum(told) / max(sum(letters), 1) if is_kind else 0.0,
-        "place asked for": float(any("/" in each for each in meant)),
         "strength": served.strength if is_kind else 0.0,
         "strength of words": served.strength if served.way in (Way.WORDS, Way.NAME) else 0.0,
-        "strength of a guess": served.strength if served.way is Way.GUESS else 0.0,
         "lead by tables": (top - max(others, default=0.0)) / top,
         "rivals": math.log(len(ties)),
         "says so": sum(at in telling for at in own) / words if is_kind else 0.0,
-        "nothing says so": float(is_kind and not telling),
         "not known": sum(at not in known for at in own) / words,
-        "some not known": math.log1p(sum(at not in known for at in own)),
         "length": math.log1p(min(len(own), _MOST_UNITS)),
-        "meant first of all": max(meant.values(), default=0.0),
         "wants much": math.log1p(len(wish.wanted)),
-        "wants more than it gets": 1.0 - len(meant) / max(len(wish.wanted), 1),
         "only general": float(bool(meant) and all(each in knowledge.general for each in meant)),
-        "refuses": float(bool(wish.refused)),
-        "sure sign": max((weight for _, weight in kinds), default=0.0),
         "sign of many kinds": math.log1p(len(kinds)),
         "brand": float(bool(index.signs[best].identity)),
-        "no spaces": float(language in _UNSPACED),
         "language not told": float(wish.language is None),
     }
     clues |= {name: served.heard.get(name, 0.0) for name in CLUES}
-    for way in (Way.NAME, Way.WORDS, Way.TOLD, Way.GUESS):
-        clues[way.value] = float(served.way is way)
-    return clues
+    return clues | {"name": float(served.way is Way.NAME), "guess": float(served.way is Way.GUESS)}

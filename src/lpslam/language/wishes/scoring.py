@@ -127,14 +127,11 @@ class EmbeddedScorer:
         served = replace(served, sure=sure, confidence=min(served.confidence, sure), is_said=is_said)
         if sure >= LEAST_SURE or served.way not in (Way.KIND, Way.GUESS):
             return served, clues
-        numbered = self._numbered(served.stop, served.ignored)
-        if numbered is not None:
+        if (numbered := self._numbered(served.stop, served.ignored)) is not None:
             return numbered, {}
         said = self._by_words(served.stop, meaning, served.ignored)
-        other, of_said = 0.0, dict[str, float]()
-        if said is not None and said.scores:
-            of_said = self.clues(said)
-            other = self._guesses.sure(said, of_said, meaning, language)
+        of_said = self.clues(said) if said is not None and said.scores else {}
+        other = self._guesses.sure(said, of_said, meaning, language) if said is not None and of_said else 0.0
         if max(other, sure) < LEAST_SURE and (heard := self._by_ear(served.stop, meaning, served.ignored)) is not None:
             return heard, {}
         if said is None or other <= sure:
