@@ -17,7 +17,7 @@ from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.served import Served, Way
 
 _LEAST_OFFERED = 0.25  # probability of a guess from which it fills a gap in a plan
-_LEAST_IN_SPITE = 0.75  # probability of a guess that hears no negation, from which it answers in spite of one
+LEAST_IN_SPITE = 0.75  # probability from which what hears no negation, or no name, answers in spite of one
 _READ = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
 
 Trusted = Callable[[Mapping[int, float]], dict[int, float]]
@@ -69,14 +69,14 @@ class Guesses:
         if not served.scores or served.sure >= LEAST_SURE:
             return served
         guess = self._guess(served, clues, meaning, language)
-        if guess is None or guess.sure < _LEAST_IN_SPITE or not self._are_alike(guess.best, best_of(served.scores)):
+        if guess is None or guess.sure < LEAST_IN_SPITE or not self._are_alike(guess.best, best_of(served.scores)):
             return served
         return replace(served, sure=guess.sure, confidence=guess.sure)
 
     def told(self, served: Served, meaning: Meaning, language: str, trusted: Trusted) -> Served:
         """Return a sure guess where a negation only tells of something: “my jacket can't go in the washing machine”."""
         guess = self._guess(served, {}, meaning, language)
-        if guess is None or guess.sure < _LEAST_IN_SPITE:
+        if guess is None or guess.sure < LEAST_IN_SPITE:
             return served
         scores = trusted(guess.scores)
         return self._guessed(served, guess, scores) if guess.best in scores else served

@@ -30,7 +30,7 @@ from lpslam.language.wishes.board_words import BoardWords
 from lpslam.language.wishes.certainty import clues_of
 from lpslam.language.wishes.codes import without_codes
 from lpslam.language.wishes.form import Ask, Stop, with_meaning
-from lpslam.language.wishes.guesses import Guesses, is_told
+from lpslam.language.wishes.guesses import LEAST_IN_SPITE, Guesses, is_told
 from lpslam.language.wishes.identities import Identities
 from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.opening import Opening
@@ -46,6 +46,7 @@ _SHORT_QUESTION = 8  # words of a question whose capital is the name that it ask
 _BRIEF = math.log1p(2)  # of a wish of two words, as `clues_of` has its length: “milk”
 _COMPARABLE = 0.6  # of the best score: places that an attribute may tell apart
 _SHORT_NAME = 5  # words of an anchor that is a name
+_OFFERS = 0.8  # of what is asked for: a place that has it of its own
 _DISTRUSTED = "what the only such board says reads as if it spoke to a machine"
 _NAMED = 0.9  # of what alone tells a place
 _WHOLE = 0.95  # of a name's letters: the name itself
@@ -73,6 +74,7 @@ class EmbeddedScorer:
         self._guesses = Guesses(index, self._names, knowledge)
         self._trust = Trust(landmarks, index)
         self._trusted = self._trust.of
+        self._clues = partial(clues_of, index=index, asked=self._asked, knowledge=knowledge)
 
     def steps(self) -> Iterator[None]:
         """Build what is made when it is first asked for, a little at a time."""
@@ -83,10 +85,6 @@ class EmbeddedScorer:
         """Return the landmarks that serve a stop: by identity, by name, else by what they are."""
         served = self._judged(self._found(stop)) if stop.what else self._trust.any_place(stop)
         return self._opening.open(served) if stop.at else served
-
-    def clues(self, served: Served) -> dict[str, float]:
-        """What tells how sure it is that what serves a stop is what was meant."""
-        return clues_of(served, self._index, self._asked, self._knowledge)
 
     def _judged(self, served: Served) -> Served:
         """With how probable it is that what serves is what was meant; a guess where that is likelier."""
@@ -100,13 +98,15 @@ class EmbeddedScorer:
             return served
         if self._boards.refuses(stop.what, meaning):
             left = self._without_refused(served, language)
-            left = self._guesses.agreed(left, self.clues(left) if left.scores else {}, meaning, language)
+            left = self._guesses.agreed(left, self._clues(left) if left.scores else {}, meaning, language)
             is_found = bool(left.scores) and left.sure >= LEAST_SURE
             if is_found or meaning.contradicted or self._boards.leaves_out(stop.what, language):
                 return left
             return self._guesses.told(left, meaning, language, partial(self._not_refused, stop, meaning))
-        is_bare = meaning.wanted_names or meaning.contested or self._boards.is_bare_name(stop.what)
-        if is_bare or served.is_said or (served.scores and not clues):
+        if self._boards.is_bare_name(stop.what):
+            # A name that stands on no board is hardly answered by another place.
+            return served if served.sure >= LEAST_IN_SPITE else replace(served, sure=0.0)
+        if meaning.wanted_names or meaning.contested or served.is_said or (served.scores and not clues):
             return served
         return self._guesses.judged(served, clues, meaning, language, partial(self._not_otherwise, stop))
 
@@ -117,20 +117,21 @@ class EmbeddedScorer:
         """
         if not served.scores or served.way is Way.NAME or self._says_what_tells(served):
             return served, {}
-        clues = self.clues(served)
-        is_turn = clues["phrase of several words"] > 0.0 and clues["length"] <= _BRIEF
-        if clues["says so"] >= 1.0 and (clues["is one"] >= 1.0 or is_turn):
-            # Every word asks for this very kind, and the sign is one: “a restaurant”; or all is one turn of phrase.
+        clues = self._clues(served)
+        offers = max(clues["is one"], clues["offers it"], clues["phrase of several words"]) >= _OFFERS
+        is_said = clues["says so"] >= 1.0 and clues["length"] <= _BRIEF
+        if (is_said and offers) or min(clues["says so"], clues["is one"]) >= 1.0:
+            # Every word asks for this very kind, and the sign is one: “a restaurant”; or two for what it offers.
             return replace(served, is_said=True), {}
         sure = self._guesses.sure(served, clues, meaning, language)
-        is_said = clues["says so"] >= 1.0 and clues["length"] <= _BRIEF and sure >= LEAST_SURE
+        is_said = is_said and sure >= LEAST_SURE
         served = replace(served, sure=sure, confidence=min(served.confidence, sure), is_said=is_said)
         if sure >= LEAST_SURE or served.way not in (Way.KIND, Way.GUESS):
             return served, clues
         if (numbered := self._numbered(served.stop, served.ignored)) is not None:
             return numbered, {}
         said = self._by_words(served.stop, meaning, served.ignored)
-        of_said = self.clues(said) if said is not None and said.scores else {}
+        of_said = self._clues(said) if said is not None and said.scores else {}
         other = self._guesses.sure(said, of_said, meaning, language) if said is not None and of_said else 0.0
         if max(other, sure) < LEAST_SURE and (heard := self._by_ear(served.stop, meaning, served.ignored)) is not None:
             return heard, {}
@@ -307,8 +308,7 @@ class EmbeddedScorer:
         words = phrases.join(supported.words) or stop.what
 
         def why(id_: int) -> str:
-            is_by_words = id_ == best != tables.choice.landmark
-            if id_ in tables.scores and not is_by_words:
+            if id_ in tables.scores and not id_ == best != tables.choice.landmark:
                 return tables.reason(id_)
             name = clean_text(self._index.name_of[id_])
             return phrases.say("words_speak", words=words if id_ == best else stop.what, name=name)
