@@ -18,6 +18,7 @@ from lpslam.language.wishes.served import Served, Way
 
 _LEAST_OFFERED = 0.25  # probability of a guess from which it fills a gap in a plan
 LEAST_IN_SPITE = 0.75  # probability from which what hears no negation, or no name, answers in spite of one
+_AS_WELL = 0.97  # of the best score: what serves as well
 _READ = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
 
 Trusted = Callable[[Mapping[int, float]], dict[int, float]]
@@ -52,7 +53,7 @@ class Guesses:
         guess = self._guess(served, clues, meaning, language)
         if guess is None:
             return served
-        if served.scores and self._are_alike(guess.best, best_of(served.scores)):
+        if served.scores and self._serves_as_well(guess.best, served.scores):
             return replace(served, sure=guess.sure, confidence=min(served.confidence, guess.sure))
         scores = trusted(guess.scores)
         if guess.best not in scores or guess.sure < _LEAST_OFFERED:
@@ -92,6 +93,11 @@ class Guesses:
     def _guess(self, served: Served, clues: Clues, meaning: Meaning, language: str) -> Guess | None:
         asked = self.asked(served, clues, meaning, language)
         return None if asked is None else self.guessing.best(*asked)
+
+    def _serves_as_well(self, id_: int, scores: Mapping[int, float]) -> bool:
+        """Whether a landmark is a place of the best one's kind, or serves as well as it."""
+        best = best_of(scores)
+        return scores.get(id_, 0.0) >= _AS_WELL * scores[best] or self._are_alike(id_, best)
 
     def _are_alike(self, one: int, other: int) -> bool:
         """Whether two landmarks are places of one kind."""
