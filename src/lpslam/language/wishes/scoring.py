@@ -111,14 +111,13 @@ class EmbeddedScorer:
         return self._guesses.judged(served, clues, meaning, language, partial(self._not_otherwise, stop))
 
     def _surest(self, served: Served, meaning: Meaning, language: str) -> tuple[Served, Mapping[str, float]]:
-        """What tables found, and how sure that is; where it is little, what the words of boards say.
-
-        With the clues, none where nothing is to be doubted.
-        """
+        """What tables found, or boards say where that is unsure; and its clues, none where nothing is to be doubted."""
         if not served.scores or served.way is Way.NAME or self._says_what_tells(served):
             return served, {}
         clues = self._clues(served)
-        offers = max(clues["is one"], clues["offers it"], clues["phrase of several words"]) >= _OFFERS
+        offers = (
+            max(clues[each] for each in ("is one", "offers it", "phrase of several words", "only general")) >= _OFFERS
+        )
         is_said = clues["says so"] >= 1.0 and clues["length"] <= _BRIEF
         if (is_said and offers) or min(clues["says so"], clues["is one"]) >= 1.0:
             # Every word asks for this very kind, and the sign is one: “a restaurant”; or two for what it offers.
@@ -141,7 +140,7 @@ class EmbeddedScorer:
 
     def _not_otherwise(self, stop: Stop, scores: Mapping[int, float]) -> dict[int, float]:
         """Landmarks that may be trusted, and whose boards say nothing else: the north entrance is not the east one."""
-        asked = attributes_of(stop.what)
+        asked = self._attributes(stop)
         return {
             id_: score
             for id_, score in self._trusted(scores).items()
@@ -298,7 +297,7 @@ class EmbeddedScorer:
         if not scores and self._is_missing(stop, meaning):
             return None
         found = self._guesses.support.of(stop.what, self._language(stop, meaning), scores)
-        kept = self._identities.of_the_number(stop.what, _within(self._trusted(found.scores), within))
+        kept = self._identities.of_the_number(stop.what, _within(self._not_otherwise(stop, found.scores), within))
         return replace(found, scores=kept) if kept else None
 
     def _spoken_for(self, stop: Stop, tables: Ranked, supported: Supported) -> Callable[[int], str]:
