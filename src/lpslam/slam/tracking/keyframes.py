@@ -33,7 +33,12 @@ class Keyframes:
         self._most_at = -np.inf
 
     def wants(
-        self, timestamp: float, features: Features, is_matched: NDArray[np.bool_], is_mapping_idle: bool = True
+        self,
+        timestamp: float,
+        features: Features,
+        is_matched: NDArray[np.bool_],
+        is_mapping_idle: bool = True,
+        frame_interval: float = 0.0,
     ) -> bool:
         """Judge a tracked frame.
 
@@ -42,14 +47,16 @@ class Keyframes:
             features: its keypoints, n rows.
             is_matched: (n,) which of them see a map point.
             is_mapping_idle: whether the keyframes before are worked into the map; what is not urgent waits for that.
+            frame_interval: seconds since the frame before.
         """
         config = self._config
         matches = int(is_matched.sum())
         if matches >= self._most_matches:
             self._most_matches, self._most_at = matches, timestamp
         elapsed = timestamp - self._last_time
-        # Half a millisecond of grace: timestamps are rounded.
-        if elapsed < config.min_interval - 5e-4 and matches >= config.urgent_share * self._most_matches:
+        # The frame that comes nearest to it: at 15 frames a second the next but one would be a third late.
+        grace = 0.5 * frame_interval + _ROUNDING
+        if elapsed < config.min_interval - grace and matches >= config.urgent_share * self._most_matches:
             return False
         close = features.has_depth & (features.depth < config.close_depth)
         tracked, untracked = int((close & is_matched).sum()), int((close & ~is_matched).sum())
@@ -115,3 +122,7 @@ class Keyframes:
         points = np.where(far >= 0, far, points)
         self._last_time, self._most_matches, self._most_at = frame.timestamp, 0, frame.timestamp
         return keyframe, replace(estimate, points=points)
+
+
+_ROUNDING = 5e-4
+"""Seconds to which timestamps are rounded at worst."""

@@ -349,10 +349,11 @@ class Tracker:
 
     def _is_wanted(self, picture: Picture, estimate: Estimate) -> bool:
         """Whether a frame should become a keyframe."""
-        keyframes, is_matched = self._keyframes, estimate.points >= 0
+        keyframes, is_matched, last = self._keyframes, estimate.points >= 0, self._where.last
+        interval = 0.0 if last is None else picture.timestamp - last.timestamp
         return (
             self._grows
-            and keyframes.wants(picture.timestamp, picture.features, is_matched, self._is_mapping_idle())
+            and keyframes.wants(picture.timestamp, picture.features, is_matched, self._is_mapping_idle(), interval)
             and not keyframes.is_known_view(estimate, self._where.reference)
         )
 
