@@ -134,7 +134,7 @@ class _Solver:
             return self._none(served, (said, *notes), self._listed(served))
         if not served.scores:
             return self._none(served, (served.evidence, *notes))
-        if served.sure < least:
+        if served.sure < least * served.strictness:
             unsure = self._listed(served)[: self.config.alternatives]
             return self._none(served, (served.doubt, *notes), unsure)
         if stop.relation is None:

@@ -58,7 +58,12 @@ class Guesses:
         scores = trusted(guess.scores)
         if guess.best not in scores or guess.sure < _LEAST_OFFERED:
             return replace(served, sure=min(served.sure, guess.sure))
-        return self._guessed(served, guess, scores)
+        guessed = self._guessed(served, guess, scores)
+        if served.scores or not any(weight >= _READ for _, weight in meaning.wanted):
+            return guessed
+        # What was read, and is nowhere here, is not answered by what is only near it: pizza by fried chicken.
+        strict = replace(guessed, strictness=LEAST_IN_SPITE / LEAST_SURE, doubt=served.evidence)
+        return strict if guess.sure >= LEAST_IN_SPITE else replace(strict, confidence=served.confidence)
 
     def sure(self, served: Served, clues: Clues, meaning: Meaning, language: str) -> float:
         """Return how probably what the tables found is meant, no guess beside it."""
