@@ -96,6 +96,8 @@ class Guessing:
         self._groups = np.array(list(support.group_of.values()), int)
         self._row_of = {id_: row for row, id_ in enumerate(support.group_of)}
         self._size = len(index.landmarks)
+        # What tables found and a guess beside it are judged one after the other, of the same words.
+        self._last: tuple[tuple[Any, ...], Heard] | None = None
         # Numbers say nothing of what a board means.
         said = {mark.id: _NUMBER.sub(" ", " ".join([mark.name, *mark.lines])) for mark in index.landmarks}
         texts = {text: at for at, text in enumerate(dict.fromkeys(said[id_] for id_ in support.group_of))}
@@ -114,6 +116,12 @@ class Guessing:
 
     def heard(self, question: str, language: str, read: Mapping[int, float]) -> Heard:
         """Return what a question says of every landmark; `read` is how well each serves what the tables read."""
+        asked_of, last = (question, language, *read.items()), self._last
+        if last is None or last[0] != asked_of:
+            last = self._last = asked_of, self._heard(question, language, read)
+        return last[1]
+
+    def _heard(self, question: str, language: str, read: Mapping[int, float]) -> Heard:
         terms, evidence, _ = self._support.evidence(question, language)
         own = self._support.borne(terms)
         borne = np.zeros(len(self._ids))
