@@ -14,11 +14,10 @@ from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.wishes.form import Stop, Which
 from lpslam.language.wishes.names import Names
-from lpslam.language.wishes.served import Served, Way
+from lpslam.language.wishes.served import AS_WELL, Served, Way
 
 _LEAST_OFFERED = 0.25  # probability of a guess from which it fills a gap in a plan
 LEAST_IN_SPITE = 0.75  # probability from which what hears no negation, or no name, answers in spite of one
-_AS_WELL = 0.97  # of the best score: what serves as well
 _READ = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
 
 Trusted = Callable[[Mapping[int, float]], dict[int, float]]
@@ -102,7 +101,7 @@ class Guesses:
     def _serves_as_well(self, id_: int, scores: Mapping[int, float]) -> bool:
         """Whether a landmark is a place of the best one's kind, or serves as well as it."""
         best = best_of(scores)
-        return scores.get(id_, 0.0) >= _AS_WELL * scores[best] or self._are_alike(id_, best)
+        return scores.get(id_, 0.0) >= AS_WELL * scores[best] or self._are_alike(id_, best)
 
     def _are_alike(self, one: int, other: int) -> bool:
         """Whether two landmarks are places of one kind."""

@@ -27,12 +27,12 @@ from lpslam.language.wishes.codes import (
 from lpslam.language.wishes.form import Identity, Sort, Stop
 from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.rules import person_of
+from lpslam.language.wishes.served import AS_WELL
 
 _SURE = 1.0  # of a code or person
 _LONG_NUMBER = 3  # digits of a number that is a room's even where its board does not say so
 _LONG_KEY = 2  # letters and digits of a code that may be misread
 _SHORTEST_WORD = 3  # letters of a word for what is numbered here
-_AS_WELL = 0.97  # of the best score: what serves as well
 _FEWEST_OF_A_SORT = 2
 _ENDINGS = re.compile("(?:es|s|er|en|e|n)$")  # of plurals
 _BY_THE_WAY = frozenset({"floor", "building", "zone"})
@@ -170,7 +170,7 @@ class Identities:
     def of_the_number(self, what: str, scores: Mapping[int, float]) -> dict[int, float]:
         """Of boards of one sort, the one that bears the number that is said: “mine is locker 37” is Lockers 1–60."""
         top = max(scores.values(), default=0.0)
-        best = [id_ for id_, score in scores.items() if score >= _AS_WELL * top]
+        best = [id_ for id_, score in scores.items() if score >= AS_WELL * top]
         if len(best) < _FEWEST_OF_A_SORT or not all(self.codes[id_] for id_ in best):
             return dict(scores)
         bearing = ([id_ for id_ in best if any(e.bears(code) for e in self.codes[id_])] for code in numbers_in(what))

@@ -28,6 +28,9 @@ class Way(StrEnum):
 UNQUESTIONED = (Way.PLACE, Way.IDENTITY, Way.SORT, Way.HEARD)
 """What is told by the map, must stand on the board, or sounds like one name alone: no words to be mistaken."""
 
+AS_WELL = 0.97
+"""Of the best score: what serves as well."""
+
 
 @dataclass(frozen=True, slots=True)
 class Served:

@@ -6,7 +6,6 @@ from functools import cached_property
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.model import Candidate
 from lpslam.language.signs.distrust import commands
-from lpslam.language.signs.wording import WARNING
 from lpslam.language.wishes.barred import barred
 from lpslam.language.wishes.form import Ask, Stop
 from lpslam.language.wishes.served import Served
@@ -42,9 +41,7 @@ class Trust:
 
     @cached_property
     def _warning(self) -> frozenset[int]:
-        return frozenset(
-            id_ for id_, sign in self._index.signs.items() if any(kind == WARNING for kind, _ in sign.kinds)
-        )
+        return frozenset(id_ for id_, sign in self._index.signs.items() if sign.warns)
 
     @cached_property
     def _places(self) -> Mapping[int, float]:
