@@ -51,3 +51,13 @@ def test_a_name_that_no_reading_can_be_is_none(sure: float, best: float, expecte
     text_class = read("n ewhto 6 58", [0.01, best, 0.02])
     text_class.naming = Naming("n ewhto 6 58", sure, "", "offline")
     assert count(text_class) == expected
+
+
+def test_sure_texts_need_no_tables_of_words(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whoever opens a map sees it before the tables are read."""
+
+    def not_yet() -> None:
+        raise AssertionError("the tables are read")
+
+    monkeypatch.setattr("lpslam.text.remembering.ends.load_knowledge", not_yet)
+    assert count(read("危险", [0.2, 0.9, 0.1, 0.4])) == 1

@@ -175,10 +175,13 @@ def _is_large_enough(sightings: WorldSightings, config: InstanceConfig) -> bool:
 def _is_hardly_text(name: str, sure: float, sightings: WorldSightings) -> bool:
     """Whether a text was read so badly or so differently, for its length, that it is likelier no text at all."""
     right = [each.right for each in sightings.observations if each.right is not None]
-    commonest = next(iter(sightings.variants))
-    if says_little(name) or says_little(commonest):
-        return sure < _UNSURE or (bool(right) and max(right) < _LIKELY)
-    return sure < _UNSURE and bool(right) and max(right) < _POSSIBLE
+    best = max(right, default=1.0)
+    if sure < _UNSURE and best < _POSSIBLE:
+        return True
+    # Where nothing is unsure, nobody asks the tables of words, which take a second to read.
+    if sure >= _UNSURE and best >= _LIKELY:
+        return False
+    return says_little(name) or says_little(next(iter(sightings.variants)))
 
 
 def _doubtful(sightings: WorldSightings, config: InstanceConfig) -> NDArray[np.bool_]:
