@@ -5,6 +5,9 @@ BIN := $(VENV)/bin
 
 # Modules are compiled when they are first imported, and then kept: by installing, all of them would be, in twice the time.
 export PYTHONDONTWRITEBYTECODE :=
+# Workers share the processors best with one thread each, as the commands do.
+export OMP_NUM_THREADS := 1
+export OPENBLAS_NUM_THREADS := 1
 PIP_INSTALL := python -m pip install --quiet --no-compile
 
 .PHONY: demo test check lint types install versions clean

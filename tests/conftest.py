@@ -1,6 +1,7 @@
 """A walk past a few shops, rendered once, and the map of it: what the tests of the whole path share."""
 
 import fcntl
+import gc
 import os
 import shutil
 import subprocess
@@ -21,10 +22,13 @@ from lpslam import pipeline
 from lpslam.config import SimulationConfig
 from lpslam.frames import RgbdFrame
 from lpslam.mapfile.language_map import LanguageMap
+from lpslam.session import parts
 from lpslam.simulation.source import GroundTruth, MallSource
 from lpslam.simulation.writer import write_sequence
 from lpslam.sources.open import open_source
 from lpslam.text.reading import networks
+from lpslam.text.reading.spotting import PaddleSpotter
+from remembered_readings import RememberingSpotter
 
 FRAMES = 120
 BEGINNING = 30
@@ -46,6 +50,8 @@ _COMPILED_FIRST = (
 
 def pytest_configure(config: pytest.Config) -> None:
     """Has the kernels compiled before there are workers: each would else compile all of them for itself."""
+    cv2.setNumThreads(1)
+    gc.disable()
     if getattr(config.option, "numprocesses", None) and not hasattr(config, "workerinput"):
         compiling = [subprocess.Popen([sys.executable, "-c", code]) for code in _COMPILED_FIRST]
         for each in compiling:
@@ -63,6 +69,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     quick = [item for item in others if item.get_closest_marker("slow") is None]
     before = max(len(items) // 2 - len(slow), 0)
     items[:] = [*slow, *quick[:before], *walking, *quick[before:]]
+
+
+def pytest_collection_finish() -> None:
+    """What is loaded and collected stays: the collector need not go through it again and again."""
+    gc.freeze()
+    gc.enable()
 
 
 _BY_FRAME = ("letter_pixels", "angle", "distance", "blur_pixels", "inside", "seen_share")
@@ -99,14 +111,35 @@ def networks_compiled_once() -> Iterator[None]:
     networks.compiled_model = compiled_model
 
 
+@pytest.fixture(scope="session", autouse=True)
+def read_once(shared: Path) -> Iterator[None]:
+    """Sessions of this process read the same pixels once; commands in processes of their own read for themselves."""
+    RememberingSpotter.folder = shared / "readings"
+    RememberingSpotter.folder.mkdir(exist_ok=True)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(parts, "PaddleSpotter", RememberingSpotter)
+        yield
+
+
+@pytest.fixture
+def read_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In this test every picture is read, however often it comes."""
+    monkeypatch.setattr(parts, "PaddleSpotter", PaddleSpotter)
+
+
+@pytest.fixture(scope="session")
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder of all workers."""
+    base = tmp_path_factory.getbasetemp()
+    return base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
+
+
 Once = Callable[[str, Callable[[Path], object]], Path]
 
 
 @pytest.fixture(scope="session")
-def once(tmp_path_factory: pytest.TempPathFactory) -> Once:
+def once(shared: Path) -> Once:
     """Makes a folder of the session, by name, in whichever process asks first: the others wait for it."""
-    base = tmp_path_factory.getbasetemp()
-    shared = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
 
     def made(name: str, make: Callable[[Path], object]) -> Path:
         folder = shared / name
@@ -126,9 +159,12 @@ def once(tmp_path_factory: pytest.TempPathFactory) -> Once:
 @pytest.fixture(scope="session")
 def walk(once: Once) -> Path:
     """A TUM folder with ground truth and signs: eight seconds in a mock mall, 15 frames a second. Not to be changed."""
-    cv2.setNumThreads(1)
+    return once("recording", _write_walk) / "walk"
+
+
+def _write_walk(folder: Path) -> None:
     mall = MallSource(7, 2 * FRAMES, options=SimulationConfig(loop_length=26.0))
-    return once("recording", lambda folder: write_sequence(_EverySecondFrame(mall), folder / "walk")) / "walk"
+    write_sequence(_EverySecondFrame(mall), folder / "walk")
 
 
 @pytest.fixture(scope="session")

@@ -1,6 +1,7 @@
 """Rooms of boxes, seen by a camera that knows exactly where it is."""
 
 from dataclasses import dataclass
+from functools import cache, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,17 +36,25 @@ def looking(at: tuple[float, float], yaw: float, height: float = 1.3, down: floa
 
 def depth_of(boxes: list[Box], world_from_camera: Array, noise: float = 0.0, seed: int = 0) -> NDArray[np.float32]:
     """(h, w) metres along the optical axis; noise grows with depth squared."""
-    v, u = np.mgrid[: CAMERA.height, : CAMERA.width]
-    rays = CAMERA.back_project(np.column_stack([u.ravel(), v.ravel()]).astype(float), np.ones(u.size))
-    directions = rays @ world_from_camera[:3, :3].T
-    origin = world_from_camera[:3, 3]
-    nearest = np.full(u.size, np.inf)
-    for box in boxes:
-        with np.errstate(divide="ignore", invalid="ignore"):
-            first, second = ((np.array(corner) - origin) / directions for corner in (box.low, box.high))
-        enter, leave = np.minimum(first, second).max(axis=1), np.maximum(first, second).min(axis=1)
-        hit = (enter < leave) & (enter > 0.05)
-        nearest = np.where(hit & (enter < nearest), enter, nearest)
+    pose = world_from_camera.tobytes()
+    nearest = np.min([_entered(box, pose) for box in boxes], axis=0)
     depth = np.where(np.isfinite(nearest), nearest, 0.0)
     depth += noise * depth**2 * np.random.default_rng(seed).normal(size=depth.shape) * (depth > 0)
-    return np.where(depth < 12.0, depth, 0.0).reshape(u.shape).astype(np.float32)
+    return np.where(depth < 12.0, depth, 0.0).reshape(CAMERA.height, CAMERA.width).astype(np.float32)
+
+
+@lru_cache(maxsize=128)
+def _entered(box: Box, pose: bytes) -> Array:
+    """Where the rays of all pixels enter a box: the same walls are seen from the same places again and again."""
+    world_from_camera = np.frombuffer(pose).reshape(4, 4)
+    directions = _rays() @ world_from_camera[:3, :3].T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        first, second = ((np.array(corner) - world_from_camera[:3, 3]) / directions for corner in (box.low, box.high))
+    enter, leave = np.minimum(first, second).max(axis=1), np.maximum(first, second).min(axis=1)
+    return np.where((enter < leave) & (enter > 0.05), enter, np.inf)
+
+
+@cache
+def _rays() -> Array:
+    v, u = np.mgrid[: CAMERA.height, : CAMERA.width]
+    return CAMERA.back_project(np.column_stack([u.ravel(), v.ravel()]).astype(float), np.ones(u.size))

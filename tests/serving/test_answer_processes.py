@@ -62,23 +62,23 @@ def test_they_answer_as_threads_do_and_survive_what_happens(mall: Path, model: O
         assert await answerer.understand(asked[0]) == await threads.understand(asked[0])
         with pytest.raises(UserError, match="empty"):
             await answerer.ask(Asked("  "), served)
-        # All are ended: the next questions begin new ones.
+        # It is ended: the next questions begin another one.
         for process in answerer.process_ids:
             os.kill(process, signal.SIGKILL)
         assert list(await asyncio.gather(*(answerer.ask(each, served) for each in asked))) == alone
-        # One is ended while it answers.
+        # The other is ended while it answers.
         running = asyncio.gather(*(answerer.ask(each, served) for each in asked * 8))
         await asyncio.sleep(0.01)
         os.kill(answerer.process_ids[0], signal.SIGKILL)
         assert list(await running) == alone * 8
-        # A map that is replaced is known to all of them.
+        # A map that is replaced is known to it.
         small_map(["Bakery"]).save(mall)
         (new,) = atlas.refresh()
         await answerer.know(new)
         answers = await asyncio.gather(*(answerer.ask(Asked("bakery"), new) for _ in range(4)))
         assert [json.loads(each)["answer"]["landmark"]["name"] for each in answers] == ["Bakery"] * 4
 
-    with_processes(mall, use, processes=2)
+    with_processes(mall, use)
 
 
 @pytest.mark.slow

@@ -5,6 +5,7 @@ Each changes the frames at positions `first` to `last` (without) in the order of
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 
 import cv2
@@ -36,7 +37,7 @@ class Clip:
         source = open_source(folder, max_frames=max(order) + 1)
         truth = read_ground_truth(folder)
         assert truth is not None
-        recorded = list(source)
+        recorded = _recorded(folder)
         times = recorded[0].timestamp + np.arange(len(order)) * (recorded[1].timestamp - recorded[0].timestamp)
         self.name = source.name
         self.camera: PinholeCamera = source.camera
@@ -51,6 +52,15 @@ class Clip:
 
     def __iter__(self) -> Iterator[RgbdFrame]:
         return iter(self._frames)
+
+
+@cache
+def _recorded(folder: Path) -> list[RgbdFrame]:
+    """All frames of a recording, decoded once in a process."""
+    decoded = list(open_source(folder))
+    for frame in decoded:
+        frame.rgb.flags.writeable = frame.depth.flags.writeable = False
+    return decoded
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,7 @@ from lpslam.watching.telling import TOPICS
 from lpslam.watching.watchers import Watchers
 from small_maps import CAMERA, small_map, with_floor
 
-FRAMES = 40
+FRAMES = 24
 HOSTILE = '</script><img src=x onerror=alert(1)> \u202e"}]} {0.__class__} ../../x\x00\n'
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from rendered_walk import FRAMES, RenderedWalk
 from slam_scenes import (
     CAMERA,
     SENSOR,
@@ -25,7 +26,6 @@ from lpslam.config import FarPointConfig, MappingConfig, SlamConfig, TrackingCon
 from lpslam.evaluation.trajectory import AteResult, absolute_trajectory_error
 from lpslam.frames import RgbdFrame
 from lpslam.poses import StampedPoses
-from lpslam.simulation.source import MallSource
 from lpslam.slam.features import Features
 from lpslam.slam.kernels import graph
 from lpslam.slam.kernels.triangulation import Rays, match_epipolar
@@ -321,18 +321,14 @@ def test_points_of_a_world_that_was_corrected_meanwhile_are_thrown_away(monkeypa
 # What they are worth -----------------------------------------------------------------------------------------------
 
 
-WALK = 60
+WALK = FRAMES
 
 
 class Walk:
-    """Rendered frames with the true path; the nearest surfaces are two and a half metres off."""
+    """A rendered walk, seen with less depth."""
 
-    def __init__(self) -> None:
-        source = MallSource(3, frames=WALK)
-        self.camera = source.camera
-        self.frames = list(source)
-        truth = source.ground_truth
-        self.truth = StampedPoses(truth.timestamps, truth.world_from_camera)
+    def __init__(self, rendered: RenderedWalk) -> None:
+        self.camera, self.frames, self.truth = rendered.camera, rendered.frames, rendered.truth
 
     def seen_to(self, reach: float, after: int) -> list[RgbdFrame]:
         """The frames without any depth beyond `reach` metres from some frame on."""
@@ -362,8 +358,8 @@ class Walk:
 
 
 @pytest.fixture(scope="module")
-def walk() -> Walk:
-    return Walk()
+def walk(rendered_walk: RenderedWalk) -> Walk:
+    return Walk(rendered_walk)
 
 
 @pytest.mark.parametrize(("far_points", "starts"), [(0, 1), (150, 3)])

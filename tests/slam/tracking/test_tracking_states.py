@@ -3,7 +3,7 @@
 import hashlib
 from collections.abc import Iterable
 from dataclasses import replace
-from itertools import pairwise
+from itertools import islice, pairwise
 from pathlib import Path
 
 import numpy as np
@@ -42,6 +42,22 @@ def covered(clip: Clip) -> tuple[RgbdSlam, list[TrackedFrame]]:
     return slam, run(slam, Disturbed(clip, hand_over_lens(HIDDEN.start, HIDDEN.stop)))
 
 
+@pytest.fixture(scope="module")
+def plain(clip: Clip) -> tuple[RgbdSlam, list[TrackedFrame], list[int]]:
+    """The clip as it is, and the keyframes all of whose descriptors were compared with all of a frame's."""
+    compared: list[int] = []
+    match_descriptors = Associator.match_descriptors
+
+    def counting(associator: Associator, view: View, keyframe: int) -> np.ndarray:
+        compared.append(keyframe)
+        return match_descriptors(associator, view, keyframe)
+
+    slam = RgbdSlam(clip.camera)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Associator, "match_descriptors", counting)
+        return slam, run(slam, clip), compared
+
+
 def fingerprint(slam_map: SlamMap) -> dict[str, str]:
     """A hash of every column."""
     return {
@@ -51,18 +67,10 @@ def fingerprint(slam_map: SlamMap) -> dict[str, str]:
 
 
 def test_no_descriptor_is_compared_with_every_other_where_the_next_view_can_be_predicted(
-    clip: Clip, monkeypatch: pytest.MonkeyPatch
+    plain: tuple[RgbdSlam, list[TrackedFrame], list[int]],
 ) -> None:
     """It takes longer than all other matching; while the camera is followed nothing is gained by it."""
-    compared = []
-    match_descriptors = Associator.match_descriptors
-
-    def counting(associator: Associator, view: View, keyframe: int) -> np.ndarray:
-        compared.append(keyframe)
-        return match_descriptors(associator, view, keyframe)
-
-    monkeypatch.setattr(Associator, "match_descriptors", counting)
-    tracked = run(RgbdSlam(clip.camera), clip)
+    _, tracked, compared = plain
     assert all(each.state is TrackingState.TRACKING for each in tracked)
     # The second frame has no motion to go by.
     assert len(compared) <= 1
@@ -153,12 +161,12 @@ def test_few_matches_are_weak_and_said_so(clip: Clip) -> None:
     assert [event.kind for event in slam.events] == [EventKind.INITIALISED, EventKind.WEAK]
 
 
-def test_poses_after_the_hand_are_those_without_it(clip: Clip, covered: tuple[RgbdSlam, list[TrackedFrame]]) -> None:
+def test_poses_after_the_hand_are_those_without_it(
+    covered: tuple[RgbdSlam, list[TrackedFrame]], plain: tuple[RgbdSlam, list[TrackedFrame], list[int]]
+) -> None:
     slam, _ = covered
-    plain = RgbdSlam(clip.camera)
-    run(plain, clip)
     times, poses = slam.trajectory.world_from_camera(slam.map)
-    all_times, all_poses = plain.trajectory.world_from_camera(plain.map)
+    all_times, all_poses = plain[0].trajectory.world_from_camera(plain[0].map)
     assert len(all_times) == FRAMES
     assert len(times) >= FRAMES - len(HIDDEN) - 2
     expected = all_poses[np.searchsorted(all_times, times - 1e-6)]
@@ -172,7 +180,7 @@ def test_a_gap_in_time_asks_for_more_matches(clip: Clip) -> None:
     needs_all = TrackingConfig(min_recovery_inliers=100_000, coast_seconds=0.0)
     for missing, state in ((3, TrackingState.TRACKING), (8, TrackingState.LOST)):
         slam = RgbdSlam(clip.camera, SlamConfig(tracking=needs_all))
-        tracked = run(slam, Disturbed(clip, gap(10, 10 + missing)))[:11]
+        tracked = run(slam, islice(Disturbed(clip, gap(10, 10 + missing)), 11))
         assert tracked[10].index == 10 + missing
         assert tracked[10].state is state
 
