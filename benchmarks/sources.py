@@ -191,6 +191,28 @@ def session(folder: Path, count: int) -> None:
             around.append(clocks() - begun - inside)
     RgbdSlam.process = process  # type: ignore[method-assign]
     print(f"a step around tracking: {said(around)} (medians of {count} frames)")
+    by_turns(source.camera, frames)
+
+
+def by_turns(camera: PinholeCamera, frames: list[RgbdFrame]) -> None:
+    """A session and the bare tracker, frame by frame by turns, each with pixels of its own, as a decoder gives them."""
+    more = []
+    for turn in range(2):
+        bare = RgbdSlam(camera)
+        with Session(camera, text=False) as running:
+            for at, frame in enumerate(frames):
+                taken = np.zeros((2, 2))
+                for is_session in (0, 1) if (at + turn) % 2 else (1, 0):
+                    rgb, depth = frame.rgb.copy(), frame.depth.copy()
+                    begun = clocks()
+                    if is_session:
+                        running.step(rgb, depth, frame.timestamp)
+                    else:
+                        bare.process(RgbdFrame(at, frame.timestamp, rgb, depth))
+                    taken[is_session] = clocks() - begun
+                more.append(taken[1] - taken[0])
+        bare.finish()
+    print(f"a session more than the bare tracker: {said(more)} (medians of {len(more)} frames)")
 
 
 def write_raw(path: Path, frames: Iterator[RgbdFrame], camera: PinholeCamera) -> None:
