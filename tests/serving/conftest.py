@@ -10,6 +10,7 @@ from starlette.testclient import TestClient
 
 from lpslam.config import Config
 from lpslam.language.offline import OfflineModel
+from lpslam.serving import answerers
 from lpslam.serving.answerers import ThreadAnswerer
 from lpslam.serving.atlas import Atlas
 from lpslam.serving.http.app import build_app
@@ -18,6 +19,20 @@ from lpslam.serving.http.shield import Door, allowed_hosts
 from lpslam.serving.hub import Hub
 from lpslam.serving.tokens import Tokens
 from small_maps import small_map
+
+
+_AT_ONCE = """
+from lpslam.serving import answer_process
+answer_process._FIRST = ()
+answer_process._preparations = lambda maps: iter(())
+answer_process.main()
+"""
+
+
+@pytest.fixture
+def started_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Processes read the tables of a language when they are asked in it: half of what starting another one costs."""
+    monkeypatch.setattr(answerers, "_CODE", _AT_ONCE)
 
 
 @pytest.fixture

@@ -82,6 +82,7 @@ def test_they_answer_as_threads_do_and_survive_what_happens(mall: Path, model: O
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("started_at_once")
 def test_one_that_hangs_is_given_up_and_too_many_questions_are_refused(mall: Path) -> None:
     async def use(answerer: ProcessAnswerer, atlas: Atlas) -> None:
         served = atlas.get()
@@ -100,6 +101,7 @@ def test_one_that_hangs_is_given_up_and_too_many_questions_are_refused(mall: Pat
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("started_at_once")
 def test_who_asks_the_same_gets_the_same_until_the_map_is_another(mall: Path) -> None:
     async def use(answerer: ProcessAnswerer, atlas: Atlas) -> None:
         served, asked = atlas.get(), Asked("something to eat", position=(0.0, 0.0))
@@ -125,6 +127,7 @@ def test_who_asks_the_same_gets_the_same_until_the_map_is_another(mall: Path) ->
     with_processes(mall, use, kept=3)
 
 
+@pytest.mark.usefixtures("started_at_once")
 def test_a_question_that_takes_long_holds_up_no_other(mall: Path) -> None:
     async def use(answerer: ProcessAnswerer, atlas: Atlas) -> None:
         slow = answerer.process_ids[0]

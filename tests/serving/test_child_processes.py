@@ -89,6 +89,7 @@ def test_a_server_that_ends_while_a_job_starts_leaves_no_process(mall: Path, tmp
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("started_at_once")
 def test_a_question_that_waits_while_the_server_ends_starts_no_process(mall: Path) -> None:
     async def run() -> None:
         atlas = Atlas([mall], Config().navigation)
