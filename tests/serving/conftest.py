@@ -20,7 +20,6 @@ from lpslam.serving.hub import Hub
 from lpslam.serving.tokens import Tokens
 from small_maps import small_map
 
-
 _AT_ONCE = """
 from lpslam.serving import answer_process
 answer_process._FIRST = ()
