@@ -30,6 +30,7 @@ class Clause:
     lists: bool
     trails: bool
     is_near_asking: bool
+    units: range
 
     @property
     def tells(self) -> bool:
@@ -102,6 +103,7 @@ class _Words:
             not self._listing.isdisjoint(inside),
             bool(spans) and not self._puzzling.isdisjoint(range(spans[-1].end, end)),
             not self._asking.isdisjoint(between_marks(start, self._units)),
+            inside,
         )
 
     def puzzles(self, start: int, end: int) -> bool:

@@ -10,11 +10,11 @@ from functools import lru_cache, partial
 from itertools import pairwise
 
 from lpslam.language.languages import LATIN
-from lpslam.language.questions.clauses import clauses_of
+from lpslam.language.questions.clauses import Clause, clauses_of
 from lpslam.language.questions.readings import Readings
 from lpslam.language.questions.sorts import is_general
 from lpslam.language.questions.speaking import language_by_its_phrases, languages_of
-from lpslam.language.questions.stance import NEXT_TO, Stand, hurting, spilled, told_in
+from lpslam.language.questions.stance import NEXT_TO, Stand, Told, hurting, spilled, told_in
 from lpslam.language.questions.unknown_things import asks_for_unknown
 from lpslam.language.questions.wanted import THING, Wish
 from lpslam.language.questions.weighing import ASIDE, GENERAL, GIFTS, HINT, MAIN, MODIFIER, as_treated, without_symptoms
@@ -128,6 +128,7 @@ class _Said:
         self.refused_by: dict[str, set[str]] = {}
         self.refused_with: dict[str, list[set[str]]] = {}
         self.alone: set[str] = set()
+        self.refusing: set[int] = set()
         self.names: dict[str, list[str]] = {"wanted": [], "refused": [], "near": []}
 
     def refuse(self, span: Span[Meaning], concept: str) -> None:
@@ -212,7 +213,13 @@ class _Reading:
             contested,
             tuple(_ANEW[concept] for concept in mended if concept in _ANEW),
             () if main or contested else tuple(sorted(contradicted)),
+            *self._parted(said.refusing),
         )
+
+    def _parted(self, refusing: set[int]) -> tuple[str, str]:
+        """The question without some units, and these alone; two empty texts without any."""
+        without, every = self._knowledge.folder.without, set(range(len(self._units)))
+        return (without(self._text, refusing), without(self._text, every - refusing)) if refusing else ("", "")
 
     def _gathered(self) -> _Said:
         """Go through the clauses: what is wanted, what is refused, what is only said by the way."""
@@ -227,6 +234,7 @@ class _Reading:
         asides |= spilled(self._spans, self._stains, self._units, knowledge)
         clauses = clauses_of(self._units, self._spans, self._language, knowledge)
         told = told_in(clauses, self._units, self._language, knowledge, asks_for_another(self._text))
+        said.refusing = _refusing(clauses, told)
         for span, stand in (each for clause in told for each in clause):
             is_aside = span.start in asides or stand is Stand.ASIDE
             is_refused = stand is Stand.REFUSED or span.start in self._hurts
@@ -323,6 +331,19 @@ class _Reading:
 def asks_for_another(question: str) -> bool:
     """Whether a question asks for something beside what it names."""
     return _ANOTHER.search(question) is not None
+
+
+def _refusing(clauses: Sequence[Clause], told: Sequence[Told]) -> set[int]:
+    """The units of a question that refuse something: clauses that do nothing else, and the phrases of others."""
+    found: set[int] = set()
+    for clause, each in zip(clauses, told, strict=True):
+        no = [span for span in clause.spans if span.value.role.startswith("refuse")]
+        refused = [span for span, stand in each if stand is Stand.REFUSED]
+        if not any(stand is Stand.WANTED for _, stand in each):
+            found.update(clause.units if refused or no else ())
+        elif refused:
+            found.update(at for span in (*no, *refused) for at in range(span.start, span.end))
+    return found
 
 
 def _is_part(span: Span[Meaning], troubles: Sequence[Trouble]) -> bool:

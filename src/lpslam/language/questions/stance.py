@@ -303,7 +303,7 @@ def _stands_within(
 def _stands_last(clause: Sequence[Span[Meaning]], units: Sequence[str], negating: Set[str]) -> bool:
     """Whether the last phrase of a clause is right behind another, or is a “no” that is its last word at all."""
     before, last = clause[-2:]
-    is_end = last.key in negating and (last.end == len(units) or is_mark(units[last.end]))
+    is_end = last.end == len(units) or is_mark(units[last.end])
     return before.end == last.start or (is_end and last.start - before.end <= NEXT_TO)
 
 

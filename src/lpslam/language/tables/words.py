@@ -27,6 +27,7 @@ Value = TypeVar("Value")
 Said = TypeVar("Said", covariant=True)
 
 _KEPT = 64  # texts whose units are kept: a question, its parts, and the board that is held against it
+_WRITTEN_OUT = {"n't": " not", "n’t": " not", "cannot": "can not", "&": " and ", "ß": "ss"}
 _NO_SIZES: tuple[int, ...] = ()
 
 
@@ -125,6 +126,20 @@ class Folder:
                 self._units.clear()
             found = self._units[text] = tuple(_units(self.fold(text)))
         return list(found)
+
+    def without(self, text: str, left_out: Collection[int]) -> str:
+        """Return a text without some of its units: as it is written, or its units where writing hides them."""
+        for short, long in _WRITTEN_OUT.items():
+            text = text.replace(short, long)
+        folded = self.fold(text)
+        found = [each for each in _UNIT.finditer(folded) if each.group() != "'"]
+        units = _units(folded)
+        if len(found) != len(units) or len(folded) != len(text):
+            joint = "" if is_unspaced(text) else " "
+            return joint.join(unit for at, unit in enumerate(units) if at not in left_out)
+        for at in sorted(left_out, reverse=True):
+            text = f"{text[: found[at].start()]} {text[found[at].end() :]}"
+        return " ".join(text.split())
 
     def word_starts(self, text: str) -> frozenset[int]:
         """Return which units of a text begin a word that a space sets apart."""

@@ -11,7 +11,7 @@ from lpslam.language.tables.words import is_mark, is_unspaced, longest_phrases
 from lpslam.language.wishes.asked_words import SHORTEST, AskedWords
 from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.reading import content_of, wish_languages
-from lpslam.language.wishes.refusals import parted
+from lpslam.language.wishes.refusals import each_of, parted
 from lpslam.language.wishes.rules import content_left, rules_of
 
 _SURE, _NAMED, _ACROSS = 1.0, 0.9, 0.85  # of a code or person, of a part of a name, of a name in another script
@@ -46,6 +46,11 @@ class BoardWords:
             )
             last = self._last = text, said_no
         return last[1]
+
+    def parted(self, text: str, meaning: Meaning, language: str) -> tuple[str, list[str]] | None:
+        """Return what a text wants, and each thing that it refuses, as its turns of phrase or its words part them."""
+        left = content_of(meaning.rest, wish_languages(text, self._knowledge))
+        return (meaning.rest, each_of(meaning.left_out)) if left else parted(text, language)
 
     def leaves_out(self, text: str, language: str) -> bool:
         """Whether a text says no to a part of what it asks for (“but”, “except”), not only of something."""

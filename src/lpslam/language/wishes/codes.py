@@ -295,6 +295,12 @@ def numbers_of_things(what: str, out: str) -> list[Code]:
     return [_code(number, words[0][1]) for number in re.findall(r"\d{1,4}", said)]
 
 
+def all_numbers(text: str) -> list[Code]:
+    """Return all numbers that a text says, in digits or words, of whatever."""
+    said = with_digits(_folded(text), lambda at: True, lambda at: True)
+    return [_code(number, frozenset()) for number in re.findall(r"(?<!\w)\d{1,4}(?!\w)", said)]
+
+
 def spoken_numbers(text: str) -> list[Code]:
     """Return the numbers that a question says in words, of whatever: “two oh seven”.
 

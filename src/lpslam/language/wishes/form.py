@@ -17,6 +17,7 @@ class Ask(StrEnum):
     HOW_FAR = "how far"
     IS_THERE = "is there"
     WHICH = "which"
+    WHETHER = "whether"
     HERE = "what is here"
     FORBIDDEN = "forbidden here"
     BARRED = "closed to the public"

@@ -1,7 +1,7 @@
 """The landmarks that bear what must stand on the board: codes, names of people, levels and buildings."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 
@@ -13,6 +13,8 @@ from lpslam.language.tables.words import UNSPACED_RUN
 from lpslam.language.wishes.codes import (
     Code,
     alike_key,
+    all_numbers,
+    asked_codes,
     asked_numbers,
     board_codes,
     board_keys,
@@ -166,6 +168,11 @@ class Identities:
         scores = next((each for each in found_by_number if each), {})
         best = max(scores.values(), default=0.0)
         return {id_: _SURE for id_ in sorted(scores) if scores[id_] == best}
+
+    def bearing(self, text: str, ids: Iterable[int]) -> set[int]:
+        """Those of some landmarks that bear a number or code which a text says."""
+        said = [*asked_codes(text), *all_numbers(text)]
+        return {id_ for id_ in ids for code in self.codes[id_] if any(code.bears(each) for each in said)}
 
     def of_the_number(self, what: str, scores: Mapping[int, float]) -> dict[int, float]:
         """Of boards of one sort, the one that bears the number that is said: “mine is locker 37” is Lockers 1–60."""

@@ -142,6 +142,21 @@ class Names:
         whole = len(line.key) if len(asked_in) > 1 else in_runs if True in asked_in else min(in_units, len(line.key))
         return min(1.0, sum(map(len, content)) / max(whole, 1))
 
+    def said_in(self, text: str) -> dict[int, float]:
+        """Return the one landmark whose whole name a text says, the longest one; none where several are as long."""
+        folded, units = self._knowledge.folder.fold(text), set(self._knowledge.folder.units(text))
+        pieces = {piece for run in UNSPACED_RUN.findall(folded) for piece in _pairs((run,))} | units
+        found: dict[int, int] = {}
+        for id_ in set().union(*(self._ids_of.get(piece, set()) for piece in pieces)):
+            name = self._words[id_][0]
+            is_said = name.units <= units and all(len(run) > 1 and run in folded for run in name.runs)
+            size = sum(map(len, name.in_order)) + 2 * sum(map(len, name.runs))
+            if is_said and size >= _SHORTEST:
+                found[id_] = size
+        longest = max(found.values(), default=0)
+        ids = [id_ for id_, size in found.items() if size == longest]
+        return dict.fromkeys(ids, 1.0) if len(ids) == 1 else {}
+
     def alike(self, content: Sequence[str]) -> dict[int, float]:
         """Return landmarks whose whole name is a slip away from what is asked, or is read alike: 同仁唐, tool crip."""
         key = "".join(content)

@@ -6,6 +6,7 @@ from functools import cached_property
 
 from lpslam.language.model import Candidate
 from lpslam.language.signs.hours import Hours, board_hours, told_hours
+from lpslam.language.wishes.form import Ask
 from lpslam.language.wishes.served import Served
 
 _OPEN_SERVES = 0.8  # of the best score: what is known to be open and serves so well goes before what may be shut
@@ -41,6 +42,10 @@ class Opening:
         }
         if sure or not served.scores:
             return replace(served, scores=sure)
+        if is_open and served.stop.ask is Ask.WHETHER:
+            # “Is the bar open at three?” is a question about the bar: it is answered by its hours.
+            told = ", ".join(dict.fromkeys(told_hours(self._hours[id_]) for id_ in is_open))
+            return replace(served, ignored=(*served.ignored, f"that it is shut then, by its board ({told})"))
         left = {
             id_: score for id_, score in served.scores.items() if id_ not in is_open and score >= _OPEN_SERVES * best
         }

@@ -35,7 +35,7 @@ from lpslam.language.wishes.identities import Identities
 from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.opening import Opening
 from lpslam.language.wishes.reading import content_of, wish_languages
-from lpslam.language.wishes.refusals import left_of, parted
+from lpslam.language.wishes.refusals import ALIKE, ALL_REFUSED, LEAST_REFUSED, parted
 from lpslam.language.wishes.rules import content_left, rules_of
 from lpslam.language.wishes.served import UNQUESTIONED, Served, Way
 from lpslam.language.wishes.sorts import Sorts
@@ -50,6 +50,7 @@ _OFFERS = 0.8  # of what is asked for: a place that has it of its own
 _DISTRUSTED = "what the only such board says reads as if it spoke to a machine"
 _NAMED = 0.9  # of what alone tells a place
 _WHOLE = 0.95  # of a name's letters: the name itself
+_HAS = 0.7  # of how well a place serves what it has of its own
 _READ = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
 
 
@@ -84,7 +85,17 @@ class EmbeddedScorer:
     def serve(self, stop: Stop) -> Served:
         """Return the landmarks that serve a stop: by identity, by name, else by what they are."""
         served = self._judged(self._found(stop)) if stop.what else self._trust.any_place(stop)
+        if stop.what and not served.settled and (not served.scores or served.sure < LEAST_SURE):
+            served = self._said(served) or served
         return self._opening.open(served) if stop.at else served
+
+    def _said(self, served: Served) -> Served | None:
+        """The one landmark whose whole name a question says that is not understood otherwise."""
+        stop = served.stop
+        if stop.identity or self._boards.refuses(stop.what, self._read(stop)):
+            return None
+        said = self._trusted(self._names.said_in(stop.what))
+        return replace(served, scores=said, evidence="the board says the name", confidence=0.8, sure=1.0, way=Way.NAME, exact=frozenset(said), why=None) if said else None
 
     def _judged(self, served: Served) -> Served:
         """With how probable it is that what serves is what was meant; a guess where that is likelier."""
@@ -96,8 +107,8 @@ class EmbeddedScorer:
         served, clues = self._surest(served, meaning, language)
         if is_told(stop) or served.way in UNQUESTIONED[1:]:
             return served
-        if self._boards.refuses(stop.what, meaning):
-            left = self._without_refused(served, language)
+        if self._boards.refuses(stop.what, meaning) or self._boards.parted(stop.what, meaning, language):
+            left = self._left_of(served, meaning, language)
             left = self._guesses.agreed(left, self._clues(left) if left.scores else {}, meaning, language)
             is_found = bool(left.scores) and left.sure >= LEAST_SURE
             if is_found or meaning.contradicted or self._boards.leaves_out(stop.what, language):
@@ -109,6 +120,43 @@ class EmbeddedScorer:
         if meaning.wanted_names or meaning.contested or served.is_said or (served.scores and not clues):
             return served
         return self._guesses.judged(served, clues, meaning, language, partial(self._not_otherwise, stop))
+
+    def _left_of(self, served: Served, meaning: Meaning, language: str) -> Served:
+        """What serves the words that refuse nothing, less every place that serves what the others refuse."""
+        parts = self._boards.parted(served.stop.what, meaning, language)
+        if parts is None:
+            return served
+        stop = replace(served.stop, what="", kinds=(), refused=(), language=language)
+        rest = self.serve(replace(stop, what=parts[0]))
+        out = {id_ for name in meaning.refused_names for id_ in self._index.ids_of.get(name, ())}
+        for each in parts[1]:
+            out |= self._said_on(each).keys() | self._identities.bearing(each, rest.scores) or self._best_of(each, stop)
+        read = {id_: score for id_, score in served.scores.items() if id_ not in out}
+        if not rest.scores or rest.sure < LEAST_SURE:
+            return replace(served, scores=read, sure=min(served.sure, rest.sure))
+        left = {id_: score for id_, score in rest.scores.items() if id_ not in out}
+        if not out:
+            serving = self._serving(meaning.refused) - read.keys()
+            left = {id_: score for id_, score in left.items() if id_ not in serving}
+            left = {id_: score for id_, score in left.items() if id_ in read} or left
+        if not left and not self._boards.leaves_out(served.stop.what, language):
+            # “The computer won't take my password” only tells of something.
+            return replace(rest, stop=served.stop)
+        said = rest.evidence if left else ALL_REFUSED
+        return replace(rest, stop=served.stop, scores=left, exact=rest.exact & left.keys(), evidence=said)
+
+    def _best_of(self, text: str, stop: Stop) -> set[int]:
+        """The landmarks that serve a text as well as any."""
+        served = self.serve(replace(stop, what=text))
+        best = max(served.scores.values(), default=0.0)
+        is_found = served.sure >= (LEAST_SURE if served.way is Way.GUESS else LEAST_REFUSED)
+        return {id_ for id_, score in served.scores.items() if is_found and score >= ALIKE * best}
+
+    def _serving(self, concepts: Sequence[str]) -> set[int]:
+        """All landmarks that are something, or have it of their own."""
+        groups = list(self._index.groups.values())
+        matches = (self._index.matches(concept, self._knowledge) for concept in concepts)
+        return {id_ for found in matches for at, share in found.items() if share >= _HAS for id_ in groups[at]}
 
     def _surest(self, served: Served, meaning: Meaning, language: str) -> tuple[Served, Mapping[str, float]]:
         """What tables found, or boards say where that is unsure; and its clues, none where nothing is to be doubted."""
@@ -151,10 +199,6 @@ class EmbeddedScorer:
         """Of those, landmarks that are not what a negation is said of."""
         refused = {id_ for name in meaning.refused_names for id_ in self._index.ids_of.get(name, ())}
         return {id_: score for id_, score in self._not_otherwise(stop, scores).items() if id_ not in refused}
-
-    def _without_refused(self, served: Served, language: str) -> Served:
-        """Of a stop that refuses something, what serves the part that wants less what serves the part that refuses."""
-        return left_of(served, language, self.serve, self._said_on, self.is_understood)
 
     def _said_on(self, text: str) -> dict[int, float]:
         """The landmarks whose boards bear all words of a text."""
