@@ -147,15 +147,6 @@ def test_a_present_is_wanted_when_a_sort_of_it_is_refused(knowledge: Knowledge) 
     assert "cosmetics" in wish.refused
 
 
-def test_who_refuses_a_brand_of_clothes_still_wants_clothes(model: OfflineModel) -> None:
-    assert chosen(model, "耐克的衣服穿着不舒服，哪家还有卖衣服的", "耐克 NIKE", "ZARA", "KFC") == "ZARA"
-
-
-def test_ice_cream_that_hurts_is_no_wish_for_a_dentist(model: OfflineModel) -> None:
-    question = "Something sweet, but ice cream hurts my teeth"
-    assert chosen(model, question, "Eiscafé Venezia", "Bäckerei Müller", "Dental Clinic") == "Bäckerei Müller"
-
-
 def test_an_ice_cream_may_be_wanted_from_elsewhere_than_the_parlour(model: OfflineModel) -> None:
     question = "Me apetece un helado, pero la heladería esa es carísima"
     assert chosen(model, question, "Gelateria Dolomiti", "Lidl", "ZARA") == "Lidl"

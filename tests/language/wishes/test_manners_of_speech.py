@@ -1,4 +1,4 @@
-"""Refusals, plans and questions as different people say them: elderly, terse, spoken, polite, angry; seven languages."""
+"""Refusals, plans and questions as people say them: elderly, terse, spoken, polite, angry; seven languages."""
 
 from collections.abc import Sequence
 
@@ -76,7 +76,11 @@ PLANS: tuple[tuple[Sequence[str], str, Sequence[str]], ...] = (
     (CLINIC, "une prise de sang, ensuite la cafétéria", ("Blood Tests", "Cafeteria")),
     (CLINIC, "cortarme el pelo y después rezar un poco", ("Hairdresser", "Chapel")),
     (CLINIC, "피 뽑고 엑스레이 찍고 밥 먹으려고요", ("Blood Tests", "X-Ray", "Cafeteria")),
-    (SPORTS, "passport photo, then the passport office, then a swim", ("Photo Booth", "Passport Office", "Swimming Pool")),
+    (
+        SPORTS,
+        "passport photo, then the passport office, then a swim",
+        ("Photo Booth", "Passport Office", "Swimming Pool"),
+    ),
     (SPORTS, "着替えて、泳いで、サウナに入りたい", ("Changing Rooms", "Swimming Pool", "Sauna")),
     (SPORTS, "买票,换衣服,然后游泳", ("Ticket Office", "Changing Rooms", "Swimming Pool")),
 )
@@ -111,3 +115,25 @@ def answers(model: OfflineModel, names: Sequence[str], question: str) -> list[st
     landmarks = [Candidate(id_, name) for id_, name in enumerate(names)]
     solution = solve(model.read_wish(question), places, model.scorer(landmarks))
     return [stop.place and stop.place.name for stop in solution.stops]
+
+
+def score(model: OfflineModel, rows: tuple[tuple[Sequence[str], str, Sequence[str]], ...]) -> tuple[int, int]:
+    """Right and wrong answers of one stop."""
+    given = [(answers(model, places, question)[-1], expected) for places, question, expected in rows]
+    right = sum(answer in expected for answer, expected in given)
+    return right, sum(answer is not None and answer not in expected for answer, expected in given)
+
+
+@pytest.mark.parametrize(
+    ("rows", "least", "most_wrong"), [(REFUSALS, 12, 4), (QUESTIONS, 19, 0)], ids=["refusals", "questions"]
+)
+def test_most_are_answered_and_few_wrongly(
+    model: OfflineModel, rows: tuple[tuple[Sequence[str], str, Sequence[str]], ...], least: int, most_wrong: int
+) -> None:
+    right, wrong = score(model, rows)
+    assert right >= least
+    assert wrong <= most_wrong
+
+
+def test_most_plans_have_all_their_stops(model: OfflineModel) -> None:
+    assert sum(answers(model, places, question) == list(stops) for places, question, stops in PLANS) >= 18

@@ -7,9 +7,7 @@ import pytest
 
 from lpslam.language.model import Candidate
 from lpslam.language.offline import OfflineModel
-from lpslam.language.wishes.form import Stop
-from lpslam.language.wishes.refusals import left_of, parted
-from lpslam.language.wishes.served import Served
+from lpslam.language.wishes.refusals import parted
 from lpslam.navigation.places import Here, Place
 from lpslam.navigation.solver import solve
 
@@ -55,18 +53,6 @@ def test_a_text_is_parted_by_its_refusal(language: str, text: str, wanted: str, 
 )
 def test_what_is_refused_is_left_out(question: str, boards: Sequence[str], board: str) -> None:
     assert found(question, boards) == board
-
-
-@pytest.mark.parametrize(("is_understood", "left"), [(True, {2}), (False, {1, 2, 3})])
-def test_what_is_refused_in_words_that_nothing_explains_may_be_any(is_understood: bool, left: set[int]) -> None:
-    whole = Served(Stop("a class, but neither yoga nor xylorphs"), {1: 1.0, 2: 1.0, 3: 0.9}, "", sure=0.3)
-    answers = {"a class": {1: 1.0, 2: 1.0}, "yoga": {1: 1.0}, "xylorphs": {}}
-
-    def serve(stop: Stop) -> Served:
-        return Served(stop, answers[stop.what], "", sure=0.9)
-
-    served = left_of(whole, "en", serve, lambda text: {}, lambda stop: is_understood)
-    assert served.scores.keys() == left
 
 
 def test_a_stop_after_then_may_be_a_name_of_small_letters() -> None:

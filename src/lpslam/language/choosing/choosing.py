@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 from lpslam.language.choosing.landmark_index import LandmarkIndex
-from lpslam.language.choosing.serving import FITS, FITS_INSTEAD, Kinds, Served, likeness, merged, serve
+from lpslam.language.choosing.serving import FITS, FITS_INSTEAD, Served, likeness, serve
 from lpslam.language.languages import LATIN
 from lpslam.language.model import Choice
 from lpslam.language.questions.clauses import places_of
@@ -25,7 +25,6 @@ _SPECIAL = 0.5  # a wanted concept of this weight is more than “food” or “
 _ALTERNATIVES = 5
 _FEW_WORDS = 2  # words of a question that may be in another language than it seems
 _MALL = 0.3  # of the landmarks: so many shops make a mall of a building
-_SAME_SORT = 0.25  # what the sort of a refused place weighs where nothing else is wanted
 _BARE_NO = 5  # letters of a plain “not” in any language; longer phrases refuse
 _FEW = 3  # landmarks that one word may stand for
 _ANY = frozenset({"shop", "place", "business"})  # kinds that say nothing of what is wanted
@@ -148,7 +147,7 @@ def _as_understood(
         said_both = phrases.say("contradiction", things=", ".join(wish.contradicted))
         return Ranked(Choice(None, 0.8, said_both, model))
     if not wish.wanted:
-        wish = replace(wish, wanted=_instead_of_refused(wish, refused, question, index, knowledge))
+        wish = replace(wish, wanted=_instead_of_refused(wish, refused, index, knowledge))
     says_only_where = all(kind in knowledge.venues for kind, _ in wish.wanted)
     if says_only_where and wish.refused and not refused and not _asks(question, wish.language, knowledge):
         # Who asks for nothing and refuses what nothing stands in for tells of it: “my laptop is not starting”.
@@ -158,9 +157,9 @@ def _as_understood(
     if missing and not any(weight >= _SPECIAL for weight in wanted.values()):
         # A brand was asked for that is not here; another of its kind may do, but that is for the asker to say.
         return Ranked(_without_brand(missing[0], question, index, signs, knowledge, model, phrases))
-    if not wanted and not wish.contested:
+    if not wanted:
         return Ranked(Choice(None, 0.0, phrases.say("no_kind"), model))
-    if (wanted.keys() <= _ANY and not wish.contested) or wish.unknown:
+    if wanted.keys() <= _ANY or wish.unknown:
         return Ranked(Choice(None, 0.5, phrases.say("unknown"), model))
     wishes = _in_turn(wish, index, knowledge)
     found: list[Ranked] = []
@@ -202,20 +201,17 @@ def _without_refused(wish: Wish, refused: set[int], question: str, index: Landma
 
 
 def _instead_of_refused(
-    wish: Wish, refused: set[int], question: str, index: LandmarkIndex, knowledge: Knowledge
+    wish: Wish, refused: set[int], index: LandmarkIndex, knowledge: Knowledge
 ) -> tuple[tuple[str, float], ...]:
-    """Where only a refusal is said: another of the same sort, and else something of the same use."""
+    """Where only a refusal is said: something else of the same use."""
     others = [*wish.refused, *(kind for id_ in refused for kind, _ in index.signs[id_].kinds)]
-    alike = kinds_of(sorted(refused), index) if asks_for_another(question) else ()
-    return tuple((dict(instead_of(others, knowledge)) | {kind: _SAME_SORT * sure for kind, sure in alike}).items())
+    return instead_of(others, knowledge)
 
 
 def _in_turn(wish: Wish, index: LandmarkIndex, knowledge: Knowledge) -> list[Wish]:
-    """What is wanted, but not from where it is had first of all; then all; and who does not find it may ask."""
+    """What is wanted, and what else may do: who does not find it may ask."""
     wanted = dict(wish.wanted)
     wishes = [wish]
-    if wish.contested:
-        wishes.insert(0, replace(wish, wanted=tuple((concept, 1.0) for concept in wish.contested)))
     if "ask" in wanted:
         wishes.append(replace(wish, wanted=(("ask", 1.0),)))
     if wish.anew:
@@ -382,8 +378,3 @@ def _without_brand(
     }
     others = sorted((id_ for id_ in alike if alike[id_] >= _YES), key=lambda id_: (-alike[id_], id_))
     return Choice(None, 0.8, phrases.say("no_brand", name=name or identity), model, tuple(others[:_ALTERNATIVES]))
-
-
-def kinds_of(ids: Sequence[int], index: LandmarkIndex) -> Kinds:
-    """All kinds of some landmarks."""
-    return merged([index.signs[id_].kinds for id_ in ids if id_ in index.signs])

@@ -1,6 +1,6 @@
 """How well the place behind a sign serves what is wanted."""
 
-from collections.abc import Mapping, Sequence, Set
+from collections.abc import Mapping, Set
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -21,8 +21,6 @@ _SERVES_MEALS = frozenset({"amenity/restaurant", "facility/canteen"})  # also wh
 _APART = 0.5  # of a kind that is not meant by the one above it: bubble tea, for a café
 _FOR_SOME = 0.8  # of a place whose goods are for women, men or children alone, where nobody is named
 _SURE = 0.9  # a kind of this weight is what the place is
-_DRUNK_IN_CAFES = frozenset({"coffee", "tea"})
-_WELL = 0.6  # a café refused for its coffee serves tea at least this well
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,14 +62,9 @@ def match(concept: str, kinds: Kinds, knowledge: Knowledge) -> float:
         (weight * min(knowledge.share(concept, kind), _APART if kind in apart else 1.0) for kind, weight in kinds),
         default=0.0,
     )
-    if concept == "food" and best > _LIGHT_MEAL and _is_light(kinds, knowledge):
-        return _LIGHT_MEAL
-    return best
-
-
-def _is_light(kinds: Kinds, knowledge: Knowledge) -> bool:
     sure = {kind for kind, weight in kinds if weight >= _SURE}
-    return not sure.isdisjoint(knowledge.light_food) and sure.isdisjoint(_SERVES_MEALS)
+    is_light = not sure.isdisjoint(knowledge.light_food) and sure.isdisjoint(_SERVES_MEALS)
+    return min(best, _LIGHT_MEAL) if concept == "food" and is_light else best
 
 
 @lru_cache(maxsize=1 << 14)
@@ -99,9 +92,8 @@ def serve(wish: Wish, kinds: Kinds, knowledge: Knowledge, matches: Mapping[str, 
     for concept in wish.refused:
         # Ramen has noodles in it, and Thai food is hot.
         own = _any_of({concept, *knowledge.contained.get(concept, ())}, kinds, knowledge)
-        is_spared = concept in _DRUNK_IN_CAFES and _serves_else(wish, matches, knowledge)
-        is_spared = is_spared and not (concept == "tea" and own >= _REFUSED_KIND)
-        if own >= _REFUSED_KIND and not is_spared and not _is_also_another(concept, own, kinds, wish, knowledge):
+        is_spared = concept == "coffee" or (concept == "tea" and own < _REFUSED_KIND)
+        if own >= _REFUSED_KIND and not is_spared:
             return Served(0.0, 0.0, ())
         ware = match(concept, kinds, knowledge) if "/" not in concept else 0.0
         is_meant = ware > best + _CLEARLY and ware >= _SIDE_OFFER and not is_eaten(concept, knowledge)
@@ -114,36 +106,3 @@ def serve(wish: Wish, kinds: Kinds, knowledge: Knowledge, matches: Mapping[str, 
             score *= _SIDE_REFUSED
     reasons = tuple(concept for concept, found in matches.items() if found >= FITS)
     return Served(score, best, reasons)
-
-
-def _serves_else(wish: Wish, matches: Mapping[str, float], knowledge: Knowledge) -> bool:
-    """Whether something of its own is wanted that the place serves well: tea, in a café refused for its coffee."""
-    return any(
-        matches[concept] >= _WELL
-        for concept in wish.main
-        if concept not in knowledge.general and concept not in wish.refused
-    )
-
-
-def _is_also_another(concept: str, weight: float, kinds: Kinds, wish: Wish, knowledge: Knowledge) -> bool:
-    """Whether the place is as surely another kind beside the refused one (pizza and burgers), not refused itself.
-
-    What the refused one is a kind of is no other: impressionists are paintings.
-    """
-    top = concept.partition("/")[0]
-    return any(
-        other >= weight
-        and kind not in knowledge.above(concept)
-        and kind.partition("/")[0] == top
-        and not any(refused in knowledge.above(kind) for refused in wish.refused)
-        for kind, other in kinds
-    )
-
-
-def merged(kinds: Sequence[Kinds]) -> Kinds:
-    """All kinds of several signs, each at its surest."""
-    found: dict[str, float] = {}
-    for each in kinds:
-        for kind, weight in each:
-            found[kind] = max(weight, found.get(kind, 0.0))
-    return tuple(found.items())

@@ -14,7 +14,7 @@ from lpslam.language.questions.clauses import Clause, clauses_of
 from lpslam.language.questions.readings import Readings
 from lpslam.language.questions.sorts import is_general
 from lpslam.language.questions.speaking import language_by_its_phrases, languages_of
-from lpslam.language.questions.stance import NEXT_TO, Stand, Told, hurting, spilled, told_in
+from lpslam.language.questions.stance import NEXT_TO, Stand, Told, spilled, told_in
 from lpslam.language.questions.unknown_things import asks_for_unknown
 from lpslam.language.questions.wanted import THING, Wish
 from lpslam.language.questions.weighing import ASIDE, GENERAL, GIFTS, HINT, MAIN, MODIFIER, as_treated, without_symptoms
@@ -51,7 +51,6 @@ _ANEW = {
     "computer_repair": "computer",
 }
 _FEW_WORDS = 2  # words of a question that may be in any language
-_HABITS = frozenset({"tobacco", "amenity/smoking_area"})  # who refuses them says “smoke” by the way
 _MEALS = frozenset({"food", "drink"})
 NO_NAMES: PhraseTable[Meaning] = PhraseTable()
 """Of who knows none."""
@@ -127,8 +126,7 @@ class _Said:
         self.wanted_by: dict[str, set[str]] = {}
         self.refused_by: dict[str, set[str]] = {}
         self.refused_with: dict[str, list[set[str]]] = {}
-        self.alone: set[str] = set()
-        self.refusing: set[int] = set()
+        self.refusing: tuple[set[int], set[int]] = (set(), set())
         self.names: dict[str, list[str]] = {"wanted": [], "refused": [], "near": []}
 
     def refuse(self, span: Span[Meaning], concept: str) -> None:
@@ -141,8 +139,6 @@ class _Said:
         """Take a concept of a phrase as wanted."""
         self.wanted[concept] = max(weight, self.wanted.get(concept, 0.0))
         self.wanted_by.setdefault(concept, set()).add(span.key)
-        if len(span.value.concepts) == 1:
-            self.alone.add(concept)
 
     def both(self, concept: str) -> set[str]:
         """The phrases by which a concept is wanted and refused."""
@@ -166,10 +162,8 @@ class _Reading:
             )
         ]
         self._spans = [span for span in spans if span.value.role in ("means", "name") or not _is_part(span, troubles)]
-        pains = [trouble for trouble in troubles if trouble.concept in knowledge.symptoms]
-        self._hurts = hurting(self._spans, [trouble.units for trouble in pains], self._units, knowledge)
-        self._troubles = [trouble for trouble in troubles if not (self._hurts and trouble in pains)]
-        self._troubles += knowledge.combined(language).found(knowledge.folder.units(self._text))
+        self._troubles = troubles + knowledge.combined(language).found(knowledge.folder.units(self._text))
+
         self._stains = [trouble.units for trouble in self._troubles if trouble.concept == "laundry"]
 
     def _phrases(self, tables: tuple[Phrases[Meaning], ...]) -> tuple[list[str], list[Span[Meaning]]]:
@@ -189,14 +183,10 @@ class _Reading:
         """What is wanted and what is refused."""
         said = self._gathered()
         self._settle(said)
-        contested = self._contested(said)
         contradicted = {phrase for concept in said.refused for phrase in said.both(concept)}
         contradicted |= set(said.names["wanted"]) & set(said.names["refused"])
-        for concept in (*said.refused, *self._contained(said), *self._knowledge.said_of_food):
+        for concept in (*said.refused, *self._knowledge.said_of_food):
             said.wanted.pop(concept, None)
-        if any(weight >= THING for weight in said.wanted.values()) or not GIFTS.isdisjoint(said.wanted):
-            # “Something warm to drink, but no coffee”: what is left of “something warm” is wanted.
-            contested = tuple(concept for concept in contested if concept in said.alone)
         wanted = self._weighed(said)
         main = [concept for concept, weight in wanted.items() if weight > GENERAL]
         mended = [each.concept for each in self._troubles if each.concept not in said.wanted_by]
@@ -210,16 +200,15 @@ class _Reading:
             tuple(dict.fromkeys(said.names["near"])),
             # After a refusal, what else may be eaten is left open.
             asks_for_something and asks_for_unknown(self._units, self._spans, self._language, self._knowledge),
-            contested,
             tuple(_ANEW[concept] for concept in mended if concept in _ANEW),
-            () if main or contested else tuple(sorted(contradicted)),
-            *self._parted(said.refusing),
+            () if main else tuple(sorted(contradicted)),
+            *self._parted(*said.refusing),
         )
 
-    def _parted(self, refusing: set[int]) -> tuple[str, str]:
-        """The question without some units, and these alone; two empty texts without any."""
+    def _parted(self, refusing: set[int], things: set[int]) -> tuple[str, str]:
+        """The question without what refuses, and what is refused alone; two empty texts where nothing is."""
         without, every = self._knowledge.folder.without, set(range(len(self._units)))
-        return (without(self._text, refusing), without(self._text, every - refusing)) if refusing else ("", "")
+        return (without(self._text, refusing), without(self._text, every - things)) if refusing else ("", "")
 
     def _gathered(self) -> _Said:
         """Go through the clauses: what is wanted, what is refused, what is only said by the way."""
@@ -237,7 +226,7 @@ class _Reading:
         said.refusing = _refusing(clauses, told)
         for span, stand in (each for clause in told for each in clause):
             is_aside = span.start in asides or stand is Stand.ASIDE
-            is_refused = stand is Stand.REFUSED or span.start in self._hurts
+            is_refused = stand is Stand.REFUSED
             for concept, weight in span.value.concepts:
                 if span.value.role == "name":
                     said.names["refused" if is_refused else "near" if is_aside else "wanted"].append(concept)
@@ -284,28 +273,9 @@ class _Reading:
             if concept not in wanted
             or not all(others - wanted.keys() for others in said.refused_with.get(concept, [set()]))
         ]
-        # Who wants a bone doctor, and no doctor of internal medicine, refuses no doctors.
-        above = {each for concept in wanted for each in knowledge.above(concept)[1:]}
-        special = set(refused) - above
-        refused = [each for each in refused if each not in above or not self._has_more(said, each, special)]
         # Nobody refuses to eat (“I'm hungry, but not for that”), but who wants a present may want none to eat.
         spared = knowledge.general - (_MEALS if {*GIFTS, "business", "shop"} & wanted.keys() else frozenset())
         said.refused = [concept for concept in refused if concept not in spared]
-
-    def _has_more(self, said: _Said, concept: str, special: set[str]) -> bool:
-        """Whether every phrase that refuses a concept refuses something more special as well."""
-        return all(others & special for others in said.refused_with.get(concept, [set()]))
-
-    def _contested(self, said: _Said) -> tuple[str, ...]:
-        """“An ice cream, but that parlour is a rip-off”: the thing is wanted, where it is sold first of all is not."""
-        return tuple(
-            concept
-            for concept in dict.fromkeys(said.refused)
-            if said.wanted.get(concept, 0.0) >= MAIN and not said.both(concept)
-        )
-
-    def _contained(self, said: _Said) -> list[str]:
-        return [inner for concept in said.refused if concept in _HABITS for inner in self._knowledge.contained[concept]]
 
     def _weighed(self, said: _Said) -> dict[str, float]:
         """Weigh what is wanted: what is done to things, whom they are for, what will do instead."""
@@ -333,9 +303,13 @@ def asks_for_another(question: str) -> bool:
     return _ANOTHER.search(question) is not None
 
 
-def _refusing(clauses: Sequence[Clause], told: Sequence[Told]) -> set[int]:
-    """The units of a question that refuse something: clauses that do nothing else, and the phrases of others."""
+def _refusing(clauses: Sequence[Clause], told: Sequence[Told]) -> tuple[set[int], set[int]]:
+    """The units of a question that refuse something, and those of them that say what.
+
+    They are clauses that do nothing else, and the phrases of others.
+    """
     found: set[int] = set()
+    words: set[int] = set()
     for clause, each in zip(clauses, told, strict=True):
         no = [span for span in clause.spans if span.value.role.startswith("refuse")]
         refused = [span for span, stand in each if stand is Stand.REFUSED]
@@ -343,7 +317,9 @@ def _refusing(clauses: Sequence[Clause], told: Sequence[Told]) -> set[int]:
             found.update(clause.units if refused or no else ())
         elif refused:
             found.update(at for span in (*no, *refused) for at in range(span.start, span.end))
-    return found
+        turns = (span for span in clause.spans if span.value.role not in ("means", "name"))
+        words.update(at for span in turns for at in range(span.start, span.end))
+    return found, found - words
 
 
 def _is_part(span: Span[Meaning], troubles: Sequence[Trouble]) -> bool:

@@ -7,7 +7,6 @@ tells is no wish: who says what Zara is like and then asks for a dress wants ano
 
 from collections.abc import Sequence, Set
 from enum import Enum
-from itertools import pairwise
 
 from lpslam.language.questions.clauses import Clause, between_marks
 from lpslam.language.questions.sorts import (
@@ -15,7 +14,6 @@ from lpslam.language.questions.sorts import (
     is_general,
     is_meal,
     is_modifier,
-    is_pain,
     is_place,
     is_plain,
     is_vague,
@@ -26,8 +24,6 @@ from lpslam.language.tables.lexicon import Meaning
 from lpslam.language.tables.words import Span, is_mark
 
 NEXT_TO = 3  # units between two phrases that speak of one another
-_TELLING_MUCH = 4  # words beside a kind of place that make a statement of it, though it would serve
-_SERVES = 0.6  # a kind of place that serves what is asked for as well as this is not refused for being told of
 _VERB_LAST = frozenset({"ja", "ko"})  # languages whose refusals always stand behind
 _WHOLE_BACK = _VERB_LAST | {"zh"}  # whose short clauses are refused as a whole
 _PASTIMES = frozenset({"entertainment", "children_play", "rest"})
@@ -62,58 +58,19 @@ def told_in(
     for at in range(1, len(clauses)):
         before = clauses[at - 1].spans
         is_settled = Stand.REFUSED in stands[at - 1] and language not in _WHOLE_BACK
-        if (_refuses_back(clauses[at], language) and not is_settled) or _denies_back(clauses, at):
-            start = 0 if language in _WHOLE_BACK else _linked_from(before, 0, len(before))
-            stands[at - 1][start:] = [Stand.REFUSED] * (len(before) - start)
+        if _refuses_back(clauses[at], language) and not is_settled:
+            stands[at - 1] = [Stand.REFUSED] * len(before)
         elif stands[at - 1][-1:] == [Stand.REFUSED] and _goes_on_listing(clauses[at], knowledge):
             # “No pizza, burgers or kebab.”
             stands[at] = [Stand.REFUSED] * len(stands[at])
-    for at in range(len(clauses) - 1, 0, -1):
-        if stands[at][:1] == [Stand.REFUSED] and _is_listed_before(clauses[at - 1], clauses[at], knowledge):
-            # “Ramen, udon, no more.”
-            stands[at - 1] = [Stand.REFUSED] * len(stands[at - 1])
-    wanted = {
-        span.key
-        for clause, each in zip(clauses, stands, strict=True)
-        for span, stand in zip(clause.spans, each, strict=True)
-        if stand is Stand.WANTED
-    }
-    told = [
-        _told(clause.spans, _only_the_special(clause.spans, each, wanted), knowledge)
-        for clause, each in zip(clauses, stands, strict=True)
-    ]
+    told = [_told(clause.spans, each, knowledge) for clause, each in zip(clauses, stands, strict=True)]
     for at in range(1, len(clauses)):
         # “I need shoes, but Bata's are for aunties.”
         wants = any(_is_wanted(one) and one[0].value.role == "means" for each in told[:at] for one in each)
         turns = any(span.key in knowledge.turning for span in clauses[at].spans[:1])
         if wants and turns and all(span.value.role == "name" for span, _ in told[at]):
             told[at] = [(span, Stand.REFUSED) for span, _ in told[at]]
-    return [_without_pains(each, knowledge) for each in _without_telling(clauses, told, knowledge, wants_another)]
-
-
-def _without_pains(told: Told, knowledge: Knowledge) -> Told:
-    """What a refused dish does to one is no wish for a doctor."""
-    if not any(stand is Stand.REFUSED and is_meal(span, knowledge) for span, stand in told):
-        return told
-    return [
-        (span, Stand.ASIDE if stand is Stand.WANTED and is_pain(span.value.concepts, knowledge) else stand)
-        for span, stand in told
-    ]
-
-
-def hurting(
-    spans: Sequence[Span[Meaning]], pains: Sequence[frozenset[int]], units: Sequence[str], knowledge: Knowledge
-) -> set[int]:
-    """Starts of the dishes that are said to hurt: “ice cream hurts my teeth”, where another is wanted besides."""
-    meals = [span for span in spans if is_meal(span, knowledge)]
-    found: set[int] = set()
-    for pain in pains:
-        first = min(pain)
-        reach = between_marks(first, units)
-        own = [span for span in meals if reach.start <= span.start < first and not is_general(span, knowledge)]
-        if own and any(span.start not in reach for span in meals):
-            found.update(span.start for span in own)
-    return found
+    return _without_telling(clauses, told, knowledge, wants_another)
 
 
 def spilled(
@@ -133,19 +90,6 @@ def _goes_on_listing(clause: Clause, knowledge: Knowledge) -> bool:
         and all(
             span.value.role == "name" or is_meal(span, knowledge) or (span.value.role == "means" and not clause.tells)
             for span in clause.spans
-        )
-    )
-
-
-def _is_listed_before(before: Clause, clause: Clause, knowledge: Knowledge) -> bool:
-    """Whether a clause is one more dish of the list whose next, refused from behind, begins a clause of its own."""
-    return (
-        before.says <= 0
-        and not before.asks
-        and bool(before.spans)
-        and all(is_meal(span, knowledge) for span in (*before.spans, clause.spans[0]))
-        and not any(
-            concept in knowledge.instead_of.values() for span in before.spans for concept, _ in span.value.concepts
         )
     )
 
@@ -217,17 +161,10 @@ class _Asked:
         ):
             return Stand.WANTED
         is_doubted = clause.denies or (clause.echoes and (bool(self._concepts) or self._wants_another))
-        if is_place(span, self._knowledge):
-            is_refused = is_doubted or self._tells_of_a_place(clause, concepts)
-        elif before is not None and before.value.role == "name" and span.start - before.end <= 1:
-            # A brand's coffee says nothing against coffee.
-            is_refused = False
-        elif concepts <= self._diets:
-            # “No meat” is a wish.
-            is_refused = False
-        else:
-            is_refused = (is_doubted and is_meal(span, self._knowledge)) or self._tells_of_a_ware(at, span)
-        if is_refused:
+        # A brand's coffee says nothing against coffee, and “no meat” is a wish.
+        is_named = before is not None and before.value.role == "name" and span.start - before.end <= 1
+        is_spared = is_named or (concepts <= self._diets and not is_place(span, self._knowledge))
+        if is_doubted and not is_spared and (is_place(span, self._knowledge) or is_meal(span, self._knowledge)):
             return Stand.REFUSED
         is_by_the_way = self._is_special and (
             (self._names_a_place and concepts <= _PASTIMES)
@@ -235,24 +172,6 @@ class _Asked:
             or is_ware(span, self._knowledge)
         )
         return Stand.ASIDE if is_by_the_way else Stand.WANTED
-
-    def _tells_of_a_place(self, clause: Clause, kinds: Set[str]) -> bool:
-        """Whether a kind of place is said to have been visited, or to be like this or that."""
-        if any(span.value.role == "past" for span in clause.spans):
-            return True
-        serves = any(self._knowledge.share(each, kind) >= _SERVES for each in self._concepts for kind in kinds)
-        return clause.says > (_TELLING_MUCH if serves else 1) and (self._is_special or self._wants_another)
-
-    def _tells_of_a_ware(self, at: int, span: Span[Meaning]) -> bool:
-        """Whether something else is asked for than a ware that is told of, and not where it has run out."""
-        near = [*(self._clauses[at - 1].spans if at else ()), *self._clauses[at].spans]
-        has_run_out = any(other.value.role == "neutral" for other in near)
-        return (
-            self._wants_another
-            and not (self._is_special or has_run_out)
-            and self._clauses[at].tells
-            and is_ware(span, self._knowledge)
-        )
 
 
 def _stands_within(
@@ -281,8 +200,7 @@ def _stands_within(
         if role == "refuse_before" or (role == "refuse_after" and at == since and language not in _VERB_LAST):
             ahead = True
         elif role in ("refuse_after", "refuse_back"):
-            start = _linked_from(clause, since, at)
-            stands[start:at] = [Stand.REFUSED] * (at - start)
+            stands[since:at] = [Stand.REFUSED] * (at - since)
             since, ahead = at, False
         elif role == "neutral":
             # “Not from Rewe, and they have run out of water.”
@@ -297,7 +215,7 @@ def _stands_within(
             else stand
             for span, stand in zip(clause, stands, strict=True)
         ]
-    return _only_the_brand(clause, stands, units, knowledge)
+    return stands
 
 
 def _stands_last(clause: Sequence[Span[Meaning]], units: Sequence[str], negating: Set[str]) -> bool:
@@ -305,24 +223,6 @@ def _stands_last(clause: Sequence[Span[Meaning]], units: Sequence[str], negating
     before, last = clause[-2:]
     is_end = last.end == len(units) or is_mark(units[last.end])
     return before.end == last.start or (is_end and last.start - before.end <= NEXT_TO)
-
-
-def _only_the_brand(
-    clause: Sequence[Span[Meaning]], stands: Sequence[Stand], units: Sequence[str], knowledge: Knowledge
-) -> list[Stand]:
-    """Who refuses a brand's clothes (耐克的衣服) refuses the brand, and says “clothes” by the way."""
-    spared = list(stands)
-    for at in range(1, len(clause)):
-        before, span = clause[at - 1], clause[at]
-        between = units[before.end : span.start]
-        if (
-            stands[at] is stands[at - 1] is Stand.REFUSED
-            and (before.value.role, span.value.role) == ("name", "means")
-            and len(between) <= 1
-            and not any(unit in knowledge.both or is_mark(unit) for unit in between)
-        ):
-            spared[at] = Stand.ASIDE
-    return spared
 
 
 def _refuses_back(clause: Clause, language: str) -> bool:
@@ -336,46 +236,6 @@ def _refuses_back(clause: Clause, language: str) -> bool:
         return False
     says_more = any(span.value.role in ("means", "name", "refuse_before", "neutral") for span in spans)
     return not says_more or (language in _VERB_LAST and role == "refuse_after")
-
-
-def _denies_back(clauses: Sequence[Clause], at: int) -> bool:
-    """Whether a “not” with nothing after it speaks of the clause before: “fish, my friend does not eat; what else?”."""
-    clause = clauses[at]
-    return (
-        not clause.asks
-        and not clauses[at - 1].asks
-        and any(other.asks for other in clauses)
-        and all(span.value.role in ("refuse_before", "break") for span in clause.spans)
-        and any(span.value.role == "refuse_before" for span in clause.spans)
-    )
-
-
-def _linked_from(clause: Sequence[Span[Meaning]], since: int, at: int) -> int:
-    """Where a refusal that stands behind begins.
-
-    “Coffee, but the queue at Costa is too long” wants the coffee, and “shoes, and Bata is shut” the shoes.
-    """
-    start = at
-    while start > since and (start == at or clause[start].start - clause[start - 1].end <= NEXT_TO):
-        if start < at and (clause[start].value.role, clause[start - 1].value.role) == ("name", "means"):
-            break
-        start -= 1
-    return start
-
-
-def _only_the_special(clause: Sequence[Span[Meaning]], stands: Sequence[Stand], wanted: Set[str]) -> list[Stand]:
-    """“Shoes, but no sports shoes” refuses sports: beside another phrase, one that is wanted besides is spared."""
-    spared = list(stands)
-    for before, after in pairwise(range(len(clause))):
-        pair = (clause[before], clause[after])
-        if (
-            stands[before] is stands[after] is Stand.REFUSED
-            and pair[0].end == pair[1].start
-            and all(span.value.role == "means" for span in pair)
-            and (pair[0].key in wanted) != (pair[1].key in wanted)
-        ):
-            spared[before if pair[0].key in wanted else after] = Stand.WANTED
-    return spared
 
 
 def _told(clause: Sequence[Span[Meaning]], stands: Sequence[Stand], knowledge: Knowledge) -> Told:

@@ -12,10 +12,9 @@ class Wish:
     """Concepts wanted and refused, by weight; `language` is None where the question could not be read.
 
     `wanted_names`, `refused_names` and `near_names` hold the values of the names that were passed in and mentioned;
-    `unknown` says that something is asked for whose word is not known; `contested` are concepts that are wanted, but
-    not from where they are had first of all; `anew` are goods that will do where nobody mends the broken ones;
-    `contradicted` are phrases that are wanted and refused in one breath; `rest` is the question without what is refused,
-    `left_out` that alone; both are empty where nothing is.
+    `unknown` says that something is asked for whose word is not known; `anew` are goods that will do where nobody mends
+    the broken ones; `contradicted` are phrases that are wanted and refused in one breath; `rest` is the question
+    without what is refused, `left_out` that alone: both are empty where nothing is.
     """
 
     wanted: tuple[tuple[str, float], ...]
@@ -25,7 +24,6 @@ class Wish:
     language: str | None
     near_names: tuple[str, ...] = ()
     unknown: bool = False
-    contested: tuple[str, ...] = ()
     anew: tuple[str, ...] = ()
     contradicted: tuple[str, ...] = ()
     rest: str = ""

@@ -1,7 +1,6 @@
 """What the words of boards have in common with the words of a stop: names, words just so, and names as heard."""
 
 import re
-from collections.abc import Mapping, Sequence
 
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.questions.question import asks_for_another
@@ -11,15 +10,13 @@ from lpslam.language.tables.words import is_mark, is_unspaced, longest_phrases
 from lpslam.language.wishes.asked_words import SHORTEST, AskedWords
 from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.reading import content_of, wish_languages
-from lpslam.language.wishes.refusals import each_of, parted
-from lpslam.language.wishes.rules import content_left, rules_of
+from lpslam.language.wishes.refusals import parted
+from lpslam.language.wishes.rules import rules_of
 
-_SURE, _NAMED, _ACROSS = 1.0, 0.9, 0.85  # of a code or person, of a part of a name, of a name in another script
+_SURE, _NAMED = 1.0, 0.9  # of a whole name, of a part of one
 _WHOLE = 0.95  # of a name's letters: the name itself
-_FEWEST_BORNE, _MOST_BORNE = 2, 0.5  # words of a question that a board bears, and their share of its letters
 _MOST_OF_IT = 0.7  # of the letters that are asked for: a name, with a particle
 _NAME = re.compile(r"(?<=[a-zà-ÿ] )[A-Z][\w'’-]* (?:[A-Z&][\w'’-]* ?)+")  # “is there a Burger King”
-_FEW_WORDS = 3  # of a stop that may be no more than a name and the word before it
 _LEAST_LITERAL = 0.3  # of a board's letters that are asked for word by word
 
 
@@ -49,8 +46,10 @@ class BoardWords:
 
     def parted(self, text: str, meaning: Meaning, language: str) -> tuple[str, list[str]] | None:
         """Return what a text wants, and each thing that it refuses, as its turns of phrase or its words part them."""
-        left = content_of(meaning.rest, wish_languages(text, self._knowledge))
-        return (meaning.rest, each_of(meaning.left_out)) if left else parted(text, language)
+        if not content_of(meaning.rest, wish_languages(text, self._knowledge)):
+            return parted(text, language)
+        what, more = parted(meaning.rest, language) or (meaning.rest, [])
+        return what, [meaning.left_out, *more]
 
     def leaves_out(self, text: str, language: str) -> bool:
         """Whether a text says no to a part of what it asks for (“but”, “except”), not only of something."""
@@ -66,7 +65,7 @@ class BoardWords:
         languages = wish_languages(text, self._knowledge)
         words, proper = self._asked.asked(text)
         if not words:
-            return self._all_common(text, languages)
+            return {}
         whole = self._names.covered(words)
         exact = {id_: _SURE for id_, share in whole.items() if share >= _WHOLE}
         # “Spin” alone is a common word.
@@ -74,10 +73,8 @@ class BoardWords:
         slipped = slipped or ({} if whole else self._names.slipped(words))
         if slipped:
             return slipped
-        if not proper and not (exact and (len(words) > 1 or self._unread(exact))):
-            # “フェルメール” means painters, and stands on a board in Latin letters.
-            is_one = len(words) == 1 and text.strip() == words[0] and is_unspaced(words[0])
-            return {id_: _ACROSS * share for id_, share in self._names.across(words).items()} if is_one else {}
+        if not proper and not (exact and len(words) > 1):
+            return {}
         if exact:
             return exact
         if whole and proper:
@@ -91,22 +88,12 @@ class BoardWords:
         named = self._names.covered(proper)
         if named and (len(named) == 1 or sum(map(len, proper)) >= SHORTEST):
             return {id_: _NAMED + (1.0 - _NAMED) * share for id_, share in named.items()}
-        sounding = self._names.across(proper)
-        return {id_: _ACROSS * share for id_, share in sounding.items()}
+        return {}
 
     def _all_words(self, text: str, languages: tuple[str, ...]) -> list[str]:
         """The words of a text without its filler, common ones as well: “spin studio”."""
         units = self._knowledge.folder.units(content_of(text, languages))
         return [unit for unit in units if not is_mark(unit)]
-
-    def _all_common(self, text: str, languages: Sequence[str]) -> dict[int, float]:
-        """“Zu think”: boards that no table reads, whose name is a common word of a language and all that is left."""
-        if len(text.split()) > _FEW_WORDS:
-            return {}
-        left = [self._knowledge.folder.units(content_left(text, rules_of(language))) for language in languages]
-        found = [self._names.covered(units) for units in left if len(units) == 1 and not is_mark(units[0])]
-        ids = {id_: _SURE for each in found for id_, share in each.items() if share >= _WHOLE}
-        return ids if ids and self._unread(ids) else {}
 
     def by_ear(self, text: str, meaning: Meaning) -> dict[int, float]:
         """The one landmark whose name sounds like all that is asked for, else like words that no table knows."""
@@ -136,16 +123,4 @@ class BoardWords:
         words = words or self._all_words(text, wish_languages(text, self._knowledge))
         if not words:
             return {}
-        found = {id_: share for id_, share in self._names.covered(words).items() if share >= _LEAST_LITERAL}
-        return found or self._names.alike(words) or self._mostly(words)
-
-    def _unread(self, ids: Mapping[int, float]) -> bool:
-        """Whether no table knows what the boards say: then their letters are all there is."""
-        return not any(self._index.signs[id_].is_place for id_ in ids)
-
-    def _mostly(self, words: Sequence[str]) -> dict[int, float]:
-        """Boards that bear most of the words, two at least, where the others stand on no board: “report to the …”."""
-        borne = [word for word in words if self._names.covered([word])]
-        if len(borne) < _FEWEST_BORNE or sum(map(len, borne)) < _MOST_BORNE * sum(map(len, words)):
-            return {}
-        return {id_: share for id_, share in self._names.covered(borne).items() if share >= _LEAST_LITERAL}
+        return {id_: share for id_, share in self._names.covered(words).items() if share >= _LEAST_LITERAL}

@@ -13,7 +13,7 @@ from lpslam.language.signs.hours import without_hours
 from lpslam.language.tables.lexicon import read_table
 from lpslam.language.tables.words import is_unspaced
 from lpslam.language.wishes.form import Identity, Sort
-from lpslam.language.wishes.numerals import digit_ordinal, number_of, with_digits, with_letters, with_spoken_digits
+from lpslam.language.wishes.numerals import digit_ordinal, number_of, with_digits, with_letters
 
 _KEPT = 64  # texts as codes are looked for in them: a question and its parts
 # 一番近い is the nearest, 一番線 is platform 1; 이번 is this time, 이층 the second floor.
@@ -165,7 +165,7 @@ _NUMBER_SIGN = re.compile(r"(?<!\w)(?:n ?[°º]|№|n[or]s?\.) ?(?=\d)")  # “n
 
 @lru_cache(maxsize=_KEPT)
 def _folded(text: str) -> str:
-    clean = with_spoken_digits(_NUMBER_SIGN.sub("", clean_text(text).casefold()))
+    clean = _NUMBER_SIGN.sub("", clean_text(text).casefold())
     clean = _NUMBERED_ONE.sub(r"\1", clean)
     return _UNSPACED_NUMBER.sub(lambda found: str(number_of(next(filter(None, found.groups())))), clean)
 
@@ -269,30 +269,6 @@ def asked_codes(text: str) -> list[Code]:
         if of or is_mixed or (alone and code.number is not None) or len(hit.group(1)) >= 3:
             found.append(code)
     return found
-
-
-def asked_numbers(text: str) -> list[tuple[str, Code]]:
-    """Return the numbers that a question says right after a word, with that word: (“unit”, 45)."""
-    folded = _QUANTITY.sub(" ", _folded(text))
-    # Whether boards number what the word means is the map's to say.
-    folded = with_digits(folded, lambda at: bool(_WORD_BEFORE.search(folded[:at])), lambda at: False)
-    return [(hit.group(1), _code(hit.group(2), frozenset())) for hit in _WORD_AND_NUMBER.finditer(folded)]
-
-
-_WORD_BEFORE = re.compile(r"[^\W\d_]{3,} $")
-_WORD_AND_NUMBER = re.compile(
-    r"(?<![^\W_])([^\W\d_]{3,}) (?:(?:no|nr|n|number|nummer|número|numero|numéro)[.°º]* )?(\d{1,4})(?!\w)"
-)
-
-
-def numbers_of_things(what: str, out: str) -> list[Code]:
-    """Return the numbers that are all that `out` says, of what `what` says last: a line, any except number one."""
-    words = _last_words(_folded(what))
-    bare = _NUMBER_WORD.sub(" ", f" {_folded(out)} ")
-    said = with_digits(bare, lambda at: True, lambda at: False)
-    if not words or re.search(r"[^\W\d_]", _BETWEEN.sub(" ", said)):
-        return []
-    return [_code(number, words[0][1]) for number in re.findall(r"\d{1,4}", said)]
 
 
 def all_numbers(text: str) -> list[Code]:

@@ -69,15 +69,6 @@ class Guesses:
         asked = self.asked(served, clues, meaning, language)
         return 1.0 if asked is None or not served.scores else self.guessing.sure(*asked)
 
-    def agreed(self, served: Served, clues: Clues, meaning: Meaning, language: str) -> Served:
-        """Return what tables left of a refusal, surer where a guess is the same: a guess hears no refusal itself."""
-        if not served.scores or served.sure >= LEAST_SURE:
-            return served
-        guess = self._guess(served, clues, meaning, language)
-        if guess is None or guess.sure < LEAST_IN_SPITE or not self._are_alike(guess.best, best_of(served.scores)):
-            return served
-        return replace(served, sure=guess.sure, confidence=guess.sure)
-
     def told(self, served: Served, meaning: Meaning, language: str, trusted: Trusted) -> Served:
         """Return a sure guess where a negation only tells of something: “my jacket can't go in the washing machine”."""
         guess = self._guess(served, {}, meaning, language)
@@ -101,11 +92,9 @@ class Guesses:
     def _serves_as_well(self, id_: int, scores: Mapping[int, float]) -> bool:
         """Whether a landmark is a place of the best one's kind, or serves as well as it."""
         best = best_of(scores)
-        return scores.get(id_, 0.0) >= AS_WELL * scores[best] or self._are_alike(id_, best)
-
-    def _are_alike(self, one: int, other: int) -> bool:
-        """Whether two landmarks are places of one kind."""
-        return self.support.group_of[one] == self.support.group_of[other]
+        return (
+            scores.get(id_, 0.0) >= AS_WELL * scores[best] or self.support.group_of[id_] == self.support.group_of[best]
+        )
 
     def _guessed(self, served: Served, guess: Guess, scores: Mapping[int, float]) -> Served:
         found = replace(served, scores=scores, way=Way.GUESS, exact=frozenset(), strength=0.0, why=None)

@@ -1,6 +1,5 @@
 """The landmarks that bear what must stand on the board: codes, names of people, levels and buildings."""
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -15,11 +14,9 @@ from lpslam.language.wishes.codes import (
     alike_key,
     all_numbers,
     asked_codes,
-    asked_numbers,
     board_codes,
     board_keys,
     code_of,
-    in_digits,
     lettered_numbers,
     numbered_thing,
     numbers_in,
@@ -34,9 +31,7 @@ from lpslam.language.wishes.served import AS_WELL
 _SURE = 1.0  # of a code or person
 _LONG_NUMBER = 3  # digits of a number that is a room's even where its board does not say so
 _LONG_KEY = 2  # letters and digits of a code that may be misread
-_SHORTEST_WORD = 3  # letters of a word for what is numbered here
 _FEWEST_OF_A_SORT = 2
-_ENDINGS = re.compile("(?:es|s|er|en|e|n)$")  # of plurals
 _BY_THE_WAY = frozenset({"floor", "building", "zone"})
 """What may be numbered beside what is asked for: “a toilet on level 2”."""
 
@@ -61,14 +56,10 @@ class Identities:
         ignored: list[str] = []
         for identity in stop.identity:
             bearing = self._bearing(identity)
-            is_code = identity.sort is Sort.CODE
-            if is_code and _BY_THE_WAY.intersection(identity.of) and self._says_more(stop, identity):
-                if not bearing:
-                    ignored.append(str(identity))
-                continue
-            if is_code and not bearing and not self._has_such(identity) and self._says_more(stop, identity):
-                # Where no board bears such codes at all, “M8 bolts” are bolts.
-                ignored.append(str(identity))
+            is_code = identity.sort is Sort.CODE and not bearing and not self._has_such(identity)
+            # Where no board bears such codes at all, “M8 bolts” are bolts.
+            if (is_code or _BY_THE_WAY.intersection(identity.of)) and self._says_more(stop):
+                ignored += [] if bearing else [str(identity)]
                 continue
             if not bearing:
                 joined = self._joined(stop)
@@ -87,7 +78,7 @@ class Identities:
             for code in codes
         )
 
-    def _says_more(self, stop: Stop, identity: Identity) -> bool:
+    def _says_more(self, stop: Stop) -> bool:
         """Whether a stop names something else than what is numbered: “a toilet on level 2”, not “parking P7”."""
         meaning = read_question(without_codes(stop.what), self._knowledge)
         return any(weight > 0.5 for _, weight in meaning.wanted)
@@ -154,18 +145,9 @@ class Identities:
         return found
 
     def numbered_as_here(self, what: str) -> dict[int, float]:
-        """The landmarks that bear a number beside the word that is said before it: “unit 45” is Units 40-52."""
-        lettered = (self._coded(code, False) for code in lettered_numbers(what))
-        said_by_letters = next((dict.fromkeys(ids, _SURE) for ids in lettered if ids), {})
-        if said_by_letters:
-            return said_by_letters
-        for word, code in (*asked_numbers(what), *asked_numbers(in_digits(what))):
-            said = {id_ for id_, words in self._words_of_codes.items() if any(_are_one(word, each) for each in words)}
-            found = [id_ for id_ in sorted(said) if any(each.bears(code) for each in self.codes[id_])]
-            if found:
-                return dict.fromkeys(found, _SURE)
-        found_by_number = (self._coded(code, False) or self._alike(code) for code in spoken_numbers(what))
-        scores = next((each for each in found_by_number if each), {})
+        """The landmarks that bear a number which is said in words, of whatever: “two oh seven”, “bee twelve”."""
+        said = (*lettered_numbers(what), *spoken_numbers(what))
+        scores = next((found for code in said if (found := self._coded(code, False) or self._alike(code))), {})
         best = max(scores.values(), default=0.0)
         return {id_: _SURE for id_ in sorted(scores) if scores[id_] == best}
 
@@ -183,17 +165,6 @@ class Identities:
         bearing = ([id_ for id_ in best if any(e.bears(code) for e in self.codes[id_])] for code in numbers_in(what))
         told = next((ids for ids in bearing if ids), best)
         return {id_: score for id_, score in scores.items() if id_ in told or id_ not in best}
-
-    @cached_property
-    def _words_of_codes(self) -> dict[int, set[str]]:
-        """The words of boards that bear a number, by landmark."""
-        found: dict[int, set[str]] = {}
-        common = frozenset().union(*self._knowledge.common.values())
-        for mark in self._landmarks:
-            if any(code.number is not None for code in self.codes[mark.id]):
-                units = self._knowledge.folder.units(" ".join((mark.name, *mark.lines)))
-                found[mark.id] = {unit for unit in units if unit.isalpha() and len(unit) >= _SHORTEST_WORD} - common
-        return found
 
     def numbered(self, what: str) -> dict[int, float]:
         """All that is numbered as a thing: “the rack” is any board that bears the number of one."""
@@ -220,17 +191,3 @@ class Identities:
                 )
                 found[id_] = _SURE - 0.1 * (not is_same) - 0.05 * (not is_exact)
         return found
-
-    def on_level(self, stop: Stop, ignored: Sequence[str]) -> set[int] | None:
-        """Where a level or a building is named by the way, the landmarks that bear it."""
-        within: set[int] | None = None
-        for identity in stop.identity:
-            if str(identity) not in ignored:
-                bearing = set(self._bearing(identity))
-                within = bearing if within is None else within & bearing
-        return within
-
-
-def _are_one(word: str, other: str) -> bool:
-    """Whether two words are one but for the ending of a plural."""
-    return word == other or _ENDINGS.sub("", word) == _ENDINGS.sub("", other)

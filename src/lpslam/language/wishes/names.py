@@ -4,7 +4,7 @@ Names are compared folded, in part, with a few wrong letters, and in Latin lette
 """
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -24,9 +24,6 @@ _SAME = 88.0  # of 100: two known words of a name are the same but for a reader'
 _FAR = 9  # letters of a word in which two slips are forgiven
 _SAME_PERSON = 90.0  # of 100: Schmidt and Schmitt may be two people, Schneider and Schnieder one
 _LONG = 5  # letters of a word in which a slip is forgiven
-_CONSONANTS = 4  # of a name that is compared by them alone: フェルメール is Vermeer
-_HOMOPHONES = 3  # characters of a name that is compared by how they are read: 同仁唐 is 同仁堂
-_ACROSS = 80.0  # of 100: a name in other letters sounds the same
 _STEM, _STEM_SHARE = 5, 0.6  # letters with which words begin alike, at least, and their share of the shorter one
 _SHORTEST = 4  # letters of a name that may be compared across scripts
 
@@ -61,20 +58,6 @@ class Names:
             for piece in {piece for line in lines for piece in (*line.units, *_pairs(line.runs))}:
                 self._ids_of.setdefault(piece, set()).add(id_)
         self._long = OfLength(unit for unit in self._ids_of if len(unit) >= _LONG)
-        self._read_aloud: dict[int, Mapping[str, Mapping[int, None]]] = {}
-
-    @cached_property
-    def _sounds(self) -> tuple[tuple[list[str], list[int]], tuple[list[str], list[int]]]:
-        """Names in Latin letters with their landmarks: those painted in spaced scripts, and those in others."""
-        found: tuple[tuple[list[str], list[int]], tuple[list[str], list[int]]] = (([], []), ([], []))
-        for id_, lines in self._words.items():
-            for line in lines:
-                parts = [line.latin, *(map(_latin, line.runs) if line.units else ())]
-                for latin in parts:
-                    if len(latin) >= _SHORTEST:
-                        found[bool(line.runs)][0].append(latin)
-                        found[bool(line.runs)][1].append(id_)
-        return found
 
     def _words_of(self, text: str) -> Words:
         fold = self._knowledge.folder
@@ -157,28 +140,6 @@ class Names:
         ids = [id_ for id_, size in found.items() if size == longest]
         return dict.fromkeys(ids, 1.0) if len(ids) == 1 else {}
 
-    def alike(self, content: Sequence[str]) -> dict[int, float]:
-        """Return landmarks whose whole name is a slip away from what is asked, or is read alike: 同仁唐, tool crip."""
-        key = "".join(content)
-        if is_unspaced(key):
-            return dict.fromkeys(self._sounding(len(key)).get(_latin(key), ()), 1.0) if len(key) >= _HOMOPHONES else {}
-        keys, ids = self._keys
-        alike, rows = keys.within(len(key), _slips(key))
-        near = process.extract(key, alike, scorer=Levenshtein.distance, score_cutoff=_slips(key), limit=None)
-        return {ids[rows[at]]: 1.0 - slips / len(key) for _, slips, at in sorted(near, key=lambda each: -each[1])}
-
-    def _sounding(self, size: int) -> Mapping[str, Mapping[int, None]]:
-        """Landmarks by how so many letters of a script without spaces on their boards are read; kept."""
-        found = self._read_aloud.get(size)
-        if found is None:
-            made: dict[str, dict[int, None]] = {}
-            runs = ((id_, run) for id_, lines in self._in_runs.items() for line in lines for run in line.runs)
-            for id_, run in runs:
-                for at in range(len(run) - size + 1):
-                    made.setdefault(_latin(run[at : at + size]), {})[id_] = None
-            found = self._read_aloud[size] = made
-        return found
-
     def slipped(self, words: Sequence[str]) -> dict[int, float]:
         """Return landmarks whose whole long name is what is asked for but for a slip in nine letters, no digits.
 
@@ -217,29 +178,6 @@ class Names:
             for sound in {consonants(word) for line in lines for word in line.in_order}:
                 found.setdefault(sound, set()).add(id_)
         return found
-
-    def across(self, content: Sequence[str]) -> dict[int, float]:
-        """Return by landmark how alike a name sounds that is painted in another script than it is asked for in."""
-        asked = "".join(content)
-        latin = _latin(asked)
-        if len(latin) < _SHORTEST:
-            return {}
-        names, ids = self._sounds[not is_unspaced(asked)]
-        found: dict[int, float] = {}
-        for _, alike, at in process.extract(latin, names, scorer=fuzz.ratio, score_cutoff=_ACROSS, limit=None):
-            found[ids[at]] = max(found.get(ids[at], 0.0), alike / 100.0)
-        return found or self._byconsonants(latin, is_unspaced(asked))
-
-    def _byconsonants(self, latin: str, is_asked_unspaced: bool) -> dict[int, float]:
-        """Names of spaced scripts that have the consonants of one in kana or Hangul, which write vowels between."""
-        sought = consonants(latin)
-        if not is_asked_unspaced or len(sought) < _CONSONANTS:
-            return {}
-        return {
-            id_: _ACROSS / 100.0
-            for id_, lines in self._words.items()
-            if any(consonants(unit) == sought for line in lines for unit in line.units)
-        }
 
     def sounding(self, words: Sequence[str], is_all: bool = False) -> dict[int, float]:
         """Return the landmark whose name sounds like some words, in whatever script; none where two do.

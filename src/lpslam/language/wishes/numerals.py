@@ -145,25 +145,6 @@ def _digits() -> Mapping[str, str]:
     return found
 
 
-@lru_cache(maxsize=1)
-def _unspaced_digits() -> tuple[re.Pattern[str], re.Pattern[str], Mapping[str, str]]:
-    """Two digits and more of a language without spaces, said one by one; one of them; and what each is."""
-    found: dict[str, str] = {}
-    runs: list[str] = []
-    for language in ("zh", "ja", "ko"):
-        own = {form: str(at) for at, forms in enumerate(_words(_tables()[language]["digits"])) for form in forms}
-        runs.append(f"(?:{'|'.join(sorted(own, key=len, reverse=True))}){{2,5}}")
-        found |= own
-    one = "|".join(sorted(found, key=len, reverse=True))
-    return re.compile(rf"(?<![가-힣一-鿿ァ-ヺ])(?:{'|'.join(runs)})(?=[号號番호번])"), re.compile(one), found
-
-
-def with_spoken_digits(text: str) -> str:
-    """Return a text in which digits said one by one before a counter are digits: 이공사호, 幺零二号."""
-    run, one, digits = _unspaced_digits()
-    return run.sub(lambda hit: "".join(digits[each] for each in one.findall(hit.group())), text)
-
-
 @lru_cache(maxsize=2)
 def _letters(table: str) -> tuple[re.Pattern[str], Mapping[str, str]]:
     """A pattern of what letters are called, where a number comes next, and the letter of each name."""

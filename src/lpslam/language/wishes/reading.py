@@ -17,15 +17,13 @@ from lpslam.language.wishes.chains import (
     are_things,
     brief_pieces,
     chained,
-    is_bare,
     is_brief,
     lists_in,
     pieces_of,
     says_a_kind,
     says_a_place,
-    says_an_order,
 )
-from lpslam.language.wishes.codes import asked_codes, identities, numbers_of_things
+from lpslam.language.wishes.codes import asked_codes, identities
 from lpslam.language.wishes.floors import floor_of
 from lpslam.language.wishes.form import (
     LISTED,
@@ -97,20 +95,16 @@ def _plan(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> Wish |
     for language in languages:
         rules = rules_of(language)
         found = rules.first(rules.sequences, text)
-        rest, parts = _in_sequence(text, rules), list[str]()
-        if len(rest) > 1 or says_an_order(text, (language,)):
-            parts = [each for part in rest for each in pieces_of(part, (language,), knowledge)]
-        is_ordered = says_an_order(text, (language,))
-        is_sure = found is None or not found[0].then.get("perhaps") or is_ordered
-        # “Zuerst zu COFFEE, dann zu think”: a word or two behind “then” are a name, even of small letters.
-        says = sum(says_a_place(part, knowledge) or (is_ordered and is_bare(part, rules)) for part in parts)
+        rest = _in_sequence(text, rules)
+        is_ordered = language == languages[0] and rules.ordering.search(text) is not None
+        is_plan = is_ordered or len(rest) > 1
+        parts = [each for part in rest for each in pieces_of(part, (language,), knowledge)] if is_plan else []
+        is_sure = is_ordered or found is None or not found[0].then.get("perhaps")
         # Where the text may be one wish, whether there is such a place is for the map to say.
-        says = says if is_sure else sum(bool(content_left(part, rules)) for part in parts)
+        says = sum(says_a_place(part, knowledge) if is_sure else bool(content_left(part, rules)) for part in parts)
         is_read = says >= max(2, len(parts) - 1)
         if len(parts) > 1 and (is_read or all(content_left(part, rules) for part in parts)):
-            # “Zuerst zur Toilette, dann Pizza” is in the language of the words that order it.
-            own = language if is_ordered else None
-            spoken = next(iter(languages_of(text, knowledge)), own)
+            spoken = next(iter(languages_of(text, knowledge)), language if is_sure else None)
             alone = None if is_sure and is_read else Wish((_stop(text, languages, knowledge),), language)
             plan = Wish(_parts(parts, languages, knowledge, spoken), language, instead=alone)
             finer = [piece for part in parts for piece in brief_pieces(part, language)]
@@ -315,8 +309,6 @@ def _numbered_alike(what: str, out: str) -> tuple[Stop, ...]:
     """What is left out by its number alone, which is of what is asked for: “any dock except 1, 2 and 3”."""
     asked = asked_codes(what)
     codes = [code for code in asked_codes(f"{what} {out}") if code not in asked]
-    if asked_codes(out) or not codes:
-        codes = numbers_of_things(what, out)
     return tuple(Stop(f"{what} {out}", identity=(identity,), whole=out) for identity in identities(codes))
 
 

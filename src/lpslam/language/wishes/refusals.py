@@ -1,6 +1,7 @@
 """Wishes that refuse something: what serves the one part of them, less what serves the other."""
 
 import re
+
 from lpslam.language.wishes.rules import content_left, rules_of
 
 ALIKE = 0.9  # of the best score: what serves what is refused, or what is left of what is wanted, as well

@@ -45,6 +45,7 @@ _FEWEST_TO_TELL_APART = 2
 _SHORT_QUESTION = 8  # words of a question whose capital is the name that it asks for
 _BRIEF = math.log1p(2)  # of a wish of two words, as `clues_of` has its length: “milk”
 _COMPARABLE = 0.6  # of the best score: places that an attribute may tell apart
+_FEW_WORDS = 3  # of a stop that may be no more than a name and the words before it
 _SHORT_NAME = 5  # words of an anchor that is a name
 _OFFERS = 0.8  # of what is asked for: a place that has it of its own
 _DISTRUSTED = "what the only such board says reads as if it spoke to a machine"
@@ -92,10 +93,12 @@ class EmbeddedScorer:
     def _said(self, served: Served) -> Served | None:
         """The one landmark whose whole name a question says that is not understood otherwise."""
         stop = served.stop
-        if stop.identity or self._boards.refuses(stop.what, self._read(stop)):
+        is_about_it = len(stop.what.split()) <= _FEW_WORDS or stop.ask is Ask.WHETHER
+        if not is_about_it or stop.identity or self._boards.refuses(stop.what, self._read(stop)):
             return None
-        said = self._trusted(self._names.said_in(stop.what))
-        return replace(served, scores=said, evidence="the board says the name", confidence=0.8, sure=1.0, way=Way.NAME, exact=frozenset(said), why=None) if said else None
+        scores = self._trusted(self._names.said_in(stop.what))
+        found = replace(served, scores=scores, evidence="the board says the name", confidence=0.8, sure=1.0, why=None)
+        return replace(found, way=Way.NAME, exact=frozenset(scores)) if scores else None
 
     def _judged(self, served: Served) -> Served:
         """With how probable it is that what serves is what was meant; a guess where that is likelier."""
@@ -109,7 +112,6 @@ class EmbeddedScorer:
             return served
         if self._boards.refuses(stop.what, meaning) or self._boards.parted(stop.what, meaning, language):
             left = self._left_of(served, meaning, language)
-            left = self._guesses.agreed(left, self._clues(left) if left.scores else {}, meaning, language)
             is_found = bool(left.scores) and left.sure >= LEAST_SURE
             if is_found or meaning.contradicted or self._boards.leaves_out(stop.what, language):
                 return left
@@ -117,7 +119,7 @@ class EmbeddedScorer:
         if self._boards.is_bare_name(stop.what):
             # A name that stands on no board is hardly answered by another place.
             return served if served.sure >= LEAST_IN_SPITE else replace(served, sure=0.0)
-        if meaning.wanted_names or meaning.contested or served.is_said or (served.scores and not clues):
+        if meaning.wanted_names or served.is_said or (served.scores and not clues):
             return served
         return self._guesses.judged(served, clues, meaning, language, partial(self._not_otherwise, stop))
 
@@ -130,18 +132,19 @@ class EmbeddedScorer:
         rest = self.serve(replace(stop, what=parts[0]))
         out = {id_ for name in meaning.refused_names for id_ in self._index.ids_of.get(name, ())}
         for each in parts[1]:
-            out |= self._said_on(each).keys() | self._identities.bearing(each, rest.scores) or self._best_of(each, stop)
+            borne = self._said_on(each).keys() | self._names.said_in(each).keys()
+            borne |= self._identities.bearing(each, (*served.scores, *rest.scores))
+            out |= borne or self._best_of(each, stop)
+        out |= set() if out else self._serving(meaning.refused) - served.scores.keys()
         read = {id_: score for id_, score in served.scores.items() if id_ not in out}
-        if not rest.scores or rest.sure < LEAST_SURE:
-            return replace(served, scores=read, sure=min(served.sure, rest.sure))
+        is_read = bool(meaning.rest) and len(parts[1]) == 1 and bool(read) and served.sure >= LEAST_SURE
+        if not rest.scores or rest.sure < LEAST_SURE or is_read:
+            return replace(served, scores=read)
         left = {id_: score for id_, score in rest.scores.items() if id_ not in out}
-        if not out:
-            serving = self._serving(meaning.refused) - read.keys()
-            left = {id_: score for id_, score in left.items() if id_ not in serving}
-            left = {id_: score for id_, score in left.items() if id_ in read} or left
         if not left and not self._boards.leaves_out(served.stop.what, language):
             # “The computer won't take my password” only tells of something.
             return replace(rest, stop=served.stop)
+        left = {id_: score for id_, score in left.items() if id_ in read} or left
         said = rest.evidence if left else ALL_REFUSED
         return replace(rest, stop=served.stop, scores=left, exact=rest.exact & left.keys(), evidence=said)
 
@@ -248,22 +251,20 @@ class EmbeddedScorer:
             return Served(stop, self._trusted(here), "the board bears it", 0.97, ignored=ignored, way=Way.IDENTITY)
         meaning = self._read(stop)
         stop = with_meaning(stop, [kind for kind, _ in meaning.wanted], (*meaning.refused, *meaning.refused_names))
-        within = self._identities.on_level(stop, ignored)
         found = self._boards.by_name(stop.what, meaning)
         if found:
-            left = _within(found, within)
-            scores = self._trusted(left)
+            scores = self._trusted(found)
             named = frozenset(scores)
             strength = max(scores.values(), default=0.0)
-            said = "the board says the name" if scores or not left else _DISTRUSTED
+            said = "the board says the name" if scores else _DISTRUSTED
             return Served(stop, scores, said, 0.95, ignored=ignored, exact=named, way=Way.NAME, strength=strength)
         general = self._sorts.of_any_sort(stop, meaning)
         if general:
-            scores = self._trusted(_within(general, within))
+            scores = self._trusted(general)
             return Served(stop, scores, "any of this sort", 0.9, ignored=ignored, way=Way.SORT)
         tables = ranked(stop.what, self._index, self._signs, self._knowledge, self.model, stop.language)
         choice = tables.choice
-        scores = self._sorts.of_the_family(meaning, _within(self._trusted(tables.scores), within))
+        scores = self._sorts.of_the_family(meaning, self._trusted(tables.scores))
         scores = self._identities.of_the_number(stop.what, self._told_apart(stop, scores))
         is_another = bool(scores) and self._is_another(stop, meaning, scores)
         scores = {} if is_another else scores
@@ -271,7 +272,7 @@ class EmbeddedScorer:
         if otherwise is not None:
             return otherwise
         is_missing = is_another or (not scores and self._is_missing_brand(stop, meaning))
-        supported = None if is_missing else self._supported(stop, meaning, scores, within)
+        supported = None if is_missing else self._supported(stop, meaning, scores)
         if not scores and supported is None:
             return Served(
                 *(stop, {}, choice.evidence, choice.confidence, choice.alternatives, ignored), settled=is_missing
@@ -327,21 +328,19 @@ class EmbeddedScorer:
         scores, said = self._trusted(heard), "a name that sounds so"
         return Served(stop, scores, said, 0.8, ignored=ignored, way=Way.HEARD, strength=max(heard.values()))
 
-    def _supported(
-        self, stop: Stop, meaning: Meaning, scores: Mapping[int, float], within: set[int] | None
-    ) -> Supported | None:
+    def _supported(self, stop: Stop, meaning: Meaning, scores: Mapping[int, float]) -> Supported | None:
         """What the words of a stop speak for, beside what the tables read; None where that is not theirs to say.
 
         Nothing that is refused is weighed; and what a place, an order or a list tells apart is a sort that is read.
         """
         if is_told(stop) and scores:
             return None
-        if meaning.wanted_names or meaning.contested or self._boards.refuses(stop.what, meaning):
+        if meaning.wanted_names or self._boards.refuses(stop.what, meaning):
             return None
         if not scores and self._is_missing(stop, meaning):
             return None
         found = self._guesses.support.of(stop.what, self._language(stop, meaning), scores)
-        kept = self._identities.of_the_number(stop.what, _within(self._not_otherwise(stop, found.scores), within))
+        kept = self._identities.of_the_number(stop.what, self._not_otherwise(stop, found.scores))
         return replace(found, scores=kept) if kept else None
 
     def _spoken_for(self, stop: Stop, tables: Ranked, supported: Supported) -> Callable[[int], str]:
@@ -435,8 +434,3 @@ class EmbeddedScorer:
         plain = replace(stop, identity=())
         choice = ranked(plain.what, self._index, self._signs, self._knowledge, self.model).choice
         return tuple(id_ for id_ in (choice.landmark, *choice.alternatives) if id_ is not None)
-
-
-def _within(scores: Mapping[int, float], within: set[int] | None) -> dict[int, float]:
-    left = {id_: score for id_, score in scores.items() if within is None or id_ in within}
-    return left or dict(scores)

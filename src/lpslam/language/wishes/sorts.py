@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 
 from lpslam.language.choosing.landmark_index import LandmarkIndex
-from lpslam.language.choosing.serving import Kinds, likeness
+from lpslam.language.choosing.serving import likeness
 from lpslam.language.model import Candidate
 from lpslam.language.questions.wanted import Wish as Meaning
 from lpslam.language.tables.knowledge import Knowledge
@@ -13,7 +13,6 @@ from lpslam.language.wishes.form import Ask, Stop, Which
 _ANY_SORT = frozenset({"shop", "business", "place"})
 _FEW_OF_A_FAMILY = 3  # rooms of one sort of building that make the map one of it, at least
 _MUCH_OF_A_FAMILY = 0.25  # of all landmarks: fewer aisles of goods are shops of a mall
-_SOLD_AT_DESKS = frozenset({"shop/ticket", "facility/tickets"})
 _OF_THE_HOUSE = (
     *(
         f"amenity/{each}"
@@ -29,9 +28,7 @@ _OF_THE_HOUSE = (
     *("museum/", "aisle/", "warehouse/", "dock/", "office/", "faculty/", "ride/", "ferry/", "factory/"),
 )
 _ROOMS = ("facility/", "indoor/", "department/", "office/", "aeroway/", "amenity/doctors", "museum/")
-_SHORT_NAME = 5  # words of an anchor that is a name
 _FIRST_OF_ALL = 0.9  # of a kind that a place is, not one that is had there as well
-_SURE = 1.0  # of the only place of its sort
 
 
 class Sorts:
@@ -53,37 +50,15 @@ class Sorts:
             return {}
         is_told_by_place = stop.relation is not None or stop.ask in (Ask.LIST, Ask.HERE) or stop.which is not Which.ANY
         if not is_told_by_place:
-            return self.the_only_shop(stop, meaning)
+            return {}
         if wanted == {"place"}:
             return {mark.id: 1.0 for mark in self._landmarks}
         return {
             id_: 1.0
             for kinds, ids in self._index.groups.items()
-            if self.are_shops(kinds)
             for id_ in ids
             if kinds or self._index.signs[id_].name_like
         }
-
-    def the_only_shop(self, stop: Stop, meaning: Meaning) -> dict[int, float]:
-        """“The shop” of a museum is the one that it has."""
-        if meaning.unknown or len(stop.what.split()) > _SHORT_NAME:
-            return {}
-        shops = [
-            id_
-            for kinds, ids in self._index.groups.items()
-            if likeness("shop", kinds, self._knowledge) >= 0.5 and not any(kind in _SOLD_AT_DESKS for kind, _ in kinds)
-            for id_ in ids
-        ]
-        return dict.fromkeys(shops, _SURE) if len(shops) == 1 else {}
-
-    def are_shops(self, kinds: Kinds) -> bool:
-        """Whether places may be called shops where their place tells which: anything that is no part of the house.
-
-        Of names that say nothing, those that read like names may be.
-        """
-        if likeness("business", kinds, self._knowledge) >= 0.5:
-            return True
-        return not any(kind.startswith((*_OF_THE_HOUSE, "sign/")) for kind, _ in kinds)
 
     def of_the_family(self, meaning: Meaning, scores: Mapping[int, float]) -> dict[int, float]:
         """Who asks for one department of a hospital wants no other; an aisle goes before the rest of a supermarket."""
