@@ -127,6 +127,9 @@ def _unordered(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> l
 
     Whether each is a place of its own is for the map to say.
     """
+    if read_question(text, knowledge).left_out:
+        # “Lunch, but we eat no meat, fish or eggs.”
+        return []
     chain = chained(text, languages)
     for pieces in (chain, *lists_in(text)):
         if not FEWEST_LISTED <= len(pieces) <= _MOST_STOPS or not all(map(is_brief, pieces)):

@@ -130,15 +130,19 @@ class EmbeddedScorer:
             return served
         stop = replace(served.stop, what="", kinds=(), refused=(), language=language)
         rest = self.serve(replace(stop, what=parts[0]))
-        out = {id_ for name in meaning.refused_names for id_ in self._index.ids_of.get(name, ())}
+        named = {id_ for name in meaning.refused_names for id_ in self._index.ids_of.get(name, ())}
+        alike: set[int] = set()
         for each in parts[1]:
             borne = self._said_on(each).keys() | self._names.said_in(each).keys()
             borne |= self._identities.bearing(each, (*served.scores, *rest.scores))
-            out |= borne or self._best_of(each, stop)
-        out |= set() if out else self._serving(meaning.refused) - served.scores.keys()
+            named |= borne
+            alike |= set() if borne else self._best_of(each, stop)
+        out = named | alike or self._serving(meaning.refused) - served.scores.keys()
         read = {id_: score for id_, score in served.scores.items() if id_ not in out}
-        is_read = bool(meaning.rest) and len(parts[1]) == 1 and bool(read) and served.sure >= LEAST_SURE
-        if not rest.scores or rest.sure < LEAST_SURE or is_read:
+        # What is refused by what its board says is that board alone; tables read a kind.
+        is_read = bool(meaning.rest and read) and len(parts[1]) == 1 and not named and served.sure >= LEAST_SURE
+        least = LEAST_IN_SPITE if rest.way is Way.GUESS else LEAST_SURE
+        if not rest.scores or rest.sure < least or is_read:
             return replace(served, scores=read)
         left = {id_: score for id_, score in rest.scores.items() if id_ not in out}
         if not left and not self._boards.leaves_out(served.stop.what, language):
