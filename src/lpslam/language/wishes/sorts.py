@@ -56,9 +56,19 @@ class Sorts:
         return {
             id_: 1.0
             for kinds, ids in self._index.groups.items()
+            if self.are_shops(kinds)
             for id_ in ids
             if kinds or self._index.signs[id_].name_like
         }
+
+    def are_shops(self, kinds: Kinds) -> bool:
+        """Whether places may be called shops where their place tells which: anything that is no part of the house.
+
+        Of names that say nothing, those that read like names may be.
+        """
+        if likeness("business", kinds, self._knowledge) >= 0.5:
+            return True
+        return not any(kind.startswith((*_OF_THE_HOUSE, "sign/")) for kind, _ in kinds)
 
     def of_the_family(self, meaning: Meaning, scores: Mapping[int, float]) -> dict[int, float]:
         """Who asks for one department of a hospital wants no other; an aisle goes before the rest of a supermarket."""
