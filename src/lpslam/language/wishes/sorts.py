@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 
 from lpslam.language.choosing.landmark_index import LandmarkIndex
-from lpslam.language.choosing.serving import likeness
+from lpslam.language.choosing.serving import Kinds, likeness
 from lpslam.language.model import Candidate
 from lpslam.language.questions.wanted import Wish as Meaning
 from lpslam.language.tables.knowledge import Knowledge
