@@ -155,13 +155,14 @@ class Asking:
 
         def noted(given: guesses.Guesses, served: Served, *args: Any) -> tuple[Heard, Found] | None:
             heard = asked(given, served, *args)
-            if heard is not None:
+            # The parts of a refusal are asked by themselves.
+            if heard is not None and served.stop.what == stop.what:
                 is_right = np.isin(heard[0].ids, list(right))
                 kept.append(Row(name, kind, is_hidden, given.guessing, *heard, is_right, True))
             return heard
 
         def judged(given: guesses.Guesses, served: Served, clues: Any, meaning: Any, language: str, _: Any) -> Served:
-            if given.asked(served, clues, meaning, language) is not None:
+            if given.asked(served, clues, meaning, language) is not None and served.stop.what == stop.what:
                 kept[-1] = replace(kept[-1], is_told=False)
             return served
 

@@ -105,12 +105,17 @@ class BoardWords:
             or self._names.sounding(proper)
         )
 
-    def is_bare_name(self, text: str) -> bool:
+    def is_bare_name(self, text: str, meaning: Meaning) -> bool:
         """Whether all that is asked for is a name: words of no table and of no language, or spelt as names are."""
         if _NAME.search(text):
             return True
         words, proper = self._asked.asked(text)
-        if words != proper or not words or any(is_unspaced(word) or word in load_words() for word in words):
+        if (
+            meaning.wanted
+            or words != proper
+            or not words
+            or any(is_unspaced(word) or word in load_words() for word in words)
+        ):
             return False
         # “Mein Arm soll geröntgt werden” is a sentence.
         return self._all_words(text, wish_languages(text, self._knowledge)) == words
@@ -123,4 +128,5 @@ class BoardWords:
         words = words or self._all_words(text, wish_languages(text, self._knowledge))
         if not words:
             return {}
-        return {id_: share for id_, share in self._names.covered(words).items() if share >= _LEAST_LITERAL}
+        found = {id_: share for id_, share in self._names.covered(words).items() if share >= _LEAST_LITERAL}
+        return found or self._names.read_alike(words)

@@ -14,8 +14,7 @@ from lpslam.language.tables.knowledge import load_words
 from lpslam.language.wishes.persons import consonants
 
 _CONSONANTS = 4  # of a name that is known by them even where other words of the question are not heard
-_SOUNDS_ALIKE, _SPELT_ALIKE = 80.0, 0.55  # of many consonants, and of all letters, of names that sound the same
-_ALONE_ALIKE = 0.7  # of all letters, where other words of the question are not heard
+_SOUNDS_ALIKE, _SPELT_ALIKE = 80.0, 0.72  # of many consonants, and of all letters, of names that sound the same
 _FEW_ALIKE = 0.8  # of all letters of names of fewer consonants, which must be the same
 _FEWEST = 3  # letters of a word that is heard
 _APART = 0.05  # by which the name that sounds likest must lead
@@ -58,7 +57,7 @@ def sound_the_same(word: str, other: str) -> bool:
         return False  # Schneider is no Schneiderei
     own = _skeleton(first)
     is_long = len(own) >= _CONSONANTS and own == _skeleton(second)
-    return first == second or (is_long and fuzz.ratio(first, second) >= 100.0 * _ALONE_ALIKE)
+    return first == second or (is_long and fuzz.ratio(first, second) >= 100.0 * _SPELT_ALIKE)
 
 
 def _skeleton(sound: str) -> str:
@@ -102,7 +101,7 @@ class HeardNames:
                 for id_ in self._ids[at]:
                     heard[id_][start, end] = max(alike, heard[id_].get((start, end), 0.0))
                     is_known = self._is_own[at] and len(self._skeletons[at]) >= _CONSONANTS
-                    if is_known and not is_all and alike >= _ALONE_ALIKE:
+                    if is_known and not is_all:
                         found[id_] = max(alike, found.get(id_, 0.0))
         for id_, parts in heard.items() if is_all else ():
             found[id_] = max(found.get(id_, 0.0), _covered(parts, [len(word) for word in words]))

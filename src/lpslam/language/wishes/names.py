@@ -4,7 +4,7 @@ Names are compared folded, in part, with a few wrong letters, and in Latin lette
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -24,6 +24,7 @@ _SAME = 88.0  # of 100: two known words of a name are the same but for a reader'
 _FAR = 9  # letters of a word in which two slips are forgiven
 _SAME_PERSON = 90.0  # of 100: Schmidt and Schmitt may be two people, Schneider and Schnieder one
 _LONG = 5  # letters of a word in which a slip is forgiven
+_HOMOPHONES = 3  # characters of a name that is compared by how they are read
 _STEM, _STEM_SHARE = 5, 0.6  # letters with which words begin alike, at least, and their share of the shorter one
 _SHORTEST = 4  # letters of a name that may be compared across scripts
 
@@ -57,6 +58,7 @@ class Names:
         for id_, lines in self._words.items():
             for piece in {piece for line in lines for piece in (*line.units, *_pairs(line.runs))}:
                 self._ids_of.setdefault(piece, set()).add(id_)
+        self._read_aloud: dict[int, Mapping[str, Mapping[int, None]]] = {}
         self._long = OfLength(unit for unit in self._ids_of if len(unit) >= _LONG)
 
     def _words_of(self, text: str) -> Words:
@@ -139,6 +141,24 @@ class Names:
         longest = max(found.values(), default=0)
         ids = [id_ for id_, size in found.items() if size == longest]
         return dict.fromkeys(ids, 1.0) if len(ids) == 1 else {}
+
+    def read_alike(self, content: Sequence[str]) -> dict[int, float]:
+        """Return landmarks that are read as what is asked for in a script without spaces: 同仁唐, れんとげん."""
+        key = "".join(content)
+        is_long = is_unspaced(key) and len(key) >= _HOMOPHONES
+        return dict.fromkeys(self._sounding(len(key)).get(_latin(key), ()), 1.0) if is_long else {}
+
+    def _sounding(self, size: int) -> Mapping[str, Mapping[int, None]]:
+        """Landmarks by how so many letters of a script without spaces on their boards are read; kept."""
+        found = self._read_aloud.get(size)
+        if found is None:
+            made: dict[str, dict[int, None]] = {}
+            runs = ((id_, run) for id_, lines in self._in_runs.items() for line in lines for run in line.runs)
+            for id_, run in runs:
+                for at in range(len(run) - size + 1):
+                    made.setdefault(_latin(run[at : at + size]), {})[id_] = None
+            found = self._read_aloud[size] = made
+        return found
 
     def slipped(self, words: Sequence[str]) -> dict[int, float]:
         """Return landmarks whose whole long name is what is asked for but for a slip in nine letters, no digits.

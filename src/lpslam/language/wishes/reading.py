@@ -50,6 +50,7 @@ _FEWEST_ALTERNATIVES = 2
 _MOST_NAMED_WORDS = 7  # of an alternative: longer ones tell of something
 _DEEPEST = 2  # anchors of anchors
 _COLON = re.compile(r"(?<=\w)[:：](?=\s|[^\x00-\u2fff])")  # it parts clauses as a comma does
+_SIGHS = re.compile("[\u1100-\u11ff\u3131-\u318e]+")  # ㅠㅠ, ㅋㅋ: letters of Hangul that make no syllable
 _TITLE = re.compile(r"\b(Dr|Dra|Prof|Mrs?|Ms|Sra?|Mme|St)\. ")  # its point ends no clause
 _POSSESSIVE = re.compile(r"['’]s?$")
 
@@ -64,7 +65,8 @@ def wish_languages(text: str, knowledge: Knowledge) -> tuple[str, ...]:
 
 def read_wish(question: str, knowledge: Knowledge) -> Wish:
     """Return what a question means; one stop with all its words where no rule says more."""
-    text = _TITLE.sub(r"\1 ", with_initials(clean_text(question, _LONGEST).strip(_ENDS)))
+    text = with_initials(_SIGHS.sub("", clean_text(question, _LONGEST)).strip(_ENDS))
+    text = _TITLE.sub(r"\1 ", text)
     languages = wish_languages(text, knowledge)
     language = next(iter(languages_of(text, knowledge)), None)
     text = _corrected(text, languages)

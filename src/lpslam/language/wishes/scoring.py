@@ -116,7 +116,7 @@ class EmbeddedScorer:
             if is_found or meaning.contradicted or self._boards.leaves_out(stop.what, language):
                 return left
             return self._guesses.told(left, meaning, language, partial(self._not_refused, stop, meaning))
-        if self._boards.is_bare_name(stop.what):
+        if self._boards.is_bare_name(stop.what, meaning):
             # A name that stands on no board is hardly answered by another place.
             return served if served.sure >= LEAST_IN_SPITE else replace(served, sure=0.0)
         if meaning.wanted_names or served.is_said or (served.scores and not clues):
