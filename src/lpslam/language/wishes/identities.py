@@ -159,10 +159,12 @@ class Identities:
     def of_the_number(self, what: str, scores: Mapping[int, float]) -> dict[int, float]:
         """Of boards of one sort, the one that bears the number that is said: “mine is locker 37” is Lockers 1–60."""
         top = max(scores.values(), default=0.0)
-        best = [id_ for id_, score in scores.items() if score >= AS_WELL * top]
-        if len(best) < _FEWEST_OF_A_SORT or not all(self.codes[id_] for id_ in best):
+        best = [id_ for id_, score in scores.items() if score >= AS_WELL * top and self.codes[id_]]
+        if len(best) < _FEWEST_OF_A_SORT:
             return dict(scores)
-        bearing = ([id_ for id_ in best if any(e.bears(code) for e in self.codes[id_])] for code in numbers_in(what))
+        # “One” is seldom a number.
+        said = numbers_in(what) or [code for code in all_numbers(what) if code.number != 1]
+        bearing = ([id_ for id_ in best if any(e.bears(code) for e in self.codes[id_])] for code in said)
         told = next((ids for ids in bearing if ids), best)
         return {id_: score for id_, score in scores.items() if id_ in told or id_ not in best}
 
