@@ -46,6 +46,7 @@ _SHORT_QUESTION = 8  # words of a question whose capital is the name that it ask
 _BRIEF = math.log1p(2)  # of a wish of two words, as `clues_of` has its length: “milk”
 _COMPARABLE = 0.6  # of the best score: places that an attribute may tell apart
 _FEW_WORDS = 3  # of a stop that may be no more than a name and the words before it
+_LEAST_READ = 0.4  # probability of what tables read beside what they read as refused
 _AS_WANTED = 0.5  # of the best score: what may be wanted where the best is refused
 _SHORT_NAME = 5  # words of an anchor that is a name
 _OFFERS = 0.8  # of what is asked for: a place that has it of its own
@@ -144,10 +145,12 @@ class EmbeddedScorer:
         is_read = bool(meaning.rest and read) and len(parts[1]) == 1 and not named and served.sure >= LEAST_SURE
         least = LEAST_IN_SPITE if rest.way is Way.GUESS else LEAST_SURE
         if not rest.scores or rest.sure < least or is_read:
-            return replace(served, scores=read)
+            # Tables that read what is refused as well as what is wanted are right more often than their words tell.
+            is_surer = bool(read and meaning.refused) and max(served.sure, rest.sure) >= _LEAST_READ
+            return replace(served, scores=read, sure=max(served.sure, LEAST_SURE) if is_surer else served.sure)
         # What comes far behind what is refused was not wanted.
         near = _AS_WANTED * max(rest.scores.values())
-        left = {id_: score for id_, score in rest.scores.items() if id_ not in out and score >= near}
+        left = {id_: score for id_, score in rest.scores.items() if id_ not in out and (score >= near or id_ in read)}
         if not left and not self._boards.leaves_out(served.stop.what, language):
             # “The computer won't take my password” only tells of something.
             return replace(rest, stop=served.stop)
