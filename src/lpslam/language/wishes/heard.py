@@ -14,7 +14,8 @@ from lpslam.language.tables.knowledge import load_words
 from lpslam.language.wishes.persons import consonants
 
 _CONSONANTS = 4  # of a name that is known by them even where other words of the question are not heard
-_SOUNDS_ALIKE, _SPELT_ALIKE = 80.0, 0.72  # of many consonants, and of all letters, of names that sound the same
+_SOUNDS_ALIKE, _SPELT_ALIKE = 80.0, 0.55  # of many consonants, and of all letters, of names that sound the same
+_WORDS_ALIKE = 0.72  # of all letters of what is heard in common words
 _FEW_ALIKE = 0.8  # of all letters of names of fewer consonants, which must be the same
 _FEWEST = 3  # letters of a word that is heard
 _APART = 0.05  # by which the name that sounds likest must lead
@@ -57,7 +58,7 @@ def sound_the_same(word: str, other: str) -> bool:
         return False  # Schneider is no Schneiderei
     own = _skeleton(first)
     is_long = len(own) >= _CONSONANTS and own == _skeleton(second)
-    return first == second or (is_long and fuzz.ratio(first, second) >= 100.0 * _SPELT_ALIKE)
+    return first == second or (is_long and fuzz.ratio(first, second) >= 100.0 * _WORDS_ALIKE)
 
 
 def _skeleton(sound: str) -> str:
@@ -97,11 +98,14 @@ class HeardNames:
         found: dict[int, float] = {}
         heard: dict[int, dict[tuple[int, int], float]] = defaultdict(dict)
         for start, end in sorted(runs):
-            for at, alike in self._alike("".join(words[start:end])).items():
+            # “Serving” is no EV Charging.
+            least = _WORDS_ALIKE if load_words().intersection(words[start:end]) else 0.0
+            heard_of = self._alike("".join(words[start:end]))
+            for at, alike in ((at, alike) for at, alike in heard_of.items() if alike >= least):
                 for id_ in self._ids[at]:
                     heard[id_][start, end] = max(alike, heard[id_].get((start, end), 0.0))
                     is_known = self._is_own[at] and len(self._skeletons[at]) >= _CONSONANTS
-                    if is_known and not is_all:
+                    if is_known and not is_all and alike >= _WORDS_ALIKE:
                         found[id_] = max(alike, found.get(id_, 0.0))
         for id_, parts in heard.items() if is_all else ():
             found[id_] = max(found.get(id_, 0.0), _covered(parts, [len(word) for word in words]))
