@@ -23,15 +23,15 @@ Clip = Callable[[int], Path]
 
 
 def through_a_lens(recording: Path, folder: Path, camera: PinholeCamera, stated: float, depth_scale: float) -> Path:
-    """Every second frame as another lens shows it; camera.yaml states a focal length wrong by a factor."""
+    """Every third frame as another lens shows it; camera.yaml states a focal length wrong by a factor."""
     u, v = np.meshgrid(np.arange(camera.width), np.arange(camera.height))
     raw = np.column_stack([u.ravel(), v.ravel()]).astype(np.float64)
     across, down = camera.undistort(raw).astype(np.float32).T.reshape(2, *u.shape)
     for kind, method in (("rgb", cv2.INTER_LINEAR), ("depth", cv2.INTER_NEAREST)):
         (folder / kind).mkdir(parents=True)
         listed = [line for line in (recording / f"{kind}.txt").read_text().splitlines() if not line.startswith("#")]
-        (folder / f"{kind}.txt").write_text("\n".join(listed[::2]) + "\n")
-        for path in (recording / line.split()[1] for line in listed[::2]):
+        (folder / f"{kind}.txt").write_text("\n".join(listed[::3]) + "\n")
+        for path in (recording / line.split()[1] for line in listed[::3]):
             bent = cv2.remap(cv2.imread(str(path), cv2.IMREAD_UNCHANGED), across, down, method, borderValue=0)
             cv2.imwrite(str(folder / kind / path.name), bent, [cv2.IMWRITE_PNG_COMPRESSION, 1])
     (folder / "camera.yaml").write_text(

@@ -22,7 +22,7 @@ from small_maps import small_map
 
 _AT_ONCE = """
 from lpslam.serving import answer_process
-answer_process._FIRST = ()
+answer_process._FIRST = answer_process._FIRST[:1]
 answer_process._preparations = lambda maps: iter(())
 answer_process.main()
 """
@@ -30,7 +30,7 @@ answer_process.main()
 
 @pytest.fixture
 def started_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Processes read the tables of a language when they are asked in it: half of what starting another one costs."""
+    """Processes read the tables of one language before they are asked: half of what starting another one costs."""
     monkeypatch.setattr(answerers, "_CODE", _AT_ONCE)
 
 

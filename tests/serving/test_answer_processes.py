@@ -51,7 +51,9 @@ def with_processes(
 
 
 @pytest.mark.slow
-def test_they_answer_as_threads_do_and_survive_what_happens(mall: Path, model: OfflineModel) -> None:
+def test_they_answer_as_threads_do_and_survive_what_happens(
+    mall: Path, model: OfflineModel, request: pytest.FixtureRequest
+) -> None:
     asked = [Asked(question, position=(1.0, 2.0), heading=45.0) for question in QUESTIONS]
 
     async def use(answerer: ProcessAnswerer, atlas: Atlas) -> None:
@@ -62,6 +64,7 @@ def test_they_answer_as_threads_do_and_survive_what_happens(mall: Path, model: O
         assert await answerer.understand(asked[0]) == await threads.understand(asked[0])
         with pytest.raises(UserError, match="empty"):
             await answerer.ask(Asked("  "), served)
+        request.getfixturevalue("started_at_once")
         # It is ended: the next questions begin another one.
         for process in answerer.process_ids:
             os.kill(process, signal.SIGKILL)
