@@ -1,7 +1,5 @@
 """What sort of thing a phrase of a question names: a dish, a ware, a place, or nothing in particular (III-I)."""
 
-from collections.abc import Sequence
-
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.lexicon import Meaning
 from lpslam.language.tables.words import Span
@@ -50,7 +48,7 @@ def is_vague(span: Span[Meaning], knowledge: Knowledge) -> bool:
     )
 
 
-def is_place(span: Span[Meaning], knowledge: Knowledge) -> bool:
+def is_place(span: Span[Meaning]) -> bool:
     """Whether a phrase names a kind of place to go to, not a thing."""
     return span.value.role == "means" and all(
         "/" in concept and not concept.startswith(("cuisine/", "facility/toilets"))
@@ -63,8 +61,3 @@ def is_ware(span: Span[Meaning], knowledge: Knowledge) -> bool:
     firsts = [next(iter(knowledge.offers.get(concept, ())), "") for concept, _ in span.value.concepts]
     is_done = any(concept in knowledge.treatments for concept, _ in span.value.concepts)
     return is_meal(span, knowledge) or (not is_done and all(first.startswith("shop/") for first in firsts))
-
-
-def is_pain(concepts: Sequence[tuple[str, float]], knowledge: Knowledge) -> bool:
-    """Whether all that is meant is an ailment."""
-    return bool(concepts) and all(concept in knowledge.symptoms for concept, _ in concepts)

@@ -5,7 +5,7 @@ is nothing but a refusal (“no thanks”, 受不了) speaks of the one before i
 tells is no wish: who says what Zara is like and then asks for a dress wants another shop.
 """
 
-from collections.abc import Sequence, Set
+from collections.abc import Sequence
 from enum import Enum
 
 from lpslam.language.questions.clauses import Clause, between_marks
@@ -136,7 +136,7 @@ class _Asked:
         ]
         self._concepts = {concept for span in spans for concept, _ in span.value.concepts}
         # Who asks for a playground by that word wants no cinema, though the child is bored.
-        self._names_a_place = any(is_place(span, knowledge) for span in spans)
+        self._names_a_place = any(is_place(span) for span in spans)
         self._is_special = any(not is_vague(span, knowledge) for span in spans)
         # What is asked for may be in no table.
         self._wants_anything = bool(spans) or any(
@@ -163,13 +163,11 @@ class _Asked:
         is_doubted = clause.denies or (clause.echoes and (bool(self._concepts) or self._wants_another))
         # A brand's coffee says nothing against coffee, and “no meat” is a wish.
         is_named = before is not None and before.value.role == "name" and span.start - before.end <= 1
-        is_spared = is_named or (concepts <= self._diets and not is_place(span, self._knowledge))
-        if is_doubted and not is_spared and (is_place(span, self._knowledge) or is_meal(span, self._knowledge)):
+        is_spared = is_named or (concepts <= self._diets and not is_place(span))
+        if is_doubted and not is_spared and (is_place(span) or is_meal(span, self._knowledge)):
             return Stand.REFUSED
         is_by_the_way = self._is_special and (
-            (self._names_a_place and concepts <= _PASTIMES)
-            or is_place(span, self._knowledge)
-            or is_ware(span, self._knowledge)
+            (self._names_a_place and concepts <= _PASTIMES) or is_place(span) or is_ware(span, self._knowledge)
         )
         return Stand.ASIDE if is_by_the_way else Stand.WANTED
 
@@ -186,12 +184,7 @@ def _stands_within(
             # 火锅不要 refuses what stands before, 不要火锅 what comes after.
             follows = at + 1 < len(clause) and clause[at + 1].start - span.end <= 1
             role = "refuse_before" if follows else "refuse_after"
-        elif (
-            role == "refuse_before"
-            and at > since
-            and at + 1 == len(clause)
-            and _stands_last(clause, units, knowledge.negating[language])
-        ):
+        elif role == "refuse_before" and at > since and at + 1 == len(clause) and _stands_last(clause, units):
             # “McDonald's no, gracias”, “gafas de ver no”.
             role = "refuse_after"
         if role == "refuse_before" and is_lacking and span.key in knowledge.both:
@@ -218,8 +211,8 @@ def _stands_within(
     return stands
 
 
-def _stands_last(clause: Sequence[Span[Meaning]], units: Sequence[str], negating: Set[str]) -> bool:
-    """Whether the last phrase of a clause is right behind another, or is a “no” that is its last word at all."""
+def _stands_last(clause: Sequence[Span[Meaning]], units: Sequence[str]) -> bool:
+    """Whether the last phrase of a clause, a refusal, is right behind another or its last words at all."""
     before, last = clause[-2:]
     is_end = last.end == len(units) or is_mark(units[last.end])
     return before.end == last.start or (is_end and last.start - before.end <= NEXT_TO)

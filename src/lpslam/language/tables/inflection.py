@@ -28,7 +28,6 @@ _SHORTEST_STEM = 4
 _SHORTEST_COMPOUND, _SHORTEST_HEAD = 7, 4
 # Three letters are enough for these heads of German compounds; others of that length are endings.
 _SHORT_HEADS = frozenset({"eis", "tee", "uhr", "bus", "rad", "hut", "bar", "zug", "arzt"})
-_LINKS = ("s", "n", "en", "er", "e", "es", "")
 _SHORTEST_TYPED = 6
 _LONG = 11  # letters of a word that may have two slips: asiatique is not aquatique
 
