@@ -6,8 +6,8 @@ from scipy.optimize import least_squares
 from slam_scenes import BASELINE_FX, CAMERA, SENSOR, disparities, points_ahead, pose_error, rigid
 
 from lpslam.camera import inverse_transform, transform_points
-from lpslam.slam.kernels.geometry import exponential
-from lpslam.slam.kernels.pose import optimise_pose
+from lpslam.slam.kernels.geometry import exponential, logarithm
+from lpslam.slam.kernels.pose import PosePrior, no_prior, optimise_pose
 from lpslam.slam.kernels.rays import NO_RAYS
 from lpslam.slam.kernels.reprojection import CHI2_DEPTH, CHI2_PIXEL
 
@@ -32,7 +32,7 @@ class View:
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         pose, inlier, depth_inlier, _, information = optimise_pose(
             guess, self.points, self.pixels, self.disparity, self.has_depth, self.pixel_information,
-            self.disparity_information, NO_RAYS, SENSOR.intrinsics, rounds, iterations,
+            self.disparity_information, NO_RAYS, no_prior(), SENSOR.intrinsics, rounds, iterations,
         )  # fmt: skip
         return pose, inlier, depth_inlier, information
 
@@ -141,11 +141,53 @@ def test_depth_holds_the_distance_that_pixels_of_a_far_narrow_patch_cannot() -> 
         for with_depth, into in errors.items():
             pose, *_ = optimise_pose(
                 rigid([0.03, 0.0, 0.05], [0, 0.01, 0]), in_camera, pixels, disparity, np.full(60, with_depth),
-                np.ones(60, np.float32), information, NO_RAYS, SENSOR.intrinsics, 4, 10,
+                np.ones(60, np.float32), information, NO_RAYS, no_prior(), SENSOR.intrinsics, 4, 10,
             )  # fmt: skip
             into.append(abs(pose[2, 3]))
     assert np.median(errors[True]) < 0.004  # 1 cm over √60, with room
     assert np.median(errors[True]) < 0.5 * np.median(errors[False])
+
+
+# What else tells the pose --------------------------------------------------------------------------------------------
+
+
+def with_prior(view: View, told: np.ndarray, information: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The pose and its information, beside a pose (4×4) that something else tells with an information (6, 6)."""
+    pose, _, _, _, surely = optimise_pose(
+        view.nearby(0.02, 0.01), view.points, view.pixels, view.disparity, view.has_depth, view.pixel_information,
+        view.disparity_information, NO_RAYS, PosePrior(inverse_transform(told), information), SENSOR.intrinsics, 4, 30,
+    )  # fmt: skip
+    return pose, surely
+
+
+def test_what_is_told_surely_holds_a_pose_that_few_points_leave_open() -> None:
+    alone, beside = [], []
+    for seed in range(20):
+        view = View(seed, 8, pixel_sigma=2.0)
+        told = exponential(view.random.normal(0, 1e-3, 6)) @ view.truth
+        alone.append(pose_error(view.optimise(view.nearby(0.02, 0.01))[0], view.truth)[0])
+        beside.append(pose_error(with_prior(view, told, np.eye(6) * 1e6)[0], view.truth)[0])
+    assert np.median(beside) < 0.004  # 1 mm in three directions, with room
+    assert np.median(beside) < 0.5 * np.median(alone)
+
+
+def test_points_and_what_is_told_are_weighed_by_how_sure_they_are() -> None:
+    """Near the optimum of both the step to it is the mean of the two, weighed by their information."""
+    view = View(3, 150, pixel_sigma=0.5)
+    points_alone, _, _, information = view.optimise(view.truth)
+    off = np.array([0.002, -0.001, 0.001, 2e-4, -3e-4, 1e-4])
+    told = exponential(off) @ points_alone
+    pose, _ = with_prior(view, told, information)
+    moved = logarithm(pose @ inverse_transform(points_alone))
+    # Judged anew, a few points at the gate change sides.
+    np.testing.assert_allclose(moved, off / 2, atol=4e-4)
+
+
+def test_what_is_told_far_from_all_points_hardly_pulls() -> None:
+    view = View(4, 150, pixel_sigma=0.5)
+    told = exponential(np.array([0.3, 0.0, 0.0, 0.0, 0.0, 0.0])) @ view.truth
+    pose, _ = with_prior(view, told, np.eye(6) * 1e4)
+    assert pose_error(pose, view.optimise(view.truth)[0])[0] < 0.004
 
 
 def test_points_behind_the_camera_are_outliers_and_harmless() -> None:
@@ -219,7 +261,7 @@ def test_two_rounds_agree_with_a_general_solver() -> None:
     best = least_squares(residuals, np.zeros(6), xtol=1e-12, ftol=1e-12, gtol=1e-12)
     pose, *_ = optimise_pose(
         view.nearby(0.02, 0.01), view.points, view.pixels, view.disparity, view.has_depth, view.pixel_information,
-        view.disparity_information, NO_RAYS, SENSOR.intrinsics, 2, 40,
+        view.disparity_information, NO_RAYS, no_prior(), SENSOR.intrinsics, 2, 40,
     )  # fmt: skip
     robust = exponential(best.x) @ view.truth
     kept = np.linalg.norm(view.pixels - CAMERA.project(transform_points(robust, view.points)), axis=1) ** 2 < CHI2_PIXEL

@@ -7,7 +7,7 @@ from slam_scenes import CAMERA, SENSOR, disparities, points_ahead, pose_error, r
 
 from lpslam.camera import inverse_transform, transform_points
 from lpslam.slam.kernels.geometry import exponential
-from lpslam.slam.kernels.pose import optimise_pose
+from lpslam.slam.kernels.pose import no_prior, optimise_pose
 from lpslam.slam.kernels.rays import RaySights, add_ray_terms, judge_rays, measure_inverse
 
 seeds = st.integers(0, 2**32 - 1)
@@ -46,7 +46,8 @@ class Hall:
         guess = rigid([0.05, -0.04, 0.03], [0.02, 0.01, -0.02]) @ self.truth
         pose, _, _, agrees, _ = optimise_pose(
             guess, self.near, self.near_pixels, disparities(depths), np.ones(count, np.bool_),
-            np.ones(count, np.float32), np.full(count, 1 / 0.3**2, np.float32), rays, SENSOR.intrinsics, 4, 10,
+            np.ones(count, np.float32), np.full(count, 1 / 0.3**2, np.float32), rays, no_prior(),
+            SENSOR.intrinsics, 4, 10,
         )  # fmt: skip
         return pose, agrees
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from lpslam.config import TrackingConfig
 from lpslam.slam.features import Features
 from lpslam.slam.kernels import graph, matching
+from lpslam.slam.kernels.pose import PosePrior
 from lpslam.slam.map import SlamMap
 from lpslam.slam.posing import Posing, Sights, is_confirmed
 from lpslam.slam.rays import sway
@@ -96,6 +97,7 @@ class Associator:
         positions: _Matrix,
         points: _Rows,
         spread: _Matrix | None = None,
+        prior: PosePrior | None = None,
     ) -> Estimate | None:
         """Pose from matches; None when too few keypoints agree with any.
 
@@ -106,12 +108,13 @@ class Associator:
             positions: (m, 3) world frame.
             points: (m,) ids of map points; -1 for positions that are not in the map.
             spread: (m,) pixels² by which the projections are uncertain since the positions are; none where not given.
+            prior: what else tells the pose.
         """
         keypoints = np.flatnonzero(match >= 0)
         rows = match[keypoints]
         unsure = np.zeros(len(keypoints)) if spread is None else spread[rows]
         seen = Sights(keypoints, positions[rows], unsure, points[rows])
-        camera_from_world, agreeing = self._posing.find(features, guess, seen)
+        camera_from_world, agreeing = self._posing.find(features, guess, seen, prior)
         if len(agreeing) < self._config.min_pose_inliers:
             return None
         judges = self._judges(seen.points)
@@ -129,9 +132,16 @@ class Associator:
         return confirmed if np.count_nonzero(confirmed) >= self._config.min_judges else np.ones(len(points), np.bool_)
 
     def optimise_on_map(
-        self, features: Features, guess: _Matrix, points: _Rows, loose: _Matrix | None = None
+        self,
+        features: Features,
+        guess: _Matrix,
+        points: _Rows,
+        loose: _Matrix | None = None,
+        prior: PosePrior | None = None,
     ) -> Estimate | None:
-        """Pose from the map points (n,) that the keypoints see, -1 for none, and from `loose` places of some others."""
+        """Pose from the map points (n,) that the keypoints see, -1 for none, from `loose` places of some others, and
+        from what else tells it.
+        """
         is_loose = np.zeros(features.rows, np.bool_) if loose is None else (points < 0) & ~np.isnan(loose[:, 0])
         seeing = np.flatnonzero((points >= 0) | is_loose)
         match = np.full(features.rows, -1, np.int32)
@@ -141,7 +151,7 @@ class Associator:
         if loose is not None:
             positions[ids < 0] = loose[seeing[ids < 0], :3]
             spread[ids < 0] = loose[seeing[ids < 0], 3]
-        return self.optimise(features, guess, match, positions, ids, spread)
+        return self.optimise(features, guess, match, positions, ids, spread, prior)
 
     def match_descriptors(self, view: View, keyframe: int) -> _Rows:
         """(n,) points of a keyframe by appearance alone, wherever they are in the image; -1 for none."""

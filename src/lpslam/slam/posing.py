@@ -9,6 +9,7 @@ from lpslam.config import TrackingConfig
 from lpslam.slam.features import Features
 from lpslam.slam.kernels import pose
 from lpslam.slam.kernels.hypotheses import PointSights, best_hypothesis, truncated_cost
+from lpslam.slam.kernels.pose import PosePrior, no_prior
 from lpslam.slam.kernels.rays import RaySights
 from lpslam.slam.map import SlamMap
 from lpslam.slam.rays import is_unsure, ray_sights, sway
@@ -64,14 +65,16 @@ class Posing:
         # Always the same, so that the same frames make the same map.
         self._draws = np.random.default_rng(1).random((config.hypotheses, 6))
 
-    def find(self, features: Features, guess: _Matrix, sights: Sights) -> tuple[_Matrix, _Rows]:
+    def find(
+        self, features: Features, guess: _Matrix, sights: Sights, prior: PosePrior | None = None
+    ) -> tuple[_Matrix, _Rows]:
         """Pose (4×4, camera from world) from a guess, and the rows (of m sights) that agree with it.
 
         Least squares is pulled by what moves near the camera, and by a guess that is far off. So what confirmed points
         say alone is tried as well and, where many do not agree, what random few say. The least truncated cost decides.
         """
-        measured = self._measured(features, sights)
-        found = self._refined(measured, guess)
+        measured, told = self._measured(features, sights), no_prior() if prior is None else prior
+        found = self._refined(measured, guess, told)
         confirmed = is_confirmed(self._map, sights.points)
         are_some = self._config.min_judges <= np.count_nonzero(confirmed) < len(confirmed)
         is_doubtful = len(found[1]) < self._config.doubtful_share * len(confirmed)
@@ -82,11 +85,11 @@ class Posing:
         judged = measured.near, measured.rays, weights, self._sensor.intrinsics
         candidates = [found]
         if are_some:
-            first, _ = self._refined(self._measured(features, sights.kept(confirmed)), guess)
-            candidates.append(self._agreeing_with(features, sights, first))
+            first, _ = self._refined(self._measured(features, sights.kept(confirmed)), guess, told)
+            candidates.append(self._agreeing_with(features, sights, first, told))
         if is_doubtful:
             hypothesis, _ = best_hypothesis(guess, *judged, self._draws)
-            candidates.append(self._agreeing_with(features, sights, hypothesis))
+            candidates.append(self._agreeing_with(features, sights, hypothesis, told))
         return min(candidates, key=lambda each: truncated_cost(each[0], *judged, np.inf))
 
     def _measured(self, features: Features, sights: Sights) -> _Measured:
@@ -107,12 +110,18 @@ class Posing:
         )
         return _Measured(is_ray, points, rays)
 
-    def _refined(self, measured: _Measured, guess: _Matrix) -> tuple[_Matrix, _Rows]:
+    def _refined(self, measured: _Measured, guess: _Matrix, prior: PosePrior) -> tuple[_Matrix, _Rows]:
         """Robust least squares from a guess; the pose, and the rows (of m sights) that agree."""
         agrees = np.empty(len(measured.is_ray), np.bool_)
         config = self._config
         camera_from_world, agrees[~measured.is_ray], _, agrees[measured.is_ray], _ = pose.optimise_pose(
-            guess, *measured.near, measured.rays, self._sensor.intrinsics, config.pose_rounds, config.pose_iterations
+            guess,
+            *measured.near,
+            measured.rays,
+            prior,
+            self._sensor.intrinsics,
+            config.pose_rounds,
+            config.pose_iterations,
         )
         return camera_from_world, np.flatnonzero(agrees)
 
@@ -133,7 +142,9 @@ class Posing:
         weights = np.where(confirmed, 1.0, config.unconfirmed_weight) / crowd[cell]
         return np.concatenate([weights[~is_ray], weights[is_ray]])
 
-    def _agreeing_with(self, features: Features, sights: Sights, camera_from_world: _Matrix) -> tuple[_Matrix, _Rows]:
+    def _agreeing_with(
+        self, features: Features, sights: Sights, camera_from_world: _Matrix, prior: PosePrior
+    ) -> tuple[_Matrix, _Rows]:
         """A pose refined with all who stand where it puts them, and who they are."""
         pixels = features.pixels[sights.keypoints]
         fx, fy, cx, cy, _ = self._sensor.intrinsics
@@ -142,7 +153,7 @@ class Posing:
         sigmas = self._sensor.pixel_information[features.octave[sights.keypoints]] ** -0.5
         allowed = self._config.agreeing_sigmas * sigmas + sway(self._map, sights.points, camera_from_world, fx)
         near = np.flatnonzero(np.linalg.norm(projected - pixels, axis=1) < allowed)
-        refined, agreeing = self._refined(self._measured(features, sights.kept(near)), camera_from_world)
+        refined, agreeing = self._refined(self._measured(features, sights.kept(near)), camera_from_world, prior)
         return refined, near[agreeing]
 
 

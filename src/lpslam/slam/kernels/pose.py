@@ -4,14 +4,16 @@ Residuals and their weights are those of `reprojection.py`, against points held 
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from lpslam.slam.kernels.geometry import move
+from lpslam.slam.kernels.geometry import logarithm, move, multiply
 from lpslam.slam.kernels.linear import solve_positive
 from lpslam.slam.kernels.rays import RaySights, add_ray_terms, judge_rays
+from lpslam.slam.kernels.relative import CHI2_POSE
 from lpslam.slam.kernels.reprojection import (
     CHI2_DEPTH,
     CHI2_PIXEL,
@@ -20,6 +22,42 @@ from lpslam.slam.kernels.reprojection import (
     errors,
     in_camera_terms,
 )
+
+
+class PosePrior(NamedTuple):
+    """What something else than points tells of a pose.
+
+    Attributes:
+        world_from_camera: (4, 4) inverse of the pose that it tells.
+        information: (6, 6) of a twist (translation, rotation vector) in the camera frame; all 0 where nothing tells it.
+    """
+
+    world_from_camera: NDArray[np.float64]
+    information: NDArray[np.float64]
+
+
+def no_prior() -> PosePrior:
+    """Nothing but points tells the pose."""
+    return PosePrior(np.eye(4), np.zeros((6, 6)))
+
+
+@njit(cache=True, nogil=True)
+def _add_prior(
+    pose: NDArray[np.float64], prior: PosePrior, hessian: NDArray[np.float64], gradient: NDArray[np.float64]
+) -> float:
+    """Add a prior to the normal equations (6, 6), (6,) of a twist from the left; its cost by Huber's kernel."""
+    error = logarithm(multiply(pose, prior.world_from_camera))
+    chi2 = 0.0
+    for a in range(6):
+        for b in range(6):
+            chi2 += error[a] * prior.information[a, b] * error[b]
+    weight = 1.0 if chi2 <= CHI2_POSE else math.sqrt(CHI2_POSE / chi2)
+    for a in range(6):
+        for b in range(6):
+            gradient[a] -= weight * prior.information[a, b] * error[b]
+            if b >= a:
+                hessian[a, b] += weight * prior.information[a, b]
+    return chi2 if chi2 <= CHI2_POSE else 2.0 * weight * chi2 - CHI2_POSE
 
 
 @njit(cache=True, nogil=True, fastmath={"contract"})
@@ -32,6 +70,7 @@ def optimise_pose(
     pixel_information: NDArray[np.float32],
     disparity_information: NDArray[np.float32],
     rays: RaySights,
+    prior: PosePrior,
     intrinsics: NDArray[np.float64],
     rounds: int,
     iterations: int,
@@ -50,6 +89,7 @@ def optimise_pose(
         has_depth: (n,) which disparities exist.
         pixel_information, disparity_information: (n,) 1/σ², per pixel².
         rays: points whose distance is not known.
+        prior: what else tells the pose.
         intrinsics: (fx, fy, cx, cy, b·fx).
         rounds, iterations: rounds of outlier judgement, and Gauss-Newton steps at most in each.
 
@@ -64,6 +104,7 @@ def optimise_pose(
     ray_inlier = np.ones(len(rays.inverse), np.bool_)
     hessians, gradients, damped = np.zeros((1, 6, 6)), np.zeros((1, 6)), np.empty((6, 6))
     hessian, gradient = hessians[0], gradients[0]
+    is_told = bool(np.any(prior.information))
     for turn in range(rounds):
         pixel_gate, depth_gate = (CHI2_PIXEL, CHI2_DEPTH) if turn < rounds - 1 else (math.inf, math.inf)
         previous = math.inf
@@ -93,6 +134,8 @@ def optimise_pose(
             if used < 3:
                 return pose, np.zeros(n, np.bool_), np.zeros(n, np.bool_), np.zeros(len(ray_inlier), np.bool_), hessian
             cost += add_ray_terms(pose, rays, ray_inlier, pixel_gate, intrinsics, hessian, gradient)
+            if is_told:
+                cost += _add_prior(pose, prior, hessian, gradient)
             for a in range(6):
                 for b in range(a):
                     hessian[a, b] = hessian[b, a]

@@ -56,6 +56,11 @@ class Anchoring:
         )
 
     @property
+    def may_be_blurred(self) -> bool:
+        """Whether the picture moves so far from frame to frame that exposing one may blur it: by no more than that."""
+        return self._step > self._config.pictured_travel * self._sensor.image_size[0]
+
+    @property
     def is_steady(self) -> bool:
         """Whether constant velocity has lately said well where points would be seen."""
         return self._surprise < self._config.steady_share * self._config.motion_radius

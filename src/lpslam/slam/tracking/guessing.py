@@ -10,12 +10,14 @@ from lpslam.config import SlamConfig
 from lpslam.frames import RgbdFrame
 from lpslam.slam.association import Associator, View
 from lpslam.slam.features import FeatureExtractor
+from lpslam.slam.kernels.pose import PosePrior
 from lpslam.slam.map import SlamMap
 from lpslam.slam.sensor import Reach, SensorModel
 from lpslam.slam.shutter.straightening import RollingShutter
 from lpslam.slam.tracking.following import choose_followed, follow_flow
 from lpslam.slam.tracking.guesses import FirstGuess, Followed, LastFrame, Sighted
 from lpslam.slam.tracking.motion import ConstantVelocity, velocity
+from lpslam.slam.tracking.stepping import Step
 
 _Matrix = NDArray[np.float64]
 _Rows = NDArray[np.int32]
@@ -31,6 +33,9 @@ class Guesser:
         motion: how the camera has moved; kept by the caller.
         shutter: straightens what is followed.
         config: thresholds.
+
+    Attributes:
+        step: what whole pictures tell of the step to the newest frame; None where they were not asked or do not tell.
     """
 
     def __init__(
@@ -51,6 +56,7 @@ class Guesser:
         self._shutter = shutter
         self._config = config.tracking
         self._longest_gap = config.shutter.longest_gap
+        self.step: Step | None = None
         self._reach = Reach(self._config.min_followed, _REACHED)
 
     def can_predict(self, last: LastFrame, frame: RgbdFrame) -> bool:
@@ -64,7 +70,7 @@ class Guesser:
             return None
         with self._map.lock:
             version = self._map.version
-            predicted = self.predicted(last, frame.timestamp)
+            predicted, prior = self.predicted(last, frame.timestamp), self.prior(last, frame.timestamp)
             sighted = self._sighted(last, predicted)
         rows = sighted.rows
         chosen = choose_followed(
@@ -85,13 +91,13 @@ class Guesser:
         straight = self._shutter.straighten(seen, self._motion.twist)
         match, found = np.arange(len(flow.rows), dtype=np.int32), sighted.kept(flow.rows)
         known = (match, found.positions, found.points, found.spread)
-        estimate = self._associator.optimise(straight, predicted, *known)
+        estimate = self._associator.optimise(straight, predicted, *known, prior)
         if estimate is None:
             return None
         twist = self.twist(last, frame, estimate.camera_from_world)
         if twist is not None and (self._motion.twist is None or self._shutter.bends(twist, self._motion.twist)):
             straight = self._shutter.straighten(seen, twist)
-            estimate = self._associator.optimise(straight, estimate.camera_from_world, *known)
+            estimate = self._associator.optimise(straight, estimate.camera_from_world, *known, prior)
         return None if estimate is None else Followed(straight, seen, estimate, version, len(rows))
 
     def twist(self, last: LastFrame, frame: RgbdFrame, camera_from_world: _Matrix) -> _Matrix | None:
@@ -107,6 +113,7 @@ class Guesser:
     def from_motion(self, last: LastFrame, timestamp: float, view: View) -> Iterator[FirstGuess]:
         """The last frame's points in windows around where they should appear, then in wider ones."""
         config, predicted = self._config, self.predicted(last, timestamp)
+        prior = self.prior(last, timestamp)
         sighted = self._sighted(last, predicted)
         fx, fy, cx, cy, bf = self._sensor.intrinsics
         x, y, z = (sighted.positions @ predicted[:3, :3].T + predicted[:3, 3]).T
@@ -125,7 +132,7 @@ class Guesser:
             if np.count_nonzero(match >= 0) < config.min_motion_matches:
                 continue
             estimate = self._associator.optimise(
-                view.features, predicted, match, sighted.positions, sighted.points, sighted.spread
+                view.features, predicted, match, sighted.positions, sighted.points, sighted.spread, prior
             )
             if estimate is not None:
                 yield FirstGuess.of(estimate)
@@ -160,8 +167,17 @@ class Guesser:
         return last.camera_from_world(self._map)
 
     def predicted(self, last: LastFrame, timestamp: float) -> _Matrix:
-        """Camera from world at a time in seconds, if the camera goes on as it did."""
+        """Camera from world at a time in seconds: where pictures say, or if the camera goes on as it did."""
+        if self.step is not None and self.step.leads(last.timestamp, timestamp):
+            told: _Matrix = self.step.image_from_last @ self.pose(last)
+            return told
         return self._motion.ahead(self.pose(last), timestamp - last.timestamp)
+
+    def prior(self, last: LastFrame, timestamp: float) -> PosePrior | None:
+        """What pictures tell of the pose of the frame at a time in seconds, as the map has the last one now."""
+        if self.step is None or not self.step.leads(last.timestamp, timestamp):
+            return None
+        return PosePrior(inverse_transform(self.predicted(last, timestamp)), self.step.information)
 
     def _sighted(self, last: LastFrame, predicted: _Matrix) -> Sighted:
         """Keypoints of the last frame whose place is known; `predicted` is the next frame's camera from world.

@@ -7,6 +7,7 @@ import numpy as np
 from lpslam.config import TrackingConfig
 from lpslam.slam.association import Associator, View
 from lpslam.slam.kernels import graph
+from lpslam.slam.kernels.pose import PosePrior
 from lpslam.slam.map import SlamMap
 from lpslam.slam.tracking.guesses import FirstGuess, Search
 
@@ -19,7 +20,9 @@ class LocalSearch:
         self._associator = associator
         self._config = config
 
-    def best(self, view: View, starts: Iterator[FirstGuess], gap: float, is_strict: bool) -> Search | None:
+    def best(
+        self, view: View, starts: Iterator[FirstGuess], gap: float, is_strict: bool, prior: PosePrior | None = None
+    ) -> Search | None:
         """The search with most matches, if they are enough; the first that is sure and has enough ends it.
 
         Args:
@@ -27,12 +30,13 @@ class LocalSearch:
             starts: first guesses, likeliest first.
             gap: seconds since the last frame with a pose; after long ones more is asked.
             is_strict: whether as much is asked as of a camera that was lost.
+            prior: what else than points tells the pose.
         """
         config = self._config
         needed = config.min_recovery_inliers if is_strict or gap > config.long_gap else config.min_inliers
         best: Search | None = None
         for start in starts:
-            search = self._around(view, start)
+            search = self._around(view, start, prior)
             if search is not None and (best is None or search.estimate.matches > best.estimate.matches):
                 best = search
             if best is not None and best.is_sure and best.estimate.matches >= needed:
@@ -43,7 +47,7 @@ class LocalSearch:
         held = best.estimate.matches >= config.min_pose_inliers and best.estimate.inliers >= 2 * needed
         return best if best.is_sure and held and not is_strict else None
 
-    def _around(self, view: View, start: FirstGuess) -> Search | None:
+    def _around(self, view: View, start: FirstGuess, prior: PosePrior | None) -> Search | None:
         """Search the points of covisible keyframes near their projections, and optimise with all matches."""
         slam_map, associator = self._map, self._associator
         local = associator.around(start.nearby, self._config.local_keyframes)
@@ -56,10 +60,10 @@ class LocalSearch:
         predicted = associator.predict(candidates[~is_held[candidates]], start.camera_from_world)
         found = associator.match_predicted(view, predicted, start.points >= 0)
         points = np.where(found >= 0, found, start.points)
-        refined = associator.optimise_on_map(view.features, start.camera_from_world, points)
+        refined = associator.optimise_on_map(view.features, start.camera_from_world, points, prior=prior)
         if refined is not None and refined.matches < self._config.weak_inliers:
             # Few map points at the rim of a new view hold a pose badly: what the last view saw of it helps.
-            refined = associator.optimise_on_map(view.features, start.camera_from_world, points, start.loose)
+            refined = associator.optimise_on_map(view.features, start.camera_from_world, points, start.loose, prior)
         if refined is None:
             return None
         expected = np.concatenate([predicted.points, held])
