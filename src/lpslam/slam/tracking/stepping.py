@@ -64,7 +64,7 @@ class Stepping:
         image = images.reference(gray, frame.depth)
         self._newest = frame.timestamp, image
         aligned = self._surfaces.align(reference, image, expected, frame.timestamp - last.timestamp)
-        if aligned is None or not (aligned.holds and aligned.is_proven):
+        if aligned is None or not aligned.holds:
             return None
         values, vectors = np.linalg.eigh(aligned.information)
         information = (vectors * np.maximum(values, 0.0)) @ vectors.T / excess
