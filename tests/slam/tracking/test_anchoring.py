@@ -51,3 +51,12 @@ def test_a_way_of_a_moment_is_no_carrying() -> None:
     assert anchoring.may_be_one_way(turned(0.0), turned(1.0))
     elsewhere = exponential(np.array([5.0, 0, 0, 0, 0, 0]))
     assert not anchoring.may_be_one_way(turned(0.0), elsewhere)
+
+
+def test_only_what_moves_far_from_frame_to_frame_may_be_blurred() -> None:
+    """Exposing takes no longer than a frame: a picture that moves by ten pixels a frame is blurred by ten at most."""
+    anchoring = Anchoring(SensorModel.of(CAMERA, CONFIG), CONFIG.tracking)
+    assert not anchoring.may_be_blurred
+    for step, is_far in ((0.02, False), (0.06, True), (0.02, False)):
+        anchoring.moved(turned(0.0), turned(step), turned(step))
+        assert anchoring.may_be_blurred is is_far
