@@ -24,7 +24,7 @@ def frames_until_due(step: float) -> int:
     for k in range(1, 100):
         if anchoring.is_due(k / 30):
             return k
-        anchoring.moved(turned((k - 1) * step), turned(k * step), turned(k * step))
+        anchoring.moved(turned((k - 1) * step), turned(k * step), turned(k * step), 1 / 30)
     return 100
 
 
@@ -38,11 +38,11 @@ def test_the_faster_the_picture_moves_the_sooner_it_is_matched() -> None:
 def test_a_prediction_that_fails_is_remembered_for_some_frames() -> None:
     anchoring = Anchoring(SensorModel.of(CAMERA, CONFIG), CONFIG.tracking)
     assert anchoring.is_steady
-    anchoring.moved(turned(0.0), turned(0.05), turned(0.0))
+    anchoring.moved(turned(0.0), turned(0.05), turned(0.0), 1 / 30)
     assert not anchoring.is_steady
     for k in range(30):
         pose = turned(0.05 + 0.01 * (k + 1))
-        anchoring.moved(turned(0.05 + 0.01 * k), pose, pose)
+        anchoring.moved(turned(0.05 + 0.01 * k), pose, pose, 1 / 30)
     assert anchoring.is_steady
 
 
@@ -53,10 +53,15 @@ def test_a_way_of_a_moment_is_no_carrying() -> None:
     assert not anchoring.may_be_one_way(turned(0.0), elsewhere)
 
 
-def test_only_what_moves_far_from_frame_to_frame_may_be_blurred() -> None:
-    """Exposing takes no longer than a frame: a picture that moves by ten pixels a frame is blurred by ten at most."""
+def test_what_moves_far_while_a_frame_is_exposed_may_be_blurred() -> None:
+    """Exposing takes no longer than a frame, and no longer than a thirtieth of a second where frames are rare."""
     anchoring = Anchoring(SensorModel.of(CAMERA, CONFIG), CONFIG.tracking)
     assert not anchoring.may_be_blurred
-    for step, is_far in ((0.02, False), (0.06, True), (0.02, False)):
-        anchoring.moved(turned(0.0), turned(step), turned(step))
-        assert anchoring.may_be_blurred is is_far
+    for step, seconds, may_be in (
+        (0.02, 1 / 30, False),
+        (0.06, 1 / 30, True),
+        (0.06, 1 / 10, False),
+        (0.06, 1 / 60, True),
+    ):
+        anchoring.moved(turned(0.0), turned(step), turned(step), seconds)
+        assert anchoring.may_be_blurred is may_be

@@ -24,6 +24,7 @@ class Anchoring:
         self._travel = 0.0
         self._step = 0.0
         self._surprise = 0.0
+        self._smear = 0.0
         self._followed_first = 0
         self._nearness = 1.0
 
@@ -36,9 +37,12 @@ class Anchoring:
         if self._at == timestamp:
             self._followed_first = asked
 
-    def moved(self, before: NDArray[np.float64], now: NDArray[np.float64], predicted: NDArray[np.float64]) -> None:
-        """Take a frame's pose, that of the frame before it and the one predicted: camera from world, 4×4."""
+    def moved(
+        self, before: NDArray[np.float64], now: NDArray[np.float64], predicted: NDArray[np.float64], seconds: float
+    ) -> None:
+        """Take the poses of the frame so many seconds before, of this one and the one predicted: camera from world, 4×4."""
         self._step = self.pixels(before, now)
+        self._smear = self._step * min(self._config.longest_exposure / seconds, 1.0)
         self._travel += self._step
         self._surprise = max(self.pixels(predicted, now), _MEMORY * self._surprise)
 
@@ -57,8 +61,8 @@ class Anchoring:
 
     @property
     def may_be_blurred(self) -> bool:
-        """Whether the picture moves so far from frame to frame that exposing one may blur it: by no more than that."""
-        return self._step > self._config.pictured_travel * self._sensor.image_size[0]
+        """Whether the picture moves so far while a frame is exposed, as long as that may take, that it is blurred."""
+        return self._smear > self._config.pictured_travel * self._sensor.image_size[0]
 
     @property
     def is_steady(self) -> bool:
