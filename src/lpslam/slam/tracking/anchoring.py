@@ -40,7 +40,7 @@ class Anchoring:
     def moved(
         self, before: NDArray[np.float64], now: NDArray[np.float64], predicted: NDArray[np.float64], seconds: float
     ) -> None:
-        """Take the poses of the frame so many seconds before, of this one and the one predicted: camera from world, 4×4."""
+        """Take a frame's pose, that of the frame some seconds before and the one predicted: camera from world, 4×4."""
         self._step = self.pixels(before, now)
         self._smear = self._step * min(self._config.longest_exposure / seconds, 1.0)
         self._travel += self._step

@@ -67,7 +67,9 @@ class LocalSearch:
         if refined is None:
             return None
         expected = np.concatenate([predicted.points, held])
-        return Search(refined, int(local[0]), expected, start.agreement >= self._config.min_agreement)
+        # Keypoints on streaks agree on little; what whole pictures tell is as good a beginning.
+        is_sure = prior is not None or start.agreement >= self._config.min_agreement
+        return Search(refined, int(local[0]), expected, is_sure)
 
     def count(self, search: Search) -> None:
         """Note in the map what was seen of what should be: points that are seldom found are culled by that."""
