@@ -119,7 +119,7 @@ class Search:
         estimate: the view's pose with all matches.
         reference: the keyframe that shares most points with it.
         expected: ids of the map points that should be in view.
-        is_sure: whether it began from a pose that pictures told, or on which most of what the last view saw agreed.
+        is_sure: whether it began from a pose on which most of what the last view saw agreed, or pictures tell the same.
     """
 
     estimate: Estimate
