@@ -68,6 +68,7 @@ class SlamMap:
         loop_edges: pairs of keyframes between which a loop was closed or sub-maps were joined.
         depth_curve: by which readings of depth were corrected.
         relative_poses: what pictures say of pairs of keyframes; not saved.
+        blurred: keyframes that may have moved while they were exposed; not saved.
     """
 
     def __init__(self, features_per_keyframe: int, scales: NDArray[np.float64]) -> None:
@@ -80,6 +81,7 @@ class SlamMap:
         self.loop_edges: list[tuple[int, int]] = []
         self.depth_curve = DepthCurve.straight()
         self.relative_poses = RelativePoses(PictureConfig())
+        self.blurred: set[int] = set()
         self._capacity = features_per_keyframe
         self._arrays: dict[str, NDArray[Any]] = {}
         for table, rows in ((_KEYFRAME_COLUMNS, 64), (_POINT_COLUMNS, 8192)):

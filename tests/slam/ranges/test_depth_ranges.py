@@ -195,6 +195,19 @@ def test_learning_can_be_turned_off() -> None:
     assert learned(too_near, certain_gain=0.0)[1] is None
 
 
+def test_keyframes_that_may_be_blurred_have_no_vote() -> None:
+    """Their points lie anywhere on streaks, and all of one turn alike: dark malls were corrected by 4 % so."""
+    slam_map = SlamMap(POINTS, SENSOR.scales)
+    ranges = DepthRanges(slam_map, SENSOR, FARTHEST, DepthRangeConfig())
+    fill(slam_map, too_near)
+    slam_map.blurred.update(slam_map.living_keyframes().tolist())
+    ranges.learn(slam_map.living_keyframes())
+    assert ranges.apply() is None
+    slam_map.blurred.clear()
+    ranges.learn(slam_map.living_keyframes())
+    assert ranges.apply() is not None
+
+
 def test_keyframes_of_an_earlier_recording_neither_vote_nor_change() -> None:
     slam_map = SlamMap(POINTS, SENSOR.scales)
     fill(slam_map, too_near)

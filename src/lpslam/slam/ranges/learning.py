@@ -130,8 +130,10 @@ class DepthRanges:
             self._count(votes, 1.0)
 
     def _votes(self, keyframe: int) -> _Votes | None:
-        """The medians of a keyframe's points by distance; None where they are all at one."""
+        """The medians of a keyframe's points by distance; None where they are all at one, or streaks."""
         config, columns = self._config, self._map.columns
+        if keyframe in self._map.blurred:
+            return None
         rows, far, share = kernels.by_pixels(
             columns, keyframe, self._sensor.intrinsics, self._sensor.pixel_information, config.min_observers
         )

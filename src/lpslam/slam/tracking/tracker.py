@@ -380,6 +380,8 @@ class Tracker:
     def _add_keyframe(self, picture: Picture, estimate: Estimate) -> Estimate:
         where = self._where
         where.reference, estimate = self._keyframes.add(picture.frame, picture.features, estimate, where.reference)
+        if self._anchoring.may_be_blurred:
+            self._map.blurred.add(where.reference)
         self._doubt.hold(where.reference)
         return estimate
 
