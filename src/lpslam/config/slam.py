@@ -200,6 +200,7 @@ class PictureConfig(Section):
     # χ² (six degrees of freedom) of a way round before any is known: pixels share their errors with five around them;
     supposed_gap: float = Field(default=25.0, gt=0)
     supposed_gaps: int = Field(default=5, ge=1, le=1000)  # ... and for how many ways round that counts
+    most_surprise: float = Field(default=3.0, gt=0)  # sigmas of a guess; a fast frame's step is no farther from its own
     kept_pictures: int = Field(default=20, ge=2)  # keyframes: those of a doubted place wait so long
 
 

@@ -48,13 +48,20 @@ def stepping_in(slam_map: SlamMap, **config: float | bool) -> Stepping:
 
 
 def test_a_step_between_two_blurred_frames_is_told() -> None:
-    step = told_from_to(stepping_in(SlamMap(4, SENSOR.scales)), blurred(np.eye(4)), blurred(TURN), np.eye(4))
+    expected = rigid([0.01, 0.0, -0.01], [0.0, -0.02, 0.01]) @ TURN
+    step = told_from_to(stepping_in(SlamMap(4, SENSOR.scales)), blurred(np.eye(4)), blurred(TURN), expected)
     assert step is not None
     metres, radians = pose_error(step.image_from_last, TURN)
     assert metres < 0.003
     assert np.degrees(radians) < 0.1
     assert step.leads(0.0, 1 / 30)
     assert not step.leads(0.0, 2 / 30)
+
+
+def test_a_step_that_no_camera_takes_so_suddenly_is_not_believed() -> None:
+    views = blurred(np.eye(4)), blurred(TURN)
+    expected = rigid([0.05, 0.0, 0.0], [0.0, 0.0, 0.0]) @ TURN  # a change of pace by 1.5 m/s within a frame
+    assert told_from_to(stepping_in(SlamMap(4, SENSOR.scales)), *views, expected) is None
 
 
 def test_it_is_believed_as_far_as_keyframes_say() -> None:

@@ -214,8 +214,11 @@ def test_localisation_changes_not_one_byte_and_finds_the_frames_where_they_were(
     assert np.degrees(errors[:, 1].max()) < 1.0
     # What was given frame by frame is what the trajectory holds.
     at, given = reading.trajectory.world_from_camera(reading.map)
-    np.testing.assert_allclose(at, [frame.timestamp for frame in found], atol=0)
-    np.testing.assert_allclose(given, [frame.world_from_camera for frame in found], atol=1e-9)
+    at_once = np.isin(at, [frame.timestamp for frame in found])
+    assert at_once.sum() == len(found)
+    np.testing.assert_allclose(given[at_once], [frame.world_from_camera for frame in found], atol=1e-9)
+    # Others were placed from the frame after them, when the camera was found again.
+    assert set(at[~at_once]) <= {frame.timestamp for frame in tracked[HIDDEN.stop : FRAMES]}
 
 
 def test_a_map_of_nothing_that_is_only_read_stays_empty(clip: Clip) -> None:

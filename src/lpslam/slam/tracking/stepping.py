@@ -5,8 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from lpslam.camera import inverse_transform
 from lpslam.config import PictureConfig
 from lpslam.frames import RgbdFrame
+from lpslam.slam.kernels.geometry import logarithm
 from lpslam.slam.map import SlamMap
 from lpslam.slam.tracking.guesses import LastFrame
 from lpslam.slam.tracking.surfaces import Surfaces
@@ -65,6 +67,11 @@ class Stepping:
         self._newest = frame.timestamp, image
         aligned = self._surfaces.align(reference, image, expected, frame.timestamp - last.timestamp)
         if aligned is None or not aligned.holds:
+            return None
+        surprise = logarithm(aligned.image_from_reference @ inverse_transform(expected))
+        sigmas = self._surfaces.guess_sigmas(frame.timestamp - last.timestamp)
+        if (np.abs(surprise) > self._config.most_surprise * sigmas).any():
+            # Somebody who walks by takes the picture along; the camera cannot have changed its way so much.
             return None
         values, vectors = np.linalg.eigh(aligned.information)
         information = (vectors * np.maximum(values, 0.0)) @ vectors.T / excess

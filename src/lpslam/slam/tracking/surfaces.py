@@ -186,7 +186,7 @@ class Surfaces:
         assert descent is not None
         return self._judged(levels[-1], descent, start, seconds)
 
-    def _sigmas(self, seconds: float) -> _Matrix:
+    def guess_sigmas(self, seconds: float) -> _Matrix:
         """(6,) of a guess, in metres and radians, made for so many seconds."""
         return np.repeat([self._config.guess_speed, self._config.guess_turn], 3) * seconds
 
@@ -194,7 +194,7 @@ class Surfaces:
         """Gauss-Newton from a pose on one level."""
         config, reference, image = self._config, level.reference, level.image
         hessian, gradient, residuals = np.empty((6, 6)), np.empty(6), np.empty((2, image[0].size))
-        prior = np.diag(self._sigmas(seconds) ** -2)
+        prior = np.diag(self.guess_sigmas(seconds) ** -2)
         sigma, offset = config.first_shade, float(np.median(reference[0]) - np.median(image[0]))
         known = max(int((reference[1] > 0).sum()), 1)
         for _ in range(config.steps):
@@ -215,7 +215,7 @@ class Surfaces:
 
     def _judged(self, level: "_Level", descent: "_Descent", guess: _Matrix, seconds: float) -> Aligned:
         """What a descent on the finest images has come to."""
-        config, pose, sigmas = self._config, descent.pose, self._sigmas(seconds)
+        config, pose, sigmas = self._config, descent.pose, self.guess_sigmas(seconds)
         alike = likeness(descent.residuals[1], descent.residuals[0] + descent.residuals[1])
         seen = self._brought(level.reference, pose)
         is_proven = self._is_proven(level, seen)
