@@ -131,12 +131,8 @@ class TrackingConfig(Section):
     min_followed_share: float = Field(default=0.7, ge=0, le=1)  # of those followed first, the same
     anchor_interval: float = Field(default=0.1, ge=0)  # seconds after which a frame is matched with the map anyway
     anchor_travel: float = Field(default=0.08, ge=0)  # of the image's width that the picture moves, the same
-    pictured_travel: float = Field(
-        default=0.03, ge=0
-    )  # the same while a frame may be exposed; whole pictures tell then
-    longest_exposure: float = Field(
-        default=0.033, gt=0
-    )  # seconds; automatic exposure takes no longer, even in the dark
+    pictured_travel: float = Field(default=0.03, ge=0)  # the same while a frame is exposed; whole pictures tell then
+    longest_exposure: float = Field(default=0.033, gt=0)  # seconds; automatic exposure takes no more, even in the dark
     bridged_travel: float = Field(default=1.5, ge=0)  # of the same, over which frames that showed nothing are bridged
     steady_share: float = Field(default=0.5, ge=0)  # of `motion_radius`; predictions farther off, and flow goes first
     coast_seconds: float = Field(default=0.5, ge=0)  # for which the motion carries the pose where a frame shows nothing

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from lpslam.slam.kernels.geometry import logarithm, move, multiply
 from lpslam.slam.kernels.linear import solve_positive
 from lpslam.slam.kernels.rays import RaySights, add_ray_terms, judge_rays
-from lpslam.slam.kernels.relative import CHI2_POSE
+from lpslam.slam.kernels.relative import CHI2_POSE, pose_chi2
 from lpslam.slam.kernels.reprojection import (
     CHI2_DEPTH,
     CHI2_PIXEL,
@@ -21,6 +21,7 @@ from lpslam.slam.kernels.reprojection import (
     add_pose_terms,
     errors,
     in_camera_terms,
+    robust_cost,
 )
 
 
@@ -42,22 +43,25 @@ def no_prior() -> PosePrior:
 
 
 @njit(cache=True, nogil=True)
+def prior_chi2(camera_from_world: NDArray[np.float64], prior: PosePrior) -> float:
+    """χ² (six degrees of freedom) by which a pose (4×4) is not what a prior tells."""
+    return pose_chi2(logarithm(multiply(camera_from_world, prior.world_from_camera)), prior.information)
+
+
+@njit(cache=True, nogil=True)
 def _add_prior(
     pose: NDArray[np.float64], prior: PosePrior, hessian: NDArray[np.float64], gradient: NDArray[np.float64]
 ) -> float:
     """Add a prior to the normal equations (6, 6), (6,) of a twist from the left; its cost by Huber's kernel."""
     error = logarithm(multiply(pose, prior.world_from_camera))
-    chi2 = 0.0
-    for a in range(6):
-        for b in range(6):
-            chi2 += error[a] * prior.information[a, b] * error[b]
+    chi2 = pose_chi2(error, prior.information)
     weight = 1.0 if chi2 <= CHI2_POSE else math.sqrt(CHI2_POSE / chi2)
     for a in range(6):
         for b in range(6):
             gradient[a] -= weight * prior.information[a, b] * error[b]
             if b >= a:
                 hessian[a, b] += weight * prior.information[a, b]
-    return chi2 if chi2 <= CHI2_POSE else 2.0 * weight * chi2 - CHI2_POSE
+    return robust_cost(chi2, CHI2_POSE)
 
 
 @njit(cache=True, nogil=True, fastmath={"contract"})

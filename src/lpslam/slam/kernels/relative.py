@@ -12,6 +12,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from lpslam.slam.kernels.geometry import logarithm, multiply
+from lpslam.slam.kernels.reprojection import robust_cost
 
 CHI2_POSE = 12.592
 """95 % of the χ² distribution with six degrees of freedom."""
@@ -49,7 +50,8 @@ def _relative(poses: NDArray[np.float64], a: int, b: int) -> NDArray[np.float64]
 
 
 @njit(cache=True, nogil=True)
-def _chi2(error: NDArray[np.float64], information: NDArray[np.float64]) -> float:
+def pose_chi2(error: NDArray[np.float64], information: NDArray[np.float64]) -> float:
+    """χ² of the error (6,) of a pose under an information (6, 6)."""
     chi2 = 0.0
     for i in range(6):
         for j in range(6):
@@ -64,7 +66,7 @@ def _misfit(
     """Camera b from camera a (4×4) as the poses have it, its error (6,) against the t-th relative pose, and its χ²."""
     b_from_a = _relative(poses, relative.pairs[t, 0], relative.pairs[t, 1])
     error = logarithm(multiply(b_from_a, relative.a_from_b[t]))
-    return b_from_a, error, _chi2(error, relative.information[t])
+    return b_from_a, error, pose_chi2(error, relative.information[t])
 
 
 @njit(cache=True, nogil=True)
@@ -73,7 +75,7 @@ def relative_cost(relative: RelativeProblem, poses: NDArray[np.float64]) -> floa
     cost = 0.0
     for t in range(relative.pairs.shape[0]):
         _, _, chi2 = _misfit(relative, poses, t)
-        cost += chi2 if chi2 <= CHI2_POSE else 2.0 * math.sqrt(CHI2_POSE * chi2) - CHI2_POSE
+        cost += robust_cost(chi2, CHI2_POSE)
     return cost
 
 

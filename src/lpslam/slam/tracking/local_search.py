@@ -3,13 +3,11 @@
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lpslam.config import TrackingConfig
 from lpslam.slam.association import Associator, View
 from lpslam.slam.kernels import graph
-from lpslam.slam.kernels.geometry import logarithm
-from lpslam.slam.kernels.pose import PosePrior
+from lpslam.slam.kernels.pose import PosePrior, prior_chi2
 from lpslam.slam.kernels.relative import CHI2_POSE
 from lpslam.slam.map import SlamMap
 from lpslam.slam.tracking.guesses import FirstGuess, Search
@@ -72,16 +70,10 @@ class LocalSearch:
         expected = np.concatenate([predicted.points, held])
         # Keypoints on streaks agree on little; that whole pictures tell the same says as much.
         is_sure = start.agreement >= self._config.min_agreement
-        is_sure = is_sure or (prior is not None and _misfit(refined.camera_from_world, prior) <= CHI2_POSE)
+        is_sure = is_sure or (prior is not None and prior_chi2(refined.camera_from_world, prior) <= CHI2_POSE)
         return Search(refined, int(local[0]), expected, is_sure)
 
     def count(self, search: Search) -> None:
         """Note in the map what was seen of what should be: points that are seldom found are culled by that."""
         self._map.columns.visible[search.expected] += 1
         self._map.columns.found[search.estimate.points[search.estimate.points >= 0]] += 1
-
-
-def _misfit(camera_from_world: NDArray[np.float64], prior: PosePrior) -> float:
-    """χ² (six degrees of freedom) by which a pose (4×4) is not what a prior tells."""
-    error = logarithm(camera_from_world @ prior.world_from_camera)
-    return float(error @ prior.information @ error)

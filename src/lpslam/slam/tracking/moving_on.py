@@ -79,6 +79,7 @@ class MovingOn:
         if last is None or picture.timestamp <= last.timestamp:
             return None
         before, predicted = self._guesser.pose(last), self._guesser.predicted(last, picture.timestamp)
-        self._anchoring.moved(before, camera_from_world, predicted, picture.timestamp - last.timestamp)
-        where.motion.note(before, camera_from_world, picture.timestamp - last.timestamp)
+        seconds = picture.timestamp - last.timestamp
+        self._anchoring.moved(before, camera_from_world, predicted, seconds)
+        where.motion.note(before, camera_from_world, seconds)
         return where.motion.twist if self._guesser.tells_velocity(last, picture.frame) else None

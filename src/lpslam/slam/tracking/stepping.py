@@ -65,14 +65,12 @@ class Stepping:
         reference = newest[1] if newest is not None and is_known else images.reference(last.gray, last.depth)
         image = images.reference(gray, frame.depth)
         self._newest = frame.timestamp, image
-        aligned = self._surfaces.align(reference, image, expected, frame.timestamp - last.timestamp)
+        seconds = frame.timestamp - last.timestamp
+        aligned = self._surfaces.align(reference, image, expected, seconds)
         if aligned is None or not aligned.holds:
             return None
         surprise = logarithm(aligned.image_from_reference @ inverse_transform(expected))
-        sigmas = self._surfaces.guess_sigmas(frame.timestamp - last.timestamp)
-        if (np.abs(surprise) > self._config.most_surprise * sigmas).any():
+        if (np.abs(surprise) > self._config.most_surprise * self._surfaces.guess_sigmas(seconds)).any():
             # Somebody who walks by takes the picture along; the camera cannot have changed its way so much.
             return None
-        values, vectors = np.linalg.eigh(aligned.information)
-        information = (vectors * np.maximum(values, 0.0)) @ vectors.T / excess
-        return Step(last.timestamp, frame.timestamp, aligned.image_from_reference, information)
+        return Step(last.timestamp, frame.timestamp, aligned.image_from_reference, aligned.information / excess)
