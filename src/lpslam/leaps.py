@@ -1,8 +1,7 @@
 """Times that leap ahead, which the frame after them confirms or not."""
 
+import math
 from typing import Generic, TypeVar
-
-import numpy as np
 
 Item = TypeVar("Item")
 
@@ -22,7 +21,7 @@ class Leaps(Generic[Item]):
         held: what waits, with its time.
     """
 
-    def __init__(self, seconds: float, slower: float, latest: float = -np.inf) -> None:
+    def __init__(self, seconds: float, slower: float, latest: float = -math.inf) -> None:
         self._seconds = seconds
         self._slower = slower
         self._latest = latest
@@ -62,5 +61,5 @@ class Leaps(Generic[Item]):
 
     def _pass(self, time: float) -> None:
         if time > self._latest:
-            self._gap = time - self._latest if np.isfinite(self._latest) else 0.0
+            self._gap = time - self._latest if math.isfinite(self._latest) else 0.0
             self._latest = time

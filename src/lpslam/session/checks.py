@@ -1,5 +1,6 @@
 """What is wrong with the arrays of a frame, said with the remedy; what can be mended without loss is mended."""
 
+import math
 from numbers import Real
 
 import numpy as np
@@ -56,14 +57,13 @@ def checked_depth(depth: object, camera: PinholeCamera) -> NDArray[np.float32]:
         raise UserError(f"the depth image is a {type(depth).__name__}; give a numpy array: numpy.asarray(image)")
     if depth.ndim != 2:
         raise UserError(f"the depth image has shape {depth.shape}; give (height, width)")
-    if not np.issubdtype(depth.dtype, np.floating):
+    if depth.dtype.kind != "f":
         raise UserError(
             f"the depth image is {depth.dtype}; give metres: depth.astype(numpy.float32) / {camera.depth_scale:g} if"
             f" {camera.depth_scale:g} units are a metre"
         )
     _refuse_other_size("depth image", depth.shape, camera)
-    with np.errstate(over="ignore"):
-        metres = np.ascontiguousarray(depth, dtype=np.float32)
+    metres = _single_precision(depth)
     # Bit patterns of floats from 0 up to infinity are in order, and those of all else are above: one pass tells.
     if metres.view(np.uint32).max() >= _INFINITE_BITS:
         metres = np.where(np.isfinite(metres) & (metres > 0.0), metres, np.float32(0.0))
@@ -97,11 +97,8 @@ def checked_time(timestamp: object, latest: float, taken: int) -> float:
     Raises:
         UserError: it is something else, not finite, or not later than the latest before it.
     """
-    try:
-        seconds = float(timestamp) if isinstance(timestamp, Real) else np.nan
-    except OverflowError:
-        seconds = np.inf
-    if not np.isfinite(seconds):
+    seconds = timestamp if type(timestamp) is float else _as_float(timestamp)
+    if not math.isfinite(seconds):
         said = f"{timestamp}" if isinstance(timestamp, float) else f"a {type(timestamp).__name__}"
         raise UserError(f"the time of the frame is {said}; give seconds, as a finite float")
     if seconds <= latest and taken == 1:
@@ -115,6 +112,21 @@ def checked_time(timestamp: object, latest: float, taken: int) -> float:
             " the frames in order, with the time at which the camera took each"
         )
     return seconds
+
+
+def _single_precision(depth: NDArray[np.floating]) -> NDArray[np.float32]:
+    if depth.dtype == np.float32:
+        return np.ascontiguousarray(depth)
+    with np.errstate(over="ignore"):
+        return np.ascontiguousarray(depth, dtype=np.float32)
+
+
+def _as_float(number: object) -> float:
+    """A real number as a float; not a number if it is something else."""
+    try:
+        return float(number) if isinstance(number, Real) else math.nan
+    except OverflowError:
+        return math.inf
 
 
 def _refuse_other_size(kind: str, shape: tuple[int, ...], camera: PinholeCamera) -> None:

@@ -1,8 +1,7 @@
 """What a session has cost and left out, for the map's statistics."""
 
 import time
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import asdict
 
 from lpslam.slam.system import RgbdSlam
@@ -11,23 +10,20 @@ from lpslam.text.reading.reading_thread import ReadingThread
 
 
 class Costs:
-    """Seconds since it was made, and those spent on tracking."""
+    """Seconds since it was made, and those spent on tracking.
+
+    Attributes:
+        seconds_tracking: spent on tracking and mapping so far; whoever calls them adds to it.
+    """
 
     def __init__(self) -> None:
         self._started = time.perf_counter()
-        self._seconds_tracking = 0.0
+        self.seconds_tracking = 0.0
 
     @property
     def seconds(self) -> float:
         """Since it was made."""
         return time.perf_counter() - self._started
-
-    @contextmanager
-    def tracking(self) -> Iterator[None]:
-        """Counts what is done within as tracking and mapping."""
-        before = time.perf_counter()
-        yield
-        self._seconds_tracking += time.perf_counter() - before
 
     def statistics(
         self, frames: Mapping[str, int], slam: RgbdSlam, reader: ReadingThread | None, mapper: TextMapper | None
@@ -46,6 +42,6 @@ class Costs:
             "frames_unread_for_lack_of_time": reader.dropped if reader is not None else 0,
             "keyframes_abandoned": slam.keyframes_abandoned,
             "seconds": self.seconds,
-            "seconds_tracking_and_mapping": self._seconds_tracking,
+            "seconds_tracking_and_mapping": self.seconds_tracking,
         }
         return {"run": run, "reading": asdict(mapper.statistics) if mapper is not None else {}}

@@ -80,7 +80,7 @@ class Localiser:
             UserError: the frame is not as it should be, and was not taken.
         """
         colour, metres = checked_colour(rgb, self.camera), checked_depth(depth, self.camera)
-        with self._turns.step():
+        with self._turns:
             seconds = checked_time(timestamp, self._latest, self.frames)
             if not self.frames:
                 refuse_no_metres(metres)
@@ -92,7 +92,7 @@ class Localiser:
         Raises:
             UserError: another frame is being taken.
         """
-        with self._turns.step():
+        with self._turns:
             return self._take(frame)
 
     def _take(self, frame: RgbdFrame) -> Step:

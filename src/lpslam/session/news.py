@@ -45,6 +45,8 @@ class News:
 
     def take(self, events: list[SlamEvent]) -> tuple[Landmarks, Landmarks, Events, tuple[FrameReading, ...]]:
         """New landmarks, renamed ones, events of all that there were, and readings, each if nobody was told yet."""
+        if not self._changed and not self.readings and len(events) == self._events_told:
+            return (), (), (), ()
         return (*self._take_landmarks(), self._take_events(events), self._take_readings())
 
     def tell(self, new: Landmarks, renamed: Landmarks, events: Events) -> None:

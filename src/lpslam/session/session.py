@@ -1,6 +1,7 @@
 """A map that grows one frame at a time: the one way in which maps are made (paper, Fig. 1)."""
 
 import threading
+import time
 from collections.abc import AsyncIterator, Callable, Collection
 from contextlib import ExitStack
 from dataclasses import replace
@@ -170,7 +171,7 @@ class Session:
             UserError: the frame is not as above, and was not taken, or the session is closed.
         """
         colour, metres = checked_colour(rgb, self.camera), checked_depth(depth, self.camera)
-        with self._turns.step():
+        with self._turns:
             self._refuse_closed()
             seconds = checked_time(timestamp, self._latest, self.frames)
             if self._screen is None:
@@ -186,7 +187,7 @@ class Session:
         Raises:
             UserError: the session is closed, or another frame is being taken.
         """
-        with self._turns.step():
+        with self._turns:
             self._refuse_closed()
             return self._take(frame)
 
@@ -202,8 +203,9 @@ class Session:
         if self._first_index:
             frame = replace(frame, index=self._first_index + frame.index)
         with self._stepping:
-            with self._costs.tracking():
-                tracked = self._slam.process(frame)
+            begun = time.perf_counter()
+            tracked = self._slam.process(frame)
+            self._costs.seconds_tracking += time.perf_counter() - begun
             frame = self._slam.measured(frame)
             self.frames += 1
             self._latest, self._pose = frame.timestamp, tracked.world_from_camera

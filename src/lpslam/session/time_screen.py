@@ -49,6 +49,8 @@ class TimeScreen:
 def joined(steps: list[Step]) -> Step:
     """The last of some steps, with what is new since the first."""
     last = steps[-1]
+    if len(steps) == 1:
+        return last
     return Step(
         last.tracked,
         tuple(mark for step in steps for mark in step.new_landmarks),

@@ -8,26 +8,23 @@ from lpslam.errors import UserError
 
 
 class Turns:
-    """Lets one thread in at a time."""
+    """Lets one thread in at a time; the context of a step.
+
+    Raises:
+        UserError: on entering, another thread has the turn, or this one.
+    """
 
     def __init__(self) -> None:
         self._lock, self._holder = threading.Lock(), 0
 
-    @contextmanager
-    def step(self) -> Iterator[None]:
-        """Have the turn.
-
-        Raises:
-            UserError: another thread has it, or this one.
-        """
+    def __enter__(self) -> None:
         if not self._lock.acquire(blocking=False):
             raise UserError("a frame is being taken: step from one thread at a time, and not from a callback")
         self._holder = threading.get_ident()
-        try:
-            yield
-        finally:
-            self._holder = 0
-            self._lock.release()
+
+    def __exit__(self, *raised: object) -> None:
+        self._holder = 0
+        self._lock.release()
 
     @contextmanager
     def end(self) -> Iterator[None]:

@@ -1,6 +1,7 @@
 """Which depth a sensor's readings stand for, by how far they are."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,7 @@ _STEP = 0.125
 """Metres between entries: much less than depth errors need to change."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class DepthCurve:
     """What a reading of 0, step, 2 · step, … metres stands for; rising.
 
@@ -50,7 +51,7 @@ class DepthCurve:
             raise ValueError("the curve of depths does not rise from 0")
         return cls(table, _STEP)
 
-    @property
+    @cached_property
     def is_straight(self) -> bool:
         """Whether readings are taken as they are."""
         return bool((self.table == self._readings).all())
