@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from lpslam.config import TextConfig
 from lpslam.frames import RgbdFrame
-from lpslam.text.placing.placement import PlacementFault, is_squeezed
+from lpslam.text.placing.by_depth.hiding import PlacementFault
+from lpslam.text.placing.by_depth.placement import is_squeezed
 from lpslam.text.reading.blocks import around, read_in_parts, stacks_of
 from lpslam.text.reading.boxes import Boxes
 from lpslam.text.reading.colours import read_in_colours

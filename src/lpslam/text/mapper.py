@@ -16,8 +16,8 @@ from lpslam.text.again.crops import Crop, cut_out
 from lpslam.text.again.looking import look_again
 from lpslam.text.boards.surroundings import surroundings
 from lpslam.text.frame_reader import FrameReader
+from lpslam.text.placing.by_depth.hiding import hidden_pixels
 from lpslam.text.placing.instances import KeyframePoses
-from lpslam.text.placing.placement import hidden_pixels
 from lpslam.text.placing.spots import Spots
 from lpslam.text.placing.views import bearing_of
 from lpslam.text.reading.borders import room_beyond

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from lpslam.camera import PinholeCamera, inverse_transform, transform_points
 from lpslam.config import TextConfig
 from lpslam.frames import RgbdFrame
+from lpslam.text.placing.by_depth.hiding import PlacementFault
+from lpslam.text.placing.by_depth.placement import place_text
 from lpslam.text.placing.directions import Directions
-from lpslam.text.placing.placement import PlacementFault, place_text
 from lpslam.text.placing.spots import Spots
 from lpslam.text.placing.views import bearing_of
 from lpslam.text.reading.borders import cut_by_border

@@ -17,7 +17,7 @@ from lpslam.slam.shutter.straightening import RollingShutter
 from lpslam.slam.tracking.following import choose_followed, follow_flow
 from lpslam.slam.tracking.guesses import FirstGuess, Followed, LastFrame, Sighted
 from lpslam.slam.tracking.motion import ConstantVelocity, velocity
-from lpslam.slam.tracking.stepping import Step
+from lpslam.slam.tracking.stepping import Step, Stepping
 
 _Matrix = NDArray[np.float64]
 _Rows = NDArray[np.int32]
@@ -62,6 +62,17 @@ class Guesser:
     def can_predict(self, last: LastFrame, frame: RgbdFrame) -> bool:
         """Whether constant velocity says well where a frame is: after a gap in a turn it is off by degrees."""
         return self._motion.is_known and frame.timestamp - last.timestamp <= self._config.predictable_gap
+
+    def look_at_step(
+        self, last: LastFrame, frame: RgbdFrame, gray: NDArray[np.uint8], stepping: Stepping | None
+    ) -> None:
+        """Ask whole pictures for the step to a frame, if they are to be asked and can be told what to expect."""
+        self.step = None
+        if stepping is not None and self.can_predict(last, frame):
+            with self._map.lock:
+                before = self.pose(last)
+                ahead = self._motion.ahead(before, frame.timestamp - last.timestamp)
+            self.step = stepping.told(last, frame, gray, ahead @ inverse_transform(before))
 
     def follow(self, last: LastFrame, frame: RgbdFrame, gray: NDArray[np.uint8]) -> Followed | None:
         """Follow the last frame's keypoints, and optimise the pose on the points that they see."""
@@ -173,9 +184,9 @@ class Guesser:
             return told
         return self._motion.ahead(self.pose(last), timestamp - last.timestamp)
 
-    def prior(self, last: LastFrame, timestamp: float) -> PosePrior | None:
+    def prior(self, last: LastFrame | None, timestamp: float) -> PosePrior | None:
         """What pictures tell of the pose of the frame at a time in seconds, as the map has the last one now."""
-        if self.step is None or not self.step.leads(last.timestamp, timestamp):
+        if last is None or self.step is None or not self.step.leads(last.timestamp, timestamp):
             return None
         return PosePrior(inverse_transform(self.predicted(last, timestamp)), self.step.information)
 

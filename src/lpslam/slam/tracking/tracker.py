@@ -19,7 +19,6 @@ from lpslam.slam.advice import NO_ADVICE, LoopAdvisor
 from lpslam.slam.association import Associator, Estimate, View
 from lpslam.slam.delay import DepthDelay
 from lpslam.slam.features import FeatureExtractor, gray_of
-from lpslam.slam.kernels.pose import PosePrior
 from lpslam.slam.map import SlamMap
 from lpslam.slam.mapping.far_points import FarPoints
 from lpslam.slam.places.relocalising import Relocaliser
@@ -40,7 +39,7 @@ from lpslam.slam.tracking.losing import Hindsight, Losing, start_depths
 from lpslam.slam.tracking.moving_on import MovingOn
 from lpslam.slam.tracking.picture import Picture
 from lpslam.slam.tracking.quality import Quality
-from lpslam.slam.tracking.stepping import Step, Stepping
+from lpslam.slam.tracking.stepping import Stepping
 from lpslam.slam.tracking.surfaces import Surfaces
 from lpslam.slam.tracking.turning import Turning
 from lpslam.slam.tracking.whereabouts import Whereabouts
@@ -124,7 +123,8 @@ class Tracker:
         is_repeated = last is not None and np.array_equal(gray, last.gray)
         if self._doubt.is_open and last is not None:
             self._settle_doubt(frame, last)
-        self._guesser.step = None if last is None else self._step(frame, gray, last)
+        if last is not None:
+            self._guesser.look_at_step(last, frame, gray, self._stepping if self._anchoring.may_be_blurred else None)
         followed = self._follow(frame, gray)
         if followed is not None and not self._must_match(frame, followed):
             with self._map.lock:
@@ -147,15 +147,6 @@ class Tracker:
     def finish(self) -> None:
         """The last frame has come."""
         self._losing.finish()
-
-    def _step(self, frame: RgbdFrame, gray: NDArray[np.uint8], last: LastFrame) -> Step | None:
-        """What whole pictures tell of the step to a frame, where it may be blurred."""
-        if not (self._anchoring.may_be_blurred and self._guesser.can_predict(last, frame)):
-            return None
-        with self._map.lock:
-            before = self._guesser.pose(last)
-            expected = self._where.motion.ahead(before, frame.timestamp - last.timestamp) @ inverse_transform(before)
-        return self._stepping.told(last, frame, gray, expected)
 
     # Between matches with the map: optical flow -----------------------------------------------------------------
 
@@ -184,7 +175,8 @@ class Tracker:
             self._give_up_place(picture.frame, where.last)
         if where.state is not TrackingState.LOST:
             starts, is_strict = self._starts(picture.frame, view, followed), picture.timestamp < self._strict_until
-            found = self._search.best(view, starts, gap, is_strict, self._prior(picture))
+            prior = self._guesser.prior(where.last, picture.timestamp)
+            found = self._search.best(view, starts, gap, is_strict, prior)
             if found is not None:
                 return self._take(picture, found)
             if followed is not None and self._holds(followed):
@@ -240,17 +232,11 @@ class Tracker:
         twist, used = self._guesser.twist(where.last, picture.frame, estimate.camera_from_world), where.motion.twist
         if twist is not None and (used is None or self._shutter.bends(twist, used)):
             straight = self._shutter.straighten(picture.seen, twist)
-            again = self._associator.optimise_on_map(
-                straight, estimate.camera_from_world, estimate.points, prior=self._prior(picture)
-            )
+            prior = self._guesser.prior(where.last, picture.timestamp)
+            again = self._associator.optimise_on_map(straight, estimate.camera_from_world, estimate.points, prior=prior)
             if again is not None:
                 return replace(picture, features=straight), again
         return picture, estimate
-
-    def _prior(self, picture: Picture) -> PosePrior | None:
-        """What pictures tell of a frame's pose."""
-        last = self._where.last
-        return None if last is None else self._guesser.prior(last, picture.timestamp)
 
     def _starts(self, frame: RgbdFrame, view: View, followed: Followed | None) -> Iterator[FirstGuess]:
         last = self._where.last

@@ -4,7 +4,8 @@ from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera, transform_points
 from lpslam.config import PlacementConfig
-from lpslam.text.placing.placement import PlacementFault, hidden_pixels, place_text
+from lpslam.text.placing.by_depth.hiding import PlacementFault, hidden_pixels
+from lpslam.text.placing.by_depth.placement import place_text
 from lpslam.text.types import Placement
 
 CAMERA = PinholeCamera(640, 480, 570.0, 570.0, 321.0, 238.0)

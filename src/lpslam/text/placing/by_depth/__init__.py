@@ -1,0 +1,1 @@
+"""A text box and the depth image say where a text stands (paper, III-F)."""
