@@ -1,11 +1,12 @@
 import io
+from dataclasses import replace
 
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 from rich.console import Console
 
-from lpslam.text.types import Landmark
+from lpslam.text.types import Landmark, LandmarkLine
 from lpslam.views.drawable import printable, with_known_glyphs
 from lpslam.views.tables import facts_table, landmark_table
 
@@ -32,6 +33,15 @@ def test_the_table_of_landmarks_puts_them_first_and_takes_no_name_for_markup() -
     assert "1.00 -2.00 3.46" in text
     assert "x y z [m]" in text
     assert "–" in text
+
+
+def test_the_other_lines_of_a_board_stand_under_its_name() -> None:
+    lines = tuple(
+        LandmarkLine(text, "list", 0.9, np.zeros(3), 1, 0.1, 5) for text in ("KOKE", "[b]COLOMBIA[/b]", "KOKE")
+    )
+    text = shown(landmark_table([replace(mark(1, "KOKE", None), lines=lines)]))
+    assert "[b]COLOMBIA[/b] · KOKE" in text
+    assert text.count("KOKE") == 2
 
 
 def test_facts_are_shown_as_they_are() -> None:

@@ -14,7 +14,7 @@ _VERDICTS = {True: ("landmark", "blue"), False: ("text", "magenta"), None: ("–
 def landmark_table(landmarks: Sequence[Landmark], title: str = "Landmarks") -> Table:
     """One row a landmark: those judged to be one first, then by how often they were seen.
 
-    The columns: place and spread in metres, observations, confidence of the reading, judgement (– while there is none).
+    Under a name stands, dimmed, what else is on its board. The columns: place and spread in metres, observations, confidence of the reading, judgement (– while there is none).
     """
     table = Table(title=Text(title), title_justify="left")
     table.add_column("id", justify="right", no_wrap=True)
@@ -27,7 +27,7 @@ def landmark_table(landmarks: Sequence[Landmark], title: str = "Landmarks") -> T
         verdict, style = _VERDICTS[mark.is_landmark]
         table.add_row(
             str(mark.id),
-            Text(printable(mark.name), style=style),
+            _board(mark, style),
             " ".join(f"{value:.2f}" for value in mark.position),
             f"{mark.spread:.2f}",
             str(mark.observations),
@@ -35,6 +35,20 @@ def landmark_table(landmarks: Sequence[Landmark], title: str = "Landmarks") -> T
             Text(verdict, style=style),
         )
     return table
+
+
+def _board(mark: Landmark, style: str) -> Text:
+    board = Text(printable(mark.name), style=style)
+    texts = [line.text for line in mark.lines]
+    if mark.name in texts:
+        texts.remove(mark.name)
+    if texts:
+        board.append("\n" + printable(" · ".join(texts), longest=_LONGEST_BOARD), style="dim")
+    return board
+
+
+_LONGEST_BOARD = 120
+"""Characters of a board's other lines in a table."""
 
 
 def facts_table(facts: Mapping[str, str], title: str = "") -> Table:
