@@ -14,7 +14,8 @@ _VERDICTS = {True: ("landmark", "blue"), False: ("text", "magenta"), None: ("–
 def landmark_table(landmarks: Sequence[Landmark], title: str = "Landmarks") -> Table:
     """One row a landmark: those judged to be one first, then by how often they were seen.
 
-    Under a name stands, dimmed, what else is on its board. The columns: place and spread in metres, observations, confidence of the reading, judgement (– while there is none).
+    Under a name stands, dimmed, what else is on its board. The other columns: place and spread in metres, observations,
+    confidence of the reading, judgement (– while there is none).
     """
     table = Table(title=Text(title), title_justify="left")
     table.add_column("id", justify="right", no_wrap=True)
