@@ -42,7 +42,7 @@ class Certainty:
         return 1.0 / (1.0 + exp(-self.bias - sum(a * b for a, b in zip((*own, *rest), terms, strict=True))))
 
 
-# python benchmarks/text_calibration.py fit --rows DIR (docs/benchmarks.md has how well it holds)
+# python benchmarks/text_calibration.py fit --rows DIR (docs/benchmarks/text.md has how well it holds)
 READING = Certainty(-1.259, 0.354, -0.350, 0.015, 0.621, 0.442, -0.243, -0.283, -0.021, -1.019)
 
 
