@@ -109,7 +109,7 @@ def _other_readings(
     wish: Wish, question: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge
 ) -> Iterator[Understood]:
     """How else a question may be meant of which nothing here serves the first reading."""
-    if index.shops >= _MALL:
+    if index.shops >= _MALL and wish.turned:
         # A turn of phrase of hospitals may hide a word that serves in a mall.
         plain = understand(question, index, signs, knowledge, is_plain=True)
         if plain[0] != wish:
@@ -286,10 +286,11 @@ def understand(
 def _parts_in(text: str, index: LandmarkIndex, knowledge: Knowledge) -> dict[str, set[int]]:
     """Words of a question that mean nothing themselves and stand in the names of few landmarks."""
     every = knowledge.folder.units(text)
-    asked = f" {' '.join(every)} "
-    units = {unit for unit in every if unit in index.ids_by_word} | {
-        owner for owner in index.owners if f" {owner} " in asked
-    }
+    units = {unit for unit in every if unit in index.ids_by_word}
+    owners = [owner for unit in every for owner in index.owners.get(unit, ())]
+    if owners:
+        asked = f" {' '.join(every)} "
+        units |= {owner for owner in owners if f" {owner} " in asked}
     few = {unit: ids for unit in units - index.names.keys() if len(ids := index.ids_by_word[unit]) <= _FEW}
     if not few:
         return {}

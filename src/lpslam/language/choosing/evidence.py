@@ -8,10 +8,12 @@ another form of it, the more the fewer concepts share it: the logarithm of how m
 import math
 from bisect import bisect_left
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from itertools import pairwise
 
+import numpy as np
+from numpy.typing import NDArray
 from rapidfuzz.distance import Prefix
 
 from lpslam.language.building import building
@@ -19,8 +21,8 @@ from lpslam.language.tables.concepts import load_associations, load_buildings
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.words import is_mark, is_unspaced
 
-Weights = Mapping[str, float]
-"""By concept, how much a word speaks for it, in units of a natural logarithm."""
+Weights = tuple[NDArray[np.int64], NDArray[np.float64]]
+"""Concepts, as `Heard` counts them, and how much a word speaks for each, in units of a natural logarithm."""
 
 _SHORTEST = 3  # letters of a word that says something
 _WHOLE = 4  # letters up to which a word has no other forms
@@ -37,7 +39,11 @@ _ASKS = "ask"  # said of all that one may ask about
 
 
 class Heard:
-    """The phrases of one language, searched by words."""
+    """The phrases of one language, searched by words.
+
+    Attributes:
+        concepts: all that phrases are said of.
+    """
 
     def __init__(self, language: str, knowledge: Knowledge) -> None:
         self._language = language
@@ -47,6 +53,8 @@ class Heard:
         self._rows_of = _rows_of([phrase for phrase, _ in self._rows])
         self._words = sorted(self._rows_of)
         self._said = Counter(concept for _, concepts in self._rows for concept in concepts)
+        self._number_of = {concept: number for number, concept in enumerate(self._said)}
+        self.concepts = tuple(self._said)
         self._kept: dict[str, Weights] = {}
 
     def terms(self, question: str) -> list[str]:
@@ -82,10 +90,8 @@ class Heard:
                 said[concept] += share
         shares = {concept: each / (self._said[concept] + _FEW_PHRASES) ** _OF_SIZE for concept, each in said.items()}
         whole = sum(shares.values()) + _DOUBT
-        return {
-            concept: math.log1p(_LIKELIER * share / whole * min(1.0, said[concept]))
-            for concept, share in shares.items()
-        }
+        weights = [math.log1p(_LIKELIER * share / whole * min(1.0, said[concept])) for concept, share in shares.items()]
+        return np.array([self._number_of[concept] for concept in shares], np.int64), np.array(weights, np.float64)
 
     def _size(self, phrase: str) -> int:
         """How many words of a phrase say something."""

@@ -8,13 +8,14 @@ The weights are in `data/wishes/guesses.json` (`tools/train_guesses.py`).
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lpslam.language.choosing.evidence import heard_in
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.meaning import load_senses
 from lpslam.language.choosing.support import Support, served_by
@@ -42,10 +43,11 @@ class Heard:
     """What a question says of the landmarks and of the crowd.
 
     Attributes:
-        ids: of the landmarks.
+        ids: of the landmarks, those of one group together.
         groups: (landmarks,) of which kinds each is.
+        starts: (groups,) the first landmark of each.
         columns: (landmarks, COLUMNS).
-        said: (landmarks,) share of the words that speak for each.
+        said: (groups,) share of the words that speak for each.
         cosines: (concepts,) of their meaning, less their mean.
         words: (concepts,) how much all words speak for each.
         spread: of the cosines.
@@ -54,12 +56,45 @@ class Heard:
 
     ids: NDArray[np.int64]
     groups: NDArray[np.int64]
+    starts: NDArray[np.int64]
     columns: Floats
     said: Floats
     cosines: Floats
     words: Floats
     spread: float
     language: str
+
+    def best_of(self, scores: Floats) -> Floats:
+        """(groups,) the best of each group's landmarks, of (landmarks,) scores."""
+        return np.maximum.reduceat(scores, self.starts) if len(scores) else np.zeros(0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Weighed:
+    """What was heard, by the weights of the columns.
+
+    Attributes:
+        score: (landmarks,) of all columns.
+        meaning: (landmarks,) of those of meaning.
+        by_score, by_meaning, by_words: (groups,) the best of each group.
+        known: (concepts,) of the crowd.
+    """
+
+    score: Floats
+    meaning: Floats
+    by_score: Floats
+    by_meaning: Floats
+    by_words: Floats
+    known: Floats
+
+
+def _weighed(heard: Heard, weights: Floats) -> Weighed:
+    score = heard.columns @ weights
+    meaning = heard.columns[:, 4] * weights[4] + heard.columns[:, 5] * weights[5]
+    return Weighed(
+        *(score, meaning, heard.best_of(score), heard.best_of(meaning), heard.best_of(heard.columns[:, 0])),
+        weights[0] * heard.words + (weights[4] + weights[5]) * heard.cosines,
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +132,9 @@ class Guessing:
         self._row_of = {id_: row for row, id_ in enumerate(support.group_of)}
         self._size = len(index.landmarks)
         # What tables found and a guess beside it are judged one after the other, of the same words.
-        self._last: tuple[tuple[Any, ...], Heard] | None = None
+        self._last: tuple[tuple[str, str], Heard] | None = None
+        self._last_read: tuple[tuple[Any, ...], Heard] | None = None
+        self._last_weighed: tuple[Heard, Floats, Weighed] | None = None
         # Numbers say nothing of what a board means.
         said = {mark.id: _NUMBER.sub(" ", " ".join([mark.name, *mark.lines])) for mark in index.landmarks}
         texts = {text: at for at, text in enumerate(dict.fromkeys(said[id_] for id_ in support.group_of))}
@@ -107,46 +144,71 @@ class Guessing:
         self._concepts = list(known)
         signs = [index.signs[int(ids[0])] for ids in support.ids]
         rows = [(at, known[k], w) for at, sign in enumerate(signs) for k, w in sign.kinds if k in known]
-        self._kinds = np.array(rows, float).reshape(len(rows), 3)
+        self._kinds_group = np.array([at for at, _, _ in rows], int)
+        self._kinds_concept = np.array([concept for _, concept, _ in rows], int)
+        self._kinds_weight = np.array([weight for _, _, weight in rows], float)
         self._is_known = np.array([bool(sign.kinds) for sign in signs], bool)
         self._is_brand = np.array([bool(index.signs[id_].identity) for id_ in support.group_of], bool)
+        self._starts = np.searchsorted(self._groups, np.arange(len(support.ids)))
         self._served = [
             [known[each] for each in served_by(sign.kinds, support.knowledge) if each in known] for sign in signs
         ]
+        self._senses_of: dict[str, NDArray[np.int64]] = {}
 
     def heard(self, question: str, language: str, read: Mapping[int, float]) -> Heard:
         """Return what a question says of every landmark; `read` is how well each serves what the tables read."""
-        asked_of, last = (question, language, *read.items()), self._last
+        asked_of, last = (question, language, *read.items()), self._last_read
         if last is None or last[0] != asked_of:
-            last = self._last = asked_of, self._heard(question, language, read)
+            heard = self._of_words(question, language)
+            last = self._last_read = asked_of, replace(heard, columns=self._with_read(heard.columns, read))
         return last[1]
 
-    def _heard(self, question: str, language: str, read: Mapping[int, float]) -> Heard:
-        terms, evidence, _ = self._support.evidence(question, language)
-        own = self._support.borne(terms)
-        borne = np.zeros(len(self._ids))
-        borne[[self._row_of[id_] for id_ in own]] = list(own.values())
+    def _with_read(self, columns: Floats, read: Mapping[int, float]) -> Floats:
+        """The columns with what tables read of each landmark."""
+        if not read:
+            return columns
+        columns = columns.copy()
         tables = self._support.by_group(read)
+        columns[:, 3] = tables[self._groups]
+        columns[:, 2] = columns[:, 3] / max(tables.max(initial=0.0), 1e-9)
+        return columns
+
+    def _of_words(self, question: str, language: str) -> Heard:
+        """What the words of a question say, whatever is read in it."""
+        last = self._last
+        if last is None or last[0] != (question, language):
+            last = self._last = (question, language), self._heard(question, language)
+        return last[1]
+
+    def _heard(self, question: str, language: str) -> Heard:
+        evidence = self._support.evidence(question, language)
+        borne = np.zeros(len(self._ids))
+        borne[[self._row_of[id_] for id_ in evidence.borne]] = list(evidence.borne.values())
         asked = self._senses.asked(question)
         cosines = (self._senses.middles @ asked).astype(float)
         middle = float(cosines.mean())
         board, kind = self._meaning(self._boards @ asked, cosines)
-        by_group = np.stack([evidence.sum(axis=0), evidence.max(axis=0, initial=0.0)])[:, self._groups]
-        read_of = tables[self._groups]
-        columns = (
-            *(by_group[0], borne, read_of / max(tables.max(initial=0.0), 1e-9), read_of),
-            *(board - middle, np.where(np.isnan(kind), _UNKIND * board, kind) - middle),
-            *(by_group[1], np.isnan(kind).astype(float)),
-        )
-        said = self._support.speaking(evidence)[self._groups]
-        words = np.zeros(len(cosines))
-        for concept, weight in self._support.spoken_for(terms, language).items():
-            if concept in self._senses.concepts:
-                words[self._senses.concepts[concept]] += weight
+        is_unknown = np.isnan(kind)
+        columns = np.zeros((len(self._ids), len(COLUMNS)))
+        columns[:, 0] = evidence.total[self._groups]
+        columns[:, 1] = borne
+        columns[:, 4] = board - middle
+        columns[:, 5] = np.where(is_unknown, _UNKIND * board, kind) - middle
+        columns[:, 6] = evidence.by_word.max(axis=0, initial=0.0)[self._groups]
+        columns[:, 7] = is_unknown
+        words = np.zeros(len(cosines) + 1)
+        words[self._senses_in(language)] = evidence.said
         return Heard(
-            *(self._ids, self._groups, np.stack(columns, axis=1), said),
-            *(cosines - middle, words, float(cosines.std()) + 1e-9, language),
+            *(self._ids, self._groups, self._starts, columns, self._support.speaking(evidence)),
+            *(cosines - middle, words[:-1], float(cosines.std()) + 1e-9, language),
         )
+
+    def _senses_in(self, language: str) -> NDArray[np.int64]:
+        """Which concept of the crowd each of a language's concepts is; the one after the last where it is none."""
+        if language not in self._senses_of:
+            concepts, known = heard_in(language, self._support.knowledge).concepts, self._senses.concepts
+            self._senses_of[language] = np.array([known.get(each, len(known)) for each in concepts], np.int64)
+        return self._senses_of[language]
 
     def _meaning(self, boards: NDArray[np.float32], cosines: Floats) -> tuple[Floats, Floats]:
         """(landmarks,) cosines of boards and of kinds, NaN where none is known; places of one kind are alike.
@@ -154,50 +216,58 @@ class Guessing:
         A brand's name is no word: its board says what its kind does.
         """
         of_kind = np.full(len(self._is_known), -np.inf)
-        rows = self._kinds[:, 1].astype(int)
-        np.maximum.at(of_kind, self._kinds[:, 0].astype(int), self._kinds[:, 2] * cosines[rows])
+        np.maximum.at(of_kind, self._kinds_group, self._kinds_weight * cosines[self._kinds_concept])
         kind = np.where(np.isfinite(of_kind), of_kind, np.nan)[self._groups]
         own = np.where(self._is_brand & ~np.isnan(kind), kind, boards[self._board_of].astype(float))
-        best = np.full(len(self._is_known), -np.inf)
-        np.maximum.at(best, self._groups, own)
+        if not len(own):
+            return own, kind
+        best = np.maximum.reduceat(own, self._starts)
         return np.where(self._is_known[self._groups], best[self._groups], own), kind
+
+    def weighed(self, heard: Heard, weights: Floats) -> Weighed:
+        """Return what was heard, by the weights of the columns."""
+        last = self._last_weighed
+        if last is None or last[0] is not heard or last[1] is not weights:
+            last = self._last_weighed = heard, weights, _weighed(heard, weights)
+        return last[2]
 
     def clues(self, heard: Heard, row: int, weights: Floats, found: Found) -> dict[str, float]:
         """Return what tells how sure it is that a landmark is meant, by the weights of the columns."""
-        score = heard.columns @ weights
-        own = dict(zip(COLUMNS, heard.columns[row], strict=True))
-        others = heard.groups != heard.groups[row]
+        by = self.weighed(heard, weights)
+        group = int(heard.groups[row])
+        own = dict(zip(COLUMNS, heard.columns[row].tolist(), strict=True))
         # What serves what is read as well is no rival: who is hungry is told of any of two restaurants.
-        as_well = others & (heard.columns[:, 3] >= _AS_WELL * own["read"]) & (own["read"] > 0.0)
-        others &= ~as_well
-        in_meaning = heard.columns[:, 4] * weights[4] + heard.columns[:, 5] * weights[5]
-        best = np.full(len(self._is_known), -np.inf)
-        np.maximum.at(best, heard.groups[~as_well], score[~as_well])
-        shares = np.exp(best[np.isfinite(best)] - score[row])
-        crowd = np.ones(len(heard.cosines), bool)
-        crowd[self._served[int(heard.groups[row])]] = False
-        known = (weights[0] * heard.words + (weights[4] + weights[5]) * heard.cosines)[crowd]
-        alone = own["words"] * weights[0] + own["words of the board"] * weights[1] + float(in_meaning[row])
+        as_well = np.zeros(len(self._starts), bool)
+        if own["read"] > 0.0:
+            as_well = heard.columns[self._starts, 3] >= _AS_WELL * own["read"]
+            as_well[group] = False
+        others = ~as_well
+        shares = np.exp(by.by_score[others] - by.score[row])
+        others[group] = False
+        served = self._served[group]
+        known, cosines = by.known.copy(), heard.cosines.copy()
+        known[served] = cosines[served] = -np.inf
+        alone = own["words"] * weights[0] + own["words of the board"] * weights[1] + float(by.meaning[row])
         nearest = max(own["board"], own["kind"])
         is_found = found.best is not None and self._is_of(found.best, row)
         return {
             **(found.clues if is_found else {}),
             "share": 1.0 / float(shares.sum()),
-            "lead": _lead(score, row, others) / _MOST,
-            "lead of meaning": _lead(in_meaning, row, others) / _MOST,
-            "lead of words": _lead(heard.columns[:, 0], row, others) / _MOST,
+            "lead": _lead(by.score[row], by.by_score, others) / _MOST,
+            "lead of meaning": _lead(by.meaning[row], by.by_meaning, others) / _MOST,
+            "lead of words": _lead(own["words"], by.by_words, others) / _MOST,
             "alone": float(not others.any()),
-            "others as well": float(np.log1p(len(set(heard.groups[as_well].tolist())))),
+            "others as well": float(np.log1p(as_well.sum())),
             "board": own["board"] / heard.spread / 4.0,
             "kind": own["kind"] / heard.spread / 4.0,
             "words": min(own["words"], 8.0) / 5.0,
             "words of the board": min(own["words of the board"], 6.0) / 4.0,
             "read, of the best": own["read, of the best"],
             "read": own["read"],
-            "lead over the known": float(np.clip(alone - known.max(), -8.0, 4.0)) / 6.0,
+            "lead over the known": min(max(alone - float(known.max()), -8.0), 4.0) / 6.0,
             "known that come nearer": float(np.log1p((known > alone).sum())) / 4.0,
-            "nearer in meaning": float(np.log1p((heard.cosines[crowd] > nearest).sum())) / 4.0,
-            "share of words": float(heard.said[row]),
+            "nearer in meaning": float(np.log1p((cosines > nearest).sum())) / 4.0,
+            "share of words": float(heard.said[group]),
             "few landmarks": 1.0 / self._size,
             "by tables": float(is_found),
             "another by tables": float(found.best is not None and not is_found),
@@ -212,7 +282,7 @@ class Guessing:
 
     def likeliest(self, heard: Heard, found: Found, weights: Floats) -> list[int]:
         """Return the rows of the landmarks that may be meant: what the tables found, and what comes first."""
-        score = heard.columns @ weights
+        score = self.weighed(heard, weights).score
         rows = [int(np.argmax(score))] if score.max(initial=0.0) > 0.0 else []
         if found.best is None:
             return rows
@@ -237,18 +307,20 @@ class Guessing:
         is_sure = found.best is not None and surest[rows[0]] >= LEAST_SURE
         # What is told in so many words is not taken back for what is a little likelier.
         row = rows[0] if is_sure else max(surest, key=lambda each: surest[each])
-        score = heard.columns @ model.rank
+        score = self.weighed(heard, model.rank).score
         near = np.flatnonzero(score >= score[row] - _FARTHEST)
-        scores = {int(self._ids[at]): min(1.0, float(np.exp(score[at] - score[row]))) for at in near}
+        shares = np.minimum(1.0, np.exp(score[near] - score[row]))
+        scores = dict(zip(self._ids[near].tolist(), shares.tolist(), strict=True))
         return Guess(int(self._ids[row]), scores, surest[row])
 
     def _is_of(self, id_: int, row: int) -> bool:
         return bool(self._groups[self._row_of[id_]] == self._groups[row])
 
 
-def _lead(score: Floats, row: int, others: NDArray[np.bool_]) -> float:
+def _lead(own: float, best: Floats, others: NDArray[np.bool_]) -> float:
     """By how much a landmark leads those of other kinds, below 0 where it does not."""
-    return float(np.clip(score[row] - score[others].max(), -_MOST, _MOST)) if others.any() else 0.5 * _MOST
+    rival = float(best.max(initial=-np.inf, where=others))
+    return min(max(float(own) - rival, -_MOST), _MOST) if rival > -np.inf else 0.5 * _MOST
 
 
 @dataclass(frozen=True, slots=True, eq=False)

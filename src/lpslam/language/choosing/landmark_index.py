@@ -71,7 +71,10 @@ class LandmarkIndex:
         for id_, sign in self.signs.items():
             if sign.owner and not any(sign.owner in common for common in knowledge.common.values()):
                 self.ids_by_word.setdefault(sign.owner, set()).add(id_)
-        self.owners = tuple({sign.owner for sign in self.signs.values() if " " in sign.owner})
+        # By their first words: questions are looked through for them.
+        self.owners: dict[str, list[str]] = {}
+        for owner in dict.fromkeys(sign.owner for sign in self.signs.values() if " " in sign.owner):
+            self.owners.setdefault(owner.partition(" ")[0], []).append(owner)
 
     def matches(self, concept: str, knowledge: Knowledge) -> Mapping[int, float]:
         """How well the groups serve a concept, by their place in `groups`: those that do."""

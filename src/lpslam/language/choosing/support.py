@@ -17,6 +17,8 @@ from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import Kinds, best_of
 from lpslam.language.tables.knowledge import Knowledge
 
+Floats = NDArray[np.float64]
+
 _LEAST_SERVED = 0.3  # a kind that serves a concept less than this does not speak for it
 _OF_WORDS, _OF_BEST, _OF_READING = 1.3, 1.8, 1.4
 """What evidence weighs, what tables read of a place as a share of the best, and as it is (a fit of choices to sets)."""
@@ -45,6 +47,27 @@ class Supported:
     words: tuple[str, ...] = ()
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Evidence:
+    """What the words of a question speak for; not to be changed.
+
+    Attributes:
+        terms: the words that say something.
+        by_word: (words, groups) how much each speaks for each group.
+        total: (groups,) how much all do.
+        elsewhere: how much all speak for the concept that nothing here serves.
+        said: (concepts,) how much all speak for each concept of the language, here or not.
+        borne: how much they speak for the landmarks whose boards bear them, by id.
+    """
+
+    terms: list[str]
+    by_word: Floats
+    total: Floats
+    elsewhere: float
+    said: Floats
+    borne: Mapping[int, float]
+
+
 class Support:
     """The groups of landmarks of a map by the concepts that they serve."""
 
@@ -66,24 +89,28 @@ class Support:
         for at, (kinds, _) in enumerate(groups):
             for concept, share in served_by(kinds, knowledge).items():
                 serving[concept][at] = share
-        self._columns = {
-            concept: (np.array(list(shares)), np.array(list(shares.values()))) for concept, shares in serving.items()
-        }
-        self._last: tuple[tuple[str, str], tuple[list[str], NDArray[np.float64], float]] | None = None
+        # The groups that serve a concept, and how well, one concept after the other.
+        self._column_of = {concept: column for column, concept in enumerate(serving)}
+        self._sizes = np.array([len(shares) for shares in serving.values()], np.int64)
+        self._starts = np.cumsum(self._sizes) - self._sizes
+        self._groups = np.array([at for shares in serving.values() for at in shares], np.int64)
+        self._shares = np.array([each for shares in serving.values() for each in shares.values()], np.float64)
+        self._columns: dict[str, NDArray[np.int64]] = {}
+        self._last: tuple[tuple[str, str], Evidence] | None = None
 
     def of(self, question: str, language: str, read: Mapping[int, float]) -> Supported:
         """Return what speaks for the landmarks; `read` is how well each serves what the tables read."""
-        terms, evidence, elsewhere = self.evidence(question, language)
-        own = self.borne(terms)
+        evidence = self.evidence(question, language)
+        terms, own = evidence.terms, evidence.borne
         strength = max(read.values(), default=0.0)
         by_group = self.by_group(read)
         tables = by_group * (_OF_BEST / max(strength, 1e-9) + _OF_READING)
-        total = _OF_WORDS * evidence.sum(axis=0) + tables
+        total = _OF_WORDS * evidence.total + tables
         found = self._scored(total, own, read)
         if not found:
             return Supported({}, {})
         best = best_of(found)
-        said = evidence[:, self.group_of[best]] if terms else np.zeros(0)
+        said = evidence.by_word[:, self.group_of[best]] if terms else np.zeros(0)
         by_board = own.get(best, 0.0)
         rivals = [each for id_, each in found.items() if self.group_of[id_] != self.group_of[best]]
         clues = (
@@ -91,7 +118,7 @@ class Support:
             float((said > _SAYS).mean()) if terms else 0.0,
             float(said.max(initial=0.0)) / 4.0,
             by_board / 4.0,
-            max(elsewhere - float(said.sum()) - by_board, 0.0) / 4.0,
+            max(evidence.elsewhere - float(said.sum()) - by_board, 0.0) / 4.0,
             min(found[best] - max(rivals, default=0.0), 6.0) / 6.0,
             read.get(best, 0.0) / strength if strength else 0.0,
             strength,
@@ -101,7 +128,7 @@ class Support:
         words = tuple(term.replace(" ", "") for term, each in zip(terms, said, strict=True) if each > _SAYS)
         return Supported(scores, dict(zip(CLUES, clues, strict=True)), words)
 
-    def by_group(self, read: Mapping[int, float]) -> NDArray[np.float64]:
+    def by_group(self, read: Mapping[int, float]) -> Floats:
         """(groups,) how well each serves what the tables read."""
         found = np.zeros(len(self.ids))
         for id_, score in read.items():
@@ -109,22 +136,13 @@ class Support:
                 found[self.group_of[id_]] = max(score, found[self.group_of[id_]])
         return found
 
-    def speaking(self, evidence: NDArray[np.float64]) -> NDArray[np.float64]:
-        """(groups,) the share of the words that speak for each, of (words, groups) evidence."""
-        return (evidence > _SAYS).mean(axis=0) if len(evidence) else np.zeros(evidence.shape[1])
+    def speaking(self, evidence: Evidence) -> Floats:
+        """(groups,) the share of the words that speak for each."""
+        by_word = evidence.by_word
+        return (by_word > _SAYS).mean(axis=0) if len(by_word) else np.zeros(by_word.shape[1])
 
-    def spoken_for(self, terms: Sequence[str], language: str) -> Mapping[str, float]:
-        """How much words speak for each concept, here or not."""
-        found: dict[str, float] = defaultdict(float)
-        heard = heard_in(language, self.knowledge)
-        for term in terms:
-            for concept, weight in heard.weights(term).items():
-                found[concept] += weight
-        return found
-
-    def evidence(self, question: str, language: str) -> tuple[list[str], NDArray[np.float64], float]:
-        """The words of a question that say something, (words, groups) how much each speaks for each group, and how
-        much all speak for the concept that nothing here serves; not to be changed.
+    def evidence(self, question: str, language: str) -> Evidence:
+        """Return what the words of a question speak for.
 
         All words of a group are heard of the one thing that they say most of together: who sells much has no advantage.
         """
@@ -134,26 +152,43 @@ class Support:
             last = self._last = (question, language), self._evidence(question, language)
         return last[1]
 
-    def _evidence(self, question: str, language: str) -> tuple[list[str], NDArray[np.float64], float]:
+    def _evidence(self, question: str, language: str) -> Evidence:
         heard = heard_in(language, self.knowledge)
         terms = heard.terms(question)
+        weights = [heard.weights(term) for term in terms]
+        concepts = np.concatenate([each for each, _ in weights]) if terms else np.zeros(0, np.int64)
+        weight = np.concatenate([each for _, each in weights]) if terms else np.zeros(0)
+        said = np.zeros(len(heard.concepts))
+        np.add.at(said, concepts, weight)
+        columns = self._columns_of(language, heard.concepts)
+        row = np.repeat(np.arange(len(terms)), [len(each) for each, _ in weights])
+        is_here = columns[concepts] >= 0
+        at, share, of = self._serving(columns[concepts[is_here]])
         found = np.zeros((len(terms), len(self.ids)))
-        said: dict[str, float] = defaultdict(float)
-        for row, term in zip(found, terms, strict=True):
-            for concept, weight in heard.weights(term).items():
-                said[concept] += weight
-                if concept in self._columns:
-                    at, share = self._columns[concept]
-                    row[at] = np.maximum(row[at], weight * share)
+        np.maximum.at(found, (row[is_here][of], at), weight[is_here][of] * share)
+        asked = np.flatnonzero(said)
+        here = asked[columns[asked] >= 0]
+        at, share, of = self._serving(columns[here])
         together = np.zeros(len(self.ids))
-        for concept in said.keys() & self._columns.keys():
-            at, share = self._columns[concept]
-            together[at] = np.maximum(together[at], said[concept] * share)
+        np.maximum.at(together, at, said[here][of] * share)
         found *= together / np.maximum(found.sum(axis=0), 1e-9)
-        elsewhere = max((weight for concept, weight in said.items() if concept not in self._columns), default=0.0)
-        return terms, found, elsewhere
+        elsewhere = float(said[asked[columns[asked] < 0]].max(initial=0.0))
+        return Evidence(terms, found, found.sum(axis=0), elsewhere, said, self._borne(terms))
 
-    def borne(self, terms: list[str]) -> dict[int, float]:
+    def _columns_of(self, language: str, concepts: Sequence[str]) -> NDArray[np.int64]:
+        """Which of the concepts that are served here those of a language are; -1 for others."""
+        if language not in self._columns:
+            self._columns[language] = np.array([self._column_of.get(each, -1) for each in concepts], np.int64)
+        return self._columns[language]
+
+    def _serving(self, columns: NDArray[np.int64]) -> tuple[NDArray[np.int64], Floats, NDArray[np.int64]]:
+        """The groups that serve some concepts, how well, and which of these concepts each is of."""
+        sizes = self._sizes[columns]
+        of = np.repeat(np.arange(len(columns)), sizes)
+        rows = np.arange(len(of)) + np.repeat(self._starts[columns] - (np.cumsum(sizes) - sizes), sizes)
+        return self._groups[rows], self._shares[rows], of
+
+    def _borne(self, terms: list[str]) -> dict[int, float]:
         """How much the words of a question speak for the landmarks whose boards bear them, the rarer the more."""
         found: dict[int, float] = defaultdict(float)
         for term in terms:
@@ -164,9 +199,7 @@ class Support:
                         found[id_] += share * math.log1p(self._count / len(ids))
         return found
 
-    def _scored(
-        self, total: NDArray[np.float64], own: Mapping[int, float], read: Mapping[int, float]
-    ) -> dict[int, float]:
+    def _scored(self, total: Floats, own: Mapping[int, float], read: Mapping[int, float]) -> dict[int, float]:
         """The landmarks of the best groups, and those whose boards bear words."""
         found = {id_: float(total[self.group_of[id_]]) + _OF_WORDS * each for id_, each in own.items()}
         top = max(float(total.max(initial=0.0)), max(found.values(), default=0.0))

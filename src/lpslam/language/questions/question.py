@@ -6,6 +6,7 @@ refused, what is only said by the way ("on the train", 看电影前) and where o
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache, partial
 from itertools import pairwise
 
@@ -58,8 +59,9 @@ NO_NAMES: PhraseTable[Meaning] = PhraseTable()
 
 def language_of(text: str, knowledge: Knowledge) -> str | None:
     """Return the likeliest language of a question; None where it cannot be told."""
-    wish = read_question(text, knowledge)
-    return wish.language
+    likely = _likely(_as_read(text), knowledge)
+    # Of several it is the one in which the question says something.
+    return read_question(text, knowledge).language if len(likely) > 1 else next(iter(likely), None)
 
 
 def read_question(
@@ -85,28 +87,42 @@ def _readings(question: str, knowledge: Knowledge, is_plain: bool, language: str
 
 def _read(question: str, knowledge: Knowledge, is_plain: bool, language: str | None, names: Phrases[Meaning]) -> Wish:
     """As `read_question`."""
-    # “A sit-down meal” is looked up as three words.
-    text = _ABBREVIATED.sub(r"\1 ", clean_text(question, _QUESTION_LENGTH))
-    text = _ALLERGY.sub(r"\1 \2", _HYPHEN.sub(" ", text))
+    text = _as_read(question)
     first: Wish | None = None
-    likely = (language,) if language else languages_of(text, knowledge) or language_by_its_phrases(text, knowledge)
+    likely = (language,) if language else _likely(text, knowledge)
     first_language = likely[0] if likely else None
-    if not language and first_language in LATIN and len(text.split()) <= _FEW_WORDS:
-        # What says nothing in the likeliest language may be a word of another: “pay”.
-        likely = tuple(dict.fromkeys((*likely, *LATIN)))
+    turned = False
     for each in likely:
         # The common words of one language mean nothing in another: “the” is no tea.
         said = text if each == first_language or not first_language else without_common(text, first_language, knowledge)
-        wish = _Reading(said, each, knowledge, names, is_plain).wish()
+        reading = _Reading(said, each, knowledge, names, is_plain)
+        turned = turned or reading.turned
+        wish = reading.wish() if not turned else replace(reading.wish(), turned=True)
         if wish.wanted or wish.refused or wish.wanted_names or wish.refused_names:
             return wish
         first = first or wish
     if first is None:
         # “7-Eleven, which direction?” is in no language that is sure, but names a place.
-        named = _Reading(text, "en", knowledge, names, is_plain).wish()
+        reading = _Reading(text, "en", knowledge, names, is_plain)
+        named = reading.wish()
         if named.wanted_names and not named.refused_names:
-            return Wish((), (), named.wanted_names, (), "en")
+            return Wish((), (), named.wanted_names, (), "en", turned=reading.turned)
     return first or Wish((), (), (), (), None)
+
+
+def _as_read(question: str) -> str:
+    """A question as it is cut into units: “a sit-down meal” is looked up as three words."""
+    text = _ABBREVIATED.sub(r"\1 ", clean_text(question, _QUESTION_LENGTH))
+    return _ALLERGY.sub(r"\1 \2", _HYPHEN.sub(" ", text))
+
+
+def _likely(text: str, knowledge: Knowledge) -> tuple[str, ...]:
+    """The languages in which a text is read in turn, until it says something."""
+    likely = languages_of(text, knowledge) or language_by_its_phrases(text, knowledge)
+    if likely and likely[0] in LATIN and len(text.split()) <= _FEW_WORDS:
+        # What says nothing in the likeliest language may be a word of another: “pay”.
+        likely = tuple(dict.fromkeys((*likely, *LATIN)))
+    return likely
 
 
 def without_common(text: str, language: str, knowledge: Knowledge) -> str:
@@ -151,6 +167,7 @@ class _Reading:
     def __init__(self, text: str, language: str, knowledge: Knowledge, names: Phrases[Meaning], is_plain: bool) -> None:
         self._text = _SPANISH_TEA.sub("tea", text) if language == "es" else text
         self._language, self._knowledge = language, knowledge
+        self.turned = False
         self._units, spans = self._phrases((names, *knowledge.tables_of(language, is_plain)))
         self._states = knowledge.states(language)
         troubles = [
@@ -177,7 +194,10 @@ class _Reading:
 
         spans = longest_phrases(units, tables, is_barred)
         spoken = _with_known_forms(units, spans, self._language, self._knowledge)
-        return (units, spans) if spoken == units else (spoken, longest_phrases(spoken, tables, is_barred))
+        again = spans if spoken == units else longest_phrases(spoken, tables, is_barred)
+        hidden = self._knowledge.turns_of(self._language)
+        self.turned = any(span.key in hidden for span in (*spans, *(again if again is not spans else ())))
+        return spoken, again
 
     def wish(self) -> Wish:
         """What is wanted and what is refused."""

@@ -1,6 +1,6 @@
 """What a question wants and what it refuses, as concepts and names."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 _KEPT = 64  # what one question wants, and its parts
@@ -14,7 +14,8 @@ class Wish:
     `wanted_names`, `refused_names` and `near_names` hold the values of the names that were passed in and mentioned;
     `unknown` says that something is asked for whose word is not known; `anew` are goods that will do where nobody mends
     the broken ones; `contradicted` are phrases that are wanted and refused in one breath; `rest` is the question
-    without what is refused, `left_out` that alone: both are empty where nothing is.
+    without what is refused, `left_out` that alone: both are empty where nothing is; `turned` says that turns of phrase
+    of other buildings than malls were read in it, so that it may say something else without them.
     """
 
     wanted: tuple[tuple[str, float], ...]
@@ -28,6 +29,7 @@ class Wish:
     contradicted: tuple[str, ...] = ()
     rest: str = ""
     left_out: str = ""
+    turned: bool = field(default=False, compare=False)
 
     @property
     def main(self) -> tuple[str, ...]:

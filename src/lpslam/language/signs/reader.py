@@ -1,7 +1,7 @@
 """What a sign says: the kinds of place that its words stand for (landmark judgement, III-G)."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
@@ -40,6 +40,7 @@ _JOINS = str.maketrans("", "", "-/")
 _COMPOUND = 9  # letters of a word that may be a compound in a name of several words
 
 
+_QUESTIONS = 64  # whose brands are kept: one and its parts, and a few that are asked at one time
 _MOST_DOMAINS = 2.0  # sorts of business that one sign may be wholly
 
 _REPAIR = "shop/repair"
@@ -57,6 +58,7 @@ class SignReader:
         self._glued = {phrase.replace(" ", ""): phrase for phrase in knowledge.painted if " " in phrase}
         self.read = lru_cache(maxsize=65536)(self._read)
         self.phrase = lru_cache(maxsize=65536)(lambda name: self._fold.phrase(clean_text(name)))
+        self.brands_in = lru_cache(maxsize=_QUESTIONS)(self._brands_in)
 
     @cached_property
     def _nearest(self) -> NearestNames:
@@ -130,7 +132,7 @@ class SignReader:
         """Return every name under which a brand is known."""
         return tuple(self._names.get(identity, ()))
 
-    def brands_in(self, question: str) -> dict[str, str]:
+    def _brands_in(self, question: str) -> Mapping[str, str]:
         """Return {phrase: identity} of the brands that a question mentions; a plain word of the language is none."""
         fold = self._fold
         spoken = [self._knowledge.spoken(language) for language in languages_of(question, self._knowledge)[:1]]

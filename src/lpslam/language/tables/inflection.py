@@ -32,6 +32,7 @@ _SHORTEST_TYPED = 6
 _LONG = 11  # letters of a word that may have two slips: asiatique is not aquatique
 
 
+@lru_cache(maxsize=1 << 14)
 def known_form(unit: str, language: str, knowledge: Knowledge) -> str | None:
     """Return the word of the language's table that `unit` is a form of; None where there is none."""
     if language not in _ENDINGS or not unit.isalpha():

@@ -92,6 +92,10 @@ class Knowledge:
         tables = self._tables.with_english(language)
         return (self._tables.plain(language), *tables[1:]) if is_plain else tables
 
+    def turns_of(self, language: str) -> frozenset[str]:
+        """Return the phrases of a language that mean something else, or nothing, when it is read plainly."""
+        return self._tables.turns_of(language)
+
     def states(self, language: str) -> StateTables:
         """Return the things and states of a language."""
         return self._tables.states_of(language)

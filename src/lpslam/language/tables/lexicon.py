@@ -91,6 +91,7 @@ class SpokenTables:
         self._cuisine_kinds = cuisine_kinds
         self._built: dict[str, PhraseTable[Meaning]] = {}
         self._plain: dict[str, PhraseTable[Meaning]] = {}
+        self._turns: dict[str, frozenset[str]] = {}
         self._borrowed: dict[str, PhraseTable[Meaning]] = {}
         self._states: dict[str, StateTables] = {}
         self._combined: dict[str, Combined] = {}
@@ -106,6 +107,13 @@ class SpokenTables:
         """Return `of` without the turns of phrase of other buildings than malls, which hide the words in them."""
         self.of(language)
         return self._plain[language]
+
+    def turns_of(self, language: str) -> frozenset[str]:
+        """Return the phrases that mean something else in `of` than in `plain`."""
+        if language not in self._turns:
+            every, plain = self.of(language), self._plain[language]
+            self._turns[language] = frozenset(key for key, said in every.items() if plain.get(key) != said)
+        return self._turns[language]
 
     def with_english(self, language: str) -> tuple[PhraseTable[Meaning], ...]:
         """Return a language's table, and the English words that it borrows."""

@@ -201,7 +201,12 @@ def longest_phrases(
     found: list[Span[Value]] = []
     at = 0
     while at < len(units):
-        span = _phrase_at(units, at, chain, is_barred, longest)
+        sizes: Collection[int] = ()
+        for table in chain:
+            # Most units begin no phrase, or phrases of one table.
+            if of_table := table.sizes(units, at):
+                sizes = {*sizes, *of_table} if sizes else of_table
+        span = _phrase_at(units, at, chain, sizes, is_barred, longest) if sizes else None
         if span is not None:
             found.append(span)
         at = span.end if span is not None else at + 1
@@ -212,14 +217,11 @@ def _phrase_at(
     units: Sequence[str],
     at: int,
     chain: tuple[Phrases[Value], ...],
+    sizes: Collection[int],
     is_barred: Callable[[int, int, Value], bool] | None,
     longest: int,
 ) -> Span[Value] | None:
-    sizes: Collection[int] = ()
-    for table in chain:
-        # Most units begin no phrase, or phrases of one table.
-        if of_table := table.sizes(units, at):
-            sizes = {*sizes, *of_table}
+    """The longest phrase of one of some sizes, in units, that begins at a place."""
     room = min(len(units) - at, longest)
     for size in sorted(sizes, reverse=True) if len(sizes) > 1 else sizes:
         if size > room:
