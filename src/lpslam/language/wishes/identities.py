@@ -1,6 +1,6 @@
 """The landmarks that bear what must stand on the board: codes, names of people, levels and buildings."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 
@@ -151,10 +151,10 @@ class Identities:
         best = max(scores.values(), default=0.0)
         return {id_: _SURE for id_ in sorted(scores) if scores[id_] == best}
 
-    def bearing(self, text: str, ids: Iterable[int]) -> set[int]:
-        """Those of some landmarks that bear a number or code which a text says."""
+    def bearing(self, text: str, ids: Callable[[], Iterable[int]]) -> set[int]:
+        """Those of some landmarks that bear a number or code which a text says; they are asked for if it says any."""
         said = [*asked_codes(text), *all_numbers(text)]
-        return {id_ for id_ in ids for code in self.codes[id_] if any(code.bears(each) for each in said)}
+        return {id_ for id_ in (ids() if said else ()) for code in self.codes[id_] if any(code.bears(each) for each in said)}
 
     def of_the_number(self, what: str, scores: Mapping[int, float]) -> dict[int, float]:
         """Of boards of one sort, the one that bears the number that is said: “mine is locker 37” is Lockers 1–60."""

@@ -6,7 +6,7 @@ Ids and strings only: where landmarks stand is the map's own knowledge.
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from itertools import pairwise
 
 from lpslam.language.building import steps_of
@@ -131,20 +131,23 @@ class EmbeddedScorer:
         if parts is None:
             return served
         stop = replace(served.stop, what="", kinds=(), refused=(), language=language)
-        rest = self.serve(replace(stop, what=parts[0]))
+        rest_of = cache(lambda: self.serve(replace(stop, what=parts[0])))
         named = {id_ for name in meaning.refused_names for id_ in self._index.ids_of.get(name, ())}
         alike: set[int] = set()
         for each in parts[1]:
             borne = self._said_on(each).keys() | self._names.said_in(each).keys()
-            borne |= self._identities.bearing(each, (*served.scores, *rest.scores))
+            borne |= self._identities.bearing(each, lambda: (*served.scores, *rest_of().scores))
             named |= borne
             alike |= set() if borne else self._best_of(each, stop)
         out = named | alike or self._serving(meaning.refused) - served.scores.keys()
         read = {id_: score for id_, score in served.scores.items() if id_ not in out}
         # What is refused by what its board says is that board alone; tables read a kind.
         is_read = bool(meaning.rest and read) and len(parts[1]) == 1 and not named and served.sure >= LEAST_SURE
+        if is_read:
+            return replace(served, scores=read)
+        rest = rest_of()
         least = LEAST_IN_SPITE if rest.way is Way.GUESS else LEAST_SURE
-        if not rest.scores or rest.sure < least or is_read:
+        if not rest.scores or rest.sure < least:
             # Tables that read what is refused as well as what is wanted are right more often than their words tell.
             is_surer = bool(read and meaning.refused) and max(served.sure, rest.sure) >= _LEAST_READ
             return replace(served, scores=read, sure=max(served.sure, LEAST_SURE) if is_surer else served.sure)
