@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 from lpslam.language.choosing.landmark_index import LandmarkIndex
-from lpslam.language.choosing.serving import FITS, FITS_INSTEAD, Served, likeness, serve
+from lpslam.language.choosing.serving import FITS, FITS_INSTEAD, Matches, Served, likeness, serve
 from lpslam.language.languages import LATIN
 from lpslam.language.model import Choice
 from lpslam.language.questions.clauses import places_of
@@ -291,7 +291,7 @@ def _parts_in(text: str, index: LandmarkIndex, knowledge: Knowledge) -> dict[str
     if owners:
         asked = f" {' '.join(every)} "
         units |= {owner for owner in owners if f" {owner} " in asked}
-    few = {unit: ids for unit in units - index.names.keys() if len(ids := index.ids_by_word[unit]) <= _FEW}
+    few = {unit: ids for unit in units if unit not in index.names and len(ids := index.ids_by_word[unit]) <= _FEW}
     if not few:
         return {}
     languages = languages_of(text, knowledge)[:2]
@@ -321,41 +321,39 @@ def _best(
     wish: Wish, index: LandmarkIndex, refused: set[int], knowledge: Knowledge, model: str, phrases: Phrases
 ) -> Ranked:
     matches = {concept: index.matches(concept, knowledge) for concept, _ in wish.wanted}
-    groups = list(index.groups.items())
-    served = [
-        (serve(wish, kinds, knowledge, {concept: each.get(at, 0.0) for concept, each in matches.items()}), group)
-        for at in dict.fromkeys(at for each in matches.values() for at in each)
-        for kinds, group in [groups[at]]
-    ]
-    ranked = sorted((each for each in served if each[0].score > 0.0), key=lambda each: (-each[0].score, each[1][0]))
+    served = serve(wish, matches, index.kinds, index.people, knowledge)
+    ranked = sorted(served, key=lambda each: (-each.score, index.members[each.group]))
     asked = phrases.say("wanted", things=phrases.things([concept for concept, _ in wish.wanted]))
-    fitting = [(each, group) for each, group in ranked if each.best >= FITS]
-    ids = _first_ids(fitting, refused)
+    fitting = [each for each in ranked if each.best >= FITS]
+    ids = _first_ids(fitting, refused, index)
     if not ids and (refused or wish.refused):
-        fitting = [(each, group) for each, group in ranked if each.best >= FITS_INSTEAD]
-        ids = _first_ids(fitting, refused)
+        fitting = [each for each in ranked if each.best >= FITS_INSTEAD]
+        ids = _first_ids(fitting, refused, index)
     if not ids:
         nothing = phrases.say("nothing_offers", wanted=asked)
-        return Ranked(Choice(None, 0.6, nothing, model, tuple(_first_ids(ranked, refused)[:3])))
-    of = {id_: each for each, group in fitting for id_ in group if id_ not in refused}
-    why = partial(_serves, of, asked, index, phrases)
+        return Ranked(Choice(None, 0.6, nothing, model, tuple(_first_ids(ranked, refused, index)[:3])))
+    of = {id_: each for each in fitting for id_ in index.members[each.group] if id_ not in refused}
+    why = partial(_serves, of, matches, asked, index, phrases)
     choice = Choice(ids[0], round(min(of[ids[0]].best, 0.99), 3), why(ids[0]), model, tuple(ids[1:]))
     return Ranked(choice, {id_: each.score for id_, each in of.items()}, why)
 
 
-def _serves(served: Mapping[int, Served], asked: str, index: LandmarkIndex, phrases: Phrases, id_: int) -> str:
+def _serves(
+    served: Mapping[int, Served], matches: Matches, asked: str, index: LandmarkIndex, phrases: Phrases, id_: int
+) -> str:
     """Why one of the landmarks that serve does."""
-    name, sign = clean_text(index.name_of[id_]), index.signs[id_].evidence
-    return phrases.say("serves", wanted=asked, name=name, sign=sign, things=phrases.things(served[id_].reasons))
+    name, sign, group = clean_text(index.name_of[id_]), index.signs[id_].evidence, served[id_].group
+    things = [concept for concept, found in matches.items() if found.get(group, 0.0) >= FITS]
+    return phrases.say("serves", wanted=asked, name=name, sign=sign, things=phrases.things(things))
 
 
-def _first_ids(ranked: Sequence[tuple[Served, list[int]]], refused: set[int]) -> list[int]:
+def _first_ids(ranked: Sequence[Served], refused: set[int], index: LandmarkIndex) -> list[int]:
     """The first few ids of the best groups, by score and then by id."""
     found: list[tuple[float, int]] = []
-    for served, group in ranked:
+    for served in ranked:
         if len(found) > _ALTERNATIVES and served.score < found[-1][0]:
             break
-        left = [id_ for id_ in group if id_ not in refused][: _ALTERNATIVES + 1]
+        left = [id_ for id_ in index.members[served.group] if id_ not in refused][: _ALTERNATIVES + 1]
         found.extend((served.score, id_) for id_ in left)
     return [id_ for _, id_ in sorted(found, key=lambda each: (-each[0], each[1]))[: _ALTERNATIVES + 1]]
 

@@ -4,7 +4,7 @@ import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
-from lpslam.language.choosing.serving import Kinds, likeness, match
+from lpslam.language.choosing.serving import Kinds, likeness, match, whom_for
 from lpslam.language.model import Candidate
 from lpslam.language.questions.question import spoken_key
 from lpslam.language.signs.hours import without_hours
@@ -46,6 +46,9 @@ class LandmarkIndex:
             if sign.identity:
                 of_brand.setdefault(sign.identity, []).append(landmark.id)
             called.add_landmark(landmark, bool(sign.identity))
+        self.kinds, self.members = list(self.groups), list(self.groups.values())
+        people = ((at, whom_for(kinds, knowledge)) for at, kinds in enumerate(self.kinds))
+        self.people = {at: whom for at, whom in people if whom}  # groups whose goods are for some alone
         # “Family Mart” is the brand of ファミリーマート, however it is written.
         self.phrase_of: dict[str, str] = {}
         for identity, ids in of_brand.items():

@@ -53,18 +53,22 @@ class Pieces:
         if not text:
             return []
         said = _SPACE + text.replace(" ", _SPACE)
-        best = [0.0] + [-math.inf] * len(said)
-        back: list[tuple[int, int]] = [(0, -1)] * (len(said) + 1)
-        for start in range(len(said)):
+        rows, scores, length = self._at, self._score, len(said)
+        best = [0.0] + [-math.inf] * length
+        back: list[tuple[int, int]] = [(0, -1)] * (length + 1)
+        for start, letter in enumerate(said):
             # A letter that is no piece stands alone.
-            one = self._at.get(said[start], -1)
-            score = best[start] + (self._score[one] if one >= 0 else _UNKNOWN)
+            one, so_far = rows.get(letter, -1), best[start]
+            score = so_far + (scores[one] if one >= 0 else _UNKNOWN)
             if score > best[start + 1]:
                 best[start + 1], back[start + 1] = score, (start, one)
             for size in self._sizes.get(said[start : start + _BEGINNING], ()):
-                row, end = self._at.get(said[start : start + size], -1), start + size
-                if row >= 0 and end <= len(said) and best[start] + self._score[row] > best[end]:
-                    best[end], back[end] = best[start] + self._score[row], (start, row)
+                end = start + size
+                if end > length:
+                    break
+                row = rows.get(said[start:end])
+                if row is not None and (score := so_far + scores[row]) > best[end]:
+                    best[end], back[end] = score, (start, row)
         found: list[int] = []
         at = len(said)
         while at > 0:

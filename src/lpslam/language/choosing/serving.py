@@ -1,8 +1,7 @@
 """How well the place behind a sign serves what is wanted."""
 
-from collections.abc import Mapping, Set
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
-from functools import lru_cache
 
 from lpslam.language.questions.sorts import is_eaten
 from lpslam.language.questions.wanted import Wish
@@ -23,13 +22,17 @@ _FOR_SOME = 0.8  # of a place whose goods are for women, men or children alone, 
 _SURE = 0.9  # a kind of this weight is what the place is
 
 
+Matches = Mapping[str, Mapping[int, float]]
+"""How well groups of places serve concepts, by concept and by group; those that do."""
+
+
 @dataclass(frozen=True, slots=True)
 class Served:
-    """How well kinds of place serve a wish: the whole score, and the best match of what it must serve."""
+    """How well a group of places serves a wish: the whole score, and the best match of what it must serve."""
 
+    group: int
     score: float
     best: float
-    reasons: tuple[str, ...]
 
 
 def best_of(scores: Mapping[int, float]) -> int:
@@ -67,42 +70,56 @@ def match(concept: str, kinds: Kinds, knowledge: Knowledge) -> float:
     return min(best, _LIGHT_MEAL) if concept == "food" and is_light else best
 
 
-@lru_cache(maxsize=1 << 14)
-def _whom_for(kinds: Kinds, people: frozenset[str]) -> frozenset[str]:
+def whom_for(kinds: Kinds, knowledge: Knowledge) -> frozenset[str]:
     """Whom alone the goods of a place are for: women, men or children."""
-    return people.intersection(kind.removeprefix("trait/") for kind, _ in kinds)
+    return knowledge.people.intersection(kind.removeprefix("trait/") for kind, _ in kinds)
 
 
-def serve(wish: Wish, kinds: Kinds, knowledge: Knowledge, matches: Mapping[str, float]) -> Served:
-    """Score a place of these kinds for a wish; zero where it is what the wish refuses.
+def serve(
+    wish: Wish, matches: Matches, kinds: Sequence[Kinds], people: Mapping[int, frozenset[str]], knowledge: Knowledge
+) -> list[Served]:
+    """Score groups of places of some kinds for a wish, without those that are what the wish refuses.
 
-    `matches` says how well the kinds serve each concept that is wanted (`match`).
+    `people` says for whom alone the goods of a group are, where they are not for everybody.
     """
-    score = sum(weight * matches[concept] for concept, weight in wish.wanted)
-    if not score:
-        return Served(0.0, 0.0, ())
-    whom_for, asked_for = _whom_for(kinds, knowledge.people), knowledge.people.intersection(dict(wish.wanted))
-    if whom_for and asked_for and whom_for.isdisjoint(asked_for):
-        # Whoever wants clothes for men is not sent to a women's shop.
-        return Served(0.0, 0.0, ())
-    if whom_for and not asked_for:
-        score *= _FOR_SOME
-    best = max((matches[concept] for concept in wish.main), default=0.0)
+    scores: dict[int, float] = {}
+    for concept, weight in wish.wanted:
+        for group, share in matches[concept].items():
+            scores[group] = scores.get(group, 0.0) + weight * share
+    asked_for = knowledge.people.intersection(dict(wish.wanted))
     vague = (knowledge.modifiers | knowledge.general).issuperset(wish.main)
+    main = [matches[concept] for concept in wish.main]
+    found: list[Served] = []
+    for group, score in scores.items():
+        if group in people:
+            if asked_for and people[group].isdisjoint(asked_for):
+                # Whoever wants clothes for men is not sent to a women's shop.
+                continue
+            score *= 1.0 if asked_for else _FOR_SOME
+        best = max((each.get(group, 0.0) for each in main), default=0.0)
+        if wish.refused:
+            score *= _unrefused(wish, best, vague, kinds[group], knowledge)
+        if score > 0.0:
+            found.append(Served(group, score, best))
+    return found
+
+
+def _unrefused(wish: Wish, best: float, vague: bool, kinds: Kinds, knowledge: Knowledge) -> float:
+    """What a place keeps of its score beside what is refused: 0 where it is that."""
+    share = 1.0
     for concept in wish.refused:
         # Ramen has noodles in it, and Thai food is hot.
         own = _any_of({concept, *knowledge.contained.get(concept, ())}, kinds, knowledge)
         is_spared = concept == "coffee" or (concept == "tea" and own < _REFUSED_KIND)
         if own >= _REFUSED_KIND and not is_spared:
-            return Served(0.0, 0.0, ())
+            return 0.0
         ware = match(concept, kinds, knowledge) if "/" not in concept else 0.0
         is_meant = ware > best + _CLEARLY and ware >= _SIDE_OFFER and not is_eaten(concept, knowledge)
         if (ware >= _SURE and vague) or is_meant:
             # “A present, but no toys”: a toy shop has presents, and is not meant; nor Decathlon for what is not sporty.
-            return Served(0.0, 0.0, ())
+            return 0.0
         if own < _REFUSED_KIND and is_spared:
             continue
         if own >= _REFUSED_KIND or ware >= _SIDE_OFFER:
-            score *= _SIDE_REFUSED
-    reasons = tuple(concept for concept, found in matches.items() if found >= FITS)
-    return Served(score, best, reasons)
+            share *= _SIDE_REFUSED
+    return share

@@ -77,6 +77,7 @@ class Knowledge:
     doors: frozenset[str]
     _tables: "SpokenTables"
     _above: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    _families: dict[str, str] = field(default_factory=dict)
     _shares: dict[tuple[str, str], float] = field(default_factory=dict)
     _served: dict[str, Mapping[str, float]] = field(default_factory=dict)
 
@@ -106,7 +107,11 @@ class Knowledge:
 
     def family(self, kind: str) -> str:
         """Return the sort of building whose rooms are of this kind: a hospital for a department; "" for none."""
-        return next((name for name, starts in self.families.items() if kind.startswith(starts)), "")
+        found = self._families.get(kind)
+        if found is None:
+            found = next((name for name, starts in self.families.items() if kind.startswith(starts)), "")
+            self._families[kind] = found
+        return found
 
     def word_for(self, concept: str, language: str) -> str | None:
         """Return how a language calls a concept; None where no table says so. "zh-Hant" is traditional Chinese."""

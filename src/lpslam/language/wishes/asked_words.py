@@ -28,6 +28,8 @@ class AskedWords:
     def _asked(self, text: str) -> tuple[list[str], list[str]]:
         languages = wish_languages(text, self._knowledge)
         words, bare = self.of(content_of(text, languages), self.likely(text))
+        if all(map(is_unspaced, bare)):
+            return words, bare
         # “Sala de reuniones” is one phrase with its filler only.
         proper = set(self.of(text, self.likely(text))[1])
         return words, [word for word in bare if is_unspaced(word) or word in proper]

@@ -154,7 +154,9 @@ class Identities:
     def bearing(self, text: str, ids: Callable[[], Iterable[int]]) -> set[int]:
         """Those of some landmarks that bear a number or code which a text says; they are asked for if it says any."""
         said = [*asked_codes(text), *all_numbers(text)]
-        return {id_ for id_ in (ids() if said else ()) for code in self.codes[id_] if any(code.bears(each) for each in said)}
+        return {
+            id_ for id_ in (ids() if said else ()) for code in self.codes[id_] if any(code.bears(each) for each in said)
+        }
 
     def of_the_number(self, what: str, scores: Mapping[int, float]) -> dict[int, float]:
         """Of boards of one sort, the one that bears the number that is said: “mine is locker 37” is Lockers 1–60."""

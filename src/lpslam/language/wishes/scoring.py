@@ -78,6 +78,7 @@ class EmbeddedScorer:
         self._guesses = Guesses(index, self._names, knowledge)
         self._trust = Trust(landmarks, index)
         self._trusted = self._trust.of
+        self._last_attributes: tuple[tuple[str, str | None], frozenset[tuple[str, str]]] | None = None
         self._clues = partial(clues_of, index=index, asked=self._asked, knowledge=knowledge)
 
     def steps(self) -> Iterator[None]:
@@ -170,7 +171,7 @@ class EmbeddedScorer:
 
     def _serving(self, concepts: Sequence[str]) -> set[int]:
         """All landmarks that are something, or have it of their own."""
-        groups = list(self._index.groups.values())
+        groups = self._index.members
         matches = (self._index.matches(concept, self._knowledge) for concept in concepts)
         return {id_ for found in matches for at, share in found.items() if share >= _HAS for id_ in groups[at]}
 
@@ -397,8 +398,13 @@ class EmbeddedScorer:
 
     def _attributes(self, stop: Stop) -> frozenset[tuple[str, str]]:
         """What a stop says of the place that it wants, not of what it refuses."""
-        parts = parted(stop.what, stop.language or next(iter(self._asked.likely(stop.what)), "en"))
-        return attributes_of(stop.what if parts is None else parts[0])
+        # It is asked again and again of one stop.
+        last = self._last_attributes
+        if last is None or last[0] != (stop.what, stop.language):
+            parts = parted(stop.what, stop.language or next(iter(self._asked.likely(stop.what)), "en"))
+            found = attributes_of(stop.what if parts is None else parts[0])
+            last = self._last_attributes = (stop.what, stop.language), found
+        return last[1]
 
     def _told_only(self, stop: Stop) -> dict[int, float]:
         """“The green room” is whatever room says green."""

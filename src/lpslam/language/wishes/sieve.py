@@ -42,16 +42,13 @@ class Sieve:
                 always.add(at)
         self._always = frozenset(always)
         self._by_letters = {letters: frozenset(found) for letters, found in by_letters.items()}
-        self._last: tuple[str, frozenset[int]] | None = None
+        self._possible = lru_cache(maxsize=_KEPT)(self._sieved)
 
     def possible(self, text: str) -> frozenset[int]:
         """Which patterns may be found in a text, by their place among all."""
-        last = self._last
-        if last is None or last[0] != text:
-            last = self._last = text, self._possible(text)
-        return last[1]
+        return self._possible(text)
 
-    def _possible(self, text: str) -> frozenset[int]:
+    def _sieved(self, text: str) -> frozenset[int]:
         if not _ODD.isdisjoint(text):
             return self._every
         found = self._by_letters.keys() & _runs(text)

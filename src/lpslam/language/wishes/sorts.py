@@ -76,7 +76,10 @@ class Sorts:
             family = self._knowledge.family(kind)
             if family and self._families[family] >= max(_FEW_OF_A_FAMILY, _MUCH_OF_A_FAMILY * len(self._landmarks)):
                 own = {
-                    id_ for id_, sign in self._index.signs.items() if likeness(kind, sign.kinds, self._knowledge) >= 0.5
+                    id_
+                    for kinds, ids in self._index.groups.items()
+                    if likeness(kind, kinds, self._knowledge) >= 0.5
+                    for id_ in ids
                 }
                 others = {
                     other for other, _ in meaning.wanted if other != kind and (self._knowledge.family(other) == family)

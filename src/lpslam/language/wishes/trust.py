@@ -23,7 +23,7 @@ class Trust:
     def of(self, scores: Mapping[int, float]) -> dict[int, float]:
         """Return those that do not speak to a machine."""
         # Sets that only grow: threads that ask at the same time add the same.
-        for id_ in scores.keys() - self._heard:
+        for id_ in () if self._heard.issuperset(scores) else scores.keys() - self._heard:
             if commands(self._by_id[id_].name) is not None:
                 self._commanding.add(id_)
             self._heard.add(id_)
