@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 from lpslam.language.choosing.landmark_index import LandmarkIndex
-from lpslam.language.choosing.serving import FITS, FITS_INSTEAD, Matches, Served, likeness, serve
+from lpslam.language.choosing.serving import FITS, FITS_INSTEAD, Matches, Served, serve
 from lpslam.language.languages import LATIN
 from lpslam.language.model import Choice
 from lpslam.language.questions.clauses import places_of
@@ -97,7 +97,8 @@ def ranked(
     first = _as_understood(understood, question, index, signs, knowledge, model, said_in)
     if first.choice.landmark is not None or understood[0].contradicted:
         return first
-    as_alone = () if language is None else (understand(question, index, signs, knowledge),)
+    alone = None if language is None else understand(question, index, signs, knowledge)
+    as_alone = () if alone is None or alone == understood else (alone,)
     for other in (*as_alone, *_other_readings(understood[0], question, index, signs, knowledge)):
         found = _as_understood(other, question, index, signs, knowledge, model, said_in)
         if found.choice.landmark is not None:
@@ -370,10 +371,10 @@ def _without_brand(
     asked = knowledge.folder.fold(question)
     # Of a brand's many names, the one that was used.
     name = max((each for each in signs.names_of(identity) if knowledge.folder.fold(each) in asked), key=len, default="")
-    kinds = signs.read(identity).kinds
-    alike = {
-        group[0]: max((weight * likeness(kind, each, knowledge) for kind, weight in kinds), default=0.0)
-        for each, group in index.groups.items()
-    }
+    alike: dict[int, float] = {}
+    for kind, weight in signs.read(identity).kinds:
+        for group, share in index.alike(kind, knowledge).items():
+            first = index.members[group][0]
+            alike[first] = max(weight * share, alike.get(first, 0.0))
     others = sorted((id_ for id_ in alike if alike[id_] >= _YES), key=lambda id_: (-alike[id_], id_))
     return Choice(None, 0.8, phrases.say("no_brand", name=name or identity), model, tuple(others[:_ALTERNATIVES]))

@@ -34,7 +34,7 @@ class LandmarkIndex:
         self.groups: dict[Kinds, list[int]] = {}
         self.signs: dict[int, SignMeaning] = {}
         self._matches: dict[str, dict[int, float]] = {}
-        self._has: dict[str, bool] = {}
+        self._alike: dict[str, dict[int, float]] = {}
         called = _Called(signs, knowledge)
         of_brand: dict[str, list[int]] = {}
         for landmark in landmarks:
@@ -47,6 +47,7 @@ class LandmarkIndex:
                 of_brand.setdefault(sign.identity, []).append(landmark.id)
             called.add_landmark(landmark, bool(sign.identity))
         self.kinds, self.members = list(self.groups), list(self.groups.values())
+        self.group_of = {id_: at for at, ids in enumerate(self.members) for id_ in ids}
         people = ((at, whom_for(kinds, knowledge)) for at, kinds in enumerate(self.kinds))
         self.people = {at: whom for at, whom in people if whom}  # groups whose goods are for some alone
         # “Family Mart” is the brand of ファミリーマート, however it is written.
@@ -88,13 +89,17 @@ class LandmarkIndex:
             found = self._matches[concept] = {at: served for at, served in every if served}
         return found
 
+    def alike(self, kind: str, knowledge: Knowledge) -> Mapping[int, float]:
+        """How surely groups of landmarks are of a kind, by their place in `groups`: those that may be."""
+        found = self._alike.get(kind)
+        if found is None:
+            every = enumerate(likeness(kind, kinds, knowledge) for kinds in self.kinds)
+            found = self._alike[kind] = {at: sure for at, sure in every if sure}
+        return found
+
     def has(self, concept: str, knowledge: Knowledge) -> bool:
         """Whether any place here is surely of a kind."""
-        found = self._has.get(concept)
-        if found is None:
-            found = any(likeness(concept, kinds, knowledge) >= _SURELY for kinds in self.groups)
-            self._has[concept] = found
-        return found
+        return max(self.alike(concept, knowledge).values(), default=0.0) >= _SURELY
 
     def is_unsaid(self, question: str, folder: Folder, phrase: str) -> bool:
         """Whether a name only seems to be said.

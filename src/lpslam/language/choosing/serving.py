@@ -38,7 +38,7 @@ class Served:
 def best_of(scores: Mapping[int, float]) -> int:
     """The landmark of the highest score, of equals the one of the lowest id."""
     top = max(scores.values())
-    return min(id_ for id_, score in scores.items() if score == top)
+    return min([id_ for id_, score in scores.items() if score == top])
 
 
 def likeness(concept: str, kinds: Kinds, knowledge: Knowledge) -> float:

@@ -59,7 +59,7 @@ NO_NAMES: PhraseTable[Meaning] = PhraseTable()
 
 def language_of(text: str, knowledge: Knowledge) -> str | None:
     """Return the likeliest language of a question; None where it cannot be told."""
-    likely = _likely(_as_read(text), knowledge)
+    likely = _likely(text, knowledge)
     # Of several it is the one in which the question says something.
     return read_question(text, knowledge).language if len(likely) > 1 else next(iter(likely), None)
 
@@ -76,6 +76,9 @@ def read_question(
     It is read in the likeliest language in which it says something; plainly, without the turns of phrase that are
     used in other buildings than malls; `language` is the one that it is in, where that is known.
     """
+    if language is None:
+        likely = _likely(question, knowledge)
+        language = likely[0] if len(likely) == 1 else None
     return _readings(question, knowledge, is_plain, language).with_names(names)
 
 
@@ -89,7 +92,7 @@ def _read(question: str, knowledge: Knowledge, is_plain: bool, language: str | N
     """As `read_question`."""
     text = _as_read(question)
     first: Wish | None = None
-    likely = (language,) if language else _likely(text, knowledge)
+    likely = (language,) if language else _likely(question, knowledge)
     first_language = likely[0] if likely else None
     turned = False
     for each in likely:
@@ -110,14 +113,17 @@ def _read(question: str, knowledge: Knowledge, is_plain: bool, language: str | N
     return first or Wish((), (), (), (), None)
 
 
+@lru_cache(maxsize=_KEPT)
 def _as_read(question: str) -> str:
     """A question as it is cut into units: “a sit-down meal” is looked up as three words."""
     text = _ABBREVIATED.sub(r"\1 ", clean_text(question, _QUESTION_LENGTH))
     return _ALLERGY.sub(r"\1 \2", _HYPHEN.sub(" ", text))
 
 
-def _likely(text: str, knowledge: Knowledge) -> tuple[str, ...]:
-    """The languages in which a text is read in turn, until it says something."""
+@lru_cache(maxsize=_KEPT)
+def _likely(question: str, knowledge: Knowledge) -> tuple[str, ...]:
+    """The languages in which a question is read in turn, until it says something."""
+    text = _as_read(question)
     likely = languages_of(text, knowledge) or language_by_its_phrases(text, knowledge)
     if likely and likely[0] in LATIN and len(text.split()) <= _FEW_WORDS:
         # What says nothing in the likeliest language may be a word of another: “pay”.

@@ -31,8 +31,10 @@ def clues_of(served: Served, index: LandmarkIndex, asked: AskedWords, knowledge:
     # What a place, an order or an exclusion tells apart are no rivals.
     is_told = stop.relation is not None or stop.which is not Which.ANY or bool(stop.without)
     rivals = {} if is_told else served.scores
-    others = [score for id_, score in rivals.items() if index.signs[id_].kinds != kinds]
-    ties = {kinds, *(index.signs[id_].kinds for id_, score in rivals.items() if score >= _RIVALS * top)}
+    group_of = index.group_of
+    group = group_of[best]
+    others = [score for id_, score in rivals.items() if group_of[id_] != group]
+    ties = {group, *(group_of[id_] for id_, score in rivals.items() if score >= _RIVALS * top)}
     meant = {concept: weight for concept, weight in wish.wanted if match(concept, kinds, knowledge) >= FITS}
     language = wish.language or next(iter(asked.likely(text)), "en")
     units = knowledge.folder.units(text)

@@ -75,12 +75,8 @@ class Sorts:
         for kind, _ in meaning.wanted:
             family = self._knowledge.family(kind)
             if family and self._families[family] >= max(_FEW_OF_A_FAMILY, _MUCH_OF_A_FAMILY * len(self._landmarks)):
-                own = {
-                    id_
-                    for kinds, ids in self._index.groups.items()
-                    if likeness(kind, kinds, self._knowledge) >= 0.5
-                    for id_ in ids
-                }
+                alike = self._index.alike(kind, self._knowledge)
+                own = {id_ for group, sure in alike.items() if sure >= 0.5 for id_ in self._index.members[group]}
                 others = {
                     other for other, _ in meaning.wanted if other != kind and (self._knowledge.family(other) == family)
                 }
