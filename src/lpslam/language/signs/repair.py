@@ -1,7 +1,7 @@
 """Words of a sign that a reader got wrong by a letter: CANTEFN, B0ulangerie, 动物医阮."""
 
 from collections.abc import Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.nearest import NearestNames
@@ -12,6 +12,7 @@ _SHORTEST = 6  # letters of a word that may be a misread other one
 _SURE = 8  # letters of a word in which any slip is believed
 _SHORTEST_MIXED = 5  # of one that has digits among its letters
 _SHORTEST_TAIL, _LONGEST_TAIL = 4, 6  # characters of a trade at the end of a sign in no other script
+_WORDS = 1 << 16  # whose meaning is kept
 _DIGITS = str.maketrans("01358", "olesb")  # as letters, where the word is not known either way
 
 
@@ -20,6 +21,8 @@ class Repair:
 
     def __init__(self, knowledge: Knowledge) -> None:
         self._knowledge = knowledge
+        # Signs share their words.
+        self._word = lru_cache(maxsize=_WORDS)(self._meant)
 
     @cached_property
     def _vocabulary(self) -> frozenset[str]:
@@ -75,7 +78,8 @@ class Repair:
         near = (word for _, word in self._nearest.near(both, 1) if len(word) == ends[1])
         return next((word for word in near if word[: ends[0]] == head and word[ends[0] + 1 :] == tail), None)
 
-    def _word(self, unit: str, says_something: bool) -> str:
+    def _meant(self, unit: str, says_something: bool) -> str:
+        """The word that a word stands for; itself where it is not misread."""
         letters = unit.translate(_DIGITS)
         if letters != unit and unit[0].isalpha() and letters.isalpha() and letters in load_words():
             # “R0om” is a word with its digit read as a letter.

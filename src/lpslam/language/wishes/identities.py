@@ -41,14 +41,22 @@ class Identities:
 
     def __init__(self, landmarks: Sequence[Candidate], names: Names, knowledge: Knowledge) -> None:
         self._landmarks, self._names, self._knowledge = landmarks, names, knowledge
+        self._by_id = {mark.id: mark for mark in landmarks}
+        self._codes: dict[int, list[Code]] = {}
+
+    def codes_of(self, id_: int) -> list[Code]:
+        """The codes of one board, read when they are first asked for."""
+        found = self._codes.get(id_)
+        if found is None:
+            mark = self._by_id[id_]
+            texts = dict.fromkeys((mark.name, *mark.lines))
+            found = self._codes[id_] = [code for text in texts for code in board_codes(text)]
+        return found
 
     @cached_property
     def codes(self) -> dict[int, list[Code]]:
-        """The codes of every board, read when the first one is asked for."""
-        return {
-            mark.id: [code for text in dict.fromkeys((mark.name, *mark.lines)) for code in board_codes(text)]
-            for mark in self._landmarks
-        }
+        """The codes of every board."""
+        return {mark.id: self.codes_of(mark.id) for mark in self._landmarks}
 
     def identified(self, stop: Stop) -> tuple[dict[int, float] | None, tuple[str, ...], str]:
         """The landmarks that bear all that must stand there; what is not heeded; and what stands on none."""
@@ -120,7 +128,7 @@ class Identities:
         key = alike_key(asked.value)
         ids = self._by_key.get(key, set()) if len(key) >= _LONG_KEY else set()
         others = {
-            id_ for id_ in ids if asked.of and any(code.of and not code.of & asked.of for code in self.codes[id_])
+            id_ for id_ in ids if asked.of and any(code.of and not code.of & asked.of for code in self.codes_of(id_))
         }
         return dict.fromkeys(sorted(ids - others), _SURE)
 
@@ -155,18 +163,23 @@ class Identities:
         """Those of some landmarks that bear a number or code which a text says; they are asked for if it says any."""
         said = [*asked_codes(text), *all_numbers(text)]
         return {
-            id_ for id_ in (ids() if said else ()) for code in self.codes[id_] if any(code.bears(each) for each in said)
+            id_
+            for id_ in (ids() if said else ())
+            for code in self.codes_of(id_)
+            if any(code.bears(each) for each in said)
         }
 
     def of_the_number(self, what: str, scores: Mapping[int, float]) -> dict[int, float]:
         """Of boards of one sort, the one that bears the number that is said: “mine is locker 37” is Lockers 1–60."""
-        top = max(scores.values(), default=0.0)
-        best = [id_ for id_, score in scores.items() if score >= AS_WELL * top and self.codes[id_]]
-        if len(best) < _FEWEST_OF_A_SORT:
-            return dict(scores)
         # “One” is seldom a number.
         said = numbers_in(what) or [code for code in all_numbers(what) if code.number != 1]
-        bearing = ([id_ for id_ in best if any(e.bears(code) for e in self.codes[id_])] for code in said)
+        if not said:
+            return dict(scores)
+        top = max(scores.values(), default=0.0)
+        best = [id_ for id_, score in scores.items() if score >= AS_WELL * top and self.codes_of(id_)]
+        if len(best) < _FEWEST_OF_A_SORT:
+            return dict(scores)
+        bearing = ([id_ for id_ in best if any(e.bears(code) for e in self.codes_of(id_))] for code in said)
         told = next((ids for ids in bearing if ids), best)
         return {id_: score for id_, score in scores.items() if id_ in told or id_ not in best}
 

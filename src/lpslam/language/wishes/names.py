@@ -16,7 +16,7 @@ from lpslam.language.model import Candidate
 from lpslam.language.signs.repair import Repair
 from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.nearest import OfLength
-from lpslam.language.tables.words import UNSPACED_RUN, is_mark, is_unspaced
+from lpslam.language.tables.words import UNSPACED_RUN, Folder, is_mark, is_unspaced
 from lpslam.language.wishes.heard import HeardNames, sound_the_same
 from lpslam.language.wishes.persons import called, consonants, spellings
 
@@ -29,15 +29,30 @@ _STEM, _STEM_SHARE = 5, 0.6  # letters with which words begin alike, at least, a
 _SHORTEST = 4  # letters of a name that may be compared across scripts
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, eq=False)
 class Words:
-    """The words of one line of a board: units of spaced scripts, runs of unspaced ones, and all in Latin letters."""
+    """The words of one line of a board: units of spaced scripts, and runs of unspaced ones."""
 
+    text: str
     units: frozenset[str]
-    in_order: tuple[str, ...]
     runs: tuple[str, ...]
-    latin: str
-    key: str
+    folder: Folder
+
+    @cached_property
+    def in_order(self) -> tuple[str, ...]:
+        """The words of spaced scripts as they stand there."""
+        units = self.folder.units(self.text.replace("-", " "))
+        return tuple(unit for unit in units if unit.isalpha() and not is_unspaced(unit))
+
+    @cached_property
+    def latin(self) -> str:
+        """All in Latin letters."""
+        return _latin(self.text)
+
+    @cached_property
+    def key(self) -> str:
+        """Its letters and digits alone."""
+        return self.folder.key(self.text)
 
 
 class Names:
@@ -70,10 +85,7 @@ class Names:
             for unit in (*painted, *fold.units(text), *self._repair.words(painted))
             if not is_mark(unit) and not is_unspaced(unit)
         )
-        in_order = tuple(
-            unit for unit in fold.units(text.replace("-", " ")) if unit.isalpha() and not is_unspaced(unit)
-        )
-        return Words(units, in_order, tuple(UNSPACED_RUN.findall(folded)), _latin(text), fold.key(text))
+        return Words(text, units, tuple(UNSPACED_RUN.findall(folded)), fold)
 
     def bearing(self, piece: str) -> set[int]:
         """Landmarks whose boards bear a word just so, or two characters of a script without spaces."""

@@ -446,7 +446,7 @@ class EmbeddedScorer:
         return is_name or any(weight > 0.5 for _, weight in meaning.wanted)
 
     def _bears_a_name(self, id_: int, languages: Sequence[str]) -> bool:
-        return bool(self._asked.of(self._by_id[id_].name, languages)[1]) or bool(self._identities.codes[id_])
+        return bool(self._asked.of(self._by_id[id_].name, languages)[1]) or bool(self._identities.codes_of(id_))
 
     def _of_what(self, stop: Stop) -> tuple[int, ...]:
         """What comes next where an identity stands on no board: others of the same sort."""
