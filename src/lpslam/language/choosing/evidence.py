@@ -17,12 +17,16 @@ from numpy.typing import NDArray
 from rapidfuzz.distance import Prefix
 
 from lpslam.language.building import building
+from lpslam.language.kept import kept
 from lpslam.language.tables.concepts import load_associations, load_buildings
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.words import is_mark, is_unspaced
 
 Weights = tuple[NDArray[np.int64], NDArray[np.float64]]
 """Concepts, as `Heard` counts them, and how much a word speaks for each, in units of a natural logarithm."""
+
+Made = tuple[list[tuple[str, tuple[str, ...]]], dict[str, list[int]], list[str]]
+"""The phrases of a language with their concepts, which of them have a word, and all words in order."""
 
 _SHORTEST = 3  # letters of a word that says something
 _WHOLE = 4  # letters up to which a word has no other forms
@@ -45,13 +49,11 @@ class Heard:
         concepts: all that phrases are said of.
     """
 
-    def __init__(self, language: str, knowledge: Knowledge) -> None:
+    def __init__(self, language: str, knowledge: Knowledge, made: Made | None = None) -> None:
         self._language = language
         self._folder = knowledge.folder
         self._common = knowledge.common[language]
-        self._rows = list(_rows(language, knowledge))
-        self._rows_of = _rows_of([phrase for phrase, _ in self._rows])
-        self._words = sorted(self._rows_of)
+        self._rows, self._rows_of, self._words = _made(language, knowledge) if made is None else made
         self._said = Counter(concept for _, concepts in self._rows for concept in concepts)
         self._number_of = {concept: number for number, concept in enumerate(self._said)}
         self.concepts = tuple(self._said)
@@ -128,6 +130,12 @@ class Heard:
 _KEPT = 4096  # words of a language whose weights are kept
 
 
+def _made(language: str, knowledge: Knowledge) -> Made:
+    rows = [(phrase, tuple(concepts)) for phrase, concepts in _rows(language, knowledge)]
+    rows_of = _rows_of([phrase for phrase, _ in rows])
+    return rows, rows_of, sorted(rows_of)
+
+
 def _rows(language: str, knowledge: Knowledge) -> Iterator[tuple[str, Sequence[str]]]:
     """The phrases of a language with the concepts that they are said of."""
     unsaid = knowledge.general | knowledge.modifiers | {_ASKS}
@@ -168,4 +176,4 @@ def _parts(compound: str) -> list[str]:
 def heard_in(language: str, knowledge: Knowledge) -> Heard:
     """Return the phrases of a language, made when they are first asked for."""
     with building():
-        return Heard(language, knowledge)
+        return Heard(language, knowledge, kept(f"heard-{language}", b"", lambda: _made(language, knowledge)))

@@ -3,8 +3,10 @@
 import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 from lpslam.language.choosing.serving import Kinds, likeness, match, whom_for
+from lpslam.language.kept import kept
 from lpslam.language.model import Candidate
 from lpslam.language.questions.question import spoken_key
 from lpslam.language.signs.hours import without_hours
@@ -14,6 +16,8 @@ from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.lexicon import Meaning
 from lpslam.language.tables.words import UNSPACED_RUN, Folder, PhraseTable, is_unspaced
 
+MANY = 500
+"""Landmarks of which it is kept on disk what their boards say."""
 _NUMBERED = re.compile(r"[A-Z]?\d+(?:[.-]\d+)*(?:\s*[-–—~〜]\s*[A-Z]?\d+)?")
 _SURELY = 0.5  # a place is of a kind when its words say so at least this surely
 _IS_NUMBER = re.compile(r"^[\W\d]*\w?[\W\d]+$")
@@ -37,8 +41,7 @@ class LandmarkIndex:
         self._alike: dict[str, dict[int, float]] = {}
         called = _Called(signs, knowledge)
         of_brand: dict[str, list[int]] = {}
-        for landmark in landmarks:
-            sign = _sign_of(landmark, signs)
+        for landmark, sign in zip(landmarks, _signs_of(landmarks, signs), strict=True):
             self.signs[landmark.id] = sign
             self.groups.setdefault(sign.kinds, []).append(landmark.id)
             if sign.kinds and not sign.is_place:
@@ -183,6 +186,28 @@ def _ids_by_word(ids_by_phrase: Mapping[str, Collection[int]]) -> dict[str, set[
             if len(word) >= _SHORTEST_WORD and not is_unspaced(word):
                 found.setdefault(word, set()).update(ids)
     return found
+
+
+def _signs_of(landmarks: Sequence[Candidate], signs: SignReader) -> list[SignMeaning]:
+    """What boards mean; as they were read before, where they are many."""
+    if len(landmarks) < MANY:
+        return [_sign_of(landmark, signs) for landmark in landmarks]
+    kinds, rows = kept("signs", told_by(landmarks), lambda: _packed([_sign_of(mark, signs) for mark in landmarks]))
+    return [SignMeaning(kinds[at], *rest) for at, *rest in rows]
+
+
+def _packed(signs: Sequence[SignMeaning]) -> tuple[list[Kinds], list[tuple[Any, ...]]]:
+    """Meanings of plain values: each group of kinds once."""
+    kinds = {each: at for at, each in enumerate(dict.fromkeys(sign.kinds for sign in signs))}
+    return list(kinds), [
+        (kinds[each.kinds], each.evidence, each.identity, each.name_like, each.owner) for each in signs
+    ]
+
+
+def told_by(landmarks: Sequence[Candidate]) -> bytes:
+    """What tells some boards from others: all that stands there."""
+    texts = (text for mark in landmarks for text in (mark.name, *mark.aliases, "", *mark.lines, ""))
+    return "\0".join(texts).encode("utf-8", "surrogatepass")
 
 
 def _sign_of(landmark: Candidate, signs: SignReader) -> SignMeaning:

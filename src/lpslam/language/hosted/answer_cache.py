@@ -2,29 +2,11 @@
 
 import hashlib
 import json
-import os
-import sys
 import tempfile
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
-
-
-def user_cache_folder() -> Path | None:
-    """Where this user's caches live, on this system; XDG_CACHE_HOME is honoured everywhere. None without a home."""
-    named = os.environ.get("XDG_CACHE_HOME")
-    if named and Path(named).is_absolute():
-        return Path(named) / "lpslam"
-    try:
-        home = Path.home()
-    except RuntimeError:
-        return None
-    if sys.platform == "win32":
-        return Path(os.environ.get("LOCALAPPDATA") or home / "AppData" / "Local") / "lpslam" / "Cache"
-    if sys.platform == "darwin":
-        return home / "Library" / "Caches" / "lpslam"
-    return home / ".cache" / "lpslam"
 
 
 class AnswerCache:

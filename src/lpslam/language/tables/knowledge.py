@@ -5,7 +5,6 @@ in all languages side by side, and one file a language for how it refuses, warns
 language or topic is a further file, not further code.
 """
 
-import json
 import lzma
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -13,16 +12,20 @@ from functools import cached_property, lru_cache
 from importlib.resources import files
 from typing import Any
 
+from lpslam.language.kept import kept
 from lpslam.language.tables.combined import Combined
 from lpslam.language.tables.concepts import Buildings, load_buildings
 from lpslam.language.tables.forms import load_folder
 from lpslam.language.tables.lexicon import (
     Meaning,
     SpokenTables,
+    load_gazetteer,
     load_lexicons,
+    packed,
     phrases_of,
     read_table,
     split,
+    unpacked,
 )
 from lpslam.language.tables.painted import Known, add_brands, add_kinds, add_painted, add_venues
 from lpslam.language.tables.states import StateTables
@@ -183,12 +186,64 @@ class Knowledge:
 
 @lru_cache(maxsize=1)
 def load_knowledge() -> Knowledge:
-    """Read the tables of the package (about 0.25 s, once a process)."""
+    """Read the tables of the package, once a process; as they were read before, where the cache has them."""
+    made: dict[str, Any] = kept("tables", b"", _made)
+    return Knowledge(
+        folder=load_folder(),
+        painted=PhraseTable(unpacked(made.pop("painted"))),
+        known={key: Known._make(each) for key, each in made.pop("known").items()},
+        relatives={language: PhraseTable(each) for language, each in made.pop("relatives").items()},
+        _tables=SpokenTables(load_folder()),
+        **made,
+    )
+
+
+def _made() -> dict[str, Any]:
+    """The fields of `Knowledge`, of plain values."""
     kinds = read_table("lexicon/kinds.json")
     buildings = load_buildings()
     folder = load_folder()
     lexicons = load_lexicons()
-    gazetteer = json.loads(lzma.decompress((files("lpslam.language") / "data" / "gazetteer.json.xz").read_bytes()))
+    gazetteer = load_gazetteer()
+    painted, known = _painted(kinds, folder, lexicons, gazetteer)
+    sets = (
+        *("general", "modifiers", "national", "people", "worn", "auxiliary", "treatments", "light_food", "weather"),
+        *("said_of_food", "symptoms", "venues", "trade_goods", "imperatives", "company_forms"),
+    )
+    roles = ("joining", "turning", "asking", "both", "forbidding")
+    return {
+        "painted": packed(painted),
+        "known": {key: tuple(each) for key, each in known.items()},
+        "common": {language: phrases_of(folder, lexicon.get("common", "")) for language, lexicon in lexicons.items()},
+        "articles": _in_any(lexicons, "article", folder),
+        "leading": _leading(lexicons, folder),
+        **{
+            role: {language: phrases_of(folder, lexicon[role]) for language, lexicon in lexicons.items()}
+            for role in ("wishing", "negating")
+        },
+        "warning_starts": _in_any(lexicons, "sign_warning_start", folder),
+        **{role: _in_any(lexicons, _ROLES_CALLED.get(role, role), folder) for role in roles},
+        **{name: frozenset(kinds[name]) for name in sets},
+        "relatives": {
+            language: {folder.phrase(text): who for who, joined in by_whom.items() for text in split(joined)}
+            for language, by_whom in kinds["relatives"].items()
+        },
+        **{name: kinds[name] for name in ("instead", "instead_of", "refusing")},
+        "offers": _with_sellers(kinds["offers"], buildings),
+        "isa": _above_of(buildings, kinds["isa"]),
+        **{name: {of: frozenset(split(each)) for of, each in kinds[name].items()} for name in ("contained", "apart")},
+        "families": dict(buildings.families),
+        "doors": frozenset(map(folder.key, kinds["doors"])),
+    }
+
+
+_ROLES_CALLED = {"forbidding": "sign_forbidding"}
+
+
+def _painted(
+    kinds: Mapping[str, Any], folder: Folder, lexicons: Mapping[str, Mapping[str, Any]], gazetteer: Mapping[str, Any]
+) -> tuple[dict[str, Meaning], dict[str, Known]]:
+    """What signs are painted with, and which names are known."""
     unpainted = frozenset(kinds["unpainted"])
     painted: dict[str, Meaning] = {}
     known: dict[str, Known] = {}
@@ -208,53 +263,7 @@ def load_knowledge() -> Knowledge:
     add_kinds(gazetteer["names"], kinds["cuisine_kinds"], joining, painted, known)
     for lexicon in lexicons.values():
         add_venues(lexicon, folder, painted, known)
-    return Knowledge(
-        folder=folder,
-        painted=PhraseTable(painted),
-        common={language: phrases_of(folder, lexicon.get("common", "")) for language, lexicon in lexicons.items()},
-        articles=_in_any(lexicons, "article", folder),
-        joining=joining,
-        leading=_leading(lexicons, folder),
-        turning=_in_any(lexicons, "turning", folder),
-        asking=_in_any(lexicons, "asking", folder),
-        both=_in_any(lexicons, "both", folder),
-        wishing={language: phrases_of(folder, lexicon["wishing"]) for language, lexicon in lexicons.items()},
-        negating={language: phrases_of(folder, lexicon["negating"]) for language, lexicon in lexicons.items()},
-        warning_starts=_in_any(lexicons, "sign_warning_start", folder),
-        forbidding=_in_any(lexicons, "sign_forbidding", folder),
-        known=known,
-        general=frozenset(kinds["general"]),
-        modifiers=frozenset(kinds["modifiers"]),
-        national=frozenset(kinds["national"]),
-        people=frozenset(kinds["people"]),
-        worn=frozenset(kinds["worn"]),
-        relatives={
-            language: PhraseTable(
-                (folder.phrase(text), who) for who, joined in by_whom.items() for text in split(joined)
-            )
-            for language, by_whom in kinds["relatives"].items()
-        },
-        auxiliary=frozenset(kinds["auxiliary"]),
-        treatments=frozenset(kinds["treatments"]),
-        instead=kinds["instead"],
-        instead_of=kinds["instead_of"],
-        offers=_with_sellers(kinds["offers"], buildings),
-        isa=_above_of(buildings, kinds["isa"]),
-        contained={thing: frozenset(split(joined)) for thing, joined in kinds["contained"].items()},
-        apart={kind: frozenset(split(joined)) for kind, joined in kinds["apart"].items()},
-        light_food=frozenset(kinds["light_food"]),
-        refusing=kinds["refusing"],
-        said_of_food=frozenset(kinds["said_of_food"]),
-        symptoms=frozenset(kinds["symptoms"]),
-        weather=frozenset(kinds["weather"]),
-        venues=frozenset(kinds["venues"]),
-        trade_goods=frozenset(kinds["trade_goods"]),
-        imperatives=frozenset(kinds["imperatives"]),
-        company_forms=frozenset(kinds["company_forms"]),
-        families=buildings.families,
-        doors=frozenset(map(folder.key, kinds["doors"])),
-        _tables=SpokenTables(folder, lexicons, gazetteer, kinds["cuisine_kinds"], frozenset(kinds["unspoken"])),
-    )
+    return painted, known
 
 
 def _with_sellers(offers: Mapping[str, Mapping[str, float]], buildings: Buildings) -> Mapping[str, Mapping[str, float]]:

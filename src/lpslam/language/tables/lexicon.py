@@ -1,11 +1,14 @@
 """The lexicon: what phrases mean in a question, by language, as written by hand and as the gazetteer has it."""
 
 import json
+import lzma
 from collections.abc import Iterable, Mapping, Set
+from functools import cached_property
 from importlib.resources import files
 from typing import Any, NamedTuple
 
 from lpslam.language.building import building
+from lpslam.language.kept import kept
 from lpslam.language.languages import LANGUAGES
 from lpslam.language.tables.combined import Combined
 from lpslam.language.tables.concepts import load_buildings
@@ -55,6 +58,29 @@ def load_lexicons() -> dict[str, dict[str, Any]]:
     return lexicons
 
 
+def load_gazetteer() -> dict[str, Any]:
+    """Names of kinds of place and brands, from openly licensed indexes."""
+    packed_file = files("lpslam.language") / "data" / "gazetteer.json.xz"
+    gazetteer: dict[str, Any] = json.loads(lzma.decompress(packed_file.read_bytes()))
+    return gazetteer
+
+
+Packed = tuple[list[tuple[Any, ...]], dict[str, int]]
+"""What phrases mean, of plain values: each meaning once, and which is whose."""
+
+
+def packed(table: Mapping[str, Meaning]) -> Packed:
+    """Return a table of plain values."""
+    said = {meaning: at for at, meaning in enumerate(dict.fromkeys(table.values()))}
+    return [tuple(each) for each in said], {phrase: said[meaning] for phrase, meaning in table.items()}
+
+
+def unpacked(given: Packed) -> dict[str, Meaning]:
+    """Return the table of which `packed` made plain values."""
+    said = [Meaning(*each) for each in given[0]]
+    return {phrase: said[at] for phrase, at in given[1].items()}
+
+
 def split(joined: str) -> list[str]:
     """Return the phrases that a table joins with bars."""
     return [text for text in joined.split("|") if text]
@@ -76,19 +102,8 @@ def with_cuisine(kind: str, cuisine_kinds: Mapping[str, str]) -> list[str]:
 class SpokenTables:
     """What phrases mean in a question, by language: what is written by hand goes before names, things and terms."""
 
-    def __init__(
-        self,
-        folder: Folder,
-        lexicons: Mapping[str, Mapping[str, Any]],
-        gazetteer: Mapping[str, Any],
-        cuisine_kinds: Mapping[str, str],
-        unspoken: frozenset[str],
-    ) -> None:
-        self._unspoken = unspoken
+    def __init__(self, folder: Folder) -> None:
         self._folder = folder
-        self._lexicons = lexicons
-        self._gazetteer = gazetteer
-        self._cuisine_kinds = cuisine_kinds
         self._built: dict[str, PhraseTable[Meaning]] = {}
         self._plain: dict[str, PhraseTable[Meaning]] = {}
         self._turns: dict[str, frozenset[str]] = {}
@@ -96,11 +111,26 @@ class SpokenTables:
         self._states: dict[str, StateTables] = {}
         self._combined: dict[str, Combined] = {}
 
+    @cached_property
+    def _lexicons(self) -> Mapping[str, Mapping[str, Any]]:
+        return load_lexicons()
+
+    @cached_property
+    def _gazetteer(self) -> Mapping[str, Any]:
+        return load_gazetteer()
+
+    @cached_property
+    def _kinds(self) -> Mapping[str, Any]:
+        kinds: Mapping[str, Any] = read_table("lexicon/kinds.json")
+        return kinds
+
     def of(self, language: str) -> PhraseTable[Meaning]:
         """Return what a language's phrases mean, by `Folder.phrase`; built when it is first asked for."""
         if language not in self._built:
             with building():
-                self._built[language] = PhraseTable(self._build(language))
+                every, plain = kept(f"spoken-{language}", b"", lambda: tuple(map(packed, self._build(language))))
+                self._plain[language] = PhraseTable(unpacked(plain))
+                self._built[language] = PhraseTable(unpacked(every))
         return self._built[language]
 
     def plain(self, language: str) -> PhraseTable[Meaning]:
@@ -163,7 +193,8 @@ class SpokenTables:
                 found.setdefault(self._folder.phrase(text), []).append(name)
         return PhraseTable((phrase, tuple(names)) for phrase, names in found.items())
 
-    def _build(self, language: str) -> dict[str, Meaning]:
+    def _build(self, language: str) -> tuple[dict[str, Meaning], dict[str, Meaning]]:
+        """What phrases mean, and what they mean plainly."""
         lexicon = self._lexicons[language]
         phrase = self._folder.phrase
         common = self._common(language)
@@ -175,8 +206,9 @@ class SpokenTables:
                 both = role == "refuse_after" and table.get(key) == Meaning("refuse_before")
                 table[key] = Meaning("refuse_either" if both else role)
         by_hand: dict[str, dict[str, float]] = {}
+        unspoken = frozenset(self._kinds["unspoken"])
         for concept, joined in (*lexicon["means"].items(), *lexicon["said"].items()):
-            for text in dict.fromkeys(split(joined)) if concept not in self._unspoken else ():
+            for text in dict.fromkeys(split(joined)) if concept not in unspoken else ():
                 key = phrase(text)
                 # Without its accent, uña is a Spanish article.
                 if key not in common or key == text.casefold():
@@ -196,21 +228,22 @@ class SpokenTables:
                 if region.partition("-")[0] == language:
                     for concept, joined in by_concept.items():
                         self._add(table, concept, sure, (each for each in joined.split("|") if each not in known))
+        plain = dict[str, Meaning]()
         for section in ("venues", "said_in_venues"):
             if section == "said_in_venues":
-                self._plain[language] = PhraseTable(table)
+                plain = dict(table)
             for concept, joined in lexicon[section].items():
                 said = [phrase(text) for text in split(joined)]
                 # “Du beurre” stands in the tables as it is.
                 said += [key for each in said for article in articles if (key := f"{article} {each}") in table]
                 add_beside(table, concept, said, common)
-        return table
+        return table, plain
 
     def _common(self, language: str) -> frozenset[str]:
         return phrases_of(self._folder, self._lexicons[language].get("common", ""))
 
     def _add(self, table: dict[str, Meaning], kind: str, sure: float, phrases: Iterable[str]) -> None:
-        meaning = Meaning("means", tuple((each, sure) for each in with_cuisine(kind, self._cuisine_kinds)))
+        meaning = Meaning("means", tuple((each, sure) for each in with_cuisine(kind, self._kinds["cuisine_kinds"])))
         for phrase in phrases:
             if len(phrase) > 1:
                 table.setdefault(phrase, meaning)

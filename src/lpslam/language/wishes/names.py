@@ -12,6 +12,8 @@ from anyascii import anyascii
 from rapidfuzz import fuzz, process
 from rapidfuzz.distance import OSA, Levenshtein
 
+from lpslam.language.choosing.landmark_index import MANY
+from lpslam.language.kept import kept
 from lpslam.language.model import Candidate
 from lpslam.language.signs.repair import Repair
 from lpslam.language.tables.knowledge import Knowledge, load_words
@@ -61,14 +63,7 @@ class Names:
     def __init__(self, landmarks: Sequence[Candidate], knowledge: Knowledge, repair: Repair) -> None:
         self._knowledge = knowledge
         self._repair = repair
-        self._words = {
-            landmark.id: [
-                self._words_of(text)
-                for text in dict.fromkeys((landmark.name, " ".join((landmark.name, *landmark.lines)), *landmark.lines))
-                if text
-            ]
-            for landmark in landmarks
-        }
+        self._words = self._all_words(landmarks)
         self._ids_of: dict[str, set[int]] = {}
         for id_, lines in self._words.items():
             for piece in {piece for line in lines for piece in (*line.units, *_pairs(line.runs))}:
@@ -76,16 +71,35 @@ class Names:
         self._read_aloud: dict[int, Mapping[str, Mapping[int, None]]] = {}
         self._long = OfLength(unit for unit in self._ids_of if len(unit) >= _LONG)
 
-    def _words_of(self, text: str) -> Words:
+    def _all_words(self, landmarks: Sequence[Candidate]) -> dict[int, list[Words]]:
+        """The words of each line of boards, the name first and then all lines together; kept where they are many."""
+        texts = {
+            mark.id: [text for text in (mark.name, " ".join((mark.name, *mark.lines)), *mark.lines) if text]
+            for mark in landmarks
+        }
+        every = list(dict.fromkeys(text for lines in texts.values() for text in lines))
+
+        def made() -> list[tuple[tuple[str, ...], tuple[str, ...]]]:
+            return [self._words_of(text) for text in every]
+
+        cut = kept("words", "\0".join(every).encode("utf-8", "surrogatepass"), made) if len(every) >= MANY else made()
+        folder = self._knowledge.folder
+        words = {
+            text: Words(text, frozenset(units), runs, folder) for text, (units, runs) in zip(every, cut, strict=True)
+        }
+        return {id_: [words[text] for text in dict.fromkeys(lines)] for id_, lines in texts.items()}
+
+    def _words_of(self, text: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """The units of a line in spaced scripts, and its runs in others."""
         fold = self._knowledge.folder
         folded = fold.fold(text)
         painted = fold.sign_units(text)
-        units = frozenset(
+        units = dict.fromkeys(
             unit
             for unit in (*painted, *fold.units(text), *self._repair.words(painted))
             if not is_mark(unit) and not is_unspaced(unit)
         )
-        return Words(text, units, tuple(UNSPACED_RUN.findall(folded)), fold)
+        return tuple(units), tuple(UNSPACED_RUN.findall(folded))
 
     def bearing(self, piece: str) -> set[int]:
         """Landmarks whose boards bear a word just so, or two characters of a script without spaces."""

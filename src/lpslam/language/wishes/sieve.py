@@ -6,10 +6,12 @@ a text to the patterns that are worth a search. What is left out cannot match; w
 
 import re
 from collections.abc import Iterable, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from re import _constants as said  # type: ignore[attr-defined]
 from re import _parser as parser  # type: ignore[attr-defined]
 from typing import Any
+
+from lpslam.language.kept import kept
 
 _LONGEST = 3  # letters of a piece that are looked up
 _MOST_LETTERS = 12  # of a class of letters that is told letter by letter
@@ -17,7 +19,10 @@ _MOST_LETTERS = 12  # of a class of letters that is told letter by letter
 _ODD = frozenset("\u0131\u0130\u017f\u212a")
 _KEPT = 16  # texts whose pieces are kept: those of one question
 
+_MANY = 50  # patterns whose pieces are kept on disk
+
 Pieces = frozenset[str]
+_Made = tuple[frozenset[int], dict[str, frozenset[int]]]
 
 
 class Sieve:
@@ -32,16 +37,12 @@ class Sieve:
 
     def __init__(self, patterns: Sequence[str]) -> None:
         self._every = frozenset(range(len(patterns)))
-        always: set[int] = set()
-        by_letters: dict[str, set[int]] = {}
-        for at, pattern in enumerate(patterns):
-            needed = _needed(parser.parse(pattern, re.IGNORECASE))
-            for piece in needed or ():
-                by_letters.setdefault(_letters(piece), set()).add(at)
-            if needed is None:
-                always.add(at)
-        self._always = frozenset(always)
-        self._by_letters = {letters: frozenset(found) for letters, found in by_letters.items()}
+        made: _Made
+        if len(patterns) >= _MANY:
+            made = kept("sieve", "\0".join(patterns).encode(), partial(_made, patterns))
+        else:
+            made = _made(patterns)
+        self._always, self._by_letters = made
         self._possible = lru_cache(maxsize=_KEPT)(self._sieved)
 
     def possible(self, text: str) -> frozenset[int]:
@@ -53,6 +54,19 @@ class Sieve:
             return self._every
         found = self._by_letters.keys() & _runs(text)
         return self._always.union(*(self._by_letters[letters] for letters in found))
+
+
+def _made(patterns: Sequence[str]) -> _Made:
+    """The patterns of which no piece is known that they need, and those that need a piece of some letters."""
+    always: set[int] = set()
+    by_letters: dict[str, set[int]] = {}
+    for at, pattern in enumerate(patterns):
+        needed = _needed(parser.parse(pattern, re.IGNORECASE))
+        for piece in needed or ():
+            by_letters.setdefault(_letters(piece), set()).add(at)
+        if needed is None:
+            always.add(at)
+    return frozenset(always), {letters: frozenset(found) for letters, found in by_letters.items()}
 
 
 @lru_cache(maxsize=_KEPT)

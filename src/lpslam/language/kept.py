@@ -1,0 +1,94 @@
+"""What every process would make alike, kept in the user's cache: tables as they are looked up, what boards say.
+
+Values are plain ones of Python, written as Python writes its compiled modules. A file is named by a hash of all that
+its value is made of, the tables and the program among it; one that cannot be read or written does no harm.
+"""
+
+import hashlib
+import marshal
+import os
+import sys
+import tempfile
+import zlib
+from collections.abc import Callable
+from contextlib import suppress
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+_HERE = Path(__file__).parent
+_MOST_BYTES = 200 << 20  # of all files: tables of a few versions, and boards of a few million signs
+_SUM = 4  # bytes of a checksum: what is torn is made anew
+
+
+def user_cache_folder() -> Path | None:
+    """Where this user's caches live, on this system; XDG_CACHE_HOME is honoured everywhere. None without a home."""
+    named = os.environ.get("XDG_CACHE_HOME")
+    if named and Path(named).is_absolute():
+        return Path(named) / "lpslam"
+    try:
+        home = Path.home()
+    except RuntimeError:
+        return None
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA") or home / "AppData" / "Local") / "lpslam" / "Cache"
+    if sys.platform == "darwin":
+        return home / "Library" / "Caches" / "lpslam"
+    return home / ".cache" / "lpslam"
+
+
+def kept(name: str, made_of: bytes, make: Callable[[], Any]) -> Any:
+    """Return what `make` returns, from the cache if it is there.
+
+    Args:
+        name: of what is made; a word.
+        made_of: what it is made of beside the tables and the program.
+        make: returns plain values, alike in every process.
+    """
+    folder = user_cache_folder()
+    if folder is None:
+        return make()
+    path = folder / "made" / f"{name}-{hashlib.sha256(_program() + made_of).hexdigest()[:32]}"
+    with suppress(OSError, ValueError, EOFError, TypeError):
+        data = path.read_bytes()
+        if zlib.crc32(data[_SUM:]) == int.from_bytes(data[:_SUM], "big"):
+            return marshal.loads(data[_SUM:])
+    value = make()
+    with suppress(OSError, ValueError):
+        _write(path, marshal.dumps(value))
+        _forget(path.parent)
+    return value
+
+
+@lru_cache(maxsize=1)
+def _program() -> bytes:
+    """What tells this version of the language layer, its tables and Python from others."""
+    files = sorted(path for path in _HERE.rglob("*") if path.suffix not in (".pyc", ".md") and path.is_file())
+    stats = ((path.relative_to(_HERE), path.stat()) for path in files)
+    told = [f"{path} {stat.st_size} {stat.st_mtime_ns}" for path, stat in stats]
+    return "\n".join([str(sys.implementation.cache_tag), sys.version, *told]).encode()
+
+
+def _write(path: Path, data: bytes) -> None:
+    """Write a file, whole or not at all, for this user alone."""
+    path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+    part: Path | None = None
+    try:
+        with tempfile.NamedTemporaryFile(dir=path.parent, prefix="part-", delete=False) as file:
+            part = Path(file.name)
+            file.write(zlib.crc32(data).to_bytes(_SUM, "big") + data)
+        part.replace(path)
+    except OSError:
+        if part is not None:
+            with suppress(OSError):
+                part.unlink(missing_ok=True)
+
+
+def _forget(folder: Path) -> None:
+    """Leave the newest files."""
+    left = _MOST_BYTES
+    stats = ((path, path.stat()) for path in folder.iterdir())
+    for path, stat in sorted(stats, key=lambda each: -each[1].st_mtime_ns):
+        left -= stat.st_size
+        if left < 0:
+            path.unlink(missing_ok=True)
