@@ -58,6 +58,10 @@ class BoardWords:
         turns = any(f" {word} " in said or (is_unspaced(word) and word in text) for word in self._knowledge.turning)
         return turns or asks_for_another(text) or parted(text, language) is not None
 
+    def said_on(self, text: str) -> dict[int, float]:
+        """The landmarks whose boards bear all words of a text."""
+        return self._names.covered(self._asked.asked(text)[0])
+
     def by_name(self, text: str, meaning: Meaning) -> dict[int, float]:
         """Landmarks whose board bears every word that is asked for and means nothing else."""
         if self.refuses(text, meaning):

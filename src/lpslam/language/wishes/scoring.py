@@ -6,7 +6,7 @@ Ids and strings only: where landmarks stand is the map's own knowledge.
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import cache, partial
+from functools import partial
 from itertools import pairwise
 
 from lpslam.language.building import steps_of
@@ -35,7 +35,8 @@ from lpslam.language.wishes.identities import Identities
 from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.opening import Opening
 from lpslam.language.wishes.reading import content_of, wish_languages
-from lpslam.language.wishes.refusals import ALIKE, ALL_REFUSED, LEAST_REFUSED, parted
+from lpslam.language.wishes.refusals import parted
+from lpslam.language.wishes.refusing import Refusing
 from lpslam.language.wishes.rules import content_left, rules_of
 from lpslam.language.wishes.served import UNQUESTIONED, Served, Way
 from lpslam.language.wishes.sorts import Sorts
@@ -46,14 +47,11 @@ _SHORT_QUESTION = 8  # words of a question whose capital is the name that it ask
 _BRIEF = math.log1p(2)  # of a wish of two words, as `clues_of` has its length: “milk”
 _COMPARABLE = 0.6  # of the best score: places that an attribute may tell apart
 _FEW_WORDS = 3  # of a stop that may be no more than a name and the words before it
-_LEAST_READ = 0.4  # probability of what tables read beside what they read as refused
-_AS_WANTED = 0.5  # of the best score: what may be wanted where the best is refused
 _SHORT_NAME = 5  # words of an anchor that is a name
 _OFFERS = 0.8  # of what is asked for: a place that has it of its own
 _DISTRUSTED = "what the only such board says reads as if it spoke to a machine"
 _NAMED = 0.9  # of what alone tells a place
 _WHOLE = 0.95  # of a name's letters: the name itself
-_HAS = 0.7  # of how well a place serves what it has of its own
 _READ = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
 
 
@@ -78,6 +76,7 @@ class EmbeddedScorer:
         self._guesses = Guesses(index, self._names, knowledge)
         self._trust = Trust(landmarks, index)
         self._trusted = self._trust.of
+        self._refusing = Refusing(self.serve, self._boards, self._names, self._identities, index, knowledge)
         self._last_attributes: tuple[tuple[str, str | None], frozenset[tuple[str, str]]] | None = None
         self._clues = partial(clues_of, index=index, asked=self._asked, knowledge=knowledge)
 
@@ -114,7 +113,7 @@ class EmbeddedScorer:
         if is_told(stop) or served.way in UNQUESTIONED[1:]:
             return served
         if self._boards.refuses(stop.what, meaning) or self._boards.parted(stop.what, meaning, language):
-            left = self._left_of(served, meaning, language)
+            left = self._refusing.left_of(served, meaning, language)
             is_found = bool(left.scores) and left.sure >= LEAST_SURE
             if is_found or meaning.contradicted or self._boards.leaves_out(stop.what, language):
                 return left
@@ -125,55 +124,6 @@ class EmbeddedScorer:
         if meaning.wanted_names or served.is_said or (served.scores and not clues):
             return served
         return self._guesses.judged(served, clues, meaning, language, partial(self._not_otherwise, stop))
-
-    def _left_of(self, served: Served, meaning: Meaning, language: str) -> Served:
-        """What serves the words that refuse nothing, less every place that serves what the others refuse."""
-        parts = self._boards.parted(served.stop.what, meaning, language)
-        if parts is None:
-            return served
-        stop = replace(served.stop, what="", kinds=(), refused=(), language=language)
-        rest_of = cache(lambda: self.serve(replace(stop, what=parts[0])))
-        named = {id_ for name in meaning.refused_names for id_ in self._index.ids_of.get(name, ())}
-        alike: set[int] = set()
-        for each in parts[1]:
-            borne = self._said_on(each).keys() | self._names.said_in(each).keys()
-            borne |= self._identities.bearing(each, lambda: (*served.scores, *rest_of().scores))
-            named |= borne
-            alike |= set() if borne else self._best_of(each, stop)
-        out = named | alike or self._serving(meaning.refused) - served.scores.keys()
-        read = {id_: score for id_, score in served.scores.items() if id_ not in out}
-        # What is refused by what its board says is that board alone; tables read a kind.
-        is_read = bool(meaning.rest and read) and len(parts[1]) == 1 and not named and served.sure >= LEAST_SURE
-        if is_read:
-            return replace(served, scores=read)
-        rest = rest_of()
-        least = LEAST_IN_SPITE if rest.way is Way.GUESS else LEAST_SURE
-        if not rest.scores or rest.sure < least:
-            # Tables that read what is refused as well as what is wanted are right more often than their words tell.
-            is_surer = bool(read and meaning.refused) and max(served.sure, rest.sure) >= _LEAST_READ
-            return replace(served, scores=read, sure=max(served.sure, LEAST_SURE) if is_surer else served.sure)
-        # What comes far behind what is refused was not wanted.
-        near = _AS_WANTED * max(rest.scores.values())
-        left = {id_: score for id_, score in rest.scores.items() if id_ not in out and (score >= near or id_ in read)}
-        if not left and not self._boards.leaves_out(served.stop.what, language):
-            # “The computer won't take my password” only tells of something.
-            return replace(rest, stop=served.stop)
-        left = {id_: score for id_, score in left.items() if id_ in read} or left
-        said = rest.evidence if left else ALL_REFUSED
-        return replace(rest, stop=served.stop, scores=left, exact=rest.exact & left.keys(), evidence=said)
-
-    def _best_of(self, text: str, stop: Stop) -> set[int]:
-        """The landmarks that serve a text as well as any."""
-        served = self.serve(replace(stop, what=text))
-        best = max(served.scores.values(), default=0.0)
-        is_found = served.sure >= (LEAST_SURE if served.way is Way.GUESS else LEAST_REFUSED)
-        return {id_ for id_, score in served.scores.items() if is_found and score >= ALIKE * best}
-
-    def _serving(self, concepts: Sequence[str]) -> set[int]:
-        """All landmarks that are something, or have it of their own."""
-        groups = self._index.members
-        matches = (self._index.matches(concept, self._knowledge) for concept in concepts)
-        return {id_ for found in matches for at, share in found.items() if share >= _HAS for id_ in groups[at]}
 
     def _surest(self, served: Served, meaning: Meaning, language: str) -> tuple[Served, Mapping[str, float]]:
         """What tables found, or boards say where that is unsure; and its clues, none where nothing is to be doubted."""
@@ -216,10 +166,6 @@ class EmbeddedScorer:
         """Of those, landmarks that are not what a negation is said of."""
         refused = {id_ for name in meaning.refused_names for id_ in self._index.ids_of.get(name, ())}
         return {id_: score for id_, score in self._not_otherwise(stop, scores).items() if id_ not in refused}
-
-    def _said_on(self, text: str) -> dict[int, float]:
-        """The landmarks whose boards bear all words of a text."""
-        return self._names.covered(self._asked.asked(text)[0])
 
     def _language(self, stop: Stop, meaning: Meaning) -> str:
         return meaning.language or next(iter(self._asked.likely(stop.what)), "en")

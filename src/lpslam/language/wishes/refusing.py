@@ -1,0 +1,86 @@
+"""What is left of what serves a stop that refuses something: what serves the one part, less what serves the other."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import cache
+
+from lpslam.language.choosing.guessing import LEAST_SURE
+from lpslam.language.choosing.landmark_index import LandmarkIndex
+from lpslam.language.questions.wanted import Wish as Meaning
+from lpslam.language.tables.knowledge import Knowledge
+from lpslam.language.wishes.board_words import BoardWords
+from lpslam.language.wishes.form import Stop
+from lpslam.language.wishes.guesses import LEAST_IN_SPITE
+from lpslam.language.wishes.identities import Identities
+from lpslam.language.wishes.names import Names
+from lpslam.language.wishes.refusals import ALIKE, ALL_REFUSED, LEAST_REFUSED
+from lpslam.language.wishes.served import Served, Way
+
+_LEAST_READ = 0.4  # probability of what tables read beside what they read as refused
+_AS_WANTED = 0.5  # of the best score: what may be wanted where the best is refused
+_HAS = 0.7  # of how well a place serves what it has of its own
+
+
+class Refusing:
+    """Refusals among one set of landmarks; `serve` says which of them serve a part of a stop."""
+
+    def __init__(
+        self,
+        serve: Callable[[Stop], Served],
+        boards: BoardWords,
+        names: Names,
+        identities: Identities,
+        index: LandmarkIndex,
+        knowledge: Knowledge,
+    ) -> None:
+        self._serve, self._boards, self._names, self._identities = serve, boards, names, identities
+        self._index, self._knowledge = index, knowledge
+
+    def left_of(self, served: Served, meaning: Meaning, language: str) -> Served:
+        """What serves the words that refuse nothing, less every place that serves what the others refuse."""
+        parts = self._boards.parted(served.stop.what, meaning, language)
+        if parts is None:
+            return served
+        stop = replace(served.stop, what="", kinds=(), refused=(), language=language)
+        rest_of = cache(lambda: self._serve(replace(stop, what=parts[0])))
+        named = {id_ for name in meaning.refused_names for id_ in self._index.ids_of.get(name, ())}
+        alike: set[int] = set()
+        for each in parts[1]:
+            borne = self._boards.said_on(each).keys() | self._names.said_in(each).keys()
+            borne |= self._identities.bearing(each, lambda: (*served.scores, *rest_of().scores))
+            named |= borne
+            alike |= set() if borne else self._best_of(each, stop)
+        out = named | alike or self._serving(meaning.refused) - served.scores.keys()
+        read = {id_: score for id_, score in served.scores.items() if id_ not in out}
+        # What is refused by what its board says is that board alone; tables read a kind.
+        is_read = bool(meaning.rest and read) and len(parts[1]) == 1 and not named and served.sure >= LEAST_SURE
+        if is_read:
+            return replace(served, scores=read)
+        rest = rest_of()
+        least = LEAST_IN_SPITE if rest.way is Way.GUESS else LEAST_SURE
+        if not rest.scores or rest.sure < least:
+            # Tables that read what is refused as well as what is wanted are right more often than their words tell.
+            is_surer = bool(read and meaning.refused) and max(served.sure, rest.sure) >= _LEAST_READ
+            return replace(served, scores=read, sure=max(served.sure, LEAST_SURE) if is_surer else served.sure)
+        # What comes far behind what is refused was not wanted.
+        near = _AS_WANTED * max(rest.scores.values())
+        left = {id_: score for id_, score in rest.scores.items() if id_ not in out and (score >= near or id_ in read)}
+        if not left and not self._boards.leaves_out(served.stop.what, language):
+            # “The computer won't take my password” only tells of something.
+            return replace(rest, stop=served.stop)
+        left = {id_: score for id_, score in left.items() if id_ in read} or left
+        said = rest.evidence if left else ALL_REFUSED
+        return replace(rest, stop=served.stop, scores=left, exact=rest.exact & left.keys(), evidence=said)
+
+    def _best_of(self, text: str, stop: Stop) -> set[int]:
+        """The landmarks that serve a text as well as any."""
+        served = self._serve(replace(stop, what=text))
+        best = max(served.scores.values(), default=0.0)
+        is_found = served.sure >= (LEAST_SURE if served.way is Way.GUESS else LEAST_REFUSED)
+        return {id_ for id_, score in served.scores.items() if is_found and score >= ALIKE * best}
+
+    def _serving(self, concepts: Sequence[str]) -> set[int]:
+        """All landmarks that are something, or have it of their own."""
+        groups = self._index.members
+        matches = (self._index.matches(concept, self._knowledge) for concept in concepts)
+        return {id_ for found in matches for at, share in found.items() if share >= _HAS for id_ in groups[at]}
