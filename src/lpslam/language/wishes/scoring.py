@@ -185,9 +185,8 @@ class EmbeddedScorer:
         if stop.relation is None and stop.ask is not Ask.LIST:
             return None
         found = self._identities.numbered(content_of(stop.what, wish_languages(stop.what, self._knowledge)))
-        return (
-            Served(stop, self._trusted(found), "numbered so", 0.9, ignored=ignored, way=Way.IDENTITY) if found else None
-        )
+        said = "numbered so"
+        return Served(stop, self._trusted(found), said, 0.9, ignored=ignored, way=Way.IDENTITY) if found else None
 
     def _by_words(self, stop: Stop, meaning: Meaning, ignored: tuple[str, ...]) -> Served | None:
         """The landmarks whose boards say the words themselves."""
@@ -396,6 +395,5 @@ class EmbeddedScorer:
 
     def _of_what(self, stop: Stop) -> tuple[int, ...]:
         """What comes next where an identity stands on no board: others of the same sort."""
-        plain = replace(stop, identity=())
-        choice = ranked(plain.what, self._index, self._signs, self._knowledge, self.model).choice
+        choice = ranked(stop.what, self._index, self._signs, self._knowledge, self.model).choice
         return tuple(id_ for id_ in (choice.landmark, *choice.alternatives) if id_ is not None)
