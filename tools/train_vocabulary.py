@@ -6,9 +6,9 @@ r"""Learn the descriptor's test pairs and the words of place recognition, on ima
 The imagery: photographs, drawings and documents; frames of worlds, of seeds from 9000 on, and of rendered malls, of
 seeds from 900 on, that nothing else uses; pictures of noise, shapes, materials and words. The vocabulary is learned
 with the pairs as they are. The pairs that lpslam has were learned on malls and generated pictures; `pairs --pictures`
-learns them on all kinds, which is no better (docs/benchmarks/words_and_loops.md), and other pairs make saved maps useless. The same
-command on the same pictures gives the same files, to the byte; but malls have changed since the pairs were learned, and
-`pairs` gives others now. Raise the version of the map file with them.
+learns them on all kinds, which is no better (docs/benchmarks/words_and_loops.md), and other pairs make saved maps
+useless. The same command on the same pictures gives the same files, to the byte; but malls have changed since the pairs
+were learned, and `pairs` gives others now. Raise the version of the map file with them.
 
 The pictures come from Debian 12, whose licences allow any use; none of them is part of this project:
 

@@ -88,10 +88,12 @@ class SmallImages:
         camera: of the frames.
         width: pixels across the small images.
         around: pixels of them over which grey values are compared with those about them.
+        edge: share of the depth by which neighbours on one surface differ at most.
     """
 
-    def __init__(self, camera: PinholeCamera, width: int, around: float) -> None:
+    def __init__(self, camera: PinholeCamera, width: int, around: float, edge: float) -> None:
         self._around = around
+        self._edge = edge
         self._depth = SmallDepth(camera, max(width, 16))
         self._size, self.intrinsics = self._depth.size, self._depth.intrinsics
         small = ((self._depth.raw + 0.5) / self._depth.shrink - 0.5).astype(np.float32)
@@ -102,7 +104,9 @@ class SmallImages:
         """(2, h, w) relief of the grey values and depth, as `align_terms` takes them."""
         shades = cv2.resize(gray.astype(np.float32), self._size, interpolation=cv2.INTER_AREA)
         shades = cv2.remap(shades, *self._shades_at, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-        return np.stack([relief(np.asarray(shades, np.float32), self._around), self._depth.read(depth)])
+        return np.stack(
+            [relief(np.asarray(shades, np.float32), self._around), without_holes(self._depth.read(depth), self._edge)]
+        )
 
 
 def sloped(reference: _Image, edge: float) -> _Image:
@@ -116,6 +120,20 @@ def sloped(reference: _Image, edge: float) -> _Image:
     return np.stack([shades, *shade_slopes, smooth, *slopes])
 
 
+def without_holes(depth: _Image, edge: float) -> _Image:
+    """Depth (h, w) with the mean of a pixel's neighbours where most are known and lie on one surface.
+
+    Dark and shiny surfaces have holes all over, and a slope needs all neighbours.
+    """
+    kernel = np.ones((3, 3), np.uint8)
+    share = cv2.boxFilter((depth > 0).astype(np.float32), -1, (3, 3), borderType=cv2.BORDER_REPLICATE)
+    far = cv2.dilate(depth, kernel)
+    near = cv2.erode(np.where(depth > 0, depth, np.float32(np.inf)), kernel)
+    is_hole = (depth <= 0) & (share >= _MOST) & (far - near < edge * far)
+    mean = cv2.boxFilter(depth, -1, (3, 3), borderType=cv2.BORDER_REPLICATE) / np.maximum(share, _MOST)
+    return np.where(is_hole, mean, depth).astype(np.float32)
+
+
 class Surfaces:
     """Aligns frames with a reference by what every pixel shows.
 
@@ -125,7 +143,9 @@ class Surfaces:
     """
 
     def __init__(self, camera: PinholeCamera, sensor: SensorModel, config: SurfaceConfig) -> None:
-        self.images = SmallImages(camera, min(config.width, camera.width // config.least_shrink), config.around)
+        self.images = SmallImages(
+            camera, min(config.width, camera.width // config.least_shrink), config.around, config.edge
+        )
         self._noise = (sensor.depth_sigma, sensor.depth_sigma_quadratic)
         self._config = config
 
@@ -174,7 +194,8 @@ class Surfaces:
         shrink = 2.0**times
         intrinsics = self.images.intrinsics / shrink
         intrinsics[2:] += 0.5 / shrink - 0.5
-        return _Level(halved(reference, times), sloped(halved(image, times), self._config.edge), intrinsics)
+        edge = self._config.edge
+        return _Level(halved(reference, times, edge), sloped(halved(image, times, edge), edge), intrinsics)
 
     def _from(self, levels: Sequence["_Level"], start: _Matrix, seconds: float) -> Aligned | None:
         """The same from one pose, which also stays where they say nothing: coarse images first, for the reach."""
@@ -297,15 +318,19 @@ class Surfaces:
         return float(shades.std()) < max(self._config.blank_contrast * noise, self._config.least_contrast)
 
 
-def halved(image: _Image, times: int) -> _Image:
+def halved(image: _Image, times: int, edge: float) -> _Image:
     """(2, h, w) at half the size, so many times."""
     for _ in range(times):
         shades = cv2.resize(image[0], None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
-        image = np.stack([shades, image[1, : 2 * shades.shape[0] : 2, : 2 * shades.shape[1] : 2]])
+        depth = image[1, : 2 * shades.shape[0] : 2, : 2 * shades.shape[1] : 2]
+        image = np.stack([shades, without_holes(depth, edge)])
     return image
 
 
 _WAYS = ((1, 0), (0, 1))
+
+_MOST = 0.4
+"""Share of a pixel and its neighbours with depth, from which their mean stands for it: half of those around it."""
 
 _NEVER = 1e9
 """Grey values: a sigma with which shades say nothing."""
