@@ -15,6 +15,7 @@ from lpslam.language.wishes.sieve import Sieve
 _HOUR, _NOON, _DAY = 60, 12 * 60, 24 * 60
 _NIGHT_BEGINS = 6  # o'clock: from then on an hour “at night” is before midnight
 _QUARTERS = frozenset({0, 15, 30, 45})  # minutes of hours that are written with a point
+_DIGIT = re.compile(r"\d")
 _HALF_PAST = {"半": 30, "반": 30}
 
 
@@ -198,7 +199,8 @@ def asked_time(question: str) -> Asked | None:
     folded = painted.casefold()
     spelled = with_digits(folded, lambda at: bool(patterns.led.search(folded[:at])), lambda _: False)
     for text in dict.fromkeys((painted, spelled)):
-        for found in patterns.asked.finditer(text):
+        # Nearly every question has no digit.
+        for found in () if _DIGIT.search(text) is None else patterns.asked.finditer(text):
             if int(found["h"]) <= 24 and _is_time(found):
                 return Asked(_meant(found), _without_open(f"{text[: found.start()]} {text[found.end() :]}"))
     for is_possible, pattern, minute in (

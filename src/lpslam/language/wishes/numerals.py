@@ -229,6 +229,7 @@ def _in_order() -> Sequence[str]:
     return sorted({*_cardinals(), *_ordinals(), *_digits()})
 
 
+@lru_cache(maxsize=1 << 12)
 def _begins_number(key: str) -> bool:
     """Whether the letters of any number begin with these."""
     numbers = _in_order()

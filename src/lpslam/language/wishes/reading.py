@@ -147,7 +147,7 @@ def _among(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> Stop 
     for language in languages:
         rules = rules_of(language)
         found = rules.first(rules.among, text)
-        order, rank = _ordered(text, (language,))
+        order, rank = (None, 1) if found is None else _ordered(text, (language,))
         if found is None or order is None:
             continue
         groups = {name: (value or "").strip(_ENDS) for name, value in found[1].groupdict().items()}

@@ -20,7 +20,8 @@ _NO = re.compile(
 def parted(text: str, language: str) -> tuple[str, list[str]] | None:
     """Return what a text wants, and each thing that it refuses; None where no word parts them."""
     rules = rules_of(language)
-    found = rules.first((*rules.refusals, *rules.exclusions), text.strip(_ENDS))
+    said = text.strip(_ENDS)
+    found = rules.first(rules.refusals, said) or rules.first(rules.exclusions, said)
     if found is None:
         return None
     groups = found[1].groupdict()

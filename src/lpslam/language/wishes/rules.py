@@ -5,6 +5,7 @@ pattern is the part of that name; `<ordinal>` is every ordinal number of the lan
 """
 
 import re
+from bisect import bisect_left
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
@@ -82,8 +83,14 @@ class Rules:
 
     def holding(self, rows: Sequence[Row], text: str) -> Iterator[tuple[Row, re.Match[str]]]:
         """The rows that hold, in their order."""
-        possible = self.sieve.possible(text)
-        return ((row, found) for row in rows if row.number in possible and (found := row.match(text)))
+        if not rows:
+            return
+        # Rows of one table are numbered one after the other.
+        possible, start = self.sieve.possible(text), rows[0].number
+        for at in range(bisect_left(possible, start), bisect_left(possible, start + len(rows))):
+            row = rows[possible[at] - start]
+            if found := row.match(text):
+                yield row, found
 
     def first(self, rows: Sequence[Row], text: str) -> tuple[Row, re.Match[str]] | None:
         """The first row that holds; rows stand in order, the most particular first."""

@@ -36,7 +36,7 @@ class Sieve:
     """
 
     def __init__(self, patterns: Sequence[str]) -> None:
-        self._every = frozenset(range(len(patterns)))
+        self._every = tuple(range(len(patterns)))
         made: _Made
         if len(patterns) >= _MANY:
             made = kept("sieve", "\0".join(patterns).encode(), partial(_made, patterns))
@@ -45,15 +45,15 @@ class Sieve:
         self._always, self._by_letters = made
         self._possible = lru_cache(maxsize=_KEPT)(self._sieved)
 
-    def possible(self, text: str) -> frozenset[int]:
-        """Which patterns may be found in a text, by their place among all."""
+    def possible(self, text: str) -> tuple[int, ...]:
+        """Which patterns may be found in a text, by their place among all, in order."""
         return self._possible(text)
 
-    def _sieved(self, text: str) -> frozenset[int]:
+    def _sieved(self, text: str) -> tuple[int, ...]:
         if not _ODD.isdisjoint(text):
             return self._every
         found = self._by_letters.keys() & _runs(text)
-        return self._always.union(*(self._by_letters[letters] for letters in found))
+        return tuple(sorted(self._always.union(*(self._by_letters[letters] for letters in found))))
 
 
 def _made(patterns: Sequence[str]) -> _Made:
