@@ -112,7 +112,6 @@ def test_the_map_goes_on_where_the_camera_was_carried_to_what_is_unknown(until_f
 
 
 @pytest.mark.slow
-@pytest.mark.slow
 def test_a_view_to_which_not_even_the_turn_was_told_begins_a_submap_soon(until_found: list[RgbdFrame]) -> None:
     seen, covered = until_found[: BARE.start], until_found[BARE.start : BARE.start + 3]
     dark = [replace(frame, rgb=np.zeros_like(frame.rgb), depth=np.zeros_like(frame.depth)) for frame in covered]
@@ -168,6 +167,21 @@ def test_a_turn_is_believed_until_the_position_may_be_too_far_off() -> None:
     assert coasting.guessed_since is None
     assert coasting.goes_on(3.0, Told.TURN, Doubtful(0.39))
     assert not coasting.goes_on(3.0, Told.TURN, Doubtful(0.41))
+
+
+@pytest.mark.parametrize(
+    ("doubtful", "is_told"),
+    [(Doubtful(), True), (Doubtful(0.15), True), (Doubtful(0.25), False), (Doubtful(0.15, 0.03), False)],
+    ids=["told", "a few turns alone", "many turns alone", "not even the turn"],
+)
+def test_a_way_is_told_though_a_few_frames_told_their_turn_alone(doubtful: Doubtful, is_told: bool) -> None:
+    config = SlamConfig()
+    surfaces = Surfaces(CAMERA, SensorModel.of(CAMERA, config), config.surfaces)
+    carrying_on = CarryingOn(surfaces, Turning(CAMERA, config.turning, config.surfaces), ConstantVelocity(), 0.5)
+    carrying_on.told, carrying_on.doubtful = Told.WAY, doubtful
+    assert carrying_on.is_told(config.surfaces.untold_metres) == is_told
+    carrying_on.told = Told.TURN
+    assert not carrying_on.is_told(config.surfaces.untold_metres)
 
 
 def test_a_turn_that_is_told_for_long_stays_a_rotation() -> None:

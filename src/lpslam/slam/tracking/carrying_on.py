@@ -76,10 +76,9 @@ class CarryingOn:
         self.told = Told.NOTHING
         self.doubtful = Doubtful()
 
-    @property
-    def is_told(self) -> bool:
-        """Whether the whole way since the last frame with a place is told."""
-        return self.told is Told.WAY and self.doubtful == Doubtful()
+    def is_told(self, metres: float) -> bool:
+        """Whether the way since the last frame with a place is told, to so many metres."""
+        return self.told is Told.WAY and self.doubtful.seconds == 0.0 and self.doubtful.metres <= metres
 
     def follow(self, last: LastFrame, picture: Picture) -> _Matrix:
         """The pose of the next frame (4×4, camera from the reference keyframe of `last`, the last with a place).

@@ -79,6 +79,7 @@ class Losing:
         self._anchoring = anchoring
         self._quality = quality
         self._submap_after = config.tracking.submap_after
+        self._untold_metres = config.surfaces.untold_metres
         self._beginnings = config.keyframes
         self._grows = grows
         self._coasting = Coasting(
@@ -187,10 +188,10 @@ class Losing:
     def continued(self, picture: Picture) -> _Matrix | None:
         """Camera from world (4×4) of a frame with which the map goes on, though it shares no point with it; or None.
 
-        It does where surfaces tell the way, and what is in view has been unknown for long.
+        It does where surfaces tell the way, all but a little, and what is in view has been unknown for long.
         """
         last, since = self._where.last, self._unknown_since
-        if last is None or since is None or not self._grows or not self._carrying_on.is_told:
+        if last is None or since is None or not self._grows or not self._carrying_on.is_told(self._untold_metres):
             return None
         if not self._may_begin(picture, since):
             return None
