@@ -49,7 +49,8 @@ class Refusing:
             borne = self._boards.said_on(each).keys() | self._names.said_in(each).keys()
             borne |= self._identities.bearing(each, lambda: (*served.scores, *rest_of().scores))
             named |= borne
-            alike |= set() if borne else self._best_of(each, stop)
+            # What no table reads as refused is left out where it stands on a board, and not by what is like it.
+            alike |= self._best_of(each, stop) if meaning.refused and not borne else set()
         out = named | alike or self._serving(meaning.refused) - served.scores.keys()
         read = {id_: score for id_, score in served.scores.items() if id_ not in out}
         # What is refused by what its board says is that board alone; tables read a kind.
