@@ -77,3 +77,9 @@ def test_neighbours_are_on_one_floor(model: OfflineModel) -> None:
     place = solution.stops[0].place
     assert place is not None
     assert place.id == 9
+
+
+def test_an_anchor_whose_board_hangs_on_another_floor_is_not_on_the_map(model: OfflineModel) -> None:
+    stop = answered(model, "the toilets next to the bank on floor 2").stops[-1]
+    assert stop.place is None
+    assert any("not on this map" in note for note in stop.notes)

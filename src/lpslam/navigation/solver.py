@@ -187,6 +187,7 @@ class _Solver:
     def _within(self, served: Served, within: set[int]) -> Served:
         """Of what serves, the places of a floor."""
         scores = {id_: score for id_, score in served.scores.items() if id_ in within}
+        served = replace(served, exact=served.exact & scores.keys())
         if scores or not served.scores:
             return replace(served, scores=scores)
         others = tuple(sorted(served.scores, key=lambda id_: (-served.scores[id_], id_))[: self.config.alternatives])
