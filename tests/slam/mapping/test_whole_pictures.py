@@ -16,7 +16,13 @@ STEP = rigid([0.02, -0.01, 0.01], [0.004, 0.02, 0.0])
 
 
 def compared(
-    frames: int, *, off: np.ndarray | None = None, off_from: int = 1, coat_from: int = 1000, **config: float
+    frames: int,
+    *,
+    off: np.ndarray | None = None,
+    off_from: int = 1,
+    coat_from: int = 1000,
+    is_blurred: bool = False,
+    **config: float,
 ) -> SlamMap:
     """A map of a camera that steps before a corner, whose keyframes have been compared.
 
@@ -25,6 +31,7 @@ def compared(
         off: 4×4 by which the map has each keyframe wrong beside the one before, ...
         off_from: ... from this one on.
         coat_from: the keyframe from which on somebody in a checked coat goes along with the camera.
+        is_blurred: whether the keyframes may be blurred.
         config: thresholds of the comparison.
     """
     random = np.random.default_rng(1)
@@ -39,6 +46,8 @@ def compared(
             gray, depth = with_coat(gray, depth)
         strayed = depth + (depth > 0) * random.normal(0.0, 0.5 * SENSOR.depth_sigma, depth.shape)
         pictures.keep(keyframe, gray, strayed.astype(np.float32))
+        if is_blurred:
+            slam_map.blurred.add(keyframe)
         pictures.compare(keyframe)
         true = STEP @ true
         supposed = STEP @ supposed if off is None or k + 1 < off_from else off @ STEP @ supposed
@@ -112,6 +121,28 @@ def test_how_ways_round_close_decides_what_pictures_weigh() -> None:
             relative.judge(gap)
         believed.append(relative.among(np.array([0, 1], np.int32), 1).information[0, 0, 0])
     np.testing.assert_allclose(believed[0], 1000.0 * believed[1])
+
+
+def test_pictures_err_no_more_than_they_differ_from_the_map_in_calm_steps() -> None:
+    config = PictureConfig()
+    relative = RelativePoses(config)
+    for _ in range(config.remembered_gaps):
+        relative.judge(30.0)
+    by_ways_round = relative.excess
+    for _ in range(config.judged_first - 1):
+        relative.differ(60.0)
+    assert relative.excess == by_ways_round  # Too few to tell.
+    relative.differ(60.0)
+    np.testing.assert_allclose(relative.excess, by_ways_round * 60.0 / (config.unseen_errors * 30.0))
+    for _ in range(config.remembered_gaps):
+        relative.differ(1e5)
+    assert relative.excess == by_ways_round  # The map may be what is wrong.
+
+
+def test_only_calm_steps_are_compared_with_the_map() -> None:
+    calm = compared(20, judged_first=3).relative_poses.excess
+    blurred = compared(20, is_blurred=True, judged_first=3).relative_poses.excess
+    assert calm < blurred
 
 
 def test_pictures_that_hold_nothing_are_rarely_compared() -> None:

@@ -18,7 +18,8 @@ class RelativePoses:
     """What pictures say of pairs of keyframes, and how far it is believed.
 
     A picture says how sure it is as if each of its pixels erred by itself. By how much more it errs shows where three
-    keyframes are compared with one another and the way round does not close.
+    keyframes are compared with one another and the way round does not close, times what is wrong alike in all three. It
+    errs no more than it differs from the map where the camera moves calmly: what keypoints err adds to that.
 
     Args:
         config: thresholds.
@@ -35,6 +36,7 @@ class RelativePoses:
         self._information: list[_Matrix] = []
         supposed = [self._config.supposed_gap] * self._config.supposed_gaps
         self._gaps: deque[float] = deque(supposed, maxlen=self._config.remembered_gaps)
+        self._differences: deque[float] = deque(maxlen=self._config.remembered_gaps)
 
     @property
     def judged(self) -> int:
@@ -44,11 +46,18 @@ class RelativePoses:
     @property
     def excess(self) -> float:
         """By which factor the variance of relative poses is more than pictures say."""
-        return max(self._config.unseen_errors * float(np.median(self._gaps)) / _MEDIAN_CHI2, 1.0)
+        most = self._config.unseen_errors * float(np.median(self._gaps))
+        if len(self._differences) >= self._config.judged_first:
+            most = min(most, float(np.median(self._differences)))
+        return max(most / _MEDIAN_CHI2, 1.0)
 
     def judge(self, gap: float) -> None:
         """Learn from a way round three keyframes: χ² (six degrees of freedom) by which it does not close."""
         self._gaps.append(gap)
+
+    def differ(self, difference: float) -> None:
+        """Learn from a calm step: χ² by which what pictures say differs from a map that they did not touch yet."""
+        self._differences.append(difference)
 
     def add(self, a: int, b: int, b_from_a: _Matrix, information: _Matrix) -> None:
         """Keep a relative pose (4×4, camera b from camera a) with its information.

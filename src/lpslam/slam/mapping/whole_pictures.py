@@ -82,7 +82,10 @@ class WholePictures:
                 relative.judge(gap)
             step_of_map = self._step_of_map(step.a, step.b)
             error = logarithm(step_of_map @ inverse_transform(step.b_from_a))
-            is_denied = error @ step.information @ error > self._config.most_disagreement * relative.excess
+            difference = float(error @ step.information @ error)
+            if keyframe not in self._map.blurred:
+                relative.differ(difference)
+            is_denied = difference > self._config.most_disagreement * relative.excess
             if is_denied and not self._most_pixels_agree(step, step_of_map):
                 return
             if not is_denied:
