@@ -12,7 +12,9 @@ logistic model of their clues.
 
 import argparse
 import json
+import os
 import sys
+import tempfile
 import zlib
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -31,7 +33,7 @@ from lpslam.language.choosing import evidence  # noqa: E402
 from lpslam.language.choosing.guessing import COLUMNS, Found, Guessing, Heard  # noqa: E402
 from lpslam.language.offline import OfflineModel  # noqa: E402
 from lpslam.language.signs.reader import load_sign_reader  # noqa: E402
-from lpslam.language.tables import combined, knowledge  # noqa: E402
+from lpslam.language.tables import combined, knowledge, lexicon  # noqa: E402
 from lpslam.language.tables.concepts import APART, Buildings, load_associations, load_buildings  # noqa: E402
 from lpslam.language.tables.lexicon import load_lexicons, split  # noqa: E402
 from lpslam.language.wishes import guesses  # noqa: E402
@@ -71,11 +73,11 @@ def hiding(seed: int) -> Callable[[], dict[str, dict[str, Any]]]:
 
     def load() -> dict[str, dict[str, Any]]:
         lexicons = load_lexicons()
-        for lexicon in lexicons.values():
+        for said in lexicons.values():
             for section in SECTIONS:
-                lexicon[section] = {
+                said[section] = {
                     concept: "|".join(phrase for phrase in split(joined) if is_kept(seed, phrase))
-                    for concept, joined in lexicon.get(section, {}).items()
+                    for concept, joined in said.get(section, {}).items()
                 }
         return lexicons
 
@@ -114,6 +116,9 @@ def hiding_associations(seed: int) -> Callable[[str], Iterator[tuple[str, list[s
 
 def model_of(seed: int | None) -> OfflineModel:
     """The embedded model, with a part of its tables hidden unless `seed` is None."""
+    # Nothing is taken from the user's cache: there the tables are whole.
+    os.environ["XDG_CACHE_HOME"] = tempfile.mkdtemp()
+    lexicon.load_lexicons = load_lexicons if seed is None else hiding(seed)  # type: ignore[attr-defined]
     knowledge.load_lexicons = load_lexicons if seed is None else hiding(seed)  # type: ignore[attr-defined]
     combined.load_buildings = load_buildings if seed is None else hiding_apart(seed)  # type: ignore[attr-defined]
     evidence.load_buildings = combined.load_buildings  # type: ignore[attr-defined]
