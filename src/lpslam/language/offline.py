@@ -86,7 +86,8 @@ class OfflineModel:
             return choice
         # Where the tables find nothing, the words of the question may speak for one all the same.
         served = self.scorer(landmarks).serve(Stop(clean_text(question)))
-        if served.way is not Way.GUESS or served.sure < LEAST_SURE or not served.scores:
+        is_doubted = served.strictness > 1.0 or served.sure < LEAST_SURE
+        if served.way is not Way.GUESS or is_doubted or not served.scores:
             return choice
         best = best_of(served.scores)
         return replace(choice, landmark=best, evidence=served.evidence, confidence=min(served.confidence, _WORDS_SPEAK))

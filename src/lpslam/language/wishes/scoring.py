@@ -253,6 +253,8 @@ class EmbeddedScorer:
             heard={} if supported is None else supported.clues,
             read={} if supported is None else read,
             why=why,
+            # What was read, and is nowhere here, is not answered by what is only near it.
+            strictness=LEAST_IN_SPITE / LEAST_SURE if not read and self._is_missing(stop, meaning) else 1.0,
         )
 
     def _is_missing(self, stop: Stop, meaning: Meaning) -> bool:
@@ -295,8 +297,6 @@ class EmbeddedScorer:
         if is_told(stop) and scores:
             return None
         if meaning.wanted_names or self._boards.refuses(stop.what, meaning):
-            return None
-        if not scores and self._is_missing(stop, meaning):
             return None
         found = self._guesses.support.of(stop.what, self._language(stop, meaning), scores)
         kept = self._identities.of_the_number(stop.what, self._not_otherwise(stop, found.scores))
