@@ -86,7 +86,7 @@ class OfflineModel:
             return choice
         # Where the tables find nothing, the words of the question may speak for one all the same.
         served = self.scorer(landmarks).serve(Stop(clean_text(question)))
-        is_doubted = served.strictness > 1.0 or served.sure < LEAST_SURE
+        is_doubted = served.sure < LEAST_SURE * served.strictness
         if served.way is not Way.GUESS or is_doubted or not served.scores:
             return choice
         best = best_of(served.scores)

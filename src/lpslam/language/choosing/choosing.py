@@ -160,7 +160,7 @@ def _as_understood(
         return Ranked(_without_brand(missing[0], question, index, signs, knowledge, model, phrases))
     if not wanted:
         return Ranked(Choice(None, 0.0, phrases.say("no_kind"), model))
-    if wanted.keys() <= _ANY:
+    if wanted.keys() <= _ANY or wish.unknown:
         return Ranked(Choice(None, 0.5, phrases.say("unknown"), model))
     wishes = _in_turn(wish, index, knowledge)
     found: list[Ranked] = []

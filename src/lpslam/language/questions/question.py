@@ -16,6 +16,7 @@ from lpslam.language.questions.readings import Readings
 from lpslam.language.questions.sorts import is_general
 from lpslam.language.questions.speaking import language_by_its_phrases, languages_of
 from lpslam.language.questions.stance import NEXT_TO, Stand, Told, spilled, told_in
+from lpslam.language.questions.unknown_things import asks_for_unknown
 from lpslam.language.questions.wanted import THING, Wish
 from lpslam.language.questions.weighing import ASIDE, GENERAL, GIFTS, HINT, MAIN, MODIFIER, as_treated, without_symptoms
 from lpslam.language.sanitise import clean_text
@@ -215,6 +216,7 @@ class _Reading:
         wanted = self._weighed(said)
         main = [concept for concept, weight in wanted.items() if weight > GENERAL]
         mended = [each.concept for each in self._troubles if each.concept not in said.wanted_by]
+        asks_for_something = not main and not said.refused
         return Wish(
             tuple(wanted.items()),
             tuple(dict.fromkeys(said.refused)),
@@ -222,6 +224,8 @@ class _Reading:
             tuple(dict.fromkeys(said.names["refused"])),
             self._language,
             tuple(dict.fromkeys(said.names["near"])),
+            # After a refusal, what else may be eaten is left open.
+            asks_for_something and asks_for_unknown(self._units, self._spans, self._language, self._knowledge),
             tuple(_ANEW[concept] for concept in mended if concept in _ANEW),
             () if main else tuple(sorted(contradicted)),
             *self._parted(*said.refusing),

@@ -18,6 +18,7 @@ from lpslam.language.wishes.served import AS_WELL, Served, Way
 
 _LEAST_OFFERED = 0.25  # probability of a guess from which it fills a gap in a plan
 LEAST_IN_SPITE = 0.75  # probability from which what hears no negation, or no name, answers in spite of one
+IN_SPITE = LEAST_IN_SPITE / LEAST_SURE  # strictness of what answers in spite of what was read
 _READ = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
 
 Trusted = Callable[[Mapping[int, float]], dict[int, float]]
@@ -61,7 +62,7 @@ class Guesses:
         if served.scores or not any(weight >= _READ for _, weight in meaning.wanted):
             return guessed
         # What was read, and is nowhere here, is not answered by what is only near it: pizza by fried chicken.
-        strict = replace(guessed, strictness=LEAST_IN_SPITE / LEAST_SURE, doubt=served.evidence)
+        strict = replace(guessed, strictness=IN_SPITE, doubt=served.evidence)
         return strict if guess.sure >= LEAST_IN_SPITE else replace(strict, confidence=served.confidence)
 
     def sure(self, served: Served, clues: Clues, meaning: Meaning, language: str) -> float:

@@ -30,7 +30,7 @@ from lpslam.language.wishes.board_words import BoardWords
 from lpslam.language.wishes.certainty import clues_of
 from lpslam.language.wishes.codes import without_codes
 from lpslam.language.wishes.form import Ask, Stop, with_meaning
-from lpslam.language.wishes.guesses import LEAST_IN_SPITE, Guesses, is_told
+from lpslam.language.wishes.guesses import IN_SPITE, LEAST_IN_SPITE, Guesses, is_told
 from lpslam.language.wishes.identities import Identities
 from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.opening import Opening
@@ -244,7 +244,7 @@ class EmbeddedScorer:
             exact = frozenset(scores)
         why = tables.reason if supported is None else self._spoken_for(stop, tables, supported)
         serving = scores if supported is None else supported.scores
-        return Served(
+        told = Served(
             *(stop, serving, why(best_of(serving)), choice.confidence),
             ignored=ignored,
             exact=exact,
@@ -253,9 +253,10 @@ class EmbeddedScorer:
             heard={} if supported is None else supported.clues,
             read={} if supported is None else read,
             why=why,
-            # What was read, and is nowhere here, is not answered by what is only near it.
-            strictness=LEAST_IN_SPITE / LEAST_SURE if not read and self._is_missing(stop, meaning) else 1.0,
         )
+        # What was read, and is nowhere here, is not answered by what is only near it.
+        is_near = not read and self._is_missing(stop, meaning)
+        return replace(told, strictness=IN_SPITE, doubt=choice.evidence) if is_near else told
 
     def _is_missing(self, stop: Stop, meaning: Meaning) -> bool:
         """“The swimming pool” is no place that has to do with water: what is read in full, and is not here."""
@@ -263,8 +264,8 @@ class EmbeddedScorer:
 
     def _is_missing_brand(self, stop: Stop, meaning: Meaning) -> bool:
         """Whether a brand is asked for that is not here, and nothing else: no other place is meant."""
-        brands = set(self._signs.brands_in(stop.what).values())
-        is_lacking = bool(brands) and brands.isdisjoint(self._index.phrase_of)
+        brands = self._signs.brands_in(stop.what).values()
+        is_lacking = bool(brands) and self._index.phrase_of.keys().isdisjoint(brands)
         return is_lacking and not any(weight >= _READ for _, weight in meaning.wanted)
 
     def _by_the_board(self, stop: Stop, meaning: Meaning, ignored: tuple[str, ...]) -> Served | None:
