@@ -67,3 +67,9 @@ def test_a_guess_is_as_sure_on_a_map_of_many_numbered_boards_as_on_one_of_few() 
 def test_a_map_without_places_has_no_guess() -> None:
     assert found("bread", ("Danger High Voltage",)) == [None]
     assert found("bread", ()) == [None]
+
+
+def test_what_is_read_and_not_here_is_answered_where_words_are_sure() -> None:
+    boards = ("Cloakroom", "Canteen", "Toilets", "Lift", "Packing", "Loading Dock")
+    assert found("my parka is soaked, where can I leave it", boards) == ["Cloakroom"]
+    assert found("is there a swimming pool?", ("Water Dispenser", *boards)) == [None]
