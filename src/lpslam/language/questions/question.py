@@ -262,26 +262,7 @@ class _Reading:
                     said.want(
                         span, concept, weight * (ASIDE if is_aside and has_main else _importance(concept, knowledge))
                     )
-            if span.value.role == "means" and not is_refused:
-                for concept in self._within(span):
-                    said.want(span, concept, ASIDE if is_aside and has_main else MAIN)
         return said
-
-    def _within(self, span: Span[Meaning]) -> Sequence[str]:
-        """Rooms and shelves that words within a phrase name and that sell the same: the tap of “my tap is dripping”."""
-        knowledge = self._knowledge
-        if span.end - span.start < 2:
-            return ()
-        sold = {seller for concept, _ in span.value.concepts for seller in knowledge.offers.get(concept, ())}
-        units, tables = self._units[span.start : span.end], knowledge.tables_of(self._language)
-        found = (each for piece in (units[1:], units[:-1]) for each in longest_phrases(piece, tables))
-        inner = [each for each in found if each.value.role == "means"]
-        return [
-            concept
-            for each in inner
-            for concept, _ in each.value.concepts
-            if knowledge.family(concept) and not sold.isdisjoint(knowledge.offers.get(concept, ()))
-        ]
 
     def _settle(self, said: _Said) -> None:
         """Tell what is truly refused from what is only named beside it."""
