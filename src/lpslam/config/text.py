@@ -36,6 +36,10 @@ class SpottingConfig(Section):
     min_letter_height: float = Field(default=10.0, ge=0)
     # Widest rectified line, pixels at 48 pixels high; longer lines are squeezed.
     max_line_width: int = Field(default=1280, ge=48)
+    # Widths of a letter, in its heights, below which a line is read again as wide as letters are from straight ahead:
+    # the network takes a step every sixth of the height, and a letter needs two.
+    narrow_letters: float = Field(default=0.3, ge=0)
+    widened_letters: float = Field(default=0.45, gt=0)
     # Lines recognised at once.
     recognition_batch: int = Field(default=4, ge=1)
     # Texts surer than this are kept (0 to 1); below it most are texture.

@@ -67,6 +67,21 @@ def test_a_slanted_sign_is_rectified(spotter: PaddleSpotter) -> None:
         assert [each.text for each in spot(spotter, np.asarray(view, np.uint8), CONFIG)] == ["WASHROOM"]
 
 
+def test_letters_that_are_narrow_because_they_are_seen_aslant_are_read() -> None:
+    words = ["GULLS AND TERNS", "MILLINERY HALL", "ILLUSTRATED", "WILLIAM TELL", "KITTEN SUPPLIES", "PARALLEL LIVES"]
+    right = []
+    for narrow in (0.0, CONFIG.narrow_letters):
+        reader, read = PaddleSpotter(CONFIG.model_copy(update={"narrow_letters": narrow})), []
+        for word in words:
+            (width, height), _ = cv2.getTextSize(word, cv2.FONT_HERSHEY_DUPLEX, 2.0, 4)
+            squeezed = cv2.resize(painted((word, 20, 120, 2.0)), None, fx=0.3, fy=1.0, interpolation=cv2.INTER_AREA)
+            end, top, bottom = 0.3 * (30 + width), 110.0 - height, 135.0
+            box = np.array([[3.0, top], [end, top], [end, bottom], [3.0, bottom]])
+            read.append(reader.recognise(squeezed, box[None])[0].text)
+        right.append(sum(comparison_key(each) == comparison_key(word) for each, word in zip(read, words, strict=True)))
+    assert right[1] >= right[0] + 4
+
+
 def test_an_empty_wall_has_no_text(spotter: PaddleSpotter) -> None:
     boxes, scores = spotter.detect(painted())
     assert boxes.shape == (0, 4, 2)

@@ -36,6 +36,16 @@ class TextRecogniser:
     def recognise(self, rgb: NDArray[np.uint8], boxes: Boxes) -> list[Recognition]:
         """Read (n, 4, 2) boxes of an (h, w, 3) image."""
         lines = [rectify(rgb, box, self._config.max_line_width) for box in boxes]
+        results = self._read(lines)
+        narrow = [row for row, read in enumerate(results) if self._is_narrow(lines[row], read.text)]
+        widened = self._read([self._widened(lines[row], results[row].text) for row in narrow])
+        for row, read in zip(narrow, widened, strict=True):
+            if read.confidence >= results[row].confidence:
+                results[row] = read._replace(sharpness=results[row].sharpness)
+        return results
+
+    def _read(self, lines: Sequence[NDArray[np.uint8]]) -> list[Recognition]:
+        """Read upright lines (48, w, 3)."""
         results = [Recognition("", 0.0)] * len(lines)
         for batch in self._batches([_padded(line.shape[1]) for line in lines]):
             probabilities = self._network.infer(_stack([lines[index] for index in batch]))
@@ -44,6 +54,16 @@ class TextRecogniser:
                 text = without_emblems(lines[index], read.text)
                 results[index] = read._replace(text=text, sharpness=edge_sharpness(lines[index]))
         return results
+
+    def _is_narrow(self, line: NDArray[np.uint8], text: str) -> bool:
+        """Whether the letters that were read in a line are so narrow that the network has too few steps for each."""
+        return line.shape[1] < self._config.narrow_letters * _LINE_HEIGHT * len(text)
+
+    def _widened(self, line: NDArray[np.uint8], text: str) -> NDArray[np.uint8]:
+        """A line of narrow letters, as wide as letters are that are seen from straight ahead; twice as wide at most."""
+        wanted = round(self._config.widened_letters * _LINE_HEIGHT * len(text))
+        width = min(wanted, 2 * line.shape[1], self._config.max_line_width)
+        return np.asarray(cv2.resize(line, (width, _LINE_HEIGHT), interpolation=cv2.INTER_CUBIC), dtype=np.uint8)
 
     def _batches(self, widths: Sequence[int]) -> Iterator[list[int]]:
         """Group lines of equal padded width: then none is computed wider than it is, or reads otherwise in company."""
