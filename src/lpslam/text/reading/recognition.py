@@ -57,7 +57,7 @@ class TextRecogniser:
 
     def _is_narrow(self, line: NDArray[np.uint8], text: str) -> bool:
         """Whether the letters that were read in a line are so narrow that the network has too few steps for each."""
-        return line.shape[1] < self._config.narrow_letters * _LINE_HEIGHT * len(text)
+        return bool(line.shape[1] < self._config.narrow_letters * _LINE_HEIGHT * len(text))
 
     def _widened(self, line: NDArray[np.uint8], text: str) -> NDArray[np.uint8]:
         """A line of narrow letters, as wide as letters are that are seen from straight ahead; twice as wide at most."""
