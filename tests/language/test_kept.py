@@ -54,6 +54,19 @@ def test_files_are_the_users_alone(tmp_path: Path) -> None:
         assert path.parent.stat().st_mode & 0o077 == 0
 
 
+@pytest.mark.skipif(os.name != "posix", reason="pipes and owners are POSIX's")
+def test_a_pipe_and_somebody_elses_file_are_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    kept("thing", b"", lambda: 1)
+    (path,) = written(tmp_path)
+    path.unlink()
+    os.mkfifo(path)
+    assert kept("thing", b"", lambda: 2) == 2
+    assert kept("thing", b"", lambda: 3) == 2
+    with monkeypatch.context() as another:
+        another.setattr(os, "geteuid", lambda: 12345)
+        assert kept("thing", b"", lambda: 4) == 4
+
+
 def test_a_folder_that_is_none_does_no_harm(tmp_path: Path) -> None:
     (tmp_path / "lpslam").write_text("a file")
     assert kept("thing", b"", lambda: 5) == 5

@@ -7,6 +7,7 @@ its value is made of, the tables and the program among it; one that cannot be re
 import hashlib
 import marshal
 import os
+import stat
 import sys
 import tempfile
 import zlib
@@ -50,7 +51,7 @@ def kept(name: str, made_of: bytes, make: Callable[[], Any]) -> Any:
         return make()
     path = folder / "made" / f"{name}-{hashlib.sha256(_program() + made_of).hexdigest()[:32]}"
     with suppress(OSError, ValueError, EOFError, TypeError):
-        data = path.read_bytes()
+        data = _own(path)
         if zlib.crc32(data[_SUM:]) == int.from_bytes(data[:_SUM], "big"):
             return marshal.loads(data[_SUM:])
     value = make()
@@ -65,8 +66,21 @@ def _program() -> bytes:
     """What tells this version of the language layer, its tables and Python from others."""
     files = sorted(path for path in _HERE.rglob("*") if path.suffix not in (".pyc", ".md") and path.is_file())
     stats = ((path.relative_to(_HERE), path.stat()) for path in files)
-    told = [f"{path} {stat.st_size} {stat.st_mtime_ns}" for path, stat in stats]
+    told = [f"{path} {about.st_size} {about.st_mtime_ns}" for path, about in stats]
     return "\n".join([str(sys.implementation.cache_tag), sys.version, *told]).encode()
+
+
+def _own(path: Path) -> bytes:
+    """What a file of this user's holds: values are read as code is, so nobody else's are.
+
+    Raises:
+        OSError: it is not there, is a pipe or a device, or somebody else's.
+    """
+    with open(path, "rb", opener=lambda name, flags: os.open(name, flags | getattr(os, "O_NONBLOCK", 0))) as file:
+        is_ours = not hasattr(os, "geteuid") or os.fstat(file.fileno()).st_uid == os.geteuid()
+        if not stat.S_ISREG(os.fstat(file.fileno()).st_mode) or not is_ours:
+            raise OSError("no file of this user's")
+        return file.read()
 
 
 def _write(path: Path, data: bytes) -> None:
@@ -88,7 +102,7 @@ def _forget(folder: Path) -> None:
     """Leave the newest files."""
     left = _MOST_BYTES
     stats = ((path, path.stat()) for path in folder.iterdir())
-    for path, stat in sorted(stats, key=lambda each: -each[1].st_mtime_ns):
-        left -= stat.st_size
+    for path, about in sorted(stats, key=lambda each: -each[1].st_mtime_ns):
+        left -= about.st_size
         if left < 0:
             path.unlink(missing_ok=True)
