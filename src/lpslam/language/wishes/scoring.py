@@ -301,7 +301,15 @@ class EmbeddedScorer:
             return None
         found = self._guesses.support.of(stop.what, self._language(stop, meaning), scores)
         kept = self._identities.of_the_number(stop.what, self._not_otherwise(stop, found.scores))
+        if not scores and self._is_missing(stop, meaning):
+            # A place to eat that has no pizza by the tables has none by the words of the question.
+            general = [kind for kind, _ in meaning.wanted if kind in self._knowledge.general]
+            kept = {id_: score for id_, score in kept.items() if not self._serves_any(id_, general)}
         return replace(found, scores=kept) if kept else None
+
+    def _serves_any(self, id_: int, kinds: Sequence[str]) -> bool:
+        own = self._index.signs[id_].kinds
+        return any(match(kind, own, self._knowledge) >= FITS for kind in kinds)
 
     def _spoken_for(self, stop: Stop, tables: Ranked, supported: Supported) -> Callable[[int], str]:
         """Why a landmark is chosen: as the tables read the question, else by its words."""
@@ -322,11 +330,7 @@ class EmbeddedScorer:
         if len(scores) < _FEWEST_TO_TELL_APART:
             return scores
         meaning = read_question(without_codes(stop.what), self._knowledge)
-        fitting = {
-            id_: score
-            for id_, score in scores.items()
-            if any(match(kind, self._index.signs[id_].kinds, self._knowledge) >= FITS for kind in meaning.main)
-        }
+        fitting = {id_: score for id_, score in scores.items() if self._serves_any(id_, meaning.main)}
         return fitting or scores
 
     def _told_apart(self, stop: Stop, scores: Mapping[int, float]) -> dict[int, float]:
