@@ -42,6 +42,9 @@ class Leaps(Generic[Item]):
         """
         if time <= self._latest:
             return [item], None
+        if self.held is None and time - self._latest <= self._seconds:
+            self._pass(time)
+            return [item], None
         ready: list[Item] = []
         wrong: Item | None = None
         if self.held is not None:

@@ -51,7 +51,7 @@ def checked_depth(depth: object, camera: PinholeCamera) -> NDArray[np.float32]:
     Raises:
         UserError: it is something else.
     """
-    if isinstance(depth, np.ma.MaskedArray):
+    if type(depth) is not np.ndarray and isinstance(depth, np.ma.MaskedArray):
         depth = depth.filled(0)
     if not isinstance(depth, np.ndarray):
         raise UserError(f"the depth image is a {type(depth).__name__}; give a numpy array: numpy.asarray(image)")

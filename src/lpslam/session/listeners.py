@@ -19,12 +19,13 @@ class Listeners:
         # Who dropped the iterator listens no more.
         self._iterators: WeakKeyDictionary[_Steps, asyncio.AbstractEventLoop] = WeakKeyDictionary()
         self._changing = threading.Lock()
-        self._ended = False
+        self._ended = self._listened = False
 
     def listen(self) -> AsyncIterator[Step]:
         """The steps from now on, until `end`; call it in an event loop."""
         steps = _Steps()
         with self._changing:
+            self._listened = True
             if self._ended:
                 steps.put(None)
             else:
@@ -33,7 +34,7 @@ class Listeners:
 
     def tell(self, step: Step | None) -> None:
         """Hand a step on; None ends all."""
-        if not self._iterators and step is not None:
+        if not self._listened and step is not None:
             return
         with self._changing:
             self._ended |= step is None
