@@ -56,7 +56,8 @@ def kept(name: str, made_of: bytes, make: Callable[[], Any]) -> Any:
             return marshal.loads(data[_SUM:])
     value = make()
     with suppress(OSError, ValueError):
-        _write(path, marshal.dumps(value))
+        data = marshal.dumps(value)
+        write_private(path, zlib.crc32(data).to_bytes(_SUM, "big") + data)
         _forget(path.parent)
     return value
 
@@ -83,14 +84,14 @@ def _own(path: Path) -> bytes:
         return file.read()
 
 
-def _write(path: Path, data: bytes) -> None:
-    """Write a file, whole or not at all, for this user alone."""
-    path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+def write_private(path: Path, data: bytes) -> None:
+    """Write a file of a cache, whole or not at all, for this user alone; where that fails, nothing is kept."""
     part: Path | None = None
     try:
+        path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         with tempfile.NamedTemporaryFile(dir=path.parent, prefix="part-", delete=False) as file:
             part = Path(file.name)
-            file.write(zlib.crc32(data).to_bytes(_SUM, "big") + data)
+            file.write(data)
         part.replace(path)
     except OSError:
         if part is not None:

@@ -2,11 +2,12 @@
 
 import hashlib
 import json
-import tempfile
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
+
+from lpslam.language.kept import write_private
 
 
 class AnswerCache:
@@ -38,18 +39,8 @@ class AnswerCache:
         """Write an answer, whole or not at all."""
         if self._folder is None:
             return
-        path = self._path(self._folder, key)
-        part: Path | None = None
-        try:
-            path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-            with tempfile.NamedTemporaryFile("w", encoding="utf-8", dir=path.parent, delete=False) as file:
-                part = Path(file.name)
-                json.dump(answer, file, ensure_ascii=False)
-            part.replace(path)
-        except (OSError, ValueError):
-            if part is not None:
-                with suppress(OSError):
-                    part.unlink(missing_ok=True)
+        with suppress(ValueError):
+            write_private(self._path(self._folder, key), json.dumps(answer, ensure_ascii=False).encode("utf-8"))
 
     def _path(self, folder: Path, key: str) -> Path:
         return folder / key[:2] / f"{key}.json"
