@@ -1,5 +1,7 @@
 """Grouping that looks only at linked pairs gives what grouping that looks at all of them gives."""
 
+import tracemalloc
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -8,6 +10,8 @@ import pytest
 
 from lpslam.config import InstanceConfig
 from lpslam.text.boards import boards as module
+from lpslam.text.boards import overlaps
+from lpslam.text.placing.places import Place
 from small_maps import small_map
 
 
@@ -52,3 +56,29 @@ def module_places(text_class: Any, world: Any) -> Any:
     from lpslam.text.placing.places import places_of_class
 
     return places_of_class(text_class, world.world_from_keyframe, world.text.config.instances, world.text.config.memory)
+
+
+def test_places_far_apart_are_not_compared(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ten thousand boards would be fifty million pairs, and two tables of as many numbers."""
+    places = many_places(2_000)
+    compared = []
+    monkeypatch.setattr(overlaps, "overlap", lambda *pair: compared.append(pair) or 0.0)
+    assert overlaps.without_overlaps(places, InstanceConfig()) == places
+    assert len(compared) < 2 * len(places)
+    tracemalloc.start()
+    assert [[each] for each in places] == module.boards(places, InstanceConfig())
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert most < 10_000 * len(places)
+
+
+def many_places(count: int) -> list[Place]:
+    """One board copied along rows of 40, four metres apart."""
+    world = small_map(["Sign"])
+    (one,) = module_places(world.text.long_term[0], world)
+    return [
+        replace(
+            one, id=each * 1000, name=f"Sign {each}", position=np.array([4.0 * (each % 40), 4.0 * (each // 40), 1.0])
+        )
+        for each in range(count)
+    ]

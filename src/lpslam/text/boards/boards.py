@@ -5,6 +5,7 @@ neighbours; what divides them by all pairs, so that no row of weak links joins w
 number or an address by itself is some board's.
 """
 
+import heapq
 from collections.abc import Sequence
 
 import numpy as np
@@ -12,44 +13,71 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from lpslam.config import InstanceConfig
-from lpslam.text.boards.kinship import CONTACT_ALONE, kinship
+from lpslam.text.boards.kinship import CONTACT_ALONE, Kinship, kinship
 from lpslam.text.boards.roles import Role, role_by_form
 from lpslam.text.placing.places import Place
-
-Array = NDArray[np.float64]
 
 
 def boards(places: Sequence[Place], config: InstanceConfig) -> list[list[Place]]:
     """Group places into boards, in the order of their first id."""
-    count = len(places)
+    kin = _Kin()
     # No pair farther apart is even looked at: it would not be linked, and a city has thousands of texts.
-    link, divide = np.full((count, count), -np.inf), np.zeros((count, count))
     for first, second in _pairs_in_reach(places, config):
         if _are_near(places[first], places[second], config):
-            kin = kinship(places[first], places[second])
-            link[first, second] = link[second, first] = kin.link
-            divide[first, second] = divide[second, first] = kin.divide
+            kin.add(first, second, kinship(places[first], places[second]))
     contacts = np.array([role_by_form(each.name) is Role.CONTACT for each in places], np.bool_)
     # Groups are known by their first place; only those that a pair links can become one.
-    groups = {each: [each] for each in range(count)}
-    kin_of: dict[int, set[int]] = {each: set(np.flatnonzero(np.isfinite(link[each])).tolist()) for each in groups}
-    scores = {(a, b): _log_odds(link, divide, contacts, [a], [b]) for a in groups for b in kin_of[a] if b < a}
-    while scores:
-        # Of equals, those that come first.
-        (a, b), best = max(scores.items(), key=lambda each: (each[1], -each[0][0], -each[0][1]))
-        if best <= 0.0:
+    groups = {each: [each] for each in range(len(places))}
+    kin_of = kin.linked
+    scores = {(a, b): _log_odds(kin, contacts, [a], [b]) for a in sorted(kin_of) for b in kin_of[a] if b < a}
+    # Of equals, those that come first. What has another score by now, or none, is passed over.
+    best = [(-score, *pair) for pair, score in scores.items()]
+    heapq.heapify(best)
+    while best:
+        least, a, b = heapq.heappop(best)
+        if scores.get((a, b)) != -least:
+            continue
+        if least >= 0.0:
             break
         groups[b] += groups.pop(a)
+        for other in kin_of[a]:
+            del scores[max(a, other), min(a, other)]
         around = (kin_of.pop(a) | kin_of[b]) - {a, b}
         kin_of[b] = around
         for other in around:
             kin_of[other] = (kin_of[other] - {a}) | {b}
-        scores = {pair: score for pair, score in scores.items() if a not in pair and b not in pair}
-        for other in around:
             later, earlier = max(b, other), min(b, other)
-            scores[later, earlier] = _log_odds(link, divide, contacts, groups[later], groups[earlier])
+            scores[later, earlier] = _log_odds(kin, contacts, groups[later], groups[earlier])
+            heapq.heappush(best, (-scores[later, earlier], later, earlier))
     found = [[places[row] for row in sorted(group)] for group in groups.values()]
     return sorted(found, key=lambda group: min(each.id for each in group))
+
+
+class _Kin:
+    """What speaks for pairs of places to be one board, and against it; of the other pairs nothing does.
+
+    Attributes:
+        linked: rows of places that are linked with one, by its row.
+    """
+
+    def __init__(self) -> None:
+        self._link: dict[tuple[int, int], float] = {}
+        self._divide: dict[tuple[int, int], float] = {}
+        self.linked: dict[int, set[int]] = {}
+
+    def add(self, first: int, second: int, kin: Kinship) -> None:
+        """Take a pair, the later first."""
+        self._link[first, second], self._divide[first, second] = kin.link, kin.divide
+        if np.isfinite(kin.link):
+            self.linked.setdefault(first, set()).add(second)
+            self.linked.setdefault(second, set()).add(first)
+
+    def between(self, first: list[int], second: list[int]) -> float:
+        """Log odds of two groups to be one: the best link, and what divides on average."""
+        pairs = [[(max(a, b), min(a, b)) for b in second] for a in first]
+        link = max(self._link.get(pair, -np.inf) for row in pairs for pair in row)
+        divide = np.array([[self._divide.get(pair, 0.0) for pair in row] for row in pairs])
+        return float(link + divide.mean())
 
 
 def _pairs_in_reach(places: Sequence[Place], config: InstanceConfig) -> list[tuple[int, int]]:
@@ -62,11 +90,10 @@ def _pairs_in_reach(places: Sequence[Place], config: InstanceConfig) -> list[tup
     return sorted((max(a, b), min(a, b)) for a, b in near.tolist())
 
 
-def _log_odds(link: Array, divide: Array, contacts: NDArray[np.bool_], first: list[int], second: list[int]) -> float:
-    pairs = np.ix_(first, second)
+def _log_odds(kin: _Kin, contacts: NDArray[np.bool_], first: list[int], second: list[int]) -> float:
     # Of two groups that are each of one kind, or have a name already, none needs the other.
     is_needed = bool(contacts[first].all() != contacts[second].all())
-    return float(link[pairs].max() + divide[pairs].mean() + CONTACT_ALONE * is_needed)
+    return float(kin.between(first, second) + CONTACT_ALONE * is_needed)
 
 
 def _are_near(first: Place, second: Place, config: InstanceConfig) -> bool:

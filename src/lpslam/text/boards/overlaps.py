@@ -9,11 +9,14 @@ from collections.abc import Sequence
 
 import numpy as np
 from rapidfuzz import fuzz
+from scipy.spatial import KDTree
 
 from lpslam.config import InstanceConfig
 from lpslam.text.placing.places import Place
 from lpslam.text.remembering.similarity import IDEOGRAPHS, comparison_key, is_fragment
 
+# Metres within which two texts are on one surface: a text that was read wrongly is often placed worse too.
+_SURFACE = 0.25
 # A whole text is believed over its fragment with this share of the fragment's evidence: from near, pieces are read.
 _WHOLE_OVER_FRAGMENT = 0.25
 # Two boxes are the same when each covers this share of the other ...
@@ -30,14 +33,26 @@ _LONG = 1.3
 
 def without_overlaps(places: Sequence[Place], config: InstanceConfig) -> list[Place]:
     """Of places that are one paint, keep the best founded: whole texts over their fragments, else the most evidence."""
-    standing: list[Place] = []
-    for place in sorted(places, key=lambda each: (-each.evidence * len(comparison_key(each.name)), each.id)):
-        rivals = [rival for rival in standing if _are_one_paint(rival, place, config)]
-        if any(not _outranks(place, rival) for rival in rivals):
+    ordered = sorted(places, key=lambda each: (-each.evidence * len(comparison_key(each.name)), each.id))
+    standing: dict[int, Place] = {}
+    for row, (place, near) in enumerate(zip(ordered, _in_reach(ordered), strict=True)):
+        rivals = [each for each in near if each in standing and _are_one_paint(standing[each], place, config)]
+        if any(not _outranks(place, standing[each]) for each in rivals):
             continue
-        standing = [each for each in standing if each not in rivals]
-        standing.append(place)
-    return sorted(standing, key=lambda each: each.id)
+        for each in rivals:
+            del standing[each]
+        standing[row] = place
+    return sorted(standing.values(), key=lambda each: each.id)
+
+
+def _in_reach(places: Sequence[Place]) -> list[list[int]]:
+    """Rows of those that may overlap each place: of any other, some side is farther away than both are wide or high."""
+    if not places:
+        return []
+    positions = np.array([each.position for each in places])
+    reach = np.array([each.width + each.height for each in places]) / 2.0
+    radii = (_SURFACE + reach + reach.max()) * (1.0 + 1e-9) + 1e-9
+    return [sorted(rows) for rows in KDTree(positions).query_ball_point(positions, radii)]
 
 
 def _are_one_paint(first: Place, second: Place, config: InstanceConfig) -> bool:
@@ -105,10 +120,10 @@ def _outranks(place: Place, rival: Place) -> bool:
 def overlap(first: Place, second: Place) -> float:
     """Share of the smaller of two texts that the other covers, seen along the first's normal; 0 if not on one surface.
 
-    Surfaces count as one within a quarter of a metre (a text read wrongly is often placed worse too) and 60 degrees.
+    Surfaces count as one within a quarter of a metre and 60 degrees.
     """
     across = second.position - first.position
-    if abs(across @ first.normal) > 0.25 or first.normal @ second.normal < 0.5:
+    if abs(across @ first.normal) > _SURFACE or first.normal @ second.normal < 0.5:
         return 0.0
     return _covered(first, across, (first.width, first.height), (second.width, second.height))
 
