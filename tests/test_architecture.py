@@ -1,6 +1,7 @@
 """The arrows between packages (docs/architecture.md) hold, and a start stays light."""
 
 import ast
+import os
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -9,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import lpslam
+from small_maps import small_map
 
 PACKAGE = Path(lpslam.__file__).parent
 FOUNDATION = {
@@ -100,7 +102,7 @@ ALLOWED: dict[str, set[str]] = {
         *("cli_checks", "cli_options", "cli_runs", "cli_serving", "cli_sources", "cli_watching"),
     },
     "cli": {
-        *("language", "mapfile", "pipeline", "evaluation", "views"),
+        *("language", "mapfile", "navigation.known", "pipeline", "evaluation", "views"),
         *(
             "cli_calibrate",
             "cli_checks",
@@ -199,6 +201,27 @@ print(*[name for name in {HEAVY!r} if name in sys.modules])
 """
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == ""
+
+
+def test_a_map_that_was_asked_before_is_asked_without_what_makes_maps(tmp_path: Path) -> None:
+    small_map().save(tmp_path / "mall.lpmap")
+    script = f"""
+import sys
+sys.argv = ["lpslam", "ask", {str(tmp_path / "mall.lpmap")!r}, "Where can I get a coffee?"]
+import lpslam.cli
+lpslam.cli.main()
+print(*[name for name in {HEAVY!r} if name in sys.modules])
+"""
+    environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path / "cache")}
+    first, again = (
+        subprocess.run(
+            [sys.executable, "-c", script], capture_output=True, text=True, check=True, env=environment
+        ).stdout
+        for _ in range(2)
+    )
+    assert first.startswith("Starbucks")
+    assert again.splitlines()[:-1] == first.splitlines()[:-1]
+    assert again.splitlines()[-1] == ""
 
 
 def test_public_names_are_those_that_are_promised() -> None:

@@ -3,7 +3,7 @@
 import json
 import os
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -134,18 +134,17 @@ def ask(
 
     At the prompt, or from a pipe with a question a line, "and another one?" means what was asked before.
     """
-    from lpslam.cli_ground import Guide
     from lpslam.errors import UserError
     from lpslam.language.registry import language_model
-    from lpslam.mapfile.language_map import LanguageMap
+    from lpslam.navigation.known import known_in
     from lpslam.views.answers import answer_record
     from lpslam.views.dialogue import Dialogue, parsed_place, questions
 
     position, heading = parsed_place(place) if place is not None else (None, None)
     settings = config_of(config)
     language = language_model(llm, settings.language)
-    world = LanguageMap.load(map_file)
-    dialogue, guide = Dialogue(world, language, position, heading, settings), Guide(world, settings)
+    dialogue = Dialogue(known_in(map_file), language, position, heading, settings)
+    guide = _guide_in(map_file, settings) if way else None
     longest = settings.language.question_length
     for text in questions() if question is None else (question,):
         if len(text) > longest:
@@ -158,13 +157,21 @@ def ask(
             say(str(error))
             continue
         if as_json:
-            record = {**answer_record(answer), **(guide.record(answer) if way else {})}
+            record = {**answer_record(answer), **(guide.record(answer) if guide is not None else {})}
             print(json.dumps(record, ensure_ascii=False, indent=1 if question is not None else None))
         else:
             print(dialogue.said(answer, understood=why), flush=True)
-            if way:
+            if guide is not None:
                 print(guide.said(answer), flush=True)
     say_usage(language)
+
+
+def _guide_in(map_file: Path, settings: Any) -> Any:
+    """What tells the way in a map. Its ground is most of what a map file holds; without a way nothing of it is read."""
+    from lpslam.cli_ground import Guide
+    from lpslam.mapfile.language_map import LanguageMap
+
+    return Guide(LanguageMap.load(map_file), settings)
 
 
 @app.command()

@@ -38,18 +38,19 @@ def user_cache_folder() -> Path | None:
     return home / ".cache" / "lpslam"
 
 
-def kept(name: str, made_of: bytes, make: Callable[[], Any]) -> Any:
+def kept(name: str, made_of: bytes, make: Callable[[], Any], program: Path = _HERE) -> Any:
     """Return what `make` returns, from the cache if it is there.
 
     Args:
         name: of what is made; a word.
         made_of: what it is made of beside the tables and the program.
         make: returns plain values, alike in every process.
+        program: the folder of all that makes it; the language layer without.
     """
     folder = user_cache_folder()
     if folder is None:
         return make()
-    path = folder / "made" / f"{name}-{hashlib.sha256(_program() + made_of).hexdigest()[:32]}"
+    path = folder / "made" / f"{name}-{hashlib.sha256(_program(program) + made_of).hexdigest()[:32]}"
     with suppress(OSError, ValueError, EOFError, TypeError):
         data = _own(path)
         if zlib.crc32(data[_SUM:]) == int.from_bytes(data[:_SUM], "big"):
@@ -62,11 +63,11 @@ def kept(name: str, made_of: bytes, make: Callable[[], Any]) -> Any:
     return value
 
 
-@lru_cache(maxsize=1)
-def _program() -> bytes:
-    """What tells this version of the language layer, its tables and Python from others."""
-    files = sorted(path for path in _HERE.rglob("*") if path.suffix not in (".pyc", ".md") and path.is_file())
-    stats = ((path.relative_to(_HERE), path.stat()) for path in files)
+@lru_cache
+def _program(folder: Path) -> bytes:
+    """What tells this version of a part of the program, its tables and Python from others."""
+    files = sorted(path for path in folder.rglob("*") if path.suffix not in (".pyc", ".md") and path.is_file())
+    stats = ((path.relative_to(folder), path.stat()) for path in files)
     told = [f"{path} {about.st_size} {about.st_mtime_ns}" for path, about in stats]
     return "\n".join([str(sys.implementation.cache_tag), sys.version, *told]).encode()
 

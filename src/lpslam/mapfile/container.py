@@ -123,6 +123,17 @@ def read_map_file(path: Path | str) -> MapContents:
     return contents
 
 
+def identity_of(path: Path | str) -> bytes:
+    """What tells a map's content from any other's: names, sizes and checksums of all that it holds.
+
+    Raises:
+        UserError: as in `read_map_file`, but of what only reading to the end shows.
+    """
+    with _opened(Path(path)) as (archive, _):
+        members = [(member.filename, member.file_size, member.CRC) for member in archive.infolist()]
+    return repr(members).encode()
+
+
 def read_manifest(path: Path | str) -> dict[str, Any]:
     """Read only what the map says of itself; errors as in `read_map_file`."""
     with _opened(Path(path)) as (_, manifest):

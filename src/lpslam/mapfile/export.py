@@ -8,19 +8,21 @@ from contextlib import suppress
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from lpslam._version import __version__
 from lpslam.errors import UserError
-from lpslam.mapfile.language_map import LanguageMap
 from lpslam.mapfile.point_cloud import write_ply
 from lpslam.text.correcting.corrections import Correction, Corrections, Kind
 from lpslam.text.types import Landmark, LandmarkLine
 
+if TYPE_CHECKING:
+    from lpslam.mapfile.language_map import LanguageMap
+
 _FRAME = "camera optical frame (x right, y down, z forward) in the map frame (z up), metres"
 
 
-def export_map(world: LanguageMap, folder: Path) -> list[Path]:
+def export_map(world: "LanguageMap", folder: Path) -> list[Path]:
     """Write trajectory.txt, keyframes.txt, landmarks.json and cloud.ply.
 
     Returns:
@@ -66,7 +68,7 @@ def write_whole(folder: Path, writers: Mapping[str, Callable[[Path], object]]) -
     return [folder / name for name in writers]
 
 
-def _write_landmarks(world: LanguageMap, path: Path) -> None:
+def _write_landmarks(world: "LanguageMap", path: Path) -> None:
     listed = {
         "format": "lpslam landmarks",
         "version": 1,
@@ -78,13 +80,13 @@ def _write_landmarks(world: LanguageMap, path: Path) -> None:
     path.write_text(json.dumps(listed, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
 
 
-def _write_cloud(world: LanguageMap, path: Path) -> None:
+def _write_cloud(world: "LanguageMap", path: Path) -> None:
     """What keyframes saw, in its colours; the map's points where nothing was kept."""
     points, colours = world.coloured_cloud()
     write_ply(path, *((points, colours) if len(points) else (world.cloud(), None)))
 
 
-_FILES: dict[str, Callable[[LanguageMap, Path], None]] = {
+_FILES: dict[str, Callable[["LanguageMap", Path], None]] = {
     "trajectory.txt": lambda world, path: world.frame_poses().to_tum_file(path, [f"every tracked frame: {_FRAME}"]),
     "keyframes.txt": lambda world, path: world.keyframe_poses().to_tum_file(path, [f"keyframes: {_FRAME}"]),
     "landmarks.json": _write_landmarks,

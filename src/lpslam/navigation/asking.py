@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,11 +13,14 @@ from lpslam.language.model import Choice, LanguageModel
 from lpslam.language.offline import embedded_model
 from lpslam.language.sanitise import clean_text
 from lpslam.language.wishes.form import Wish
-from lpslam.mapfile.language_map import LanguageMap
 from lpslam.navigation.answering import answer_wish
 from lpslam.navigation.directory import Directory
+from lpslam.navigation.known import known_of
 from lpslam.navigation.places import Here
 from lpslam.text.types import Landmark
+
+if TYPE_CHECKING:
+    from lpslam.mapfile.language_map import LanguageMap
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,7 +62,7 @@ class Answer:
 
 
 def ask(
-    world: LanguageMap,
+    world: "LanguageMap",
     question: str,
     *,
     language: LanguageModel | None = None,
@@ -85,9 +89,9 @@ def ask(
     Raises:
         UserError: the question is empty.
     """
-    view = last_view(world.frame_poses().world_from_camera)
-    known = Directory(world.landmarks(), config.navigation if config is not None else None)
-    return answer(question, known, view, language, position, heading, excluded, history)
+    known = known_of(world)
+    directory = Directory(known.landmarks, config.navigation if config is not None else None)
+    return answer(question, directory, known.view, language, position, heading, excluded, history)
 
 
 def answer(
@@ -137,11 +141,3 @@ def answer(
     return Answer(
         question, chosen, distance, choice, others, here, heading, known.names[chosen.name], solution.wish, stops
     )
-
-
-def last_view(poses: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
-    """Where the camera was last, (3,) map frame, and its heading in radians; the origin before any of (n, 4, 4)."""
-    if not len(poses):
-        return np.zeros(3), 0.0
-    forward = poses[-1][:3, 2]
-    return poses[-1][:3, 3], float(np.arctan2(forward[1], forward[0]))

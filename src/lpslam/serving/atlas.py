@@ -14,8 +14,8 @@ from lpslam.errors import LpSlamError, UserError
 from lpslam.language.sanitise import clean_text
 from lpslam.mapfile.export import landmark_record
 from lpslam.mapfile.language_map import LanguageMap
-from lpslam.navigation.asking import last_view
 from lpslam.navigation.directory import Directory
+from lpslam.navigation.known import last_view
 from lpslam.serving.map_files import file_version, map_name, read_version
 
 

@@ -19,8 +19,9 @@ from lpslam.language.model import LanguageModel
 from lpslam.language.offline import OfflineModel
 from lpslam.mapfile.compatibility import refuse_other_camera
 from lpslam.mapfile.language_map import LanguageMap
-from lpslam.navigation.asking import Answer, answer, last_view
+from lpslam.navigation.asking import Answer, answer
 from lpslam.navigation.directory import Directory
+from lpslam.navigation.known import last_view
 from lpslam.session.announcing import AnnouncingMapper
 from lpslam.session.checks import checked_colour, checked_depth, checked_time, refuse_no_camera, refuse_no_metres
 from lpslam.session.copying import copied, poses_now

@@ -6,7 +6,7 @@ from typing import Any
 from lpslam.language.questions.phrasing import Phrases, answer_language, phrases_in
 from lpslam.language.wishes.form import LISTED
 from lpslam.mapfile.export import landmark_record
-from lpslam.pipeline import Answer
+from lpslam.navigation.asking import Answer
 from lpslam.text.types import Landmark
 from lpslam.views.drawable import printable
 

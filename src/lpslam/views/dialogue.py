@@ -9,14 +9,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam import pipeline
 from lpslam.config import Config
 from lpslam.errors import UserError
 from lpslam.language.model import Converses, LanguageModel
 from lpslam.language.questions.follow_up import follow_up
-from lpslam.mapfile.language_map import LanguageMap
+from lpslam.navigation.asking import Answer, answer
+from lpslam.navigation.directory import Directory
+from lpslam.navigation.known import Known
 from lpslam.navigation.places import FARTHEST
-from lpslam.pipeline import Answer
 from lpslam.views.answers import answer_text
 
 _PROMPT = "? "
@@ -28,13 +28,14 @@ class Dialogue:
 
     def __init__(
         self,
-        world: LanguageMap,
+        known: Known,
         language: LanguageModel,
         position: NDArray[np.float64] | None = None,
         heading: float | None = None,
         config: Config | None = None,
     ) -> None:
-        self._world, self._language, self._config = world, language, config
+        self._directory = Directory(known.landmarks, config.navigation if config is not None else None)
+        self._view, self._language = known.view, language
         self._position, self._heading = position, heading
         self._before: str | None = None
         self._history: tuple[tuple[str, str], ...] = ()
@@ -51,20 +52,20 @@ class Dialogue:
         # A model that converses is told what was said before; for the embedded one the question is written in full.
         read = follow_up(text, None if converses else self._before)
         named = self._named if read.keeps else frozenset()
-        answer = pipeline.ask(
-            self._world,
+        given = answer(
             read.question,
-            language=self._language,
-            position=self._position,
-            heading=self._heading,
+            self._directory,
+            self._view,
+            self._language,
+            self._position,
+            self._heading,
             excluded=named,
             history=self._history,
-            config=self._config,
         )
-        self._history += ((text, "" if answer.landmark is None else answer.landmark.name),)
+        self._history += ((text, "" if given.landmark is None else given.landmark.name),)
         self._before, self._language_said, self._is_further = read.question, read.language, bool(named)
-        self._named = named if answer.landmark is None else named | {answer.landmark.id}
-        return answer
+        self._named = named if given.landmark is None else named | {given.landmark.id}
+        return given
 
     def said(self, answer: Answer, *, understood: bool = False) -> str:
         """The last answer as text, in the language of the question; first what was `understood`, if wanted."""

@@ -11,6 +11,7 @@ from lpslam.language.offline import OfflineModel
 from lpslam.language.questions.follow_up import follow_up
 from lpslam.language.questions.phrasing import answer_language, phrases_in
 from lpslam.mapfile.language_map import LanguageMap
+from lpslam.navigation.known import known_of
 from lpslam.poses import StampedPoses
 from lpslam.text.types import Landmark
 from lpslam.views.answers import answer_record
@@ -53,7 +54,7 @@ MALL = [
 
 
 def dialogue(signs: list[tuple[str, float, float]] | None = None, **place: Any) -> Dialogue:
-    return Dialogue(cast(LanguageMap, World(MALL if signs is None else signs)), OfflineModel(), **place)
+    return Dialogue(known_of(cast(LanguageMap, World(MALL if signs is None else signs))), OfflineModel(), **place)
 
 
 def names(talk: Dialogue, *texts: str) -> list[str | None]:

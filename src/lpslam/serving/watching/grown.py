@@ -10,8 +10,8 @@ from lpslam.camera import PinholeCamera
 from lpslam.config import Config
 from lpslam.ground.grid import build_grid
 from lpslam.ground.scans import Scans, room_from_above
-from lpslam.navigation.asking import last_view
 from lpslam.navigation.directory import Directory
+from lpslam.navigation.known import last_view
 from lpslam.page.growing import GrowingPoints
 from lpslam.page.pictures import RoomPicture, picture_of
 from lpslam.serving.watching.wire import Ground, Signs
