@@ -33,7 +33,7 @@ def test_what_is_missing_is_compiled_beside_and_kept(tmp_path: Path) -> None:
         # One small kernel stands for all, which take twenty seconds.
         "small = 'import numpy; from lpslam.slam.kernels.geometry import logarithm; logarithm(numpy.eye(4))'\n"
         "warm_up._HELPERS = (small,)\n"
-        "for run in ('run_adjustment', 'run_tracking', 'run_mapping', 'run_everything'):\n"
+        "for run in ('run_adjustment', 'run_tracking', 'run_mapping', 'run_seldom', 'run_everything'):\n"
         "    setattr(warm_up, run, lambda: None)\n"
         "print(warm_up.warm_up(print))\n"
     )
@@ -81,3 +81,27 @@ def test_processes_that_cannot_start_or_fail_are_done_without(monkeypatch: pytes
     for executable in ("/nonexistent/python", "", sys.executable):
         monkeypatch.setattr(sys, "executable", executable)
         warm_up.compile_beside()
+
+
+def test_no_kernel_is_left_for_a_frame_to_wait_for() -> None:
+    script = (
+        "import inspect, sys\n"
+        "from numba.core.dispatcher import Dispatcher\n"
+        "from lpslam.slam.warm_up import warm_up\n"
+        "warm_up(print)\n"
+        "inside = 'lpslam.slam.kernels.'\n"
+        "used = set()\n"
+        "for name, module in list(sys.modules.items()):\n"
+        "    if not name.startswith('lpslam.slam.') or name.startswith(inside):\n"
+        "        continue\n"
+        "    text = inspect.getsource(module)\n"
+        "    for key, value in vars(module).items():\n"
+        "        if isinstance(value, Dispatcher):\n"
+        "            used.add(value)\n"
+        "        elif getattr(value, '__name__', '').startswith(inside):\n"
+        "            named = {n: k for n, k in vars(value).items() if isinstance(k, Dispatcher)}\n"
+        "            used |= {k for n, k in named.items() if f'{key}.{n}(' in text}\n"
+        "print(len(used) > 40, [each.__name__ for each in used if not each.signatures])\n"
+    )
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert run.stdout.splitlines()[-1] == "True []"

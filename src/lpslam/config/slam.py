@@ -154,6 +154,7 @@ class SurfaceConfig(Section):
     width: int = Field(default=160, ge=16)  # pixels across; noise of the shades is averaged, slopes of depth stay
     around: float = Field(default=4.0, gt=0)  # pixels; shades that change more slowly are the light's and the lens's
     steps: int = Field(default=15, ge=1)  # of Gauss-Newton at most
+    settled: float = Field(default=0.05, gt=0)  # sigmas of what images say; a smaller step is the last one
     edge: float = Field(default=0.1, gt=0)  # of the depth; neighbours that differ by more are of two surfaces
     guess_speed: float = Field(default=0.3, gt=0)  # m/s; sigma of the guess, which fills in what images do not say
     guess_turn: float = Field(default=0.5, gt=0)  # rad/s; the same of its turn
@@ -186,7 +187,7 @@ class PictureConfig(Section):
     enabled: bool = True
     longest_gap: float = Field(default=1.0, gt=0)  # seconds between two keyframes; images of more share too little
     judged_first: int = Field(default=16, ge=1)  # ways round three keyframes that are looked at before ...
-    judged_every: int = Field(default=8, ge=2)  # ... only one in so many keyframes: an alignment costs 9 ms
+    judged_every: int = Field(default=8, ge=2)  # ... only one in so many keyframes: an alignment costs 5 ms
     most_disagreement: float = Field(default=150.0, gt=0)  # χ² with the map; for more, most pixels must agree ...
     unusual: float = Field(default=1.75, gt=1)  # ... and differ by less than so many times the ...
     remembered_steps: int = Field(default=30, ge=1)  # ... median of the newest steps that it did not deny

@@ -16,21 +16,25 @@ from lpslam.frames import RgbdFrame
 from lpslam.slam.features import Features
 from lpslam.slam.kernels import bundle, graph, matching
 from lpslam.slam.kernels.geometry import median
+from lpslam.slam.kernels.pose import no_prior, prior_chi2
+from lpslam.slam.kernels.rays import measure_inverse
 from lpslam.slam.map import SlamMap
 from lpslam.slam.mapping.far_points import FarPoints
 from lpslam.slam.mapping.local_mapping import LocalMapper
 from lpslam.slam.mapping.whole_pictures import WholePictures
 from lpslam.slam.places.index import PlaceIndex
 from lpslam.slam.places.loop_correction import LoopCorrector, Tie
+from lpslam.slam.ranges.curve import DepthCurve
 from lpslam.slam.ranges.learning import DepthRanges
 from lpslam.slam.sensor import SensorModel
+from lpslam.slam.shutter.readout import Correspondences, readout_between
 from lpslam.slam.shutter.straightening import RollingShutter
 from lpslam.slam.system import RgbdSlam
 
 # What two more processes run, each on its core; a kernel that none of these runs reaches is compiled here, afterwards.
 _HELPERS = (
     "from lpslam.slam.warm_up import run_adjustment, run_tracking; run_adjustment(); run_tracking()",
-    "from lpslam.slam.warm_up import run_mapping; run_mapping()",
+    "from lpslam.slam.warm_up import run_mapping, run_seldom; run_mapping(); run_seldom()",
 )
 
 # LLVM's level of optimisation: the first compiles in two thirds of the time of the third, and the kernels, written as
@@ -58,6 +62,7 @@ def warm_up(announce: Callable[[str], None]) -> float:
         run_adjustment()
         run_tracking()
         run_mapping()
+        run_seldom()
         run_everything()
     return time.perf_counter() - started
 
@@ -171,6 +176,20 @@ def run_mapping() -> None:
     gone = int(slam_map.living_keyframes()[-1])
     places.remove(gone)
     slam_map.remove_keyframe(gone)
+
+
+def run_seldom() -> None:
+    """What made-up frames do not reach: rows read one after the other, depth by its range, points of rays, priors."""
+    sensor = SensorModel.of(_camera(), SlamConfig())
+    count, still = 8, np.zeros(6)
+    pixels, depth = np.full((count, 2), 100.0, np.float32), np.full(count, 2.0, np.float32)
+    information = np.ones(count, np.float32)
+    readout_between(Correspondences(pixels, depth, still, pixels, still, information), np.eye(4), 0.0, sensor)
+    DepthCurve(np.array([0.0, 0.1, 0.3]), 0.125).true(depth)
+    ahead = np.tile((0.0, 0.0, 1.0), (count, 1))
+    from_anchor = np.tile(np.eye(4), (count, 1, 1))
+    measure_inverse(from_anchor, ahead, pixels, information, np.ones(count), np.ones(count), sensor.intrinsics)
+    prior_chi2(np.eye(4), no_prior())
 
 
 def run_everything() -> None:

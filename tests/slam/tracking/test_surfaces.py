@@ -186,12 +186,12 @@ def test_depth_has_no_slope_across_an_edge() -> None:
     image = np.stack([np.zeros((20, 30), np.float32), np.full((20, 30), 1.0, np.float32)])
     image[1, :, 15:] = 2.0
     image[1, 5, 5] = 0.0
-    smooth = sloped(image, 0.1)[3]
+    smooth = sloped(image, 0.1)[..., 3]
     assert np.isnan(smooth[:, 14:16]).all()
     assert np.isnan(smooth[4:7, 4:7]).all()
     assert np.isfinite(smooth[:, 17:]).all()
     ramp = np.stack([np.zeros((20, 30)), 1.0 + 0.01 * np.tile(np.arange(30.0), (20, 1))]).astype(np.float32)
-    assert sloped(ramp, 0.1)[4][1:-1, 1:-1] == pytest.approx(0.01, abs=1e-5)
+    assert sloped(ramp, 0.1)[1:-1, 1:-1, 4] == pytest.approx(0.01, abs=1e-5)
 
 
 # The kernel's derivative ----------------------------------------------------------------------------------------------
@@ -210,7 +210,7 @@ def level_images() -> tuple[np.ndarray, np.ndarray]:
     v, u = np.mgrid[:height, :width].astype(np.float64)
     shades, depth = plane(SHADE_SLOPES, 100.0, u, v), plane(DEPTH_SLOPES, 2.0, u, v)
     flat = [np.full_like(u, slope) for slope in (*SHADE_SLOPES, *DEPTH_SLOPES)]
-    image = np.stack([shades, *flat[:2], depth, *flat[2:]]).astype(np.float32)
+    image = np.stack([shades, *flat[:2], depth, *flat[2:]], axis=-1).astype(np.float32)
     is_inner = np.zeros(u.shape, np.bool_)
     is_inner[RIM:-RIM, RIM:-RIM] = True
     return np.stack([shades, np.where(is_inner, depth, 0.0)]).astype(np.float32), image

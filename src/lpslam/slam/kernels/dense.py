@@ -10,26 +10,17 @@ _HUBER = 1.5
 _AGREES = 3.0
 """Sigmas within which a reading of depth agrees with a pose."""
 
+_NEAREST = 0.05
+"""Metres before the image; what is nearer is not seen."""
+
+_ONE = np.uint64(1)
+
 
 @njit(cache=True, nogil=True, inline="always")
-def _add(
-    hessian: NDArray[np.float64],
-    gradient: NDArray[np.float64],
-    along: tuple[float, float, float],
-    point: tuple[float, float, float],
-    residual: float,
-    sigma: float,
-) -> None:
-    """Add a residual whose derivative by the point is `along`; the pose is moved by a twist from the left."""
-    a, b, c = along
-    x, y, z = point
-    jacobian = (a, b, c, c * y - b * z, a * z - c * x, b * x - a * y)
-    size = abs(residual) / sigma
-    weight = (1.0 if size < _HUBER else _HUBER / size) / (sigma * sigma)
-    for i in range(6):
-        gradient[i] += weight * jacobian[i] * residual
-        for j in range(i, 6):
-            hessian[i, j] += weight * jacobian[i] * jacobian[j]
+def _weight(residual: float, certainty: float) -> float:
+    """Huber's, of a residual with 1/σ."""
+    size = abs(residual) * certainty
+    return (1.0 if size < _HUBER else _HUBER / size) * certainty * certainty
 
 
 @njit(cache=True, nogil=True)
@@ -48,10 +39,10 @@ def align_terms(
 
     Args:
         reference: (2, h, w) grey value and depth in metres, 0 where there is none.
-        image: (6, h, w) grey value, its slope along u and v, depth, its slope along u and v; depth and slopes are not
+        image: (h, w, 6) grey value, its slope along u and v, depth, its slope along u and v; depth and slopes are not
             a number off smooth surfaces.
         intrinsics: fx, fy, cx, cy of both.
-        pose: 4×4 image from reference.
+        pose: 4×4 image from reference; it is moved by a twist from the left.
         brightness: what is added to the image's grey values, and their sigma.
         depth_noise: c in metres and q a metre of σ = c + q z².
         hessian, gradient: (6, 6), of which the upper half is filled, and (6,); overwritten.
@@ -62,43 +53,192 @@ def align_terms(
         How many pixels fell into the image, how many have depth in both, and how many of these agree.
     """
     height, width = reference.shape[1:]
-    fx, fy, cx, cy = intrinsics[0], intrinsics[1], intrinsics[2], intrinsics[3]
-    offset, grey_sigma = brightness
-    hessian[:] = 0.0
-    gradient[:] = 0.0
+    cx, cy, fx, fy = intrinsics[2], intrinsics[3], intrinsics[0], intrinsics[1]
+    across, down, last_u, last_v = 1.0 / fx, 1.0 / fy, width - 1.0, height - 1.0
+    offset, grey_certainty = brightness[0], 1.0 / brightness[1]
+    xx, xy, xz, x0 = pose[0, 0], pose[0, 1], pose[0, 2], pose[0, 3]
+    yx, yy, yz, y0 = pose[1, 0], pose[1, 1], pose[1, 2], pose[1, 3]
+    zx, zy, zz, z0 = pose[2, 0], pose[2, 1], pose[2, 2], pose[2, 3]
     inside = measured = agreeing = 0
-    value = np.empty(6)
+    # Sums in registers and not in arrays: the 27 of a pixel cost more than all else.
+    h00 = h01 = h02 = h11 = h12 = h22 = 0.0
+    h03 = h04 = h05 = h13 = h14 = h15 = h23 = h24 = h25 = 0.0
+    h33 = h34 = h35 = h44 = h45 = h55 = 0.0
+    g0 = g1 = g2 = g3 = g4 = g5 = 0.0
     for row in range(height):
+        slope = (row - cy) * down
         for column in range(width):
             depth = np.float64(reference[1, row, column])
             if depth <= 0.0:
                 continue
-            p, q = (column - cx) / fx * depth, (row - cy) / fy * depth
-            x = pose[0, 0] * p + pose[0, 1] * q + pose[0, 2] * depth + pose[0, 3]
-            y = pose[1, 0] * p + pose[1, 1] * q + pose[1, 2] * depth + pose[1, 3]
-            z = pose[2, 0] * p + pose[2, 1] * q + pose[2, 2] * depth + pose[2, 3]
-            if z < 0.05:
+            p, q = (column - cx) * across * depth, slope * depth
+            x = xx * p + xy * q + xz * depth + x0
+            y = yx * p + yy * q + yz * depth + y0
+            z = zx * p + zy * q + zz * depth + z0
+            if z < _NEAREST:
                 continue
-            u, v = fx * x / z + cx, fy * y / z + cy
-            if not (0.0 <= u < width - 1 and 0.0 <= v < height - 1):
+            by_z = 1.0 / z
+            u_x, v_y = fx * by_z, fy * by_z
+            u, v = u_x * x + cx, v_y * y + cy
+            if not (0.0 <= u < last_u and 0.0 <= v < last_v):
                 continue
-            left, top = int(u), int(v)
+            left, top = np.uint64(u), np.uint64(v)  # unsigned: an index is not looked at for being counted from the end
+            right, low = np.uint64(left + _ONE), np.uint64(top + _ONE)
             right_share, low_share = u - left, v - top
-            for k in range(6):
-                above = image[k, top, left] * (1.0 - right_share) + image[k, top, left + 1] * right_share
-                below = image[k, top + 1, left] * (1.0 - right_share) + image[k, top + 1, left + 1] * right_share
-                value[k] = above * (1.0 - low_share) + below * low_share
-            residual = value[0] + offset - np.float64(reference[0, row, column])
-            residuals[0, inside], residuals[1, inside] = residual, reference[0, row, column]
+            w11 = right_share * low_share
+            w10, w01 = low_share - w11, right_share - w11
+            w00 = 1.0 - right_share - w10
+            shade = (
+                w00 * image[top, left, 0]
+                + w01 * image[top, right, 0]
+                + w10 * image[low, left, 0]
+                + w11 * image[low, right, 0]
+            )
+            a = (
+                w00 * image[top, left, 1]
+                + w01 * image[top, right, 1]
+                + w10 * image[low, left, 1]
+                + w11 * image[low, right, 1]
+            )
+            b = (
+                w00 * image[top, left, 2]
+                + w01 * image[top, right, 2]
+                + w10 * image[low, left, 2]
+                + w11 * image[low, right, 2]
+            )
+            there = (
+                w00 * image[top, left, 3]
+                + w01 * image[top, right, 3]
+                + w10 * image[low, left, 3]
+                + w11 * image[low, right, 3]
+            )
+            grey = np.float64(reference[0, row, column])
+            residual = shade + offset - grey
+            residuals[0, inside], residuals[1, inside] = residual, grey
             inside += 1
-            u_x, u_z, v_y, v_z = fx / z, -fx * x / (z * z), fy / z, -fy * y / (z * z)
-            along = (value[1] * u_x, value[2] * v_y, value[1] * u_z + value[2] * v_z)
-            _add(hessian, gradient, along, (x, y, z), residual, grey_sigma)
-            if value[3] == value[3] and value[4] == value[4]:
-                sigma = depth_noise[0] + depth_noise[1] * z * z
-                residual = value[3] - z
-                measured += 1
-                agreeing += abs(residual) < _AGREES * sigma
-                along = (value[4] * u_x, value[5] * v_y, value[4] * u_z + value[5] * v_z - 1.0)
-                _add(hessian, gradient, along, (x, y, z), residual, sigma)
+            # Both residuals change with the point by (a, b, c); with the twist by that and by the point × that.
+            u_z, v_z = -x * by_z, -y * by_z
+            a, b = a * u_x, b * v_y
+            c = a * u_z + b * v_z
+            weight = _weight(residual, grey_certainty)
+            saa, sab, sac, sbb, sbc, scc = (
+                weight * a * a,
+                weight * a * b,
+                weight * a * c,
+                weight * b * b,
+                weight * b * c,
+                weight * c * c,
+            )
+            weight *= residual
+            ra, rb, rc = weight * a, weight * b, weight * c
+            if there == there:
+                a = (
+                    w00 * image[top, left, 4]
+                    + w01 * image[top, right, 4]
+                    + w10 * image[low, left, 4]
+                    + w11 * image[low, right, 4]
+                )
+                b = (
+                    w00 * image[top, left, 5]
+                    + w01 * image[top, right, 5]
+                    + w10 * image[low, left, 5]
+                    + w11 * image[low, right, 5]
+                )
+                if a == a:
+                    certainty = 1.0 / (depth_noise[0] + depth_noise[1] * z * z)
+                    residual = there - z
+                    measured += 1
+                    agreeing += abs(residual) * certainty < _AGREES
+                    a, b = a * u_x, b * v_y
+                    c = a * u_z + b * v_z - 1.0
+                    weight = _weight(residual, certainty)
+                    saa += weight * a * a
+                    sab += weight * a * b
+                    sac += weight * a * c
+                    sbb += weight * b * b
+                    sbc += weight * b * c
+                    scc += weight * c * c
+                    weight *= residual
+                    ra, rb, rc = ra + weight * a, rb + weight * b, rc + weight * c
+            h00, h01, h02, h11, h12, h22 = h00 + saa, h01 + sab, h02 + sac, h11 + sbb, h12 + sbc, h22 + scc
+            aa, ab, ac = y * sac - z * sab, z * saa - x * sac, x * sab - y * saa
+            ba, bb, bc = y * sbc - z * sbb, z * sab - x * sbc, x * sbb - y * sab
+            ca, cb, cc = y * scc - z * sbc, z * sac - x * scc, x * sbc - y * sac
+            h03, h04, h05 = h03 + aa, h04 + ab, h05 + ac
+            h13, h14, h15 = h13 + ba, h14 + bb, h15 + bc
+            h23, h24, h25 = h23 + ca, h24 + cb, h25 + cc
+            h33, h34, h35 = h33 + y * ca - z * ba, h34 + y * cb - z * bb, h35 + y * cc - z * bc
+            h44, h45, h55 = h44 + z * ab - x * cb, h45 + z * ac - x * cc, h55 + x * bc - y * ac
+            g0, g1, g2 = g0 + ra, g1 + rb, g2 + rc
+            g3, g4, g5 = g3 + y * rc - z * rb, g4 + z * ra - x * rc, g5 + x * rb - y * ra
+    hessian[:] = 0.0
+    hessian[0, 0], hessian[0, 1], hessian[0, 2], hessian[0, 3], hessian[0, 4], hessian[0, 5] = (
+        h00,
+        h01,
+        h02,
+        h03,
+        h04,
+        h05,
+    )
+    hessian[1, 1], hessian[1, 2], hessian[1, 3], hessian[1, 4], hessian[1, 5] = h11, h12, h13, h14, h15
+    hessian[2, 2], hessian[2, 3], hessian[2, 4], hessian[2, 5] = h22, h23, h24, h25
+    hessian[3, 3], hessian[3, 4], hessian[3, 5] = h33, h34, h35
+    hessian[4, 4], hessian[4, 5], hessian[5, 5] = h44, h45, h55
+    gradient[0], gradient[1], gradient[2], gradient[3], gradient[4], gradient[5] = g0, g1, g2, g3, g4, g5
     return inside, measured, agreeing
+
+
+@njit(cache=True, nogil=True)
+def bring(
+    depth: NDArray[np.float32],
+    intrinsics: NDArray[np.float64],
+    pose: NDArray[np.float64],
+    nearest: float,
+    slope_noise: float,
+    across: NDArray[np.float32],
+    down: NDArray[np.float32],
+) -> NDArray[np.float64]:
+    """Where a pose brings the pixels of a reference, and what slopes of depth that are noise alone would tell of it.
+
+    A slope's noise is a share of the reading's, by which it is weighed: how large it is plays no part.
+
+    Args:
+        depth: (h, w) of the reference, metres; 0 where there is none.
+        intrinsics: fx, fy, cx, cy of both images.
+        pose: 4×4 image from reference.
+        nearest: metres before the image; what is nearer is not seen.
+        slope_noise: of a reading's noise, the share that a slope has.
+        across, down: (h, w) overwritten: pixels in the image; -1 where there is none.
+
+    Returns:
+        (6, 6) of a twist from the left, where readings are off by a sigma.
+    """
+    fx, fy, cx, cy = intrinsics[0], intrinsics[1], intrinsics[2], intrinsics[3]
+    told, along = np.zeros((6, 6)), np.empty(6)
+    across[:] = -1.0
+    down[:] = -1.0
+    for row in range(depth.shape[0]):
+        for column in range(depth.shape[1]):
+            far = np.float64(depth[row, column])
+            if far <= 0.0:
+                continue
+            p, q = (column - cx) / fx * far, (row - cy) / fy * far
+            x = pose[0, 0] * p + pose[0, 1] * q + pose[0, 2] * far + pose[0, 3]
+            y = pose[1, 0] * p + pose[1, 1] * q + pose[1, 2] * far + pose[1, 3]
+            z = pose[2, 0] * p + pose[2, 1] * q + pose[2, 2] * far + pose[2, 3]
+            if z <= nearest:
+                continue
+            across[row, column], down[row, column] = fx * x / z + cx, fy * y / z + cy
+            for k in range(2):
+                a, b = (fx / z, 0.0) if k == 0 else (0.0, fy / z)
+                c = -(fx * x if k == 0 else fy * y) / (z * z)
+                along[0], along[1], along[2] = a, b, c
+                along[3], along[4], along[5] = y * c - z * b, z * a - x * c, x * b - y * a
+                for i in range(6):
+                    for j in range(i, 6):
+                        told[i, j] += along[i] * along[j]
+    for i in range(6):
+        for j in range(i, 6):
+            told[i, j] *= slope_noise * slope_noise
+            told[j, i] = told[i, j]
+    return told

@@ -7,6 +7,9 @@ from numpy.typing import NDArray
 from lpslam.slam.kernels.geometry import exponential
 from lpslam.slam.kernels.reprojection import MIN_DEPTH
 
+_NEAREST = 0.05
+"""Metres before the second view; what is nearer counts as there."""
+
 
 @njit(cache=True, nogil=True)
 def straighten(
@@ -56,3 +59,75 @@ def straighten(
         if z > 0.0:
             out_depth[i] = new_z
     return out_pixels, out_depth
+
+
+@njit(cache=True, nogil=True)
+def readout_terms(
+    points: NDArray[np.float64],
+    rows_before: NDArray[np.float64],
+    twist_before: NDArray[np.float64],
+    target: NDArray[np.float32],
+    rows_after: NDArray[np.float64],
+    twist_after: NDArray[np.float64],
+    after_from_before: NDArray[np.float64],
+    information: NDArray[np.float32],
+    scale: float,
+    intrinsics: NDArray[np.float64],
+    depth_after: NDArray[np.float32],
+    chi2: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Normal equations of a rigid motion (a twist from the left) and of the readout, from points that two views show.
+
+    Args:
+        points: (n, 3) in the first view, straightened.
+        rows_before, rows_after: (n,) of the views, shares of their height from the middle.
+        twist_before, twist_after: (6,) velocities.
+        target: (n, 2) pixels in the second view, straightened.
+        after_from_before: 4×4.
+        information: (n,) 1/σ² of a pixel.
+        scale: χ² at which an error counts a quarter.
+        intrinsics: fx, fy, cx, cy, b·fx.
+        depth_after: (n,) overwritten: metres in the second view.
+        chi2: (n,) overwritten.
+
+    Returns:
+        Of twist and readout in seconds: (7, 7), of which the upper half is filled, and (7,).
+    """
+    fx, fy, cx, cy = intrinsics[0], intrinsics[1], intrinsics[2], intrinsics[3]
+    normal, right = np.zeros((7, 7)), np.zeros(7)
+    jacobian, error = np.zeros((2, 7)), np.empty(2)
+    turned = np.empty(3)
+    m = after_from_before
+    for i in range(points.shape[0]):
+        p, q, r = points[i, 0], points[i, 1], points[i, 2]
+        # A point seen that much later has moved by its velocity.
+        a = -rows_before[i] * (twist_before[4] * r - twist_before[5] * q + twist_before[0])
+        b = -rows_before[i] * (twist_before[5] * p - twist_before[3] * r + twist_before[1])
+        c = -rows_before[i] * (twist_before[3] * q - twist_before[4] * p + twist_before[2])
+        for k in range(3):
+            turned[k] = m[k, 0] * a + m[k, 1] * b + m[k, 2] * c
+        x = m[0, 0] * p + m[0, 1] * q + m[0, 2] * r + m[0, 3]
+        y = m[1, 0] * p + m[1, 1] * q + m[1, 2] * r + m[1, 3]
+        z = m[2, 0] * p + m[2, 1] * q + m[2, 2] * r + m[2, 3]
+        near = 1.0 / max(z, _NEAREST)
+        depth_after[i] = z
+        error[0], error[1] = target[i, 0] - (fx * x * near + cx), target[i, 1] - (fy * y * near + cy)
+        for k in range(2):
+            u, v = (fx * near, 0.0) if k == 0 else (0.0, fy * near)
+            w = -(fx * x if k == 0 else fy * y) * near * near
+            row = jacobian[k]
+            row[0], row[1], row[2] = u, v, w
+            row[3], row[4], row[5] = y * w - z * v, z * u - x * w, x * v - y * u
+            along = 0.0
+            for j in range(6):
+                along += row[j] * twist_after[j]
+            row[6] = along * rows_after[i] + u * turned[0] + v * turned[1] + w * turned[2]
+        chi2[i] = (error[0] * error[0] + error[1] * error[1]) * information[i]
+        weight = information[i] * (scale / (scale + chi2[i])) ** 2
+        for k in range(2):
+            for j in range(7):
+                scaled = weight * jacobian[k, j]
+                right[j] += scaled * error[k]
+                for h in range(j, 7):
+                    normal[j, h] += scaled * jacobian[k, h]
+    return normal, right

@@ -14,6 +14,7 @@ from scipy.special import ndtr
 from lpslam.config import DepthRangeConfig
 from lpslam.slam.kernels import ranges as kernels
 from lpslam.slam.map import SlamMap
+from lpslam.slam.medians import medians_of_groups
 from lpslam.slam.ranges.curve import DepthChange, DepthCurve
 from lpslam.slam.sensor import Reach, SensorModel
 
@@ -109,6 +110,7 @@ class DepthRanges:
     def _forget(self) -> None:
         """Begin to count anew: what was voted before was measured otherwise."""
         self._votes_of: dict[int, _Votes] = {}
+        self._have_told_reach: set[int] = set()
         self._information = np.zeros_like(self._prior)
         self._vector = np.zeros(len(self._knots))
         self._square, self._freedom = 0.0, 0.0
@@ -146,21 +148,23 @@ class DepthRanges:
         # All keyframes that see a point have its distance from the same pixels: together they tell it once.
         own = 1.0 / float(columns.observations[columns.point[slot, rows]].mean())
         scale = float(np.median(excess))
-        count = columns.feature_count[slot]
-        reach = self._reach.see(columns.depth[slot, :count][columns.has_depth[slot, :count]])
+        if keyframe not in self._have_told_reach:
+            self._have_told_reach.add(keyframe)
+            count = columns.feature_count[slot]
+            self._reach.see(columns.depth[slot, :count][columns.has_depth[slot, :count]])
         # By what pixels say and not by the reading: where little lies, readings that are wrong would be most of it.
         metres = far * np.exp(scale)
         at = np.floor(metres / config.knots).astype(np.int64)
-        distances = [np.flatnonzero(at == k) for k in np.unique(at)]
-        distances = [here for here in distances if len(here) >= config.min_readings]
+        often = np.flatnonzero(np.bincount(at)[at] >= config.min_readings)
+        distances, groups = np.unique(at[often], return_inverse=True)
         if len(distances) < 2:
             return None
-        middles = np.array([np.median(excess[here]) for here in distances])
-        counts = np.array([len(here) for here in distances])
-        read = np.array([np.median(columns.depth[slot, rows[here]]) for here in distances])
-        cut = _cut_off(read, reach, self._sensor.depth_sigma_at(read))
+        counts = np.bincount(groups)
+        middles = medians_of_groups(excess[often], groups)
+        read = medians_of_groups(columns.depth[slot, rows[often]].astype(np.float64), groups)
+        cut = _cut_off(read, self._reach.metres, self._sensor.depth_sigma_at(read))
         return _Votes(
-            np.array([np.median(metres[here]) for here in distances]) * np.exp(middles - scale),
+            medians_of_groups(metres[often], groups) * np.exp(middles - scale),
             middles,
             own / (config.common_error**2 + config.reading_error**2 / counts + (cut / read) ** 2),
             own,

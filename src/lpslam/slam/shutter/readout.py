@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.slam.kernels.geometry import exponential
-from lpslam.slam.kernels.shutter import straighten
+from lpslam.slam.kernels.shutter import readout_terms, straighten
 from lpslam.slam.sensor import SensorModel
 
 _Matrix = NDArray[np.float64]
@@ -61,31 +61,27 @@ def readout_between(
     rows_before = (seen.before[:, 1].astype(np.float64) + 0.5) / height - 0.5
     rows_after = (seen.after[:, 1].astype(np.float64) + 0.5) / height - 0.5
     depth_after = np.zeros(len(seen.after), np.float32)
-    fx, fy, cx, cy, _ = sensor.intrinsics
-    chi2, normal = np.empty(0), np.eye(7)
+    chi2, normal = np.empty(len(seen.after)), np.eye(7)
+    unit = np.array([1.0] * 6 + [_UNIT])
     for scale in _SCALES:
         pixels, depth = straighten(seen.before, seen.depth, seen.twist_before, readout, height, sensor.intrinsics)
         target, _ = straighten(seen.after, depth_after, seen.twist_after, readout, height, sensor.intrinsics)
-        points = sensor.back_project(pixels, depth)
-        shift = -rows_before[:, None] * (np.cross(seen.twist_before[3:], points) + seen.twist_before[:3])
-        points = points @ after_from_before[:3, :3].T + after_from_before[:3, 3]
-        shift = shift @ after_from_before[:3, :3].T
-        x, y, z = points.T
-        near = 1.0 / np.maximum(z, 0.05)
-        depth_after = z.astype(np.float32)
-        none = np.zeros_like(x)
-        of_u = np.column_stack([fx * near, none, -fx * x * near**2])
-        of_v = np.column_stack([none, fy * near, -fy * y * near**2])
-        to_pose = np.vstack([np.hstack([of, np.cross(points, of)]) for of in (of_u, of_v)])
-        to_readout = (to_pose @ seen.twist_after) * np.r_[rows_after, rows_after]
-        to_readout += np.r_[(of_u * shift).sum(axis=1), (of_v * shift).sum(axis=1)]
-        error = np.r_[target[:, 0] - (fx * x * near + cx), target[:, 1] - (fy * y * near + cy)]
-        chi2 = np.square(error.reshape(2, -1)).sum(axis=0) * seen.information
-        weight = seen.information * (scale / (scale + chi2)) ** 2
-        jacobian = np.column_stack([to_pose, _UNIT * to_readout])
-        weighted = jacobian * np.r_[weight, weight][:, None]
-        normal = jacobian.T @ weighted + np.diag([1e-6] * 6 + [1.0])
-        step = np.linalg.solve(normal, weighted.T @ error)
+        normal, right = readout_terms(
+            sensor.back_project(pixels, depth),
+            rows_before,
+            seen.twist_before,
+            target,
+            rows_after,
+            seen.twist_after,
+            after_from_before,
+            seen.information,
+            scale,
+            sensor.intrinsics,
+            depth_after,
+            chi2,
+        )
+        normal = (normal + np.triu(normal, 1).T) * np.outer(unit, unit) + np.diag([1e-6] * 6 + [1.0])
+        step = np.linalg.solve(normal, right * unit)
         if not np.isfinite(step).all():
             return None
         after_from_before = exponential(step[:6]) @ after_from_before

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera, inverse_transform
 from lpslam.config import SurfaceConfig
-from lpslam.slam.kernels.dense import align_terms
+from lpslam.slam.kernels.dense import align_terms, bring
 from lpslam.slam.kernels.geometry import exponential, logarithm
 from lpslam.slam.sensor import SensorModel
 from lpslam.slam.tracking.relief import likeness, relief, shift_between, shift_of
@@ -44,11 +44,21 @@ class Aligned:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Level:
-    """Two images of one size: a reference (2, h, w), an image (6, h, w) as of `sloped`, and fx, fy, cx, cy of both."""
+    """Two images of one size: a reference (2, h, w), an image (h, w, 6) as of `sloped`, and fx, fy, cx, cy of both."""
 
     reference: _Image
     image: _Image
     intrinsics: _Matrix
+
+    @property
+    def shades(self) -> _Image:
+        """(h, w) relief of the image."""
+        return np.ascontiguousarray(self.image[..., 0])
+
+    @property
+    def smooth(self) -> _Image:
+        """(h, w) depth of the image; not a number off smooth surfaces."""
+        return np.ascontiguousarray(self.image[..., 3])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,11 +84,16 @@ class _Descent:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Brought:
-    """Pixels of a reference, (n,) rows and columns, that lie before the image, and their points there (n, 3)."""
+    """Where a pose brings the pixels of a reference.
 
-    rows: NDArray[np.intp]
-    columns: NDArray[np.intp]
-    points: _Matrix
+    Attributes:
+        across, down: (h, w) pixels in the image; -1 where there is none.
+        by_noise: (6, 6) what slopes of depth that are noise alone would tell of the pose.
+    """
+
+    across: _Image
+    down: _Image
+    by_noise: _Matrix
 
 
 class SmallImages:
@@ -110,14 +125,14 @@ class SmallImages:
 
 
 def sloped(reference: _Image, edge: float) -> _Image:
-    """(6, h, w) of (2, h, w): with slopes along u and v; depth where neighbours differ by less than `edge` of it."""
+    """(h, w, 6) of (2, h, w): with slopes along u and v; depth where neighbours differ by less than `edge` of it."""
     shades, depth = reference
     kernel = np.ones((3, 3), np.uint8)
     far, near = cv2.dilate(depth, kernel), cv2.erode(depth, kernel)
     smooth = np.where((near > 0) & (far - near < edge * far), depth, np.nan).astype(np.float32)
     slopes = [cv2.Sobel(depth, cv2.CV_32F, *way, ksize=3, scale=0.125) for way in _WAYS]
     shade_slopes = [cv2.Sobel(shades, cv2.CV_32F, *way, ksize=3, scale=0.125) for way in _WAYS]
-    return np.stack([shades, *shade_slopes, smooth, *slopes])
+    return np.stack([shades, *shade_slopes, smooth, *slopes], axis=-1)
 
 
 def without_holes(depth: _Image, edge: float) -> _Image:
@@ -212,25 +227,26 @@ class Surfaces:
         return np.repeat([self._config.guess_speed, self._config.guess_turn], 3) * seconds
 
     def _descended(self, level: "_Level", pose: _Matrix, guess: _Matrix, seconds: float) -> "_Descent | None":
-        """Gauss-Newton from a pose on one level."""
+        """Gauss-Newton from a pose on one level, until a step is a small part of what the images can tell."""
         config, reference, image = self._config, level.reference, level.image
-        hessian, gradient, residuals = np.empty((6, 6)), np.empty(6), np.empty((2, image[0].size))
+        hessian, gradient, residuals = np.empty((6, 6)), np.empty(6), np.empty((2, reference[0].size))
         prior = np.diag(self.guess_sigmas(seconds) ** -2)
-        sigma, offset = config.first_shade, float(np.median(reference[0]) - np.median(image[0]))
+        sigma, offset = config.first_shade, float(np.median(reference[0]) - np.median(level.shades))
         known = max(int((reference[1] > 0).sum()), 1)
         for _ in range(config.steps):
             brightness = offset, config.shade_doubt * sigma
             inside, measured, agreeing = align_terms(
                 reference, image, level.intrinsics, pose, brightness, self._noise, hessian, gradient, residuals
             )
-            if inside < config.least_shared * known or measured < config.least_measured * image[0].size:
+            if inside < config.least_shared * known or measured < config.least_measured * reference[0].size:
                 return None
             sigma = max(1.4826 * float(np.median(np.abs(residuals[0, :inside]))), config.least_shade)
             hessian += np.triu(hessian, 1).T
             astray = logarithm(pose @ inverse_transform(guess))
-            step = np.asarray(np.linalg.solve(hessian + prior, -(gradient + prior @ astray)), np.float64)
+            slope = gradient + prior @ astray
+            step = np.asarray(np.linalg.solve(hessian + prior, -slope), np.float64)
             pose = exponential(step) @ pose
-            if np.abs(step).max() < _SMALL_STEP:
+            if -float(step @ slope) < config.settled**2:
                 break
         return _Descent(pose, hessian, residuals[:, :inside], inside / known, measured / inside, agreeing / measured)
 
@@ -248,7 +264,7 @@ class Surfaces:
         is_firm = bool(np.linalg.eigvalsh(told)[0] > 1.0)
         # Of the turn alone, wherever the camera has stepped.
         turn = told[3:, 3:] - told[3:, :3] @ np.linalg.pinv(told[:3, :3], hermitian=True) @ told[:3, 3:]
-        is_blank = not is_like and (self._is_blank(level.reference[0]) or self._is_blank(level.image[0]))
+        is_blank = not is_like and (self._is_blank(level.reference[0]) or self._is_blank(level.shades))
         # A wall tells how the camera turns away from it; where nothing is on it, nothing tells how it rolls before it.
         is_turn_firm = is_firm or bool(np.linalg.eigvalsh(turn)[1 if is_blank else 0] > 1.0)
         least = config.proven_agreement if is_like else config.least_agreement
@@ -259,35 +275,29 @@ class Surfaces:
 
     def _brought(self, reference: _Image, pose: _Matrix) -> "_Brought":
         """Where a pose brings the pixels of a reference that have depth."""
-        fx, fy, cx, cy = self.images.intrinsics
-        v, u = np.nonzero(reference[1] > 0)
-        depth = reference[1][v, u].astype(np.float64)
-        points = np.column_stack([(u - cx) / fx * depth, (v - cy) / fy * depth, depth]) @ pose[:3, :3].T + pose[:3, 3]
-        ahead = points[:, 2] > self._config.nearest
-        return _Brought(v[ahead], u[ahead], points[ahead])
+        across, down = np.empty((2, *reference[0].shape), np.float32)
+        by_noise = bring(reference[1], self.images.intrinsics, pose, self._config.nearest, _SOBEL_NOISE, across, down)
+        return _Brought(across, down, by_noise)
 
     def _is_proven(self, level: "_Level", seen: "_Brought") -> bool:
         """Whether reliefs that a pose brings together lie on each other, and nowhere else nearly as well."""
-        reference, image = level.reference, level.image
-        fx, fy, cx, cy = self.images.intrinsics
-        x, y, z = seen.points.T
-        across, down = np.full((2, *reference[0].shape), -1.0, np.float32)
-        across[seen.rows, seen.columns], down[seen.rows, seen.columns] = fx * x / z + cx, fy * y / z + cy
-        there = cv2.remap(image[0], across, down, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=0.0)
-        shift = shift_of(reference[0], np.asarray(there, np.float32))
+        there = cv2.remap(
+            level.shades, seen.across, seen.down, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=0.0
+        )
+        shift = shift_of(level.reference[0], np.asarray(there, np.float32))
         return max(abs(shift.across), abs(shift.down)) <= 1 and shift.lead > self._config.lead
 
     def _told(self, level: "_Level", descent: "_Descent", seen: "_Brought", by_shades: bool) -> _Matrix:
         """(6, 6) what two images tell of a pose: less what noise alone would."""
         reference, image = level.reference, level.image
-        noise, by_depth = self._depth_noise(image[3]), np.empty((6, 6))
-        gradient, residuals = np.empty(6), np.empty((2, image[0].size))
+        noise, by_depth = self._depth_noise(level.smooth), np.empty((6, 6))
+        gradient, residuals = np.empty(6), np.empty((2, reference[0].size))
         no_shades = (0.0, _NEVER)
         align_terms(
             reference, image, level.intrinsics, descent.pose, no_shades, self._noise, by_depth, gradient, residuals
         )
         by_depth += np.triu(by_depth, 1).T
-        by_noise = self._told_by_noise(seen)
+        by_noise = seen.by_noise
         told = (by_depth - noise**2 * descent.measured * by_noise) / max(noise, self._config.least_noise) ** 2
         if not by_shades:
             return told
@@ -298,19 +308,6 @@ class Surfaces:
         off_plane = np.abs(cv2.Laplacian(depth, cv2.CV_32F)) / (self._noise[0] + self._noise[1] * depth**2)
         known = off_plane[np.isfinite(off_plane)]
         return 1.4826 * float(np.median(known)) / _LAPLACE_NOISE if len(known) else 1.0
-
-    def _told_by_noise(self, seen: "_Brought") -> _Matrix:
-        """(6, 6) what slopes of depth that are noise alone add to the hessian, where readings are off by a sigma.
-
-        A slope's noise is a share of the reading's, by which it is weighed: how large it is plays no part.
-        """
-        fx, fy, _, _ = self.images.intrinsics
-        x, y, z = seen.points.T
-        nothing = np.zeros_like(z)
-        across = np.stack([fx / z, nothing, -fx * x / (z * z)]), np.stack([nothing, fy / z, -fy * y / (z * z)])
-        jacobians = [np.concatenate([along, np.cross([x, y, z], along, axis=0)]) for along in across]
-        told: _Matrix = _SOBEL_NOISE**2 * sum((each @ each.T for each in jacobians), np.zeros((6, 6)))
-        return told
 
     def _is_blank(self, shades: _Image) -> bool:
         """Whether a relief (h, w) is hardly more than noise: then pictures need not be alike."""
@@ -346,6 +343,3 @@ _LAPLACE_NOISE = 4.47
 
 LEAST_SECONDS = 0.01
 """Seconds for which a guess has been made at least: clocks are rounded."""
-
-_SMALL_STEP = 1e-5
-"""Metres and radians: no further step is made."""
