@@ -1,20 +1,26 @@
+import copy
+import pickle
+import subprocess
+import sys
 from collections.abc import Iterator
+from dataclasses import FrozenInstanceError
 from pathlib import Path
 from typing import Any
 
 import pytest
 import yaml
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 
-from lpslam.config import Config
+from lpslam.config import CalibratingConfig, Config
+from lpslam.config.section import Section
 from lpslam.errors import UserError
 
 
-def leaves(section: BaseModel, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
+def leaves(section: Section, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
     """Every threshold with the path of its names."""
     for name in type(section).model_fields:
         value = getattr(section, name)
-        if isinstance(value, BaseModel):
+        if isinstance(value, Section):
             yield from leaves(value, (*path, name))
         else:
             yield (*path, name), value
@@ -28,7 +34,7 @@ def nested(path: tuple[str, ...], value: Any) -> dict[str, Any]:
     return dict(tree)
 
 
-def at(config: BaseModel, path: tuple[str, ...]) -> Any:
+def at(config: Section, path: tuple[str, ...]) -> Any:
     """The value at a path of names."""
     value: Any = config
     for name in path:
@@ -146,7 +152,28 @@ def test_a_file_that_is_not_there_or_no_text_is_one_line(tmp_path: Path) -> None
 
 def test_a_configuration_cannot_be_changed() -> None:
     config = Config()
-    with pytest.raises(ValidationError):
+    with pytest.raises(FrozenInstanceError):
         config.slam.features.count = 5  # type: ignore[misc]
     assert config.slam.features.count == LEAVES["slam", "features", "count"]
     assert at(config.model_copy(), ("slam", "features", "count")) == config.slam.features.count
+
+
+def test_what_is_given_is_checked_however_it_is_given() -> None:
+    with pytest.raises(ValidationError, match="greater than or equal to 4"):
+        CalibratingConfig(views=3)
+    with pytest.raises(ValidationError, match="Extra inputs"):
+        Config(slamm=Config().slam)  # type: ignore[call-arg]
+    with pytest.raises(ValidationError, match="valid dictionary"):
+        Config(slam=Config().text)  # type: ignore[arg-type]
+    given = Config(calibrating=CalibratingConfig(views=30), pairing=Config().pairing)
+    assert given.calibrating.views == 30
+    assert given != Config()
+    assert Config.model_validate_json(given.model_dump_json()) == given
+    assert pickle.loads(pickle.dumps(given)) == copy.deepcopy(given) == given
+    assert hash(Config()) == hash(Config.model_validate({}))
+
+
+def test_defaults_are_had_without_pydantic() -> None:
+    script = "import sys; from lpslam.config import Config; Config(); print('pydantic' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "False"

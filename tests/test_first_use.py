@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pydantic import BaseModel
 
 from command_line import Command
 from lpslam import cli_runs
 from lpslam.config import Config
+from lpslam.config.section import Section
 from lpslam.errors import UserError
 from lpslam.mapfile import export
 from lpslam.mapfile.language_map import LanguageMap
@@ -298,9 +298,9 @@ def test_every_section_of_the_configuration_says_units_and_reasons(lpslam: Comma
     assert not bare
 
 
-def _walked_through(section: BaseModel) -> Iterator[tuple[str, dict[str, Any]]]:
+def _walked_through(section: Section) -> Iterator[tuple[str, dict[str, Any]]]:
     for name, value in section:
-        if isinstance(value, BaseModel):
+        if isinstance(value, Section):
             yield name, value.model_dump()
             yield from _walked_through(value)
 

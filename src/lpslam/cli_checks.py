@@ -61,14 +61,16 @@ def map_for(localize: Path | None, continued: Path | None, camera: Any, settings
 
 def config_of(path: Path | None, overrides: dict[str, Any] | None = None) -> Any:
     """The configuration of a file, or of options by section and name."""
-    from pydantic import ValidationError
-
     from lpslam.config import Config
 
     if path is not None:
         return Config.from_yaml(path)
+    if not overrides:
+        return Config()
+    from pydantic import ValidationError
+
     try:
-        return Config.model_validate(overrides or {})
+        return Config.model_validate(overrides)
     except ValidationError as error:
         first = error.errors()[0]
         raise UserError(f"option --{str(first['loc'][1]).replace('_', '-')}: {first['msg']}") from error

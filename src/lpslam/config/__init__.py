@@ -6,15 +6,13 @@ Defaults live here; a YAML file may override any of them (`Config.from_yaml`). U
 from pathlib import Path
 from typing import Literal
 
-from pydantic import Field, PositiveFloat, ValidationError
-
 from lpslam.config.calibrating import CalibratingConfig
 from lpslam.config.ground import GroundConfig, WayConfig
 from lpslam.config.navigation import NavigationConfig
 from lpslam.config.page import PageConfig, RoomConfig
 from lpslam.config.pairing import PairingConfig
 from lpslam.config.robots import RobotConfig
-from lpslam.config.section import Section
+from lpslam.config.section import Field, PositiveFloat, Section
 from lpslam.config.serving import JobsConfig, ServingConfig, WatchingConfig
 from lpslam.config.slam import (
     DepthDelayConfig,
@@ -308,7 +306,9 @@ class Config(Section):
     # To find a camera in a map, ...
     same_camera: CameraMatchConfig = CameraMatchConfig()
     # ... and to let the map grow: its old keyframes are adjusted by the new recording's calibration.
-    continued_camera: CameraMatchConfig = CameraMatchConfig(focal_share=0.001, centre_pixels=0.5, distortion_pixels=0.5)
+    continued_camera: CameraMatchConfig = CameraMatchConfig().model_copy(
+        update={"focal_share": 0.001, "centre_pixels": 0.5, "distortion_pixels": 0.5}
+    )
 
     language: LanguageConfig = LanguageConfig()
 
@@ -341,6 +341,8 @@ class Config(Section):
     @classmethod
     def from_yaml(cls, path: Path) -> "Config":
         """Read overrides from a YAML file; unknown or ill-typed keys are a `UserError`."""
+        from pydantic import ValidationError
+
         from lpslam.config.hostile_yaml import yaml_of
         from lpslam.regular_files import text_of
 

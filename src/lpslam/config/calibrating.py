@@ -1,8 +1,6 @@
 """Thresholds of estimating a calibration from a recording."""
 
-from pydantic import Field, PositiveFloat
-
-from lpslam.config.section import Section
+from lpslam.config.section import Field, PositiveFloat, Section
 
 Distortion = tuple[PositiveFloat, PositiveFloat, PositiveFloat, PositiveFloat, PositiveFloat]
 

@@ -1,8 +1,6 @@
 """Thresholds of the ground: what is kept of keyframes, what a reading shows, and how robots go."""
 
-from pydantic import Field, PositiveFloat
-
-from lpslam.config.section import Section
+from lpslam.config.section import Field, PositiveFloat, Section
 
 
 class GroundConfig(Section):

@@ -1,8 +1,6 @@
 """Thresholds of navigation: which places serve well enough, and how places stand to one another."""
 
-from pydantic import Field
-
-from lpslam.config.section import Section
+from lpslam.config.section import Field, Section
 
 
 class NavigationConfig(Section):

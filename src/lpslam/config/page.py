@@ -1,8 +1,6 @@
 """Thresholds of the page that shows a map."""
 
-from pydantic import Field
-
-from lpslam.config.section import Section
+from lpslam.config.section import Field, Section
 
 
 class RoomConfig(Section):

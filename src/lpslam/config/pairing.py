@@ -1,8 +1,6 @@
 """How colour and depth are brought together by time."""
 
-from pydantic import Field
-
-from lpslam.config.section import Section
+from lpslam.config.section import Field, Section
 
 
 class PairingConfig(Section):

@@ -1,8 +1,6 @@
 """How robots are listened to and told, over ROS 2."""
 
-from pydantic import Field
-
-from lpslam.config.section import Section
+from lpslam.config.section import Field, Section
 
 
 class RobotConfig(Section):

@@ -1,8 +1,6 @@
 """Limits of the servers: what one client, one question and one upload may cost."""
 
-from pydantic import Field
-
-from lpslam.config.section import Section
+from lpslam.config.section import Field, Section
 
 
 class JobsConfig(Section):

@@ -1,8 +1,6 @@
 """Thresholds of SLAM."""
 
-from pydantic import Field
-
-from lpslam.config.section import Section
+from lpslam.config.section import Field, Section
 
 
 class FeatureConfig(Section):

@@ -2,9 +2,7 @@
 
 from typing import Literal
 
-from pydantic import Field, PositiveFloat
-
-from lpslam.config.section import Section
+from lpslam.config.section import Field, PositiveFloat, Section
 
 
 class SpottingConfig(Section):

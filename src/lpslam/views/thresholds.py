@@ -8,13 +8,14 @@ from io import StringIO
 from typing import Any
 
 import yaml
-from pydantic import BaseModel
+
+from lpslam.config.section import Section
 
 _WIDTH = 10_000
 """Characters: a value stays on one line."""
 
 
-def commented_yaml(section: BaseModel, indent: int = 0) -> str:
+def commented_yaml(section: Section, indent: int = 0) -> str:
     """A section and all below it as YAML; without comments where the package has no source files.
 
     Args:
@@ -26,7 +27,7 @@ def commented_yaml(section: BaseModel, indent: int = 0) -> str:
     lines: list[str] = []
     for name, value in section:
         lines += [f"{space}{comment}" for comment in comments.get(name, [])]
-        if isinstance(value, BaseModel):
+        if isinstance(value, Section):
             lines += [f"{space}{name}:", commented_yaml(value, indent + 2)]
         else:
             lines.append(f"{space}{name}: {_plain(section.model_dump(mode='json')[name])}")
@@ -39,7 +40,7 @@ def _plain(value: Any) -> str:
     )
 
 
-def _comments(kind: type[BaseModel]) -> dict[str, list[str]]:
+def _comments(kind: type[Section]) -> dict[str, list[str]]:
     """The comments above and beside each field of a section, and of a section in it the first line that it has."""
     try:
         text = textwrap.dedent(inspect.getsource(kind))
