@@ -134,16 +134,21 @@ def ask(
 
     At the prompt, or from a pipe with a question a line, "and another one?" means what was asked before.
     """
-    from lpslam.errors import UserError
-    from lpslam.language.registry import language_model
-    from lpslam.navigation.known import known_in
-    from lpslam.views.answers import answer_record
-    from lpslam.views.dialogue import Dialogue, parsed_place, questions
+    from lpslam.language.building import building
+
+    # What is loaded is no garbage either.
+    with building():
+        from lpslam.errors import UserError
+        from lpslam.language.registry import language_model
+        from lpslam.navigation.known import known_in
+        from lpslam.views.answers import answer_record
+        from lpslam.views.dialogue import Dialogue, parsed_place, questions
 
     position, heading = parsed_place(place) if place is not None else (None, None)
     settings = config_of(config)
     language = language_model(llm, settings.language)
-    dialogue = Dialogue(known_in(map_file), language, position, heading, settings)
+    with building():
+        dialogue = Dialogue(known_in(map_file), language, position, heading, settings)
     guide = _guide_in(map_file, settings) if way else None
     longest = settings.language.question_length
     for text in questions() if question is None else (question,):

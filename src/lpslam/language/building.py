@@ -16,6 +16,10 @@ def building() -> Iterator[None]:
         yield
     finally:
         if was_enabled:
+            # All that there is counts as old now, so that the next collections do not go through it three times.
+            if not gc.get_freeze_count():
+                gc.freeze()
+                gc.unfreeze()
             gc.enable()
 
 

@@ -4,7 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lpslam.language.wishes.codes import alike_key, asked_codes, board_codes, board_keys, code_of, identities
+from lpslam.language.model import Candidate
+from lpslam.language.offline import OfflineModel
+from lpslam.language.wishes.codes import Code, alike_key, asked_codes, board_codes, board_keys, code_of, identities
 
 
 def fits(question: str, board: str) -> bool:
@@ -117,3 +119,22 @@ def test_the_ends_of_a_range_are_no_code_together(code: str, board: str) -> None
 @pytest.mark.parametrize(("code", "board"), [("a16", "Gate Al6"), ("2.14", "Salle 2.14"), ("b-31", "Gate B31")])
 def test_codes_that_readers_confuse_have_one_key(code: str, board: str) -> None:
     assert alike_key(code) in board_keys(board)
+
+
+def test_a_number_is_not_looked_for_on_boards_of_other_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
+    names = [f"Gate {number}" for number in range(1, 500)]
+    marks = [Candidate(at, name) for at, name in enumerate([*names, "Gates 600-620", "Gate B7", "Zone C", "Gate 7a"])]
+    model = OfflineModel()
+    scorer = model.scorer(marks)
+    looked_at: list[str] = []
+    bears = Code.bears
+
+    def counted(code: Code, asked: Code) -> bool:
+        looked_at.append(code.value)
+        return bears(code, asked)
+
+    monkeypatch.setattr(Code, "bears", counted)
+    for asked, board in (("gate 217", "Gate 217"), ("gate 611", "Gates 600-620"), ("gate B7", "Gate B7")):
+        scores = scorer.serve(model.read_wish(asked).stops[0]).scores
+        assert [marks[id_].name for id_ in scores] == [board]
+    assert len(looked_at) < len(marks)

@@ -58,6 +58,32 @@ class Identities:
         """The codes of every board."""
         return {mark.id: self.codes_of(mark.id) for mark in self._landmarks}
 
+    @cached_property
+    def _things(self) -> frozenset[str]:
+        """All that the code of some board numbers."""
+        return frozenset(thing for codes in self.codes.values() for code in codes for thing in code.of)
+
+    @cached_property
+    def _letters(self) -> frozenset[str]:
+        """The letters of all boards' codes."""
+        return frozenset(code.letters for codes in self.codes.values() for code in codes)
+
+    @cached_property
+    def _by_number(self) -> dict[int | None, dict[int, int]]:
+        """The boards that bear a number, by their order; None: any of several numbers, or letters alone."""
+        found: dict[int | None, dict[int, int]] = {}
+        for row, (id_, codes) in enumerate(self.codes.items()):
+            for number in {None if code.last is not None or code.last_letters else code.number for code in codes}:
+                found.setdefault(number, {})[row] = id_
+        return found
+
+    def _may_bear(self, asked: Code) -> Iterable[tuple[int, list[Code]]]:
+        """The boards, in their order, that a code must be looked for on; all others bear other numbers alone."""
+        if asked.number is None:
+            return self.codes.items()
+        ids = {**self._by_number.get(asked.number, {}), **self._by_number.get(None, {})}
+        return [(ids[row], self.codes[ids[row]]) for row in sorted(ids)]
+
     def identified(self, stop: Stop) -> tuple[dict[int, float] | None, tuple[str, ...], str]:
         """The landmarks that bear all that must stand there; what is not heeded; and what stands on none."""
         found: dict[int, float] | None = None
@@ -80,11 +106,7 @@ class Identities:
     def _has_such(self, identity: Identity) -> bool:
         """Whether any board bears a code of the same things, or with the same letters."""
         asked = code_of(identity)
-        return any(
-            bool(code.of & asked.of) or (bool(asked.letters) and code.letters == asked.letters)
-            for codes in self.codes.values()
-            for code in codes
-        )
+        return bool(asked.of & self._things) or (bool(asked.letters) and asked.letters in self._letters)
 
     def _says_more(self, stop: Stop) -> bool:
         """Whether a stop names something else than what is numbered: “a toilet on level 2”, not “parking P7”."""
@@ -99,12 +121,7 @@ class Identities:
         asked = code_of(identity)
         # What is painted goes before what may be misread.
         found = self._coded(asked, False) or self._coded(asked, True) or self._alike(asked) or self._unclassed(asked)
-        if (
-            asked.of
-            and not asked.letters
-            and len(asked.value) < _LONG_NUMBER
-            and any(code.of & asked.of for codes in self.codes.values() for code in codes)
-        ):
+        if asked.of and not asked.letters and len(asked.value) < _LONG_NUMBER and asked.of & self._things:
             # Where aisles are numbered as aisles, a number that is of nothing is no aisle.
             found = {id_: score for id_, score in found.items() if score > _SURE - 0.1}
         best = max(found.values(), default=0.0)
@@ -140,7 +157,7 @@ class Identities:
     def _unclassed(self, asked: Code) -> dict[int, float]:
         """Where nothing is numbered as what is asked for (“block 104”), a long number tells alone: Section 104."""
         is_long = len(asked.value) >= _LONG_NUMBER or bool(asked.letters and asked.number is not None)
-        if not (asked.of and is_long) or any(code.of & asked.of for codes in self.codes.values() for code in codes):
+        if not (asked.of and is_long) or asked.of & self._things:
             return {}
         return self._coded(replace(asked, of=frozenset()), False)
 
@@ -199,7 +216,7 @@ class Identities:
     def _coded(self, asked: Code, repaired: bool) -> dict[int, float]:
         """Landmarks that bear a code: surest the very one, of what is asked for."""
         found: dict[int, float] = {}
-        for id_, codes in self.codes.items():
+        for id_, codes in self._may_bear(asked):
             fits = [code for code in codes if code.is_repaired == repaired and code.bears(asked)]
             if fits:
                 is_same = any(code.of & asked.of for code in fits) or not asked.of
