@@ -23,6 +23,20 @@ def _weight(residual: float, certainty: float) -> float:
     return (1.0 if size < _HUBER else _HUBER / size) * certainty * certainty
 
 
+@njit(cache=True, nogil=True, inline="always")
+def _between(
+    image: NDArray[np.float32],
+    k: int,
+    corner: tuple[np.uint64, np.uint64, np.uint64, np.uint64],
+    shares: tuple[float, float, float, float],
+) -> float:
+    """A channel of (h, w, 6) between four pixels: top, left, low, right, and the shares of what lies there."""
+    top, left, low, right = corner
+    above: float = shares[0] * image[top, left, k] + shares[1] * image[top, right, k]
+    below: float = shares[2] * image[low, left, k] + shares[3] * image[low, right, k]
+    return above + below
+
+
 @njit(cache=True, nogil=True)
 def align_terms(
     reference: NDArray[np.float32],
@@ -87,31 +101,9 @@ def align_terms(
             right_share, low_share = u - left, v - top
             w11 = right_share * low_share
             w10, w01 = low_share - w11, right_share - w11
-            w00 = 1.0 - right_share - w10
-            shade = (
-                w00 * image[top, left, 0]
-                + w01 * image[top, right, 0]
-                + w10 * image[low, left, 0]
-                + w11 * image[low, right, 0]
-            )
-            a = (
-                w00 * image[top, left, 1]
-                + w01 * image[top, right, 1]
-                + w10 * image[low, left, 1]
-                + w11 * image[low, right, 1]
-            )
-            b = (
-                w00 * image[top, left, 2]
-                + w01 * image[top, right, 2]
-                + w10 * image[low, left, 2]
-                + w11 * image[low, right, 2]
-            )
-            there = (
-                w00 * image[top, left, 3]
-                + w01 * image[top, right, 3]
-                + w10 * image[low, left, 3]
-                + w11 * image[low, right, 3]
-            )
+            corner, shares = (top, left, low, right), (1.0 - right_share - w10, w01, w10, w11)
+            shade, there = _between(image, 0, corner, shares), _between(image, 3, corner, shares)
+            a, b = _between(image, 1, corner, shares), _between(image, 2, corner, shares)
             grey = np.float64(reference[0, row, column])
             residual = shade + offset - grey
             residuals[0, inside], residuals[1, inside] = residual, grey
@@ -132,18 +124,7 @@ def align_terms(
             weight *= residual
             ra, rb, rc = weight * a, weight * b, weight * c
             if there == there:
-                a = (
-                    w00 * image[top, left, 4]
-                    + w01 * image[top, right, 4]
-                    + w10 * image[low, left, 4]
-                    + w11 * image[low, right, 4]
-                )
-                b = (
-                    w00 * image[top, left, 5]
-                    + w01 * image[top, right, 5]
-                    + w10 * image[low, left, 5]
-                    + w11 * image[low, right, 5]
-                )
+                a, b = _between(image, 4, corner, shares), _between(image, 5, corner, shares)
                 if a == a:
                     certainty = 1.0 / (depth_noise[0] + depth_noise[1] * z * z)
                     residual = there - z
