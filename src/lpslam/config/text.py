@@ -140,6 +140,9 @@ class InstanceConfig(Section):
     min_landmark_height: float = Field(default=15.0, ge=0)
     # The same for texts without a Latin letter: Chinese that is smaller is misread, often as digits.
     min_landmark_height_ideographs: float = Field(default=20.0, ge=0)
+    # Probability that a text is all that is painted, where no view showed that it ends, from which it is a landmark:
+    # below it is likelier a piece.
+    least_whole: float = Field(default=0.5, ge=0, le=1)
     # Texts that move faster than this, metres a second, over at least so many metres, are carried by someone.
     carried_speed: float = Field(default=0.2, gt=0)
     carried_distance: float = Field(default=0.4, gt=0)

@@ -16,16 +16,15 @@ from lpslam.text.again.crops import Crop, cut_out
 from lpslam.text.again.looking import look_again
 from lpslam.text.boards.surroundings import surroundings
 from lpslam.text.frame_reader import FrameReader
-from lpslam.text.placing.by_depth.hiding import hidden_pixels
 from lpslam.text.placing.instances import KeyframePoses
 from lpslam.text.placing.spots import Spots
 from lpslam.text.placing.views import bearing_of
-from lpslam.text.reading.borders import room_beyond
 from lpslam.text.reading.certainty import probability_right
 from lpslam.text.reading.gate import ReadingGate
 from lpslam.text.reading.legibility import UNPLACED, SeenSize, frontal_cosine
 from lpslam.text.reading.spotting import TextSpotter
 from lpslam.text.remembering.evidence import Glance
+from lpslam.text.remembering.known_names import ends_are_there
 from lpslam.text.remembering.memory import Pool, TextClass
 from lpslam.text.remembering.naming import BesideNaming, name_class, needs_name, rename_class
 from lpslam.text.remembering.similarity import comparison_key, is_fragment
@@ -86,7 +85,7 @@ class TextMapper:
                 pose = world_from_keyframe(each.keyframe)
                 if pose is not None and each.placement is not None:
                     seen = SeenSize(each.letter_height, frontal_cosine(each.placement, np.eye(4)))
-                    self._spots.add(text_class.id, each.text, each.placement, pose, seen)
+                    self._spots.add(text_class.id, each.text, each.placement, pose, seen, each.whole)
 
     def observe(self, frame: RgbdFrame, tracked: TrackedFrame) -> FrameReading | None:
         """Take one frame: let memory fade, and read the frame if its turn has come.
@@ -152,7 +151,8 @@ class TextMapper:
                 frame, tracked.keyframe, tracked.keyframe_from_camera, text, placement, glance.right
             )
             seen.append(observation)
-            text_class = self._remember(text, glance, observation, world_from_keyframe)
+            room = self._sorter.room_of(frame, text, placement, tracked.keyframe_from_camera)
+            text_class = self._remember(text, glance, observation, world_from_keyframe, room)
             is_new |= text_class.count < self._config.reading.settled_sightings
             if placement is not None:
                 self._keep_crop(text_class, frame, tracked.keyframe, tracked.keyframe_from_camera, text, glance)
@@ -289,12 +289,11 @@ class TextMapper:
         for text, placement in reading.parts.standing():
             glance = self._glance(text, placement, pose)
             observation = self._observation(frame, tracked.keyframe, pose, text, placement, glance.right)
+            room = self._sorter.room_of(frame, text, placement, pose, is_cut=True)
             if self._says_what_is_known(text, placement, world_from_keyframe):
-                self._remember(text, glance, observation, world_from_keyframe)
+                self._remember(text, glance, observation, world_from_keyframe, room)
             else:
                 self._strengthen_whole(text, placement, frame.timestamp, world_from_keyframe)
-                hidden = hidden_pixels(text.box, placement, frame.depth, self._camera, pose, self._config.placement)
-                room = room_beyond(frame.rgb, text.box, hidden)
                 alike = self._waiting.add(CutText(text, placement, glance, observation, world_from_keyframe, room))
                 is_new |= alike < self._config.reading.settled_sightings
         return is_new
@@ -318,7 +317,7 @@ class TextMapper:
         """Remember what was only ever seen in parts, once it is out of view; without a time, at the end, all of it."""
         for cuts in self._waiting.gone(timestamp, self._names_at, self.text_map.memory.is_remembered):
             for cut in cuts:
-                self._remember(cut.text, cut.glance, cut.observation, cut.world_from_keyframe)
+                self._remember(cut.text, cut.glance, cut.observation, cut.world_from_keyframe, cut.room)
 
     def _names_at(self, placement: Placement, world_from_keyframe: Array) -> list[str]:
         long_term = self.text_map.memory.long_term
@@ -327,9 +326,15 @@ class TextMapper:
         ]
 
     def _remember(
-        self, text: SpottedText, glance: Glance, observation: TextObservation, world_from_keyframe: Array | None
+        self,
+        text: SpottedText,
+        glance: Glance,
+        observation: TextObservation,
+        world_from_keyframe: Array | None,
+        room: tuple[float, float],
     ) -> TextClass:
         """Classify a text by what it says and where it stands, strengthen its class and name it (III-C to III-E)."""
+        observation = replace(observation, whole=ends_are_there(text.text, room))
         memory, placement = self.text_map.memory, observation.placement
         if placement is None or world_from_keyframe is None or not self._sorter.is_sure(placement):
             text_class = memory.sight(text.text, text.confidence, observation.timestamp, glance=glance)
@@ -340,7 +345,7 @@ class TextMapper:
             again = self._says_what_is_known(text, placement, world_from_keyframe)
             text_class = memory.sight(text.text, text.confidence, observation.timestamp, here, glance, again)
             seen = SeenSize(glance.height, glance.frontal)
-            self._spots.add(text_class.id, text.text, placement, world_from_keyframe, seen)
+            self._spots.add(text_class.id, text.text, placement, world_from_keyframe, seen, room)
             self._sorter.votes.read(text_class.id)
         text_class.observations.append(observation)
         if text_class.pool is Pool.LONG_TERM and needs_name(text_class):

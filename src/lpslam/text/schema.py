@@ -63,6 +63,7 @@ class _Observation(TypedDict):
     right: NotRequired[Share | None]
     ink: NotRequired[_Colour | None]
     clear: NotRequired[tuple[Number, Number, Number, Number] | None]
+    whole: NotRequired[tuple[Share, Share] | None]
 
 
 @_known

@@ -9,18 +9,20 @@ from numpy.typing import NDArray
 from lpslam.camera import PinholeCamera, inverse_transform, transform_points
 from lpslam.config import TextConfig
 from lpslam.frames import RgbdFrame
-from lpslam.text.placing.by_depth.hiding import PlacementFault
+from lpslam.text.placing.by_depth.hiding import PlacementFault, hidden_pixels
 from lpslam.text.placing.by_depth.placement import place_text
 from lpslam.text.placing.directions import Directions
 from lpslam.text.placing.spots import Spots
 from lpslam.text.placing.views import bearing_of
-from lpslam.text.reading.borders import cut_by_border
+from lpslam.text.reading.blocks import may_run_down
+from lpslam.text.reading.borders import cut_by_border, room_beyond
 from lpslam.text.reading.boxes import Boxes, letter_heights
 from lpslam.text.reading.legibility import SeenSize, frontal_cosine
 from lpslam.text.reading.ornaments import PatternVotes
 from lpslam.text.reading.patterns import Likeness
+from lpslam.text.remembering.known_names import WORD_ENDS
 from lpslam.text.remembering.memory import LongShortTermMemory
-from lpslam.text.types import Bearing, BoxFate, Placement
+from lpslam.text.types import Bearing, BoxFate, Placement, SpottedText
 
 Array = NDArray[np.float64]
 
@@ -93,7 +95,10 @@ class BoxSorter:
                     placements[row] = placement
                 continue
             seen = SeenSize(heights[row], frontal_cosine(placement, keyframe_from_camera))
-            if fates[row] == BoxFate.KEPT and self._is_known(placement, seen, frame.timestamp, world_from_keyframe):
+            room = self._room(frame, boxes[row], placement, keyframe_from_camera, False)
+            if fates[row] == BoxFate.KEPT and self._is_known(
+                placement, seen, room, frame.timestamp, world_from_keyframe
+            ):
                 fates[row] = BoxFate.KNOWN
             elif fates[row] == BoxFate.KEPT or not self._has_sure_name(placement, world_from_keyframe):
                 placements[row] = placement
@@ -117,10 +122,45 @@ class BoxSorter:
             return False
         return self.votes.is_ornament(self._spots.classes_at(placement, world_from_keyframe))
 
-    def _is_known(self, placement: Placement, seen: SeenSize, timestamp: float, world_from_keyframe: Array) -> bool:
+    def room_of(
+        self,
+        frame: RgbdFrame,
+        text: SpottedText,
+        placement: Placement | None,
+        keyframe_from_camera: Array,
+        is_cut: bool = False,
+    ) -> tuple[float, float]:
+        """How far the view goes on before and behind a text, in heights of its box.
+
+        One that is not cut ends as words do: ground was seen beyond its last strokes.
+        """
+        before, behind = self._room(frame, text.box, placement, keyframe_from_camera, may_run_down(text))
+        least = 0.0 if is_cut else WORD_ENDS
+        return max(before, least), max(behind, least)
+
+    def _room(
+        self,
+        frame: RgbdFrame,
+        box: Array,
+        placement: Placement | None,
+        keyframe_from_camera: Array,
+        either_way: bool,
+    ) -> tuple[float, float]:
+        config = self._config.placement
+        hidden = hidden_pixels(box, placement, frame.depth, self._camera, keyframe_from_camera, config)
+        return room_beyond(frame.rgb, box, hidden, either_way)
+
+    def _is_known(
+        self,
+        placement: Placement,
+        seen: SeenSize,
+        room: tuple[float, float],
+        timestamp: float,
+        world_from_keyframe: Array,
+    ) -> bool:
         """Whether what stands here is known so well that reading it again would tell nothing; it is confirmed then."""
         settled = self._spots.settled_at(
-            placement, world_from_keyframe, seen, self._is_sure_of_name, self._config.reading
+            placement, world_from_keyframe, seen, self._is_sure_of_name, self._config.reading, room
         )
         if settled is None:
             return False

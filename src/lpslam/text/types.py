@@ -195,6 +195,8 @@ class TextObservation:
         ink: (red, green, blue) of the letters; None in maps of older programs.
         clear: how far the ground goes on above, right of, below and left of the box, as shares of its shorter side;
             None in maps of older programs.
+        whole: probabilities, 0 to 1, that nothing more is painted before it, and behind it; None in maps of older
+            programs.
     """
 
     frame: int
@@ -209,6 +211,7 @@ class TextObservation:
     right: float | None = None
     ink: tuple[int, int, int] | None = None
     clear: tuple[float, float, float, float] | None = None
+    whole: tuple[float, float] | None = None
 
     @property
     def place(self) -> Placement:

@@ -1,9 +1,12 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from lpslam.config import InstanceConfig, MemoryConfig
 from lpslam.language.model import Naming
 from lpslam.text.placing.places import places_of_class
+from lpslam.text.remembering.evidence import Glance, note
 from lpslam.text.remembering.memory import TextClass, Variant
 from lpslam.text.types import Placement, TextObservation
 
@@ -48,9 +51,53 @@ def test_longer_texts_are_believed_as_ever(text: str) -> None:
 @pytest.mark.parametrize(("sure", "best", "expected"), [(0.1, 0.1, 0), (0.1, 0.3, 1), (0.6, 0.1, 1)])
 def test_a_name_that_no_reading_can_be_is_none(sure: float, best: float, expected: int) -> None:
     """Small print that every view reads in another way, none of them well."""
-    text_class = read("n ewhto 6 58", [0.01, best, 0.02])
-    text_class.naming = Naming("n ewhto 6 58", sure, "", "offline")
+    text_class = read("Willow & Pine", [0.01, best, 0.02])
+    text_class.naming = Naming("Willow & Pine", sure, "", "offline")
     assert count(text_class) == expected
+
+
+@pytest.mark.parametrize("text", ["ErkrrKPHINP", "HEYFPFFF", "FHrKI", "1917999", "POJトS", "里因圈困"])
+def test_what_is_spelt_as_no_name_is_and_read_badly_every_time_is_no_text(text: str) -> None:
+    """Rows of runes, lanes' arrows, pictograms and lattices."""
+    assert count(read(text, [0.2, 0.45, 0.1])) == 0
+    assert count(read(text, [0.2, 0.8, 0.1])) == 1
+
+
+@pytest.mark.parametrize("text", ["Farmer Dividend", "THISTLE& OAK", "Wivenhoe Park", "KOKE", "кофейня"])
+def test_what_is_spelt_as_names_are_is_a_text_however_badly_read(text: str) -> None:
+    assert count(read(text, [0.2, 0.38, 0.1])) == 1
+
+
+def test_an_ideograph_that_signs_do_not_bear_by_itself_is_no_text() -> None:
+    """A square code read as 器 and a plate with a meander read as 可, from every side; doors have 男."""
+    assert count(read("器", [0.97, 0.96, 0.97])) == count(read("可", [0.6, 0.65, 0.65])) == 0
+    assert count(read("男", [0.97, 0.96, 0.97])) == 1
+
+
+def test_a_name_is_no_surer_than_two_readings_that_are_independent() -> None:
+    for best, most in ((0.65, 0.88), (0.3, 0.51), (0.97, 0.98)):
+        text_class = read("Willow & Pine", [best] * 8)
+        for _ in range(8):
+            note(text_class.looks, "Willow & Pine", 0.9, 0, Glance(30.0, 1.0, best))
+        text_class.naming = Naming("Willow & Pine", 0.98, "", "offline")
+        (place,) = places_of_class(text_class, lambda keyframe: np.eye(4), InstanceConfig(), MemoryConfig())
+        assert place.confidence == pytest.approx(most, abs=0.005)
+
+
+def test_a_text_whose_end_no_view_shows_is_as_sure_as_that_it_is_whole_and_none_if_it_is_likelier_a_piece() -> None:
+    def standing(*whole: tuple[float, float]) -> list[float]:
+        text_class = read("SHOE LAB", [0.99] * len(whole))
+        text_class.naming = Naming("SHOE LAB", 0.9, "", "offline")
+        text_class.observations = [
+            replace(each, whole=ends) for each, ends in zip(text_class.observations, whole, strict=True)
+        ]
+        places = places_of_class(text_class, lambda keyframe: np.eye(4), InstanceConfig(), MemoryConfig())
+        return [each.confidence for each in places]
+
+    assert standing((0.8, 1.0), (0.7, 1.0)) == [pytest.approx(0.72)]
+    assert standing((0.4, 1.0), (0.3, 1.0)) == []
+    # One view shows its begin, another one its end.
+    assert standing((0.4, 1.0), (1.0, 0.2)) == [pytest.approx(0.9)]
 
 
 def test_sure_texts_need_no_tables_of_words(monkeypatch: pytest.MonkeyPatch) -> None:

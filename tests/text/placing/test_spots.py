@@ -144,3 +144,18 @@ def test_a_piece_read_often_does_not_settle_the_whole() -> None:
     near = SeenSize(60.0, 50.0)
     assert spots.settled_at(standing(0.0, 0.0), np.eye(4), near, unsure, FOUR) is None
     assert spots.spellings_at(standing(0.0, 0.0), np.eye(4)) == {"院", "星河电影院"}
+
+
+def test_a_text_is_read_again_once_when_the_view_first_goes_on_beyond_its_end() -> None:
+    spots = Spots()
+    here, size = standing(0.0, 0.0), SeenSize(20.0, 1.0)
+
+    def settled(room: tuple[float, float]) -> int | None:
+        return spots.settled_at(here, np.eye(4), size, unsure, FOUR, room)
+
+    for _ in range(FOUR.settled_sightings):
+        spots.add(7, "GUCCI", here, np.eye(4), size, (5.0, 0.1))
+    assert settled((5.0, 0.1)) == 7
+    assert settled((5.0, 2.0)) is None
+    spots.add(7, "GUCCI", here, np.eye(4), size, (5.0, 2.0))
+    assert settled((5.0, 2.0)) == 7

@@ -120,7 +120,7 @@ def test_how_far_the_image_goes_on_beyond_the_ends_of_a_text() -> None:
     image, box = seen("LONGER", 230, 100)
     assert room_beyond(image, box)[1] == 0.0
     slanted = np.array([[60.0, 40.0], [160.0, 140.0], [140.0, 160.0], [40.0, 60.0]])
-    assert room_beyond(image, slanted) == pytest.approx((2.0, (HEIGHT - 1.0 - 160.0) / 20.0), rel=0.01)
+    assert room_beyond(image, slanted) == pytest.approx((2.25, (HEIGHT - 1.0 - 155.0) / 20.0), rel=0.01)
 
 
 def test_what_hides_the_image_beyond_an_end_ends_the_view() -> None:
@@ -135,3 +135,20 @@ def test_what_hides_the_image_beyond_an_end_ends_the_view() -> None:
     assert room_beyond(image, box, hidden)[0] == 0.0
     hidden[int(box[0, 1]) + 8 :] = False
     assert room_beyond(image, box, hidden)[0] == room_beyond(image, box)[0], "it is above the line"
+
+
+def test_a_piece_of_a_column_that_is_as_wide_as_high_is_cut_at_its_head() -> None:
+    """Of the upper of two blocks half is above the border: the box is about square."""
+    image = np.full((HEIGHT, WIDTH, 3), WHITE, np.uint8)
+    for top in (-30, 30):
+        for row in range(0, 50, 12):
+            cv2.line(image, (100, top + row), (148, top + row), BLACK, 4)
+        cv2.line(image, (124, top), (124, top + 48), BLACK, 4)
+    box = np.array([[95, 0], [153, 0], [153, 84], [95, 84]], float)
+    assert cut_by_border(image, box[None]).tolist() == [True]
+    assert room_beyond(image, box, either_way=True)[0] == 0.0
+    lower = np.roll(image, 60, axis=0)
+    lower[:60] = WHITE
+    moved = np.array([[95, 60], [153, 60], [153, 144], [95, 144]], float)
+    assert cut_by_border(lower, moved[None]).tolist() == [False]
+    assert min(room_beyond(lower, moved, either_way=True)) > 0.5

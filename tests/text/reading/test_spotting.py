@@ -275,3 +275,11 @@ def test_equal_letters_in_a_row_are_no_text(raw: str, is_text: bool) -> None:
     box = np.array([[[0.0, 0.0], [200.0, 0.0], [200.0, 40.0], [0.0, 40.0]]])
     (accepted,) = accepted_texts(box, [Recognition(raw, 0.99)], CONFIG)
     assert (accepted is not None) is is_text
+
+
+@pytest.mark.parametrize(("raw", "is_text"), [("--99", False), ("ww////hl", False), ("99", True), ("2.90", True)])
+def test_what_is_marks_for_the_most_part_is_no_text(raw: str, is_text: bool) -> None:
+    """Bottles on a shelf are read as dashes and a number or two."""
+    box = np.array([[[0, 0], [100, 0], [100, 30], [0, 30]]], float)
+    (accepted,) = accepted_texts(box, [Recognition(raw, 0.99)], CONFIG)
+    assert (accepted is not None) == is_text

@@ -13,8 +13,9 @@ from lpslam.language.naming.channel import evidence_of, log_likelihood, paint_ke
 from lpslam.text.placing.bearings import placed
 from lpslam.text.placing.columns import WorldSightings
 from lpslam.text.placing.instances import KeyframePoses, split_places, trimmed_position
-from lpslam.text.remembering.ends import says_little
+from lpslam.text.remembering.ends import is_lone_character, says_a_word, says_little
 from lpslam.text.remembering.evidence import looks_of, readings_of
+from lpslam.text.remembering.known_names import is_spelt_as_names
 from lpslam.text.remembering.memory import TextClass
 from lpslam.text.remembering.similarity import IDEOGRAPHS
 from lpslam.text.types import TextObservation
@@ -23,11 +24,13 @@ Array = NDArray[np.float64]
 
 # Ids of places are their class's times this, plus their number.
 PLACES_OF_A_CLASS = 1000
-# A short text is only believed if some reading of it is likelier right than wrong, any other if one may be right at
-# all: ornaments and lamps are read badly each time.
+# A text that is short, or neither says a word nor is spelt as names are, is only believed if some reading of it is
+# likelier right than wrong, any other if one may be right at all: ornaments, goods and lamps are read badly each time.
 _LIKELY, _POSSIBLE = 0.5, 0.2
 # A short name that is less sure is one of an ornament: of 21 such names of drawn lettering none was right.
 _UNSURE = 0.35
+# Readings of a name that are independent of each other, at most.
+_INDEPENDENT = 2.0
 # Letter heights by which the middle of a part may lie beside that of the whole: boxes are drawn as loosely.
 _SAME_MIDDLE = 0.5
 # Most log odds by which one name is ahead of another that are believed.
@@ -110,7 +113,9 @@ def places_of_class(
         if len(seen) < enough or not _is_large_enough(seen, config):
             continue
         name, sure = _name_here(text_class, seen, len(groups) > 1, memory)
-        if not _is_hardly_text(name, sure, seen):
+        whole = _probability_whole(name, seen)
+        sure = min(sure, _most_sure(name, text_class)) * whole
+        if whole >= config.least_whole and not _is_hardly_text(name, sure, seen):
             places.append(_place(text_class.id * PLACES_OF_A_CLASS + number, name, sure, seen, config))
     return places
 
@@ -161,6 +166,29 @@ def _show_all_of(name: str, sightings: WorldSightings) -> NDArray[np.bool_]:
     return np.asarray(reads | (0.5 * missing <= _SAME_MIDDLE * min(width, height)), np.bool_)
 
 
+def _most_sure(name: str, text_class: TextClass) -> float:
+    """How sure a name may be at most: its readings, however many, are worth no more than so many that are independent.
+
+    What is no text, or is half hidden, is read alike again and again, and poorly each time. Of a name that was put
+    together from readings the best of them counts.
+    """
+    key = paint_key(name)
+    own = [each.best for each in text_class.looks if paint_key(each.text) == key]
+    best = max(own or [each.best for each in text_class.looks], default=_SUREST)
+    return float(1.0 - (1.0 + exp(min(best, _SUREST))) ** -_INDEPENDENT)
+
+
+def _probability_whole(name: str, sightings: WorldSightings) -> float:
+    """The probability, 0 to 1, that nothing more is painted before or behind a name, by the readings that say it.
+
+    Where an older map does not tell, or nothing that was read is just the name, nothing is held against it.
+    """
+    key = paint_key(name)
+    told = [each.whole for each in sightings.observations if paint_key(each.text) == key]
+    known = [each for each in told if each is not None]
+    return float(np.array(known).max(axis=0).prod()) if known and len(known) == len(told) else 1.0
+
+
 def _clear(observations: Sequence[TextObservation]) -> Array | None:
     known = [each.clear for each in observations if each.clear is not None]
     return np.asarray(np.median(known, axis=0), np.float64) if known else None
@@ -178,11 +206,13 @@ def _is_hardly_text(name: str, sure: float, sightings: WorldSightings) -> bool:
     """Whether a text was read so badly or so differently, for its length, that it is likelier no text at all."""
     right = [each.right for each in sightings.observations if each.right is not None]
     best = max(right, default=1.0)
-    if sure < _UNSURE and best < _POSSIBLE:
+    if (sure < _UNSURE and best < _POSSIBLE) or is_lone_character(name):
         return True
     # Where nothing is unsure, nobody asks the tables of words, which take a second to read.
     if sure >= _UNSURE and best >= _LIKELY:
         return False
+    if best < _LIKELY and not says_a_word(name) and not is_spelt_as_names(name):
+        return True
     return says_little(name) or says_little(next(iter(sightings.variants)))
 
 

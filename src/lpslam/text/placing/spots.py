@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from lpslam.camera import transform_points
 from lpslam.config import ReadingConfig
 from lpslam.text.reading.legibility import SeenSize
+from lpslam.text.remembering.known_names import LINE_ENDS
 from lpslam.text.remembering.similarity import comparison_key
 from lpslam.text.types import Placement
 
@@ -42,6 +43,7 @@ class Spots:
         self._normals = np.zeros((0, 3))
         self._sizes = np.zeros((0, 2))
         self._seen = np.zeros((0, 2))
+        self._rooms = np.zeros((0, 2))
 
     def classes_at(self, placement: Placement, world_from_keyframe: Array) -> set[int]:
         """The classes read before where this text stands."""
@@ -58,6 +60,7 @@ class Spots:
         seen: SeenSize,
         is_sure: Callable[[int], bool],
         config: ReadingConfig,
+        room: tuple[float, float] = (0.0, 0.0),
     ) -> int | None:
         """The class read here again and again, and nearly as well as it is seen now; None where there is none.
 
@@ -67,6 +70,7 @@ class Spots:
             is_sure: whether the name of a class is sure already: half as many readings are enough then.
             config: how often a text must have been read alike; twice as often is enough where readings differ, and as
                 often again where they are of several classes.
+            room: how far the view goes on before and behind it now, in heights of its box.
         """
         here = self._here(placement, world_from_keyframe)
         classes, counts = np.unique(self._classes[here], return_counts=True)
@@ -74,7 +78,8 @@ class Spots:
             return None
         leading = int(classes[counts.argmax()])
         # A piece of the text may have been read often from afar: how well others were seen does not settle it.
-        if self._is_better(here & (self._classes == leading), placement, seen, config):
+        own = here & (self._classes == leading)
+        if self._is_better(own, placement, seen, config) or self._shows_an_end(own, room):
             return None
         sightings = config.settled_sightings
         if is_sure(leading):
@@ -93,6 +98,10 @@ class Spots:
         is_larger |= highest < config.believed_height <= seen.height
         return is_larger or placement.width > config.longer * float(self._sizes[here, 0].max())
 
+    def _shows_an_end(self, here: NDArray[np.bool_], room: tuple[float, float]) -> bool:
+        """Whether the view goes on now beyond an end where it did in no reading."""
+        return bool(((np.array(room) >= LINE_ENDS) & (self._rooms[here].max(axis=0) < LINE_ENDS)).any())
+
     def _here(self, placement: Placement, world_from_keyframe: Array) -> NDArray[np.bool_]:
         position, baseline, normal = _in_world(placement, world_from_keyframe)
         offsets = self._positions - position
@@ -105,8 +114,16 @@ class Spots:
         here: NDArray[np.bool_] = overlaps & (self._normals @ normal > 0.0)
         return here
 
-    def add(self, identifier: int, text: str, placement: Placement, world_from_keyframe: Array, seen: SeenSize) -> None:
-        """Note a sighting of a class, as what it was read, and how large it was seen."""
+    def add(
+        self,
+        identifier: int,
+        text: str,
+        placement: Placement,
+        world_from_keyframe: Array,
+        seen: SeenSize,
+        room: tuple[float, float] | None = None,
+    ) -> None:
+        """Note a sighting of a class, as what it was read, how large it was seen and how far the view went on."""
         position, _, normal = _in_world(placement, world_from_keyframe)
         size = [placement.width, placement.height]
         self._classes = np.append(self._classes, identifier)[-_CAPACITY:]
@@ -115,6 +132,8 @@ class Spots:
         self._normals = np.vstack([self._normals, normal])[-_CAPACITY:]
         self._sizes = np.vstack([self._sizes, size])[-_CAPACITY:]
         self._seen = np.vstack([self._seen, [seen.height, seen.effective]])[-_CAPACITY:]
+        # Where nobody knows, nothing is looked for.
+        self._rooms = np.vstack([self._rooms, room or (LINE_ENDS, LINE_ENDS)])[-_CAPACITY:]
 
 
 def _in_world(placement: Placement, world_from_keyframe: Array) -> tuple[Array, Array, Array]:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from lpslam.config import SpottingConfig
 from lpslam.language.tables.spelling import is_ideograph
-from lpslam.text.reading.boxes import DOWNWARDS, Boxes, letter_heights, runs_downwards
+from lpslam.text.reading.boxes import DOWNWARDS, Boxes, letter_heights, may_run_either_way, runs_downwards
 from lpslam.text.reading.spotting import SURE, TextSpotter, accepted_texts
 from lpslam.text.types import SpottedText
 
@@ -118,6 +118,12 @@ def around(texts: Sequence[SpottedText]) -> NDArray[np.float64]:
     """The (4, 2) box of lines over each other, from the top."""
     first, last = texts[0].box, texts[-1].box
     return np.stack([first[0], first[1], last[2], last[3]])
+
+
+def may_run_down(text: SpottedText) -> bool:
+    """Whether a text in a box as wide as high may be a piece of a column: only ideographs stand over each other."""
+    letters = [ch for ch in text.text if ch.isalnum()]
+    return bool(may_run_either_way(text.box[None])[0]) and all(map(is_ideograph, letters))
 
 
 def _is_line_of_ideographs(text: SpottedText) -> bool:

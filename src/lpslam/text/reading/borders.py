@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.text.reading.boxes import Boxes, along_the_lines, letter_heights
+from lpslam.text.reading.boxes import Boxes, along_the_lines, may_run_either_way
 
 Image = NDArray[np.uint8]
 Mask = NDArray[np.bool_]
@@ -34,6 +34,9 @@ _PLAIN = 0.04
 """Largest share of a column that may be ink in the ground between letters: a stroke covers more."""
 
 
+_QUARTER = 0.25
+"""Share of a line's height above and below the half of it that must be in view."""
+
 _SEEN = 0.5
 """Share of a column that must be in view, and on the letters' surface, for what stands there to be seen."""
 
@@ -43,8 +46,20 @@ def cut_by_border(rgb: Image, boxes: Boxes) -> Mask:
     cut = np.zeros(len(boxes), np.bool_)
     if not len(boxes):
         return cut
-    lines = along_the_lines(boxes)
-    spacious = _grown(lines, letter_heights(boxes)[:, None], _SPACE, _MARGIN)
+    cut |= _are_cut(rgb, along_the_lines(boxes))
+    # A column of two characters of which one is cut is as wide as high.
+    either = np.flatnonzero(may_run_either_way(boxes) & ~cut)
+    cut[either] = _are_cut(rgb, np.roll(boxes[either], -1, axis=1))
+    return cut
+
+
+def _are_cut(rgb: Image, lines: Boxes) -> Mask:
+    """Which (n, 4, 2) lines go on beyond the border of an (h, w, 3) image."""
+    cut = np.zeros(len(lines), np.bool_)
+    if not len(lines):
+        return cut
+    heights = np.linalg.norm(lines[:, 3] - lines[:, 0] + lines[:, 2] - lines[:, 1], axis=1) / 2.0
+    spacious = _grown(lines, heights[:, None], _SPACE, _MARGIN)
     first, last = view_of(rgb)
     for row in np.flatnonzero(~((spacious >= first) & (spacious <= last)).all(axis=(1, 2))).tolist():
         cut[row] = _goes_on(rgb, lines[row], first, last, None)
@@ -56,14 +71,23 @@ def goes_on(rgb: Image, line: Boxes, hidden: Mask) -> bool:
     return _goes_on(rgb, line, *view_of(rgb), hidden)
 
 
-def room_beyond(rgb: Image, box: Boxes, hidden: Mask | None = None) -> tuple[float, float]:
+def room_beyond(rgb: Image, box: Boxes, hidden: Mask | None = None, either_way: bool = False) -> tuple[float, float]:
     """How far an (h, w, 3) image goes on before and behind the text of a box (4, 2), in heights of the box.
 
     What hides some pixels (h, w) ends the view as the image's border does.
+
+    Args:
+        rgb, box, hidden: as above; nothing is hidden without.
+        either_way: whether the text may run across or down: then there is as much room as the lesser way has.
     """
-    line = along_the_lines(box[None])[0]
-    height = max(float(letter_heights(box[None])[0]), 1.0)
     first, last = view_of(rgb)
+    ways = [box, np.roll(box, -1, axis=0)] if either_way else [along_the_lines(box[None])[0]]
+    rooms = [_room_of_line(line, first, last, hidden) for line in ways]
+    return min(before for before, _ in rooms), min(behind for _, behind in rooms)
+
+
+def _room_of_line(line: Boxes, first: Pixel, last: Pixel, hidden: Mask | None) -> tuple[float, float]:
+    height = max(float(np.linalg.norm(line[3] - line[0] + line[2] - line[1])) / 2.0, 1.0)
     before, behind = line[[0, 3]], line[[1, 2]]
     rooms = []
     for ends in ((before, behind), (behind, before)):
@@ -73,9 +97,10 @@ def room_beyond(rgb: Image, box: Boxes, hidden: Mask | None = None) -> tuple[flo
 
 
 def _steps_to_border(end: Boxes, other: Boxes, first: Pixel, last: Pixel) -> float:
-    """Pixels from the corners (2, 2) of an end, away from those of the other one, to where the view ends."""
+    """Pixels from the corners (2, 2) of an end, away from those of the other one, to where half of the line is out."""
     steps = _away(end, other)
-    room = np.where(steps > 0.0, last - end, end - first) / np.maximum(np.abs(steps), 1e-9)
+    rails = end[::-1] * _QUARTER + end * (1.0 - _QUARTER)
+    room = np.where(steps > 0.0, last - rails, rails - first) / np.maximum(np.abs(steps), 1e-9)
     return max(float(room.min()), 0.0)
 
 

@@ -23,6 +23,12 @@ def runs_downwards(boxes: Boxes) -> NDArray[np.bool_]:
     return height >= DOWNWARDS * width
 
 
+def may_run_either_way(boxes: Boxes) -> NDArray[np.bool_]:
+    """Tell which (n, 4, 2) boxes are about as wide as high: one character, or two of which a part is in view."""
+    width, height = _sizes(boxes)
+    return (height < DOWNWARDS * width) & (width < DOWNWARDS * height)
+
+
 def along_the_lines(boxes: Boxes) -> Boxes:
     """The (n, 4, 2) boxes, those whose line runs downwards turned so that its first letter is on the left."""
     return np.where(runs_downwards(boxes)[:, None, None], np.roll(boxes, -1, axis=1), boxes)

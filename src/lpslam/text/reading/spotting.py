@@ -109,11 +109,21 @@ def _is_run(text: str) -> bool:
     return longest >= _RUN and 2 * longest > len(letters)
 
 
+def _is_of_marks(text: str) -> bool:
+    """Whether no more of a text is letters and digits than marks: goods on a shelf are read so, no known name is.
+
+    Full stops after letters shorten words.
+    """
+    marks = sum(unicodedata.category(ch)[0] in "PS" and ch != "." for ch in text)
+    return marks >= sum(map(str.isalnum, text))
+
+
 def accepted_texts(boxes: Boxes, readings: list[Recognition], config: SpottingConfig) -> list[SpottedText | None]:
     """Clean what was read in (n, 4, 2) boxes; None in place of what is too unsure or too short to be a text."""
     texts: list[SpottedText | None] = []
     for box, height, (raw, confidence, slots, sharpness) in zip(boxes, letter_heights(boxes), readings, strict=True):
         text = _without_logos(clean_text(raw, config.max_length))
-        is_text = confidence >= config.min_confidence and _letters(text) >= config.min_letters and not _is_run(text)
+        is_spelt = _letters(text) >= config.min_letters and not _is_run(text) and not _is_of_marks(text)
+        is_text = confidence >= config.min_confidence and is_spelt
         texts.append(SpottedText(text, confidence, box, float(height), slots, sharpness) if is_text else None)
     return texts

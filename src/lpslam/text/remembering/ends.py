@@ -1,11 +1,14 @@
 """Which spellings are words, and which end as words do: beyond such an end there need be nothing more."""
 
 from lpslam.language.tables.knowledge import load_knowledge, load_words
-from lpslam.language.tables.spelling import is_ideograph
+from lpslam.language.tables.spelling import is_ideograph, words_of
 from lpslam.text.remembering.similarity import is_short
 
 _LEAST = 2
 """Letters of a word at an end: one by itself is a piece of any."""
+
+_SAYING = 3
+"""Letters of a word that is none by chance."""
 
 _WORDS = 3
 """Words at an end that are looked up together."""
@@ -34,9 +37,37 @@ def is_word(text: str) -> bool:
     return _is_known(load_knowledge().folder.key(text))
 
 
+def says_a_word(text: str) -> bool:
+    """Whether a text has a known word of three letters or two ideographs in it, or one in a script few are known of."""
+    knowledge = load_knowledge()
+    for word in words_of(knowledge.folder.fold(text), load_words()):
+        key = knowledge.folder.key(word)
+        if (len(key) >= _SAYING and _is_known(key)) or (len(key) >= _LEAST and not any(map(_is_of_tables, key))):
+            return True
+        pairs = (key[at : at + 2] for at in range(len(key) - 1) if is_ideograph(key[at]) and is_ideograph(key[at + 1]))
+        if any(map(_is_known, pairs)):
+            return True
+    return False
+
+
+def is_lone_character(text: str) -> bool:
+    """Whether a text is one ideograph that signs do not bear by itself: as with letters, most are no text."""
+    letters = [letter for letter in text if letter.isalnum()]
+    return len(letters) == 1 and is_ideograph(letters[0]) and not is_word(letters[0])
+
+
 def says_little(text: str) -> bool:
     """Whether a text is short, and no word of two ideographs, which says more than three letters do."""
     return is_short(text) and not (len(text) > 1 and is_ideograph(text[0]) and is_word(text))
+
+
+def _is_of_tables(letter: str) -> bool:
+    """Whether a letter is of a script in which the tables know most of what signs say."""
+    return letter.isdigit() or letter < _LATIN_ENDS or is_ideograph(letter)
+
+
+_LATIN_ENDS = "\u0250"
+"""The first character beyond the Latin letters."""
 
 
 def _is_word(key: str) -> bool:

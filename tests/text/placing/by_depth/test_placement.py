@@ -331,3 +331,16 @@ def test_a_sign_half_of_which_has_depth_hangs_where_that_is() -> None:
     letters = wall_depth(centre, normal, 0.0022)
     letters[:, int(left) : int(right)][:, (np.arange(int(right) - int(left)) // 6) % 2 == 0] = 0.0
     assert placed(box, letters).position == pytest.approx(centre, abs=0.03)
+
+
+def test_of_a_text_without_depth_what_has_some_beyond_its_end_hides_the_rest() -> None:
+    """A sign beyond the sensor's reach, of which a pillar covers a part: it may be placed on the pillar."""
+    centre = np.array([0.0, -0.1, 3.0])
+    _, box, normal = sign(centre, 0.0)
+    depth = np.zeros_like(wall_depth(centre, normal))
+    end = int(box[:, 0].max()) + 2
+    depth[:, end : end + 60] = 2.0
+    on_pillar = placed(box, wall_depth(np.array([0.0, -0.1, 2.0]), normal), np.eye(4))
+    for placement in (None, on_pillar):
+        hidden = hidden_pixels(box, placement, depth, CAMERA, np.eye(4), CONFIG)
+        assert hidden[int(box[:, 1].mean()), end + 5]

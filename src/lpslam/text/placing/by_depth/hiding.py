@@ -113,17 +113,27 @@ def _nearer(
 
 def hidden_pixels(
     box: Array,
-    placement: Placement,
+    placement: Placement | None,
     depth: NDArray[np.float32],
     camera: PinholeCamera,
     keyframe_from_camera: Array,
     config: PlacementConfig,
 ) -> NDArray[np.bool_]:
-    """Which pixels (height, width) on and about the box (4, 2) of a placed text show something in front of it."""
+    """Which pixels (height, width) on and about the box (4, 2) of a text show something in front of it.
+
+    Of a text without depth, beyond an end of which there is some, all that has depth is nearer; it may be placed on
+    just that.
+    """
+    line = along_the_lines(box[None])[0]
+    _, inside, area = depths_inside(line, depth, config)
+    if len(inside) < config.min_depth_share * area and _ends_at_something_near(line, depth, config):
+        return np.asarray((depth >= config.min_depth) & (depth <= config.max_depth), np.bool_)
+    if placement is None:
+        return np.zeros(depth.shape, np.bool_)
     camera_from_keyframe = inverse_transform(keyframe_from_camera)
     normal = camera_from_keyframe[:3, :3] @ np.array(placement.normal)
     position = transform_points(camera_from_keyframe, np.array([placement.position]))[0]
-    return _nearer(along_the_lines(box[None])[0], depth, camera, normal / (normal @ position), config)
+    return _nearer(line, depth, camera, normal / (normal @ position), config)
 
 
 def _ends(box: Array, share: float) -> tuple[Array, Array]:
