@@ -20,7 +20,7 @@ from lpslam.text.correcting.applying import corrected, judged_by_hand
 from lpslam.text.correcting.corrections import Corrections
 from lpslam.text.placing.instances import KeyframePoses
 from lpslam.text.placing.patterned import Patterns, without_patterned
-from lpslam.text.placing.places import PLACES_OF_A_CLASS, Place, places_of_class
+from lpslam.text.placing.places import PLACES_OF_A_CLASS, Place, read_places
 from lpslam.text.remembering.memory import LongShortTermMemory, TextClass
 from lpslam.text.schema import refuse_other_document
 from lpslam.text.sightings import SightingStore
@@ -89,7 +89,7 @@ class TextMap:
         instances = self.config.instances
         memory = self.config.memory
         places = [
-            place for each in self.long_term for place in places_of_class(each, world_from_keyframe, instances, memory)
+            place for each in self.long_term for place in read_places(each, world_from_keyframe, instances, memory)
         ]
         places = without_patterned(places, self.patterns.standing(world_from_keyframe), self.config.patterns)
         groups = boards(without_overlaps(places, instances), instances)

@@ -1,5 +1,7 @@
 """Texts at whose place boxes were refused as patterns."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -103,3 +105,10 @@ def test_arrays_give_back_what_they_were_made_of_and_nothing_else_is_taken() -> 
             Patterns.from_arrays({"rows": wrong})
     with pytest.raises(ValueError, match="shape"):
         Patterns.from_arrays({"rows": rows[:, :5]})
+
+
+def test_what_is_hardly_a_text_tells_of_the_pattern_beside_it() -> None:
+    """Of two pieces of one frieze the first is read so badly that it is none anyhow."""
+    first, second = place("0000", 4), place("0000", 2, 0.5, 2)
+    assert stays(Patterns(), replace(first, is_text=False), second) == stays(Patterns(), first, second) == []
+    assert stays(Patterns(), second) == ["0000"]

@@ -113,12 +113,12 @@ class Patterns:
 
 
 def without_patterned(places: Sequence[Place], patterns: Standing, config: PatternConfig) -> list[Place]:
-    """The places whose texts are likelier texts than pieces of patterns."""
+    """The places of texts that are likelier texts than pieces of patterns; those of none speak against others."""
     if not places:
         return []
     positions = np.array([each.position for each in places])
     kept = []
-    for place in places:
+    for place in (each for each in places if each.is_text):
         near = np.linalg.norm(positions - place.position, axis=1) <= config.twin_reach * place.width
         twins = sum(_is_twin(place.name, places[row].name) for row in np.flatnonzero(near).tolist()) - 1
         if patterned_odds(place, patterns.at(place, config), twins, config) <= 0.0:

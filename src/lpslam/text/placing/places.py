@@ -57,6 +57,7 @@ class Place:
         inks_by_frame: for each frame, the (red, green, blue) of its letters, where it is known.
         sizes_by_frame: for each frame, metres of width and height.
         clear: how far its ground goes on above, right of, below and left of it, in letter heights; None where unknown.
+        is_text: whether it is likelier a whole text than a piece of one, or than none.
     """
 
     id: int
@@ -77,6 +78,7 @@ class Place:
     inks_by_frame: dict[int, tuple[int, int, int]] = field(default_factory=dict)
     sizes_by_frame: dict[int, tuple[float, float]] = field(default_factory=dict)
     clear: Array | None = None
+    is_text: bool = True
 
     @property
     def letter(self) -> float:
@@ -94,7 +96,14 @@ class Place:
 def places_of_class(
     text_class: TextClass, world_from_keyframe: KeyframePoses, config: InstanceConfig, memory: MemoryConfig
 ) -> list[Place]:
-    """Find the places of one class; none when it was never placed.
+    """Find the places of one class at which there is a whole text; none when it was never placed."""
+    return [each for each in read_places(text_class, world_from_keyframe, config, memory) if each.is_text]
+
+
+def read_places(
+    text_class: TextClass, world_from_keyframe: KeyframePoses, config: InstanceConfig, memory: MemoryConfig
+) -> list[Place]:
+    """The same with those at which something is read that is no text, or a piece: pieces of patterns tell of each other.
 
     A place seen but once is a slip of depth or of reading, unless the class has no other.
     """
@@ -113,10 +122,10 @@ def places_of_class(
         if len(seen) < enough or not _is_large_enough(seen, config):
             continue
         name, sure = _name_here(text_class, seen, len(groups) > 1, memory)
-        whole = _probability_whole(name, seen)
-        sure = min(sure, _most_sure(name, text_class)) * whole
-        if whole >= config.least_whole and not _is_hardly_text(name, sure, seen):
-            places.append(_place(text_class.id * PLACES_OF_A_CLASS + number, name, sure, seen, config))
+        sure, whole = min(sure, _most_sure(name, text_class)), _probability_whole(name, seen)
+        place = _place(text_class.id * PLACES_OF_A_CLASS + number, name, sure * whole, seen, config)
+        is_text = whole >= config.least_whole and not _is_hardly_text(name, sure, seen)
+        places.append(replace(place, is_text=is_text))
     return places
 
 
