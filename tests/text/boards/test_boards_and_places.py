@@ -139,7 +139,7 @@ def text_class(seen: list[TextObservation], name: str) -> TextClass:
         variant = variants.setdefault(each.text, Variant())
         variant.count, variant.confidence = variant.count + 1, variant.confidence + each.confidence
     naming = Naming(name, 1.0, "", "test")
-    return TextClass(7, 0.0, 1.0, variants, 5.0, Pool.LONG_TERM, 0.5, [], seen, naming, len(seen))
+    return TextClass(7, 0.0, 1.0, variants, 5.0, Pool.LONG_TERM, 0.5, [], seen, naming=naming)
 
 
 def world(_: int) -> NDArray[np.float64]:

@@ -103,7 +103,7 @@ def places_of_class(
 def read_places(
     text_class: TextClass, world_from_keyframe: KeyframePoses, config: InstanceConfig, memory: MemoryConfig
 ) -> list[Place]:
-    """The same with those at which something is read that is no text, or a piece: pieces of patterns tell of each other.
+    """The same with those at which what is read is no text, or a piece: pieces of patterns tell of each other.
 
     A place seen but once is a slip of depth or of reading, unless the class has no other.
     """
@@ -124,7 +124,7 @@ def read_places(
         name, sure = _name_here(text_class, seen, len(groups) > 1, memory)
         sure, whole = min(sure, _most_sure(name, text_class)), _probability_whole(name, seen)
         place = _place(text_class.id * PLACES_OF_A_CLASS + number, name, sure * whole, seen, config)
-        is_text = whole >= config.least_whole and not _is_hardly_text(name, sure, seen)
+        is_text = whole >= config.least_whole and not _is_hardly_text(name, sure, seen, text_class)
         places.append(replace(place, is_text=is_text))
     return places
 
@@ -211,7 +211,7 @@ def _is_large_enough(sightings: WorldSightings, config: InstanceConfig) -> bool:
     return bool(sightings.letter_heights.max() >= needed)
 
 
-def _is_hardly_text(name: str, sure: float, sightings: WorldSightings) -> bool:
+def _is_hardly_text(name: str, sure: float, sightings: WorldSightings, text_class: TextClass) -> bool:
     """Whether a text was read so badly or so differently, for its length, that it is likelier no text at all."""
     right = [each.right for each in sightings.observations if each.right is not None]
     best = max(right, default=1.0)
@@ -220,7 +220,9 @@ def _is_hardly_text(name: str, sure: float, sightings: WorldSightings) -> bool:
     # Where nothing is unsure, nobody asks the tables of words, which take a second to read.
     if sure >= _UNSURE and best >= _LIKELY:
         return False
-    if best < _LIKELY and not says_a_word(name) and not is_spelt_as_names(name):
+    # What was read well elsewhere is a name.
+    own = [each.right or 0.0 for each in text_class.observations if each.text == name]
+    if max([best, *own]) < _LIKELY and not says_a_word(name) and not is_spelt_as_names(name):
         return True
     return says_little(name) or says_little(next(iter(sightings.variants)))
 
