@@ -387,6 +387,22 @@ def test_parts_of_what_was_seen_as_a_whole_for_a_moment_speak_for_it(
     assert [each.name for each in mapper.text_map.long_term] == ["INFORMATION"] * is_remembered
 
 
+def test_parts_of_what_was_read_twice_as_a_whole_found_nothing_whatever_its_name_is() -> None:
+    spotter = ScriptedSpotter((box(400, 200, 165), "LADDER", 0.99))
+    mapper = TextMapper(CAMERA, spotter, CONFIG)
+    for index, text in enumerate(["HAMMER &LADDER", "HAMMER & LADDER", "LADDER", "LADDER", "LADDER"]):
+        spotter.seen = [(box(400, 200, 165), text, 0.9)]
+        mapper.observe(frame(4 * index, FLAT), tracked(4 * index))
+    away = np.eye(4)
+    away[0, 3] = 455.0 / 570.0 * 2.0
+    spotter.seen = [(box(0, 200, 110), "G LADDER", 0.99)]
+    for index in range(20, 60):
+        mapper.observe(frame(index, FLAT), replace(tracked(index), keyframe_from_camera=away, world_from_camera=away))
+    mapper.take_waiting()
+    (text_class,) = mapper.text_map.long_term
+    assert "G LADDER" not in text_class.variants
+
+
 @pytest.mark.parametrize(("painted", "known", "is_landmark"), [("INFORMATION", 9, False), ("SHOE LAB", 8, True)])
 def test_the_most_of_a_text_that_is_never_seen_as_a_whole_is_a_landmark_if_it_may_be_all_of_it(
     painted: str, known: int, is_landmark: bool

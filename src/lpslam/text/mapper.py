@@ -309,8 +309,7 @@ class TextMapper:
         if not self._sorter.is_sure(placement):
             return
         for text_class in self.text_map.memory.classes_of(self._spots.classes_at(placement, world_from_keyframe)):
-            again = (spelling for spelling, variant in text_class.variants.items() if variant.count > 1)
-            if any(is_fragment(text.text, spelling) for spelling in again):
+            if any(is_fragment(text.text, spelling) for spelling in text_class.read_again):
                 self.text_map.memory.confirm(text_class.id, timestamp)
 
     def take_waiting(self, timestamp: float | None = None) -> None:
@@ -321,9 +320,8 @@ class TextMapper:
 
     def _names_at(self, placement: Placement, world_from_keyframe: Array) -> list[str]:
         long_term = self.text_map.memory.long_term
-        return [
-            long_term[each].name for each in self._spots.classes_at(placement, world_from_keyframe) & set(long_term)
-        ]
+        here = sorted(self._spots.classes_at(placement, world_from_keyframe) & set(long_term))
+        return [text for each in here for text in (long_term[each].name, *long_term[each].read_again)]
 
     def _remember(
         self,

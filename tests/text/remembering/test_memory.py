@@ -137,3 +137,10 @@ def test_two_looks_are_not_enough(second: str, interval: float, confidence: floa
     sight(memory, "HUAWEI", 0.0, confidence)
     sight(memory, second, interval, confidence)
     assert not memory.long_term
+
+
+def test_what_was_read_twice_but_for_its_spaces_was_read_again() -> None:
+    memory = LongShortTermMemory(MemoryConfig())
+    for index, text in enumerate(["HAMMER &LADDER", "HAMMER & LADDER", "G LADDER", "GLADDER", "LADDER"]):
+        known = memory.sight(text, 0.9, 0.2 * index, here={0})
+    assert sorted(each.replace(" ", "") for each in known.read_again) == ["GLADDER", "HAMMER&LADDER"]

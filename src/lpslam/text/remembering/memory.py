@@ -14,7 +14,7 @@ from lpslam.config import MemoryConfig
 from lpslam.language.model import Naming, Reading
 from lpslam.text.reading.certainty import probability_right
 from lpslam.text.remembering.evidence import Glance, Look, note, readings_of
-from lpslam.text.remembering.similarity import best_class
+from lpslam.text.remembering.similarity import best_class, comparison_key
 from lpslam.text.types import TextObservation
 
 # A class is recognised by its commonest spellings only: else each slip would admit the next, and classes would drift.
@@ -92,6 +92,15 @@ class TextClass:
     def spellings(self) -> list[str]:
         """Its spellings, those first that were read most often and surely."""
         return sorted(self.variants, key=lambda text: (-self.variants[text].confidence, text))
+
+    @property
+    def read_again(self) -> list[str]:
+        """What was read more than once, but for case and spaces: a spelling of each."""
+        counts: dict[str, int] = {}
+        for text, variant in self.variants.items():
+            counts[comparison_key(text)] = counts.get(comparison_key(text), 0) + variant.count
+        spellings = {comparison_key(text): text for text in reversed(self.spellings)}
+        return [spellings[key] for key, count in counts.items() if count > 1]
 
     def readings(self, config: MemoryConfig) -> list[Reading]:
         """Its spellings as the language layer sees them, weightiest first."""
