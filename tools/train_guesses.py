@@ -33,7 +33,7 @@ from lpslam.language.choosing import evidence  # noqa: E402
 from lpslam.language.choosing.guessing import COLUMNS, Found, Guessing, Heard  # noqa: E402
 from lpslam.language.offline import OfflineModel  # noqa: E402
 from lpslam.language.signs.reader import load_sign_reader  # noqa: E402
-from lpslam.language.tables import combined, knowledge, lexicon  # noqa: E402
+from lpslam.language.tables import knowledge, lexicon  # noqa: E402
 from lpslam.language.tables.concepts import APART, Buildings, load_associations, load_buildings  # noqa: E402
 from lpslam.language.tables.lexicon import load_lexicons, split  # noqa: E402
 from lpslam.language.wishes import guesses  # noqa: E402
@@ -120,8 +120,7 @@ def model_of(seed: int | None) -> OfflineModel:
     os.environ["XDG_CACHE_HOME"] = tempfile.mkdtemp()
     lexicon.load_lexicons = load_lexicons if seed is None else hiding(seed)  # type: ignore[attr-defined]
     knowledge.load_lexicons = load_lexicons if seed is None else hiding(seed)  # type: ignore[attr-defined]
-    combined.load_buildings = load_buildings if seed is None else hiding_apart(seed)  # type: ignore[attr-defined]
-    evidence.load_buildings = combined.load_buildings  # type: ignore[attr-defined]
+    evidence.load_buildings = load_buildings if seed is None else hiding_apart(seed)  # type: ignore[attr-defined]
     evidence.load_associations = load_associations if seed is None else hiding_associations(seed)  # type: ignore[attr-defined]
     knowledge.load_knowledge.cache_clear()
     load_sign_reader.cache_clear()

@@ -7,24 +7,24 @@ and it rather chooses nothing than guesses.
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import lru_cache
-from itertools import chain
 
-from lpslam.language.building import building
+from lpslam.language.building import building, steps_of
 from lpslam.language.choosing.choosing import choose
 from lpslam.language.choosing.guessing import LEAST_SURE
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import best_of, likeness, match
+from lpslam.language.languages import LANGUAGES
 from lpslam.language.model import Candidate, Choice, Judgement, Naming, Reading
 from lpslam.language.naming.namer import Namer
 from lpslam.language.questions.question import read_question
 from lpslam.language.questions.wanted import Wish
-from lpslam.language.readiness import language_steps
 from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.reader import load_sign_reader
 from lpslam.language.tables.knowledge import load_knowledge
 from lpslam.language.wishes.form import Stop
 from lpslam.language.wishes.form import Wish as WishForm
 from lpslam.language.wishes.reading import read_wish
+from lpslam.language.wishes.rules import rules_of
 from lpslam.language.wishes.scoring import EmbeddedScorer
 from lpslam.language.wishes.served import Way
 
@@ -109,7 +109,13 @@ class OfflineModel:
 
     def preparations(self, landmarks: Sequence[Candidate]) -> Iterator[None]:
         """Build, a little at a time, what questions about some landmarks would build when they first need it."""
-        return chain(language_steps(self._knowledge), self.scorer(landmarks).steps())
+        for language in LANGUAGES:
+            for row in rules_of(language).rows:
+                row.prepare()
+                yield
+            for is_plain in (False, True):
+                yield from steps_of(self._knowledge.tables_of(language, is_plain))
+        yield from self.scorer(landmarks).steps()
 
     def index(self, landmarks: Sequence[Candidate]) -> LandmarkIndex:
         """Return the landmarks as they are looked up; kept for the next question about the same ones."""

@@ -6,56 +6,14 @@ import sys
 import pytest
 
 from lpslam.language.questions.question import read_question
-from lpslam.language.questions.readings import Readings
 from lpslam.language.questions.speaking import languages_of
-from lpslam.language.questions.wanted import Wish
 from lpslam.language.tables.knowledge import load_knowledge
 from lpslam.language.tables.lexicon import Meaning
-from lpslam.language.tables.words import Phrases, PhraseTable, longest_phrases
+from lpslam.language.tables.words import PhraseTable
 
 
 def _named(*names: str) -> PhraseTable[Meaning]:
     return PhraseTable((name, Meaning("name", ((name, 1.0),))) for name in names)
-
-
-class _Reader:
-    """Reads the one phrase that it is told, and counts how often."""
-
-    def __init__(self) -> None:
-        self.times = 0
-
-    def __call__(self, names: Phrases[Meaning]) -> Wish:
-        self.times += 1
-        found = longest_phrases(["the", "blue", "cup", "here"], (names,))
-        return Wish((), (), tuple(span.value.concepts[0][0] for span in found), (), "en")
-
-
-def test_names_that_say_nothing_of_a_question_are_not_read_again() -> None:
-    reader = _Reader()
-    readings = Readings(reader)
-    assert readings.with_names(_named()).wanted_names == ()
-    assert readings.with_names(_named("red door", "green hill")).wanted_names == ()
-    assert reader.times == 1
-
-
-def test_names_that_say_something_of_it_are() -> None:
-    reader = _Reader()
-    readings = Readings(reader)
-    assert readings.with_names(_named()).wanted_names == ()
-    assert readings.with_names(_named("blue cup")).wanted_names == ("blue cup",)
-    other = PhraseTable({"blue cup": Meaning("name", (("the other one", 1.0),))})
-    assert readings.with_names(other).wanted_names == ("the other one",)
-    assert readings.with_names(_named("blue cup")).wanted_names == ("blue cup",)
-    assert reader.times == 3
-
-
-def test_names_that_begin_like_a_question_but_go_on_otherwise_say_nothing_of_it() -> None:
-    reader = _Reader()
-    readings = Readings(reader)
-    assert readings.with_names(_named()).wanted_names == ()
-    assert readings.with_names(_named("the red door", "cup of tea", "here")).wanted_names == ("here",)
-    assert readings.with_names(_named("the red door", "cup of tea")).wanted_names == ()
-    assert reader.times == 2
 
 
 def test_one_question_means_what_the_names_of_each_map_say() -> None:

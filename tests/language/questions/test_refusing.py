@@ -45,19 +45,6 @@ def test_two_negations_and_what_is_missing_are_wants(question: str, wanted: str,
     assert wanted not in wish.refused or wanted in wish.contested
 
 
-@pytest.mark.parametrize(
-    "question",
-    [
-        "I spilled coffee all over my shirt, I need a clean one",
-        "Se me ha caído el café en la camisa y necesito otra",
-        "咖啡洒到衬衫上了，要买一件新的",
-        "シャツにコーヒーをこぼしたので服を買いたい",
-    ],
-)
-def test_what_was_spilled_is_not_what_is_wanted(question: str, model: OfflineModel) -> None:
-    assert chosen(model, question, "Starbucks", "UNIQLO") == "UNIQLO"
-
-
 def test_a_present_without_toys_is_not_bought_in_a_toy_shop(model: OfflineModel) -> None:
     question = "A present for my niece, but please no toys"
     assert chosen(model, question, "Toys R Us", "Barnes & Noble") == "Barnes & Noble"
@@ -80,9 +67,9 @@ def test_a_verb_of_the_language_is_not_borrowed_from_english(knowledge: Knowledg
     assert "accessory" in dict(read_question("I need suspenders", knowledge).wanted)
 
 
-def test_a_slip_does_not_fall_on_the_first_letter(knowledge: Knowledge) -> None:
-    assert known_form("derrito", "es", knowledge) != "perrito"
-    assert known_form("farmaciia", "es", knowledge) == "farmacia"
+def test_an_inflected_word_is_the_word(knowledge: Knowledge) -> None:
+    assert known_form("geldautomaten", "de", knowledge) == "geldautomat"
+    assert known_form("farmacias", "es", knowledge) == "farmacia"
 
 
 def test_a_word_is_no_brand_that_ends_in_s(model: OfflineModel) -> None:
@@ -96,3 +83,16 @@ def test_a_word_is_no_brand_that_ends_in_s(model: OfflineModel) -> None:
 )
 def test_who_wants_what_he_refuses_gets_an_answer_all_the_same(question: str, knowledge: Knowledge) -> None:
     assert {"gluten", "spicy", "chain"} & set(read_question(question, knowledge).refused)
+
+
+@pytest.mark.parametrize(
+    "question",
+    [
+        "I spilled coffee all over my shirt, I need a clean one",
+        "Se me ha caído el café en la camisa y necesito otra",
+        "咖啡洒到衬衫上了，要买一件新的",
+        "シャツにコーヒーをこぼしたので服を買いたい",
+    ],
+)
+def test_what_was_spilled_is_not_what_is_wanted(question: str, model: OfflineModel) -> None:
+    assert chosen(model, question, "Starbucks", "UNIQLO") == "UNIQLO"

@@ -15,12 +15,6 @@ def sure_kinds(signs: SignReader, name: str) -> set[str]:
     return {kind for kind, weight in signs.read(name).kinds if weight >= 0.6}
 
 
-def test_the_trade_goes_before_what_the_owner_is_called(signs: SignReader) -> None:
-    kinds = sure_kinds(signs, "Boulangerie Petit Jean")
-    assert "shop/bakery" in kinds
-    assert "shop/clothes" not in kinds
-
-
 def test_the_letters_of_a_brand_say_nothing_else(signs: SignReader) -> None:
     # 大福, a rice cake, stands within 周大福.
     assert sure_kinds(signs, "周大福珠宝") == {"shop/jewelry", "jewelry"}
@@ -56,11 +50,6 @@ def test_a_toilet_stays_one(name: str, signs: SignReader) -> None:
     assert any("toilets" in kind for kind in sure_kinds(signs, name))
 
 
-@pytest.mark.parametrize("name", ["Sakura Sushi Bar", "Juice Bar", "Nail Bar"])
-def test_a_bar_of_something_pours_no_beer(name: str, signs: SignReader) -> None:
-    assert "amenity/bar" not in sure_kinds(signs, name)
-
-
 def test_a_station_of_goods_has_no_trains(signs: SignReader) -> None:
     assert "train" not in sure_kinds(signs, "Toy Station 玩具站")
     assert "train" in sure_kinds(signs, "Central Station")
@@ -69,15 +58,6 @@ def test_a_station_of_goods_has_no_trains(signs: SignReader) -> None:
 def test_wine_in_a_kitchen_is_no_wine_shop(signs: SignReader) -> None:
     assert "shop/wine" not in sure_kinds(signs, "La Tasca – Tapas y Vino")
     assert "shop/wine" in sure_kinds(signs, "Vinos García")
-
-
-@pytest.mark.parametrize(
-    "name", ["危险品", "Gefahrgutlager", "Hazardous Materials Flammable", "위험물 저장소", "危険物倉庫"]
-)
-def test_where_dangerous_goods_are_kept_is_a_place(name: str) -> None:
-    sign = load_sign_reader().read(name)
-    assert sign.is_place
-    assert sign.kinds[0][0] == "warehouse/hazmat"
 
 
 @pytest.mark.parametrize(

@@ -97,12 +97,6 @@ def test_a_bodega_with_tapas_is_no_corner_shop(model: OfflineModel) -> None:
     assert chosen(model, "I need toothpaste and milk", "La Bodega Tapas", "Carrefour Market") == "Carrefour Market"
 
 
-def test_where_nobody_mends_it_another_will_do(model: OfflineModel) -> None:
-    broken = "Le talon de ma botte s'est décollé"
-    assert chosen(model, broken, "Foot Locker", "Cordonnerie Minute") == "Cordonnerie Minute"
-    assert chosen(model, broken, "Starbucks", "Foot Locker") == "Foot Locker"
-
-
 def test_japanese_sweets_are_sweets_first_of_all(model: OfflineModel) -> None:
     asked = "Wo bekomme ich japanische Süßigkeiten, zum Beispiel Mochi?"
     assert chosen(model, asked, "スシロー", "和菓子処 たちばな") == "和菓子処 たちばな"

@@ -4,8 +4,8 @@ import pytest
 
 from lpslam.language.model import Candidate
 from lpslam.language.offline import OfflineModel
-from lpslam.language.wishes.barred import barred
 from lpslam.language.wishes.form import Ask
+from lpslam.language.wishes.trust import barred
 
 BOARDS = (
     *("Staff only", "No entry", "Authorised personnel only", "Zutritt verboten", "Nur für Mitarbeiter"),

@@ -33,8 +33,6 @@ def found(question: str, boards: tuple[tuple[str, ...], ...] = BOARDS) -> str | 
     [
         ("hall dee", "Hall D"),
         ("take me to hall gee please", "Hall G"),
-        ("the h r office", "HR Office"),
-        ("where's the p p e issue point", "PPE Issue Point"),
         ("a class in three one four", "Seminar 3.14"),
         ("Vorlesung in drei eins vier", "Seminar 3.14"),
         ("un cours en trois cent quatorze", "Seminar 3.14"),

@@ -53,15 +53,3 @@ def test_a_text_is_parted_by_its_refusal(language: str, text: str, wanted: str, 
 )
 def test_what_is_refused_is_left_out(question: str, boards: Sequence[str], board: str) -> None:
     assert found(question, boards) == board
-
-
-def test_a_stop_after_then_may_be_a_name_of_small_letters() -> None:
-    places = ("COFFEE", "think", "KFC")
-    marks = [Candidate(at, name) for at, name in enumerate(places)]
-    stops = solve(
-        MODEL.read_wish("Zuerst zu COFFEE, dann zu think"),
-        [Place(at, name, np.array([4.0 * at, 0.0, 0.0]), None) for at, name in enumerate(places)],
-        MODEL.scorer(marks),
-        Here(np.zeros(3)),
-    ).stops
-    assert [stop.place and stop.place.name for stop in stops] == ["COFFEE", "think"]

@@ -13,7 +13,6 @@ from lpslam.language.questions.phrasing import Phrases, answer_language, phrases
 from lpslam.language.questions.question import asks_for_another, instead_of, read_question, without_common
 from lpslam.language.questions.speaking import languages_of
 from lpslam.language.questions.wanted import Wish
-from lpslam.language.questions.weighing import ASIDE, HINT
 from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.reader import SignReader
 from lpslam.language.tables.knowledge import Knowledge
@@ -160,16 +159,9 @@ def _as_understood(
         return Ranked(_without_brand(missing[0], question, index, signs, knowledge, model, phrases))
     if not wanted:
         return Ranked(Choice(None, 0.0, phrases.say("no_kind"), model))
-    if wanted.keys() <= _ANY or wish.unknown:
+    if wanted.keys() <= _ANY:
         return Ranked(Choice(None, 0.5, phrases.say("unknown"), model))
-    wishes = _in_turn(wish, index, knowledge)
-    found: list[Ranked] = []
-    for each in wishes:
-        found.append(_best(each, index, refused, knowledge, model, phrases))
-        if found[-1].choice.landmark is not None:
-            return found[-1]
-    # Where nothing serves, it is the wish itself that is told of.
-    return found[wishes.index(wish)]
+    return _best(wish, index, refused, knowledge, model, phrases)
 
 
 def _asks(question: str, language: str | None, knowledge: Knowledge) -> bool:
@@ -207,29 +199,6 @@ def _instead_of_refused(
     """Where only a refusal is said: something else of the same use."""
     others = [*wish.refused, *(kind for id_ in refused for kind, _ in index.signs[id_].kinds)]
     return instead_of(others, knowledge)
-
-
-def _in_turn(wish: Wish, index: LandmarkIndex, knowledge: Knowledge) -> list[Wish]:
-    """What is wanted, and what else may do: who does not find it may ask."""
-    wanted = dict(wish.wanted)
-    wishes = [wish]
-    if "ask" in wanted:
-        wishes.append(replace(wish, wanted=(("ask", 1.0),)))
-    if wish.anew:
-        wishes.append(replace(wish, wanted=tuple((ware, 1.0) for ware in wish.anew)))
-    if wanted.keys() - knowledge.general <= set(knowledge.instead_of.values()):
-        # Where there is no vegetarian kitchen, whatever serves no meat.
-        without = wish.refused or tuple(each for each, diet in knowledge.instead_of.items() if diet in wanted)
-        wishes.append(replace(wish, wanted=instead_of(without, knowledge), refused=without))
-    # Where what seemed meant is not to be had, a place that was named beside it may be meant.
-    named = tuple(
-        (concept, 1.0)
-        for concept, weight in wish.wanted
-        if HINT < weight <= ASIDE and concept.startswith(_SERVICES) and index.has(concept, knowledge)
-    )
-    if named and not wish.refused:
-        wishes.append(replace(wish, wanted=named))
-    return wishes
 
 
 def _as_in_this_building(wish: Wish, index: LandmarkIndex, knowledge: Knowledge) -> Wish:

@@ -32,9 +32,6 @@ _SHORTEST = 3  # letters of a word that says something
 _WHOLE = 4  # letters up to which a word has no other forms
 _BEGINS_ALIKE = 0.65  # of a word's letters: another form of it begins with them
 _ALIKE = 0.6  # of the longer word's letters, in common, that two forms of one word have
-_PART = 5  # letters of a part of a compound
-_SHORTEST_COMPOUND = 8
-_IN_COMPOUND = 0.6  # what a phrase for a part of a compound says
 _OF_SIZE = 0.7  # power of the number of a concept's phrases by which its words count less
 _FEW_PHRASES = 4.0  # added to that number: concepts of one phrase are no surer than others
 _DOUBT = 0.3  # added to what all concepts have of a word: one phrase is no proof
@@ -112,12 +109,7 @@ class Heard:
             alike = Prefix.similarity(word, term) / max(len(word), len(term))
             for row in self._rows_of[word] if alike >= _ALIKE else ():
                 found[row] = max(found.get(row, 0.0), alike * alike)
-        found = dict(sorted(found.items()))
-        if self._language == "de" and len(term) >= _SHORTEST_COMPOUND:
-            for part in _parts(term):
-                for row in self._rows_of.get(part, ()) if part not in self._common else ():
-                    found[row] = max(found.get(row, 0.0), _IN_COMPOUND)
-        return found
+        return dict(sorted(found.items()))
 
     def _beginning(self, letters: str) -> Iterator[str]:
         """The words of phrases that begin with some letters."""
@@ -163,13 +155,6 @@ def _rows_of(phrases: Sequence[str]) -> dict[str, list[int]]:
             if one and other and is_unspaced(one) and is_unspaced(other):
                 found[f"{one} {other}"][row] = None
     return {word: list(rows) for word, rows in found.items()}
-
-
-def _parts(compound: str) -> list[str]:
-    """Beginnings and ends of a compound, with and without the s that joins them."""
-    cuts = range(_PART - 1, len(compound) - _PART + 2)
-    parts = (part for cut in cuts for part in (compound[:cut], compound[:cut].removesuffix("s"), compound[cut:]))
-    return list(dict.fromkeys(part for part in parts if len(part) >= _PART))
 
 
 @lru_cache(maxsize=8)

@@ -40,7 +40,7 @@ def follow_up(text: str, before: str | None) -> FollowUp:
     if language is not None:
         return FollowUp(before, True, _in_script(language, own.language))
     wish = read_question(text, knowledge)
-    has_own = wish.wanted or wish.wanted_names or wish.unknown
+    has_own = wish.wanted or wish.wanted_names
     if not has_own and (wish.refused or wish.refused_names):
         return FollowUp(f"{before.rstrip(' ?？.。!！')}. {text}", False, own.language)
     return own

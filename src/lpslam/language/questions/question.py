@@ -7,24 +7,22 @@ refused, what is only said by the way ("on the train", 看电影前) and where o
 import re
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import lru_cache, partial
+from functools import lru_cache
 from itertools import pairwise
 
 from lpslam.language.languages import LATIN
 from lpslam.language.questions.clauses import Clause, clauses_of
-from lpslam.language.questions.readings import Readings
 from lpslam.language.questions.sorts import is_general
-from lpslam.language.questions.speaking import language_by_its_phrases, languages_of
+from lpslam.language.questions.speaking import languages_of
 from lpslam.language.questions.stance import NEXT_TO, Stand, Told, spilled, told_in
-from lpslam.language.questions.unknown_things import asks_for_unknown
 from lpslam.language.questions.wanted import THING, Wish
 from lpslam.language.questions.weighing import ASIDE, GENERAL, GIFTS, HINT, MAIN, MODIFIER, as_treated, without_symptoms
 from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.inflection import known_form
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.lexicon import Meaning
-from lpslam.language.tables.states import Trouble, says_at_home, troubles_in
-from lpslam.language.tables.words import Phrases, PhraseTable, Span, is_mark, is_unspaced, longest_phrases
+from lpslam.language.tables.states import Trouble, says_at_home, together_in, troubles_in
+from lpslam.language.tables.words import Phrases, PhraseTable, Span, is_unspaced, longest_phrases
 
 _HYPHEN = re.compile(r"(?<=[^\W\d_])[-\u2010\u2011](?=\w)|(?<=\w)[-\u2010\u2011](?=[^\W\d_])")
 # The mark in “T. rex” ends no clause.
@@ -44,13 +42,6 @@ _ANOTHER = re.compile(
 """Words that ask for something beside what is named."""
 _QUESTION_LENGTH = 400
 _KEPT = 64  # readings that are kept: those of one question and its parts, and of a few that are asked at one time
-_ANEW = {
-    "laundry": "clothes",
-    "shoe_repair": "shoes",
-    "sewing": "clothes",
-    "watch_repair": "watch",
-    "computer_repair": "computer",
-}
 _FEW_WORDS = 2  # words of a question that may be in any language
 _MEALS = frozenset({"food", "drink"})
 NO_NAMES: PhraseTable[Meaning] = PhraseTable()
@@ -79,13 +70,22 @@ def read_question(
     if language is None:
         likely = _likely(question, knowledge)
         language = likely[0] if len(likely) == 1 else None
-    return _readings(question, knowledge, is_plain, language).with_names(names)
+    if names is NO_NAMES:
+        return _without_names(question, knowledge, is_plain, language)
+    return _read(question, knowledge, is_plain, language, names)
+
+
+def read_part(text: str, language: str | None, knowledge: Knowledge, names: Phrases[Meaning] = NO_NAMES) -> Wish:
+    """Read a part of a question in the language of the whole; in any where it says nothing in that."""
+    wish = read_question(text, knowledge, names, language=language)
+    says = wish.wanted or wish.refused or wish.wanted_names or wish.refused_names
+    return wish if says or language is None else read_question(text, knowledge, names)
 
 
 @lru_cache(maxsize=_KEPT)
-def _readings(question: str, knowledge: Knowledge, is_plain: bool, language: str | None) -> Readings:
+def _without_names(question: str, knowledge: Knowledge, is_plain: bool, language: str | None) -> Wish:
     """One question is read by many who look for different things in it."""
-    return Readings(partial(_read, question, knowledge, is_plain, language))
+    return _read(question, knowledge, is_plain, language, NO_NAMES)
 
 
 def _read(question: str, knowledge: Knowledge, is_plain: bool, language: str | None, names: Phrases[Meaning]) -> Wish:
@@ -124,7 +124,7 @@ def _as_read(question: str) -> str:
 def _likely(question: str, knowledge: Knowledge) -> tuple[str, ...]:
     """The languages in which a question is read in turn, until it says something."""
     text = _as_read(question)
-    likely = languages_of(text, knowledge) or language_by_its_phrases(text, knowledge)
+    likely = languages_of(text, knowledge)
     if likely and likely[0] in LATIN and len(text.split()) <= _FEW_WORDS:
         # What says nothing in the likeliest language may be a word of another: “pay”.
         likely = tuple(dict.fromkeys((*likely, *LATIN)))
@@ -185,8 +185,7 @@ class _Reading:
             )
         ]
         self._spans = [span for span in spans if span.value.role in ("means", "name") or not _is_part(span, troubles)]
-        self._troubles = troubles + knowledge.combined(language).found(knowledge.folder.units(self._text))
-
+        self._troubles = troubles + together_in(knowledge.folder.units(self._text), self._states)
         self._stains = [trouble.units for trouble in self._troubles if trouble.concept == "laundry"]
 
     def _phrases(self, tables: tuple[Phrases[Meaning], ...]) -> tuple[list[str], list[Span[Meaning]]]:
@@ -199,10 +198,15 @@ class _Reading:
             return end - at == 2 and at + 1 in starts and said.role in ("means", "name")
 
         spans = longest_phrases(units, tables, is_barred)
-        spoken = _with_known_forms(units, spans, self._language, self._knowledge)
+        kept = self._knowledge.common[self._language] | self._knowledge.states(self._language).words
+        covered = {at for span in spans for at in range(span.start, span.end)}
+        spoken = [
+            unit if at in covered or unit in kept else known_form(unit, self._language, self._knowledge) or unit
+            for at, unit in enumerate(units)
+        ]
         again = spans if spoken == units else longest_phrases(spoken, tables, is_barred)
         hidden = self._knowledge.turns_of(self._language)
-        self.turned = any(span.key in hidden for span in (*spans, *(again if again is not spans else ())))
+        self.turned = any(span.key in hidden for span in (*spans, *again))
         return spoken, again
 
     def wish(self) -> Wish:
@@ -215,8 +219,6 @@ class _Reading:
             said.wanted.pop(concept, None)
         wanted = self._weighed(said)
         main = [concept for concept, weight in wanted.items() if weight > GENERAL]
-        mended = [each.concept for each in self._troubles if each.concept not in said.wanted_by]
-        asks_for_something = not main and not said.refused
         return Wish(
             tuple(wanted.items()),
             tuple(dict.fromkeys(said.refused)),
@@ -224,9 +226,6 @@ class _Reading:
             tuple(dict.fromkeys(said.names["refused"])),
             self._language,
             tuple(dict.fromkeys(said.names["near"])),
-            # After a refusal, what else may be eaten is left open.
-            asks_for_something and asks_for_unknown(self._units, self._spans, self._language, self._knowledge),
-            tuple(_ANEW[concept] for concept in mended if concept in _ANEW),
             () if main else tuple(sorted(contradicted)),
             *self._parted(*said.refusing),
         )
@@ -331,20 +330,6 @@ def _refusing(clauses: Sequence[Clause], told: Sequence[Told]) -> tuple[set[int]
 
 def _is_part(span: Span[Meaning], troubles: Sequence[Trouble]) -> bool:
     return any(not trouble.units.isdisjoint(range(span.start, span.end)) for trouble in troubles)
-
-
-def _with_known_forms(
-    units: Sequence[str], spans: Sequence[Span[Meaning]], language: str, knowledge: Knowledge
-) -> list[str]:
-    """Replace words that no table has by a known form of them: inflected, compounded or mistyped."""
-    covered = {at for span in spans for at in range(span.start, span.end)}
-    states = knowledge.states(language).words
-    return [
-        unit
-        if at in covered or unit in states or is_mark(unit) or is_unspaced(unit) or unit in knowledge.common[language]
-        else known_form(unit, language, knowledge) or unit
-        for at, unit in enumerate(units)
-    ]
 
 
 def _asides(spans: Sequence[Span[Meaning]], units: Sequence[str], knowledge: Knowledge) -> set[int]:

@@ -1,11 +1,11 @@
-"""Which language a question is in: by script, by its commonest words and letters, or by the phrases that are known."""
+"""Which language a question is in: by script, or by its commonest words and letters."""
 
 import re
 from functools import lru_cache
 
 from lpslam.language.languages import LATIN
 from lpslam.language.tables.knowledge import Knowledge
-from lpslam.language.tables.words import is_mark, is_unspaced, longest_phrases
+from lpslam.language.tables.words import is_mark
 
 _KANA = re.compile(r"[\u3040-\u30ff]")
 _HANGUL = re.compile(r"[\uac00-\ud7af]")
@@ -19,7 +19,6 @@ _OWN_LETTERS = {
 }
 _RIVAL = 0.7  # a language with this share of the likeliest one's common words may be meant too
 _KNOWN_SHARE = 0.3  # of the words of a sentence that are common in its language
-_COVERED_SHARE = 0.6  # of the words of a text that a language's tables know, where hardly any are common
 _KANJI_ONLY = 8  # characters of Japanese that needs no kana: 薬局, 市役所; a sentence of Han letters alone is Chinese
 
 
@@ -50,19 +49,3 @@ def languages_of(text: str, knowledge: Knowledge) -> tuple[str, ...]:
     if len(words) <= 3:
         return tuple(ranked)
     return tuple(language for language in ranked[:1] if hits[language] >= _KNOWN_SHARE * len(words))
-
-
-def language_by_its_phrases(text: str, knowledge: Knowledge) -> tuple[str, ...]:
-    """The one language whose tables know most words of a text that has hardly any common words: “car rental desk”."""
-    units = knowledge.folder.units(text)
-    words = [at for at, unit in enumerate(units) if not is_mark(unit)]
-    known: dict[str, int] = {}
-    for language in LATIN if words and not is_unspaced(units[words[0]]) else ():
-        covered = {
-            at for span in longest_phrases(units, (knowledge.spoken(language),)) for at in range(span.start, span.end)
-        }
-        known[language] = len(covered | {at for at in words if units[at] in knowledge.common[language]})
-    ranked = sorted(known, key=lambda language: -known[language])
-    if not ranked or known[ranked[0]] < _COVERED_SHARE * len(words) or known[ranked[0]] == known[ranked[1]]:
-        return ()
-    return tuple(ranked[:1])

@@ -12,8 +12,7 @@ class Wish:
     """Concepts wanted and refused, by weight; `language` is None where the question could not be read.
 
     `wanted_names`, `refused_names` and `near_names` hold the values of the names that were passed in and mentioned;
-    `unknown` says that something is asked for whose word is not known; `anew` are goods that will do where nobody mends
-    the broken ones; `contradicted` are phrases that are wanted and refused in one breath; `rest` is the question
+    `contradicted` are phrases that are wanted and refused in one breath; `rest` is the question
     without what is refused, `left_out` that alone: both are empty where nothing is; `turned` says that turns of phrase
     of other buildings than malls were read in it, so that it may say something else without them.
     """
@@ -24,8 +23,6 @@ class Wish:
     refused_names: tuple[str, ...]
     language: str | None
     near_names: tuple[str, ...] = ()
-    unknown: bool = False
-    anew: tuple[str, ...] = ()
     contradicted: tuple[str, ...] = ()
     rest: str = ""
     left_out: str = ""

@@ -1,4 +1,4 @@
-"""Opening hours: what boards say of them, and the time that a question asks for, in any language."""
+"""Opening hours on boards, and the time that a question asks for, in any language (`data/hours.json`)."""
 
 import re
 from collections.abc import Iterable, Mapping
@@ -10,12 +10,12 @@ from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.lexicon import read_table
 from lpslam.language.tables.words import is_unspaced
 from lpslam.language.wishes.numerals import number_of, with_digits
-from lpslam.language.wishes.sieve import Sieve
 
 _HOUR, _NOON, _DAY = 60, 12 * 60, 24 * 60
 _NIGHT_BEGINS = 6  # o'clock: from then on an hour “at night” is before midnight
-_QUARTERS = frozenset({0, 15, 30, 45})  # minutes of hours that are written with a point
-_DIGIT = re.compile(r"\d")
+_OPENS = 6 * _HOUR  # of what says only when it closes
+_QUARTERS = frozenset({"00", "15", "30", "45"})  # minutes of hours that are written with a point: “Aula 2.01” is none
+_PARTS = ("morning", "afternoon", "evening", "night")
 _HALF_PAST = {"半": 30, "반": 30}
 
 
@@ -40,64 +40,40 @@ def _table() -> Mapping[str, Any]:
     return tree
 
 
-def _any(name: str) -> str:
-    """A pattern of one row of the table; words of spaced scripts stand alone."""
-    words = re.split(r"\|(?![^()]*\))", _table()[name])
-    spaced = "|".join(word for word in words if not is_unspaced(word.lstrip("(?:")))
-    unspaced = "|".join(word for word in words if is_unspaced(word.lstrip("(?:")))
-    parts = [rf"(?<!\w)(?:{spaced})(?!\w)" if spaced else "", unspaced]
-    return "(?:" + "|".join(each for each in parts if each) + ")"
-
-
-@dataclass(frozen=True, slots=True)
-class _Patterns:
-    """Compiled once: what boards say, and what is asked."""
-
-    ranges: re.Pattern[str]
-    until: re.Pattern[str]
-    since: re.Pattern[str]
-    all_day: re.Pattern[str]
-    asked: re.Pattern[str]
-    noon: re.Pattern[str]
-    midnight: re.Pattern[str]
-    open: re.Pattern[str]
-    numeral: re.Pattern[str]
-    led: re.Pattern[str]
-
-
-def _one(at: str) -> str:
-    table = _table()
-    return (
-        rf"(?P<h{at}>\d{{1,2}})(?:[:.](?P<m{at}>\d{{2}})|h(?P<n{at}>\d{{2}}))? ?(?P<half{at}>{table['half']})?"
-        rf"(?: ?(?P<unit{at}>{table['unit']}|(?:{table['hours']})(?![a-z])))?"
-        rf"(?: ?(?P<past{at}>\d{{1,2}}(?=[分분])|半|반)[分분]?)?"
-    )
-
-
 @lru_cache(maxsize=1)
-def _patterns() -> _Patterns:
+def _patterns() -> Mapping[str, re.Pattern[str]]:
+    """What boards say and what is asked, put together of the rows of the table."""
     table = _table()
-    parts = "|".join(rf"(?P<{each}X>{table[each]})" for each in ("morning", "afternoon", "evening", "night"))
-    before, after = parts.replace("X>", "1>"), parts.replace("X>", "2>")
+
+    def alone(name: str) -> str:
+        # Words of spaced scripts stand alone.
+        words = re.split(r"\|(?![^()]*\))", table[name])
+        return "|".join(word if is_unspaced(word.lstrip("(?:")) else rf"(?<!\w)(?:{word})(?!\w)" for word in words)
+
+    def time(at: str) -> str:
+        return (
+            rf"(?P<h{at}>\d{{1,2}})(?:[:.](?P<m{at}>\d{{2}})|h(?P<n{at}>\d{{2}}))? ?(?P<half{at}>{table['half']})?"
+            rf"(?: ?(?P<unit{at}>{table['unit']}|(?:{table['hours']})(?![a-z])))?"
+            rf"(?: ?(?P<past{at}>\d{{1,2}}(?=[分분])|半|반)[分분]?)?"
+        )
+
+    before, after = ("|".join(rf"(?P<{each}{at}>{table[each]})" for each in _PARTS) for at in "12")
     numerals = "|".join(sorted(table["numerals"], key=len, reverse=True))
-    asked = (
-        rf"(?:(?<!\w)(?P<lead>{table['after']}|{table['before']}|{table['at']}) ?)?(?:{before})? ?"
-        rf"(?<![\d.:-]){_one('')}(?:[^\w]{{0,2}}(?:{after}))? ?"
-        rf"(?P<tail>{table['after_after']}|{table['before_after']})?(?:{table['particles']})?(?![\d:])"
-    )
-    flags = re.IGNORECASE
-    return _Patterns(
-        re.compile(rf"(?<![\w.]){_one('1')} ?(?:{table['to']}) ?{_one('2')}(?!\d)", flags),
-        re.compile(rf"(?:{_any('until')} ?{_one('1')}(?!\d)|(?<!\d){_one('2')} ?(?:{table['until_after']}))", flags),
-        re.compile(rf"(?:{_any('from')} ?{_one('1')}(?!\d)|(?<!\d){_one('2')} ?(?:{table['from_after']}))", flags),
-        re.compile(rf"(?:{_any('all_day')})", flags),
-        re.compile(asked, flags),
-        re.compile(rf"(?:{_any('noon')})", flags),
-        re.compile(rf"(?:{_any('midnight')})", flags),
-        re.compile(rf"(?:{_any('open')})", flags),
-        re.compile(rf"({numerals}) ?(?=시(?!간))|([〇零一二三四五六七八九十两兩]+)(?=[点點時时])"),
-        re.compile(rf"(?<!\w)(?:{table['at']}|{table['after']}|{table['before']}) ?$", flags),
-    )
+    lead = rf"(?<!\w)(?:{table['after']}|{table['before']}|{table['at']})"
+    rows = {
+        **{name: alone(name) for name in ("all_day", "noon", "midnight", "open")},
+        "range": rf"(?<![\w.]){time('1')} ?(?:{table['to']}) ?{time('2')}(?!\d)",
+        "until": rf"(?:{alone('until')}) ?{time('1')}(?!\d)|(?<!\d){time('2')} ?(?:{table['until_after']})",
+        "numeral": rf"({numerals}) ?(?=시(?!간))|([〇零一二三四五六七八九十两兩]+)(?=[点點時时])",
+        "led": rf"{lead} ?$",
+        "asked": rf"(?:(?P<lead>{lead}) ?)?(?:{before})? ?(?<![\d.:-]){time('')}(?:[^\w]{{0,2}}(?:{after}))? ?"
+        rf"(?P<tail>{table['after_after']}|{table['before_after']})?(?:{table['particles']})?(?![\d:])",
+        "unit": table["unit"],
+        "sharp": table["sharp"],
+        "later": rf"{table['after']}|{table['after_after']}",
+        "sooner": rf"{table['before']}|{table['before_after']}",
+    }
+    return {name: re.compile(row, re.IGNORECASE) for name, row in rows.items()}
 
 
 def _minute(found: re.Match[str], at: str, half: str = "") -> int:
@@ -110,22 +86,16 @@ def _minute(found: re.Match[str], at: str, half: str = "") -> int:
 
 
 def _says_time(found: re.Match[str], at: str) -> bool:
+    is_dotted = found[f"m{at}"] and f"{found[f'h{at}']}.{found[f'm{at}']}" in found.group()
+    if is_dotted and found[f"m{at}"] not in _QUARTERS:
+        return False
     return any(found[f"{each}{at}"] for each in ("m", "n", "half", "unit"))
-
-
-def _is_numbers(found: re.Match[str]) -> bool:
-    """Whether a range is one of rooms: “Aula 2.01-2.20”."""
-    dotted = [
-        found[f"m{at}"] for at in "12" if found[f"m{at}"] and f"{found[f'h{at}']}.{found[f'm{at}']}" in found.group()
-    ]
-    return any(int(each) not in _QUARTERS for each in dotted)
 
 
 @lru_cache(maxsize=1 << 14)
 def board_hours(text: str) -> tuple[Hours, ...]:
-    """Return the hours that a board says: ranges, closing or opening times, round the clock; none if it is silent."""
-    found, _ = _read(clean_text(text))
-    return found
+    """Return the hours that a board says: ranges, closing times, round the clock; none if it is silent."""
+    return _read(clean_text(text))[0]
 
 
 @lru_cache(maxsize=1 << 14)
@@ -135,48 +105,26 @@ def without_hours(text: str) -> str:
     return bare if any(ch.isalpha() for ch in bare) else text
 
 
-@lru_cache(maxsize=1)
-def _on_boards() -> Sieve:
-    patterns = _patterns()
-    return Sieve([each.pattern for each in (patterns.all_day, patterns.ranges, patterns.until, patterns.since)])
-
-
-@lru_cache(maxsize=1)
-def _in_questions() -> Sieve:
-    patterns = _patterns()
-    return Sieve([each.pattern for each in (patterns.all_day, patterns.noon, patterns.midnight, patterns.numeral)])
-
-
 def _read(text: str) -> tuple[tuple[Hours, ...], str]:
     if not any(ch.isdigit() for ch in text) and "oc" not in text and "uhr" not in text.casefold():
         return (), text
-    patterns = _patterns()
-    if not _on_boards().possible(text):
-        return (), " ".join(text.split())
-    if patterns.all_day.search(text):
-        return (ALL_DAY,), " ".join(patterns.all_day.sub(" ", text).split())
-    hours = []
-    spans = []
-    for found in patterns.ranges.finditer(text):
-        if not _is_numbers(found) and (_says_time(found, "1") or _says_time(found, "2")):
+    patterns, hours, bare = _patterns(), [], text
+    if patterns["all_day"].search(text):
+        return (ALL_DAY,), " ".join(patterns["all_day"].sub(" ", text).split())
+    for found in patterns["range"].finditer(text):
+        if _says_time(found, "1") or _says_time(found, "2"):
             hours.append(_between(_minute(found, "1", found["half2"] or ""), _minute(found, "2")))
-            spans.append(found.span())
-    for pattern, is_closing in ((patterns.until, True), (patterns.since, False)) if not hours else ():
-        for found in pattern.finditer(text):
-            at = "1" if found["h1"] else "2"
-            if _says_time(found, at):
-                minute = _minute(found, at)
-                # What closes at one at night was open the evening before.
-                opened = _NIGHT_BEGINS * _HOUR
-                hours.append(_between(opened, minute) if is_closing else Hours(minute, max(minute + 1, _DAY)))
-                spans.append(found.span())
-    bare = text
-    for start, end in sorted(spans, reverse=True):
-        bare = f"{bare[:start]} {bare[end:]}"
+            bare = bare.replace(found.group(), " ")
+    for found in patterns["until"].finditer(text) if not hours else ():
+        at = "1" if found["h1"] else "2"
+        if _says_time(found, at):
+            hours.append(_between(_OPENS, _minute(found, at)))
+            bare = bare.replace(found.group(), " ")
     return tuple(hours), " ".join(bare.split())
 
 
 def _between(opens: int, closes: int) -> Hours:
+    # What closes at one at night was open the evening before.
     return Hours(opens, closes if closes > opens else closes + _DAY)
 
 
@@ -192,23 +140,18 @@ class Asked:
 def asked_time(question: str) -> Asked | None:
     """Return when a place must be open, where a question says so."""
     patterns = _patterns()
-    all_day, noon, midnight, numeral = (at in _in_questions().possible(question) for at in range(4))
-    if all_day and patterns.all_day.search(question):
-        return Asked((3 * _HOUR,), _without_open(patterns.all_day.sub(" ", question)))
-    painted = patterns.numeral.sub(_digits, question) if numeral else question
+    painted = patterns["numeral"].sub(_digits, question)
     folded = painted.casefold()
-    spelled = with_digits(folded, lambda at: bool(patterns.led.search(folded[:at])), lambda _: False)
+    spelled = with_digits(folded, lambda at: patterns["led"].search(folded[:at]) is not None, lambda _: False)
+    if patterns["all_day"].search(question):
+        return Asked((3 * _HOUR,), _without_open(patterns["all_day"].sub(" ", question)))
     for text in dict.fromkeys((painted, spelled)):
-        # Nearly every question has no digit.
-        for found in () if _DIGIT.search(text) is None else patterns.asked.finditer(text):
+        for found in patterns["asked"].finditer(text) if any(ch.isdigit() for ch in text) else ():
             if int(found["h"]) <= 24 and _is_time(found):
                 return Asked(_meant(found), _without_open(f"{text[: found.start()]} {text[found.end() :]}"))
-    for is_possible, pattern, minute in (
-        (noon, patterns.noon, _NOON),
-        (midnight, patterns.midnight, _DAY + 1),
-    ):
-        if (is_possible or numeral) and pattern.search(painted):
-            return Asked((minute % _DAY,), _without_open(pattern.sub(" ", painted)))
+    for name, minute in (("noon", _NOON), ("midnight", 1)):
+        if patterns[name].search(painted):
+            return Asked((minute,), _without_open(patterns[name].sub(" ", painted)))
     return None
 
 
@@ -218,53 +161,44 @@ def _digits(found: re.Match[str]) -> str:
 
 
 def _without_open(text: str) -> str:
-    return " ".join(_patterns().open.sub(" ", text).split()).strip(" ,.;?!，。？、")
+    return " ".join(_patterns()["open"].sub(" ", text).split()).strip(" ,.;?!，。？、")
 
 
-def _parts_of_day(found: re.Match[str]) -> Iterable[str]:
-    return (part for part in ("morning", "afternoon", "evening", "night") if found[f"{part}1"] or found[f"{part}2"])
+def _part_of_day(found: re.Match[str]) -> str:
+    return next((part for part in _PARTS if found[f"{part}1"] or found[f"{part}2"]), "")
 
 
 def _is_time(found: re.Match[str]) -> bool:
     """Whether a number is a time: it has a unit, minutes with a colon, or stands after “at” with a part of the day."""
-    if found["half"] or re.fullmatch(_table()["unit"], found["unit"] or "", re.IGNORECASE):
+    patterns, is_last = _patterns(), not found.string[found.end() :].strip(" .,!?")
+    if found["half"] or patterns["unit"].fullmatch(found["unit"] or "") or _part_of_day(found):
         return True
-    if any(_parts_of_day(found)):
-        return True
-    if re.fullmatch(_table()["sharp"], found["lead"] or "", re.IGNORECASE) and not found.string[found.end() :].strip(
-        " .,!?"
-    ):
+    if is_last and patterns["sharp"].fullmatch(found["lead"] or ""):
         return True
     is_led = found["lead"] is not None or found["tail"] is not None
     return is_led and bool(found["unit"] or found["n"] or (found["m"] and ":" in found.group()))
 
 
 def _meant(found: re.Match[str]) -> tuple[int, ...]:
-    minute = _minute(found, "")
+    minute, part, patterns = _minute(found, ""), _part_of_day(found), _patterns()
     hour = minute // _HOUR
-    part = next(iter(_parts_of_day(found)), "")
+    minutes = [minute]
     if part in ("evening", "night") and hour == 12:
         # “半夜十二点” is midnight.
         minutes = [(minute + _NOON) % _DAY]
     elif part in ("afternoon", "evening") or (part == "night" and hour >= _NIGHT_BEGINS):
         minutes = [minute + _NOON if hour < 12 else minute]
-    elif part or found["half"] or found["unit"] or hour > 12 or not found["lead"]:
-        minutes = [minute]
-    else:
+    elif not (part or found["half"] or found["unit"]) and hour <= 12 and found["lead"]:
         minutes = [minute, minute + _NOON]
-    lead, tail = found["lead"] or "", found["tail"] or ""
-    table = _table()
-    later = re.fullmatch(table["after"], lead, re.IGNORECASE) or re.fullmatch(table["after_after"], tail)
-    sooner = re.fullmatch(table["before"], lead, re.IGNORECASE) or re.fullmatch(table["before_after"], tail)
-    step = 1 if later else -1 if sooner else 0
+    said = [found["lead"] or "", found["tail"] or ""]
+    step = sum(bool(patterns["later"].fullmatch(each)) - bool(patterns["sooner"].fullmatch(each)) for each in said)
     return tuple((each + step) % _DAY for each in minutes)
 
 
 def told_hours(hours: Iterable[Hours]) -> str:
-    """Hours as they are told: 9:00 to 17:30."""
-    return ", ".join(f"{told_time(each.opens)} to {told_time(each.closes % _DAY)}" for each in hours)
+    """Hours as they are told: 09:00 to 17:30."""
+    return ", ".join(f"{_told(each.opens)} to {_told(each.closes % _DAY)}" for each in hours)
 
 
-def told_time(minute: int) -> str:
-    """A minute of the day as it is told: 21:30."""
+def _told(minute: int) -> str:
     return f"{minute // _HOUR:02d}:{minute % _HOUR:02d}"

@@ -4,7 +4,6 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, lru_cache
-from itertools import pairwise
 
 from lpslam.language.model import LINES_APART
 from lpslam.language.questions.sorts import is_eaten
@@ -17,7 +16,6 @@ from lpslam.language.signs.wording import (
     SELDOM,
     SLOGAN,
     as_a_house,
-    bars_of_something,
     is_mostly_slogan,
     places_in,
     reads_like_a_name,
@@ -241,8 +239,7 @@ class SignReader:
     def _as_words(
         self, text: str, key: str, units: Sequence[str], spans: Sequence[Span[Meaning]]
     ) -> SignMeaning | None:
-        by_the_way = self._in_the_name(spans, units) | bars_of_something(spans)
-        kinds = as_a_house(self._repairing(weighed(spans, by_the_way)), self._wares)
+        kinds = as_a_house(self._repairing(weighed(spans)), self._wares)
         places = places_in(kinds)
         if SLOGAN in kinds and (
             self._knowledge.general.issuperset(places) or len(units) > 4 or is_mostly_slogan(spans)
@@ -268,16 +265,6 @@ class SignReader:
             return "food"
         first = concept if "/" in concept else next(iter(self._knowledge.offers.get(concept, ())), concept)
         return "shop" if first.startswith("shop/") else "/".join(first.split("/")[:2])
-
-    def _in_the_name(self, spans: Sequence[Span[Meaning]], units: Sequence[str]) -> frozenset[int]:
-        """Starts of the phrases that belong to the owner's name: the jean of “Boulangerie Petit Jean”."""
-        if not spans or spans[0].start > 0 or spans[0].key not in self._knowledge.leading:
-            return frozenset()
-        for before, after in pairwise(spans):
-            between = units[before.end : after.start]
-            if any(not is_mark(unit) and unit not in self._knowledge.joining for unit in between):
-                return frozenset(span.start for span in spans if span.start >= after.start)
-        return frozenset()
 
     def _repairing(self, kinds: dict[str, float]) -> dict[str, float]:
         """Who repairs and names a good repairs that: a watchmaker mends no telephones."""

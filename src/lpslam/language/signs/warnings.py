@@ -10,7 +10,6 @@ from lpslam.language.tables.words import Span, is_mark, is_unspaced
 
 _HOUSES = ("shop/", "amenity/", "leisure/", "cuisine/", "craft/", "tourism/")
 _SHOP_ENDS = frozenset("店馆屋坊铺舗")
-_KEPT = frozenset({"warehouse/hazmat"})
 
 
 class Warnings:
@@ -24,7 +23,7 @@ class Warnings:
 
     def read(self, text: str, key: str, units: Sequence[str], spans: Sequence[Span[Meaning]]) -> SignMeaning | None:
         """Return what a sign that warns means; None where it does not."""
-        if self._ends_in_a_trade(units, spans) or self._says_what_is_kept(units, spans):
+        if self._ends_in_a_trade(units, spans):
             return None
         start = self._warning_start(key, units)
         if start is not None:
@@ -34,14 +33,6 @@ class Warnings:
         if WARNING in weighed(spans):
             return SignMeaning(((WARNING, 0.95),), f"“{text}” has words of a warning")
         return None
-
-    def _says_what_is_kept(self, units: Sequence[str], spans: Sequence[Span[Meaning]]) -> bool:
-        """Whether a sign names dangerous goods to say that they are kept here (危险品库), and tells nobody off."""
-        if not spans or spans[0].start or all(kind not in _KEPT for kind, _ in spans[0].value.concepts):
-            return False
-        rest = [" ".join(units[at : at + size]) for at in range(spans[0].end, len(units)) for size in (1, 2, 3)]
-        telling = self._knowledge.warning_starts | self._knowledge.forbidding | self._knowledge.imperatives
-        return telling.isdisjoint(rest)
 
     def _ends_in_a_trade(self, units: Sequence[str], spans: Sequence[Span[Meaning]]) -> bool:
         """Whether a sign names a danger only to name a shop after it: “Danger Zone Games”.

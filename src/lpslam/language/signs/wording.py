@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Sequence, Set
-from itertools import pairwise
 
 from lpslam.language.tables.lexicon import Meaning
 from lpslam.language.tables.words import Span, is_mark, is_unspaced
@@ -17,19 +16,17 @@ _SURROUNDINGS = (
 )
 _VENUES = ("amenity/hospital", "amenity/clinic", "aeroway/aerodrome", "shop/mall")
 _WHOM_FOR = {"facility/toilets_women": "woman", "facility/toilets_men": "man"}
-_SOBER = ("cuisine/", "shop/beauty", "nails", "haircut", "juice", "snack", "bread", "ice_cream", "cosmetics", "salad")
-_DRINKING = ("cuisine/spanish", "cuisine/tapas")
 SELDOM = 0.4  # the weight of what a sign says by the way
 SLOGAN = "sign/slogan"
 WARNING = "sign/warning"
 
 
-def weighed(spans: Sequence[Span[Meaning]], by_the_way: Set[int] = frozenset()) -> dict[str, float]:
-    """Return what phrases say by weight; those that start at `by_the_way` say it seldom."""
+def weighed(spans: Sequence[Span[Meaning]]) -> dict[str, float]:
+    """Return what phrases say by weight."""
     kinds: dict[str, float] = {}
     for span in spans:
         for kind, weight in span.value.concepts:
-            kinds[kind] = max(SELDOM * weight if span.start in by_the_way else weight, kinds.get(kind, 0.0))
+            kinds[kind] = max(weight, kinds.get(kind, 0.0))
     return kinds
 
 
@@ -87,17 +84,6 @@ def without_stray_letters(spans: list[Span[Meaning]], units: Sequence[str]) -> l
     """Drop single Han letters inside a name: 花 means flowers at the end of a name or alone, not in 樱花寿司."""
     kept = [span for span in spans if span.end - span.start > 1 or not is_unspaced(span.key) or span.end == len(units)]
     return [span for span in kept if len(kept) == 1 or span.end - span.start > 1 or not is_unspaced(span.key)]
-
-
-def bars_of_something(spans: Sequence[Span[Meaning]]) -> frozenset[int]:
-    """Starts of a “bar” that comes right after what is had there: “Sushi Bar”, “Juice Bar”, “Nail Bar”."""
-    return frozenset(
-        after.start
-        for before, after in pairwise(spans)
-        if before.end == after.start
-        and any(kind == "amenity/bar" for kind, _ in after.value.concepts)
-        and any(kind.startswith(_SOBER) and kind not in _DRINKING for kind, _ in before.value.concepts)
-    )
 
 
 def is_mostly_slogan(spans: Sequence[Span[Meaning]]) -> bool:

@@ -1,1 +1,1 @@
-"""What words mean and how they are compared: the lexicon, the gazetteer, folding, inflection."""
+"""What words mean and how they are compared: the lexicon, the gazetteer, folding."""

@@ -7,7 +7,7 @@ A file of `data/lexicon/buildings/` is one kind of building. An entry reads
 
 First the concept, after `<` the kinds above it, after `~` other kinds of place that serve it, and how well. Then a
 line a language (`any` is every language): words on signs and in questions, after `//` words of questions only. Parts
-joined by `+` are beginnings of words that may stand apart, in any order. `family NAME: START …` says that rooms whose
+joined by `+` are words that say it together, in any order. `family NAME: START …` says that rooms whose
 concepts begin so tell what the building is.
 """
 

@@ -13,7 +13,6 @@ from importlib.resources import files
 from typing import Any
 
 from lpslam.language.kept import kept
-from lpslam.language.tables.combined import Combined
 from lpslam.language.tables.concepts import Buildings, load_buildings
 from lpslam.language.tables.forms import load_folder
 from lpslam.language.tables.lexicon import (
@@ -103,10 +102,6 @@ class Knowledge:
     def states(self, language: str) -> StateTables:
         """Return the things and states of a language."""
         return self._tables.states_of(language)
-
-    def combined(self, language: str) -> Combined:
-        """Return what words of a language mean together, wherever they stand."""
-        return self._tables.combined_of(language)
 
     def family(self, kind: str) -> str:
         """Return the sort of building whose rooms are of this kind: a hospital for a department; "" for none."""

@@ -9,8 +9,7 @@ from typing import Any, NamedTuple
 
 from lpslam.language.building import building
 from lpslam.language.kept import kept
-from lpslam.language.languages import LANGUAGES
-from lpslam.language.tables.combined import Combined
+from lpslam.language.languages import LANGUAGES, LATIN
 from lpslam.language.tables.concepts import load_buildings
 from lpslam.language.tables.states import StateTables
 from lpslam.language.tables.words import Folder, PhraseTable
@@ -22,6 +21,7 @@ _ROLES = (
     "break",
 )
 _PARTITIVES = "du|de la|des|de l|le|la|les|el|los|las|der|die|das|some|any"
+_SHORTEST_BEGINNING = 4  # letters of a part that may be the beginning of a longer word
 # How sure a word makes us of a kind: written for this by hand, a kind's own name in the index, or a search term.
 BY_HAND, BY_NAME, BY_TERM = 1.0, 0.95, 0.8
 
@@ -109,7 +109,6 @@ class SpokenTables:
         self._turns: dict[str, frozenset[str]] = {}
         self._borrowed: dict[str, PhraseTable[Meaning]] = {}
         self._states: dict[str, StateTables] = {}
-        self._combined: dict[str, Combined] = {}
 
     @cached_property
     def _lexicons(self) -> Mapping[str, Mapping[str, Any]]:
@@ -165,14 +164,20 @@ class SpokenTables:
                 self._names(tree["states"], language),
                 PhraseTable((phrase, ()) for phrase in phrases_of(self._folder, tree["at_home"][language])),
                 {(pair.split("+")[0], pair.split("+")[1]): want for pair, want in tree["together"].items()},
+                [
+                    (tuple(self._part(part, language) for part in parts), entry.name)
+                    for entry in load_buildings().concepts
+                    for parts in entry.apart.get(language, ())
+                ],
             )
         return self._states[language]
 
-    def combined_of(self, language: str) -> Combined:
-        """Return what words of a language mean together."""
-        if language not in self._combined:
-            self._combined[language] = Combined(language, self._folder)
-        return self._combined[language]
+    def _part(self, part: str, language: str) -> str:
+        """The beginning of a word as the units of a question are joined; a short one is a whole word."""
+        part = " ".join(self._folder.units(part)) if "'" in part else self._folder.fold(part).replace("-", " ")
+        if language not in LATIN:
+            return part.replace(" ", "")
+        return f" {part}" if len(part) >= _SHORTEST_BEGINNING else f" {part} "
 
     def word_for(self, concept: str, language: str) -> str | None:
         """Return how a language calls a concept; "zh-Hant" is traditional Chinese."""

@@ -34,26 +34,6 @@ class NearestNames:
         return sorted(pair for pair in scored if pair[0] <= farthest)
 
 
-class OfLength:
-    """Words by their length: what is a few letters longer or shorter is more than a few slips away.
-
-    Args:
-        words: in an order that is kept.
-    """
-
-    def __init__(self, words: Iterable[str]) -> None:
-        self._words = list(words)
-        self._kept: dict[tuple[int, int], tuple[list[str], list[int]]] = {}
-
-    def within(self, length: int, slips: int) -> tuple[list[str], list[int]]:
-        """The words that differ from a length by so many letters at most, and their places among all."""
-        found = self._kept.get((length, slips))
-        if found is None:
-            at = [row for row, word in enumerate(self._words) if abs(len(word) - length) <= slips]
-            found = self._kept[length, slips] = [self._words[row] for row in at], at
-        return found
-
-
 def allowed_edits(key: str) -> int:
     """How many letters of a name may be misread before it could as well be another name."""
     if is_unspaced(key):

@@ -4,16 +4,18 @@ The tables (`lexicon/states.json`) name things and states in every language, and
 that state; so a few words of each make hundreds of sentences understood.
 """
 
+from bisect import bisect
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import product
+from itertools import accumulate, product
 
 from lpslam.language.tables.words import PhraseTable, Span, is_unspaced, longest_phrases
 
 _SENTENCE_ENDS = frozenset(".?!。？！;；")
 _LONGEST = 8  # units of a state
 _FARTHEST_WORDS, _FARTHEST_LETTERS = 9, 16  # between a thing and its state
+_TOGETHER_WORDS, _TOGETHER_LETTERS = 14, 24  # from the first of words that mean something together to the last
 
 Names = tuple[str, ...]
 
@@ -28,12 +30,16 @@ class Trouble:
 
 @dataclass(frozen=True)
 class StateTables:
-    """Phrases of one language: for things, for states, and for being at home with what was left there."""
+    """Phrases of one language: for things, for states, and for being at home with what was left there.
+
+    `apart` are beginnings of words that mean something together (the rows of `concepts.py` with `+`).
+    """
 
     things: PhraseTable[Names]
     states: PhraseTable[Names]
     at_home: PhraseTable[Names]
     together: Mapping[tuple[str, str], str]
+    apart: Sequence[tuple[tuple[str, ...], str]]
 
     @cached_property
     def words(self) -> frozenset[str]:
@@ -60,6 +66,23 @@ def troubles_in(units: Sequence[str], tables: StateTables) -> list[Trouble]:
             found[concept] = Trouble(concept, own)
             used |= own
     return list(found.values())
+
+
+def together_in(units: Sequence[str], tables: StateTables) -> list[Trouble]:
+    """Return what words mean together wherever they stand in a question, “borrow … wheelchair”, and which say so."""
+    is_spaced = any(parts[0].startswith(" ") for parts, _ in tables.apart[:1])
+    pieces = [f" {unit}" if is_spaced else unit for unit in units]
+    text, ends = "".join(pieces) + " ", list(accumulate(map(len, pieces)))
+    found: dict[str, set[int]] = {}
+    for parts, concept in tables.apart:
+        if all(part in text for part in parts):
+            starts = [text.index(part) + is_spaced for part in parts]
+            stops = [start + len(part.strip()) - 1 for start, part in zip(starts, parts, strict=True)]
+            spans = zip(starts, stops, strict=True)
+            own = {at for start, stop in spans for at in range(bisect(ends, start), bisect(ends, stop) + 1)}
+            if max(own) - min(own) <= (_TOGETHER_WORDS if is_spaced else _TOGETHER_LETTERS):
+                found.setdefault(concept, set()).update(own)
+    return [Trouble(concept, frozenset(own)) for concept, own in found.items()]
 
 
 def says_at_home(units: Sequence[str], tables: StateTables) -> bool:

@@ -1,21 +1,19 @@
 """What tells places of one kind from one another: the blue room, the north gate, the back door, in any language."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import lru_cache
 
 from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.lexicon import read_table
 from lpslam.language.tables.words import is_unspaced
-from lpslam.language.wishes.sieve import Sieve
 
 
 @lru_cache(maxsize=1)
-def _patterns() -> tuple[Sequence[tuple[str, str]], Sequence[re.Pattern[str]], Sieve]:
+def _patterns() -> Mapping[tuple[str, str], re.Pattern[str]]:
     """Groups and what each may be, and how that is said; of a group a place has one."""
     tree: Mapping[str, Mapping[str, str]] = read_table("wishes/attributes.json")
-    said = {(group, value): _pattern(joined) for group, values in tree.items() for value, joined in values.items()}
-    return list(said), list(said.values()), Sieve([each.pattern for each in said.values()])
+    return {(group, value): _pattern(joined) for group, values in tree.items() for value, joined in values.items()}
 
 
 def _pattern(joined: str) -> re.Pattern[str]:
@@ -34,8 +32,7 @@ def _prefixes(words: list[str]) -> str:
 def attributes_of(text: str) -> frozenset[tuple[str, str]]:
     """Return what a board or a question says that tells a place from others of its kind: ("colour", "blue")."""
     folded = clean_text(text).casefold()
-    values, patterns, sieve = _patterns()
-    return frozenset(values[at] for at in sieve.possible(folded) if patterns[at].search(folded))
+    return frozenset(value for value, pattern in _patterns().items() if pattern.search(folded))
 
 
 def told_apart(asked: frozenset[tuple[str, str]], board: frozenset[tuple[str, str]]) -> int:

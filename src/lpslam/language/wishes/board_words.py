@@ -72,11 +72,6 @@ class BoardWords:
             return {}
         whole = self._names.covered(words)
         exact = {id_: _SURE for id_, share in whole.items() if share >= _WHOLE}
-        # “Spin” alone is a common word.
-        slipped = {} if exact else self._names.slipped(self._all_words(text, languages))
-        slipped = slipped or ({} if whole else self._names.slipped(words))
-        if slipped:
-            return slipped
         if not proper and not (exact and len(words) > 1):
             return {}
         if exact:
@@ -132,5 +127,4 @@ class BoardWords:
         words = words or self._all_words(text, wish_languages(text, self._knowledge))
         if not words:
             return {}
-        found = {id_: share for id_, share in self._names.covered(words).items() if share >= _LEAST_LITERAL}
-        return found or self._names.read_alike(words)
+        return {id_: share for id_, share in self._names.covered(words).items() if share >= _LEAST_LITERAL}

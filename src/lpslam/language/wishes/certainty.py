@@ -9,8 +9,9 @@ import math
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import FITS, best_of, likeness, match
 from lpslam.language.choosing.support import CLUES
-from lpslam.language.questions.parts import read_part
+from lpslam.language.questions.question import read_part
 from lpslam.language.tables.knowledge import Knowledge
+from lpslam.language.tables.states import together_in
 from lpslam.language.tables.words import is_mark, longest_phrases
 from lpslam.language.wishes.asked_words import AskedWords
 from lpslam.language.wishes.form import Which
@@ -49,7 +50,7 @@ def clues_of(served: Served, index: LandmarkIndex, asked: AskedWords, knowledge:
             telling.update(range(span.start, span.end))
             longest = max(longest, min(len(span.key), 20))
             several = several or span.end - span.start > 1
-    for together in knowledge.combined(language).found(units):
+    for together in together_in(units, knowledge.states(language)):
         known.update(together.units)
         if together.concept in meant:
             telling.update(together.units)

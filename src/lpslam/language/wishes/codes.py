@@ -4,8 +4,8 @@ A code is a number, a letter with one (B31, 3.14, 2-105), or a letter that stand
 """
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from functools import lru_cache
 
 from lpslam.language.sanitise import clean_text
@@ -39,9 +39,6 @@ _MEASURES = (
 _QUANTITY = re.compile(
     rf"\d+(?:[.,:h]\d+)? ?(?:{_TIMES}|{_MEASURES})(?![a-z])|\d{{1,2}}:\d{{2}}|[$€£¥]\d+", re.IGNORECASE
 )
-_MIXED = re.compile(r"(?<![^\W_])(?=[a-z.-]*\d)([a-z]{1,2}[-.])?([\doilszb]{2,4})(?![^\W_])", re.IGNORECASE)
-_HEADS, _TAILS = str.maketrans("oil", "011"), str.maketrans("oilszb", "011528")
-"""Letters that are read for digits: first in a number, where S3 and B8 are codes of their own, and further on."""
 _PLURAL = "es|s"
 _BEFORE, _AFTER = 26, 8  # letters around a code in which the word for what is numbered is looked for
 _FEWEST_SPOKEN = 3  # digits of a number in words that is a room's where nothing says so
@@ -51,10 +48,7 @@ _FEW_WORDS, _SHORT = 2, 16  # words and letters of a question that may be no mor
 
 @dataclass(frozen=True, slots=True)
 class Code:
-    """A code on a board or in a question: letters, number (None: a letter alone), the rest, and what is numbered.
-
-    `is_repaired` says that the board is taken to be misread: l04 is 104, C-O3 is C-03.
-    """
+    """A code on a board or in a question: letters, number (None: a letter alone), the rest, and what is numbered."""
 
     letters: str
     number: int | None
@@ -62,7 +56,6 @@ class Code:
     of: frozenset[str]
     last: int | None = None
     last_letters: str = ""
-    is_repaired: bool = False
 
     @property
     def value(self) -> str:
@@ -181,6 +174,7 @@ def _code(text: str, of: frozenset[str]) -> Code:
 _ZEROS_IN_WORDS = re.compile(r"(?<=[a-z])0+(?=[a-z])|(?<![a-z\d])0(?=[a-z]{2})")
 _LETTER_APART = re.compile(r"(?<![^\W_])a (?=\d{2,4}(?!\w))")
 _TOKEN = re.compile(r"(?<![a-z\d])(?=[a-z.-]*\d|\d)[a-z\d]+(?:[.-][a-z\d]+)*(?![a-z\d])")
+_LEADING_ZEROS = re.compile(r"(?<=[a-z][-.])[0o]+(?=\d)")  # C-O3 is asked for as C-3
 _ALIKE = str.maketrans("oilzsb", "011258", ".- ")
 
 
@@ -194,7 +188,8 @@ def _board(text: str) -> str:
 def board_keys(text: str) -> frozenset[str]:
     """Return the codes of a board as readers of signs confuse them: Al6 and A16 are the same, 1-4 and 14 are not."""
     tokens = (hit.group() for hit in _TOKEN.finditer(_board(text)))
-    return frozenset(each.translate(_ALIKE) for each in tokens if _range_of(_RANGE.fullmatch(each)) is None)
+    single = [each for each in tokens if _range_of(_RANGE.fullmatch(each)) is None]
+    return frozenset(form.translate(_ALIKE) for each in single for form in (each, _LEADING_ZEROS.sub("", each)))
 
 
 def alike_key(value: str) -> str:
@@ -228,17 +223,7 @@ def board_codes(text: str) -> tuple[Code, ...]:
         code = _code(hit.group(1), of)
         if code.number is not None or of:
             found.append(code)
-    return (*found, *_repaired(folded))
-
-
-def _repaired(folded: str) -> Iterator[Code]:
-    """Codes that a board bears if letters among its digits are misread ones."""
-    for hit in _MIXED.finditer(folded):
-        letters, digits = hit.group(1) or "", hit.group(2)
-        number = digits[0].translate(_HEADS) + digits[1:].translate(_TAILS)
-        if number != digits and number.isdigit():
-            code = _code(letters + number, _of_board_code(folded, hit.start(), hit.end()))
-            yield replace(code, is_repaired=True)
+    return tuple(found)
 
 
 def asked_codes(text: str) -> list[Code]:
@@ -275,6 +260,15 @@ def all_numbers(text: str) -> list[Code]:
     """Return all numbers that a text says, in digits or words, of whatever."""
     said = with_digits(_folded(text), lambda at: True, lambda at: True)
     return [_code(number, frozenset()) for number in re.findall(r"(?<!\w)\d{1,4}(?!\w)", said)]
+
+
+def numbers_beside(text: str) -> list[tuple[str, Code]]:
+    """Return the words that stand right before numbers in a text, and the numbers: “unit forty-five”."""
+    said = with_digits(_folded(_QUANTITY.sub(" ", text)), lambda at: at > 0, lambda at: False)
+    return [(word, _code(number, frozenset())) for word, number in _BESIDE.findall(said)]
+
+
+_BESIDE = re.compile(r"([^\W\d_]{3,}) (?:(?:number|nummer|num[eé]ro|número) )?(\d{1,4})(?!\w)")
 
 
 def spoken_numbers(text: str) -> list[Code]:
@@ -324,13 +318,6 @@ def in_digits(text: str) -> str:
     return _digits_in(_folded(text))
 
 
-def numbered_thing(text: str) -> frozenset[str]:
-    """Return what a text calls numbered things by, where it is no more than that: “the rack”; else nothing."""
-    folded = clean_text(text).casefold()
-    found = _classes()[0].fullmatch(folded)
-    return _named(found.group()) if found is not None else frozenset()
-
-
 def without_codes(text: str) -> str:
     """Return a question, without case, but for its codes and the words for what they number."""
     folded = _folded(text)
@@ -354,7 +341,7 @@ def _follows(folded: str, at: int) -> bool:
     before = folded[max(0, at - _BEFORE) : at].rstrip()
     if _LETTER_BEFORE.search(before):
         return True
-    before = re.sub(r" [a-z]$", "", before)
+    before = re.sub(r" (?:[a-z]|number|nummer|num[eé]ro|número)$", "", before)
     return any(word.end() == len(before) for word, _ in _last_words(before))
 
 

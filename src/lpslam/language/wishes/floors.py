@@ -8,16 +8,10 @@ from lpslam.language.tables.lexicon import read_table
 from lpslam.language.tables.words import is_unspaced
 from lpslam.language.wishes.codes import in_digits
 from lpslam.language.wishes.form import Counting, Floor
-from lpslam.language.wishes.sieve import Sieve
 
 _COUNTED_FROM_ONE = frozenset({"zh", "ja", "ko"})
 """Languages in which the ground floor is the first."""
 _MOST = 60  # floors of a building: a larger number is none
-
-
-@lru_cache(maxsize=1)
-def _sieve() -> Sieve:
-    return Sieve([pattern.pattern for pattern in _patterns().values()])
 
 
 @lru_cache(maxsize=1)
@@ -68,9 +62,8 @@ def _floors(text: str, language: str | None) -> Iterator[tuple[Floor, tuple[int,
     """Every floor that is named, the numbered ones last; no letter is read twice."""
     counting = Counting.FROM_ONE if language in _COUNTED_FROM_ONE else Counting.ABOVE_GROUND
     taken: set[int] = set()
-    possible = _sieve().possible(text)
-    for at, (name, pattern) in enumerate(_patterns().items()):
-        for hit in pattern.finditer(text) if at in possible else ():
+    for name, pattern in _patterns().items():
+        for hit in pattern.finditer(text):
             if not taken.isdisjoint(range(*hit.span())):
                 continue
             floor = _floor(name, hit, counting)

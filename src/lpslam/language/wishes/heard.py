@@ -7,11 +7,9 @@ import re
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 
-import numpy as np
 from rapidfuzz import fuzz, process
 
 from lpslam.language.tables.knowledge import load_words
-from lpslam.language.wishes.persons import consonants
 
 _CONSONANTS = 4  # of a name that is known by them even where other words of the question are not heard
 _SOUNDS_ALIKE, _SPELT_ALIKE = 80.0, 0.55  # of many consonants, and of all letters, of names that sound the same
@@ -38,6 +36,7 @@ _SPELLINGS = (
     (r"(.)\1", r"\1"),
     ("(?<=..)e$", ""),
 )
+_CONSONANT = str.maketrans("vbplgckqzjxd", "fffrkkkksss" + "t", "aeiouhwy")
 _SPELT = tuple((re.compile(pattern), sound) for pattern, sound in _SPELLINGS)
 
 Name = tuple[str, Sequence[str], Sequence[str]]
@@ -62,85 +61,63 @@ def sound_the_same(word: str, other: str) -> bool:
 
 
 def _skeleton(sound: str) -> str:
-    return consonants(sound.replace("S", "s"))
+    """The consonants of a sound, those that scripts do not tell apart as one, doubled ones once."""
+    kept = sound.replace("S", "s").translate(_CONSONANT)
+    return "".join(ch for at, ch in enumerate(kept) if not at or kept[at - 1] != ch)
 
 
 class HeardNames:
-    """The names of all boards, looked up by how they sound."""
+    """The names of all boards, looked up by how they sound: whole, their runs of words, and their words."""
 
     def __init__(self, names: Mapping[int, Name]) -> None:
-        rows: dict[tuple[str, bool], set[int]] = defaultdict(set)
-        for id_, (whole, words, runs) in names.items():
-            own = {word for word in words if word not in load_words()}
-            for word in {whole, *words, *runs}:
-                if len(word) >= _FEWEST:
-                    # A common word of a board is heard only where all that is asked for is.
-                    rows[word, word in own or word == whole or word in runs].add(id_)
-        self._ids = list(rows.values())
-        self._is_own = [is_own for _, is_own in rows]
-        self._sounds = [by_ear(word) for word, _ in rows]
-        self._skeletons = [_skeleton(sound) for sound in self._sounds]
-        self._rows_of: dict[str, list[int]] = defaultdict(list)
         # Those are alike whose first consonant is the same.
-        self._beginning: dict[str, tuple[list[str], list[int]]] = defaultdict(lambda: ([], []))
-        for at, (word, _) in enumerate(rows):
-            self._rows_of[word].append(at)
-            skeletons, places = self._beginning[self._skeletons[at][:1]]
-            skeletons.append(self._skeletons[at])
-            places.append(at)
+        self._beginning: dict[str, tuple[list[str], list[tuple[str, int, bool]]]] = defaultdict(lambda: ([], []))
+        for id_, (whole, words, runs) in names.items():
+            for word in {whole, *runs, *map("".join, _runs_of(words))}:
+                sound = by_ear(word)
+                skeletons, rows = self._beginning[_skeleton(sound)[:1]]
+                skeletons.append(_skeleton(sound))
+                # A common word of a board is heard only where all that is asked for is.
+                rows.append((sound, id_, word == whole or word not in load_words()))
 
     def sounding(self, words: Sequence[str], is_all: bool) -> dict[int, float]:
         """Return the landmark whose name sounds like words of a question, and how alike, 0 to 1; none where two do.
 
-        `is_all` says that the question is made of these words; else a name is known by many consonants alone.
+        `is_all` says that the question is made of these words: they are heard together, or each for itself; else a name
+        is known by many consonants alone.
         """
-        runs = {(start, end) for end in range(len(words) + 1) for start in range(max(0, end - _RUN), end)}
         found: dict[int, float] = {}
-        heard: dict[int, dict[tuple[int, int], float]] = defaultdict(dict)
-        for start, end in sorted(runs):
-            # “Serving” is no EV Charging.
-            least = _WORDS_ALIKE if load_words().intersection(words[start:end]) else 0.0
-            heard_of = self._alike("".join(words[start:end]))
-            for at, alike in ((at, alike) for at, alike in heard_of.items() if alike >= least):
-                for id_ in self._ids[at]:
-                    heard[id_][start, end] = max(alike, heard[id_].get((start, end), 0.0))
-                    is_known = self._is_own[at] and len(self._skeletons[at]) >= _CONSONANTS
-                    if is_known and not is_all and alike >= _WORDS_ALIKE:
-                        found[id_] = max(alike, found.get(id_, 0.0))
-        for id_, parts in heard.items() if is_all else ():
-            found[id_] = max(found.get(id_, 0.0), _covered(parts, [len(word) for word in words]))
+        for run in [words] if is_all else _runs_of(words):
+            for id_, alike in self._alike(run, is_all).items():
+                found[id_] = max(alike, found.get(id_, 0.0))
+        each = [self._alike([word], True) for word in words] if is_all and not found else []
+        for id_ in set.intersection(*map(set, each)) if each else ():
+            found[id_] = min(heard[id_] for heard in each)
         best = max(found.values(), default=0.0)
-        near = {id_: alike for id_, alike in found.items() if alike and alike >= best - _APART}
+        near = {id_: alike for id_, alike in found.items() if alike >= best - _APART}
         return near if len(near) == 1 else {}
 
-    def _alike(self, run: str) -> dict[int, float]:
-        """The rows that sound like a run of words, and how alike."""
-        sound = by_ear(run)
+    def _alike(self, run: Sequence[str], is_all: bool) -> dict[int, float]:
+        """The landmarks whose names sound like a run of words, and how alike; few consonants must be the same."""
+        said = "".join(run)
+        sound = by_ear(said)
         sought = _skeleton(sound)
-        found = dict.fromkeys(self._rows_of.get(run, ()), 1.0)
-        if len(run) < _FEWEST or not sought:
-            return found
         is_few = len(sought) < _CONSONANTS
-        if is_few and run in load_words():
-            # Who writes a word of a language rightly hardly means another.
-            return found
-        least = 100.0 if is_few else _SOUNDS_ALIKE
-        skeletons, places = self._beginning.get(sought[0], ([], []))
-        for said, _, row in process.extract(sought, skeletons, scorer=fuzz.ratio, score_cutoff=least, limit=None):
-            alike = fuzz.ratio(sound, self._sounds[places[row]]) / 100.0
-            is_short = min(len(sought), len(said)) < _CONSONANTS
-            if alike >= (_FEW_ALIKE if is_short else _SPELT_ALIKE):
-                found[places[row]] = alike
+        # Who writes a word of a language rightly hardly means another.
+        if len(said) < _FEWEST or not sought or (is_few and (not is_all or said in load_words())):
+            return {}
+        # “Serving” is no EV Charging.
+        least = _SPELT_ALIKE if is_all and load_words().isdisjoint(run) else _WORDS_ALIKE
+        skeletons, rows = self._beginning.get(sought[0], ([], []))
+        cutoff = 100.0 if is_few else _SOUNDS_ALIKE
+        found: dict[int, float] = {}
+        for other, _, at in process.extract(sought, skeletons, scorer=fuzz.ratio, score_cutoff=cutoff, limit=None):
+            alike, (_, id_, is_own) = fuzz.ratio(sound, rows[at][0]) / 100.0, rows[at]
+            enough = _FEW_ALIKE if min(len(sought), len(other)) < _CONSONANTS else least
+            if alike >= enough and (is_all or (is_own and len(other) >= _CONSONANTS)):
+                found[id_] = max(alike, found.get(id_, 0.0))
         return found
 
 
-def _covered(parts: Mapping[tuple[int, int], float], lengths: Sequence[int]) -> float:
-    """How alike all words are to what was heard of them, by letters; 0 where one was not heard."""
-    ends = np.concatenate([[0], np.cumsum(lengths)])
-    best = [0.0] + [-np.inf] * len(lengths)
-    for end in range(1, len(lengths) + 1):
-        best[end] = max(
-            (best[start] + alike * float(ends[to] - ends[start]) for (start, to), alike in parts.items() if to == end),
-            default=-np.inf,
-        )
-    return float(max(best[-1], 0.0) / max(ends[-1], 1))
+def _runs_of(words: Sequence[str]) -> list[Sequence[str]]:
+    return [words[start:end] for end in range(len(words) + 1) for start in range(max(0, end - _RUN), end)]

@@ -18,7 +18,7 @@ from lpslam.language.wishes.codes import (
     board_keys,
     code_of,
     lettered_numbers,
-    numbered_thing,
+    numbers_beside,
     numbers_in,
     spoken_numbers,
     without_codes,
@@ -116,11 +116,10 @@ class Identities:
     def _bearing(self, identity: Identity) -> dict[int, float]:
         if identity.sort is Sort.PERSON:
             ids = self._names.persons(identity.value) or self._titled(identity.value)
-            ids = ids or self._names.persons_heard(identity.value)
             return dict.fromkeys(ids, _SURE)
         asked = code_of(identity)
         # What is painted goes before what may be misread.
-        found = self._coded(asked, False) or self._coded(asked, True) or self._alike(asked) or self._unclassed(asked)
+        found = self._coded(asked) or self._alike(asked) or self._unclassed(asked)
         if asked.of and not asked.letters and len(asked.value) < _LONG_NUMBER and asked.of & self._things:
             # Where aisles are numbered as aisles, a number that is of nothing is no aisle.
             found = {id_: score for id_, score in found.items() if score > _SURE - 0.1}
@@ -159,7 +158,7 @@ class Identities:
         is_long = len(asked.value) >= _LONG_NUMBER or bool(asked.letters and asked.number is not None)
         if not (asked.of and is_long) or asked.of & self._things:
             return {}
-        return self._coded(replace(asked, of=frozenset()), False)
+        return self._coded(replace(asked, of=frozenset()))
 
     @cached_property
     def _by_key(self) -> dict[str, set[int]]:
@@ -172,9 +171,18 @@ class Identities:
     def numbered_as_here(self, what: str) -> dict[int, float]:
         """The landmarks that bear a number which is said in words, of whatever: “two oh seven”, “bee twelve”."""
         said = (*lettered_numbers(what), *spoken_numbers(what))
-        scores = next((found for code in said if (found := self._coded(code, False) or self._alike(code))), {})
+        scores = next((found for code in said if (found := self._coded(code) or self._alike(code))), {})
+        if not scores:
+            # “Unit 45” is of Units 40–52, whatever units are.
+            beside = [
+                (self._names.bearing(unit), code)
+                for word, code in numbers_beside(what)
+                for unit in self._knowledge.folder.units(word)
+                if not any(unit in common for common in self._knowledge.common.values())
+            ]
+            scores = {id_: self._coded(code).get(id_, 0.0) for ids, code in beside for id_ in ids}
         best = max(scores.values(), default=0.0)
-        return {id_: _SURE for id_ in sorted(scores) if scores[id_] == best}
+        return {id_: _SURE for id_ in sorted(scores) if scores[id_] == best > 0.0}
 
     def bearing(self, text: str, ids: Callable[[], Iterable[int]]) -> set[int]:
         """Those of some landmarks that bear a number or code which a text says; they are asked for if it says any."""
@@ -200,24 +208,11 @@ class Identities:
         told = next((ids for ids in bearing if ids), best)
         return {id_: score for id_, score in scores.items() if id_ in told or id_ not in best}
 
-    def numbered(self, what: str) -> dict[int, float]:
-        """All that is numbered as a thing: “the rack” is any board that bears the number of one."""
-        of = numbered_thing(what)
-        if not of:
-            return {}
-        named = [id_ for id_, codes in self.codes.items() if any(code.of & of for code in codes)]
-        mixed = [
-            id_
-            for id_, codes in self.codes.items()
-            if any(code.letters and code.number and not code.of for code in codes)
-        ]
-        return dict.fromkeys(named or mixed, _SURE)
-
-    def _coded(self, asked: Code, repaired: bool) -> dict[int, float]:
+    def _coded(self, asked: Code) -> dict[int, float]:
         """Landmarks that bear a code: surest the very one, of what is asked for."""
         found: dict[int, float] = {}
         for id_, codes in self._may_bear(asked):
-            fits = [code for code in codes if code.is_repaired == repaired and code.bears(asked)]
+            fits = [code for code in codes if code.bears(asked)]
             if fits:
                 is_same = any(code.of & asked.of for code in fits) or not asked.of
                 is_exact = any(

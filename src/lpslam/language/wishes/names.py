@@ -6,29 +6,27 @@ Names are compared folded, in part, with a few wrong letters, and in Latin lette
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 from anyascii import anyascii
 from rapidfuzz import fuzz, process
-from rapidfuzz.distance import OSA, Levenshtein
+from rapidfuzz.distance import Levenshtein
 
 from lpslam.language.choosing.landmark_index import MANY
 from lpslam.language.kept import kept
 from lpslam.language.model import Candidate
 from lpslam.language.signs.repair import Repair
 from lpslam.language.tables.knowledge import Knowledge, load_words
-from lpslam.language.tables.nearest import OfLength
+from lpslam.language.tables.lexicon import read_table
 from lpslam.language.tables.words import UNSPACED_RUN, Folder, is_mark, is_unspaced
 from lpslam.language.wishes.heard import HeardNames, sound_the_same
-from lpslam.language.wishes.persons import called, consonants, spellings
 
 _SAME = 88.0  # of 100: two known words of a name are the same but for a reader's or a typist's slip
-_FAR = 9  # letters of a word in which two slips are forgiven
 _SAME_PERSON = 90.0  # of 100: Schmidt and Schmitt may be two people, Schneider and Schnieder one
+_FAR = 9  # letters of a word in which two slips are forgiven
 _LONG = 5  # letters of a word in which a slip is forgiven
-_HOMOPHONES = 3  # characters of a name that is compared by how they are read
 _STEM, _STEM_SHARE = 5, 0.6  # letters with which words begin alike, at least, and their share of the shorter one
-_SHORTEST = 4  # letters of a name that may be compared across scripts
+_SHORTEST = 4  # letters of a surname that is known by its sound
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,8 +66,7 @@ class Names:
         for id_, lines in self._words.items():
             for piece in {piece for line in lines for piece in (*line.units, *_pairs(line.runs))}:
                 self._ids_of.setdefault(piece, set()).add(id_)
-        self._read_aloud: dict[int, Mapping[str, Mapping[int, None]]] = {}
-        self._long = OfLength(unit for unit in self._ids_of if len(unit) >= _LONG)
+        self._long = [unit for unit in self._ids_of if len(unit) >= _LONG]
 
     def _all_words(self, landmarks: Sequence[Candidate]) -> dict[int, list[Words]]:
         """The words of each line of boards, the name first and then all lines together; kept where they are many."""
@@ -131,9 +128,8 @@ class Names:
         ids = set(self._ids_of.get(word, ()))
         if len(word) >= _LONG:
             slips = _slips(word)
-            units, _ = self._long.within(len(word), slips)
-            for unit, _, _ in process.extract(word, units, scorer=Levenshtein.distance, score_cutoff=slips, limit=None):
-                ids |= self._ids_of[unit]
+            near = process.extract(word, self._long, scorer=Levenshtein.distance, score_cutoff=slips, limit=None)
+            ids.update(*(self._ids_of[unit] for unit, _, _ in near))
         return ids
 
     def covered(self, content: Sequence[str]) -> dict[int, float]:
@@ -153,78 +149,6 @@ class Names:
         whole = len(line.key) if len(asked_in) > 1 else in_runs if True in asked_in else min(in_units, len(line.key))
         return min(1.0, sum(map(len, content)) / max(whole, 1))
 
-    def said_in(self, text: str) -> dict[int, float]:
-        """Return the one landmark whose whole name a text says, the longest one; none where several are as long."""
-        folded, units = self._knowledge.folder.fold(text), set(self._knowledge.folder.units(text))
-        pieces = {piece for run in UNSPACED_RUN.findall(folded) for piece in _pairs((run,))} | units
-        found: dict[int, int] = {}
-        for id_ in set().union(*(self._ids_of.get(piece, set()) for piece in pieces)):
-            name = self._words[id_][0]
-            is_said = name.units <= units and all(len(run) > 1 and run in folded for run in name.runs)
-            size = sum(map(len, name.in_order)) + 2 * sum(map(len, name.runs))
-            if is_said and size >= _SHORTEST:
-                found[id_] = size
-        longest = max(found.values(), default=0)
-        ids = [id_ for id_, size in found.items() if size == longest]
-        return dict.fromkeys(ids, 1.0) if len(ids) == 1 else {}
-
-    def read_alike(self, content: Sequence[str]) -> dict[int, float]:
-        """Return landmarks that are read as what is asked for in a script without spaces: 同仁唐, れんとげん."""
-        key = "".join(content)
-        is_long = is_unspaced(key) and len(key) >= _HOMOPHONES
-        return dict.fromkeys(self._sounding(len(key)).get(_latin(key), ()), 1.0) if is_long else {}
-
-    def _sounding(self, size: int) -> Mapping[str, Mapping[int, None]]:
-        """Landmarks by how so many letters of a script without spaces on their boards are read; kept."""
-        found = self._read_aloud.get(size)
-        if found is None:
-            made: dict[str, dict[int, None]] = {}
-            runs = ((id_, run) for id_, lines in self._in_runs.items() for line in lines for run in line.runs)
-            for id_, run in runs:
-                for at in range(len(run) - size + 1):
-                    made.setdefault(_latin(run[at : at + size]), {})[id_] = None
-            found = self._read_aloud[size] = made
-        return found
-
-    def slipped(self, words: Sequence[str]) -> dict[int, float]:
-        """Return landmarks whose whole long name is what is asked for but for a slip in nine letters, no digits.
-
-        Two letters in each other's place are one slip.
-        """
-        key = "".join(words)
-        if len(key) < _FAR or is_unspaced(key) or not key.isalpha():
-            return {}
-        keys, ids = self._keys
-        alike, rows = keys.within(len(key), len(key) // _FAR)
-        near = process.extract(key, alike, scorer=OSA.distance, score_cutoff=len(key) // _FAR, limit=None)
-        return {ids[rows[at]]: 1.0 - slips / len(key) for said, slips, at in near if said.isalpha()}
-
-    @cached_property
-    def _keys(self) -> tuple[OfLength, list[int]]:
-        """The letters of every line, as painted and without the endings of plurals, and its landmark."""
-        rows = [
-            (key, id_)
-            for id_, lines in self._words.items()
-            for line in lines
-            for key in dict.fromkeys((line.key, "".join(line.in_order)))
-        ]
-        return OfLength(key for key, _ in rows), [id_ for _, id_ in rows]
-
-    @cached_property
-    def _in_runs(self) -> dict[int, list[Words]]:
-        """The lines that have words of scripts without spaces, by landmark."""
-        found = {id_: [line for line in lines if line.runs] for id_, lines in self._words.items()}
-        return {id_: lines for id_, lines in found.items() if lines}
-
-    @cached_property
-    def _by_consonants_of_words(self) -> dict[str, set[int]]:
-        """Landmarks by the consonants of each word of a spaced script."""
-        found: dict[str, set[int]] = {}
-        for id_, lines in self._words.items():
-            for sound in {consonants(word) for line in lines for word in line.in_order}:
-                found.setdefault(sound, set()).add(id_)
-        return found
-
     def sounding(self, words: Sequence[str], is_all: bool = False) -> dict[int, float]:
         """Return the landmark whose name sounds like some words, in whatever script; none where two do.
 
@@ -241,49 +165,40 @@ class Names:
         )
 
     def persons(self, name: str) -> list[int]:
-        """Landmarks whose board bears every word of a person's name on one line."""
+        """Landmarks whose board bears a person's name: all words of it, the surname in another script, or its sound."""
         words = self._knowledge.folder.fold(name).replace("-", " ").split()
-        if not words:
-            return []
-        ids = set.intersection(*(self._bearing(word) | self._bearing(word.rstrip("s") or word) for word in words))
-        found = [
-            id_
-            for id_ in sorted(ids)
-            if any(all(_bears_person(line, word) for word in words) for line in self._words[id_])
-        ]
-        return found or self._called(name)
+        near = set().union(*(self._bearing(word) | self._bearing(word.rstrip("s") or word) for word in words[:1]))
+        found = [id_ for id_ in sorted(near) if any(all(_bears_person(e, w) for w in words) for e in self._words[id_])]
+        return found or self._in_another_script(words) or self._surnames_heard(_latin(words[-1]) if words else "")
 
-    def persons_heard(self, name: str) -> list[int]:
-        """Landmarks whose boards bear a surname that sounds like a person's, none where two surnames do."""
-        surname = _latin(name.split()[-1]) if name.split() else ""
+    def _in_another_script(self, words: Sequence[str]) -> list[int]:
+        """Landmarks whose boards bear a surname as another script writes it: 田辺 and Tanabe."""
+        whole = "".join(words)
+        written = {form for each, forms in _surnames() if whole.startswith(each) for form in forms}
+        written |= {each for each, forms in _surnames() if not forms.isdisjoint(words)}
+        bearing = (id_ for id_, lines in self._words.items() if any(_begins_with(line, written) for line in lines))
+        return list(bearing) if written else []
+
+    def _surnames_heard(self, surname: str) -> list[int]:
+        """Landmarks whose boards bear the one surname that sounds so; none where two do."""
         if len(surname) < _SHORTEST:
             return []
-        found = {
-            word: ids
-            for word, ids in self._ids_of.items()
-            if word not in load_words() and sound_the_same(surname, word)
-        }
-        return sorted(next(iter(found.values()))) if len(found) == 1 else []
+        heard = [
+            ids for word, ids in self._ids_of.items() if word not in load_words() and sound_the_same(surname, word)
+        ]
+        return sorted(heard[0]) if len(heard) == 1 else []
 
-    def _called(self, name: str) -> list[int]:
-        """Landmarks whose board bears a person's name in another script, those that are likest."""
-        sure = {
-            id_: max(called(name, line.in_order, line.runs) for line in self._words[id_])
-            for id_ in sorted(self._perhaps_called(name))
-        }
-        best = max(sure.values(), default=0.0)
-        return [id_ for id_, each in sure.items() if best and each == best]
 
-    def _perhaps_called(self, name: str) -> set[int]:
-        """Landmarks that have a word with which the name may begin, or any in another script."""
-        if not is_unspaced(name):
-            return set(self._in_runs)
-        found: set[int] = set()
-        for spelled in spellings(name):
-            sound = consonants("".join(spelled))
-            heads = (self._by_consonants_of_words.get(sound[:size], set()) for size in range(1, len(sound) + 1))
-            found.update(self._ids_of.get(spelled[0], ()), *heads)
-        return found
+@lru_cache(maxsize=1)
+def _surnames() -> tuple[tuple[str, frozenset[str]], ...]:
+    """Surnames of Chinese characters and Hangul, and how each is written in Latin letters."""
+    tree: Mapping[str, Mapping[str, str]] = read_table("wishes/surnames.json")
+    rows = ((name, frozenset(joined.split("|"))) for names in tree.values() for name, joined in names.items())
+    return tuple(sorted(rows, key=lambda row: -len(row[0])))
+
+
+def _begins_with(line: Words, written: set[str]) -> bool:
+    return not line.units.isdisjoint(written) or any(run.startswith(tuple(written)) for run in line.runs)
 
 
 def _pairs(runs: Sequence[str]) -> list[str]:
@@ -321,9 +236,8 @@ def _bears_person(line: Words, word: str) -> bool:
         return any(word in run for run in line.runs)
     if word in line.units or word.rstrip("s") in line.units:
         return True
-    return len(word) >= _LONG and any(
-        abs(len(word) - len(unit)) <= 1 and fuzz.ratio(word, unit) >= _SAME_PERSON for unit in line.units
-    )
+    near = (unit for unit in line.units if abs(len(word) - len(unit)) <= 1)
+    return len(word) >= _LONG and any(fuzz.ratio(word, unit) >= _SAME_PERSON for unit in near)
 
 
 def _latin(text: str) -> str:

@@ -23,11 +23,6 @@ _LONGEST_GROUP = 3  # words of a number below a hundred: "vingt et un"
 _MOST_DIGITS = 4  # of a number that is said in groups
 _HUNDRED = 100
 _SHORTEST_LETTER = 3  # letters of the name of a letter that stands without a number: “bee”, not “be”
-_INITIALS_APART = re.compile(
-    # Of two neither is a word of any language (“y a”), and none is of what is numbered (“zones b c”).
-    r"(?<![\w'’-])(?:[b-df-hj-np-tv-xz] [b-df-hj-np-tv-xz]|[a-z](?: [a-z]){2,})(?![\w'’-])",
-    re.IGNORECASE,
-)
 _WORD = re.compile(r"[a-zß-ÿœ]+")
 _BROKEN = re.compile(r"[^\w\s-]|_|\d")  # what does not stand within a number
 _HAN = {ch: at for at, ch in enumerate("〇一二三四五六七八九")} | {"零": 0, "两": 2, "兩": 2}
@@ -170,11 +165,6 @@ def with_letters(folded: str, follows: Callable[[str, int], bool]) -> str:
 
 def _is_letter_of(hit: re.Match[str], named: Mapping[str, str], follows: Callable[[str, int], bool]) -> bool:
     return len(hit.group()) >= _SHORTEST_LETTER and hit.group() in named and follows(hit.string, hit.start())
-
-
-def with_initials(text: str) -> str:
-    """Return a text in which letters that are said one after the other are one word: “the q c lab”, “an a t m”."""
-    return _INITIALS_APART.sub(lambda hit: hit.group().replace(" ", ""), text)
 
 
 def with_digits(folded: str, follows: Callable[[int], bool], leads: Callable[[int], bool]) -> str:

@@ -37,7 +37,6 @@ from lpslam.language.wishes.form import (
     Which,
     Wish,
 )
-from lpslam.language.wishes.numerals import with_initials
 from lpslam.language.wishes.rules import Row, Rules, content_left, person_of, rules_of
 
 _LONGEST = 400  # letters of a question
@@ -65,11 +64,9 @@ def wish_languages(text: str, knowledge: Knowledge) -> tuple[str, ...]:
 
 def read_wish(question: str, knowledge: Knowledge) -> Wish:
     """Return what a question means; one stop with all its words where no rule says more."""
-    text = with_initials(_SIGHS.sub("", clean_text(question, _LONGEST)).strip(_ENDS))
-    text = _TITLE.sub(r"\1 ", text)
+    text = _TITLE.sub(r"\1 ", _SIGHS.sub("", clean_text(question, _LONGEST)).strip(_ENDS))
     languages = wish_languages(text, knowledge)
     language = next(iter(languages_of(text, knowledge)), None)
-    text = _corrected(text, languages)
     alternatives = _among(text, languages, knowledge)
     if alternatives is not None:
         return Wish((alternatives,), language)
@@ -82,14 +79,6 @@ def read_wish(question: str, knowledge: Knowledge) -> Wish:
     if listed:
         return Wish(_parts(listed, languages, knowledge, language), language, instead=Wish((alone,), language))
     return Wish((alone,), language)
-
-
-def _corrected(text: str, languages: tuple[str, ...]) -> str:
-    """Return what stands after whoever asks has thought better of it: “chicken … no, scrap that, noodles”."""
-    rules = rules_of(languages[0] if languages else "en")
-    found = rules.first(rules.corrections, text)
-    last = "" if found is None else found[1].group("what").strip(_ENDS)
-    return _corrected(last, languages) if content_left(last, rules) else text
 
 
 def _plan(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> Wish | None:

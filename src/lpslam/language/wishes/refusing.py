@@ -12,7 +12,6 @@ from lpslam.language.wishes.board_words import BoardWords
 from lpslam.language.wishes.form import Stop
 from lpslam.language.wishes.guesses import LEAST_IN_SPITE
 from lpslam.language.wishes.identities import Identities
-from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.refusals import ALIKE, ALL_REFUSED, LEAST_REFUSED
 from lpslam.language.wishes.served import Served, Way
 
@@ -28,12 +27,11 @@ class Refusing:
         self,
         serve: Callable[[Stop], Served],
         boards: BoardWords,
-        names: Names,
         identities: Identities,
         index: LandmarkIndex,
         knowledge: Knowledge,
     ) -> None:
-        self._serve, self._boards, self._names, self._identities = serve, boards, names, identities
+        self._serve, self._boards, self._identities = serve, boards, identities
         self._index, self._knowledge = index, knowledge
 
     def left_of(self, served: Served, meaning: Meaning, language: str) -> Served:
@@ -46,7 +44,7 @@ class Refusing:
         named = {id_ for name in meaning.refused_names for id_ in self._index.ids_of.get(name, ())}
         alike: set[int] = set()
         for each in parts[1]:
-            borne = self._boards.said_on(each).keys() | self._names.said_in(each).keys()
+            borne = set(self._boards.said_on(each))
             borne |= self._identities.bearing(each, lambda: (*served.scores, *rest_of().scores))
             named |= borne
             # What no table reads as refused is left out where it stands on a board, and not by what is like it.

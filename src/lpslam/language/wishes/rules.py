@@ -5,7 +5,6 @@ pattern is the part of that name; `<ordinal>` is every ordinal number of the lan
 """
 
 import re
-from bisect import bisect_left
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
@@ -14,7 +13,6 @@ from typing import Any
 
 from lpslam.language.tables.lexicon import read_table
 from lpslam.language.wishes.numerals import ordinals
-from lpslam.language.wishes.sieve import Sieve
 
 _NAMED = re.compile(r"(?<!\(\?P)<(\w+)>")
 _ENDS = " .。!！?？,，、;；¿¡"
@@ -23,12 +21,11 @@ _DEEPEST = 3  # parts within parts
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """When the pattern is found, and not the other, then this; `number` is its own among all rows of a language."""
+    """When the pattern is found, and not the other, then this."""
 
     when: str
     unless: str | None
     then: Mapping[str, Any]
-    number: int
 
     def match(self, text: str) -> re.Match[str] | None:
         """Return where the row's pattern is, if the row holds."""
@@ -55,7 +52,6 @@ class Rules:
 
     asks: tuple[Row, ...]
     orders: tuple[Row, ...]
-    corrections: tuple[Row, ...]
     sequences: tuple[Row, ...]
     relations: tuple[Row, ...]
     exclusions: tuple[Row, ...]
@@ -73,24 +69,16 @@ class Rules:
     alternative_ends: re.Pattern[str]
     joints: re.Pattern[str]
     ordering: re.Pattern[str]
-    sieve: Sieve
 
     @property
     def rows(self) -> Iterator[Row]:
         """The rows of all tables."""
-        tables = (self.asks, self.orders, self.corrections, self.sequences, self.relations, self.exclusions)
+        tables = (self.asks, self.orders, self.sequences, self.relations, self.exclusions)
         return chain(*tables, self.refusals, self.among, self.persons, self.counts)
 
     def holding(self, rows: Sequence[Row], text: str) -> Iterator[tuple[Row, re.Match[str]]]:
         """The rows that hold, in their order."""
-        if not rows:
-            return
-        # Rows of one table are numbered one after the other.
-        possible, start = self.sieve.possible(text), rows[0].number
-        for at in range(bisect_left(possible, start), bisect_left(possible, start + len(rows))):
-            row = rows[possible[at] - start]
-            if found := row.match(text):
-                yield row, found
+        return ((row, found) for row in rows if (found := row.match(text)))
 
     def first(self, rows: Sequence[Row], text: str) -> tuple[Row, re.Match[str]] | None:
         """The first row that holds; rows stand in order, the most particular first."""
@@ -113,16 +101,9 @@ def rules_of(language: str) -> Rules:
     def compiled(pattern: str) -> re.Pattern[str]:
         return re.compile(filled(pattern), re.IGNORECASE)
 
-    numbered: list[str] = []
-
-    def numbered_row(when: str, row: Mapping[str, Any]) -> Row:
-        numbered.append(filled(when))
-        unless = filled(row["unless"]) if "unless" in row else None
-        return Row(numbered[-1], unless, row.get("then", {}), len(numbered) - 1)
-
     def rows(name: str) -> tuple[Row, ...]:
         return tuple(
-            numbered_row(when, row)
+            Row(filled(when), filled(row["unless"]) if "unless" in row else None, row.get("then", {}))
             for row in tree.get(name, ())
             for when in ([row["when"]] if "when" in row else [_said(shape, row["said"]) for shape in tree["shapes"]])
         )
@@ -130,7 +111,6 @@ def rules_of(language: str) -> Rules:
     return Rules(
         rows("asks"),
         rows("orders"),
-        rows("corrections"),
         rows("sequences"),
         rows("relations"),
         rows("exclusions"),
@@ -148,7 +128,6 @@ def rules_of(language: str) -> Rules:
         compiled(tree["alternative_ends"]),
         compiled(tree["joints"]),
         compiled(tree["ordering"]),
-        Sieve(numbered),
     )
 
 

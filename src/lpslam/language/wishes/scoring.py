@@ -7,7 +7,6 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import pairwise
 
 from lpslam.language.building import steps_of
 from lpslam.language.choosing.choosing import Ranked, ranked
@@ -17,9 +16,8 @@ from lpslam.language.choosing.serving import FITS, best_of, match
 from lpslam.language.choosing.support import Supported
 from lpslam.language.languages import CAPITALS_ARE_NAMES
 from lpslam.language.model import Candidate
-from lpslam.language.questions.parts import read_part
 from lpslam.language.questions.phrasing import answer_language, phrases_in
-from lpslam.language.questions.question import read_question
+from lpslam.language.questions.question import read_part, read_question
 from lpslam.language.questions.wanted import Wish as Meaning
 from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.reader import SignReader
@@ -29,16 +27,14 @@ from lpslam.language.wishes.attributes import attributes_of, told_apart
 from lpslam.language.wishes.board_words import BoardWords
 from lpslam.language.wishes.certainty import clues_of
 from lpslam.language.wishes.codes import without_codes
-from lpslam.language.wishes.form import Ask, Stop, with_meaning
+from lpslam.language.wishes.form import Stop, with_meaning
 from lpslam.language.wishes.guesses import IN_SPITE, LEAST_IN_SPITE, Guesses, is_told
 from lpslam.language.wishes.identities import Identities
 from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.opening import Opening
-from lpslam.language.wishes.reading import content_of, wish_languages
 from lpslam.language.wishes.refusals import parted
 from lpslam.language.wishes.refusing import Refusing
-from lpslam.language.wishes.rules import content_left, rules_of
-from lpslam.language.wishes.served import UNQUESTIONED, Served, Way
+from lpslam.language.wishes.served import AS_WELL, UNQUESTIONED, Served, Way
 from lpslam.language.wishes.sorts import Sorts
 from lpslam.language.wishes.trust import Trust
 
@@ -76,7 +72,7 @@ class EmbeddedScorer:
         self._guesses = Guesses(index, self._names, knowledge)
         self._trust = Trust(landmarks, index)
         self._trusted = self._trust.of
-        self._refusing = Refusing(self.serve, self._boards, self._names, self._identities, index, knowledge)
+        self._refusing = Refusing(self.serve, self._boards, self._identities, index, knowledge)
         self._last_attributes: tuple[tuple[str, str | None], frozenset[tuple[str, str]]] | None = None
         self._clues = partial(clues_of, index=index, asked=self._asked, knowledge=knowledge)
 
@@ -88,19 +84,7 @@ class EmbeddedScorer:
     def serve(self, stop: Stop) -> Served:
         """Return the landmarks that serve a stop: by identity, by name, else by what they are."""
         served = self._judged(self._found(stop)) if stop.what else self._trust.any_place(stop)
-        if stop.what and not served.settled and (not served.scores or served.sure < LEAST_SURE):
-            served = self._said(served) or served
         return self._opening.open(served) if stop.at else served
-
-    def _said(self, served: Served) -> Served | None:
-        """The one landmark whose whole name a question says that is not understood otherwise."""
-        stop = served.stop
-        is_about_it = len(stop.what.split()) <= _FEW_WORDS or stop.ask is Ask.WHETHER
-        if not is_about_it or stop.identity or self._boards.refuses(stop.what, self._read(stop)):
-            return None
-        scores = self._trusted(self._names.said_in(stop.what))
-        found = replace(served, scores=scores, evidence="the board says the name", confidence=0.8, sure=1.0, why=None)
-        return replace(found, way=Way.NAME, exact=frozenset(scores)) if scores else None
 
     def _judged(self, served: Served) -> Served:
         """With how probable it is that what serves is what was meant; a guess where that is likelier."""
@@ -142,8 +126,6 @@ class EmbeddedScorer:
         served = replace(served, sure=sure, confidence=min(served.confidence, sure), is_said=is_said)
         if sure >= LEAST_SURE or served.way not in (Way.KIND, Way.GUESS):
             return served, clues
-        if (numbered := self._numbered(served.stop, served.ignored)) is not None:
-            return numbered, {}
         said = self._by_words(served.stop, meaning, served.ignored)
         of_said = self._clues(said) if said is not None and said.scores else {}
         other = self._guesses.sure(said, of_said, meaning, language) if said is not None and of_said else 0.0
@@ -179,14 +161,6 @@ class EmbeddedScorer:
         best = best_of(served.scores)
         says = told_apart(asked, attributes_of(self._by_id[best].name)) if asked else 0
         return says > 0 and self._sorts.is_of_the_house(best)
-
-    def _numbered(self, stop: Stop, ignored: tuple[str, ...]) -> Served | None:
-        """“The rack” between two others is any board that bears a rack's number."""
-        if stop.relation is None and stop.ask is not Ask.LIST:
-            return None
-        found = self._identities.numbered(content_of(stop.what, wish_languages(stop.what, self._knowledge)))
-        said = "numbered so"
-        return Served(stop, self._trusted(found), said, 0.9, ignored=ignored, way=Way.IDENTITY) if found else None
 
     def _by_words(self, stop: Stop, meaning: Meaning, ignored: tuple[str, ...]) -> Served | None:
         """The landmarks whose boards say the words themselves."""
@@ -225,30 +199,30 @@ class EmbeddedScorer:
         choice = tables.choice
         scores = self._sorts.of_the_family(meaning, self._trusted(tables.scores))
         scores = self._identities.of_the_number(stop.what, self._told_apart(stop, scores))
-        is_another = bool(scores) and self._is_another(stop, meaning, scores)
-        scores = {} if is_another else scores
         otherwise = None if scores else self._by_the_board(stop, meaning, ignored)
         if otherwise is not None:
             return otherwise
-        is_missing = is_another or (not scores and self._is_missing_brand(stop, meaning))
-        supported = None if is_missing else self._supported(stop, meaning, scores)
+        is_missing = self._is_another(stop, meaning, scores) if scores else self._is_missing_brand(stop, meaning)
+        if is_missing:
+            return Served(*(stop, {}, choice.evidence, choice.confidence, choice.alternatives, ignored), settled=True)
+        supported = self._supported(stop, meaning, scores)
         if not scores and supported is None:
-            return Served(
-                *(stop, {}, choice.evidence, choice.confidence, choice.alternatives, ignored), settled=is_missing
-            )
+            return Served(stop, {}, choice.evidence, choice.confidence, choice.alternatives, ignored)
         read, top = scores, max(scores.values(), default=0.0)
         scores = {id_: score / top for id_, score in scores.items()}
         words, _ = self._asked.asked(stop.what)
         exact = frozenset(id_ for id_, share in self._names.covered(words).items() if share >= _WHOLE and id_ in scores)
-        if meaning.wanted_names:
+        is_named = bool(meaning.wanted_names and scores)
+        if is_named:
+            # A brand by another of its names is here: there is nothing to be doubted.
             exact = frozenset(scores)
         why = tables.reason if supported is None else self._spoken_for(stop, tables, supported)
         serving = scores if supported is None else supported.scores
         told = Served(
             *(stop, serving, why(best_of(serving)), choice.confidence),
             ignored=ignored,
-            exact=exact,
-            way=Way.KIND if read else Way.GUESS,
+            exact=exact & serving.keys(),
+            way=Way.NAME if is_named else Way.KIND if read else Way.GUESS,
             strength=top,
             heard={} if supported is None else supported.clues,
             read={} if supported is None else read,
@@ -268,19 +242,21 @@ class EmbeddedScorer:
         is_lacking = bool(brands) and self._index.phrase_of.keys().isdisjoint(brands)
         return is_lacking and not any(weight >= _READ for _, weight in meaning.wanted)
 
+    def _is_another(self, stop: Stop, meaning: Meaning, scores: Mapping[int, float]) -> bool:
+        """Whether a name is asked for that stands on no board, where boards of the sort bear names: room Gamma."""
+        languages, said = self._asked.likely(stop.what), stop.what.split()
+        if not CAPITALS_ARE_NAMES.issuperset(languages[:1]) or len(said) > _SHORT_QUESTION:
+            return False
+        capital = {self._knowledge.folder.fold(word) for word in said[1:] if word[:1].isupper()}
+        named = [word for word in self._asked.asked(stop.what)[1] if word in capital]
+        if not named or self._boards.refuses(stop.what, meaning) or scores.keys() & self._names.covered(named).keys():
+            return False
+        best = [id_ for id_, score in scores.items() if score >= AS_WELL * max(scores.values())]
+        return all(self._sorts.is_a_room(id_) and self._asked.of(self._by_id[id_].name, languages)[1] for id_ in best)
+
     def _by_the_board(self, stop: Stop, meaning: Meaning, ignored: tuple[str, ...]) -> Served | None:
-        """What the words of a board say where no kind serves: themselves, their sound, a number, what tells apart."""
-        literal = self._by_words(stop, meaning, ignored)
-        if literal is not None:
-            return literal
-        found = self._by_ear(stop, meaning, ignored) or self._numbered(stop, ignored)
-        if found is not None:
-            return found
-        told = self._told_only(stop)
-        if told:
-            scores = self._trusted(told)
-            return Served(stop, scores, "the board says so", 0.8, ignored=ignored, way=Way.TOLD)
-        return None
+        """What the words of a board say where no kind serves: themselves, or their sound."""
+        return self._by_words(stop, meaning, ignored) or self._by_ear(stop, meaning, ignored)
 
     def _by_ear(self, stop: Stop, meaning: Meaning, ignored: tuple[str, ...]) -> Served | None:
         """The one landmark whose name sounds like what is asked for."""
@@ -356,37 +332,6 @@ class EmbeddedScorer:
             last = self._last_attributes = (stop.what, stop.language), found
         return last[1]
 
-    def _told_only(self, stop: Stop) -> dict[int, float]:
-        """“The green room” is whatever room says green."""
-        asked = attributes_of(stop.what)
-        rules = rules_of(next(iter(wish_languages(stop.what, self._knowledge)), "en"))
-        if not asked or len(content_left(rules.any.sub(" ", stop.what), rules).split()) > len(asked):
-            return {}
-        ids = [id_ for id_ in self._by_id if self._sorts.is_of_the_house(id_)]
-        return {id_: _NAMED for id_ in ids if told_apart(asked, attributes_of(self._by_id[id_].name)) > 0}
-
-    def _is_another(self, stop: Stop, meaning: Meaning, scores: Mapping[int, float]) -> bool:
-        """Whether a name is asked for that stands on no board, where boards of the sort bear names: room Gamma."""
-        languages = wish_languages(stop.what, self._knowledge)
-        if not languages or languages[0] not in CAPITALS_ARE_NAMES or self._boards.refuses(stop.what, meaning):
-            return False
-        _, proper = self._asked.asked(stop.what)
-        said = stop.what.split()
-        capital = {
-            self._knowledge.folder.fold(word)
-            for before, word in pairwise(said)
-            # “A ticket for Rome” is no ticket that is called Rome.
-            if word[:1].isupper() and not rules_of(languages[0]).filler.fullmatch(before)
-        }
-        named = [word for word in proper if word in capital or any(word.startswith(each) for each in capital)]
-        if not named or scores.keys() & self._names.covered(named).keys():
-            return False
-        top = max(scores.values())
-        best = [id_ for id_, score in scores.items() if score >= 0.97 * top]
-        return len(stop.what.split()) <= _SHORT_QUESTION and all(
-            self._sorts.is_a_room(id_) and self._bears_a_name(id_, self._asked.likely(stop.what)) for id_ in best
-        )
-
     def is_understood(self, stop: Stop) -> bool:
         """Whether a stop's words are words for a place at all, on this map or on another."""
         if stop.identity:
@@ -394,9 +339,6 @@ class EmbeddedScorer:
         meaning = read_question(stop.what, self._knowledge)
         is_name = any(ch.isupper() for ch in stop.what) and len(stop.what.split()) <= _SHORT_NAME
         return is_name or any(weight > 0.5 for _, weight in meaning.wanted)
-
-    def _bears_a_name(self, id_: int, languages: Sequence[str]) -> bool:
-        return bool(self._asked.of(self._by_id[id_].name, languages)[1]) or bool(self._identities.codes_of(id_))
 
     def _of_what(self, stop: Stop) -> tuple[int, ...]:
         """What comes next where an identity stands on no board: others of the same sort."""

@@ -21,7 +21,6 @@ class Way(StrEnum):
     KIND = "kind"
     WORDS = "words of the board"
     HEARD = "name as heard"
-    TOLD = "told apart"
     GUESS = "guess"
 
 

@@ -1,12 +1,14 @@
 """Which landmarks may be answered with: none that speaks to a machine, and those that warn only where that is asked."""
 
+import re
 from collections.abc import Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 from lpslam.language.choosing.landmark_index import LandmarkIndex
+from lpslam.language.languages import LATIN
 from lpslam.language.model import Candidate
 from lpslam.language.signs.distrust import commands
-from lpslam.language.wishes.barred import barred
+from lpslam.language.tables.lexicon import read_table
 from lpslam.language.wishes.form import Ask, Stop
 from lpslam.language.wishes.served import Served
 
@@ -48,3 +50,18 @@ class Trust:
         """All places that neither warn nor speak to a machine."""
         places = [mark.id for mark in self._landmarks if mark.id not in self._warning]
         return self.of(dict.fromkeys(places, 1.0))
+
+
+def barred(landmarks: Sequence[Candidate]) -> frozenset[int]:
+    """Return the landmarks of which a line keeps people out, in any language: “Staff only”, 立入禁止."""
+    pattern = _barring()
+    return frozenset(
+        mark.id for mark in landmarks if any(pattern.search(text) is not None for text in (mark.name, *mark.lines))
+    )
+
+
+@lru_cache(maxsize=1)
+def _barring() -> re.Pattern[str]:
+    said: dict[str, str] = read_table("wishes/barred.json")
+    rows = (rf"(?<!\w)(?:{row})" if language in LATIN else row for language, row in said.items())
+    return re.compile("|".join(rows), re.IGNORECASE)
