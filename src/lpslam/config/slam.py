@@ -81,6 +81,8 @@ class DepthRangeConfig(Section):
     min_readings: int = Field(default=3, ge=1)  # of a keyframe at a distance, of which the median counts
     reading_error: float = Field(default=0.03, gt=0)  # by which one of them is off, as a share of the distance ...
     common_error: float = Field(default=0.01, gt=0)  # ... and by which all of a keyframe's at one distance are
+    # Times as many keyframes must see a keyframe's points as when it voted last, for it to vote anew: 1 ms each.
+    renewed_observers: float = Field(default=1.1, ge=1)
     reach_readings: int = Field(default=30, ge=1)  # of a keyframe, which tell how far the sensor reaches ...
     reach_share: float = Field(default=0.98, gt=0, le=1)  # ... by this quantile: the last few may be false
     certain_gain: float = Field(default=6.0, ge=0)  # times what is left, that a curve must explain; 0: never corrected

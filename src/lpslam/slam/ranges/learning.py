@@ -110,6 +110,7 @@ class DepthRanges:
     def _forget(self) -> None:
         """Begin to count anew: what was voted before was measured otherwise."""
         self._votes_of: dict[int, _Votes] = {}
+        self._observed_by: dict[int, float] = {}
         self._have_told_reach: set[int] = set()
         self._information = np.zeros_like(self._prior)
         self._vector = np.zeros(len(self._knots))
@@ -124,12 +125,24 @@ class DepthRanges:
         return prior
 
     def _vote(self, keyframe: int) -> None:
-        before, votes = self._votes_of.pop(keyframe, None), self._votes(keyframe)
-        if before is not None:
-            self._count(before, -1.0)
+        """Let a keyframe vote, if others see more of its points than when it voted last."""
+        observers, before = self._observers(keyframe), self._observed_by.get(keyframe, 0.0)
+        if observers < self._config.renewed_observers * before and keyframe not in self._map.blurred:
+            return
+        self._observed_by[keyframe] = observers
+        voted, votes = self._votes_of.pop(keyframe, None), self._votes(keyframe)
+        if voted is not None:
+            self._count(voted, -1.0)
         if votes is not None:
             self._votes_of[keyframe] = votes
             self._count(votes, 1.0)
+
+    def _observers(self, keyframe: int) -> float:
+        """Keyframes that see a point of this one's, on average."""
+        columns, slot = self._map.columns, self._map.columns.keyframe_slot[keyframe]
+        points = columns.point[slot, : columns.feature_count[slot]]
+        seen = columns.observations[points[points >= 0]]
+        return float(seen.mean()) if len(seen) else 0.0
 
     def _votes(self, keyframe: int) -> _Votes | None:
         """The medians of a keyframe's points by distance; None where they are all at one, or streaks."""
