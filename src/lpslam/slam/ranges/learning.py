@@ -129,10 +129,10 @@ class DepthRanges:
         observers, before = self._observers(keyframe), self._observed_by.get(keyframe, 0.0)
         if observers < self._config.renewed_observers * before and keyframe not in self._map.blurred:
             return
-        self._observed_by[keyframe] = observers
         voted, votes = self._votes_of.pop(keyframe, None), self._votes(keyframe)
         if voted is not None:
             self._count(voted, -1.0)
+        self._observed_by[keyframe] = 0.0 if votes is None else observers
         if votes is not None:
             self._votes_of[keyframe] = votes
             self._count(votes, 1.0)
