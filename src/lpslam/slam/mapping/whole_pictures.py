@@ -149,10 +149,4 @@ class WholePictures:
         aligned = self._surfaces.align(images[0], images[1], guess, seconds)
         if aligned is None or not aligned.holds:
             return None
-        values, vectors = np.linalg.eigh(aligned.information)
-        information = (vectors * np.maximum(values, _LEAST_INFORMATION)) @ vectors.T
-        return _Step(a, b, aligned.image_from_reference, information)
-
-
-_LEAST_INFORMATION = 1.0
-"""1/m² or 1/rad²: where noise was taken off what pictures tell, less than nothing may be left."""
+        return _Step(a, b, aligned.image_from_reference, aligned.information)
