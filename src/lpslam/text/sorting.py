@@ -95,7 +95,7 @@ class BoxSorter:
                     placements[row] = placement
                 continue
             seen = SeenSize(heights[row], frontal_cosine(placement, keyframe_from_camera))
-            room = self._room(frame, boxes[row], placement, keyframe_from_camera, False)
+            room = partial(self._room, frame, boxes[row], placement, keyframe_from_camera, False)
             if fates[row] == BoxFate.KEPT and self._is_known(
                 placement, seen, room, frame.timestamp, world_from_keyframe
             ):
@@ -154,7 +154,7 @@ class BoxSorter:
         self,
         placement: Placement,
         seen: SeenSize,
-        room: tuple[float, float],
+        room: Callable[[], tuple[float, float]],
         timestamp: float,
         world_from_keyframe: Array,
     ) -> bool:

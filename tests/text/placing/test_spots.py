@@ -151,7 +151,7 @@ def test_a_text_is_read_again_once_when_the_view_first_goes_on_beyond_its_end() 
     here, size = standing(0.0, 0.0), SeenSize(20.0, 1.0)
 
     def settled(room: tuple[float, float]) -> int | None:
-        return spots.settled_at(here, np.eye(4), size, unsure, FOUR, room)
+        return spots.settled_at(here, np.eye(4), size, unsure, FOUR, lambda: room)
 
     for _ in range(FOUR.settled_sightings):
         spots.add(7, "GUCCI", here, np.eye(4), size, (5.0, 0.1))

@@ -60,7 +60,7 @@ class Spots:
         seen: SeenSize,
         is_sure: Callable[[int], bool],
         config: ReadingConfig,
-        room: tuple[float, float] = (0.0, 0.0),
+        room: Callable[[], tuple[float, float]] = lambda: (0.0, 0.0),
     ) -> int | None:
         """The class read here again and again, and nearly as well as it is seen now; None where there is none.
 
@@ -70,7 +70,8 @@ class Spots:
             is_sure: whether the name of a class is sure already: half as many readings are enough then.
             config: how often a text must have been read alike; twice as often is enough where readings differ, and as
                 often again where they are of several classes.
-            room: how far the view goes on before and behind it now, in heights of its box.
+            room: gives how far the view goes on before and behind it now, in heights of its box; asked where an end
+                was in no view yet.
         """
         here = self._here(placement, world_from_keyframe)
         classes, counts = np.unique(self._classes[here], return_counts=True)
@@ -98,9 +99,10 @@ class Spots:
         is_larger |= highest < config.believed_height <= seen.height
         return is_larger or placement.width > config.longer * float(self._sizes[here, 0].max())
 
-    def _shows_an_end(self, here: NDArray[np.bool_], room: tuple[float, float]) -> bool:
+    def _shows_an_end(self, here: NDArray[np.bool_], room: Callable[[], tuple[float, float]]) -> bool:
         """Whether the view goes on now beyond an end where it did in no reading."""
-        return bool(((np.array(room) >= LINE_ENDS) & (self._rooms[here].max(axis=0) < LINE_ENDS)).any())
+        unseen = self._rooms[here].max(axis=0) < LINE_ENDS
+        return bool(unseen.any() and (unseen & (np.array(room()) >= LINE_ENDS)).any())
 
     def _here(self, placement: Placement, world_from_keyframe: Array) -> NDArray[np.bool_]:
         position, baseline, normal = _in_world(placement, world_from_keyframe)
