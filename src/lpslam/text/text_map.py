@@ -3,6 +3,7 @@
 import copy
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -88,10 +89,9 @@ class TextMap:
         """The same as nobody has corrected or judged them."""
         instances = self.config.instances
         memory = self.config.memory
-        places = [
-            place for each in self.long_term for place in read_places(each, world_from_keyframe, instances, memory)
-        ]
-        places = without_patterned(places, self.patterns.standing(world_from_keyframe), self.config.patterns)
+        poses = cache(world_from_keyframe)
+        places = [place for each in self.long_term for place in read_places(each, poses, instances, memory)]
+        places = without_patterned(places, self.patterns.standing(poses), self.config.patterns)
         groups = boards(without_overlaps(places, instances), instances)
         ahead = script_ahead(groups)
         return [

@@ -3,6 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
+from scipy.cluster.hierarchy import fcluster, linkage
 
 from lpslam.config import InstanceConfig
 from lpslam.text.placing.columns import WorldSightings
@@ -38,6 +39,14 @@ def test_outliers_are_trimmed_away() -> None:
     positions = np.vstack([cloud((1, 2, 3), 17), cloud((4, 2, 3), 3, seed=1)])
     assert np.linalg.norm(trimmed_position(positions, 3, 0.2)[0] - [1, 2, 3]) < 0.04
     assert np.linalg.norm(positions.mean(axis=0) - [1, 2, 3]) > 0.4
+
+
+@given(st.integers(2, 12), st.floats(0.05, 2.0), st.integers(0, 1000))
+def test_places_are_those_of_average_linkage(count: int, extent: float, seed: int) -> None:
+    positions = np.random.default_rng(seed).uniform(0.0, extent * CONFIG.place_distance, (count, 3))
+    labels = fcluster(linkage(positions, "average"), CONFIG.place_distance, "distance")
+    places = split_places(positions, np.tile(NORTH, (count, 1)), np.arange(count), CONFIG)
+    assert {tuple(rows) for rows in places} == {tuple(np.flatnonzero(labels == each)) for each in set(labels)}
 
 
 @pytest.mark.parametrize("count", [1, 2, 3])

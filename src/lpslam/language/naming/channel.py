@@ -79,7 +79,7 @@ class Seen:
 
 def paint_key(text: str) -> str:
     """What of a text is compared: letters and digits in their own script and form, without case."""
-    return "".join(ch for ch in text.casefold() if ch.isalnum())
+    return "".join(filter(str.isalnum, text.casefold()))
 
 
 def evidence_of(readings: Iterable[Reading]) -> list[Seen]:

@@ -43,9 +43,9 @@ class WorldSightings:
             dtype=np.float64,
         ).reshape(-1, 3, 3)
         world = np.empty_like(local)
-        for keyframe in np.unique(keyframes):
+        for keyframe in set(keyframes.tolist()):
             rows = keyframes == keyframe
-            pose = world_from_keyframe(int(keyframe))
+            pose = world_from_keyframe(keyframe)
             if pose is None:
                 raise ValueError(f"keyframe {keyframe} has no place in the map")
             world[rows, 0] = transform_points(pose, local[rows, 0])
@@ -56,7 +56,10 @@ class WorldSightings:
         return len(self.observations)
 
     def __getitem__(self, rows: Rows) -> "WorldSightings":
-        chosen = np.arange(len(self))[rows]
+        every = np.arange(len(self))
+        chosen = every[rows]
+        if np.array_equal(chosen, every):
+            return self
         observations = tuple(self.observations[row] for row in chosen)
         return WorldSightings(observations, self.positions[chosen], self.normals[chosen], self.baselines[chosen])
 

@@ -10,6 +10,9 @@ from lpslam.config import InstanceConfig
 
 Array = NDArray[np.float64]
 
+# Share of a distance that rounding leaves below it.
+_SURELY_WITHIN = 1.0 - 1e-9
+
 # Takes a keyframe's id to the 4×4 `world_from_keyframe` as the map knows it now. It is asked for every keyframe that a
 # text was hung on, also one that the map has culled since. None is a keyframe whose place in the map is not known.
 KeyframePoses = Callable[[int], Array | None]
@@ -31,8 +34,10 @@ def trimmed_position(positions: Array, rounds: int, drop_share: float) -> tuple[
     """
     kept = np.arange(len(positions))
     for _ in range(rounds):
-        distances = np.linalg.norm(positions[kept] - positions[kept].mean(axis=0), axis=1)
         remaining = len(kept) - int(len(kept) * drop_share)
+        if remaining == len(kept):
+            break
+        distances = np.linalg.norm(positions[kept] - positions[kept].mean(axis=0), axis=1)
         kept = np.sort(kept[np.argsort(distances, kind="stable")[:remaining]])
     return positions[kept].mean(axis=0), kept
 
@@ -67,9 +72,11 @@ def split_places(
 
 
 def _linked(features: Array, rows: NDArray[np.intp], distance: float) -> list[NDArray[np.intp]]:
-    if len(rows) < 2:
+    own = features[rows]
+    # No mean distance is longer than the diagonal of the box around all: what fits in is one place, without linking.
+    if len(rows) < 2 or np.linalg.norm(np.ptp(own, axis=0)) < _SURELY_WITHIN * distance:
         return [rows]
-    labels = fcluster(linkage(features[rows], "average"), distance, "distance")
+    labels = fcluster(linkage(own, "average"), distance, "distance")
     return [rows[labels == label] for label in np.unique(labels)]
 
 
@@ -77,6 +84,8 @@ def _both_sides(
     places: list[NDArray[np.intp]], positions: Array, normals: Array, thickness: float
 ) -> list[NDArray[np.intp]]:
     """Join places that stand back to back no farther apart than a sign is thick."""
+    if len(places) == 1:
+        return places
     joined: list[NDArray[np.intp]] = []
     for rows in sorted(places, key=len, reverse=True):
         middle, facing = positions[rows].mean(axis=0), normals[rows].mean(axis=0)
@@ -92,6 +101,8 @@ def _both_sides(
 
 def _distance_within_frames(positions: Array, frames: NDArray[np.int64]) -> float | None:
     """How far apart sightings of the same frame are, if two or more frames saw the class more than once."""
+    if len(set(frames.tolist())) == len(frames):
+        return None
     first, second = np.triu_indices(len(frames), 1)
     same = frames[first] == frames[second]
     if len(np.unique(frames[first[same]])) < 2:

@@ -13,6 +13,7 @@ from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import KDTree
 
 from lpslam.camera import transform_points
 from lpslam.config import PatternConfig
@@ -51,6 +52,8 @@ class Standing:
 
     def at(self, place: Place, config: PatternConfig) -> int:
         """How many boxes were refused where a text stands."""
+        if not len(self.counts):
+            return 0
         offsets = self.positions - place.position
         shared = np.ones(len(offsets))
         for axis, size, others in (
@@ -114,13 +117,14 @@ class Patterns:
 
 def without_patterned(places: Sequence[Place], patterns: Standing, config: PatternConfig) -> list[Place]:
     """The places of texts that are likelier texts than pieces of patterns; those of none speak against others."""
-    if not places:
+    if not any(each.is_text for each in places):
         return []
-    positions = np.array([each.position for each in places])
+    asked = [each for each in places if each.is_text]
+    reach = [config.twin_reach * each.width for each in asked]
+    all_near = KDTree([each.position for each in places]).query_ball_point([each.position for each in asked], reach)
     kept = []
-    for place in (each for each in places if each.is_text):
-        near = np.linalg.norm(positions - place.position, axis=1) <= config.twin_reach * place.width
-        twins = sum(_is_twin(place.name, places[row].name) for row in np.flatnonzero(near).tolist()) - 1
+    for place, near in zip(asked, all_near, strict=True):
+        twins = sum(_is_twin(place.name, places[row].name) for row in near) - 1
         if patterned_odds(place, patterns.at(place, config), twins, config) <= 0.0:
             kept.append(place)
     return kept

@@ -168,7 +168,7 @@ def _show_all_of(name: str, sightings: WorldSightings) -> NDArray[np.bool_]:
     """
     key = paint_key(name)
     reads = np.array([paint_key(text) == key for text in sightings.texts], np.bool_)
-    if not reads.any():
+    if reads.all() or not reads.any():
         return np.ones(len(sightings), np.bool_)
     width, height = np.median(sightings.sizes[reads], axis=0)
     missing = np.abs(sightings.sizes[:, 0] - width)
@@ -292,8 +292,10 @@ def _name_here(
     naming = text_class.naming
     name, sure = (naming.name, naming.confidence) if naming is not None else (text_class.name, 0.5)
     key = paint_key(name)
+    if not stands_elsewhere or not key:
+        return name, sure
     here = evidence_of(readings_of(looks_of(sightings.observations), config))
-    if not stands_elsewhere or not here or not key:
+    if not here:
         return name, sure
     by_class = log_likelihood(key, here, _looks)
     # That another name is just this one is as improbable as a slip of an unsure reader would be. Which of them it is,
