@@ -175,12 +175,6 @@ def test_where_one_is_and_why_is_no_wish(question: str, answer: str, model: Offl
     assert chosen(model, question, "Hospital Pharmacy", "UNIQLO", "Petals Florist", "CGV Cinemas") == answer
 
 
-def test_a_shop_is_known_by_its_owner_alone(model: OfflineModel) -> None:
-    question = "小林さん以外に眼鏡屋さんってあります？"
-    assert chosen(model, question, "小林眼鏡店", "メガネの田中", "KFC") == "メガネの田中"
-    assert chosen(model, question, "小林眼鏡店", "KFC") is None
-
-
 def test_two_letters_are_a_name_where_they_stand_as_they_are_painted(model: OfflineModel) -> None:
     question = "Ich brauch Windeln. Bei dm war ich grad, die sind ausverkauft."
     assert chosen(model, question, "dm", "REWE", "KFC") == "REWE"

@@ -257,10 +257,6 @@ def _parts_in(text: str, index: LandmarkIndex, knowledge: Knowledge) -> dict[str
     """Words of a question that mean nothing themselves and stand in the names of few landmarks."""
     every = knowledge.folder.units(text)
     units = {unit for unit in every if unit in index.ids_by_word}
-    owners = [owner for unit in every for owner in index.owners.get(unit, ())]
-    if owners:
-        asked = f" {' '.join(every)} "
-        units |= {owner for owner in owners if f" {owner} " in asked}
     few = {unit: ids for unit in units if unit not in index.names and len(ids := index.ids_by_word[unit]) <= _FEW}
     if not few:
         return {}

@@ -69,19 +69,9 @@ class LandmarkIndex:
         self.ids_of = {phrase: tuple(sorted(ids, key=place.__getitem__)) for phrase, ids in called.ids.items()}
         self.names = PhraseTable((phrase, Meaning("name", ((phrase, 1.0),))) for phrase in called.ids)
         self.ids_by_word = _ids_by_word(called.ids)
-        self._add_owners(knowledge)
         # McDonald's is called McDonalds too, and by some Starbucks Starbuck.
         self._plurals = {phrase: said for phrase, said in called.plurals.items() if phrase not in called.singular}
         self._initials = called.initials
-
-    def _add_owners(self, knowledge: Knowledge) -> None:
-        for id_, sign in self.signs.items():
-            if sign.owner and not any(sign.owner in common for common in knowledge.common.values()):
-                self.ids_by_word.setdefault(sign.owner, set()).add(id_)
-        # By their first words: questions are looked through for them.
-        self.owners: dict[str, list[str]] = {}
-        for owner in dict.fromkeys(sign.owner for sign in self.signs.values() if " " in sign.owner):
-            self.owners.setdefault(owner.partition(" ")[0], []).append(owner)
 
     def matches(self, concept: str, knowledge: Knowledge) -> Mapping[int, float]:
         """How well the groups serve a concept, by their place in `groups`: those that do."""
@@ -199,9 +189,7 @@ def _signs_of(landmarks: Sequence[Candidate], signs: SignReader) -> list[SignMea
 def _packed(signs: Sequence[SignMeaning]) -> tuple[list[Kinds], list[tuple[Any, ...]]]:
     """Meanings of plain values: each group of kinds once."""
     kinds = {each: at for at, each in enumerate(dict.fromkeys(sign.kinds for sign in signs))}
-    return list(kinds), [
-        (kinds[each.kinds], each.evidence, each.identity, each.name_like, each.owner) for each in signs
-    ]
+    return list(kinds), [(kinds[each.kinds], each.evidence, each.identity, each.name_like) for each in signs]
 
 
 def told_by(landmarks: Sequence[Candidate]) -> bytes:

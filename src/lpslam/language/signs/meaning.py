@@ -4,9 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from lpslam.language.signs.wording import WARNING, reads_like_a_name
-from lpslam.language.tables.lexicon import Meaning
 from lpslam.language.tables.painted import Known
-from lpslam.language.tables.words import Span, is_unspaced
 
 _INITIALS = range(2, 4)  # letters
 
@@ -15,15 +13,13 @@ _INITIALS = range(2, 4)  # letters
 class SignMeaning:
     """Kinds of place (or of sign) by weight in 0..1, who they belong to, and why.
 
-    `identity` is the known brand or maker; `name_like` says that an unknown text reads like a proper name. `owner` is
-    the phrase before the trade, as in 小林眼鏡店, or the letters before another script, as in ABCマート.
+    `identity` is the known brand or maker; `name_like` says that an unknown text reads like a proper name.
     """
 
     kinds: tuple[tuple[str, float], ...]
     evidence: str
     identity: str | None = None
     name_like: bool = False
-    owner: str = ""
 
     @property
     def is_place(self) -> bool:
@@ -43,15 +39,6 @@ def of_known(known: Known, sure: float, evidence: str, words: dict[str, float] |
         if not kind.startswith("sign"):
             kinds.setdefault(kind, 0.8 * weight)
     return SignMeaning(tuple(kinds.items()), evidence, known.identity if known.source == "brand" else None)
-
-
-def owner_in(text: str, units: Sequence[str], spans: Sequence[Span[Meaning]]) -> str:
-    """The letters before the trade: of a script without spaces, or initials as in “dm-drogerie markt”."""
-    if not spans or spans[0].start == 0:
-        return ""
-    if is_unspaced(text):
-        return " ".join(units[: spans[0].start]) if spans[0].start > 1 else ""
-    return units[0] if len(units[0]) in _INITIALS and units[0].isalpha() else ""
 
 
 def as_unknown(text: str, units: Sequence[str]) -> SignMeaning:

@@ -2,14 +2,13 @@
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from functools import cached_property, lru_cache
 
 from lpslam.language.model import LINES_APART
 from lpslam.language.questions.sorts import is_eaten
 from lpslam.language.questions.speaking import languages_of
 from lpslam.language.sanitise import clean_text
-from lpslam.language.signs.meaning import SignMeaning, as_unknown, joined, of_known, owner_in
+from lpslam.language.signs.meaning import SignMeaning, as_unknown, joined, of_known
 from lpslam.language.signs.repair import Repair
 from lpslam.language.signs.warnings import Warnings
 from lpslam.language.signs.wording import (
@@ -207,9 +206,7 @@ class SignReader:
         # “Sale” and “Open” are brands somewhere, but not on most doors.
         if known is None or (plain is not None and plain.role == "sign"):
             return None
-        is_mixed = len(units) > 1 and len(units[0]) > 1 and not is_unspaced(units[0]) and is_unspaced(units[1])
-        owner = units[0] if is_mixed else owner_in(text, units, self._phrases("", units)) if is_unspaced(text) else ""
-        return replace(of_known(known, 1.0, f"“{text}” is {known.painted}"), owner=owner)
+        return of_known(known, 1.0, f"“{text}” is {known.painted}")
 
     def _as_brand_with_words(
         self, text: str, units: Sequence[str], spans: Sequence[Span[Meaning]]
@@ -218,13 +215,12 @@ class SignReader:
         if brand is None:
             return None
         known, share, end = brand
-        owner = owner_in(text, units, spans)
         # The letters of the brand say nothing else: 大福, in 周大福珠宝, is no cake.
         spans = self._phrases("", units[end:])
         if self._fold.key(known.painted) in load_words() and self._say_otherwise(spans, known):
             return None
         told = f"“{text}” begins with {known.painted}"
-        return replace(of_known(known, 0.9 * share, told, self._offered(weighed(spans))), owner=owner)
+        return of_known(known, 0.9 * share, told, self._offered(weighed(spans)))
 
     def _say_otherwise(self, spans: Sequence[Span[Meaning]], known: Known) -> bool:
         """Whether the words after a brand that is an everyday word say another trade: “Green Leaf Vegetarian”."""
@@ -251,7 +247,7 @@ class SignReader:
         own_name = covered <= 0.5 and reads_like_a_name(text, units)
         told = f"“{text}” says {said_in(spans)}"
         kinds_of = self._spread(self._offered(places), spans)
-        return SignMeaning(kinds_of, told, name_like=own_name, owner=owner_in(text, units, spans))
+        return SignMeaning(kinds_of, told, name_like=own_name)
 
     def _spread(self, kinds: dict[str, float], spans: Sequence[Span[Meaning]]) -> tuple[tuple[str, float], ...]:
         """A sign that claims everything (“coffee pizza wc shoes bank”) is each of it the less surely."""

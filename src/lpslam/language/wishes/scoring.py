@@ -111,7 +111,7 @@ class EmbeddedScorer:
 
     def _surest(self, served: Served, meaning: Meaning, language: str) -> tuple[Served, Mapping[str, float]]:
         """What tables found, or boards say where that is unsure; and its clues, none where nothing is to be doubted."""
-        if not served.scores or served.way is Way.NAME or self._says_what_tells(served):
+        if not served.scores or served.way is Way.NAME:
             return served, {}
         clues = self._clues(served)
         offers = (
@@ -154,13 +154,6 @@ class EmbeddedScorer:
 
     def _read(self, stop: Stop) -> Meaning:
         return read_part(stop.what, stop.language, self._knowledge, self._index.names)
-
-    def _says_what_tells(self, served: Served) -> bool:
-        """Whether the board of the best says both the kind and what tells it from others: the north gate."""
-        asked = self._attributes(served.stop)
-        best = best_of(served.scores)
-        says = told_apart(asked, attributes_of(self._by_id[best].name)) if asked else 0
-        return says > 0 and self._sorts.is_of_the_house(best)
 
     def _by_words(self, stop: Stop, meaning: Meaning, ignored: tuple[str, ...]) -> Served | None:
         """The landmarks whose boards say the words themselves."""
