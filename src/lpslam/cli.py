@@ -100,7 +100,7 @@ def distill(
         world = LanguageMap.load(map_file)
         landmarks = pipeline.distill(world, judge, language=language)
         try:
-            keep(world, map_file, is_held=True)
+            keep(world, map_file, is_held=True, landmarks=landmarks)
         except LpSlamError as error:
             failure = error
     for note in naming_notes(world, language.model) + judging_notes(landmarks, judge, language.model):

@@ -27,9 +27,11 @@ def correct(
 ) -> None:
     """Say what a landmark is: it wins over what was read, and is kept in the map. Without an id, list what was said."""
     from lpslam.language.registry import language_model
+    from lpslam.mapfile.container import identity_of
     from lpslam.mapfile.correcting import change_corrections, editing
     from lpslam.mapfile.export import corrections_record
     from lpslam.mapfile.language_map import LanguageMap
+    from lpslam.navigation.known import remember
     from lpslam.text.correcting.changing import Change, correct, take_back
     from lpslam.text.correcting.corrections import Kind
 
@@ -57,6 +59,7 @@ def correct(
 
         with editing(map_file):
             world = change_corrections(map_file, change, LanguageMap.load(map_file))
+            remember(world, identity_of(map_file))
     else:
         world = LanguageMap.load(map_file)
     said = world.text.corrections

@@ -72,22 +72,24 @@ def partial_name(output: Path) -> Path:
     return output.with_name(f"{output.stem}.partial{output.suffix or '.lpmap'}")
 
 
-def keep(world: Any, output: Path, is_held: bool = False) -> None:
+def keep(world: Any, output: Path, is_held: bool = False, landmarks: Any = None) -> None:
     """Save a map; where that cannot be done any more, it goes to the folder for temporary files.
 
     Args:
         world: to save.
         output: where to; whoever changes a map there is waited for.
         is_held: whether the caller keeps others from it already.
+        landmarks: of the map, where they are at hand; they go to the user's cache, for whoever asks the map.
 
     Raises:
         UserError: it is not where it should be; says where it is.
     """
     from lpslam.mapfile.correcting import editing
+    from lpslam.navigation.known import remember
 
     try:
         with nullcontext() if is_held or not output.exists() else editing(output):
-            world.save(output)
+            identity = world.save(output)
     except UserError as error:
         rescue = Path(tempfile.mkdtemp(prefix="lpslam-")) / output.name
         try:
@@ -95,6 +97,7 @@ def keep(world: Any, output: Path, is_held: bool = False) -> None:
         except UserError:
             raise error from None
         raise UserError(f"{error}; nothing is lost: the map is in {rescue}") from error
+    remember(world, identity, landmarks)
 
 
 def say_usage(language: Any) -> None:

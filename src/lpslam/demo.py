@@ -14,6 +14,7 @@ from lpslam.evaluation.signs import TrueSign, listed_signs
 from lpslam.evaluation.trajectory import StampedPoses
 from lpslam.language.registry import language_model
 from lpslam.mapfile.container import refuse_foreign_file
+from lpslam.navigation.known import remember
 from lpslam.page.building import write_page
 from lpslam.simulation.source import MallSource
 from lpslam.views.answers import answer_record, answer_text
@@ -70,8 +71,8 @@ def run_demo(
         say("Stopped early; here is what the map so far gives.")
     for note in run_notes(world, source.faults, progress.first_untracked, language.model):
         say(f"Note: {printable(note, longest=1000)}")
-    pipeline.distill(world, language=language)
-    world.save(folder / "map.lpmap")
+    landmarks = pipeline.distill(world, language=language)
+    remember(world, world.save(folder / "map.lpmap"), landmarks)
 
     truth = StampedPoses(source.ground_truth.timestamps, source.ground_truth.world_from_camera)
     scores = evaluate(world, truth, true_signs(source), len(source), config.evaluation)

@@ -7,8 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from lpslam.cli_runs import keep
 from lpslam.errors import UserError
 from lpslam.language.model import Judgement
+from lpslam.mapfile.container import identity_of
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.navigation.known import known_in, known_of
 from lpslam.text.correcting.corrections import Anchor, Correction, Corrections, Kind
@@ -59,6 +61,19 @@ def test_a_map_is_read_once(map_file: Path, monkeypatch: pytest.MonkeyPatch) -> 
     assert known_in(map_file).landmarks
     moved = map_file.rename(map_file.with_name("moved.lpmap"))
     assert known_in(moved).landmarks
+
+
+def test_what_is_saved_need_not_be_read(map_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    world = LanguageMap.load(map_file)
+    world.source = "another"
+    true = known_of(world)
+    keep(world, map_file, landmarks=world.landmarks())
+    monkeypatch.setattr(LanguageMap, "load", lambda path: pytest.fail("read"))
+    assert plain(known_in(map_file)) == plain(true)
+
+
+def test_saving_says_which_map_it_is(map_file: Path) -> None:
+    assert LanguageMap.load(map_file).save(map_file) == identity_of(map_file)
 
 
 def test_another_map_in_its_place_is_read(map_file: Path) -> None:

@@ -66,7 +66,7 @@ class MapContents:
 
 def write_map_file(
     path: Path | str, documents: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]], created: str = ""
-) -> None:
+) -> bytes:
     """Write a map; whoever reads `path` sees the old file or the new one, never a part.
 
     Args:
@@ -74,6 +74,9 @@ def write_map_file(
         documents: JSON-able values by name (letters, digits, `_`, `-`, `.`).
         arrays: by name; no objects.
         created: when, as text; empty keeps the bytes a function of the content alone.
+
+    Returns:
+        What `identity_of` says of it, whoever else writes there by then.
 
     Raises:
         UserError: the place cannot be written, or holds something else.
@@ -89,10 +92,11 @@ def write_map_file(
         "arrays": sorted(arrays),
     }
     with written_whole(path, "map") as part, part.open("wb") as file:
-        _write_members(file, manifest, documents, arrays)
+        identity = _write_members(file, manifest, documents, arrays)
         file.flush()
         os.fsync(file.fileno())
     _sync_folder(Path(os.path.realpath(path)).parent)
+    return identity
 
 
 def read_map_file(path: Path | str) -> MapContents:
@@ -130,8 +134,11 @@ def identity_of(path: Path | str) -> bytes:
         UserError: as in `read_map_file`, but of what only reading to the end shows.
     """
     with _opened(Path(path)) as (archive, _):
-        members = [(member.filename, member.file_size, member.CRC) for member in archive.infolist()]
-    return repr(members).encode()
+        return _identity(archive)
+
+
+def _identity(archive: zipfile.ZipFile) -> bytes:
+    return repr([(member.filename, member.file_size, member.CRC) for member in archive.infolist()]).encode()
 
 
 def read_manifest(path: Path | str) -> dict[str, Any]:
@@ -207,7 +214,7 @@ def _checked_manifest(path: Path, archive: zipfile.ZipFile) -> dict[str, Any]:
 
 def _write_members(
     file: BinaryIO, manifest: dict[str, Any], documents: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]
-) -> None:
+) -> bytes:
     with zipfile.ZipFile(file, "w") as archive:
         _write_member(archive, _MANIFEST, _json_bytes(manifest))
         for name in sorted(documents):
@@ -216,6 +223,7 @@ def _write_members(
             buffer = io.BytesIO()
             np.save(buffer, np.asarray(arrays[name], order="C"), allow_pickle=False)
             _write_member(archive, f"{_ARRAYS}{_checked_name(name)}.npy", buffer.getvalue())
+        return _identity(archive)
 
 
 def _write_member(archive: zipfile.ZipFile, name: str, data: bytes) -> None:

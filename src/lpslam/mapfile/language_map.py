@@ -98,8 +98,11 @@ class LanguageMap:
         is_there = 0 <= keyframe < self.slam.keyframe_count and self.slam.is_alive(keyframe)
         return self.world_from_keyframe(keyframe) if is_there else None
 
-    def save(self, path: Path | str) -> None:
+    def save(self, path: Path | str) -> bytes:
         """Write the map to one file, whole or not at all.
+
+        Returns:
+            What tells its content from any other map's (`identity_of`).
 
         Raises:
             UserError: the place cannot be written, or holds a file that is no map of a known version.
@@ -120,7 +123,7 @@ class LanguageMap:
         }
         if self.text.corrections.revision:
             documents["corrections"] = self.text.corrections.to_document()
-        write_map_file(path, documents, arrays, created=datetime.now(UTC).isoformat(timespec="seconds"))
+        return write_map_file(path, documents, arrays, created=datetime.now(UTC).isoformat(timespec="seconds"))
 
     @classmethod
     def load(cls, path: Path | str) -> "LanguageMap":

@@ -4,7 +4,7 @@ Both follow from what the map file holds, and take longer to derive than many qu
 landmark. They are kept in the user's cache, so that a process that asks a map once more need not read it.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -38,9 +38,10 @@ class Known:
     view: tuple[NDArray[np.float64], float]
 
 
-def known_of(world: "LanguageMap") -> Known:
-    """What is known of a map at hand."""
-    return Known(tuple(world.landmarks()), last_view(world.frame_poses().world_from_camera))
+def known_of(world: "LanguageMap", landmarks: Sequence[Landmark] | None = None) -> Known:
+    """What is known of a map at hand; its landmarks are derived where they are not."""
+    marks = world.landmarks() if landmarks is None else landmarks
+    return Known(tuple(marks), last_view(world.frame_poses().world_from_camera))
 
 
 def last_view(poses: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
@@ -64,6 +65,17 @@ def known_in(path: Path) -> Known:
         return _packed(known_of(LanguageMap.load(path)))
 
     return _unpacked(kept("landmarks", identity_of(path), make, _PACKAGE))
+
+
+def remember(world: "LanguageMap", identity: bytes, landmarks: Sequence[Landmark] | None = None) -> None:
+    """Keep what is known of a map in the user's cache: its file is not read, and its landmarks not derived, to ask it.
+
+    Args:
+        world: as it was saved.
+        identity: what `save` returned.
+        landmarks: of it, where they are at hand.
+    """
+    kept("landmarks", identity, lambda: _packed(known_of(world, landmarks)), _PACKAGE)
 
 
 def _packed(known: Known) -> dict[str, Any]:
