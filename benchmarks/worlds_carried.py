@@ -35,6 +35,7 @@ from worlds_recordings import WorldRecording
 MAPPED_SHARE = 0.5  # of a frame's depth readings that one keyframe has in view: its place is mapped
 GRID = 12  # readings across and down of which that is asked
 LIKE_DISTANCE = 2.0  # factor between the distances from which both see a point
+LIKE_SIDE = 0.5  # cosine between the directions from which they do: 60 degrees apart all things look different
 SEEING = 8  # frames after a start in which the camera must not be blind
 
 
@@ -66,7 +67,7 @@ class MappedViews:
         return cls(np.array(poses).reshape(-1, 4, 4), camera)
 
     def show(self, frame: RgbdFrame, world_from_camera: NDArray[np.float64]) -> bool:
-        """Whether some keyframe has most of what a frame shows in view, from a like distance."""
+        """Whether some keyframe has most of what a frame shows in view, from a like distance and side."""
         camera = self.camera
         rows = np.linspace(0, camera.height - 1, GRID).astype(int)
         columns = np.linspace(0, camera.width - 1, GRID).astype(int)
@@ -77,13 +78,17 @@ class MappedViews:
             return False
         pixels = camera.undistort(np.column_stack([u, v])[seen].astype(float))
         points = transform_points(world_from_camera, camera.back_project(pixels, depth[seen]))
+        rays = points - world_from_camera[:3, 3]
         for pose in self.camera_from_world:
+            others = points - inverse_transform(pose)[:3, 3]
+            lengths = np.linalg.norm(rays, axis=1) * np.linalg.norm(others, axis=1)
+            like_side = (rays * others).sum(axis=1) >= LIKE_SIDE * lengths
             x, y, z = transform_points(pose, points).T
             ahead = np.maximum(z, 1e-3)
             across, down = camera.fx * x / ahead + camera.cx, camera.fy * y / ahead + camera.cy
             inside = (z > 0.1) & (across >= 0) & (across < camera.width) & (down >= 0) & (down < camera.height)
             ratio = ahead / depth[seen]
-            if np.mean(inside & (ratio < LIKE_DISTANCE) & (ratio > 1 / LIKE_DISTANCE)) >= MAPPED_SHARE:
+            if np.mean(inside & like_side & (ratio < LIKE_DISTANCE) & (ratio > 1 / LIKE_DISTANCE)) >= MAPPED_SHARE:
                 return True
         return False
 

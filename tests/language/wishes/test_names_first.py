@@ -91,3 +91,11 @@ def test_words_that_begin_alike_speak_for_a_board(question: str, board: str) -> 
     )
     words = [names.akin(word) for word in load_knowledge().folder.units(question)]
     assert set().union(*words) == {0}
+
+
+def test_several_common_words_of_a_name_go_before_what_one_of_them_means(model: OfflineModel) -> None:
+    boards = ("Bar The Frozen Lion", "Lion House", "Aviary")
+    served = model.scorer([Candidate(at, name) for at, name in enumerate(boards)]).serve(
+        model.read_wish("frozen lion").stops[0]
+    )
+    assert set(served.scores) == {0}

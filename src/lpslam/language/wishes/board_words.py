@@ -16,6 +16,7 @@ from lpslam.language.wishes.rules import rules_of
 _SURE, _NAMED = 1.0, 0.9  # of a whole name, of a part of one
 _WHOLE = 0.95  # of a name's letters: the name itself
 _MOST_OF_IT = 0.7  # of the letters that are asked for: a name, with a particle
+_MOST_OF_A_NAME = 0.5  # of a name's letters that are asked for, where each word by itself means something else
 _NAME = re.compile(r"(?<=[a-zà-ÿ] )[A-Z][\w'’-]* (?:[A-Z&][\w'’-]* ?)+")  # “is there a Burger King”
 _LEAST_LITERAL = 0.3  # of a board's letters that are asked for word by word
 
@@ -72,10 +73,10 @@ class BoardWords:
             return {}
         whole = self._names.covered(words)
         exact = {id_: _SURE for id_, share in whole.items() if share >= _WHOLE}
-        if not proper and not (exact and len(words) > 1):
-            return {}
-        if exact:
+        if exact and (proper or len(words) > 1):
             return exact
+        if not proper:
+            return self._most_of_a_name(self._all_words(text, languages))
         if whole and proper:
             return {id_: _NAMED + (1.0 - _NAMED) * share for id_, share in whole.items()}
         names_a_kind = len(words) > len(proper)
@@ -88,6 +89,12 @@ class BoardWords:
         if named and (len(named) == 1 or sum(map(len, proper)) >= SHORTEST):
             return {id_: _NAMED + (1.0 - _NAMED) * share for id_, share in named.items()}
         return {}
+
+    def _most_of_a_name(self, words: list[str]) -> dict[int, float]:
+        """The one board that bears several common words, of which they are the most: “frozen penguin”."""
+        bearing = self._names.covered(words) if len(words) > 1 else {}
+        is_one = len(bearing) == 1 and max(bearing.values()) >= _MOST_OF_A_NAME
+        return dict.fromkeys(bearing, _NAMED) if is_one else {}
 
     def _all_words(self, text: str, languages: tuple[str, ...]) -> list[str]:
         """The words of a text without its filler, common ones as well: “spin studio”."""
