@@ -10,6 +10,10 @@ _LEAST = 2
 _SAYING = 3
 """Letters of a word that is none by chance."""
 
+_ALONE = frozenset("药藥薬当當押质質面麵麺医醫厕廁浴出入推拉停禁福")
+"""Ideographs that chemists, pawn shops, kitchens, surgeries, baths, doors and roads bear by themselves, and that are no
+words of the tables: within a wish they are parts of other words."""
+
 _WORDS = 3
 """Words at an end that are looked up together."""
 
@@ -53,7 +57,7 @@ def says_a_word(text: str) -> bool:
 def is_lone_character(text: str) -> bool:
     """Whether a text is one ideograph that signs do not bear by itself: as with letters, most are no text."""
     letters = [letter for letter in text if letter.isalnum()]
-    return len(letters) == 1 and is_ideograph(letters[0]) and not is_word(letters[0])
+    return len(letters) == 1 and is_ideograph(letters[0]) and not (letters[0] in _ALONE or is_word(letters[0]))
 
 
 def says_little(text: str) -> bool:
