@@ -247,10 +247,15 @@ def test_ctrl_c_at_any_moment_is_one_line(delays: list[float], walked: Path) -> 
         assert (process.wait(30), told) == (130, "lpslam: interrupted\n")
 
 
-@pytest.mark.parametrize("delay", [0.3, 2.5])
-def test_a_polite_kill_is_as_ctrl_c(delay: float, clip: Callable[[int], Path], tmp_path: Path) -> None:
-    """By default it would end the process at once, and leave the part of a recording that nobody finds."""
-    words = [sys.executable, "-c", PRESSED.replace("DELAYS", repr([delay])).replace("os.getpid(), signal.SIGINT", KILL)]
+@pytest.mark.parametrize("moment", ["time.sleep(0.3)", "while len(os.listdir(FOLDER)) < 2: time.sleep(0.001)"])
+def test_a_polite_kill_is_as_ctrl_c(moment: str, clip: Callable[[int], Path], tmp_path: Path) -> None:
+    """By default it would end the process at once, and leave the part of a recording that nobody finds.
+
+    It comes while the program is loaded, and once that part is there.
+    """
+    moment = moment.replace("FOLDER", repr(str(tmp_path)))
+    script = PRESSED.replace("DELAYS", "[0]").replace("time.sleep(delay)", moment)
+    words = [sys.executable, "-c", script.replace("os.getpid(), signal.SIGINT", KILL)]
     words += ["convert", str(clip(30)), str(tmp_path / "copy.mcap")]
     done = subprocess.run(words, capture_output=True, text=True, timeout=60, check=False)
     assert (done.returncode, done.stderr) == (130, "lpslam: interrupted\n")
