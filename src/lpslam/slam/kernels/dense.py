@@ -4,14 +4,13 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from lpslam.slam.kernels.reprojection import MIN_DEPTH
+
 _HUBER = 1.5
 """Sigmas from which on a residual counts linearly."""
 
 _AGREES = 3.0
 """Sigmas within which a reading of depth agrees with a pose."""
-
-_NEAREST = 0.05
-"""Metres before the image; what is nearer is not seen."""
 
 _ONE = np.uint64(1)
 
@@ -89,7 +88,7 @@ def align_terms(
             x = xx * p + xy * q + xz * depth + x0
             y = yx * p + yy * q + yz * depth + y0
             z = zx * p + zy * q + zz * depth + z0
-            if z < _NEAREST:
+            if z < MIN_DEPTH:
                 continue
             by_z = 1.0 / z
             u_x, v_y = fx * by_z, fy * by_z

@@ -7,9 +7,6 @@ from numpy.typing import NDArray
 from lpslam.slam.kernels.geometry import exponential
 from lpslam.slam.kernels.reprojection import MIN_DEPTH
 
-_NEAREST = 0.05
-"""Metres before the second view; what is nearer counts as there."""
-
 
 @njit(cache=True, nogil=True)
 def straighten(
@@ -109,7 +106,7 @@ def readout_terms(
         x = m[0, 0] * p + m[0, 1] * q + m[0, 2] * r + m[0, 3]
         y = m[1, 0] * p + m[1, 1] * q + m[1, 2] * r + m[1, 3]
         z = m[2, 0] * p + m[2, 1] * q + m[2, 2] * r + m[2, 3]
-        near = 1.0 / max(z, _NEAREST)
+        near = 1.0 / max(z, MIN_DEPTH)
         depth_after[i] = z
         error[0], error[1] = target[i, 0] - (fx * x * near + cx), target[i, 1] - (fy * y * near + cy)
         for k in range(2):

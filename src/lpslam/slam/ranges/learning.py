@@ -28,12 +28,14 @@ class _Votes:
     Attributes:
         metres, excess, weights: (n,) where they lie, by how much depth exceeds them, and 1/σ² of that.
         own: the share of it that no other keyframe says as well.
+        observers: keyframes that saw a point of its keyframe's then, on average.
     """
 
     metres: _Matrix
     excess: _Matrix
     weights: _Matrix
     own: float
+    observers: float
 
 
 class DepthRanges:
@@ -110,7 +112,6 @@ class DepthRanges:
     def _forget(self) -> None:
         """Begin to count anew: what was voted before was measured otherwise."""
         self._votes_of: dict[int, _Votes] = {}
-        self._observed_by: dict[int, float] = {}
         self._have_told_reach: set[int] = set()
         self._information = np.zeros_like(self._prior)
         self._vector = np.zeros(len(self._knots))
@@ -126,13 +127,14 @@ class DepthRanges:
 
     def _vote(self, keyframe: int) -> None:
         """Let a keyframe vote, if others see more of its points than when it voted last."""
-        observers, before = self._observers(keyframe), self._observed_by.get(keyframe, 0.0)
-        if observers < self._config.renewed_observers * before and keyframe not in self._map.blurred:
+        observers, before = self._observers(keyframe), self._votes_of.get(keyframe)
+        is_told = before is not None and observers < self._config.renewed_observers * before.observers
+        if is_told and keyframe not in self._map.blurred:
             return
-        voted, votes = self._votes_of.pop(keyframe, None), self._votes(keyframe)
-        if voted is not None:
-            self._count(voted, -1.0)
-        self._observed_by[keyframe] = 0.0 if votes is None else observers
+        votes = self._votes(keyframe, observers)
+        if before is not None:
+            del self._votes_of[keyframe]
+            self._count(before, -1.0)
         if votes is not None:
             self._votes_of[keyframe] = votes
             self._count(votes, 1.0)
@@ -144,7 +146,7 @@ class DepthRanges:
         seen = columns.observations[points[points >= 0]]
         return float(seen.mean()) if len(seen) else 0.0
 
-    def _votes(self, keyframe: int) -> _Votes | None:
+    def _votes(self, keyframe: int, observers: float) -> _Votes | None:
         """The medians of a keyframe's points by distance; None where they are all at one, or streaks."""
         config, columns = self._config, self._map.columns
         if keyframe in self._map.blurred:
@@ -181,6 +183,7 @@ class DepthRanges:
             middles,
             own / (config.common_error**2 + config.reading_error**2 / counts + (cut / read) ** 2),
             own,
+            observers,
         )
 
     def _count(self, votes: _Votes, sign: float) -> None:

@@ -58,8 +58,7 @@ def _are_cut(rgb: Image, lines: Boxes) -> Mask:
     cut = np.zeros(len(lines), np.bool_)
     if not len(lines):
         return cut
-    heights = np.linalg.norm(lines[:, 3] - lines[:, 0] + lines[:, 2] - lines[:, 1], axis=1) / 2.0
-    spacious = _grown(lines, heights[:, None], _SPACE, _MARGIN)
+    spacious = _grown(lines, _heights(lines)[:, None], _SPACE, _MARGIN)
     first, last = view_of(rgb)
     for row in np.flatnonzero(~((spacious >= first) & (spacious <= last)).all(axis=(1, 2))).tolist():
         cut[row] = _goes_on(rgb, lines[row], first, last, None)
@@ -87,13 +86,18 @@ def room_beyond(rgb: Image, box: Boxes, hidden: Mask | None = None, either_way: 
 
 
 def _room_of_line(line: Boxes, first: Pixel, last: Pixel, hidden: Mask | None) -> tuple[float, float]:
-    height = max(float(np.linalg.norm(line[3] - line[0] + line[2] - line[1])) / 2.0, 1.0)
+    height = max(float(_heights(line[None])[0]), 1.0)
     before, behind = line[[0, 3]], line[[1, 2]]
     rooms = []
     for ends in ((before, behind), (behind, before)):
         room = _steps_to_border(*ends, first, last)
         rooms.append((room if hidden is None else _steps_to_hidden(*ends, room, hidden)) / height)
     return rooms[0], rooms[1]
+
+
+def _heights(lines: Boxes) -> NDArray[np.float64]:
+    """(n,) pixels across (n, 4, 2) lines, which run from their first corner to the second."""
+    return np.asarray(np.linalg.norm(lines[:, 3] - lines[:, 0] + lines[:, 2] - lines[:, 1], axis=1) / 2.0)
 
 
 def _steps_to_border(end: Boxes, other: Boxes, first: Pixel, last: Pixel) -> float:
@@ -195,7 +199,7 @@ def _goes_on(rgb: Image, line: Boxes, first: Pixel, last: Pixel, hidden: Mask | 
 def _surroundings(rgb: Image, line: Boxes, first: Pixel, last: Pixel, hidden: Mask | None) -> tuple[Image, Mask]:
     """The line and the space around it as a level grey strip, and which of its pixels are in view."""
     width = float(np.linalg.norm(line[1] - line[0] + line[2] - line[3])) / 2.0
-    height = max(float(np.linalg.norm(line[3] - line[0] + line[2] - line[1])) / 2.0, 1.0)
+    height = max(float(_heights(line[None])[0]), 1.0)
     space, margin = round(_SPACE * _PIXELS), round(_MARGIN * _PIXELS)
     columns = max(round(width / height * _PIXELS), 1)
     target = np.array([[0, 0], [columns, 0], [columns, _PIXELS], [0, _PIXELS]], np.float32)
