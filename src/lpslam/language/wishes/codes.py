@@ -18,12 +18,18 @@ from lpslam.language.wishes.numerals import digit_ordinal, number_of, with_digit
 _KEPT = 64  # texts as codes are looked for in them: a question and its parts
 # 一番近い is the nearest, 一番線 is platform 1; 이번 is this time, 이층 the second floor.
 _UNSPACED_NUMBER = re.compile(
-    r"(?!一番(?![線线口のホゲ通窓乗出カ]|$))第?([〇零一二三四五六七八九两兩十百]+)(?=[号號番楼樓层層階栋幢站股])|(?<=[第])([一二三四五六七八九十]+)(?!近)"
+    r"(?!一番(?![線线口のホゲ通窓乗出カ]|$))第?([〇零一二三四五六七八九两兩十百]+)(?=[号號番楼樓层層階栋幢棟站股])|(?<=[第])([一二三四五六七八九十]+)(?!近)"
     # 展厅四, 登机口二十二
     r"|(?<=[口室厅廳台区區道排架门門座位楼樓])([一二三四五六七八九十百]+)(?![\u4e00-\u9fff])"
     r"|(?<![가-힣])([일이삼사오육칠팔구]?[십백][일이삼사오육칠팔구십]*(?=번|호|층)|[일이삼사오육칠팔구](?=층|호|전시실|강의실|진료실|회의실|상영관|승강장|출구|게이트))"
 )
-_ONE = r"(?:[a-z]{1,2}[-.]?|[b-z] )?\d{1,4}(?:[-.]\d{1,4}){0,2}(?:-?[a-z])?|[a-z]"
+_NUMERAL = re.compile(
+    r"[〇零一二三四五六七八九两兩十百]+|(?<![가-힣])(?P<hangul>[일이삼사오육칠팔구십백]+)|(?<=제)[일이삼사오육칠팔구십백]+"
+)
+_ENDS_NUMERAL = re.compile(r"$|[^\u4e00-\u9fff가-힣]|[在怎吗嗎呢去哪은는이가을를에로]|까지")
+_FEWEST_TOGETHER = 3  # characters of a numeral and of what it numbers right behind it: 四病棟, but 이동
+_THIS_ONE = re.compile(r"(?<![가-힣])([일이삼사오육칠팔구])(?=번 (?!정류장)(\S+))")  # “이번 정류장” is this stop
+_ONE = r"(?:[a-z]{1,2}[-.]?|[b-z] )?\d{1,4}(?:[-.]\d{1,4}){0,2}(?:-?[a-z]| [a-z](?=[\u2e80-\uffff]))?|[a-z]"
 _CODE = re.compile(rf"(?<![a-zà-ÿ0-9'’])({_ONE})(?![^\W_\u2e80-\uffff])(?!['’-][^\W\d_])", re.IGNORECASE)
 _TO = "-|–|—|~|〜|～|to|bis|through|thru|à|a|al|至|到|から|부터|에서"
 _END = r"(?=[a-z\d])([a-z]{0,2})(\d{0,4})"
@@ -104,7 +110,7 @@ def _named(word: str) -> frozenset[str]:
 def _of_code(text: str, start: int, end: int) -> frozenset[str]:
     """What is numbered by the code between: said right before it (“gate B31”) or right after it (3号登机口)."""
     after = re.split(r"[\d,;。，/|]", _LISTED.sub("", text[end : end + _AFTER]))[0]
-    ahead = _starting(after) or _starting(after.lstrip(_COUNTERS))
+    ahead = _starting(_COUNTED.sub("", after)) or _starting(after) or _starting(after.lstrip(_COUNTERS))
     before = re.split(r"[;。，|]", text[max(0, start - _BEFORE) : start])[-1]
     word = next(
         ((of, hit.end()) for hit, of in _last_words(before) if not _BETWEEN.sub("", before[hit.end() :])),
@@ -115,6 +121,7 @@ def _of_code(text: str, start: int, end: int) -> frozenset[str]:
 
 
 _COUNTERS = " 号號番번-の"
+_COUNTED = re.compile("^호 ?(?=[가-힣])")  # 2호 엘리베이터 is a lift, 203호 a room
 _LISTED = re.compile(r"^(?:[・·、]\d{1,4})+")  # further numbers of the same: 3・4番線
 _LETTER_BEFORE = re.compile(r"(?<![^\W_])[b-df-hj-np-tv-xz]$")  # no word of any language: “B seven”
 _BETWEEN = re.compile(
@@ -160,11 +167,25 @@ _NUMBER_SIGN = re.compile(r"(?<!\w)(?:n ?[°º]|№|n[or]s?\.) ?(?=\d)")  # “n
 def _folded(text: str) -> str:
     clean = _NUMBER_SIGN.sub("", clean_text(text).casefold())
     clean = _NUMBERED_ONE.sub(r"\1", clean)
-    return _UNSPACED_NUMBER.sub(lambda found: str(number_of(next(filter(None, found.groups())))), clean)
+    clean = _THIS_ONE.sub(lambda hit: str(number_of(hit.group(1))) if _starting(hit.group(2)) else hit.group(), clean)
+    clean = _UNSPACED_NUMBER.sub(lambda found: str(number_of(next(filter(None, found.groups())))), clean)
+    return _NUMERAL.sub(lambda hit: str(number_of(hit.group())) if _is_number(clean, hit) else hit.group(), clean)
+
+
+def _is_number(folded: str, hit: re.Match[str]) -> bool:
+    """Whether a numeral of Han or Hangul stands right behind or right before what is numbered: 登机口八, 五十八病棟."""
+    numeral, rest = hit.group(), folded[hit.end() :]
+    is_this = numeral == "이" and rest[:1] == " "  # 출구 이 근처
+    is_apart = hit["hangul"] is None or folded[hit.start() - 1 : hit.start()] == " "
+    if is_apart and not is_this and _ENDS_NUMERAL.match(rest) and _follows(folded, hit.start()):
+        return True
+    thing = _classes()[0].match(rest)
+    is_told = folded[: hit.start()].endswith(("第", "제"))
+    return thing is not None and len(numeral + thing.group()) + is_told >= _FEWEST_TOGETHER and numeral not in "一两兩"
 
 
 def _code(text: str, of: frozenset[str]) -> Code:
-    bare = re.sub(r"(?<=[a-z])[-. ](?=\d)", "", text)
+    bare = re.sub(r"(?<=[a-z])[-. ](?=\d)|(?<=\d) (?=[a-z])", "", text)
     found = re.match(r"([a-z]{0,2})(\d{1,4})(.*)$", bare)
     if found is None:
         return Code(bare, None, "", of)
@@ -249,6 +270,7 @@ def asked_codes(text: str) -> list[Code]:
             code.number is None
             and (not of or hit.group(1) in ("a", "y", "à", "e", "o", "i"))
             and not _is_capital(text, hit.group(1), of)
+            and not (of and _ends_clause(folded, hit.end()))
         ):
             continue
         if of or is_mixed or (alone and code.number is not None) or len(hit.group(1)) >= 3:
@@ -334,6 +356,12 @@ def _is_capital(text: str, letter: str, of: frozenset[str]) -> bool:
         and bool(of)
         and bool(re.search(rf"(?<![^\W_\u2e80-\uffff]){letter.upper()}(?![^\W_\u2e80-\uffff])", text))
     )
+
+
+def _ends_clause(folded: str, at: int) -> bool:
+    """Whether nothing of its script follows: no article stands last, as the letter of “halle a” does, nor in b区."""
+    after = folded[at:].lstrip()[:1]
+    return not after or after in ",.?!;" or is_unspaced(after)
 
 
 def _follows(folded: str, at: int) -> bool:

@@ -25,6 +25,7 @@ from lpslam.language.wishes.codes import (
 )
 from lpslam.language.wishes.form import Identity, Sort, Stop
 from lpslam.language.wishes.names import Names
+from lpslam.language.wishes.reading import content_of, wish_languages
 from lpslam.language.wishes.rules import person_of
 from lpslam.language.wishes.served import AS_WELL
 
@@ -103,6 +104,17 @@ class Identities:
                 return None, tuple(ignored), " and ".join(map(str, stop.identity))
         return found, tuple(ignored), ""
 
+    def bearing_all(self, stop: Stop) -> dict[int, float]:
+        """The landmarks that bear all codes and people of a stop."""
+        bearing = [self._bearing(identity) for identity in stop.identity]
+        return dict.fromkeys(sorted(set.intersection(*map(set, bearing))), _SURE) if bearing else {}
+
+    def differs(self, id_: int, stop: Stop) -> bool:
+        """Whether a board bears codes of what a stop numbers, but not the one that is asked for."""
+        asked = [code_of(each) for each in stop.identity if each.sort is Sort.CODE]
+        of_it = [(code, [each for each in self.codes_of(id_) if each.of & code.of]) for code in asked]
+        return any(same and not any(each.bears(code) for each in same) for code, same in of_it)
+
     def _has_such(self, identity: Identity) -> bool:
         """Whether any board bears a code of the same things, or with the same letters."""
         asked = code_of(identity)
@@ -110,7 +122,8 @@ class Identities:
 
     def _says_more(self, stop: Stop) -> bool:
         """Whether a stop names something else than what is numbered: “a toilet on level 2”, not “parking P7”."""
-        meaning = read_question(without_codes(stop.what), self._knowledge)
+        said = content_of(without_codes(stop.what), wish_languages(stop.what, self._knowledge))
+        meaning = read_question(said, self._knowledge)
         return any(weight > 0.5 for _, weight in meaning.wanted)
 
     def _bearing(self, identity: Identity) -> dict[int, float]:

@@ -84,12 +84,26 @@ class EmbeddedScorer:
     def serve(self, stop: Stop) -> Served:
         """Return the landmarks that serve a stop: by identity, by name, else by what they are."""
         served = self._judged(self._found(stop)) if stop.what else self._trust.any_place(stop)
+        served = self._heeding(served) if stop.identity and served.way is not Way.IDENTITY else served
         return self._opening.open(served) if stop.at else served
+
+    def _heeding(self, served: Served) -> Served:
+        """What serves a stop of which a number was thought to be said by the way, but for what is numbered otherwise.
+
+        “Building 5, please, my colleague is there” asks for nothing else that is here.
+        """
+        scores = {id_: score for id_, score in served.scores.items() if not self._identities.differs(id_, served.stop)}
+        served = replace(served, scores=scores)
+        if scores and served.sure >= LEAST_SURE and served.way is not Way.GUESS:
+            return served
+        bearing = self._trusted(self._identities.bearing_all(served.stop))
+        return Served(served.stop, bearing, "the board bears it", 0.97, way=Way.IDENTITY) if bearing else served
 
     def _judged(self, served: Served) -> Served:
         """With how probable it is that what serves is what was meant; a guess where that is likelier."""
         stop = served.stop
-        if served.settled or stop.identity or served.way in UNQUESTIONED[1:]:
+        is_missing = bool(stop.identity) and not served.scores and not served.ignored
+        if served.settled or is_missing or served.way in UNQUESTIONED[1:]:
             return served
         meaning = self._read(stop)
         language = self._language(stop, meaning)
