@@ -10,6 +10,7 @@ from lpslam.language.tables.words import is_mark
 _KANA = re.compile(r"[\u3040-\u30ff]")
 _HANGUL = re.compile(r"[\uac00-\ud7af]")
 _HAN = re.compile(r"[\u4e00-\u9fff]")
+_LATIN_WORD = re.compile(r"[a-zà-ÿœ]{2,}", re.IGNORECASE)
 _POSSESSIVE = re.compile(r"\w['’]s\b")
 # Letters and turns that one language of Latin script has and the others do not.
 _OWN_LETTERS = {
@@ -19,7 +20,14 @@ _OWN_LETTERS = {
 }
 _RIVAL = 0.7  # a language with this share of the likeliest one's common words may be meant too
 _KNOWN_SHARE = 0.3  # of the words of a sentence that are common in its language
+_FEWEST_LATIN = 2  # common words of a language of Latin script beside other scripts: a sentence of it
 _KANJI_ONLY = 8  # characters of Japanese that needs no kana: 薬局, 市役所; a sentence of Han letters alone is Chinese
+
+
+def _in_latin(text: str, knowledge: Knowledge) -> int:
+    """The words of a text that are common in the one language of Latin script that has most of them."""
+    words = [word.casefold() for word in _LATIN_WORD.findall(text)]
+    return max(sum(word in knowledge.common[language] for word in words) for language in LATIN) if words else 0
 
 
 @lru_cache(maxsize=256)
@@ -28,11 +36,13 @@ def languages_of(text: str, knowledge: Knowledge) -> tuple[str, ...]:
 
     By script, and where that is Latin by the commonest words and letters; a question of a few words may be in any.
     """
-    if _KANA.search(text):
-        return ("ja",)
-    if _HANGUL.search(text):
-        return ("ko",)
-    if _HAN.search(text):
+    kana, hangul, han = (len(script.findall(text)) for script in (_KANA, _HANGUL, _HAN))
+    # A name of another script stands in a sentence: “Bring mich zu 岡本教授”.
+    if kana + hangul + han and _in_latin(text, knowledge) < _FEWEST_LATIN:
+        if kana:
+            return ("ja",)
+        if hangul >= han:
+            return ("ko",)
         return ("zh", "ja") if len(text) <= _KANJI_ONLY else ("zh",)
     words = [unit for unit in knowledge.folder.units(text) if not is_mark(unit)]
     hits = {language: float(sum(word in knowledge.common[language] for word in words)) for language in LATIN}

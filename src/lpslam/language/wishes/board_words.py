@@ -12,6 +12,7 @@ from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.reading import content_of, wish_languages
 from lpslam.language.wishes.refusals import parted
 from lpslam.language.wishes.rules import rules_of
+from lpslam.language.wishes.said import SaidNames
 
 _SURE, _NAMED = 1.0, 0.9  # of a whole name, of a part of one
 _WHOLE = 0.95  # of a name's letters: the name itself
@@ -26,6 +27,7 @@ class BoardWords:
 
     def __init__(self, names: Names, asked: AskedWords, index: LandmarkIndex, knowledge: Knowledge) -> None:
         self._names, self._asked, self._index, self._knowledge = names, asked, index, knowledge
+        self._said = SaidNames(names, asked, knowledge)
         self._last: tuple[str, bool] | None = None
 
     def refuses(self, text: str, meaning: Meaning) -> bool:
@@ -67,6 +69,19 @@ class BoardWords:
         """Landmarks whose board bears every word that is asked for and means nothing else."""
         if self.refuses(text, meaning):
             return {}
+        said = self._said.whole(text)
+        if said:
+            return dict.fromkeys(said, _SURE)
+        named = self._by_words(text)
+        return named or dict.fromkeys(self._said.own(text), _NAMED) or self._by_some(text)
+
+    def _by_some(self, text: str) -> dict[int, float]:
+        """Boards that bear the names among the words that no table knows: “zu Ebert, weil ich etwas abgeben muss”."""
+        names = self._said.spelt_as_names(text, self._asked.asked(text)[1])
+        return {id_: _NAMED + (1.0 - _NAMED) * share for id_, share in self._names.covered(names).items()}
+
+    def _by_words(self, text: str) -> dict[int, float]:
+        """Boards that bear all words, or all of those that no table knows."""
         languages = wish_languages(text, self._knowledge)
         words, proper = self._asked.asked(text)
         if not words:

@@ -141,7 +141,11 @@ class Identities:
 
     def _titled(self, name: str) -> list[int]:
         """Landmarks that bear a person of that name with any title: 王大夫 is the 王 of 王医生."""
-        return [id_ for id_, persons in self._persons.items() if any(each.startswith(name) for each in persons)]
+        return [
+            id_
+            for id_, persons in self._persons.items()
+            if any(each.startswith(name) or name.endswith(each) for each in persons)
+        ]
 
     @cached_property
     def _persons(self) -> dict[int, list[str]]:

@@ -10,7 +10,7 @@ from functools import cached_property, lru_cache
 
 from anyascii import anyascii
 from rapidfuzz import fuzz, process
-from rapidfuzz.distance import Levenshtein
+from rapidfuzz.distance import OSA, Levenshtein
 
 from lpslam.language.choosing.landmark_index import MANY
 from lpslam.language.kept import kept
@@ -64,7 +64,7 @@ class Names:
         self._words = self._all_words(landmarks)
         self._ids_of: dict[str, set[int]] = {}
         for id_, lines in self._words.items():
-            for piece in {piece for line in lines for piece in (*line.units, *_pairs(line.runs))}:
+            for piece in {piece for line in lines for piece in (*line.units, *pairs_of(line.runs))}:
                 self._ids_of.setdefault(piece, set()).add(id_)
         self._long = [unit for unit in self._ids_of if len(unit) >= _LONG]
 
@@ -102,6 +102,10 @@ class Names:
         """Landmarks whose boards bear a word just so, or two characters of a script without spaces."""
         return self._ids_of.get(piece, set())
 
+    def name_of(self, id_: int) -> str:
+        """The name of a board: its first line."""
+        return self._words[id_][0].text if self._words[id_] else ""
+
     def akin(self, word: str) -> set[int]:
         """Landmarks whose boards bear another word that begins alike: adoptieren, Adoption."""
         found: set[int] = set()
@@ -123,7 +127,7 @@ class Names:
     def _bearing(self, word: str) -> set[int]:
         """Landmarks that may bear a word: its own, one a slip away, or all pairs of its characters."""
         if is_unspaced(word):
-            pairs = [self._ids_of.get(pair, set()) for pair in _pairs((word,))]
+            pairs = [self._ids_of.get(pair, set()) for pair in pairs_of((word,))]
             return set.intersection(*pairs) if pairs else set()
         ids = set(self._ids_of.get(word, ()))
         if len(word) >= _LONG:
@@ -167,8 +171,10 @@ class Names:
     def persons(self, name: str) -> list[int]:
         """Landmarks whose board bears a person's name: all words of it, the surname in another script, or its sound."""
         words = self._knowledge.folder.fold(name).replace("-", " ").split()
-        near = set().union(*(self._bearing(word) | self._bearing(word.rstrip("s") or word) for word in words[:1]))
-        found = [id_ for id_ in sorted(near) if any(all(_bears_person(e, w) for w in words) for e in self._words[id_])]
+        # Boards have units without an “s” that may be a plural's.
+        forms = [{word, *self._knowledge.folder.units(word)} for word in words]
+        near = set().union(*(self._bearing(form) for form in forms[0])) if forms else set()
+        found = [id_ for id_ in sorted(near) if any(all(_bears_person(e, f) for f in forms) for e in self._words[id_])]
         return found or self._in_another_script(words) or self._surnames_heard(_latin(words[-1]) if words else "")
 
     def _in_another_script(self, words: Sequence[str]) -> list[int]:
@@ -201,7 +207,7 @@ def _begins_with(line: Words, written: set[str]) -> bool:
     return not line.units.isdisjoint(written) or any(run.startswith(tuple(written)) for run in line.runs)
 
 
-def _pairs(runs: Sequence[str]) -> list[str]:
+def pairs_of(runs: Sequence[str]) -> list[str]:
     """Every two characters that follow one another, and every one: by them runs are found that hold a shorter one."""
     return [run[at : at + 2] for run in runs for at in range(max(1, len(run) - 1))]
 
@@ -231,13 +237,18 @@ def _slips(word: str) -> int:
     return 0 if len(word) < _LONG else 1 if len(word) < _FAR else 2
 
 
-def _bears_person(line: Words, word: str) -> bool:
-    if is_unspaced(word):
-        return any(word in run for run in line.runs)
-    if word in line.units or word.rstrip("s") in line.units:
+def _bears_person(line: Words, forms: set[str]) -> bool:
+    """Whether a line bears a name in one of its forms, or one a slip away; who writes another name means another."""
+    if any(form in line.units or (is_unspaced(form) and any(form in run for run in line.runs)) for form in forms):
         return True
-    near = (unit for unit in line.units if abs(len(word) - len(unit)) <= 1)
-    return len(word) >= _LONG and any(fuzz.ratio(word, unit) >= _SAME_PERSON for unit in near)
+    pairs = [(form, unit) for form in forms if len(form) >= _LONG for unit in line.units]
+    is_known = not forms.isdisjoint(load_words())
+    return any(
+        OSA.distance(form, unit, score_cutoff=1) <= 1
+        if not is_known
+        else abs(len(form) - len(unit)) <= 1 and fuzz.ratio(form, unit) >= _SAME_PERSON
+        for form, unit in pairs
+    )
 
 
 def _latin(text: str) -> str:

@@ -10,7 +10,7 @@ from lpslam.language.questions.speaking import languages_of
 from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.hours import asked_time
 from lpslam.language.tables.knowledge import Knowledge
-from lpslam.language.tables.words import is_mark
+from lpslam.language.tables.words import UNSPACED_RUN, is_mark
 from lpslam.language.wishes.attributes import attributes_of
 from lpslam.language.wishes.chains import (
     FEWEST_LISTED,
@@ -50,7 +50,7 @@ _MOST_NAMED_WORDS = 7  # of an alternative: longer ones tell of something
 _DEEPEST = 2  # anchors of anchors
 _COLON = re.compile(r"(?<=\w)[:：](?=\s|[^\x00-\u2fff])")  # it parts clauses as a comma does
 _SIGHS = re.compile("[\u1100-\u11ff\u3131-\u318e]+")  # ㅠㅠ, ㅋㅋ: letters of Hangul that make no syllable
-_TITLE = re.compile(r"\b(Dr|Dra|Prof|Mrs?|Ms|Sra?|Mme|St)\. ")  # its point ends no clause
+_TITLE = re.compile(r"\b(Dr|Dra|Prof|Mrs?|Ms|Sra?|Mme|St|med)\. ")  # its point ends no clause
 _POSSESSIVE = re.compile(r"['’]s?$")
 
 
@@ -356,7 +356,9 @@ def _related(text: str, languages: tuple[str, ...]) -> tuple[Row, re.Match[str],
 
 
 def _identity(text: str, languages: tuple[str, ...]) -> tuple[Identity, ...]:
-    person = person_of(text, languages)
+    # “Bring mich zu 岡本教授”; but any Chinese is Japanese to a rule of Japanese.
+    others = [each for each in LANGUAGES if each != "ja" or languages[:1] != ("zh",)]
+    person = person_of(text, dict.fromkeys((*languages, *others) if UNSPACED_RUN.search(text) else languages))
     persons = () if person is None else (Identity(Sort.PERSON, _POSSESSIVE.sub("", person)),)
     return (*persons, *identities(asked_codes(text)))
 

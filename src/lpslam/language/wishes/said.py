@@ -1,0 +1,125 @@
+"""Names of boards that stand in a question, whole or by what is their own, whatever else is said there."""
+
+import re
+from collections.abc import Iterator, Sequence
+
+from lpslam.language.languages import CAPITALS_ARE_NAMES
+from lpslam.language.tables.knowledge import Knowledge, load_words
+from lpslam.language.tables.words import UNSPACED_RUN, is_mark, is_unspaced, longest_phrases
+from lpslam.language.wishes.asked_words import AskedWords
+from lpslam.language.wishes.names import Names, pairs_of
+
+_FEW = 8  # boards that bear a word which may tell one of them
+_FEWEST_UNSPACED = 3  # characters of a whole name of a script without spaces
+_LONG_RUN = 5  # characters of a name of such a script that is meant though it is a phrase of the tables
+_FEWEST_OWN = 2  # characters of the part of such a name that is its own
+_PARTICLE = re.compile(r"$|[^가-힣]|[은는이가을를에로의도와과]|까지|으로|하고|쪽|이요")
+
+
+class SaidNames:
+    """The names of one set of boards, looked for in questions."""
+
+    def __init__(self, names: Names, asked: AskedWords, knowledge: Knowledge) -> None:
+        self._names, self._asked, self._knowledge = names, asked, knowledge
+        self._units: dict[int, tuple[str, ...]] = {}
+
+    def whole(self, text: str) -> list[int]:
+        """The landmarks whose whole name stands in a text; the longest, where one name holds another."""
+        said = self._words_of(text)
+        found: dict[int, int] = {}
+        for id_ in self._near(text, said):
+            name = self._name(id_)
+            starts = [at for at in range(len(said) - len(name) + 1) if tuple(said[at : at + len(name)]) == name]
+            if any(self._is_meant(text, said, at, name) for at in starts[:1]):
+                found[id_] = sum(map(len, name))
+        longest = max(found.values(), default=0)
+        return [id_ for id_, letters in found.items() if letters == longest]
+
+    def own(self, text: str) -> list[int]:
+        """The landmarks of whose name the part that is its own stands in a text: 云岚 of 云岚书店."""
+        said = self._words_of(text)
+        found: dict[int, int] = {}
+        for id_ in self._near(text, said):
+            own = self._own(self._name(id_))
+            if own and not self._is_known(own) and self._stands_in(text, own):
+                found[id_] = len(own)
+        longest = max(found.values(), default=0)
+        return [id_ for id_, letters in found.items() if letters == longest]
+
+    def spelt_as_names(self, text: str, words: Sequence[str]) -> list[str]:
+        """Those of some words that boards bear, and that are words of no language or begin with a capital."""
+        common = frozenset().union(*self._knowledge.common.values())
+        capital: set[str] = set()
+        if CAPITALS_ARE_NAMES.issuperset(self._asked.likely(text)[:1]):
+            for word in re.findall(r"(?<=[^\W_][ ,])[A-ZÀ-Þ][\w'’-]*", text):
+                capital.update(self._knowledge.folder.units(word))
+        return [
+            word
+            for word in words
+            if not is_unspaced(word)
+            and word not in common
+            and self._names.bearing(word)
+            and (word not in load_words() or word in capital)
+        ]
+
+    def _words_of(self, text: str) -> list[str]:
+        return [unit for unit in self._knowledge.folder.units(text.replace("-", " ")) if not is_mark(unit)]
+
+    def _near(self, text: str, said: Sequence[str]) -> Iterator[int]:
+        """The landmarks that bear a word or two characters of a text which few boards bear."""
+        runs = UNSPACED_RUN.findall(self._knowledge.folder.fold(text))
+        bearing = (self._names.bearing(piece) for piece in {*said, *pairs_of(runs)} if len(piece) > 1)
+        yield from sorted({id_ for ids in bearing if len(ids) <= _FEW for id_ in ids})
+
+    def _name(self, id_: int) -> tuple[str, ...]:
+        if id_ not in self._units:
+            self._units[id_] = tuple(self._words_of(self._names.name_of(id_)))
+        return self._units[id_]
+
+    def _is_meant(self, text: str, said: Sequence[str], at: int, name: Sequence[str]) -> bool:
+        """Whether a name that stands in a text is one there: of several words, or of one that means nothing else."""
+        is_run = is_unspaced(name[0])
+        if is_run and not self._stands_in(text, "".join(name)):
+            return False
+        if is_run and len(name) < _LONG_RUN and self._is_known("".join(name)):
+            return False  # what tables read: サウナ
+        words, proper = self._asked.of(" ".join(name), self._asked.likely(text))
+        if proper and (is_run or len(name) > 1):
+            return True
+        if proper:
+            return bool(self.spelt_as_names(text, proper))
+        if len(name) < (_FEWEST_UNSPACED if is_run else 2) or not words:
+            return False
+        # “Meeting Room Everest” is no Meeting Room.
+        beside = {*said[max(0, at - 1) : at], *said[at + len(name) : at + len(name) + 1]}
+        return beside.isdisjoint(self._asked.asked(text)[1])
+
+    def _stands_in(self, text: str, run: str) -> bool:
+        """Whether a run stands in a text; of Hangul, which parts words by spaces, as a word with its particle."""
+        folded = self._knowledge.folder.fold(text)
+        if not "가" <= run[0] <= "힣":
+            return run in folded.replace(" ", "")
+        spaced = r" ?".join(map(re.escape, run))
+        return any(_PARTICLE.match(folded[hit.end() :]) for hit in re.finditer(rf"(?<![가-힣]){spaced}", folded))
+
+    def _own(self, name: Sequence[str]) -> str:
+        """The first part of a name of a script without spaces, before the last phrase that tables know."""
+        if not name or not is_unspaced(name[0]):
+            return ""
+        languages = self._asked.likely("".join(name))
+        ends = [
+            span.start
+            for language in languages
+            for span in longest_phrases(name, self._knowledge.tables_of(language))
+            if span.end == len(name)
+        ]
+        own = "".join(name[: min(ends, default=0)])
+        return own if len(own) >= _FEWEST_OWN else ""
+
+    def _is_known(self, run: str) -> bool:
+        units = list(run)
+        return any(
+            span.end - span.start == len(units)
+            for language in self._asked.likely(run)
+            for span in longest_phrases(units, self._knowledge.tables_of(language))
+        )

@@ -1,0 +1,69 @@
+"""Names that stand in a question beside other words, other scripts and slips; and people by their titles."""
+
+import pytest
+from asking import solved
+
+from lpslam.language.offline import OfflineModel
+
+MODEL = OfflineModel()
+BOARDS = [
+    ("Juwelier Caspar",),
+    ("Ebert & Meyer",),
+    ("Larkvale",),
+    ("Price Optics",),
+    ("Morris Books",),
+    ("El Águila verde",),
+    ("悦来面馆",),
+    ("나래 약국",),
+    ("青葉通り",),
+    ("Dr. Douglas Boyle",),
+    ("Prof. Winter",),
+    ("岡本先生",),
+    ("盛医生",),
+    ("진 원장",),
+    ("Human Resources",),
+    ("Erste Hilfe",),
+    ("サウナ",),
+]
+
+
+@pytest.mark.parametrize(
+    ("question", "expected"),
+    [
+        ("Ich möchte zu Juwelier Caspar, weil ich dort etwas abgeben muss", "Juwelier Caspar"),
+        ("Führe mich zu Larkvale, meine Kollegin wartet dort", "Larkvale"),
+        ("Ich möchte zu Ebert, weil ich dort etwas abgeben muss", "Ebert & Meyer"),
+        ("I'm supposed to meet someone at Price", "Price Optics"),
+        ("¿Me puede acompañar a el águila verde? Me están esperando", "El Águila verde"),
+        ("Emmène-moi à 悦来", "悦来面馆"),
+        ("我要去悦来", "悦来面馆"),
+        ("나래 어디예요?", "나래 약국"),
+        ("Sorry to bother you, I'm trying to find 青葉通り, my brother is waiting there", "青葉通り"),
+        ("Ich möchte zu Erste Hilfe, weil ich dort etwas abgeben muss", "Erste Hilfe"),
+    ],
+)
+def test_a_name_is_found_whatever_else_is_said(question: str, expected: str) -> None:
+    assert solved(MODEL, question, BOARDS) == [expected]
+
+
+@pytest.mark.parametrize(
+    ("question", "expected"),
+    [
+        ("I'm supposed to meet someone at Dr. Dougls Boyle", "Dr. Douglas Boyle"),
+        ("where is Prof. Wintrr", "Prof. Winter"),
+        ("Zeig mir bitte den Weg zu 岡本教授", "岡本先生"),
+        ("岡本教授 쪽으로 가려면 어떻게 하죠", "岡本先生"),
+        ("我在找盛教授", "盛医生"),
+        ("진 선생님로 데려다 줘", "진 원장"),
+        ("Professor Boyleはどこ？", "Dr. Douglas Boyle"),
+        ("时医生在哪", None),
+        ("Dr. Wagner", None),
+    ],
+)
+def test_a_person_is_found_by_any_title(question: str, expected: str | None) -> None:
+    assert solved(MODEL, question, BOARDS) == [expected]
+
+
+@pytest.mark.parametrize("question", ["I need a lady doctor", "我想看女医生", "サウナの後に冷たい水に飛び込みたい"])
+def test_common_words_name_nobody(question: str) -> None:
+    assert solved(MODEL, question, BOARDS) == [None]
