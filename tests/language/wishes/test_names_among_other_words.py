@@ -67,3 +67,18 @@ def test_a_person_is_found_by_any_title(question: str, expected: str | None) -> 
 @pytest.mark.parametrize("question", ["I need a lady doctor", "我想看女医生", "サウナの後に冷たい水に飛び込みたい"])
 def test_common_words_name_nobody(question: str) -> None:
     assert solved(MODEL, question, BOARDS) == [None]
+
+
+@pytest.mark.parametrize(
+    ("question", "expected"),
+    [
+        ("Wo ist die Bäckerei Wernecke?", "Bäckerei Wernecke"),
+        ("Ich suche Bäckerei Oestrovsky", None),
+        ("¿Cómo llego a Panadería Cuéllar?", None),
+        ("Hunter Pharmacy, please", None),
+        ("where is a pharmacy", "Walters Pharmacy"),
+    ],
+)
+def test_one_of_a_kind_is_no_other_of_it(question: str, expected: str | None) -> None:
+    boards = [("Bäckerei Wernecke",), ("Walters Pharmacy",), ("Book Corner",)]
+    assert solved(MODEL, question, boards) == [expected]

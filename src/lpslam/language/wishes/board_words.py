@@ -1,6 +1,7 @@
 """What the words of boards have in common with the words of a stop: names, words just so, and names as heard."""
 
 import re
+from collections.abc import Iterable
 
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.questions.question import asks_for_another
@@ -125,6 +126,10 @@ class BoardWords:
             or (self._names.sounding(proper, is_all=True) if is_name else {})
             or self._names.sounding(proper)
         )
+
+    def are_others(self, text: str, meaning: Meaning, ids: Iterable[int]) -> bool:
+        """Whether a text names one of a kind, and some landmarks all bear other names."""
+        return not self.refuses(text, meaning) and self._said.are_others(text, ids)
 
     def is_bare_name(self, text: str, meaning: Meaning) -> bool:
         """Whether all that is asked for is a name: words of no table and of no language, or spelt as names are."""

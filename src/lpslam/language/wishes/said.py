@@ -1,9 +1,9 @@
 """Names of boards that stand in a question, whole or by what is their own, whatever else is said there."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
-from lpslam.language.languages import CAPITALS_ARE_NAMES
+from lpslam.language.languages import CAPITALS_ARE_NAMES, UNSPACED
 from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.words import UNSPACED_RUN, is_mark, is_unspaced, longest_phrases
 from lpslam.language.wishes.asked_words import AskedWords
@@ -46,20 +46,58 @@ class SaidNames:
         longest = max(found.values(), default=0)
         return [id_ for id_, letters in found.items() if letters == longest]
 
+    def are_others(self, text: str, ids: Iterable[int]) -> bool:
+        """Whether a text names one of a kind, and some landmarks all bear other names: “Hunter Pharmacy”."""
+        named = self._named_beside_a_kind(text)
+        return bool(named) and all(
+            self._has_its_own(id_) and not any(id_ in self._names.covered([word]) for word in named) for id_ in ids
+        )
+
+    def _named_beside_a_kind(self, text: str) -> list[str]:
+        """Words that no table knows, with a capital, right beside a word for a kind of place that has one as well."""
+        tokens = re.findall(r"[^\W_][\w'’-]*|\S", text)
+        proper = self._asked.asked(text)[1]
+        # A capital within a sentence is a name's, but every noun of German has one.
+        is_telling = CAPITALS_ARE_NAMES.issuperset(self._asked.likely(text)[:1])
+        found: list[str] = []
+        for at, token in enumerate(tokens):
+            unit = next(iter(self._knowledge.folder.units(token)), "")
+            if not token[0].isupper() or unit not in proper or (unit in load_words() and not is_telling):
+                continue
+            beside = (*tokens[max(0, at - 1) : at], *tokens[at + 1 : at + 2])
+            found += [unit] if any(each[0].isupper() and self._is_kind(each, text) for each in beside) else []
+        return found
+
+    def _is_kind(self, word: str, text: str) -> bool:
+        units = self._knowledge.folder.units(word)
+        return any(
+            span.value.role == "means"
+            for language in self._asked.likely(text)[:1]
+            for span in longest_phrases(units, self._knowledge.tables_of(language))
+        )
+
+    def _has_its_own(self, id_: int) -> bool:
+        """Whether a board bears a name in Latin letters beside its kind; one of another script may be the same."""
+        name = self._names.name_of(id_)
+        return any(not is_unspaced(word) for word in self._asked.of(name, self._asked.likely(name))[1])
+
     def spelt_as_names(self, text: str, words: Sequence[str]) -> list[str]:
-        """Those of some words that boards bear, and that are words of no language or begin with a capital."""
-        common = frozenset().union(*self._knowledge.common.values())
+        """Those of some words that boards bear, and that are spelt as names are, or are words of no language.
+
+        Among characters of scripts without spaces any word of Latin letters is a name.
+        """
+        language = next(iter(self._asked.likely(text)), "")
         capital: set[str] = set()
-        if CAPITALS_ARE_NAMES.issuperset(self._asked.likely(text)[:1]):
+        if language in CAPITALS_ARE_NAMES:
             for word in re.findall(r"(?<=[^\W_][ ,])[A-ZÀ-Þ][\w'’-]*", text):
                 capital.update(self._knowledge.folder.units(word))
+        common = frozenset().union(*self._knowledge.common.values())
         return [
             word
             for word in words
-            if not is_unspaced(word)
-            and word not in common
-            and self._names.bearing(word)
-            and (word not in load_words() or word in capital)
+            if not (is_unspaced(word) or word in common)
+            and (word not in load_words() or word in capital or language in UNSPACED)
+            and self._names.covered([word])
         ]
 
     def _words_of(self, text: str) -> list[str]:

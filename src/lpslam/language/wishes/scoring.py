@@ -251,6 +251,9 @@ class EmbeddedScorer:
 
     def _is_another(self, stop: Stop, meaning: Meaning, scores: Mapping[int, float]) -> bool:
         """Whether a name is asked for that stands on no board, where boards of the sort bear names: room Gamma."""
+        best = [id_ for id_, score in scores.items() if score >= AS_WELL * max(scores.values())]
+        if self._boards.are_others(stop.what, meaning, best):
+            return True
         languages, said = self._asked.likely(stop.what), stop.what.split()
         if not CAPITALS_ARE_NAMES.issuperset(languages[:1]) or len(said) > _SHORT_QUESTION:
             return False
@@ -258,7 +261,6 @@ class EmbeddedScorer:
         named = [word for word in self._asked.asked(stop.what)[1] if word in capital]
         if not named or self._boards.refuses(stop.what, meaning) or scores.keys() & self._names.covered(named).keys():
             return False
-        best = [id_ for id_, score in scores.items() if score >= AS_WELL * max(scores.values())]
         return all(self._sorts.is_a_room(id_) and self._asked.of(self._by_id[id_].name, languages)[1] for id_ in best)
 
     def _by_the_board(self, stop: Stop, meaning: Meaning, ignored: tuple[str, ...]) -> Served | None:
