@@ -31,6 +31,8 @@ class Reading:
             that is not known.
         looks: views that are worth one of their own in which it was read; None is not known either.
         slots: the letters' runners-up in the best of these readings.
+        whole: probabilities, 0 to 1, that nothing more is painted before it, and behind it, by the view that shows
+            most: what the view cut says little against a longer text.
     """
 
     text: str
@@ -39,6 +41,7 @@ class Reading:
     right: float | None = None
     looks: float | None = None
     slots: Slots = ()
+    whole: tuple[float, float] = (1.0, 1.0)
 
 
 @dataclass(frozen=True, slots=True)

@@ -276,7 +276,9 @@ class TextMapper:
     def _glance(self, text: SpottedText, placement: Placement | None, keyframe_from_camera: Array) -> Glance:
         is_placed = placement is not None and self._sorter.is_sure(placement)
         frontal = frontal_cosine(placement, keyframe_from_camera) if placement is not None and is_placed else UNPLACED
-        right = probability_right(text.text, text.confidence, text.slots, text.sharpness, text.letter_height, frontal)
+        right = probability_right(
+            text.text, text.confidence, text.slots, text.sharpness, text.letter_height, frontal, text.has_hole
+        )
         return Glance(text.letter_height, frontal, right, text.slots, is_placed)
 
     def _wait_for_rest(
@@ -290,7 +292,8 @@ class TextMapper:
             glance = self._glance(text, placement, pose)
             observation = self._observation(frame, tracked.keyframe, pose, text, placement, glance.right)
             room = self._sorter.room_of(frame, text, placement, pose, is_cut=True)
-            if self._says_what_is_known(text, placement, world_from_keyframe):
+            is_known = self._says_what_is_known(text, placement, world_from_keyframe)
+            if is_known or self._spots.is_as_long_at(text.text, placement, world_from_keyframe):
                 self._remember(text, glance, observation, world_from_keyframe, room)
             else:
                 self._strengthen_whole(text, placement, frame.timestamp, world_from_keyframe)

@@ -25,12 +25,14 @@ class Recognition(NamedTuple):
         confidence: mean probability of its letters, 0 to 1.
         slots: what each letter may be instead; empty where the recogniser does not say.
         sharpness: steepest edge of the rectified line, share of its contrast a pixel; None where nobody looked.
+        has_hole: whether there is room for one more between two of its ideographs, which stand evenly.
     """
 
     text: str
     confidence: float
     slots: Slots = ()
     sharpness: float | None = None
+    has_hole: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,7 +44,7 @@ class SpottedText:
         confidence: mean probability of its letters, 0 to 1.
         box: (4, 2) raw pixels, ordered top left, top right, bottom right, bottom left.
         letter_height: pixels, mean of the box's two upright sides.
-        slots, sharpness: as of its `Recognition`.
+        slots, sharpness, has_hole: as of its `Recognition`.
     """
 
     text: str
@@ -51,6 +53,7 @@ class SpottedText:
     letter_height: float
     slots: Slots = ()
     sharpness: float | None = None
+    has_hole: bool = False
 
 
 class BoxFate(StrEnum):

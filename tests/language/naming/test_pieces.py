@@ -33,3 +33,17 @@ def test_an_end_that_is_hidden_again_says_less_than_one_that_is_hidden_elsewhere
     elsewhere = [Seen(piece, 0.98, 1.0) for piece in ("candle", "ycandle", "sycandle")]
     assert in_three_views < 0.75 * 3.0 * cost
     assert in_three_views < -log_likelihood("cosycandle", elsewhere, str)
+
+
+def test_what_the_view_cut_says_little_against_a_longer_text_however_well_it_is_known() -> None:
+    """Read seven times as a whole, and once where the image's border cuts its begin off."""
+    whole = Reading("鸿达茶餐厅", 7, 0.99, 0.98, 1.4)
+    assert OfflineModel().name([whole, Reading("茶餐厅", 1, 0.99, 0.98, 0.2, whole=(0.3, 1.0))]).name == "鸿达茶餐厅"
+    cut, seen = (Seen("茶餐厅", 0.98, 1.0, whole=ends) for ends in ((0.3, 1.0), (1.0, 1.0)))
+    assert log_likelihood("鸿达茶餐厅", [cut], str) > log_likelihood("鸿达茶餐厅", [seen], str) + 1.0
+
+
+def test_a_name_that_ends_with_what_it_is_is_likelier_than_one_that_ends_with_nothing_known() -> None:
+    """The reader holds both for possible, and one of them is an inn."""
+    slots = ((("寶", 0.99),), (("利", 0.99),), (("空", 0.5), ("賓", 0.4)), (("館", 0.99),))
+    assert OfflineModel().name([Reading("寶利空館", 8, 0.87, 0.4, 1.6, slots)]).name == "寶利賓館"

@@ -364,3 +364,15 @@ def test_entries_side_by_side_are_no_name() -> None:
     named, lines = lines_of(menu)
     assert [(line.text, line.role) for line in lines] == [("米湯", "list"), ("梅餅", "list"), ("竹茶", "list")]
     assert named.text == "米湯"
+
+
+def test_a_text_that_comes_into_view_bit_by_bit_is_not_carried() -> None:
+    """Its middle moves with what is in view, and its begin stays where it is."""
+    text_class = TextClass(0, 0.0, 1.0)
+    for at in range(8):
+        width = 0.8 + 0.12 * at
+        text = "Pebble & Fox"[: round(12 * width / 1.64)]
+        placement = Placement((width / 2.0, 0.0, 2.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0), width, 0.25, 0.01)
+        text_class.observations.append(TextObservation(at, 0.1 * at, 0, text, 0.9, placement, 44.0))
+        text_class.variants[text] = Variant(1, 0.9)
+    assert places_of_class(text_class, lambda _: np.eye(4), InstanceConfig(), MEMORY)

@@ -108,3 +108,21 @@ def test_sure_texts_need_no_tables_of_words(monkeypatch: pytest.MonkeyPatch) -> 
 
     monkeypatch.setattr("lpslam.text.remembering.ends.load_knowledge", not_yet)
     assert count(read("危险", [0.2, 0.9, 0.1, 0.4])) == 1
+
+
+@pytest.mark.parametrize("text", ["00", "0000", "O0 o"])
+def test_rings_are_no_text_however_well_they_are_read(text: str) -> None:
+    assert count(read(text, [0.9, 0.95, 0.9])) == 0
+    assert count(read("100", [0.9, 0.95, 0.9])) == 1
+
+
+def test_a_slip_with_as_many_letters_shows_that_nothing_stands_before_them() -> None:
+    """寶利空館 is read where all is in view, 寶利賓館 where the image's border touches its first character."""
+    text_class = read("寶利賓館", [0.7, 0.6])
+    text_class.naming = Naming("寶利賓館", 0.6, "", "offline")
+    cut = [replace(each, whole=(0.1, 1.0)) for each in text_class.observations]
+    whole = [replace(each, text="寶利空館", whole=(1.0, 1.0)) for each in cut]
+    shorter = [replace(each, text="利賓館", whole=(1.0, 1.0)) for each in cut]
+    for observations, expected in ((cut, 0), (cut + shorter, 0), (cut + whole, 1)):
+        text_class.observations = observations
+        assert count(text_class) == expected

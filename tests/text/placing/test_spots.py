@@ -159,3 +159,21 @@ def test_a_text_is_read_again_once_when_the_view_first_goes_on_beyond_its_end() 
     assert settled((5.0, 2.0)) is None
     spots.add(7, "GUCCI", here, np.eye(4), size, (5.0, 2.0))
     assert settled((5.0, 2.0)) == 7
+
+
+@pytest.mark.parametrize(
+    ("text", "placement", "is_all"),
+    [
+        ("寶利賓館", standing(0.02, 0.0), True),
+        ("寶利賓館", standing(0.1, 0.0, width=0.8), False),  # its begin is not in view
+        ("利賓館", standing(0.02, 0.0), False),
+        ("歡迎光臨", standing(0.02, 0.0), False),  # something else
+    ],
+)
+def test_what_reaches_as_far_as_a_whole_text_shows_all_of_it(text: str, placement: Placement, is_all: bool) -> None:
+    spots = Spots()
+    assert not spots.is_as_long_at(text, placement, np.eye(4))
+    spots.add(7, "寶利空館", standing(0.0, 0.0), np.eye(4), SeenSize(20.0, 1.0), (0.1, 5.0))
+    assert not spots.is_as_long_at(text, placement, np.eye(4)), "it may begin before the view"
+    spots.add(7, "寶利空館", standing(0.0, 0.0), np.eye(4), SeenSize(20.0, 1.0), (5.0, 5.0))
+    assert spots.is_as_long_at(text, placement, np.eye(4)) is is_all

@@ -161,6 +161,19 @@ def test_the_surface_around_a_sign_counts_as_little_as_it_knows() -> None:
     assert np.linalg.norm(where(found, walk) - middle, axis=1).max() < 0.06
 
 
+def test_what_few_views_see_around_a_sign_is_nearer_than_the_sign() -> None:
+    """On the way towards a sign 12 m ahead two of twenty views show a thing at 6 m beside it, the others nothing."""
+    poses = [looking(0.0, 0.03 * step) for step in range(20)]
+    corners = sign((1.0, -1.0, 12.0), size=(1.2, 0.35))
+
+    def sure(depths: dict[int, float]) -> list[TextObservation]:
+        views = [seen(step, pose, corners, 0.3, depths.get(step), uncertainty=0.3) for step, pose in enumerate(poses)]
+        return placed(views, poses_of(poses), CONFIG)
+
+    assert sure({}) == sure({12: 6.0, 13: 6.0}) == []
+    assert len(sure(dict.fromkeys(range(5, 20), 12.0))) == 20
+
+
 def test_text_on_glass_is_where_parallax_says_and_not_where_depth_was_measured() -> None:
     middle = (0.1, -0.2, 2.0)
     observations = [seen(n, pose, sign(middle), 0.3, depth=4.5) for n, pose in enumerate(WALK)]

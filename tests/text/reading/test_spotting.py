@@ -11,6 +11,7 @@ from lpslam.errors import UserError
 from lpslam.text.reading import networks
 from lpslam.text.reading.borders import cut_by_border
 from lpslam.text.reading.boxes import letter_heights
+from lpslam.text.reading.certainty import probability_right
 from lpslam.text.reading.detection import boxes_from_probability, network_input
 from lpslam.text.reading.networks import load_network
 from lpslam.text.reading.recognition import decode_ctc, rectify
@@ -174,9 +175,9 @@ def test_ctc_removes_repeats_and_blanks() -> None:
     steps = [1, 1, 0, 1, 2, 2, 0, 0, 3, 2]
     probabilities = np.full((len(steps), 4), 0.1, np.float32)
     probabilities[np.arange(len(steps)), steps] = 0.7
-    text, confidence, _, _ = decode_ctc(probabilities, alphabet)
-    assert text == "AAB B"
-    assert confidence == pytest.approx(0.7)
+    read = decode_ctc(probabilities, alphabet)
+    assert read.text == "AAB B"
+    assert read.confidence == pytest.approx(0.7)
     assert decode_ctc(probabilities[[2, 6]], alphabet) == Recognition("", 0.0)
 
 
@@ -189,6 +190,29 @@ def test_a_letter_keeps_what_else_it_may_be_and_a_gap_what_was_nearly_read() -> 
     assert [letter for letter, _ in first] == ["A", "B", ""], "where the letter is surest"
     assert between == (("", pytest.approx(0.7)), ("C", pytest.approx(0.3)))
     assert [letter for letter, _ in last] == ["B", ""]
+
+
+@pytest.mark.parametrize(
+    ("places", "has_hole"),
+    [
+        ([2, 8, 14, 20], False),
+        ([2, 8, 20, 26], True),
+        ([2, 8, 16, 22], False),
+        ([2, 5, 9, 12], False),
+        ([2, 20], False),
+    ],
+)
+def test_ideographs_with_room_for_one_more_between_two_have_a_hole(places: list[int], has_hole: bool) -> None:
+    alphabet = np.array(["", "恒", "达", "子", "馆"])
+    probabilities = np.zeros((30, 5), np.float32)
+    probabilities[:, 0] = 1.0
+    probabilities[places, np.arange(1, len(places) + 1)] = 2.0
+    read = decode_ctc(probabilities / 2.0, alphabet)
+    assert read.has_hole is has_hole
+    kept, taken = (probability_right(read.text, 0.99, has_hole=hole) for hole in (False, True))
+    assert taken < 0.3 * kept
+    latin = decode_ctc(probabilities / 2.0, np.array(["", "A", "B", "C", "D"]))
+    assert not latin.has_hole
 
 
 def test_a_region_of_the_probability_map_becomes_a_grown_box() -> None:

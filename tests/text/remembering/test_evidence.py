@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lpslam.config import MemoryConfig, TextConfig
+from lpslam.language.offline import OfflineModel
 from lpslam.text.reading.certainty import probability_right
 from lpslam.text.remembering.evidence import Glance, Look, looks_of, note, readings_of
 from lpslam.text.text_map import TextMap
@@ -45,12 +46,24 @@ def test_readings_without_a_place_are_one_view_of_a_visit() -> None:
     assert len(looks) == 1
 
 
-def test_the_runners_up_of_the_surest_reading_are_kept() -> None:
+def test_runners_up_are_the_mean_of_what_all_readings_held_for_possible() -> None:
     looks: list[Look] = []
-    for right, letter in ((0.4, "X"), (0.9, "Y"), (0.6, "Z")):
-        note(looks, "A", 0.9, 0, Glance(24.0, 1.0, right, ((("A", 0.6), (letter, 0.3)),)))
+    for right, visit, letter in ((0.4, 0, "X"), (0.9, 0, "Y"), (0.6, 1, "Y"), (0.5, 1, "X")):
+        note(looks, "A", 0.9, visit, Glance(24.0, 1.0, right, ((("A", 0.6), (letter, 0.3)), (("", 0.7), ("B", 0.2)))))
     (reading,) = readings_of(looks, MEMORY)
-    assert reading.slots == ((("A", 0.6), ("Y", 0.3)),)
+    assert reading.slots == ((("A", 0.6), ("X", 0.15), ("Y", 0.15)), (("", 0.7), ("B", 0.2)))
+
+
+def test_a_letter_is_told_by_all_views_and_not_by_the_surest_one() -> None:
+    """One view is sure of the wrong letter, and six others waver."""
+    looks: list[Look] = []
+    for at, wrong in enumerate((0.42, 0.34, 0.35, 0.39, 0.36, 0.47, 0.93)):
+        slots = ((("徐", 0.99),), (("已", wrong), ("記", min(0.3, 0.98 - wrong))), (("麵", 0.99),), (("館", 0.99),))
+        note(looks, "徐已麵館", 0.85, at, Glance(40.0, 1.0, 0.85 if wrong > 0.9 else 0.3, slots))
+    for at in range(7, 13):
+        slots = ((("徐", 0.99),), (("記", 0.6), ("已", 0.2)), (("麵", 0.99),), (("館", 0.99),))
+        note(looks, "徐記麵館", 0.87, at, Glance(40.0, 1.0, 0.45, slots))
+    assert OfflineModel().name(readings_of(looks, MEMORY)).name == "徐記麵館"
 
 
 @given(st.lists(st.tuples(st.sampled_from("AB"), st.integers(0, 2), st.floats(8.0, 90.0), probabilities), min_size=1))

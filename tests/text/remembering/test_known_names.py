@@ -32,3 +32,11 @@ def test_where_a_word_ends_only_ends_of_words_count() -> None:
 def test_letters_follow_each_other_as_in_names_or_as_in_rows_of_runes() -> None:
     assert all(map(is_spelt_as_names, ("Thistle & Oak", "Uniqlo", "Koke")))
     assert not any(map(is_spelt_as_names, ("HEYFPFFF", "IHCF", "GGGL", "11H411", "-")))
+
+
+def test_a_capital_before_a_small_letter_begins_a_word_where_the_view_ends() -> None:
+    by_case, _ = ends_are_there("Quill & Ink", (0.0, 5.0))
+    assert by_case == ends_are_there("Quill & Ink", (0.2, 5.0))[0] > 0.5
+    # Small letters may stand within one, and such capitals may be small letters.
+    for text in ("quill & ink", "Compass & Rose", "QUILL & INK"):
+        assert ends_are_there(text, (0.0, 5.0)) == ends_are_there(text.casefold(), (0.0, 5.0))

@@ -65,6 +65,7 @@ class Seen:
         marks: before which letters of the key a mark was read.
         odd: those of them that stand for a letter, since signs have no mark there.
         doubts: of each letter of the key, its share of what may be wrong; empty where all have an equal one.
+        whole: probabilities that nothing more is painted before it, and behind it.
     """
 
     key: str
@@ -75,6 +76,7 @@ class Seen:
     marks: frozenset[int] = frozenset()
     odd: frozenset[int] = frozenset()
     doubts: tuple[float, ...] = ()
+    whole: tuple[float, float] = (1.0, 1.0)
 
 
 def paint_key(text: str) -> str:
@@ -95,7 +97,7 @@ def evidence_of(readings: Iterable[Reading]) -> list[Seen]:
         letters, gaps = _aligned(key, each.slots)
         right, marks = min(max(right, _LEAST_RIGHT), _MOST_RIGHT), _before(each.text, _marks(each.text))
         odd = _before(each.text, misread_letters(each.text))
-        own = Seen(key, right, weight, letters, gaps, marks, odd, doubts_of(key, letters))
+        own = Seen(key, right, weight, letters, gaps, marks, odd, doubts_of(key, letters), each.whole)
         grouped.setdefault((key, marks, odd), []).append(own)
     seen = _humbled(_one_look_at_least([_together(same) for same in grouped.values()]))
     return sorted(seen, key=lambda each: (-each.weight * each.right, each.key))
@@ -131,7 +133,8 @@ def _together(same: Sequence[Seen]) -> Seen:
     best = max(same, key=lambda each: each.right)
     weight = sum(each.weight for each in same)
     odds = sum(each.weight * log(each.right / (1.0 - each.right)) for each in same) / max(weight, 1e-9)
-    return replace(best, right=1.0 / (1.0 + exp(-odds)), weight=weight)
+    whole = max(each.whole[0] for each in same), max(each.whole[1] for each in same)
+    return replace(best, right=1.0 / (1.0 + exp(-odds)), weight=weight, whole=whole)
 
 
 def _marks(text: str) -> list[int]:
@@ -209,8 +212,8 @@ def _costs(painted: str, seen: Seen, looks: Callable[[str], str], known: set[_Sl
     cut = ends_of({step.src_pos for step in steps if step.tag == "delete"}, len(painted))
     joined = ends_of({step.dest_pos for step in steps if step.tag == "insert"}, len(read))
     ends = sum(
-        _once(("cut", len(end), str(at > 0)), _cut_cost(painted, end, at in seen.marks), known)
-        for end, at in zip(cut, (0, len(read)), strict=True)
+        _once(("cut", len(end), str(at > 0)), _cut_cost(painted, end, at in seen.marks, whole), known)
+        for end, at, whole in zip(cut, (0, len(read)), seen.whole, strict=True)
         if end
     )
     for end in joined:
@@ -272,10 +275,14 @@ def slip_of(seen: Seen, at: int | None = None, before: int | None = None) -> flo
     return max(-log(1.0 - letter_right) + log(letter_right), _LEAST_SLIP)
 
 
-def _cut_cost(painted: str, end: set[int], is_marked: bool) -> float:
-    """Cost of letters missing at an end; where a mark was read for thin ones, they were seen and not hidden."""
+def _cut_cost(painted: str, end: set[int], is_marked: bool, whole: float) -> float:
+    """Cost of letters missing at an end, where a text is whole with such a probability by the view.
+
+    Where a mark was read for thin ones, they were seen and not hidden.
+    """
     is_seen = is_marked and all(painted[at] in _THIN for at in end)
-    return (_MARKED if is_seen else CUT_END) + _CUT_LETTER * (len(end) - 1)
+    hidden = min(CUT_END, -log(1.0 - whole)) if whole < 1.0 else CUT_END
+    return (_MARKED if is_seen else hidden) + _CUT_LETTER * (len(end) - 1)
 
 
 def ends_of(places: set[int], length: int) -> tuple[set[int], set[int]]:

@@ -157,8 +157,10 @@ class Namer:
             advance = min(advance, _MOST_AHEAD) - _OTHER_FORM * (paint_key(known.painted) != key)
         else:
             # “必胜客欢乐餐厅” is no listed name, but begins with one.
-            head = self._signs.brand_head(self._fold.key(key))
-            advance = words + _ADVANCE_UNREAD * letter * head
+            # “鸿达茶餐厅” ends with what it is.
+            folded = self._fold.key(key)
+            parts = min(self._signs.brand_head(folded) + self._signs.known_tail(folded), len(folded))
+            advance = words + _ADVANCE_UNREAD * letter * parts
         return min(advance, _MOST_AHEAD) - _MIXED * self._fold.is_mixed(key)
 
     def _painted(

@@ -32,6 +32,7 @@ from lpslam.language.tables.words import Span, is_mark, is_unspaced, longest_phr
 _PARTS = re.compile(r"[()\[\]{}<>|/·•:;—–]+|\s-\s")
 _PERSON = re.compile(r"(?:Prof|Dr|Dra|Mr|Mrs|Ms|Sr|Sra|Mme)\.\s?(?:\w+\.\s?)*[A-ZÀ-Þ]")
 _SHORTEST_IDEOGRAPHS, _SHORTEST_LETTERS = 3, 6  # of a brand at the head of a longer name; shorter ones are chance
+_SHORTEST_TAIL = 2  # ideographs of what a longer name ends with: most kinds of shop have so many
 _SURE_TRADE = 0.95  # of a trade at the end of a long name
 _JOINS = str.maketrans("", "", "-/")
 _COMPOUND = 9  # letters of a word that may be a compound in a name of several words
@@ -354,6 +355,13 @@ class SignReader:
         shortest = _SHORTEST_IDEOGRAPHS if is_unspaced(key) else _SHORTEST_LETTERS
         ends = range(len(key) - 1, shortest - 1, -1)
         return next((end for end in ends if self._known_brand(key[:end]) is not None), 0)
+
+    def known_tail(self, key: str) -> int:
+        """Return how many letters of a key without spaces between its words are a known name that it ends with."""
+        if not is_unspaced(key):
+            return 0
+        begins = range(1, len(key) - _SHORTEST_TAIL + 1)
+        return next((len(key) - begin for begin in begins if key[begin:] in self._knowledge.known), 0)
 
     def _known_brand(self, key: str) -> Known | None:
         known = self._knowledge.known.get(key)

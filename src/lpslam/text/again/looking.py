@@ -166,7 +166,9 @@ def _add(text: SpottedText, canvas: Canvas, text_class: TextClass) -> None:
 
 def _glance(text: SpottedText, canvas: Canvas) -> Glance:
     seen = canvas.reference.seen
-    right = probability_right(text.text, text.confidence, text.slots, text.sharpness, seen.height, seen.frontal)
+    right = probability_right(
+        text.text, text.confidence, text.slots, text.sharpness, seen.height, seen.frontal, text.has_hole
+    )
     return Glance(seen.height, seen.frontal, right, text.slots)
 
 

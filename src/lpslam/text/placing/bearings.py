@@ -36,6 +36,9 @@ _TRIED = 48
 _REFUTED = 16.3
 """Chi-square of three degrees of freedom that chance exceeds once in a thousand times."""
 
+_FEW = 0.25
+"""Share of the views of a text without depth below which what they see around it is not its surface, but nearer."""
+
 _MISFIT = 2.0
 """Largest chi-square a degree of freedom of directions that agree; beyond it their noise is not what it should be."""
 
@@ -65,15 +68,21 @@ def placed(
     if with_bearing:
         views = views_of([observations[row] for row in with_bearing], world_from_keyframe, config)
         for view, placement in _by_directions(views, config).items():
+            if placement is None:
+                del placements[with_bearing[view]]
+                continue
             pose = world_from_keyframe(observations[with_bearing[view]].keyframe)
             assert pose is not None
             placements[with_bearing[view]] = moved(placement, inverse_transform(pose))
     return [replace(observations[row], placement=placements[row]) for row in sorted(placements)]
 
 
-def _by_directions(views: Views, config: InstanceConfig) -> dict[int, Placement]:
-    """Placements in the world of the views that depth does not place surely, and of those whose depth is refuted."""
-    found = _overruled(views)
+def _by_directions(views: Views, config: InstanceConfig) -> dict[int, Placement | None]:
+    """Placements in the world of the views that depth does not place surely, and of those whose depth is refuted.
+
+    None for those that stand nowhere: what few views saw around a text that directions do not place either.
+    """
+    found: dict[int, Placement | None] = dict(_overruled(views))
     left = np.flatnonzero(~views.sure)
     # What depth places surely is no proof of itself, but others may be directed at it.
     sure = np.setdiff1d(np.flatnonzero(views.sure), list(found))
@@ -84,6 +93,8 @@ def _by_directions(views: Views, config: InstanceConfig) -> dict[int, Placement]
         place = _fused(views, here, there)
         if place is not None and _is_sure_enough(place, views.origins[here], config):
             found |= placements_at(views, here, there, place)
+        elif len(few := here[[views.placements[row] is not None for row in here]]) <= _FEW * len(here):
+            found |= dict.fromkeys(few.tolist())
         left = np.setdiff1d(left, here)
     return found
 
@@ -160,10 +171,11 @@ def _fused(views: Views, here: Rows, there: Rows) -> Triangulated | None:
     """The position by the directions `here` and `there` and by the depths measured, each as sure as it is."""
     rows = np.concatenate([here, there])
     matrix, vector = np.zeros((3, 3)), np.zeros(3)
-    # What the surface around a sign says errs alike from everywhere: all of it counts as one. Own depth: a keyframe.
+    # What the surface around a sign says errs alike from everywhere: all of it counts as one, and as little of one as
+    # few views have it: where most see nothing around, what is there is nearer than the sign. Own depth: a keyframe.
     doubtful = [row for row in here.tolist() if views.placements[row] is not None]
     shares = dict(zip(there.tolist(), views.shares(there), strict=True)) if len(there) else {}
-    shares |= dict.fromkeys(doubtful, 1.0 / max(len(doubtful), 1))
+    shares |= dict.fromkeys(doubtful, 1.0 / len(here))
     start = None
     for row, share in shares.items():
         placement = views.placements[row]

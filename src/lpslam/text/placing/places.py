@@ -13,8 +13,8 @@ from lpslam.language.naming.channel import evidence_of, log_likelihood, paint_ke
 from lpslam.text.placing.bearings import placed
 from lpslam.text.placing.columns import WorldSightings
 from lpslam.text.placing.instances import KeyframePoses, split_places, trimmed_position
-from lpslam.text.remembering.ends import is_lone_character, says_a_word, says_little
-from lpslam.text.remembering.evidence import looks_of, readings_of
+from lpslam.text.remembering.ends import is_lone_character, is_of_rings, says_a_word, says_little
+from lpslam.text.remembering.evidence import looks_of, readings_of, wholes_of
 from lpslam.text.remembering.known_names import is_spelt_as_names
 from lpslam.text.remembering.memory import TextClass
 from lpslam.text.remembering.similarity import IDEOGRAPHS
@@ -31,6 +31,8 @@ _LIKELY, _POSSIBLE = 0.5, 0.2
 _UNSURE = 0.35
 # Readings of a name that are independent of each other, at most.
 _INDEPENDENT = 2.0
+# Share of its letters, each in its place, that a slip of a name has at least.
+_SAME_LETTERS = 0.75
 # Letter heights by which the middle of a part may lie beside that of the whole: boxes are drawn as loosely.
 _SAME_MIDDLE = 0.5
 # Most log odds by which one name is ahead of another that are believed.
@@ -190,12 +192,18 @@ def _most_sure(name: str, text_class: TextClass) -> float:
 def _probability_whole(name: str, sightings: WorldSightings) -> float:
     """The probability, 0 to 1, that nothing more is painted before or behind a name, by the readings that say it.
 
-    Where an older map does not tell, or nothing that was read is just the name, nothing is held against it.
+    So do slips of it with as many letters. Where an older map does not tell, or nothing that was read is just as long,
+    nothing is held against it.
     """
     key = paint_key(name)
-    told = [each.whole for each in sightings.observations if paint_key(each.text) == key]
+    told = [each.whole for each in sightings.observations if _is_as_long(paint_key(each.text), key)]
     known = [each for each in told if each is not None]
     return float(np.array(known).max(axis=0).prod()) if known and len(known) == len(told) else 1.0
+
+
+def _is_as_long(key: str, name: str) -> bool:
+    """Whether a reading is a name, or one with as many letters of which at least three in four are the same."""
+    return len(key) == len(name) and sum(a == b for a, b in zip(key, name, strict=True)) >= _SAME_LETTERS * len(name)
 
 
 def _clear(observations: Sequence[TextObservation]) -> Array | None:
@@ -215,7 +223,7 @@ def _is_hardly_text(name: str, sure: float, sightings: WorldSightings, text_clas
     """Whether a text was read so badly or so differently, for its length, that it is likelier no text at all."""
     right = [each.right for each in sightings.observations if each.right is not None]
     best = max(right, default=1.0)
-    if (sure < _UNSURE and best < _POSSIBLE) or is_lone_character(name):
+    if (sure < _UNSURE and best < _POSSIBLE) or is_lone_character(name) or is_of_rings(name):
         return True
     # Where nothing is unsure, nobody asks the tables of words, which take a second to read.
     if sure >= _UNSURE and best >= _LIKELY:
@@ -242,11 +250,14 @@ def _carried(sightings: WorldSightings, config: InstanceConfig) -> NDArray[np.bo
     Before they are split into places: where few are read, a walker's fall into several.
     """
     times = sightings.timestamps
+    # Of a text that comes into view bit by bit the middle moves, and one end stays.
+    halves = sightings.baselines * sightings.sizes[:, :1] / 2.0
+    tracks = [sightings.positions + side * halves for side in (0.0, -1.0, 1.0)]
     ordered = np.argsort(times, kind="stable")
     visits = np.split(ordered, np.flatnonzero(np.diff(times[ordered]) > config.visit_pause) + 1)
     carried = np.zeros(len(sightings), np.bool_)
     for visit in visits:
-        carried[visit] = _is_carried(sightings.positions[visit], times[visit], config)
+        carried[visit] = all(_is_carried(each[visit], times[visit], config) for each in tracks)
     return carried
 
 
@@ -294,7 +305,8 @@ def _name_here(
     key = paint_key(name)
     if not stands_elsewhere or not key:
         return name, sure
-    here = evidence_of(readings_of(looks_of(sightings.observations), config))
+    own_sightings = sightings.observations
+    here = evidence_of(readings_of(looks_of(own_sightings), config, wholes_of(own_sightings)))
     if not here:
         return name, sure
     by_class = log_likelihood(key, here, _looks)

@@ -14,7 +14,7 @@ from lpslam.camera import transform_points
 from lpslam.config import ReadingConfig
 from lpslam.text.reading.legibility import SeenSize
 from lpslam.text.remembering.known_names import LINE_ENDS
-from lpslam.text.remembering.similarity import comparison_key
+from lpslam.text.remembering.similarity import comparison_key, similarity
 from lpslam.text.types import Placement
 
 Array = NDArray[np.float64]
@@ -31,6 +31,12 @@ _PATIENCE = 2
 
 # A class with this share of a spot's sightings is what stands there; the others are slips.
 _LEADING_SHARE = 0.8
+
+# Eq. 3 similarity from which two spellings are slips of each other.
+_SLIPS = 0.75
+
+# Letter heights, and shares of the length, by which boxes of one text end in different places.
+_STRAY, _STRAY_SHARE = 0.25, 0.02
 
 
 class Spots:
@@ -52,6 +58,22 @@ class Spots:
     def spellings_at(self, placement: Placement, world_from_keyframe: Array) -> set[str]:
         """The comparison keys of what was read where this text stands."""
         return set(self._keys[self._here(placement, world_from_keyframe)].tolist())
+
+    def is_as_long_at(self, text: str, placement: Placement, world_from_keyframe: Array) -> bool:
+        """Whether a text reaches as far as one that was read here as a whole, with no fewer letters and much alike.
+
+        Then all of it is in view, wherever the view ends.
+        """
+        whole = self._here(placement, world_from_keyframe) & (self._rooms >= LINE_ENDS).all(axis=1)
+        key = comparison_key(text)
+        alike = [len(each) <= len(key) and similarity(each, key) >= _SLIPS for each in self._keys[whole].tolist()]
+        if not any(alike):
+            return False
+        position, baseline, _ = _in_world(placement, world_from_keyframe)
+        along = (self._positions[whole][alike] - position) @ baseline
+        widths, heights = self._sizes[whole][alike].T
+        missing = np.median(np.abs(along) + (widths - placement.width) / 2.0)
+        return bool(missing <= _STRAY * np.median(heights) + _STRAY_SHARE * placement.width)
 
     def settled_at(
         self,

@@ -19,6 +19,9 @@ _SUREST = 7.0
 # What stands for the sharpness of a line that nobody looked at, and the least that is believed.
 _USUAL_SHARPNESS, _LEAST_SHARPNESS = 0.25, 0.02
 
+# What a reading with room for one more ideograph is worth: one in seventeen is right; some names stand in two groups.
+_WITH_HOLE = 0.25
+
 
 @dataclass(frozen=True, slots=True)
 class Certainty:
@@ -82,9 +85,11 @@ def probability_right(
     sharpness: float | None = None,
     letter_height: float = _USUAL,
     frontal: float = 1.0,
+    has_hole: bool = False,
 ) -> float:
-    """The probability, 0 to 1, that a reading is exactly what is painted; arguments as of `terms`."""
-    return READING.probability(terms(text, confidence, slots, sharpness, letter_height, frontal))
+    """The probability, 0 to 1, that a reading is exactly what is painted; arguments as of `terms` and `Recognition`."""
+    right = READING.probability(terms(text, confidence, slots, sharpness, letter_height, frontal))
+    return right * _WITH_HOLE if has_hole else right
 
 
 def _logit(probability: float) -> float:

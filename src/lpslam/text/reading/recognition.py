@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from lpslam.config import SpottingConfig
 from lpslam.language.model import Slot, Slots
+from lpslam.language.tables.spelling import is_ideograph
 from lpslam.text.reading.boxes import DOWNWARDS, Boxes
 from lpslam.text.reading.detection import network_input
 from lpslam.text.reading.emblems import without_emblems
@@ -20,6 +21,10 @@ _LINE_HEIGHT = 48
 _KEPT_LETTERS, _LEAST_LETTER = 4, 0.003
 # Probability from which a letter between two others counts as nearly read.
 _NEARLY_READ = 0.1
+# Ideographs from which their places tell whether they stand evenly; times the usual step from one to the next, and
+# steps of the network (six to a letter's height), from which another one has room between two. Of 1,269 readings of
+# drawn and rendered signs 17 have such a hole, one of them right.
+_IDEOGRAPHS_IN_STEP, _HOLE, _HOLE_STEPS = 3, 1.7, 3.0
 # Grey values; below it a line has noise for edges.
 _LEAST_CONTRAST = 8.0
 
@@ -121,8 +126,34 @@ def decode_ctc(probabilities: NDArray[np.float32], alphabet: NDArray[np.str_]) -
         return Recognition("", 0.0)
     text = "".join(alphabet[best[kept]].tolist())
     return Recognition(
-        text, float(probabilities[kept, best[kept]].mean()), _slots(probabilities, best, starts, alphabet)
+        text,
+        float(probabilities[kept, best[kept]].mean()),
+        _slots(probabilities, best, starts, alphabet),
+        has_hole=_has_hole(text, probabilities, best, starts),
     )
+
+
+def _has_hole(text: str, probabilities: NDArray[np.float32], best: NDArray[np.intp], starts: NDArray[np.intp]) -> bool:
+    """Whether two ideographs stand so much farther apart than the others that one more has room between them."""
+    if sum(map(is_ideograph, text)) < _IDEOGRAPHS_IN_STEP:
+        return False
+    ends = [*starts[1:].tolist(), len(best)]
+    runs = [slice(start, end) for start, end in zip(starts.tolist(), ends, strict=True) if best[start] != 0]
+    middles = [
+        float(np.average(np.arange(run.start, run.stop), weights=probabilities[run, best[run.start]])) for run in runs
+    ]
+    gaps = np.array(
+        [
+            middles[at + 1] - middles[at]
+            for at in range(len(text) - 1)
+            if is_ideograph(text[at]) and is_ideograph(text[at + 1])
+        ]
+    )
+    if len(gaps) < 2:
+        return False
+    widest = int(gaps.argmax())
+    usual = float(np.median(np.delete(gaps, widest)))
+    return bool(gaps[widest] >= max(_HOLE * usual, usual + _HOLE_STEPS))
 
 
 def _slots(

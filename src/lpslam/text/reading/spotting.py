@@ -121,9 +121,9 @@ def _is_of_marks(text: str) -> bool:
 def accepted_texts(boxes: Boxes, readings: list[Recognition], config: SpottingConfig) -> list[SpottedText | None]:
     """Clean what was read in (n, 4, 2) boxes; None in place of what is too unsure or too short to be a text."""
     texts: list[SpottedText | None] = []
-    for box, height, (raw, confidence, slots, sharpness) in zip(boxes, letter_heights(boxes), readings, strict=True):
-        text = _without_logos(clean_text(raw, config.max_length))
+    for box, height, read in zip(boxes, letter_heights(boxes), readings, strict=True):
+        text = _without_logos(clean_text(read.text, config.max_length))
         is_spelt = _letters(text) >= config.min_letters and not _is_run(text) and not _is_of_marks(text)
-        is_text = confidence >= config.min_confidence and is_spelt
-        texts.append(SpottedText(text, confidence, box, float(height), slots, sharpness) if is_text else None)
+        is_text = read.confidence >= config.min_confidence and is_spelt
+        texts.append(SpottedText(text, read.confidence, box, float(height), *read[2:]) if is_text else None)
     return texts

@@ -31,9 +31,18 @@ def ends_as_words_do(text: str) -> tuple[bool, bool]:
     first = [words[0], *("".join(words[:count]) for count in counts)]
     last = [words[-1], *("".join(words[-count:]) for count in counts)]
     return (
-        is_ideograph(words[0][0]) or any(map(_is_word, first)),
+        is_ideograph(words[0][0]) or begins_by_case(text) or any(map(_is_word, first)),
         is_ideograph(words[-1][-1]) or any(map(_is_word, last)),
     )
+
+
+def begins_by_case(text: str) -> bool:
+    """Whether a text begins as words do: with a capital before a small letter, of those that differ in shape."""
+    return text[:1] in _CAPITALS and text[1:2].islower()
+
+
+_CAPITALS = frozenset("ABDEFGHJLMNQRTY")
+"""Those of Latin that are no larger copies of their small letters, nor read for another one, as I is."""
 
 
 def is_word(text: str) -> bool:
@@ -58,6 +67,12 @@ def is_lone_character(text: str) -> bool:
     """Whether a text is one ideograph that signs do not bear by itself: as with letters, most are no text."""
     letters = [letter for letter in text if letter.isalnum()]
     return len(letters) == 1 and is_ideograph(letters[0]) and not (letters[0] in _ALONE or is_word(letters[0]))
+
+
+def is_of_rings(text: str) -> bool:
+    """Whether a text has nothing but zeros and Os: rings are read so, and no number is written so."""
+    letters = "".join(letter for letter in text.casefold() if letter.isalnum())
+    return bool(letters) and not letters.strip("0o") and not is_word(text)
 
 
 def says_little(text: str) -> bool:

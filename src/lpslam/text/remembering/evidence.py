@@ -4,12 +4,12 @@ A view is a size, an angle and a visit. Its readings, whatever they say, are wor
 has its share of every view that read it, by how many of its readings are likely right.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import exp, log
 
 from lpslam.config import MemoryConfig
-from lpslam.language.model import Reading, Slots
+from lpslam.language.model import Reading, Slot, Slots
 from lpslam.text.reading.certainty import probability_right
 from lpslam.text.types import TextObservation
 
@@ -21,6 +21,8 @@ _SIZE_STEP, _ANGLE_STEP = 1.3, 0.2
 # Steps of size and angle of what has no place, and what such a view is worth: its slips are mostly those of the next
 # visit. Of 0.2, 0.5, 0.7 and 1 this and 1 make names of drawn lettering, held to have no place, the most probable.
 _NO_VIEW, _NO_VIEW_WORTH = (-1, -1), 0.7
+# Letters kept of one place: of the readings' own four, and what other views held for possible.
+_KEPT_LETTERS = 6
 # Spellings of views kept for one class; those that are least likely right go first.
 _KEPT = 192
 
@@ -54,7 +56,7 @@ class Look:
         count: how often.
         confidence, odds: sums of the readings' confidences, and of the log odds that they are right.
         best: the largest of those.
-        slots: of the reading that had it.
+        slots: the letters' runners-up, the mean of its readings.
     """
 
     text: str
@@ -76,8 +78,32 @@ class Look:
         self.count += 1
         self.confidence += confidence
         self.odds += odds
-        if odds > self.best:
-            self.best, self.slots = odds, slots
+        first, second = (slots, self.slots) if odds > self.best else (self.slots, slots)
+        share = 1.0 / self.count if first is slots else 1.0 - 1.0 / self.count
+        self.slots = pooled(first, second, share)
+        self.best = max(self.best, odds)
+
+
+def pooled(first: Slots, second: Slots, share: float) -> Slots:
+    """The mean of what two readings of one spelling held for possible, the first one's by its share.
+
+    Which of two letters is painted is told by what all views held of each. Gaps are those of the first.
+    """
+    letters = [slot for slot in second if slot[0][0]]
+    if [slot[0][0] for slot in letters] != [slot[0][0] for slot in first if slot[0][0]]:
+        return first
+    following = iter(letters)
+    return tuple(_mean(slot, next(following), share) if slot[0][0] else slot for slot in first)
+
+
+def _mean(first: Slot, second: Slot, share: float) -> Slot:
+    mean: dict[str, float] = {}
+    for slot, part in ((first, share), (second, 1.0 - share)):
+        for letter, probability in slot:
+            mean[letter] = mean.get(letter, 0.0) + part * probability
+    # What was read is what every reading has for likeliest, and stays first.
+    likeliest = sorted(mean.items(), key=lambda each: (each[0] != first[0][0], -each[1], each[0]))
+    return tuple((letter, round(probability, 4)) for letter, probability in likeliest[:_KEPT_LETTERS])
 
 
 def view_of(visit: int, height: float, frontal: float) -> View:
@@ -97,8 +123,10 @@ def note(looks: list[Look], text: str, confidence: float, visit: int, glance: Gl
         looks.remove(min(looks[:-1], key=lambda each: each.odds / each.count))
 
 
-def readings_of(looks: Iterable[Look], config: MemoryConfig) -> list[Reading]:
-    """The spellings as evidence, weightiest first."""
+def readings_of(
+    looks: Iterable[Look], config: MemoryConfig, wholes: Mapping[str, tuple[float, float]] | None = None
+) -> list[Reading]:
+    """The spellings as evidence, weightiest first; `wholes` are those of `wholes_of`."""
     looks = list(looks)
     in_view: dict[View, tuple[int, float]] = {}
     for each in looks:
@@ -112,9 +140,15 @@ def readings_of(looks: Iterable[Look], config: MemoryConfig) -> list[Reading]:
         shares = [_share(each, *in_view[each.view], config.repetition) for each in own]
         odds = sum(share * each.odds / each.count for share, each in zip(shares, own, strict=True)) / sum(shares)
         count = sum(each.count for each in own)
-        slots = max(own, key=lambda each: each.best).slots
+        own.sort(key=lambda each: -each.best)
+        slots, told = own[0].slots, own[0].count
+        for each in own[1:]:
+            told += each.count
+            slots = pooled(slots, each.slots, 1.0 - each.count / told)
         confidence = sum(each.confidence for each in own) / count
-        readings.append(Reading(text, count, confidence, 1.0 / (1.0 + exp(-odds)), sum(shares), slots))
+        whole = (wholes or {}).get(text, (1.0, 1.0))
+        right = 1.0 / (1.0 + exp(-odds))
+        readings.append(Reading(text, count, confidence, right, sum(shares), slots, whole))
     return sorted(readings, key=lambda each: (-(each.looks or 0.0) * (each.right or 0.0), each.text))
 
 
@@ -122,6 +156,16 @@ def _share(look: Look, count: int, right: float, repetition: float) -> float:
     """What a spelling has of its view's worth: of so many readings, so many of which are likely right."""
     worth: float = count**repetition * (_NO_VIEW_WORTH if look.view[1:] == _NO_VIEW else 1.0)
     return worth * look.likely_right / right
+
+
+def wholes_of(observations: Iterable[TextObservation]) -> dict[str, tuple[float, float]]:
+    """By spelling, how probably nothing more stands before and behind it, by the view that shows most."""
+    wholes: dict[str, tuple[float, float]] = {}
+    for each in observations:
+        before, behind = each.whole or (1.0, 1.0)
+        most = wholes.get(each.text, (0.0, 0.0))
+        wholes[each.text] = max(before, most[0]), max(behind, most[1])
+    return wholes
 
 
 def looks_of(observations: Sequence[TextObservation]) -> list[Look]:

@@ -10,6 +10,7 @@ from math import log
 
 from lpslam.language.tables.knowledge import load_knowledge
 from lpslam.language.tables.spelling import is_ideograph
+from lpslam.text.remembering.ends import begins_by_case
 
 LINE_ENDS = 0.4
 """Heights of a box by which the view must go on beyond an end for the line to end there: a space is a third of one."""
@@ -44,13 +45,15 @@ def ends_are_there(text: str, room: tuple[float, float]) -> tuple[float, float]:
         room: how far the view went on before and behind it, in heights of its box.
     """
     key = " ".join(text.casefold().split())
-    return _end_is_there(key, room[0], False), _end_is_there(key[::-1], room[1], True)
+    is_word = begins_by_case(text.strip())
+    return _end_is_there(key, room[0], is_word, False), _end_is_there(key[::-1], room[1], False, True)
 
 
-def _end_is_there(letters: str, room: float, is_end: bool) -> float:
+def _end_is_there(letters: str, room: float, is_word: bool, is_end: bool) -> float:
     if room >= LINE_ENDS or not letters:
         return 1.0
-    return _share_at_rim(letters[:_LONGEST], room >= WORD_ENDS and not is_ideograph(letters[0]), is_end)
+    is_word |= room >= WORD_ENDS
+    return _share_at_rim(letters[:_LONGEST], is_word and not is_ideograph(letters[0]), is_end)
 
 
 @lru_cache(maxsize=4096)

@@ -13,7 +13,7 @@ from enum import StrEnum
 from lpslam.config import MemoryConfig
 from lpslam.language.model import Naming, Reading
 from lpslam.text.reading.certainty import probability_right
-from lpslam.text.remembering.evidence import Glance, Look, note, readings_of
+from lpslam.text.remembering.evidence import Glance, Look, note, readings_of, wholes_of
 from lpslam.text.remembering.similarity import best_class, comparison_key
 from lpslam.text.types import TextObservation
 
@@ -105,7 +105,7 @@ class TextClass:
     def readings(self, config: MemoryConfig) -> list[Reading]:
         """Its spellings as the language layer sees them, weightiest first."""
         if self.looks:
-            return readings_of(self.looks, config)
+            return readings_of(self.looks, config, wholes_of(self.observations))
         counted = [(text, self.variants[text]) for text in self.spellings]
         return [Reading(text, variant.count, variant.confidence / variant.count) for text, variant in counted]
 
