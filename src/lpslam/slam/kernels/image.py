@@ -105,13 +105,15 @@ def _find_corners(
     """Write the FAST score of every corner in a rectangle and append its x, y to `corners`; returns the new count.
 
     Any arc of nine on the circle of sixteen holds one of each opposite pair: a vectorised pass over the pairs leaves
-    a few per cent of the pixels for the full test. `corners` has room for one more than the rectangle has pixels.
+    a few per cent of the pixels for the full test. `corners` has room for eight more than the rectangle has pixels.
     """
     x0, x1, y0, y1 = rectangle
     width = x1 - x0
     step, ceiling = np.uint8(threshold), np.uint8(255 - threshold)
     above, below = np.empty(width, np.uint8), np.empty(width, np.uint8)
-    flags = np.empty(width, np.bool_)
+    # Eight flags are looked at as one word: most words are 0.
+    flags = np.zeros(8 * ((width + 7) // 8), np.uint8)
+    words = flags.view(np.uint64)
     end = count
     for y in range(y0, y1):
         # Slices that start at zero let the compiler see that no index is negative, and vectorise.
@@ -138,10 +140,13 @@ def _find_corners(
             dark &= ((nne[i] < d) | (ssw[i] < d)) & ((ene[i] < d) | (wsw[i] < d))
             dark &= ((sse[i] < d) | (nnw[i] < d)) & ((ese[i] < d) | (wnw[i] < d))
             flags[i] = bright | dark
-        # Written always and counted where flagged: a branch here is mispredicted more often than it saves.
-        for i in range(width):
-            corners[end, 0], corners[end, 1] = x0 + i, y
-            end += flags[i]
+        for k in range(len(words)):
+            if words[k] == 0:
+                continue
+            # Written always and counted where flagged: a branch here is mispredicted more often than it saves.
+            for i in range(8 * k, 8 * k + 8):
+                corners[end, 0], corners[end, 1] = x0 + i, y
+                end += flags[i]
     return int(_keep_corners(image, threshold, scores, corners, count, end))
 
 
@@ -172,7 +177,7 @@ def detect_corners(
     if right <= left or bottom <= top:
         return np.empty((0, 2), np.int32)
     scores = np.zeros((height, width), np.uint8)
-    corners = np.empty(((right - left) * (bottom - top) + 1, 2), np.int32)
+    corners = np.empty(((right - left) * (bottom - top) + 8, 2), np.int32)
     columns = (right - left + cell - 1) // cell
     occupied = np.empty(columns, np.bool_)
     count = 0
@@ -183,11 +188,18 @@ def detect_corners(
         occupied[:] = False
         for i in range(before, count):
             occupied[(corners[i, 0] - left) // cell] = True
-        for column in range(columns):
-            if not occupied[column]:
-                x0 = left + column * cell
-                cell_box = (x0, min(x0 + cell, right), y0, y1)
-                count = _find_corners(image, low, cell_box, scores, corners, count)
+        if low >= high:
+            continue
+        # Empty neighbours are searched as one: long rows are quick, and a row of one cell costs nearly as much.
+        column = 0
+        while column < columns:
+            first = column
+            while column < columns and not occupied[column]:
+                column += 1
+            if column > first:
+                run = (left + first * cell, min(left + column * cell, right), y0, y1)
+                count = _find_corners(image, low, run, scores, corners, count)
+            column += 1
 
     maxima = 0
     for i in range(count):
