@@ -153,6 +153,7 @@ class SurfaceConfig(Section):
 
     width: int = Field(default=160, ge=16)  # pixels across; noise of the shades is averaged, slopes of depth stay
     around: float = Field(default=4.0, gt=0)  # pixels; shades that change more slowly are the light's and the lens's
+    thinned: int = Field(default=2, ge=1)  # pixels of a row to one that is asked: neighbours err alike
     steps: int = Field(default=15, ge=1)  # of Gauss-Newton at most
     settled: float = Field(default=0.05, gt=0)  # sigmas of what images say; a smaller step is the last one
     edge: float = Field(default=0.1, gt=0)  # of the depth; neighbours that differ by more are of two surfaces

@@ -222,7 +222,7 @@ def terms(pose: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[int, int, int
     hessian, gradient, residuals = np.empty((6, 6)), np.empty(6), np.empty((2, reference[0].size))
     noise = (SENSOR.depth_sigma, SENSOR.depth_sigma_quadratic)
     counts = align_terms(
-        reference, image, SURFACES.images.intrinsics, pose, (BRIGHTER, SHADE_SIGMA), noise,
+        reference, image, SURFACES.images.intrinsics, pose, (BRIGHTER, SHADE_SIGMA), noise, 1,
         hessian, gradient, residuals,
     )  # fmt: skip
     return hessian, gradient, counts

@@ -44,11 +44,12 @@ def align_terms(
     pose: NDArray[np.float64],
     brightness: tuple[float, float],
     depth_noise: tuple[float, float],
+    every: int,
     hessian: NDArray[np.float64],
     gradient: NDArray[np.float64],
     residuals: NDArray[np.float64],
 ) -> tuple[int, int, int]:
-    """Normal equations of the pose between two images, from all pixels of the reference with depth.
+    """Normal equations of the pose between two images, from pixels of the reference with depth.
 
     Args:
         reference: (2, h, w) grey value and depth in metres, 0 where there is none.
@@ -58,12 +59,13 @@ def align_terms(
         pose: 4×4 image from reference; it is moved by a twist from the left.
         brightness: what is added to the image's grey values, and their sigma.
         depth_noise: c in metres and q a metre of σ = c + q z².
+        every: how many pixels of a row one pixel is asked for, shifted from row to row; it counts as often.
         hessian, gradient: (6, 6), of which the upper half is filled, and (6,); overwritten.
         residuals: (2, h·w) overwritten for each pixel that fell into the image: by how much its grey value differs, and
             the reference's grey value.
 
     Returns:
-        How many pixels fell into the image, how many have depth in both, and how many of these agree.
+        How many pixels that were asked fell into the image, how many have depth in both, and how many of these agree.
     """
     height, width = reference.shape[1:]
     cx, cy, fx, fy = intrinsics[2], intrinsics[3], intrinsics[0], intrinsics[1]
@@ -80,7 +82,7 @@ def align_terms(
     g0 = g1 = g2 = g3 = g4 = g5 = 0.0
     for row in range(height):
         slope = (row - cy) * down
-        for column in range(width):
+        for column in range(row % every, width, every):
             depth = np.float64(reference[1, row, column])
             if depth <= 0.0:
                 continue
@@ -165,6 +167,8 @@ def align_terms(
     hessian[3, 3], hessian[3, 4], hessian[3, 5] = h33, h34, h35
     hessian[4, 4], hessian[4, 5], hessian[5, 5] = h44, h45, h55
     gradient[0], gradient[1], gradient[2], gradient[3], gradient[4], gradient[5] = g0, g1, g2, g3, g4, g5
+    hessian *= every
+    gradient *= every
     return inside, measured, agreeing
 
 

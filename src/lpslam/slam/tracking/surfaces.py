@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -61,25 +62,36 @@ class _Level:
         return np.ascontiguousarray(self.image[..., 3])
 
 
+class _Terms(NamedTuple):
+    """Normal equations of a pose.
+
+    Attributes:
+        hessian, gradient: (6, 6) and (6,).
+        residuals: (2, n) of grey values, and those of the reference, of the pixels that fell into the image.
+        inside, measured, agreeing: how many these are, how many have depth in both, and how many of those agree.
+    """
+
+    hessian: _Matrix
+    gradient: _Matrix
+    residuals: _Matrix
+    inside: int
+    measured: int
+    agreeing: int
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class _Descent:
     """Where Gauss-Newton has come to on one level.
 
     Attributes:
         pose: 4×4 image from reference.
-        hessian: (6, 6) of the last step.
-        residuals: (2, n) of grey values, and those of the reference, of the pixels that fell into the image.
-        shared: of the reference's pixels with depth, the share of these.
-        measured: of these, the share with depth in both.
-        agreeing: of those, the share whose depths agree.
+        terms: of the last step.
+        shared: of the reference's pixels with depth, the share that fell into the image.
     """
 
     pose: _Matrix
-    hessian: _Matrix
-    residuals: NDArray[np.float64]
+    terms: _Terms
     shared: float
-    measured: float
-    agreeing: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -187,13 +199,9 @@ class Surfaces:
 
         Infinite where they do not overlap.
         """
-        level, residuals = self._level(reference, image, 0), np.empty((2, image[0].size))
         brightness = float(np.median(reference[0]) - np.median(image[0])), self._config.first_shade
-        hessian, gradient = np.empty((6, 6)), np.empty(6)
-        inside, _, _ = align_terms(
-            level.reference, level.image, level.intrinsics, pose, brightness, self._noise, hessian, gradient, residuals
-        )
-        return float(np.median(np.abs(residuals[0, :inside]))) if inside else np.inf
+        terms = self._terms(self._level(reference, image, 0), pose, brightness)
+        return float(np.median(np.abs(terms.residuals[0]))) if terms.inside else np.inf
 
     def _starts(self, reference: _Image, image: _Image, guess: _Matrix, before: _Matrix | None) -> Iterator[_Matrix]:
         """Poses from which to align: the guess, and where the camera was, either also turned as the pictures lie."""
@@ -228,32 +236,39 @@ class Surfaces:
 
     def _descended(self, level: "_Level", pose: _Matrix, guess: _Matrix, seconds: float) -> "_Descent | None":
         """Gauss-Newton from a pose on one level, until a step is a small part of what the images can tell."""
-        config, reference, image = self._config, level.reference, level.image
-        hessian, gradient, residuals = np.empty((6, 6)), np.empty(6), np.empty((2, reference[0].size))
+        config, reference = self._config, level.reference
         prior = np.diag(self.guess_sigmas(seconds) ** -2)
         sigma, offset = config.first_shade, float(np.median(reference[0]) - np.median(level.shades))
-        known = max(int((reference[1] > 0).sum()), 1)
+        known, asked = max((reference[1] > 0).sum() / config.thinned, 1.0), reference[0].size / config.thinned
         for _ in range(config.steps):
-            brightness = offset, config.shade_doubt * sigma
-            inside, measured, agreeing = align_terms(
-                reference, image, level.intrinsics, pose, brightness, self._noise, hessian, gradient, residuals
-            )
-            if inside < config.least_shared * known or measured < config.least_measured * reference[0].size:
+            terms = self._terms(level, pose, (offset, config.shade_doubt * sigma))
+            if terms.inside < config.least_shared * known or terms.measured < config.least_measured * asked:
                 return None
-            sigma = max(1.4826 * float(np.median(np.abs(residuals[0, :inside]))), config.least_shade)
-            hessian += np.triu(hessian, 1).T
+            spread = np.abs(terms.residuals[0, :: config.thinned])
+            sigma = max(1.4826 * float(np.median(spread)), config.least_shade)
             astray = logarithm(pose @ inverse_transform(guess))
-            slope = gradient + prior @ astray
-            step = np.asarray(np.linalg.solve(hessian + prior, -slope), np.float64)
+            slope = terms.gradient + prior @ astray
+            step = np.asarray(np.linalg.solve(terms.hessian + prior, -slope), np.float64)
             pose = exponential(step) @ pose
             if -float(step @ slope) < config.settled**2:
                 break
-        return _Descent(pose, hessian, residuals[:, :inside], inside / known, measured / inside, agreeing / measured)
+        return _Descent(pose, terms, terms.inside / known)
+
+    def _terms(self, level: "_Level", pose: _Matrix, brightness: tuple[float, float]) -> "_Terms":
+        """`align_terms` of a level."""
+        every = self._config.thinned
+        hessian, gradient = np.empty((6, 6)), np.empty(6)
+        residuals = np.empty((2, level.reference[0].size // every + level.reference.shape[1]))
+        images = level.reference, level.image, level.intrinsics
+        counts = align_terms(*images, pose, brightness, self._noise, every, hessian, gradient, residuals)
+        hessian += np.triu(hessian, 1).T
+        return _Terms(hessian, gradient, residuals[:, : counts[0]], *counts)
 
     def _judged(self, level: "_Level", descent: "_Descent", guess: _Matrix, seconds: float) -> Aligned:
         """What a descent on the finest images has come to."""
         config, pose, sigmas = self._config, descent.pose, self.guess_sigmas(seconds)
-        alike = likeness(descent.residuals[1], descent.residuals[0] + descent.residuals[1])
+        terms = descent.terms
+        alike = likeness(terms.residuals[1], terms.residuals[0] + terms.residuals[1])
         seen = self._brought(level.reference, pose)
         is_proven = self._is_proven(level, seen)
         is_like = is_proven or alike > config.least_likeness
@@ -270,7 +285,7 @@ class Surfaces:
         least = config.proven_agreement if is_like else config.least_agreement
         astray = logarithm(pose @ inverse_transform(guess))
         is_near = is_proven or bool((np.abs(astray) <= config.guess_sigmas * sigmas).all())
-        agrees = descent.agreeing >= least and (is_like or is_blank) and is_near
+        agrees = terms.agreeing >= least * terms.measured and (is_like or is_blank) and is_near
         return Aligned(pose, descent.shared, is_firm and agrees, is_turn_firm and agrees, alike, is_proven, information)
 
     def _brought(self, reference: _Image, pose: _Matrix) -> "_Brought":
@@ -289,19 +304,12 @@ class Surfaces:
 
     def _told(self, level: "_Level", descent: "_Descent", seen: "_Brought", by_shades: bool) -> _Matrix:
         """(6, 6) what two images tell of a pose: less what noise alone would."""
-        reference, image = level.reference, level.image
-        noise, by_depth = self._depth_noise(level.smooth), np.empty((6, 6))
-        gradient, residuals = np.empty(6), np.empty((2, reference[0].size))
-        no_shades = (0.0, _NEVER)
-        align_terms(
-            reference, image, level.intrinsics, descent.pose, no_shades, self._noise, by_depth, gradient, residuals
-        )
-        by_depth += np.triu(by_depth, 1).T
-        by_noise = seen.by_noise
-        told = (by_depth - noise**2 * descent.measured * by_noise) / max(noise, self._config.least_noise) ** 2
+        noise, measured = self._depth_noise(level.smooth), descent.terms.measured / descent.terms.inside
+        by_depth = self._terms(level, descent.pose, (0.0, _NEVER)).hessian
+        told = (by_depth - noise**2 * measured * seen.by_noise) / max(noise, self._config.least_noise) ** 2
         if not by_shades:
             return told
-        return told + (descent.hessian - by_depth - _SMOOTHED / self._config.shade_doubt**2 * by_noise)
+        return told + (descent.terms.hessian - by_depth - _SMOOTHED / self._config.shade_doubt**2 * seen.by_noise)
 
     def _depth_noise(self, depth: _Image) -> float:
         """How many sigmas the readings (h, w) of smooth surfaces are off, by how little they lie in planes."""
