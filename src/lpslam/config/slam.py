@@ -37,12 +37,14 @@ class ShutterConfig(Section):
     views: int = Field(default=12, ge=2)  # latest views that are kept for comparing
     compared: int = Field(default=3, ge=1)  # of them, those that moved most differently, compared with each new one
     interval: float = 0.1  # seconds between views that are compared; nearer ones see the same
-    settled_interval: float = 2.0  # the same, once `pairs` have been compared: only to notice that it was wrong
+    settled_interval: float = 2.0  # the same, once it is settled: only to notice that it was wrong
     least_difference: float = 0.15  # radians a second between the views; 30 ms bend them by 2 pixels then
     min_matches: int = Field(default=60, ge=12)  # points of a pair that must agree; fewer hardly hold seven unknowns
     largest_sigma: float = 0.005  # seconds; a pair that knows less says nothing
     longest: float = 0.06  # seconds; no camera takes longer, what would is a pair gone wrong
     pairs: int = Field(default=120, ge=1)  # latest pairs that count; with so many it is settled
+    # With fewer it is settled as well, where the least change would be more than all that is left in doubt.
+    settled_pairs: int = Field(default=40, ge=1)
     min_pairs: int = Field(default=6, ge=2)  # before which nothing is corrected: each may be wrong by its velocities
     certain_sigmas: float = 3.0  # by which another readout must differ from the present one
     least_change: float = 0.001  # seconds, the same; less is not worth straightening all keyframes

@@ -14,8 +14,10 @@ from lpslam.evaluation.trajectory import absolute_trajectory_error
 from lpslam.poses import StampedPoses
 from lpslam.slam.kernels.geometry import exponential, logarithm
 from lpslam.slam.kernels.shutter import straighten
+from lpslam.slam.map import SlamMap
 from lpslam.slam.sensor import SensorModel
 from lpslam.slam.shutter.readout import Correspondences, readout_between
+from lpslam.slam.shutter.straightening import RollingShutter
 from lpslam.slam.system import RgbdSlam
 from lpslam.sources.ground_truth import read_ground_truth
 from lpslam.sources.open import open_source
@@ -138,3 +140,18 @@ def test_a_recorded_desk_in_quick_turns_is_tracked_whole_to_the_centimetre() -> 
     estimate = StampedPoses(*slam.trajectory.world_from_camera(slam.map))
     assert len(estimate) == len(tracked)
     assert absolute_trajectory_error(truth, estimate).rmse < 0.02
+
+
+@pytest.mark.parametrize(("spread", "is_settled"), [(0.0004, True), (0.006, False)])
+def test_a_readout_is_settled_once_what_is_left_in_doubt_is_less_than_the_least_change(
+    spread: float, is_settled: bool
+) -> None:
+    config = ShutterConfig(settled_pairs=40)
+    shutter = RollingShutter(SENSOR, SlamMap(100, SENSOR.scales), SlamConfig().tracking, config)
+    shutter._gaps.append(1 / 30)
+    shutter._pairs.extend((float(value), 1e6) for value in np.linspace(-spread, spread, 39))
+    shutter._reconsider()
+    assert not shutter.is_settled
+    shutter._pairs.append((0.0, 1e6))
+    shutter._reconsider()
+    assert shutter.is_settled is is_settled

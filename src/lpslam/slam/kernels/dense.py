@@ -4,6 +4,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from lpslam.slam.kernels.geometry import exponential, logarithm, multiply
+from lpslam.slam.kernels.linear import solve_positive
 from lpslam.slam.kernels.reprojection import MIN_DEPTH
 
 _HUBER = 1.5
@@ -170,6 +172,91 @@ def align_terms(
     hessian *= every
     gradient *= every
     return inside, measured, agreeing
+
+
+@njit(cache=True, nogil=True)
+def descend(
+    images: tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float64]],
+    pose: NDArray[np.float64],
+    prior: tuple[NDArray[np.float64], NDArray[np.float64]],
+    shades: tuple[float, float, float, float],
+    depth_noise: tuple[float, float],
+    every: int,
+    limits: tuple[int, float, float, float],
+    hessian: NDArray[np.float64],
+    gradient: NDArray[np.float64],
+    residuals: NDArray[np.float64],
+) -> tuple[int, int, int]:
+    """Gauss-Newton from a pose between two images, until a step is a small part of what they can tell.
+
+    Args:
+        images: reference, image and intrinsics, as `align_terms` takes them.
+        pose: (4, 4) image from reference; where to begin, overwritten with where it ends.
+        prior: inverse of the guess, (4, 4) reference from image, and (6,) how sure it is, σ⁻² each.
+        shades: what is added to the image's grey values; their sigma before they are compared; by how much more they
+            err than that tells; and the least sigma.
+        depth_noise, every: as of `align_terms`.
+        limits: steps at most; how many pixels must fall into the image, and have depth in both; and the squared sigmas
+            of a step that is the last one.
+        hessian, gradient, residuals: as of `align_terms`, of the last step, but for the lower half of the hessian.
+
+    Returns:
+        The counts of `align_terms` in the last step; -1 first where too few pixels were compared.
+    """
+    steps, least_inside, least_measured, settled = limits
+    offset, sigma, doubt, least_sigma = shades
+    reference, image, intrinsics = images
+    sizes, system, step = np.empty(residuals.shape[1]), np.empty((6, 6)), np.empty(6)
+    inside = measured = agreeing = 0
+    for _ in range(steps):
+        brightness = (offset, doubt * sigma)
+        inside, measured, agreeing = align_terms(
+            reference, image, intrinsics, pose, brightness, depth_noise, every, hessian, gradient, residuals
+        )
+        if inside < least_inside or measured < least_measured:
+            return -1, measured, agreeing
+        count = 0
+        for k in range(0, inside, every):
+            sizes[count] = abs(residuals[0, k])
+            count += 1
+        sigma = max(1.4826 * _middle(sizes, count), least_sigma)
+        astray = logarithm(multiply(pose, prior[0]))
+        slope = gradient + prior[1] * astray
+        system[:] = hessian
+        for i in range(6):
+            system[i, i] += prior[1][i]
+            step[i] = -slope[i]
+        if not solve_positive(system, step):
+            return -1, measured, agreeing
+        pose[:] = multiply(exponential(step), pose)
+        if -np.dot(step, slope) < settled:
+            break
+    return inside, measured, agreeing
+
+
+@njit(cache=True, nogil=True)
+def _middle(values: NDArray[np.float64], count: int) -> float:
+    """The upper median of the first `count` values, which are put into another order (Hoare 1961)."""
+    wanted, low, high = count // 2, 0, count - 1
+    while low < high:
+        pivot = values[(low + high) // 2]
+        i, j = low, high
+        while i <= j:
+            while values[i] < pivot:
+                i += 1
+            while pivot < values[j]:
+                j -= 1
+            if i <= j:
+                values[i], values[j] = values[j], values[i]
+                i += 1
+                j -= 1
+        if wanted <= j:
+            high = j
+        elif wanted >= i:
+            low = i
+        else:
+            break
+    return float(values[wanted])
 
 
 @njit(cache=True, nogil=True)

@@ -70,6 +70,7 @@ class RollingShutter:
         self._waiting: _Waiting | None = None
         self._gaps: deque[float] = deque(maxlen=_GAPS)
         self._better: float | None = None
+        self._doubt = np.inf
         self._keyframes: dict[int, tuple[Features, _Matrix | None]] = {}
 
     def straighten(self, seen: Features, twist: _Matrix | None) -> Features:
@@ -142,7 +143,12 @@ class RollingShutter:
     @property
     def is_settled(self) -> bool:
         """Whether so much has been compared that the readout hardly changes any more."""
-        return self._config.readout is not None or len(self._pairs) >= self._config.pairs
+        config = self._config
+        return (
+            config.readout is not None
+            or len(self._pairs) >= config.pairs
+            or (len(self._pairs) >= config.settled_pairs and self._doubt < config.least_change)
+        )
 
     def _compare(self, one: _MovingView, other: _MovingView) -> None:
         a, b = one.frame, other.frame
@@ -183,6 +189,7 @@ class RollingShutter:
         share = weights / weights.sum()
         sigma = 1.5 * weighted_median(np.abs(values - middle), weights) * float(np.sqrt(np.square(share).sum()))
         difference = abs(middle - self.readout)
+        self._doubt = difference + self._config.certain_sigmas * sigma
         if difference > max(self._config.least_change, self._config.certain_sigmas * sigma):
             self._better = middle
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera, inverse_transform
 from lpslam.config import SurfaceConfig
-from lpslam.slam.kernels.dense import align_terms, bring
+from lpslam.slam.kernels.dense import align_terms, bring, descend
 from lpslam.slam.kernels.geometry import exponential, logarithm
 from lpslam.slam.sensor import SensorModel
 from lpslam.slam.tracking.relief import likeness, relief, shift_between, shift_of
@@ -50,6 +50,11 @@ class _Level:
     reference: _Image
     image: _Image
     intrinsics: _Matrix
+
+    @property
+    def images(self) -> tuple[_Image, _Image, _Matrix]:
+        """As kernels take them."""
+        return self.reference, self.image, self.intrinsics
 
     @property
     def shades(self) -> _Image:
@@ -236,33 +241,44 @@ class Surfaces:
 
     def _descended(self, level: "_Level", pose: _Matrix, guess: _Matrix, seconds: float) -> "_Descent | None":
         """Gauss-Newton from a pose on one level, until a step is a small part of what the images can tell."""
-        config, reference = self._config, level.reference
-        prior = np.diag(self.guess_sigmas(seconds) ** -2)
-        sigma, offset = config.first_shade, float(np.median(reference[0]) - np.median(level.shades))
-        known, asked = max((reference[1] > 0).sum() / config.thinned, 1.0), reference[0].size / config.thinned
-        for _ in range(config.steps):
-            terms = self._terms(level, pose, (offset, config.shade_doubt * sigma))
-            if terms.inside < config.least_shared * known or terms.measured < config.least_measured * asked:
-                return None
-            spread = np.abs(terms.residuals[0, :: config.thinned])
-            sigma = max(1.4826 * float(np.median(spread)), config.least_shade)
-            astray = logarithm(pose @ inverse_transform(guess))
-            slope = terms.gradient + prior @ astray
-            step = np.asarray(np.linalg.solve(terms.hessian + prior, -slope), np.float64)
-            pose = exponential(step) @ pose
-            if -float(step @ slope) < config.settled**2:
-                break
+        config, reference, every = self._config, level.reference, self._config.thinned
+        known = max((reference[1] > 0).sum() / every, 1.0)
+        offset = float(np.median(reference[0]) - np.median(level.shades))
+        pose, hessian, gradient = pose.copy(), np.empty((6, 6)), np.empty(6)
+        residuals = self._room_for_residuals(level)
+        counts = descend(
+            level.images,
+            pose,
+            (inverse_transform(guess), self.guess_sigmas(seconds) ** -2),
+            (offset, config.first_shade, config.shade_doubt, config.least_shade),
+            self._noise,
+            every,
+            (
+                config.steps,
+                config.least_shared * known,
+                config.least_measured * reference[0].size / every,
+                config.settled**2,
+            ),
+            hessian,
+            gradient,
+            residuals,
+        )
+        if counts[0] < 0:
+            return None
+        terms = _Terms(_symmetric(hessian), gradient, residuals[:, : counts[0]], *counts)
         return _Descent(pose, terms, terms.inside / known)
 
     def _terms(self, level: "_Level", pose: _Matrix, brightness: tuple[float, float]) -> "_Terms":
         """`align_terms` of a level."""
+        hessian, gradient, residuals = np.empty((6, 6)), np.empty(6), self._room_for_residuals(level)
         every = self._config.thinned
-        hessian, gradient = np.empty((6, 6)), np.empty(6)
-        residuals = np.empty((2, level.reference[0].size // every + level.reference.shape[1]))
-        images = level.reference, level.image, level.intrinsics
-        counts = align_terms(*images, pose, brightness, self._noise, every, hessian, gradient, residuals)
-        hessian += np.triu(hessian, 1).T
-        return _Terms(hessian, gradient, residuals[:, : counts[0]], *counts)
+        counts = align_terms(*level.images, pose, brightness, self._noise, every, hessian, gradient, residuals)
+        return _Terms(_symmetric(hessian), gradient, residuals[:, : counts[0]], *counts)
+
+    def _room_for_residuals(self, level: "_Level") -> _Matrix:
+        """(2, n) for the pixels of a level that are asked."""
+        height, width = level.reference.shape[1:]
+        return np.empty((2, height * (width // self._config.thinned + 1)))
 
     def _judged(self, level: "_Level", descent: "_Descent", guess: _Matrix, seconds: float) -> Aligned:
         """What a descent on the finest images has come to."""
@@ -321,6 +337,10 @@ class Surfaces:
         """Whether a relief (h, w) is hardly more than noise: then pictures need not be alike."""
         noise = 1.4826 * float(np.median(np.abs(cv2.Laplacian(shades, cv2.CV_32F)))) / _LAPLACE_NOISE
         return float(shades.std()) < max(self._config.blank_contrast * noise, self._config.least_contrast)
+
+
+def _symmetric(upper: _Matrix) -> _Matrix:
+    return upper + np.triu(upper, 1).T
 
 
 def halved(image: _Image, times: int, edge: float) -> _Image:
