@@ -293,11 +293,9 @@ class Surfaces:
         information = told
         told = told * np.outer(sigmas, sigmas) * config.told_share**2
         is_firm = bool(np.linalg.eigvalsh(told)[0] > 1.0)
-        # Of the turn alone, wherever the camera has stepped.
-        turn = told[3:, 3:] - told[3:, :3] @ np.linalg.pinv(told[:3, :3], hermitian=True) @ told[:3, 3:]
         is_blank = not is_like and (self._is_blank(level.reference[0]) or self._is_blank(level.shades))
         # A wall tells how the camera turns away from it; where nothing is on it, nothing tells how it rolls before it.
-        is_turn_firm = is_firm or bool(np.linalg.eigvalsh(turn)[1 if is_blank else 0] > 1.0)
+        is_turn_firm = is_firm or bool(np.linalg.eigvalsh(_of_turn(told))[1 if is_blank else 0] > 1.0)
         least = config.proven_agreement if is_like else config.least_agreement
         astray = logarithm(pose @ inverse_transform(guess))
         is_near = is_proven or bool((np.abs(astray) <= config.guess_sigmas * sigmas).all())
@@ -337,6 +335,12 @@ class Surfaces:
         """Whether a relief (h, w) is hardly more than noise: then pictures need not be alike."""
         noise = 1.4826 * float(np.median(np.abs(cv2.Laplacian(shades, cv2.CV_32F)))) / _LAPLACE_NOISE
         return float(shades.std()) < max(self._config.blank_contrast * noise, self._config.least_contrast)
+
+
+def _of_turn(told: _Matrix) -> _Matrix:
+    """(3, 3) what is told of the turn alone, wherever the camera has stepped."""
+    turn: _Matrix = told[3:, 3:] - told[3:, :3] @ np.linalg.pinv(told[:3, :3], hermitian=True) @ told[:3, 3:]
+    return turn
 
 
 def _symmetric(upper: _Matrix) -> _Matrix:
