@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Any
 
 from lpslam.language.sanitise import clean_text
@@ -41,7 +41,7 @@ def _table() -> Mapping[str, Any]:
 
 
 @lru_cache(maxsize=1)
-def _patterns() -> Mapping[str, re.Pattern[str]]:
+def _rows() -> Mapping[str, str]:
     """What boards say and what is asked, put together of the rows of the table."""
     table = _table()
 
@@ -73,7 +73,13 @@ def _patterns() -> Mapping[str, re.Pattern[str]]:
         "later": rf"{table['after']}|{table['after_after']}",
         "sooner": rf"{table['before']}|{table['before_after']}",
     }
-    return {name: re.compile(row, re.IGNORECASE) for name, row in rows.items()}
+    return rows
+
+
+@cache
+def _pattern(name: str) -> re.Pattern[str]:
+    """A pattern, made ready when it is first looked for."""
+    return re.compile(_rows()[name], re.IGNORECASE)
 
 
 def _minute(found: re.Match[str], at: str, half: str = "") -> int:
@@ -108,14 +114,15 @@ def without_hours(text: str) -> str:
 def _read(text: str) -> tuple[tuple[Hours, ...], str]:
     if not any(ch.isdigit() for ch in text) and "oc" not in text and "uhr" not in text.casefold():
         return (), text
-    patterns, hours, bare = _patterns(), [], text
-    if patterns["all_day"].search(text):
-        return (ALL_DAY,), " ".join(patterns["all_day"].sub(" ", text).split())
-    for found in patterns["range"].finditer(text):
+    hours: list[Hours] = []
+    bare = text
+    if _pattern("all_day").search(text):
+        return (ALL_DAY,), " ".join(_pattern("all_day").sub(" ", text).split())
+    for found in _pattern("range").finditer(text):
         if _says_time(found, "1") or _says_time(found, "2"):
             hours.append(_between(_minute(found, "1", found["half2"] or ""), _minute(found, "2")))
             bare = bare.replace(found.group(), " ")
-    for found in patterns["until"].finditer(text) if not hours else ():
+    for found in _pattern("until").finditer(text) if not hours else ():
         at = "1" if found["h1"] else "2"
         if _says_time(found, at):
             hours.append(_between(_OPENS, _minute(found, at)))
@@ -139,19 +146,18 @@ class Asked:
 @lru_cache(maxsize=1 << 10)
 def asked_time(question: str) -> Asked | None:
     """Return when a place must be open, where a question says so."""
-    patterns = _patterns()
-    painted = patterns["numeral"].sub(_digits, question)
+    painted = _pattern("numeral").sub(_digits, question)
     folded = painted.casefold()
-    spelled = with_digits(folded, lambda at: patterns["led"].search(folded[:at]) is not None, lambda _: False)
-    if patterns["all_day"].search(question):
-        return Asked((3 * _HOUR,), _without_open(patterns["all_day"].sub(" ", question)))
+    spelled = with_digits(folded, lambda at: _pattern("led").search(folded[:at]) is not None, lambda _: False)
+    if _pattern("all_day").search(question):
+        return Asked((3 * _HOUR,), _without_open(_pattern("all_day").sub(" ", question)))
     for text in dict.fromkeys((painted, spelled)):
-        for found in patterns["asked"].finditer(text) if any(ch.isdigit() for ch in text) else ():
+        for found in _pattern("asked").finditer(text) if any(ch.isdigit() for ch in text) else ():
             if int(found["h"]) <= 24 and _is_time(found):
                 return Asked(_meant(found), _without_open(f"{text[: found.start()]} {text[found.end() :]}"))
     for name, minute in (("noon", _NOON), ("midnight", 1)):
-        if patterns[name].search(painted):
-            return Asked((minute,), _without_open(patterns[name].sub(" ", painted)))
+        if _pattern(name).search(painted):
+            return Asked((minute,), _without_open(_pattern(name).sub(" ", painted)))
     return None
 
 
@@ -161,7 +167,7 @@ def _digits(found: re.Match[str]) -> str:
 
 
 def _without_open(text: str) -> str:
-    return " ".join(_patterns()["open"].sub(" ", text).split()).strip(" ,.;?!，。？、")
+    return " ".join(_pattern("open").sub(" ", text).split()).strip(" ,.;?!，。？、")
 
 
 def _part_of_day(found: re.Match[str]) -> str:
@@ -170,17 +176,17 @@ def _part_of_day(found: re.Match[str]) -> str:
 
 def _is_time(found: re.Match[str]) -> bool:
     """Whether a number is a time: it has a unit, minutes with a colon, or stands after “at” with a part of the day."""
-    patterns, is_last = _patterns(), not found.string[found.end() :].strip(" .,!?")
-    if found["half"] or patterns["unit"].fullmatch(found["unit"] or "") or _part_of_day(found):
+    is_last = not found.string[found.end() :].strip(" .,!?")
+    if found["half"] or _pattern("unit").fullmatch(found["unit"] or "") or _part_of_day(found):
         return True
-    if is_last and patterns["sharp"].fullmatch(found["lead"] or ""):
+    if is_last and _pattern("sharp").fullmatch(found["lead"] or ""):
         return True
     is_led = found["lead"] is not None or found["tail"] is not None
     return is_led and bool(found["unit"] or found["n"] or (found["m"] and ":" in found.group()))
 
 
 def _meant(found: re.Match[str]) -> tuple[int, ...]:
-    minute, part, patterns = _minute(found, ""), _part_of_day(found), _patterns()
+    minute, part = _minute(found, ""), _part_of_day(found)
     hour = minute // _HOUR
     minutes = [minute]
     if part in ("evening", "night") and hour == 12:
@@ -191,7 +197,7 @@ def _meant(found: re.Match[str]) -> tuple[int, ...]:
     elif not (part or found["half"] or found["unit"]) and hour <= 12 and found["lead"]:
         minutes = [minute, minute + _NOON]
     said = [found["lead"] or "", found["tail"] or ""]
-    step = sum(bool(patterns["later"].fullmatch(each)) - bool(patterns["sooner"].fullmatch(each)) for each in said)
+    step = sum(bool(_pattern("later").fullmatch(each)) - bool(_pattern("sooner").fullmatch(each)) for each in said)
     return tuple((each + step) % _DAY for each in minutes)
 
 

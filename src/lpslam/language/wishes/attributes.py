@@ -20,8 +20,8 @@ def _pattern(joined: str) -> re.Pattern[str]:
     words = re.split(r"\|(?![^()]*\))", joined)
     spaced = "|".join(word for word in words if not is_unspaced(word))
     unspaced = "|".join(word for word in words if is_unspaced(word))
-    # “Haupt-” and “Süd-” begin words.
-    return re.compile(rf"(?<!\w)(?:{spaced})(?!(?<=\w)[^\W_])|(?<!\w)(?:{_prefixes(words)})|{unspaced}", re.IGNORECASE)
+    # It is looked for in texts without capitals. “Haupt-” and “Süd-” begin words.
+    return re.compile(rf"(?<!\w)(?:{spaced})(?!(?<=\w)[^\W_])|(?<!\w)(?:{_prefixes(words)})|{unspaced}")
 
 
 def _prefixes(words: list[str]) -> str:

@@ -30,10 +30,10 @@ _ENDS_NUMERAL = re.compile(r"$|[^\u4e00-\u9fff가-힣]|[在怎吗嗎呢去哪은
 _FEWEST_TOGETHER = 3  # characters of a numeral and of what it numbers right behind it: 四病棟, but 이동
 _THIS_ONE = re.compile(r"(?<![가-힣])([일이삼사오육칠팔구])(?=번 (?!정류장)(\S+))")  # “이번 정류장” is this stop
 _ONE = r"(?:[a-z]{1,2}[-.]?|[b-z] )?\d{1,4}(?:[-.]\d{1,4}){0,2}(?:-?[a-z]| [a-z](?=[\u2e80-\uffff]))?|[a-z]"
-_CODE = re.compile(rf"(?<![a-zà-ÿ0-9'’])({_ONE})(?![^\W_\u2e80-\uffff])(?!['’-][^\W\d_])", re.IGNORECASE)
+_CODE = re.compile(rf"(?<![a-zà-ÿ0-9'’])({_ONE})(?![^\W_\u2e80-\uffff])(?!['’-][^\W\d_])")
 _TO = "-|–|—|~|〜|～|to|bis|through|thru|à|a|al|至|到|から|부터|에서"
 _END = r"(?=[a-z\d])([a-z]{0,2})(\d{0,4})"
-_RANGE = re.compile(rf"(?<![a-zà-ÿ0-9]){_END} ?(?:{_TO}) ?{_END}(?![a-z0-9])", re.IGNORECASE)
+_RANGE = re.compile(rf"(?<![a-zà-ÿ0-9]){_END} ?(?:{_TO}) ?{_END}(?![a-z0-9])")
 _TIMES = (
     r"min(?:ute)?n?s?|minutos|分钟|分鐘|小时|小時|時間|시간|分(?!院)|hours?|horas|heures|stunden|days?|días|jours|tage|天|日間|weeks?|semanas?|wochen?|semaines?|周(?!边)|週間|주(?![가-힣])|months?|mes(?:es)?(?![a-z])|monate?|mois|个月|個月|か月|ヶ月|개월|"
     r"a\.?m\.?|p\.?m\.?|uhr|o'clock|点|點|時|시(?!\S)|h(?![a-z])|years?|años|ans|jahre|岁|歳|살"

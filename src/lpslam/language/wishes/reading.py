@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from lpslam.language.languages import LANGUAGES, LATIN
 from lpslam.language.questions.question import read_question
-from lpslam.language.questions.speaking import languages_of
+from lpslam.language.questions.speaking import is_surely_one, languages_of
 from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.hours import asked_time
 from lpslam.language.tables.knowledge import Knowledge
@@ -57,7 +57,7 @@ _POSSESSIVE = re.compile(r"['’]s?$")
 def wish_languages(text: str, knowledge: Knowledge) -> tuple[str, ...]:
     """Return the languages whose rules are tried, likeliest first."""
     likely = [language for language in languages_of(text, knowledge) if language in LANGUAGES]
-    if not likely or likely[0] in LATIN:
+    if not likely or (likely[0] in LATIN and not is_surely_one(text, knowledge)):
         likely += [language for language in LATIN if language not in likely]
     return tuple(dict.fromkeys(likely))
 
