@@ -53,3 +53,18 @@ def test_a_text_is_parted_by_its_refusal(language: str, text: str, wanted: str, 
 )
 def test_what_is_refused_is_left_out(question: str, boards: Sequence[str], board: str) -> None:
     assert found(question, boards) == board
+
+
+@pytest.mark.parametrize(
+    ("question", "boards", "expected"),
+    [
+        ("a ballroom, but not A, that's the wedding of the other people", ("연회장 A", "연회장 B"), "연회장 B"),
+        ("el almacén, pero el A no", ("Almacén A", "Almacén B"), "Almacén B"),
+    ],
+)
+def test_a_letter_alone_is_refused(question: str, boards: tuple[str, ...], expected: str) -> None:
+    assert found(question, boards) == expected
+
+
+def test_a_number_is_heeded_where_a_kind_is_read() -> None:
+    assert found("Squash 9", ("Squash 1-4", "Toilets")) is None

@@ -12,6 +12,8 @@ from lpslam.navigation.solver import solve
 @pytest.mark.parametrize(
     ("question", "relation", "what", "anchor", "start"),
     [
+        ("which gallery faces the Museum Shop?", "opposite", "", "the Museum Shop", ""),
+        ("カラオケのすぐ向かいは何", "opposite", "", "カラオケ", ""),
         ("Which café is quickest to reach from the entrance?", "near", "Which café", "the entrance", ""),
         ("the lift that I can reach fastest from the reception", "near", "the lift", "the reception", ""),
         ("Welche Toiletten liegen näher am Ausgang?", "near", "Welche Toiletten", "Ausgang", ""),

@@ -181,7 +181,7 @@ def _is_number(folded: str, hit: re.Match[str]) -> bool:
         return True
     thing = _classes()[0].match(rest)
     is_told = folded[: hit.start()].endswith(("第", "제"))
-    return thing is not None and len(numeral + thing.group()) + is_told >= _FEWEST_TOGETHER and numeral not in "一两兩"
+    return thing is not None and len(numeral + thing.group()) + is_told >= _FEWEST_TOGETHER and numeral not in "两兩"
 
 
 def _code(text: str, of: frozenset[str]) -> Code:
@@ -282,15 +282,6 @@ def all_numbers(text: str) -> list[Code]:
     """Return all numbers that a text says, in digits or words, of whatever."""
     said = with_digits(_folded(text), lambda at: True, lambda at: True)
     return [_code(number, frozenset()) for number in re.findall(r"(?<!\w)\d{1,4}(?!\w)", said)]
-
-
-def numbers_beside(text: str) -> list[tuple[str, Code]]:
-    """Return the words that stand right before numbers in a text, and the numbers: “unit forty-five”."""
-    said = with_digits(_folded(_QUANTITY.sub(" ", text)), lambda at: at > 0, lambda at: False)
-    return [(word, _code(number, frozenset())) for word, number in _BESIDE.findall(said)]
-
-
-_BESIDE = re.compile(r"([^\W\d_]{3,}) (?:(?:number|nummer|num[eé]ro|número) )?(\d{1,4})(?!\w)")
 
 
 def spoken_numbers(text: str) -> list[Code]:

@@ -18,7 +18,6 @@ from lpslam.language.wishes.codes import (
     board_keys,
     code_of,
     lettered_numbers,
-    numbers_beside,
     numbers_in,
     spoken_numbers,
     without_codes,
@@ -26,6 +25,7 @@ from lpslam.language.wishes.codes import (
 from lpslam.language.wishes.form import Identity, Sort, Stop
 from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.reading import content_of, wish_languages
+from lpslam.language.wishes.refusals import letter_of
 from lpslam.language.wishes.rules import person_of
 from lpslam.language.wishes.served import AS_WELL
 
@@ -112,7 +112,11 @@ class Identities:
     def differs(self, id_: int, stop: Stop) -> bool:
         """Whether a board bears codes of what a stop numbers, but not the one that is asked for."""
         asked = [code_of(each) for each in stop.identity if each.sort is Sort.CODE]
-        of_it = [(code, [each for each in self.codes_of(id_) if each.of & code.of]) for code in asked]
+        # “Squash 9” is no Squash 1–4, whatever is numbered so.
+        of_it = [
+            (code, [each for each in self.codes_of(id_) if each.of & code.of or not (each.of or code.of)])
+            for code in asked
+        ]
         return any(same and not any(each.bears(code) for each in same) for code, same in of_it)
 
     def _has_such(self, identity: Identity) -> bool:
@@ -189,27 +193,20 @@ class Identities:
         """The landmarks that bear a number which is said in words, of whatever: “two oh seven”, “bee twelve”."""
         said = (*lettered_numbers(what), *spoken_numbers(what))
         scores = next((found for code in said if (found := self._coded(code) or self._alike(code))), {})
-        if not scores:
-            # “Unit 45” is of Units 40–52, whatever units are.
-            beside = [
-                (self._names.bearing(unit), code)
-                for word, code in numbers_beside(what)
-                for unit in self._knowledge.folder.units(word)
-                if not any(unit in common for common in self._knowledge.common.values())
-            ]
-            scores = {id_: self._coded(code).get(id_, 0.0) for ids, code in beside for id_ in ids}
         best = max(scores.values(), default=0.0)
         return {id_: _SURE for id_ in sorted(scores) if scores[id_] == best > 0.0}
 
     def bearing(self, text: str, ids: Callable[[], Iterable[int]]) -> set[int]:
         """Those of some landmarks that bear a number or code which a text says; they are asked for if it says any."""
         said = [*asked_codes(text), *all_numbers(text)]
-        return {
+        letter = letter_of(text)
+        found = {
             id_
             for id_ in (ids() if said else ())
             for code in self.codes_of(id_)
             if any(code.bears(each) for each in said)
         }
+        return found | (self._names.bearing(letter).intersection(ids()) if letter else set())
 
     def of_the_number(self, what: str, scores: Mapping[int, float]) -> dict[int, float]:
         """Of boards of one sort, the one that bears the number that is said: “mine is locker 37” is Lockers 1–60."""

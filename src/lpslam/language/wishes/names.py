@@ -26,6 +26,7 @@ _SAME_PERSON = 90.0  # of 100: Schmidt and Schmitt may be two people, Schneider 
 _FAR = 9  # letters of a word in which two slips are forgiven
 _LONG = 5  # letters of a word in which a slip is forgiven
 _STEM, _STEM_SHARE = 5, 0.6  # letters with which words begin alike, at least, and their share of the shorter one
+_KEPT = 256  # words of which it is kept who bears them
 _SHORTEST = 4  # letters of a surname that is known by its sound
 
 
@@ -66,6 +67,7 @@ class Names:
         for id_, lines in self._words.items():
             for piece in {piece for line in lines for piece in (*line.units, *pairs_of(line.runs))}:
                 self._ids_of.setdefault(piece, set()).add(id_)
+        self._borne: dict[str, set[int]] = {}  # by words of late: they are asked for again and again of one question
         self._long = [unit for unit in self._ids_of if len(unit) >= _LONG]
 
     def _all_words(self, landmarks: Sequence[Candidate]) -> dict[int, list[Words]]:
@@ -129,11 +131,15 @@ class Names:
         if is_unspaced(word):
             pairs = [self._ids_of.get(pair, set()) for pair in pairs_of((word,))]
             return set.intersection(*pairs) if pairs else set()
-        ids = set(self._ids_of.get(word, ()))
-        if len(word) >= _LONG:
-            slips = _slips(word)
-            near = process.extract(word, self._long, scorer=Levenshtein.distance, score_cutoff=slips, limit=None)
-            ids.update(*(self._ids_of[unit] for unit, _, _ in near))
+        ids = self._borne.get(word)
+        if ids is None:
+            ids = set(self._ids_of.get(word, ()))
+            if len(word) >= _LONG:
+                slips = _slips(word)
+                near = process.extract(word, self._long, scorer=Levenshtein.distance, score_cutoff=slips, limit=None)
+                ids.update(*(self._ids_of[unit] for unit, _, _ in near))
+            # Replaced, not changed: threads ask at the same time.
+            self._borne = {**(self._borne if len(self._borne) < _KEPT else {}), word: ids}
         return ids
 
     def covered(self, content: Sequence[str]) -> dict[int, float]:
