@@ -49,3 +49,12 @@ def test_an_odd_mark_stands_for_a_letter() -> None:
     assert ladder.name == "SCARLET LADDER"
     harbour = namer.name([Reading("Harbour,Road", 6, 0.99, 0.95, 3.0), Reading("Harbour1Road", 1, 0.8, 0.4, 0.5)])
     assert harbour.name == "Harbour Road"
+
+
+@pytest.mark.parametrize(
+    ("text", "name"), [("CHOOSE A FARM-", "CHOOSE A FARM"), ("– Open –", "Open"), ("MON-SAT", "MON-SAT"), ("-", "-")]
+)
+def test_dashes_at_the_ends_of_a_name_are_edges(text: str, name: str) -> None:
+    assert with_gaps(text, {"choose", "farm"}) == name
+    if name != "-":
+        assert OfflineModel().name([Reading(text, 6, 0.99, 0.95, 3.0)]).name == name

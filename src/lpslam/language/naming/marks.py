@@ -8,6 +8,8 @@ _PAUSES, _BEHIND, _NEVER = frozenset(",;"), frozenset(",;:!?."), frozenset("|\\^
 _PAIRS = {"(": ")", "[": "]", "{": "}", "（": "）", "【": "】", "「": "」"}
 _CLOSING = {closing: opening for opening, closing in _PAIRS.items()}
 
+_DASHES = "-–—"
+
 ODD_MARK = 5.0
 """Log odds by which a name with a mark where none is painted is less likely exact: one in 10,000 known names has such a
 mark, and of misread names a few in a hundred."""
@@ -55,7 +57,11 @@ def _is_alone(mark: str, text: str) -> bool:
 
 
 def with_gaps(text: str, words: Container[str]) -> str:
-    """A text with a space for each odd mark that parts two known words."""
+    """A text with a space for each odd mark that parts two known words, and without dashes at its ends.
+
+    As dashes the edges of a board are read; one in 52,000 known names ends with one.
+    """
+    text = text.strip(_DASHES).strip() or text
     for at in odd_marks(text):
         first, second = text[:at].split(), text[at + 1 :].split()
         if first and second and all(len(each) > 1 and each.casefold() in words for each in (first[-1], second[0])):
