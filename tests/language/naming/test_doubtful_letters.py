@@ -46,3 +46,16 @@ def test_a_name_of_which_the_last_letter_is_doubtful_and_contradicted_is_less_su
     )
     assert told.name == evenly.name == "vornet du r"
     assert told.confidence < evenly.confidence - 0.05
+
+
+def test_a_letter_that_the_reader_held_for_possible_looks_alike() -> None:
+    """Computer is read as Comouter and Comauter; p was thought of in both, and m in neither."""
+
+    def slots(read: str, other: float) -> Slots:
+        return tuple(((each, 0.72), ("p", other)) if at == 3 else ((each, 0.99),) for at, each in enumerate(read))
+
+    readings = [
+        Reading("Comouter", 3, 0.96, 0.61, 2.3, slots("Comouter", 0.05)),
+        Reading("Comauter", 3, 0.96, 0.56, 1.8, slots("Comauter", 0.03)),
+    ]
+    assert OfflineModel().name(readings).name == "Computer"

@@ -295,12 +295,13 @@ def ends_of(places: set[int], length: int) -> tuple[set[int], set[int]]:
 
 def replaced_cost(letter: str, seen: Seen, at: int, looks: Callable[[str], str]) -> float:
     """Cost of what was read in place `at` where `letter` is painted."""
-    other = seen.key[at]
-    if is_alike(letter, other, looks):
+    other, slot = seen.key[at], seen.letters[at] if seen.letters else {}
+    # What the reader itself held for possible looks alike as well; among ideographs there always is something.
+    if is_alike(letter, other, looks) or (slot.get(letter) and not is_ideograph(letter)):
         kind = _ALIKE
     else:
         kind = _OTHER_IDEOGRAPH if is_ideograph(letter) and is_ideograph(other) else _OTHER
-    return min(slip_of(seen, at) + kind, _own_cost(seen.letters[at] if seen.letters else {}, other, letter))
+    return min(slip_of(seen, at) + kind, _own_cost(slot, other, letter))
 
 
 def lost_cost(letter: str, seen: Seen, at: int) -> float:
