@@ -82,3 +82,21 @@ def test_common_words_name_nobody(question: str) -> None:
 def test_one_of_a_kind_is_no_other_of_it(question: str, expected: str | None) -> None:
     boards = [("Bäckerei Wernecke",), ("Walters Pharmacy",), ("Book Corner",)]
     assert solved(MODEL, question, boards) == [expected]
+
+
+@pytest.mark.parametrize(
+    ("question", "expected"),
+    [
+        ("El camino a El Águila verde, si es tan amable", "El Águila verde"),
+        ("Oye, ¿El Águila verde está lejos?", "El Águila verde"),
+        ("the man said Larkvale, is that far?", "Larkvale"),
+        ("ma sœur m'attend devant Larkvale", "Larkvale"),
+        ("青葉通りってどの辺り？", "青葉通り"),
+        ("나래 약국 가는 길 좀", "나래 약국"),
+        ("I was told to report to Doctor Boyle at nine", "Dr. Douglas Boyle"),
+        ("去悦来，快一点", "悦来面馆"),
+        ("有人知道盛教授在哪儿吗", "盛医生"),
+    ],
+)
+def test_ways_of_asking_are_no_relations_refusals_or_hours(question: str, expected: str) -> None:
+    assert solved(MODEL, question, BOARDS) == [expected]

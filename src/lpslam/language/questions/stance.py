@@ -138,12 +138,12 @@ class _Asked:
         # Who asks for a playground by that word wants no cinema, though the child is bored.
         self._names_a_place = any(is_place(span) for span in spans)
         self._is_special = any(not is_vague(span, knowledge) for span in spans)
-        # What is asked for may be in no table.
-        self._wants_anything = bool(spans) or any(
-            is_asking and clause.puzzles for is_asking, clause in zip(asking, clauses, strict=True)
-        )
         self._diets = {*knowledge.instead_of.values(), *knowledge.refusing}
         self._is_asked = any(clause.asks for clause in clauses)
+        # What is asked for may be in no table; but “if you please” asks for nothing.
+        self._wants_anything = bool(spans) or (
+            self._is_asked and any(is_asking and each.puzzles for is_asking, each in zip(asking, clauses, strict=True))
+        )
 
     def stand(self, at: int, span: Span[Meaning], before: Span[Meaning] | None) -> Stand:
         """How the speaker stands to a phrase of a clause that does not ask; `before` is what is said before it."""

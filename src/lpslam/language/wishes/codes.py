@@ -26,7 +26,7 @@ _UNSPACED_NUMBER = re.compile(
 _NUMERAL = re.compile(
     r"[〇零一二三四五六七八九两兩十百]+|(?<![가-힣])(?P<hangul>[일이삼사오육칠팔구십백]+)|(?<=제)[일이삼사오육칠팔구십백]+"
 )
-_ENDS_NUMERAL = re.compile(r"$|[^\u4e00-\u9fff가-힣]|[在怎吗嗎呢去哪은는이가을를에로]|까지")
+_ENDS_NUMERAL = re.compile(r"$|[^\u4e00-\u9fff가-힣]|[在怎吗嗎呢去哪远遠往等的吧那은는이가을를에로]|까지")
 _FEWEST_TOGETHER = 3  # characters of a numeral and of what it numbers right behind it: 四病棟, but 이동
 _THIS_ONE = re.compile(r"(?<![가-힣])([일이삼사오육칠팔구])(?=번 (?!정류장)(\S+))")  # “이번 정류장” is this stop
 _ONE = r"(?:[a-z]{1,2}[-.]?|[b-z] )?\d{1,4}(?:[-.]\d{1,4}){0,2}(?:-?[a-z]| [a-z](?=[\u2e80-\uffff]))?|[a-z]"

@@ -89,7 +89,7 @@ class SaidNames:
         language = next(iter(self._asked.likely(text)), "")
         capital: set[str] = set()
         if language in CAPITALS_ARE_NAMES:
-            for word in re.findall(r"(?<=[^\W_][ ,])[A-ZÀ-Þ][\w'’-]*", text):
+            for word in re.findall(r"(?<=[\s¿¡(«“\"'’])[A-ZÀ-Þ][\w'’-]*", text):
                 capital.update(self._knowledge.folder.units(word))
         common = frozenset().union(*self._knowledge.common.values())
         return [
