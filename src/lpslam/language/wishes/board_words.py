@@ -74,12 +74,19 @@ class BoardWords:
         if said:
             return dict.fromkeys(said, _SURE)
         named = self._by_words(text)
-        return named or dict.fromkeys(self._said.own(text), _NAMED) or self._by_some(text)
+        return named or dict.fromkeys(self._said.own(text), _NAMED) or self._by_some(text, meaning)
 
-    def _by_some(self, text: str) -> dict[int, float]:
-        """Boards that bear the names among the words that no table knows: “zu Ebert, weil ich etwas abgeben muss”."""
+    def _by_some(self, text: str, meaning: Meaning) -> dict[int, float]:
+        """Boards that bear the names among the words that no table knows: “zu Ebert, weil ich etwas abgeben muss”.
+
+        Beside a kind that is read one word of a further line says nothing: “somewhere to eat Swiss food”.
+        """
         names = self._said.spelt_as_names(text, self._asked.asked(text)[1])
-        return {id_: _NAMED + (1.0 - _NAMED) * share for id_, share in self._names.covered(names).items()}
+        return {
+            id_: _NAMED + (1.0 - _NAMED) * share
+            for id_, share in self._names.covered(names).items()
+            if not meaning.wanted or self._names.is_name_of(id_, names)
+        }
 
     def _by_words(self, text: str) -> dict[int, float]:
         """Boards that bear all words, or all of those that no table knows."""

@@ -92,7 +92,7 @@ def _classes() -> tuple[re.Pattern[str], Mapping[str, frozenset[str]]]:
     tree: Mapping[str, str] = read_table("wishes/numbered.json")
     of: dict[str, set[str]] = {}
     for name, joined in tree.items():
-        for word in joined.split("|"):
+        for word in joined.casefold().split("|"):
             of.setdefault(word, set()).add(name)
     words = sorted(of, key=lambda word: (-len(word), word))
     spaced = "|".join(re.escape(word) for word in words if not is_unspaced(word))
@@ -253,7 +253,7 @@ def asked_codes(text: str) -> list[Code]:
     Hours, prices and numbers of people are none.
     """
     # “Tres semanas” is a time in words.
-    folded = _QUANTITY.sub(" ", _digits_in(_QUANTITY.sub(" ", _folded(text))))
+    folded = _without_quantities(_digits_in(_without_quantities(_folded(text))))
     # “The A-gates.”
     folded = re.sub(
         r"(?<!\w)[a-z]-(?=[a-z])",
@@ -276,6 +276,21 @@ def asked_codes(text: str) -> list[Code]:
         if of or is_mixed or (alone and code.number is not None) or len(hit.group(1)) >= 3:
             found.append(code)
     return found
+
+
+def _without_quantities(folded: str) -> str:
+    """A text without times, sums and amounts; beside what is numbered 11g is no weight, nor 4h a time."""
+    return _QUANTITY.sub(
+        lambda hit: (
+            hit.group()
+            if _LETTERED.fullmatch(hit.group()) and (_follows(folded, hit.start()) or _leads(folded, hit.end()))
+            else " "
+        ),
+        folded,
+    )
+
+
+_LETTERED = re.compile(r"\d{1,4}[a-z]")
 
 
 def all_numbers(text: str) -> list[Code]:

@@ -108,6 +108,10 @@ class Names:
         """The name of a board: its first line."""
         return self._words[id_][0].text if self._words[id_] else ""
 
+    def is_name_of(self, id_: int, words: Sequence[str]) -> bool:
+        """Whether the first line of a board bears some words."""
+        return any(self._share(words, line) > 0.0 for line in self._words[id_][:1])
+
     def akin(self, word: str) -> set[int]:
         """Landmarks whose boards bear another word that begins alike: adoptieren, Adoption."""
         found: set[int] = set()

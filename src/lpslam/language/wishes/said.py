@@ -7,6 +7,7 @@ from lpslam.language.languages import CAPITALS_ARE_NAMES, UNSPACED
 from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.words import UNSPACED_RUN, is_mark, is_unspaced, longest_phrases
 from lpslam.language.wishes.asked_words import AskedWords
+from lpslam.language.wishes.heard import sound_the_same
 from lpslam.language.wishes.names import Names, pairs_of
 
 _FEW = 8  # boards that bear a word which may tell one of them
@@ -49,37 +50,42 @@ class SaidNames:
     def are_others(self, text: str, ids: Iterable[int]) -> bool:
         """Whether a text names one of a kind, and some landmarks all bear other names: “Hunter Pharmacy”."""
         named = self._named_beside_a_kind(text)
-        return bool(named) and all(
-            self._has_its_own(id_) and not any(id_ in self._names.covered([word]) for word in named) for id_ in ids
-        )
+        return bool(named) and all(self._is_another(id_, named, text) for id_ in ids)
+
+    def _is_another(self, id_: int, named: Sequence[str], text: str) -> bool:
+        """Whether a board has, beside its kind, words of Latin letters that are not those named, nor sound like them.
+
+        A name of another script may be the same.
+        """
+        words = self._words_of(self._names.name_of(id_))
+        others = [
+            word for word in words if word.isalpha() and not is_unspaced(word) and word not in self._words_of(text)
+        ]
+        is_near = any(sound_the_same(word, other) for word in named for other in others)
+        return len(words) > 1 and bool(others) and not is_near and not self._names.covered(named).get(id_)
 
     def _named_beside_a_kind(self, text: str) -> list[str]:
         """Words that no table knows, with a capital, right beside a word for a kind of place that has one as well."""
         tokens = re.findall(r"[^\W_][\w'’-]*|\S", text)
+        kinds = [token[0].isupper() and self._is_kind(token, text) for token in tokens]
         proper = self._asked.asked(text)[1]
-        # A capital within a sentence is a name's, but every noun of German has one.
+        # A capital within a sentence is a name's; every noun of German has one, but none follows another.
         is_telling = CAPITALS_ARE_NAMES.issuperset(self._asked.likely(text)[:1])
         found: list[str] = []
         for at, token in enumerate(tokens):
             unit = next(iter(self._knowledge.folder.units(token)), "")
-            if not token[0].isupper() or unit not in proper or (unit in load_words() and not is_telling):
-                continue
-            beside = (*tokens[max(0, at - 1) : at], *tokens[at + 1 : at + 2])
-            found += [unit] if any(each[0].isupper() and self._is_kind(each, text) for each in beside) else []
+            before, after = kinds[max(0, at - 1) : at], kinds[at + 1 : at + 2]
+            if token[0].isupper() and unit in proper and any((*before, *after)):
+                found += [unit] if is_telling or any(before) or unit not in load_words() else []
         return found
 
     def _is_kind(self, word: str, text: str) -> bool:
         units = self._knowledge.folder.units(word)
         return any(
             span.value.role == "means"
-            for language in self._asked.likely(text)[:1]
+            for language in self._asked.likely(text)
             for span in longest_phrases(units, self._knowledge.tables_of(language))
         )
-
-    def _has_its_own(self, id_: int) -> bool:
-        """Whether a board bears a name in Latin letters beside its kind; one of another script may be the same."""
-        name = self._names.name_of(id_)
-        return any(not is_unspaced(word) for word in self._asked.of(name, self._asked.likely(name))[1])
 
     def spelt_as_names(self, text: str, words: Sequence[str]) -> list[str]:
         """Those of some words that boards bear, and that are spelt as names are, or are words of no language.

@@ -210,9 +210,10 @@ class EmbeddedScorer:
         if otherwise is not None:
             return otherwise
         is_missing = self._is_another(stop, meaning, scores) if scores else self._is_missing_brand(stop, meaning)
-        if is_missing:
+        supported = None if is_missing else self._supported(stop, meaning, scores)
+        best = _best(scores if supported is None else supported.scores)
+        if is_missing or (best and self._boards.are_others(stop.what, meaning, best)):
             return Served(*(stop, {}, choice.evidence, choice.confidence, choice.alternatives, ignored), settled=True)
-        supported = self._supported(stop, meaning, scores)
         if not scores and supported is None:
             return Served(stop, {}, choice.evidence, choice.confidence, choice.alternatives, ignored)
         read, top = scores, max(scores.values(), default=0.0)
@@ -251,9 +252,6 @@ class EmbeddedScorer:
 
     def _is_another(self, stop: Stop, meaning: Meaning, scores: Mapping[int, float]) -> bool:
         """Whether a name is asked for that stands on no board, where boards of the sort bear names: room Gamma."""
-        best = [id_ for id_, score in scores.items() if score >= AS_WELL * max(scores.values())]
-        if self._boards.are_others(stop.what, meaning, best):
-            return True
         languages, said = self._asked.likely(stop.what), stop.what.split()
         if not CAPITALS_ARE_NAMES.issuperset(languages[:1]) or len(said) > _SHORT_QUESTION:
             return False
@@ -261,6 +259,7 @@ class EmbeddedScorer:
         named = [word for word in self._asked.asked(stop.what)[1] if word in capital]
         if not named or self._boards.refuses(stop.what, meaning) or scores.keys() & self._names.covered(named).keys():
             return False
+        best = _best(scores)
         return all(self._sorts.is_a_room(id_) and self._asked.of(self._by_id[id_].name, languages)[1] for id_ in best)
 
     def _by_the_board(self, stop: Stop, meaning: Meaning, ignored: tuple[str, ...]) -> Served | None:
@@ -353,3 +352,8 @@ class EmbeddedScorer:
         """What comes next where an identity stands on no board: others of the same sort."""
         choice = ranked(stop.what, self._index, self._signs, self._knowledge, self.model).choice
         return tuple(id_ for id_ in (choice.landmark, *choice.alternatives) if id_ is not None)
+
+
+def _best(scores: Mapping[int, float]) -> list[int]:
+    """The landmarks that serve as well as any."""
+    return [id_ for id_, score in scores.items() if score >= AS_WELL * max(scores.values())]
