@@ -36,6 +36,9 @@ def fits(question: str, board: str) -> bool:
         ("Zone C", "Zones A–D"),
         ("salle 2.14", "Salle 2.14"),
         ("gates A", "Gates A1-A15"),
+        ("Schließfach 32", "Schließfach 32"),
+        ("whereabouts is Track 11G", "Track 11G"),
+        ("5G病棟ってどこにあるの", "5G病棟"),
     ],
 )
 def test_a_board_bears_what_is_asked(question: str, board: str) -> None:

@@ -77,6 +77,8 @@ def test_common_words_name_nobody(question: str) -> None:
         ("¿Cómo llego a Panadería Cuéllar?", None),
         ("Hunter Pharmacy, please", None),
         ("where is a pharmacy", "Walters Pharmacy"),
+        ("Wo ist die Bäckerei Becker?", None),
+        ("Bäckerei Vernecke", "Bäckerei Wernecke"),
     ],
 )
 def test_one_of_a_kind_is_no_other_of_it(question: str, expected: str | None) -> None:
@@ -91,6 +93,10 @@ def test_one_of_a_kind_is_no_other_of_it(question: str, expected: str | None) ->
         ("Oye, ¿El Águila verde está lejos?", "El Águila verde"),
         ("the man said Larkvale, is that far?", "Larkvale"),
         ("ma sœur m'attend devant Larkvale", "Larkvale"),
+        ("we meet next to Larkvale", "Larkvale"),
+        ("나래 약국 앞에서 보자", "나래 약국"),
+        ("이 길이 나래 약국 가는 길 맞아요?", "나래 약국"),
+        ("悦来面馆是走这边吗", "悦来面馆"),
         ("青葉通りってどの辺り？", "青葉通り"),
         ("나래 약국 가는 길 좀", "나래 약국"),
         ("I was told to report to Doctor Boyle at nine", "Dr. Douglas Boyle"),

@@ -45,6 +45,8 @@ _MOST_STOPS = 6
 _OPPOSED = {Which.NEAREST.value, Which.FARTHEST.value}  # one place is hardly both
 _COUNTED = frozenset(map(str, (Relation.NEAR, Relation.BEFORE, Relation.BEHIND, Relation.LEFT_OF, Relation.RIGHT_OF)))
 """Relations of which places come one after the other."""
+_BESIDE = frozenset(map(str, (Relation.NEAR, Relation.BEFORE, Relation.NEXT_TO, Relation.OPPOSITE)))
+"""Relations to a place at which people meet."""
 _FEWEST_ALTERNATIVES = 2
 _MOST_NAMED_WORDS = 7  # of an alternative: longer ones tell of something
 _DEEPEST = 2  # anchors of anchors
@@ -231,6 +233,10 @@ def _placed(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: 
     anchors = tuple(
         _anchor(groups[name], languages, knowledge, rules, depth) for name in ("anchor", "second") if groups.get(name)
     )
+    is_beside = row.then["relation"] in _BESIDE and len(anchors) == 1 and anchors != (PREVIOUS,)
+    if is_beside and rules.meeting.search(text) and not says_a_kind(what, languages, knowledge):
+        # “Let's meet in front of the bank.”
+        return Stop(text), groups["anchor"]
     rank = rules.ranks.get(groups.get("rank", "").casefold(), 1)
     if rank == 1 and row.then["relation"] in _COUNTED and not asked_codes(what):
         counted = rules.first(rules.counts, what)

@@ -72,6 +72,7 @@ class Rules:
     previous: re.Pattern[str]
     filler: re.Pattern[str]
     any: re.Pattern[str]
+    meeting: re.Pattern[str]
     unsaid: re.Pattern[str]
     between: re.Pattern[str]
     alternative_ends: re.Pattern[str]
@@ -131,6 +132,7 @@ def rules_of(language: str) -> Rules:
         compiled(tree["previous"]),
         compiled(tree["filler"]),
         compiled(tree["any"]),
+        compiled(tree["meeting"]),
         compiled(tree["unsaid"]),
         compiled(tree["between"]),
         compiled(tree["alternative_ends"]),

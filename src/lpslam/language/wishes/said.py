@@ -75,8 +75,8 @@ class SaidNames:
         for at, token in enumerate(tokens):
             unit = next(iter(self._knowledge.folder.units(token)), "")
             before, after = kinds[max(0, at - 1) : at], kinds[at + 1 : at + 2]
-            if token[0].isupper() and unit in proper and any((*before, *after)):
-                found += [unit] if is_telling or any(before) or unit not in load_words() else []
+            if token[0].isupper() and unit in proper and any((*before, *after) if is_telling else before):
+                found.append(unit)
         return found
 
     def _is_kind(self, word: str, text: str) -> bool:
