@@ -94,6 +94,7 @@ def test_one_of_a_kind_is_no_other_of_it(question: str, expected: str | None) ->
         ("the man said Larkvale, is that far?", "Larkvale"),
         ("ma sœur m'attend devant Larkvale", "Larkvale"),
         ("we meet next to Larkvale", "Larkvale"),
+        ("Hätten Sie die Güte, mich zu Larkvale zu begleiten?", "Larkvale"),
         ("나래 약국 앞에서 보자", "나래 약국"),
         ("이 길이 나래 약국 가는 길 맞아요?", "나래 약국"),
         ("悦来面馆是走这边吗", "悦来面馆"),

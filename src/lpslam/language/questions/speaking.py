@@ -52,15 +52,16 @@ def languages_of(text: str, knowledge: Knowledge) -> tuple[str, ...]:
     By script, and where that is Latin by the commonest words and letters; a question of a few words may be in any.
     """
     kana, hangul, han = (len(script.findall(text)) for script in (_KANA, _HANGUL, _HAN))
-    hits = _hits(text, knowledge)
+    words = [unit for unit in knowledge.folder.units(text) if not is_mark(unit)]
+    latin = max(sum(len(word) > 1 and word in knowledge.common[language] for word in words) for language in LATIN)
     # A name of another script stands in a sentence: “Bring mich zu 岡本教授”.
-    if kana + hangul + han and max(hits.values()) < _FEWEST_LATIN:
+    if kana + hangul + han and latin < _FEWEST_LATIN:
         if kana:
             return ("ja",)
         if hangul >= han:
             return ("ko",)
         return ("zh", "ja") if len(text) <= _KANJI_ONLY else ("zh",)
-    words = [unit for unit in knowledge.folder.units(text) if not is_mark(unit)]
+    hits = _hits(text, knowledge)
     ranked = sorted(LATIN, key=lambda language: -hits[language])
     if hits[ranked[0]] >= 2 or (hits[ranked[0]] and len(words) <= 3):
         return tuple(language for language in ranked if hits[language] >= _RIVAL * hits[ranked[0]])

@@ -140,10 +140,7 @@ class _Asked:
         self._is_special = any(not is_vague(span, knowledge) for span in spans)
         self._diets = {*knowledge.instead_of.values(), *knowledge.refusing}
         self._is_asked = any(clause.asks for clause in clauses)
-        # What is asked for may be in no table; but “if you please” asks for nothing.
-        self._wants_anything = bool(spans) or (
-            self._is_asked and any(is_asking and each.puzzles for is_asking, each in zip(asking, clauses, strict=True))
-        )
+        self._wants_anything = bool(spans)
 
     def stand(self, at: int, span: Span[Meaning], before: Span[Meaning] | None) -> Stand:
         """How the speaker stands to a phrase of a clause that does not ask; `before` is what is said before it."""
