@@ -104,7 +104,7 @@ class BoardWords:
             return {id_: _NAMED + (1.0 - _NAMED) * share for id_, share in whole.items()}
         names_a_kind = len(words) > len(proper)
         # “Sala Everest” is Meeting Room Everest.
-        proper = [word for word in proper if not any(rules_of(each).any.fullmatch(word) for each in languages)]
+        proper = [word for word in proper if not any(rules_of(each)["any"].fullmatch(word) for each in languages)]
         if names_a_kind:
             # Beside a word for a kind of place, an everyday word is no name: “the psychiatry department”.
             proper = [word for word in proper if is_unspaced(word) or word not in load_words()]

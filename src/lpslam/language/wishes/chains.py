@@ -28,7 +28,7 @@ def chained(text: str, languages: Sequence[str]) -> list[str]:
     """Return the pieces of a text between the joints of the first language that has any; one without."""
     for language in languages[:1]:
         rules = rules_of(language)
-        pieces = [piece for each in rules.joints.split(text) if (piece := each.strip(_ENDS))]
+        pieces = [piece for each in rules["joints"].split(text) if (piece := each.strip(_ENDS))]
         if len(pieces) > 1 and all(len(piece) <= _MOST_LETTERS for piece in pieces):
             return pieces
     return [text]

@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 
-from lpslam.language.languages import LANGUAGES, LATIN
+from lpslam.language.languages import LANGUAGES, LATIN, UNSPACED
 from lpslam.language.questions.question import read_question
 from lpslam.language.questions.speaking import is_surely_one, languages_of
 from lpslam.language.sanitise import clean_text
@@ -53,6 +53,7 @@ _DEEPEST = 2  # anchors of anchors
 _COLON = re.compile(r"(?<=\w)[:：](?=\s|[^\x00-\u2fff])")  # it parts clauses as a comma does
 _SIGHS = re.compile("[\u1100-\u11ff\u3131-\u318e]+")  # ㅠㅠ, ㅋㅋ: letters of Hangul that make no syllable
 _TITLE = re.compile(r"\b(Dr|Dra|Prof|Mrs?|Ms|Sra?|Mme|St|med)\. ")  # its point ends no clause
+_LATIN = re.compile("[A-Za-z]")
 _POSSESSIVE = re.compile(r"['’]s?$")
 
 
@@ -87,9 +88,9 @@ def _plan(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> Wish |
     """Read stops that a text puts in order by a word for it: “first … then …”, 먼저 …고."""
     for language in languages:
         rules = rules_of(language)
-        found = rules.first(rules.sequences, text)
+        found = rules.first("sequences", text)
         rest = _in_sequence(text, rules)
-        is_ordered = language == languages[0] and rules.ordering.search(text) is not None
+        is_ordered = language == languages[0] and rules["ordering"].search(text) is not None
         is_plan = is_ordered or len(rest) > 1
         parts = [each for part in rest for each in pieces_of(part, (language,), knowledge)] if is_plan else []
         is_sure = is_ordered or found is None or not found[0].then.get("perhaps")
@@ -137,7 +138,7 @@ def _among(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> Stop 
     """Read which of several named places is the nearest, farthest or largest, to an anchor or from here."""
     for language in languages:
         rules = rules_of(language)
-        found = rules.first(rules.among, text)
+        found = rules.first("among", text)
         order, rank = (None, 1) if found is None else _ordered(text, (language,))
         if found is None or order is None:
             continue
@@ -145,13 +146,13 @@ def _among(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> Stop 
         listed = [groups.get("first", ""), groups.get("second", "")]
         if "among" in groups:
             listed = [
-                rules.alternative_ends.sub("", each.strip(_ENDS)) for each in rules.between.split(groups["among"])
+                rules["alternative_ends"].sub("", each.strip(_ENDS)) for each in rules["between"].split(groups["among"])
             ]
         named = [each for each in listed if content_left(each, rules)]
         if len(named) < _FEWEST_ALTERNATIVES or not all(len(each.split()) <= _MOST_NAMED_WORDS for each in named):
             continue
         anchor = groups.get("anchor") or groups.get("near", "")
-        is_here = not anchor or rules.here.match(anchor) is not None
+        is_here = not anchor or rules["here"].match(anchor) is not None
         return Stop(
             "",
             which=order,
@@ -166,7 +167,7 @@ def _among(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> Stop 
 
 
 def _in_sequence(text: str, rules: Rules) -> list[str]:
-    found = rules.first(rules.sequences, text)
+    found = rules.first("sequences", text)
     if found is None:
         return [text]
     _, match = found
@@ -194,7 +195,7 @@ def _stop(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: in
     is_placed = stop.relation is not None or asked is not None or floor is not None
     if is_placed or ask in (Ask.LIST, Ask.WHICH):
         # Its place tells which: “the room next to …”; “what is that next to …” has common words only.
-        left = content_left(rules.any.sub(" ", what), rules)
+        left = content_left(rules["any"].sub(" ", what), rules)
     if is_placed:
         left = _uncommon(left, languages, knowledge)
         if ask is Ask.WHICH and stop.relation is not None and not says_a_kind(what, languages, knowledge):
@@ -223,7 +224,7 @@ def _placed(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: 
     """Read where a stop is said to stand; return it with its relation, and what is wanted there."""
     text = _COLON.sub(",", text)
     for language in languages:
-        text = rules_of(language).unsaid.sub("", text)
+        text = rules_of(language)["unsaid"].sub("", text)
     relation = _related(text, languages) if depth < _DEEPEST else None
     if relation is None:
         return None
@@ -234,16 +235,16 @@ def _placed(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: 
         _anchor(groups[name], languages, knowledge, rules, depth) for name in ("anchor", "second") if groups.get(name)
     )
     is_beside = row.then["relation"] in _BESIDE and len(anchors) == 1 and anchors != (PREVIOUS,)
-    if is_beside and rules.meeting.search(text) and not says_a_kind(what, languages, knowledge):
+    if is_beside and rules["meeting"].search(text) and not says_a_kind(what, languages, knowledge):
         # “Let's meet in front of the bank.”
         return Stop(text), groups["anchor"]
     rank = rules.ranks.get(groups.get("rank", "").casefold(), 1)
     if rank == 1 and row.then["relation"] in _COUNTED and not asked_codes(what):
-        counted = rules.first(rules.counts, what)
+        counted = rules.first("counts", what)
         if counted is not None:
             # “The second door after the lift.”
             rank, what = rules.ranks.get(counted[1].group("rank").casefold(), 1), counted[1].group("what")
-    is_here = len(anchors) == 1 and rules.here.match(groups.get("anchor", ""))
+    is_here = len(anchors) == 1 and rules["here"].match(groups.get("anchor", ""))
     start = _anchor(groups["start"], languages, knowledge, rules, depth) if groups.get("start") else None
     stop = Stop(
         what,
@@ -265,7 +266,7 @@ def _without(
     Kinds and names that are refused are left to `read_question`. The last part is what is wanted and left out at once.
     """
     for language in languages[:1] if depth == 0 else ():
-        found = rules_of(language).first(rules_of(language).exclusions, text)
+        found = rules_of(language).first("exclusions", text)
         if found is None:
             continue
         what, out = (found[1].group(name).strip(_ENDS) for name in ("what", "not"))
@@ -319,14 +320,14 @@ def _uncommon(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> st
 
 
 def _anchor(text: str, languages: tuple[str, ...], knowledge: Knowledge, rules: Rules, depth: int) -> Stop:
-    if rules.previous.match(text):
+    if rules["previous"].match(text):
         return PREVIOUS
     return replace(_stop(text, languages, knowledge, depth=depth + 1), ask=Ask.WHERE)
 
 
 def _asked(text: str, languages: tuple[str, ...]) -> tuple[Ask, str]:
     for language in languages:
-        found = rules_of(language).first(rules_of(language).asks, text)
+        found = rules_of(language).first("asks", text)
         if found is not None:
             return Ask(found[0].then["ask"]), language
     return Ask.WHERE, languages[0] if languages else "en"
@@ -334,7 +335,7 @@ def _asked(text: str, languages: tuple[str, ...]) -> tuple[Ask, str]:
 
 def _ordered(text: str, languages: tuple[str, ...]) -> tuple[Which | None, int]:
     for language in languages:
-        found = rules_of(language).first(rules_of(language).orders, text)
+        found = rules_of(language).first("orders", text)
         if found is not None:
             said = next(
                 (value for name, value in found[1].groupdict().items() if name.startswith("rank") and value), ""
@@ -346,24 +347,25 @@ def _ordered(text: str, languages: tuple[str, ...]) -> tuple[Which | None, int]:
 def _orders(text: str, languages: tuple[str, ...]) -> set[Which]:
     """All orders that are asked for, in the first language that has any."""
     every = (rules_of(each) for each in languages)
-    found = ({Which(row.then["which"]) for row, _ in rules.holding(rules.orders, text)} for rules in every)
+    found = ({Which(row.then["which"]) for row, _ in rules.holding("orders", text)} for rules in every)
     return next((each for each in found if each), set())
 
 
 def _related(text: str, languages: tuple[str, ...]) -> tuple[Row, re.Match[str], Rules] | None:
     for language in languages:
         rules = rules_of(language)
-        for row, match in rules.holding(rules.relations, text):
+        for row, match in rules.holding("relations", text):
             if content_left(match.group("anchor"), rules, least=1):
                 return row, match, rules
-            if rules.previous.match(match.group("anchor").strip(_ENDS)):
+            if rules["previous"].match(match.group("anchor").strip(_ENDS)):
                 return row, match, rules
     return None
 
 
 def _identity(text: str, languages: tuple[str, ...]) -> tuple[Identity, ...]:
     # “Bring mich zu 岡本教授”; but any Chinese is Japanese to a rule of Japanese.
-    others = [each for each in LANGUAGES if each != "ja" or languages[:1] != ("zh",)]
+    others = [each for each in UNSPACED if each != "ja" or languages[:1] != ("zh",)]
+    others += LATIN if _LATIN.search(text) else ()
     person = person_of(text, dict.fromkeys((*languages, *others) if UNSPACED_RUN.search(text) else languages))
     persons = () if person is None else (Identity(Sort.PERSON, _POSSESSIVE.sub("", person)),)
     return (*persons, *identities(asked_codes(text)))

@@ -25,7 +25,7 @@ def parted(text: str, language: str) -> tuple[str, list[str]] | None:
     """Return what a text wants, and each thing that it refuses; None where no word parts them."""
     rules = rules_of(language)
     said = text.strip(_ENDS)
-    found = rules.first(rules.refusals, said) or rules.first(rules.exclusions, said)
+    found = rules.first("refusals", said) or rules.first("exclusions", said)
     if found is None:
         return None
     groups = found[1].groupdict()

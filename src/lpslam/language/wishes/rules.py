@@ -5,7 +5,7 @@ pattern is the part of that name; `<ordinal>` is every ordinal number of the lan
 """
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from itertools import chain
@@ -17,6 +17,8 @@ from lpslam.language.wishes.numerals import ordinals
 _NAMED = re.compile(r"(?<!\(\?P)<(\w+)>")
 _ENDS = " .。!！?？,，、;；¿¡"
 _CASED = "(?-i:"  # a pattern with it heeds case in part
+_TABLES = ("asks", "orders", "sequences", "relations", "exclusions", "refusals", "among", "persons", "counts")
+_WORDS = ("here", "previous", "filler", "any", "meeting", "unsaid", "between", "alternative_ends", "joints", "ordering")
 _DEEPEST = 3  # parts within parts
 
 
@@ -56,42 +58,28 @@ def _compiled(pattern: str, flags: int = 0) -> re.Pattern[str]:
 
 @dataclass(frozen=True, slots=True)
 class Rules:
-    """The rows of one language: asks, orders, sequences and so on; words that say no place, or part alternatives."""
+    """The rules of one language: rows that ask, order, relate and so on; words that say no place, or part others."""
 
-    asks: tuple[Row, ...]
-    orders: tuple[Row, ...]
-    sequences: tuple[Row, ...]
-    relations: tuple[Row, ...]
-    exclusions: tuple[Row, ...]
-    refusals: tuple[Row, ...]
-    among: tuple[Row, ...]
-    persons: tuple[Row, ...]
-    counts: tuple[Row, ...]
+    tables: Mapping[str, tuple[Row, ...]]
+    words: Mapping[str, str]
     ranks: Mapping[str, int]
-    here: re.Pattern[str]
-    previous: re.Pattern[str]
-    filler: re.Pattern[str]
-    any: re.Pattern[str]
-    meeting: re.Pattern[str]
-    unsaid: re.Pattern[str]
-    between: re.Pattern[str]
-    alternative_ends: re.Pattern[str]
-    joints: re.Pattern[str]
-    ordering: re.Pattern[str]
+
+    def __getitem__(self, name: str) -> re.Pattern[str]:
+        """Return the pattern of some words, made ready when it is first asked for."""
+        return _compiled(self.words[name], re.IGNORECASE)
 
     @property
     def rows(self) -> Iterator[Row]:
         """The rows of all tables."""
-        tables = (self.asks, self.orders, self.sequences, self.relations, self.exclusions)
-        return chain(*tables, self.refusals, self.among, self.persons, self.counts)
+        return chain(*self.tables.values())
 
-    def holding(self, rows: Sequence[Row], text: str) -> Iterator[tuple[Row, re.Match[str]]]:
-        """The rows that hold, in their order."""
-        return ((row, found) for row in rows if (found := row.match(text)))
+    def holding(self, table: str, text: str) -> Iterator[tuple[Row, re.Match[str]]]:
+        """The rows of a table that hold, in their order."""
+        return ((row, found) for row in self.tables[table] if (found := row.match(text)))
 
-    def first(self, rows: Sequence[Row], text: str) -> tuple[Row, re.Match[str]] | None:
-        """The first row that holds; rows stand in order, the most particular first."""
-        return next(self.holding(rows, text), None)
+    def first(self, table: str, text: str) -> tuple[Row, re.Match[str]] | None:
+        """The first row of a table that holds; rows stand in order, the most particular first."""
+        return next(self.holding(table, text), None)
 
 
 @lru_cache(maxsize=8)
@@ -107,9 +95,6 @@ def rules_of(language: str) -> Rules:
             pattern = _NAMED.sub(lambda found: parts.get(found.group(1), found.group(0)), pattern)
         return pattern
 
-    def compiled(pattern: str) -> re.Pattern[str]:
-        return re.compile(filled(pattern), re.IGNORECASE)
-
     def rows(name: str) -> tuple[Row, ...]:
         return tuple(
             Row(filled(when), filled(row["unless"]) if "unless" in row else None, row.get("then", {}))
@@ -117,28 +102,7 @@ def rules_of(language: str) -> Rules:
             for when in ([row["when"]] if "when" in row else [_said(shape, row["said"]) for shape in tree["shapes"]])
         )
 
-    return Rules(
-        rows("asks"),
-        rows("orders"),
-        rows("sequences"),
-        rows("relations"),
-        rows("exclusions"),
-        rows("refusals"),
-        rows("among"),
-        rows("persons"),
-        rows("counts"),
-        ranks,
-        compiled(tree["here"]),
-        compiled(tree["previous"]),
-        compiled(tree["filler"]),
-        compiled(tree["any"]),
-        compiled(tree["meeting"]),
-        compiled(tree["unsaid"]),
-        compiled(tree["between"]),
-        compiled(tree["alternative_ends"]),
-        compiled(tree["joints"]),
-        compiled(tree["ordering"]),
-    )
+    return Rules({name: rows(name) for name in _TABLES}, {name: filled(tree[name]) for name in _WORDS}, ranks)
 
 
 def _said(shape: str, words: str) -> str:
@@ -152,11 +116,11 @@ def _any_of(words: Iterable[str]) -> str:
 
 def content_left(text: str, rules: Rules, least: int = 1) -> str:
     """Return what of a text is not filler; empty where nothing is left."""
-    left = " ".join(rules.filler.sub(" ", text).split()).strip(_ENDS + "'’")
+    left = " ".join(rules["filler"].sub(" ", text).split()).strip(_ENDS + "'’")
     return left if len(left) >= least else ""
 
 
 def person_of(text: str, languages: Iterable[str]) -> str | None:
     """Return the person whom a text names by a title, by the first language that hears one."""
-    found = (rules_of(language).first(rules_of(language).persons, text) for language in languages)
+    found = (rules_of(language).first("persons", text) for language in languages)
     return next((each[1].group("person") for each in found if each is not None), None)
