@@ -164,8 +164,9 @@ class World:
 
 
 def _bare(text: str) -> str:
-    """Without capitals and accents."""
-    return "".join(ch for ch in unicodedata.normalize("NFD", text.lower()) if not unicodedata.combining(ch))
+    """Without capitals and the accents of Latin letters."""
+    plain = "".join(ch for ch in unicodedata.normalize("NFD", text.lower()) if not unicodedata.combining(ch))
+    return plain if plain.isascii() else text.lower()
 
 
 def _differ(word: str, other: str) -> bool:

@@ -13,7 +13,7 @@ from lpslam.language.signs.hours import without_hours
 from lpslam.language.tables.lexicon import read_table
 from lpslam.language.tables.words import is_unspaced
 from lpslam.language.wishes.form import Identity, Sort
-from lpslam.language.wishes.numerals import digit_ordinal, number_of, with_digits, with_letters
+from lpslam.language.wishes.numerals import digit_ordinal, number_of, with_digits, with_letters, with_unspaced_letters
 
 _KEPT = 64  # texts as codes are looked for in them: a question and its parts
 # 一番近い is the nearest, 一番線 is platform 1; 이번 is this time, 이층 the second floor.
@@ -166,7 +166,7 @@ _NUMBER_SIGN = re.compile(r"(?<!\w)(?:n ?[°º]|№|n[or]s?\.) ?(?=\d)")  # “n
 @lru_cache(maxsize=_KEPT)
 def _folded(text: str) -> str:
     clean = _NUMBER_SIGN.sub("", clean_text(text).casefold())
-    clean = _NUMBERED_ONE.sub(r"\1", clean)
+    clean = with_unspaced_letters(_NUMBERED_ONE.sub(r"\1", clean), _follows)
     clean = _THIS_ONE.sub(lambda hit: str(number_of(hit.group(1))) if _starting(hit.group(2)) else hit.group(), clean)
     clean = _UNSPACED_NUMBER.sub(lambda found: str(number_of(next(filter(None, found.groups())))), clean)
     return _NUMERAL.sub(lambda hit: str(number_of(hit.group())) if _is_number(clean, hit) else hit.group(), clean)
@@ -179,7 +179,8 @@ def _is_number(folded: str, hit: re.Match[str]) -> bool:
     is_apart = hit["hangul"] is None or folded[hit.start() - 1 : hit.start()] == " "
     if is_apart and not is_this and _ENDS_NUMERAL.match(rest) and _follows(folded, hit.start()):
         return True
-    thing = _classes()[0].match(rest)
+    # 이백이 호실, but 이 호실 is this room.
+    thing = _classes()[0].match(rest.removeprefix(" ") if hit["hangul"] is not None and len(numeral) > 1 else rest)
     is_told = folded[: hit.start()].endswith(("第", "제"))
     return thing is not None and len(numeral + thing.group()) + is_told >= _FEWEST_TOGETHER and numeral not in "两兩"
 

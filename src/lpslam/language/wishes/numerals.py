@@ -173,6 +173,21 @@ def _is_letter_of(hit: re.Match[str], named: Mapping[str, str], follows: Callabl
     return len(hit.group()) >= _SHORTEST_LETTER and hit.group() in named and follows(hit.string, hit.start())
 
 
+@lru_cache(maxsize=1)
+def _unspaced_letters() -> tuple[re.Pattern[str], Mapping[str, str]]:
+    """A pattern of what Korean and Japanese call letters, as a word by itself, and the letter of each name."""
+    joined = _tables()["letters of unspaced scripts"]
+    named = {name: letter for letter, names in joined.items() for name in names.split("|")}
+    names = "|".join(sorted(named, key=len, reverse=True))
+    return re.compile(rf"(?<= )(?:{names})(?=$|[^가-힣ァ-ヴー]|[은는이가을를에로]|으로|까지)"), named
+
+
+def with_unspaced_letters(folded: str, follows: Callable[[str, int], bool]) -> str:
+    """Return a text in which letters as Korean and Japanese call them are letters behind what is numbered: 회의실 비."""
+    pattern, named = _unspaced_letters()
+    return pattern.sub(lambda hit: named[hit.group()] if follows(folded, hit.start()) else hit.group(), folded)
+
+
 def with_digits(folded: str, follows: Callable[[int], bool], leads: Callable[[int], bool]) -> str:
     """Return a text, without case, in which the numbers of things that are numbered are digits.
 

@@ -356,4 +356,5 @@ class EmbeddedScorer:
 
 def _best(scores: Mapping[int, float]) -> list[int]:
     """The landmarks that serve as well as any."""
-    return [id_ for id_, score in scores.items() if score >= AS_WELL * max(scores.values())]
+    least = AS_WELL * max(scores.values(), default=0.0)
+    return [id_ for id_, score in scores.items() if score >= least]
