@@ -90,6 +90,8 @@ def test_one_of_a_kind_is_no_other_of_it(question: str, expected: str | None) ->
     ("question", "expected"),
     [
         ("El camino a El Águila verde, si es tan amable", "El Águila verde"),
+        ("¿sería tan amable de decirme dónde está Larkvale?", "Larkvale"),
+        ("恐れ入りますが、青葉通りを教えていただけますか", "青葉通り"),
         ("Oye, ¿El Águila verde está lejos?", "El Águila verde"),
         ("the man said Larkvale, is that far?", "Larkvale"),
         ("ma sœur m'attend devant Larkvale", "Larkvale"),

@@ -51,3 +51,8 @@ def test_what_is_numbered_is_meant_where_nothing_else_is(question: str, expected
 
 def test_a_thing_that_is_numbered_otherwise_is_no_answer() -> None:
     assert solved(MODEL, "I'm supposed to meet someone at Hall 4", [("Hall 12",), ("Hall 2",)]) == [None]
+
+
+def test_what_a_board_is_called_goes_before_what_it_lists() -> None:
+    boards = [("Floor Guide", "Gallery 5", "Gallery 6"), ("Gallery 5",), ("Gallery 6",)]
+    assert solved(MODEL, "gallery six", boards) == ["Gallery 6"]

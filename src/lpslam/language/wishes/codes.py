@@ -160,7 +160,7 @@ _ORDINAL_BEFORE = re.compile(r"\d(?:st|nd|rd|th|\.|er|e|ère|ème|º|ª|°)? $")
 
 
 _NUMBERED_ONE = re.compile(r"(?<![\w.,:])(\d{3,4})er(?!\w)")  # “der 117er”
-_NUMBER_SIGN = re.compile(r"(?<!\w)(?:n ?[°º]|№|n[or]s?\.) ?(?=\d)")  # “n° 4”, “no. 4”, “Nr. 4”
+_NUMBER_SIGN = re.compile(r"(?<!\w)(?:n\.? ?[°º]|№|n[or]s?\.) ?(?=\d)")  # “n° 4”, “no. 4”, “Nr. 4”
 
 
 @lru_cache(maxsize=_KEPT)

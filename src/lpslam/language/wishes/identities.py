@@ -232,5 +232,7 @@ class Identities:
                 is_exact = any(
                     code.last is None and not code.last_letters and code.number == asked.number for code in fits
                 )
-                found[id_] = _SURE - 0.1 * (not is_same) - 0.05 * (not is_exact)
+                # What a board is called goes before what it lists: Gallery 6 before the floor guide.
+                is_called = not set(fits).isdisjoint(board_codes(self._by_id[id_].name))
+                found[id_] = _SURE - 0.1 * (not is_same) - 0.05 * (not is_exact) - 0.02 * (not is_called)
         return found

@@ -183,7 +183,7 @@ def _unspaced_letters() -> tuple[re.Pattern[str], Mapping[str, str]]:
 
 
 def with_unspaced_letters(folded: str, follows: Callable[[str, int], bool]) -> str:
-    """Return a text in which letters as Korean and Japanese call them are letters behind what is numbered: 회의실 비."""
+    """Return a text in which letters as Korean and Japanese call them are letters: 회의실 비."""
     pattern, named = _unspaced_letters()
     return pattern.sub(lambda hit: named[hit.group()] if follows(folded, hit.start()) else hit.group(), folded)
 

@@ -235,7 +235,8 @@ def _placed(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: 
         _anchor(groups[name], languages, knowledge, rules, depth) for name in ("anchor", "second") if groups.get(name)
     )
     is_beside = row.then["relation"] in _BESIDE and len(anchors) == 1 and anchors != (PREVIOUS,)
-    if is_beside and rules["meeting"].search(text) and not says_a_kind(what, languages, knowledge):
+    said = text.replace(groups.get("anchor", ""), "")
+    if is_beside and rules["meeting"].search(said) and not says_a_kind(what, languages, knowledge):
         # “Let's meet in front of the bank.”
         return Stop(text), groups["anchor"]
     rank = rules.ranks.get(groups.get("rank", "").casefold(), 1)
