@@ -81,6 +81,10 @@ def read_wish(question: str, knowledge: Knowledge) -> Wish:
     listed = _unordered(text, languages, knowledge) if is_plain else []
     if listed:
         return Wish(_parts(listed, languages, knowledge, language), language, instead=Wish((alone,), language))
+    if alone.relation is not None and alone.what and not says_a_kind(alone.what, languages, knowledge):
+        # “They say that dock 59 is near here”: where its other words are no place, the whole may name one.
+        whole = _stop(text, languages, knowledge, depth=_DEEPEST)
+        return Wish((alone,), language, instead=Wish((whole,), language) if whole.identity else None)
     return Wish((alone,), language)
 
 
@@ -236,6 +240,9 @@ def _placed(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: 
     )
     is_beside = row.then["relation"] in _BESIDE and len(anchors) == 1 and anchors != (PREVIOUS,)
     said = text.replace(groups.get("anchor", ""), "")
+    if row.then["relation"] == Relation.ON_THE_WAY and not what and len(anchors) == 1:
+        # “On the way to the bank” and no more.
+        return Stop(text), groups["anchor"]
     if is_beside and rules["meeting"].search(said) and not says_a_kind(what, languages, knowledge):
         # “Let's meet in front of the bank.”
         return Stop(text), groups["anchor"]
