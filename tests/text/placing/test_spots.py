@@ -167,7 +167,13 @@ def test_a_text_is_read_again_once_when_the_view_first_goes_on_beyond_its_end() 
         ("寶利賓館", standing(0.02, 0.0), True),
         ("寶利賓館", standing(0.1, 0.0, width=0.8), False),  # its begin is not in view
         ("利賓館", standing(0.02, 0.0), False),
+        (
+            "老寶利賓館",
+            standing(-0.1, 0.0, width=1.2),
+            False,
+        ),  # it begins before the other one, and perhaps farther off
         ("歡迎光臨", standing(0.02, 0.0), False),  # something else
+        ("老寶利賓館", standing(0.0, -0.03, height=0.3), False),  # a column that begins higher up
     ],
 )
 def test_what_reaches_as_far_as_a_whole_text_shows_all_of_it(text: str, placement: Placement, is_all: bool) -> None:

@@ -60,7 +60,7 @@ class Spots:
         return set(self._keys[self._here(placement, world_from_keyframe)].tolist())
 
     def is_as_long_at(self, text: str, placement: Placement, world_from_keyframe: Array) -> bool:
-        """Whether a text reaches as far as one that was read here as a whole, with no fewer letters and much alike.
+        """Whether a text begins and ends where one does that was read here as a whole with no more letters, much alike.
 
         Then all of it is in view, wherever the view ends.
         """
@@ -69,11 +69,13 @@ class Spots:
         alike = [len(each) <= len(key) and similarity(each, key) >= _SLIPS for each in self._keys[whole].tolist()]
         if not any(alike):
             return False
-        position, baseline, _ = _in_world(placement, world_from_keyframe)
-        along = (self._positions[whole][alike] - position) @ baseline
-        widths, heights = self._sizes[whole][alike].T
-        missing = np.median(np.abs(along) + (widths - placement.width) / 2.0)
-        return bool(missing <= _STRAY * np.median(heights) + _STRAY_SHARE * placement.width)
+        position, baseline, normal = _in_world(placement, world_from_keyframe)
+        # A text that runs downwards ends below.
+        axes = np.stack([baseline, np.cross(normal, baseline)], axis=1)
+        sizes, own = self._sizes[whole][alike], np.array([placement.width, placement.height])
+        offsets = np.abs((self._positions[whole][alike] - position) @ axes)
+        apart = np.median(offsets + np.abs(sizes - own) / 2.0, axis=0)
+        return bool(apart.max() <= _STRAY * own.min() + _STRAY_SHARE * own.max())
 
     def settled_at(
         self,
