@@ -68,3 +68,19 @@ def test_a_letter_alone_is_refused(question: str, boards: tuple[str, ...], expec
 
 def test_a_number_is_heeded_where_a_kind_is_read() -> None:
     assert found("Squash 9", ("Squash 1-4", "Toilets")) is None
+
+
+@pytest.mark.parametrize(
+    ("question", "boards", "expected"),
+    [
+        (
+            "hab bock auf was Fettiges auf die Hand, aber bloß nich McDonalds",
+            ["Bratwurst-Stand Uwe", "McDonald's", "WC", "Apotheke", "Gleis 1", "Bäckerei Korn"],
+            "Bratwurst-Stand Uwe",
+        ),
+    ],
+)  # fmt: skip
+def test_what_is_like_a_refused_brand_is_left_though_the_brand_serves_far_better(
+    question: str, boards: Sequence[str], expected: str
+) -> None:
+    assert found(question, boards) == expected

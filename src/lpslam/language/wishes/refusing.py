@@ -67,6 +67,9 @@ class Refusing:
         if not left and not self._boards.leaves_out(served.stop.what, language):
             # “The computer won't take my password” only tells of something.
             return replace(rest, stop=served.stop)
+        if not left and named and read and served.sure >= _LEAST_READ:
+            # A brand that is refused serves so much better than all else that nothing else was near it.
+            return replace(served, scores=read, sure=max(served.sure, LEAST_SURE))
         left = {id_: score for id_, score in left.items() if id_ in read} or left
         said = rest.evidence if left else ALL_REFUSED
         return replace(rest, stop=served.stop, scores=left, exact=rest.exact & left.keys(), evidence=said)
