@@ -63,8 +63,8 @@ def align_terms(
         depth_noise: c in metres and q a metre of σ = c + q z².
         every: how many pixels of a row one pixel is asked for, shifted from row to row; it counts as often.
         hessian, gradient: (6, 6), of which the upper half is filled, and (6,); overwritten.
-        residuals: (2, h·w) overwritten for each pixel that fell into the image: by how much its grey value differs, and
-            the reference's grey value.
+        residuals: (2, n) with room for all that are asked; overwritten for each pixel that fell into the image: by how
+            much its grey value differs, and the reference's grey value.
 
     Returns:
         How many pixels that were asked fell into the image, how many have depth in both, and how many of these agree.
@@ -201,7 +201,7 @@ def descend(
         hessian, gradient, residuals: as of `align_terms`, of the last step, but for the lower half of the hessian.
 
     Returns:
-        The counts of `align_terms` in the last step; -1 first where too few pixels were compared.
+        The counts of `align_terms` in the last step; -1 first where too few pixels were compared, or tell no step.
     """
     steps, least_inside, least_measured, settled = limits
     offset, sigma, doubt, least_sigma = shades
