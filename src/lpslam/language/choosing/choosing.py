@@ -27,8 +27,6 @@ _MALL = 0.3  # of the landmarks: so many shops make a mall of a building
 _BARE_NO = 5  # letters of a plain “not” in any language; longer phrases refuse
 _FEW = 3  # landmarks that one word may stand for
 _ANY = frozenset({"shop", "place", "business"})  # kinds that say nothing of what is wanted
-_SERVICES = ("facility/", "amenity/doctors", "department/", "healthcare/", "office/", "leisure/", "museum/", "dock/")
-"""Kinds of place that are seldom named but by who looks for them."""
 _PLACES = (
     "amenity/",
     "shop/",

@@ -16,16 +16,15 @@ _TELLING = 2  # words beside a name that make a statement of it
 class Clause:
     """Phrases of one thought, and what the words beside them do.
 
-    Whether they ask for something and deny something, how many there are beside what is named, whether any is in no
-    table; whether they are thrown in as a question (“Porridge again?”), list one thing or another, and end in what no
-    table knows; and whether anything between the marks around them asks.
+    Whether they ask for something and deny something, how many there are beside what is named; whether they are thrown
+    in as a question (“Porridge again?”), list one thing or another, and end in what no table knows; and whether
+    anything between the marks around them asks.
     """
 
     spans: list[Span[Meaning]]
     asks: bool
     denies: bool
     says: int
-    puzzles: bool
     echoes: bool
     lists: bool
     trails: bool
@@ -98,7 +97,6 @@ class _Words:
             not self._asking.isdisjoint(inside),
             not self._denying.isdisjoint(inside),
             _words_beside(spans, self._units[start:end]),
-            self.puzzles(start, end),
             end > start and self._units[end - 1 : end + 1][-1] in ("?", "？"),
             not self._listing.isdisjoint(inside),
             bool(spans) and not self._puzzling.isdisjoint(range(spans[-1].end, end)),

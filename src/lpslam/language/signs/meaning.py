@@ -6,8 +6,6 @@ from dataclasses import dataclass
 from lpslam.language.signs.wording import WARNING, reads_like_a_name
 from lpslam.language.tables.painted import Known
 
-_INITIALS = range(2, 4)  # letters
-
 
 @dataclass(frozen=True, slots=True)
 class SignMeaning:
