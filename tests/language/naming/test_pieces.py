@@ -47,3 +47,11 @@ def test_a_name_that_ends_with_what_it_is_is_likelier_than_one_that_ends_with_no
     """The reader holds both for possible, and one of them is an inn."""
     slots = ((("寶", 0.99),), (("利", 0.99),), (("空", 0.5), ("賓", 0.4)), (("館", 0.99),))
     assert OfflineModel().name([Reading("寶利空館", 8, 0.87, 0.4, 1.6, slots)]).name == "寶利賓館"
+
+
+def test_what_is_read_before_a_name_that_ends_with_what_it_is_is_kept_whatever_its_script() -> None:
+    """A number stands before a gate as Chinese does; a brand in Latin letters after Chinese is no end of one name."""
+    gates = [Reading("3号登机口", 3, 0.9), Reading("号登机口", 1, 0.99), Reading("号壁机口", 1, 0.78)]
+    assert OfflineModel().name(gates).name == "3号登机口"
+    teas = [Reading("HEYTEA", 2, 1.0), Reading("茶HEYTEA", 1, 1.0), Reading("高条HEYTEA", 1, 0.85)]
+    assert not OfflineModel().name([*teas, Reading("8HEYTEA", 1, 0.85)]).name.startswith("茶")

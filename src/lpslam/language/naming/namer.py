@@ -159,8 +159,9 @@ class Namer:
             # “必胜客欢乐餐厅” is no listed name, but begins with one.
             # “鸿达茶餐厅” ends with what it is.
             folded = self._fold.key(key)
-            parts = min(self._signs.brand_head(folded) + self._signs.known_tail(folded), len(folded))
-            advance = words + _ADVANCE_UNREAD * letter * parts
+            tail = self._signs.known_tail(folded)
+            head = min(self._signs.brand_head(folded), len(folded) - tail)
+            advance = words + _ADVANCE_UNREAD * (letter * head + _ADVANCE_IDEOGRAPH * tail)
         return min(advance, _MOST_AHEAD) - _MIXED * self._fold.is_mixed(key)
 
     def _painted(

@@ -357,10 +357,14 @@ class SignReader:
         return next((end for end in ends if self._known_brand(key[:end]) is not None), 0)
 
     def known_tail(self, key: str) -> int:
-        """Return how many letters of a key without spaces between its words are a known name that it ends with."""
-        if not is_unspaced(key):
-            return 0
-        begins = range(1, len(key) - _SHORTEST_TAIL + 1)
+        """Return how many letters in a script without spaces are a known name that a key ends with: B1停车场.
+
+        What is before them may be of any script; Latin letters after Chinese are a name of their own.
+        """
+        begin = len(key)
+        while begin > 0 and is_unspaced(key[begin - 1]):
+            begin -= 1
+        begins = range(max(begin, 1), len(key) - _SHORTEST_TAIL + 1)
         return next((len(key) - begin for begin in begins if key[begin:] in self._knowledge.known), 0)
 
     def _known_brand(self, key: str) -> Known | None:
