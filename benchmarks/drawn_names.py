@@ -8,7 +8,9 @@ A world has the boards of one language: numbered things of two to four kinds, sh
 No two boards share a name, a number of one kind, or, but for the trade, a word. A question asks for one of them in one
 of thirty ways of a language: as it stands there, without capitals or accents, by the part that is its own, with a slip,
 by another title, with its number written otherwise, in the words of another language; or for one that is not there,
-which nothing answers. The words are in `benchmarks/language/drawn_names.json`.
+which nothing answers. With `--ranges` the numbered boards bear ranges in the plural (Rooms 2A–2F, Lockers 61–120), and
+are asked by one number in them: in the singular, shortened, in another language; some are of things that no table
+lists (Kojen 20–30). The words are in `benchmarks/language/drawn_names.json`.
 """
 
 import argparse
@@ -41,14 +43,17 @@ FULL_WIDTH = str.maketrans("0123456789ABCDEFGHK", "０１２３４５６７８�
 LATIN_SHOP = {"en": "{own} {trade}", "de": "{trade} {own}", "fr": "{trade} {own}", "es": "{trade} {own}"}
 SLIP = 6  # letters of a word in which a slip is made
 
+FIRST = {"1": 1, "2": 10, "3": 101, "d": 101}  # the lowest number of a range, by its style
+LENGTHS = (4, 6, 12)  # of ranges
+
 Wish = dict[str, Any]
 
 
 class World:
     """One world while it is drawn: its boards, and what is asked of it."""
 
-    def __init__(self, rng: random.Random) -> None:
-        self.rng = rng
+    def __init__(self, rng: random.Random, has_ranges: bool = False) -> None:
+        self.rng, self._has_ranges = rng, has_ranges
         self.language = rng.choice(LANGUAGES)
         self.boards: list[str] = []
         self.wishes: list[Wish] = []
@@ -57,11 +62,13 @@ class World:
     def draw(self) -> dict[str, Any]:
         """Return the world as `benchmarks/wishes.py` has it."""
         kinds: list[str] = []
-        for kind in self.rng.sample(sorted(WORDS["numbered"]), 4):
+        for kind in self.rng.sample(sorted(WORDS["ranged" if self._has_ranges else "numbered"]), 4):
             if not any({kind, other} <= like for like in LIKE for other in kinds):
                 kinds.append(kind)
-        for kind in kinds:
-            self._numbered(kind)
+        for kind in kinds[:2] if self._has_ranges else kinds:
+            (self._ranged if self._has_ranges else self._numbered)(kind)
+        if self._has_ranges:
+            self._unheard()
         trades = self.rng.sample(WORDS["trades"][self.language], 3)
         for _ in range(7):
             self._shop(self.rng.choice(trades))
@@ -94,6 +101,46 @@ class World:
             kind_of = "number" if language == self.language else "number, another language"
             self._ask(kind_of, asked.lower() if self.rng.random() < 0.3 else asked, said.format(n=code), language)
         self._ask("number, absent", said.format(n=absent), None, self.language)
+
+    def _ranged(self, kind: str) -> None:
+        """Three boards of one kind with a range each, and what is asked of the numbers in them."""
+        said, spans = self.rng.choice(WORDS["ranged"][kind][self.language]), self._spans(WORDS["ranges"][kind])
+        self.boards += [said.format(n=f"{span[0]}–{span[-1]}") for span in spans[:3]]
+        for span in spans[:2]:
+            board, code = said.format(n=f"{span[0]}–{span[-1]}"), self.rng.choice(span)
+            other = self._other_language()
+            one = self.rng.choice(WORDS["numbered"][kind][other])
+            self._ask(
+                "range" if other == self.language else "range, another language", one.format(n=code), board, other
+            )
+            for short in WORDS["short"].get(kind, {}).get(self.language, [])[:1]:
+                self._ask("range, shortened", short.format(n=self.rng.choice(span)), board, self.language)
+        one = self.rng.choice(WORDS["numbered"][kind][self.language])
+        self._ask("range, absent", one.format(n=self.rng.choice(spans[3])), None, self.language)
+
+    def _unheard(self) -> None:
+        """Ranges of what no table lists, high enough that no other board holds them."""
+        word, many = self.rng.choice(WORDS["unheard"][self.language])
+        first = self.rng.randrange(500, 900)
+        for at in (first, first + 20):
+            board, code = f"{many} {at}–{at + 19}", self.rng.randrange(at, at + 20)
+            self.boards.append(board)
+            self._ask("range, unheard of", f"{word} {code}", board, self.language)
+        self._ask("range, absent", f"{word} {first + 50}", None, self.language)
+
+    def _spans(self, styles: list[str]) -> list[list[str]]:
+        """Four ranges of one style, code by code, that share none."""
+        style, size = self.rng.choice(styles), self.rng.choice(LENGTHS)
+        if style == "L":
+            return [list("ABCDEFGHIJKLMNOP"[4 * at : 4 * at + 4]) for at in range(4)]
+        if style == "1L":
+            return [[f"{at}{letter}" for letter in "ABCDEF"] for at in range(2, 6)]
+        if style.startswith("L"):
+            first = FIRST[style[1]]
+            return [[f"{letter}{first + at}" for at in range(size)] for letter in self.rng.sample("ABCDEFGH", 4)]
+        if style == "d":
+            return [[f"{floor}.{at:02}" for at in range(1, size + 1)] for floor in range(1, 5)]
+        return [[str(FIRST[style] + size * each + at) for at in range(size)] for each in range(4)]
 
     def _code(self, style: str) -> str:
         letter, digits = self.rng.choice("ABCDEFGHK"), {"1": (1, 12), "2": (10, 60), "3": (101, 420)}
@@ -176,10 +223,10 @@ def _differ(word: str, other: str) -> bool:
     return not (word[:3] == other[:3] or word in other or other in word or word[-4:] == other[-4:])
 
 
-def drawn(seed: int, worlds: int) -> dict[str, Any]:
+def drawn(seed: int, worlds: int, has_ranges: bool = False) -> dict[str, Any]:
     """Return worlds with their wishes; the same for the same seed."""
     rng = random.Random(seed)
-    return {"worlds": {f"drawn {at}": World(rng).draw() for at in range(worlds)}}
+    return {"worlds": {f"drawn {at}": World(rng, has_ranges).draw() for at in range(worlds)}}
 
 
 def score(worlds: dict[str, Any], shows_misses: bool = False) -> dict[str, Counter[str]]:
@@ -205,10 +252,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--worlds", type=int, default=200)
+    parser.add_argument("--ranges", action="store_true", help="boards bear ranges")
     parser.add_argument("--misses", action="store_true", help="show every miss")
     parser.add_argument("--write", type=Path, metavar="FILE", help="write the worlds instead")
     given = parser.parse_args()
-    tree = drawn(given.seed, given.worlds)
+    tree = drawn(given.seed, given.worlds, given.ranges)
     if given.write:
         given.write.write_text(json.dumps(tree, ensure_ascii=False, indent=1), encoding="utf-8")
         return

@@ -77,7 +77,7 @@ class Floors:
 def _numbers(name: str) -> Iterator[int]:
     """The floors that a board's room numbers stand for: 304, 1.12."""
     for code in board_codes(name):
-        if code.last is not None or code.number is None:
+        if code.until is not None or code.number is None:
             continue
         if code.rest.startswith(".") and not code.letters:
             yield code.number

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from lpslam.config import NavigationConfig
 from lpslam.language.choosing.guessing import LEAST_SURE
 from lpslam.language.wishes.form import PREVIOUS, Counting, Relation, Stop, Which, Wish
-from lpslam.language.wishes.served import Scorer, Served
+from lpslam.language.wishes.served import Scorer, Served, Way
 from lpslam.navigation.columns import Near, Serving, apart_from, detours
 from lpslam.navigation.places import Distances, Here, Place, Point, Straight
 from lpslam.navigation.relations import PAIRED, Judged, Scene, between, on_the_way
@@ -182,7 +182,15 @@ class _Solver:
             return (stop if is_here else replace(stop, what=stop.unplaced)), None, ""
         numbered = tuple(each for each in stop.identity if "floor" not in each.of)
         ids, note = floors.named(stop.floor, self._scene.here.position)
+        if not ids and self._is_borne(stop):
+            # “The lift to the 22nd floor”, of which the map has none, is the one that says so.
+            return replace(stop, what=stop.unplaced), None, ""
         return replace(stop, identity=numbered), ids, note
+
+    def _is_borne(self, stop: Stop) -> bool:
+        """Whether a board bears the very floor that a stop names."""
+        served = self._scorer.serve(replace(stop, what=stop.unplaced)) if stop.identity else None
+        return served is not None and served.way is Way.IDENTITY and bool(served.scores)
 
     def _within(self, served: Served, within: set[int]) -> Served:
         """Of what serves, the places of a floor."""

@@ -6,7 +6,8 @@ from hypothesis import strategies as st
 
 from lpslam.language.model import Candidate
 from lpslam.language.offline import OfflineModel
-from lpslam.language.wishes.codes import Code, alike_key, asked_codes, board_codes, board_keys, code_of, identities
+from lpslam.language.wishes.code import Code
+from lpslam.language.wishes.codes import alike_key, asked_codes, board_codes, board_keys, code_of, identities
 
 
 def fits(question: str, board: str) -> bool:
@@ -39,6 +40,15 @@ def fits(question: str, board: str) -> bool:
         ("Schließfach 32", "Schließfach 32"),
         ("whereabouts is Track 11G", "Track 11G"),
         ("5G病棟ってどこにあるの", "5G病棟"),
+        ("会议室2D", "Conference Rooms 2A–2F"),
+        ("room 2d", "Räume 2A–F"),
+        ("Zimmer 2.07", "Räume 2.01–2.12"),
+        ("room one point oh seven", "Room 1.07"),
+        ("Stimmraum 6", "Stimmräume 5–8"),
+        ("screen 7", "Salas 6–9"),
+        ("Schrank 42", "Garderobenschränke 1–60"),
+        ("gates M1-4", "Gates M1–M8"),
+        ("el juzgado número 3", "Juzgado n.º 3"),
     ],
 )
 def test_a_board_bears_what_is_asked(question: str, board: str) -> None:
@@ -56,6 +66,11 @@ def test_a_board_bears_what_is_asked(question: str, board: str) -> None:
         ("gate 12", "Platform 12"),
         ("room 2", "Rooms 201-215"),
         ("Zone E", "Zones A–D"),
+        ("Zimmer 2.07", "Räume 1–6"),
+        ("Zimmer 2.07", "Räume 3.01–3.12"),
+        ("room 2g", "Conference Rooms 2A–2F"),
+        ("Stimmraum 6", "Tor 4–6"),
+        ("Terminal 5", "Gepäckausgabe 5–8"),
         ("aisle 14", "Express checkouts 13-20"),
         ("allée 14", "Caisses automatiques 13-20"),
     ],

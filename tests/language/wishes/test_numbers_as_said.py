@@ -51,6 +51,26 @@ def test_whatever_a_board_numbers_is_found_by_its_number(question: str, board: s
     assert served(question, board, "Pods 1–10", "Toilets", "Gradas 1–4") == {board}
 
 
+@pytest.mark.parametrize(
+    ("question", "board", "others"),
+    [
+        ("63번 가게 찾아요", "Stands 56–70", ["Stands 40–55", "Placier"]),
+        ("Koje 30", "Kojen 20–39", ["Kojen 40–59", "Waschraum"]),
+        ("do I see the vet with my kitten in 1 or 2?", "Consulting Room 2", ["Consulting Room 1", "Toilets"]),
+        ("lecture theater b", "Lecture Theatre B", ["Lecture Theatre A", "Café"]),
+        ("el juzgado número 3", "Juzgado de lo Penal n.º 3", ["Salas de vistas 1–3", "Juzgado n.º 4"]),
+        ("a ballroom A", "연회장 A", ["연회장 B", "회의실 1–4"]),
+    ],
+)
+def test_the_board_that_alone_holds_a_number_is_it(question: str, board: str, others: list[str]) -> None:
+    assert served(question, board, *others) == {board}
+
+
+def test_a_seat_in_a_row_is_in_the_row() -> None:
+    marks = [Candidate(0, "Stalls", (), ("Rows A–M",)), Candidate(1, "Circle", (), ("Rows N–T",))]
+    assert list(MODEL.scorer(marks).serve(MODEL.read_wish("Row H seat 14").stops[0]).scores) == [0]
+
+
 def test_a_common_word_before_a_number_is_not_what_a_board_numbers() -> None:
     marks = [Candidate(0, "Lockers for 20"), Candidate(1, "Toilets")]
     found = MODEL.scorer(marks).serve(MODEL.read_wish("a gift for 20").stops[0])

@@ -5,15 +5,22 @@ A code is a number, a letter with one (B31, 3.14, 2-105), or a letter that stand
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from functools import lru_cache
 
 from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.hours import without_hours
 from lpslam.language.tables.lexicon import read_table
 from lpslam.language.tables.words import is_unspaced
+from lpslam.language.wishes.code import Code, code_in, range_of
 from lpslam.language.wishes.form import Identity, Sort
-from lpslam.language.wishes.numerals import digit_ordinal, number_of, with_digits, with_letters, with_unspaced_letters
+from lpslam.language.wishes.numerals import (
+    digit_ordinal,
+    number_of,
+    with_digits,
+    with_letters,
+    with_points,
+    with_unspaced_letters,
+)
 
 _KEPT = 64  # texts as codes are looked for in them: a question and its parts
 # 一番近い is the nearest, 一番線 is platform 1; 이번 is this time, 이층 the second floor.
@@ -32,79 +39,49 @@ _THIS_ONE = re.compile(r"(?<![가-힣])([일이삼사오육칠팔구])(?=번 (?!
 _ONE = r"(?:[a-z]{1,2}[-.]?|[b-z] )?\d{1,4}(?:[-.]\d{1,4}){0,2}(?:-?[a-z]| [a-z](?=[\u2e80-\uffff]))?|[a-z]"
 _CODE = re.compile(rf"(?<![a-zà-ÿ0-9'’])({_ONE})(?![^\W_\u2e80-\uffff])(?!['’-][^\W\d_])")
 _TO = "-|–|—|~|〜|～|to|bis|through|thru|à|a|al|至|到|から|부터|에서"
-_END = r"(?=[a-z\d])([a-z]{0,2})(\d{0,4})"
-_RANGE = re.compile(rf"(?<![a-zà-ÿ0-9]){_END} ?(?:{_TO}) ?{_END}(?![a-z0-9])")
+_END = r"([a-z]{0,2}[-.]?\d{1,4}(?:\.\d{1,3})?[a-z]?|[a-z]{1,2})"
+_RANGE = re.compile(rf"(?<![a-zà-ÿ0-9])(?<!\d\.){_END} ?(?:{_TO}) ?{_END}(?![a-z0-9])")
 _TIMES = (
     r"min(?:ute)?n?s?|minutos|分钟|分鐘|小时|小時|時間|시간|分(?!院)|hours?|horas|heures|stunden|days?|días|jours|tage|天|日間|weeks?|semanas?|wochen?|semaines?|周(?!边)|週間|주(?![가-힣])|months?|mes(?:es)?(?![a-z])|monate?|mois|个月|個月|か月|ヶ月|개월|"
     r"a\.?m\.?|p\.?m\.?|uhr|o'clock|点|點|時|시(?!\S)|h(?![a-z])|years?|años|ans|jahre|岁|歳|살"
 )
 _MEASURES = (
-    r"%|€|\$|£|¥|元|円|원|eur|euros?|dollars?|met(?:er|re)s?|metros|mètres|米|m(?![a-z])|km|g|kg|ml|l(?![a-z])|"
+    r"%|°|度|도(?!\S)|degrees?|grados?|grad(?![a-z])|degrés?|€|\$|£|¥|元|円|원|eur|euros?|dollars?|met(?:er|re)s?|metros|mètres|米|m(?![a-z])|km|g|kg|ml|l(?![a-z])|"
     r"キロ|킬로|公斤|kilos?|番目|回|次|杯|つ|個|个(?!房)|枚|本|位|people|persons|personas|personnes|personen|人|명|kids|children|niños|enfants|kinder"
 )
 _QUANTITY = re.compile(
     rf"\d+(?:[.,:h]\d+)? ?(?:{_TIMES}|{_MEASURES})(?![a-z])|\d{{1,2}}:\d{{2}}|[$€£¥]\d+", re.IGNORECASE
 )
-_PLURAL = "es|s"
+_PLURAL = "es|s|x"
+_SHORTEST_HEAD = 4  # letters of the head of a compound
 _BEFORE, _AFTER = 26, 8  # letters around a code in which the word for what is numbered is looked for
 _FEWEST_SPOKEN = 3  # digits of a number in words that is a room's where nothing says so
 _NUMBER_WORD = re.compile(r"(?<!\w)(?:number|nummer|numéro|número|the|die|den|der|das|el|la|le|les|los|las)(?!\w)")
 _FEW_WORDS, _SHORT = 2, 16  # words and letters of a question that may be no more than a number
 
 
-@dataclass(frozen=True, slots=True)
-class Code:
-    """A code on a board or in a question: letters, number (None: a letter alone), the rest, and what is numbered."""
-
-    letters: str
-    number: int | None
-    rest: str
-    of: frozenset[str]
-    last: int | None = None
-    last_letters: str = ""
-
-    @property
-    def value(self) -> str:
-        """As it is compared: "b31"."""
-        return f"{self.letters}{'' if self.number is None else self.number}{self.rest}"
-
-    def bears(self, asked: "Code") -> bool:
-        """Whether this code, or range of codes, of a board is or contains the one that is asked for."""
-        if self.of and asked.of and self.of.isdisjoint(asked.of):
-            return False
-        if self.last_letters:
-            return asked.number is None and not asked.rest and self.letters <= asked.letters <= self.last_letters
-        if self.number is None:
-            return asked.letters == self.letters and not asked.rest and bool(self.of or asked.number is None)
-        if asked.letters != self.letters:
-            return False
-        if asked.number is None:
-            # “Gates A” are A1 to A15.
-            return bool(self.of & asked.of)
-        if self.last is not None:
-            return self.number <= asked.number <= self.last
-        return (asked.number, asked.rest) == (self.number, self.rest)
-
-
 @lru_cache(maxsize=1)
-def _classes() -> tuple[re.Pattern[str], Mapping[str, frozenset[str]]]:
-    """A pattern of all words for what is numbered, longest first, and what each word may stand for."""
+def _classes() -> tuple[re.Pattern[str], re.Pattern[str], Mapping[str, frozenset[str]]]:
+    """Patterns of all words for what is numbered, longest first, whole or heads of compounds; what each stands for."""
     tree: Mapping[str, str] = read_table("wishes/numbered.json")
     of: dict[str, set[str]] = {}
     for name, joined in tree.items():
         for word in joined.casefold().split("|"):
             of.setdefault(word, set()).add(name)
     words = sorted(of, key=lambda word: (-len(word), word))
-    spaced = "|".join(re.escape(word) for word in words if not is_unspaced(word))
+    spaced = [word for word in words if not is_unspaced(word)]
     unspaced = "|".join(re.escape(word) for word in words if is_unspaced(word))
-    pattern = re.compile(rf"(?<!\w)(?:{spaced})(?:{_PLURAL})?(?![a-zà-ÿ])|{unspaced}")
-    return pattern, {word: frozenset(names) for word, names in of.items()}
+    whole = rf"(?<!\w)(?:{'|'.join(map(re.escape, spaced))})(?:{_PLURAL})?(?![a-zà-ÿ])|{unspaced}"
+    heads = "|".join(re.escape(word) for word in spaced if len(word) >= _SHORTEST_HEAD)
+    # “Stimmräume” are rooms.
+    compound = rf"{whole}|(?<=[a-zà-ÿ]{{3}})(?:{heads})(?:{_PLURAL})?(?![a-zà-ÿ])"
+    return re.compile(whole), re.compile(compound), {word: frozenset(names) for word, names in of.items()}
 
 
 def _named(word: str) -> frozenset[str]:
-    """What a word stands for, in the singular or the plural."""
-    of = _classes()[1]
-    return next(of[each] for each in (word, *(word.removesuffix(end) for end in _PLURAL.split("|"))) if each in of)
+    """What a word stands for, in the singular or the plural: Spanish *salas* are rooms, halls and screens."""
+    of = _classes()[2]
+    return frozenset().union(*(of.get(word.removesuffix(end), ()) for end in ("", *_PLURAL.split("|"))))
 
 
 def _of_code(text: str, start: int, end: int) -> frozenset[str]:
@@ -147,7 +124,7 @@ def _starting(text: str) -> frozenset[str]:
 
 def _last_words(text: str) -> list[tuple[re.Match[str], frozenset[str]]]:
     """The words for what is numbered, the last first; one word may stand for several, and one may have its number."""
-    hits = reversed(list(_classes()[0].finditer(text)))
+    hits = reversed(list(_classes()[1].finditer(text)))
     return [
         (hit, of)
         for hit in hits
@@ -160,7 +137,7 @@ _ORDINAL_BEFORE = re.compile(r"\d(?:st|nd|rd|th|\.|er|e|ère|ème|º|ª|°)? $")
 
 
 _NUMBERED_ONE = re.compile(r"(?<![\w.,:])(\d{3,4})er(?!\w)")  # “der 117er”
-_NUMBER_SIGN = re.compile(r"(?<!\w)(?:n\.? ?[°º]|№|n[or]s?\.) ?(?=\d)")  # “n° 4”, “no. 4”, “Nr. 4”
+_NUMBER_SIGN = re.compile(r"(?<!\w)(?:n\.? ?°|n\.?[or]s?\.?) ?(?=\d)")  # “n° 4”, “n.º 4” as cleaned, “Nr. 4”
 
 
 @lru_cache(maxsize=_KEPT)
@@ -185,14 +162,6 @@ def _is_number(folded: str, hit: re.Match[str]) -> bool:
     return thing is not None and len(numeral + thing.group()) + is_told >= _FEWEST_TOGETHER and numeral not in "两兩"
 
 
-def _code(text: str, of: frozenset[str]) -> Code:
-    bare = re.sub(r"(?<=[a-z])[-. ](?=\d)|(?<=\d) (?=[a-z])", "", text)
-    found = re.match(r"([a-z]{0,2})(\d{1,4})(.*)$", bare)
-    if found is None:
-        return Code(bare, None, "", of)
-    return Code(found.group(1), int(found.group(2)), found.group(3), of)
-
-
 _ZEROS_IN_WORDS = re.compile(r"(?<=[a-z])0+(?=[a-z])|(?<![a-z\d])0(?=[a-z]{2})")
 _LETTER_APART = re.compile(r"(?<![^\W_])a (?=\d{2,4}(?!\w))")
 _TOKEN = re.compile(r"(?<![a-z\d])(?=[a-z.-]*\d|\d)[a-z\d]+(?:[.-][a-z\d]+)*(?![a-z\d])")
@@ -210,22 +179,18 @@ def _board(text: str) -> str:
 def board_keys(text: str) -> frozenset[str]:
     """Return the codes of a board as readers of signs confuse them: Al6 and A16 are the same, 1-4 and 14 are not."""
     tokens = (hit.group() for hit in _TOKEN.finditer(_board(text)))
-    single = [each for each in tokens if _range_of(_RANGE.fullmatch(each)) is None]
+    single = [each for each in tokens if not _is_range(each)]
     return frozenset(form.translate(_ALIKE) for each in single for form in (each, _LEADING_ZEROS.sub("", each)))
+
+
+def _is_range(text: str) -> bool:
+    hit = _RANGE.fullmatch(text)
+    return hit is not None and range_of(hit.group(1), hit.group(2), frozenset()) is not None
 
 
 def alike_key(value: str) -> str:
     """Return a code as `board_keys` has it."""
     return value.translate(_ALIKE)
-
-
-def _range_of(hit: re.Match[str] | None) -> tuple[int, int] | None:
-    """First and last number of a hit of `_RANGE`, None where it is no range of numbers."""
-    if hit is None:
-        return None
-    letters, first, last_letters, last = hit.groups()
-    is_one = first and last and (letters == last_letters or not last_letters) and int(first) <= int(last)
-    return (int(first), int(last)) if is_one else None
 
 
 @lru_cache(maxsize=1 << 15)
@@ -234,18 +199,21 @@ def board_codes(text: str) -> tuple[Code, ...]:
     folded = _board(text)
     found: list[Code] = []
     for hit in _RANGE.finditer(folded):
-        letters, first, last_letters, last = hit.groups()
-        of = _of_board_code(folded, hit.start(), hit.end())
-        if (numbers := _range_of(hit)) is not None:
-            found.append(Code(letters, numbers[0], "", of, numbers[1]))
-        elif letters and last_letters and not first and not last and len(letters) == len(last_letters) == 1 and of:
-            found.append(Code(letters, None, "", of, None, last_letters))
+        span = range_of(hit.group(1), hit.group(2), _of_board_code(folded, hit.start(), hit.end()))
+        found += [span] if span is not None else []
     for hit in _CODE.finditer(folded):
         of = _of_board_code(folded, hit.start(), hit.end())
-        code = _code(hit.group(1), of)
+        code = code_in(hit.group(1), of)
         if code.number is not None or of:
             found.append(code)
+    last = _LAST_LETTER.search(clean_text(text))
+    if last is not None and not any(code.letters == last.group().casefold() for code in found):
+        # 연회장 A, EDV B
+        found.append(Code(last.group().casefold(), None, "", frozenset()))
     return tuple(found)
+
+
+_LAST_LETTER = re.compile(r"(?<=[^\W\d_] )[A-Z]$")
 
 
 def asked_codes(text: str) -> list[Code]:
@@ -265,7 +233,7 @@ def asked_codes(text: str) -> list[Code]:
     alone = len(re.findall(r"\w+", folded)) <= _FEW_WORDS and len(folded) <= _SHORT
     for hit in _CODE.finditer(folded):
         of = _of_code(folded, hit.start(), hit.end())
-        code = _code(hit.group(1), of)
+        code = code_in(hit.group(1), of)
         is_mixed = code.number is not None and bool(code.letters or code.rest)
         if (
             code.number is None
@@ -297,7 +265,7 @@ _LETTERED = re.compile(r"\d{1,4}[a-z]")
 def all_numbers(text: str) -> list[Code]:
     """Return all numbers that a text says, in digits or words, of whatever."""
     said = with_digits(_folded(text), lambda at: True, lambda at: True)
-    return [_code(number, frozenset()) for number in re.findall(r"(?<!\w)\d{1,4}(?!\w)", said)]
+    return [code_in(number, frozenset()) for number in re.findall(r"(?<!\w)\d{1,4}(?!\w)", said)]
 
 
 def spoken_numbers(text: str) -> list[Code]:
@@ -307,13 +275,13 @@ def spoken_numbers(text: str) -> list[Code]:
     """
     folded = _folded(text)
     if _UNSPACED_ALONE.fullmatch(folded.strip()):
-        return [_code(str(number_of(folded)), frozenset())]
+        return [code_in(str(number_of(folded)), frozenset())]
     said = _QUANTITY.sub(" ", with_digits(folded, lambda at: True, lambda at: False))
     is_alone = re.fullmatch(r"\d{1,4}", _NUMBER_WORD.sub(" ", f" {said} ").strip()) is not None
     painted = set(re.findall(r"\d+", folded))
     fewest = 1 if is_alone else _FEWEST_SPOKEN
     numbers = re.findall(rf"(?<!\w)\d{{{fewest},4}}(?!\w)", said)
-    return [_code(number, frozenset()) for number in numbers if number not in painted]
+    return [code_in(number, frozenset()) for number in numbers if number not in painted]
 
 
 _UNSPACED_ALONE = re.compile("[〇零一二三四五六七八九十百]{1,5}|[영공일이삼사오육칠팔구십백]{1,5}")
@@ -323,7 +291,7 @@ def lettered_numbers(text: str) -> list[Code]:
     """Return what may be a letter and a number as they are called, of whatever: “I leave from bee twelve”."""
     lettered = with_letters(_folded(text), lambda *_: True)
     said = with_digits(lettered, lambda at: _LETTER_ALONE.search(lettered[:at]) is not None, lambda at: False)
-    return [_code(hit.group(), frozenset()) for hit in re.finditer(r"(?<!\w)[a-z] \d{1,4}(?!\w)", said)]
+    return [code_in(hit.group(), frozenset()) for hit in re.finditer(r"(?<!\w)[a-z] \d{1,4}(?!\w)", said)]
 
 
 _LETTER_ALONE = re.compile(r"(?<!\w)[b-z] $")
@@ -332,14 +300,40 @@ _LETTER_ALONE = re.compile(r"(?<!\w)[b-z] $")
 def numbers_in(text: str) -> list[Code]:
     """Return the numbers that a question says, times, sums and amounts apart."""
     folded = _QUANTITY.sub(" ", _folded(text))
-    return [_code(number, frozenset()) for number in re.findall(r"(?<![\w.,:])\d{1,4}(?![\w.,:]\d)", folded)]
+    return [code_in(number, frozenset()) for number in re.findall(r"(?<![\w.,:])\d{1,4}(?![\w.,:]\d)", folded)]
+
+
+def codes_said(text: str) -> list[tuple[str, Code]]:
+    """Return every number and code in digits, of whatever, times and amounts apart, and the word before each."""
+    said = _HOW_MANY.sub(" ", _QUANTITY.sub(" ", _folded(text)))
+    hits = (
+        (_WORD_BEFORE.search(said[: hit.start()]), code_in(hit.group(1), frozenset())) for hit in _CODE.finditer(said)
+    )
+    return [("" if word is None else word.group(1), code) for word, code in hits if code.number not in (None, 1)]
+
+
+def last_letters(text: str) -> list[Code]:
+    """Return the letter with which a text ends, of whatever: “the lounge b”."""
+    last = re.search(r"(?<=[^\W\d_] )[a-z]$", _folded(text).rstrip(" ?!."))
+    return [Code(last.group(), None, "", frozenset())] if last is not None else []
+
+
+_HOW_MANY = re.compile(r"(?<!\w)(?:for|für|pour|para|with|mit|avec|con|we're|wir sind) \d+")  # “a gift for 20”
+_WORD_BEFORE = re.compile(r"([^\W\d_]+)[. ]*$")
 
 
 @lru_cache(maxsize=_KEPT)
 def _digits_in(folded: str) -> str:
-    folded = with_letters(folded, _follows)
+    folded = with_points(with_letters(folded, _follows))
     folded = digit_ordinal().sub(lambda hit: hit.group(1) if _leads(folded, hit.end()) else hit.group(), folded)
-    return with_digits(folded, lambda at: _follows(folded, at), lambda at: _leads(folded, at))
+    return with_digits(
+        folded,
+        lambda at: _follows(folded, at) or _AFTER_POINT.search(folded[:at]) is not None,
+        lambda at: _leads(folded, at),
+    )
+
+
+_AFTER_POINT = re.compile(r"\w\.$")
 
 
 def in_digits(text: str) -> str:
@@ -392,4 +386,4 @@ def identities(codes: Iterable[Code]) -> tuple[Identity, ...]:
 
 def code_of(identity: Identity) -> Code:
     """The code of a constraint."""
-    return _code(identity.value, frozenset(identity.of))
+    return code_in(identity.value, frozenset(identity.of))

@@ -9,14 +9,16 @@ from lpslam.language.model import Candidate
 from lpslam.language.questions.question import read_question
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.words import UNSPACED_RUN
+from lpslam.language.wishes.code import Code
 from lpslam.language.wishes.codes import (
-    Code,
     alike_key,
     all_numbers,
     asked_codes,
     board_codes,
     board_keys,
     code_of,
+    codes_said,
+    last_letters,
     lettered_numbers,
     numbers_in,
     spoken_numbers,
@@ -33,6 +35,7 @@ _SURE = 1.0  # of a code or person
 _LONG_NUMBER = 3  # digits of a number that is a room's even where its board does not say so
 _LONG_KEY = 2  # letters and digits of a code that may be misread
 _FEWEST_OF_A_SORT = 2
+_LONG_WORD = 4  # letters of a word that is more than an article
 _BY_THE_WAY = frozenset({"floor", "building", "zone"})
 """What may be numbered beside what is asked for: “a toilet on level 2”."""
 
@@ -65,6 +68,12 @@ class Identities:
         return frozenset(thing for codes in self.codes.values() for code in codes for thing in code.of)
 
     @cached_property
+    def _lettered(self) -> frozenset[str]:
+        """All that a letter alone tells apart on some board."""
+        every = (code for codes in self.codes.values() for code in codes if code.number is None)
+        return frozenset(thing for code in every for thing in code.of)
+
+    @cached_property
     def _letters(self) -> frozenset[str]:
         """The letters of all boards' codes."""
         return frozenset(code.letters for codes in self.codes.values() for code in codes)
@@ -74,7 +83,7 @@ class Identities:
         """The boards that bear a number, by their order; None: any of several numbers, or letters alone."""
         found: dict[int | None, dict[int, int]] = {}
         for row, (id_, codes) in enumerate(self.codes.items()):
-            for number in {None if code.last is not None or code.last_letters else code.number for code in codes}:
+            for number in {None if code.until is not None else code.number for code in codes}:
                 found.setdefault(number, {})[row] = id_
         return found
 
@@ -89,8 +98,12 @@ class Identities:
         """The landmarks that bear all that must stand there; what is not heeded; and what stands on none."""
         found: dict[int, float] | None = None
         ignored: list[str] = []
-        for identity in stop.identity:
-            bearing = self._bearing(identity)
+        borne = [self._bearing(identity, stop.what) for identity in stop.identity]
+        for identity, bearing in zip(stop.identity, borne, strict=True):
+            if any(borne) and not bearing and identity.of and not self._has_such(identity):
+                # “Row H, seat 14”, where no board speaks of seats.
+                ignored.append(str(identity))
+                continue
             is_code = identity.sort is Sort.CODE and not bearing and not self._has_such(identity)
             # Where no board bears such codes at all, “M8 bolts” are bolts.
             if (is_code or _BY_THE_WAY.intersection(identity.of)) and self._says_more(stop):
@@ -106,7 +119,7 @@ class Identities:
 
     def bearing_all(self, stop: Stop) -> dict[int, float]:
         """The landmarks that bear all codes and people of a stop."""
-        bearing = [self._bearing(identity) for identity in stop.identity]
+        bearing = [self._bearing(identity, stop.what) for identity in stop.identity]
         return dict.fromkeys(sorted(set.intersection(*map(set, bearing))), _SURE) if bearing else {}
 
     def differs(self, id_: int, stop: Stop) -> bool:
@@ -130,18 +143,28 @@ class Identities:
         meaning = read_question(said, self._knowledge)
         return any(weight > 0.5 for _, weight in meaning.wanted)
 
-    def _bearing(self, identity: Identity) -> dict[int, float]:
+    def _bearing(self, identity: Identity, what: str) -> dict[int, float]:
         if identity.sort is Sort.PERSON:
             ids = self._names.persons(identity.value) or self._titled(identity.value)
             return dict.fromkeys(ids, _SURE)
         asked = code_of(identity)
         # What is painted goes before what may be misread.
         found = self._coded(asked) or self._alike(asked) or self._unclassed(asked)
-        if asked.of and not asked.letters and len(asked.value) < _LONG_NUMBER and asked.of & self._things:
+        is_short = not asked.letters and len(asked.value) < _LONG_NUMBER
+        things = self._lettered if asked.number is None else self._things if is_short else frozenset()
+        if asked.of & things:
             # Where aisles are numbered as aisles, a number that is of nothing is no aisle.
             found = {id_: score for id_, score in found.items() if score > _SURE - 0.1}
+        found = self._named_so(what, found) if len(found) > 1 else found
         best = max(found.values(), default=0.0)
         return {id_: score for id_, score in found.items() if score >= best - 0.01}
+
+    def _named_so(self, what: str, found: Mapping[int, float]) -> dict[int, float]:
+        """Of landmarks that bear a code, those on which most words of the question stand as well: juzgado 3."""
+        units = {unit for unit in self._knowledge.folder.units(what) if unit.isalpha() and len(unit) >= _LONG_WORD}
+        said = [self._names.bearing(unit) for unit in units]
+        counts = {id_: sum(id_ in bearing for bearing in said) for id_ in found}
+        return {id_: score for id_, score in found.items() if counts[id_] == max(counts.values())}
 
     def _titled(self, name: str) -> list[int]:
         """Landmarks that bear a person of that name with any title: 王大夫 is the 王 of 王医生."""
@@ -196,6 +219,15 @@ class Identities:
         best = max(scores.values(), default=0.0)
         return {id_: _SURE for id_ in sorted(scores) if scores[id_] == best > 0.0}
 
+    def held(self, what: str) -> dict[int, float]:
+        """The one landmark that bears a number which is said, or bears it beside another form of the word before it."""
+        for word, code in codes_said(what):
+            ids = [id_ for id_, codes in self._may_bear(code) if any(each.bears(code) for each in codes)]
+            alike = [id_ for id_ in ids if self._names.has_form(id_, word)] if len(ids) > 1 else ids
+            if len(alike) == 1:
+                return dict.fromkeys(alike, _SURE)
+        return {}
+
     def bearing(self, text: str, ids: Callable[[], Iterable[int]]) -> set[int]:
         """Those of some landmarks that bear a number or code which a text says; they are asked for if it says any."""
         said = [*asked_codes(text), *all_numbers(text)]
@@ -211,7 +243,7 @@ class Identities:
     def of_the_number(self, what: str, scores: Mapping[int, float]) -> dict[int, float]:
         """Of boards of one sort, the one that bears the number that is said: “mine is locker 37” is Lockers 1–60."""
         # “One” is seldom a number.
-        said = numbers_in(what) or [code for code in all_numbers(what) if code.number != 1]
+        said = numbers_in(what) or last_letters(what) or [code for code in all_numbers(what) if code.number != 1]
         if not said:
             return dict(scores)
         top = max(scores.values(), default=0.0)
@@ -229,9 +261,7 @@ class Identities:
             fits = [code for code in codes if code.bears(asked)]
             if fits:
                 is_same = any(code.of & asked.of for code in fits) or not asked.of
-                is_exact = any(
-                    code.last is None and not code.last_letters and code.number == asked.number for code in fits
-                )
+                is_exact = any(code.until is None and code.number == asked.number for code in fits)
                 # What a board is called goes before what it lists: Gallery 6 before the floor guide.
                 is_called = not set(fits).isdisjoint(board_codes(self._by_id[id_].name))
                 found[id_] = _SURE - 0.1 * (not is_same) - 0.05 * (not is_exact) - 0.02 * (not is_called)

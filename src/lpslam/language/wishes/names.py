@@ -112,6 +112,12 @@ class Names:
         """Whether the first line of a board bears some words."""
         return any(self._share(words, line) > 0.0 for line in self._words[id_][:1])
 
+    def has_form(self, id_: int, word: str) -> bool:
+        """Whether a board bears a word in another form: the plural, a compound of it, or what it shortens."""
+        pattern = re.compile(".*?".join(self._knowledge.folder.key(word)))
+        units = (unit for line in self._words[id_] for unit in line.units)
+        return len(word) > 1 and any(pattern.match(unit) or unit.endswith(word) for unit in units)
+
     def akin(self, word: str) -> set[int]:
         """Landmarks whose boards bear another word that begins alike: adoptieren, Adoption."""
         found: set[int] = set()

@@ -211,6 +211,18 @@ def with_digits(folded: str, follows: Callable[[int], bool], leads: Callable[[in
     return "".join(pieces) + folded[done:]
 
 
+def with_points(folded: str) -> str:
+    """Return a text in which points that are said between numbers are points: “one point oh seven” → “one.oh seven”."""
+    return _POINT.sub(lambda hit: f"{hit[1]}." if all(map(_is_number, hit.groups())) else hit.group(), folded)
+
+
+_POINT = re.compile(r"(?<!\w)(\w+) (?:point|dot|punkt|punto) (?=(\w+))")
+
+
+def _is_number(word: str) -> bool:
+    return word.isdigit() or _key(word) in _cardinals() or _key(word) in _digits()
+
+
 def _number_at(
     folded: str, words: Sequence[re.Match[str]], at: int, follows: bool, leads: Callable[[int], bool]
 ) -> tuple[str | None, int]:

@@ -85,6 +85,14 @@ class EmbeddedScorer:
         """Return the landmarks that serve a stop: by identity, by name, else by what they are."""
         served = self._judged(self._found(stop)) if stop.what else self._trust.any_place(stop)
         served = self._heeding(served) if stop.identity and served.way is not Way.IDENTITY else served
+        if (
+            stop.what
+            and not stop.identity
+            and not served.settled
+            and (not served.scores or served.sure < LEAST_SURE * served.strictness)
+        ):
+            held = self._trusted(self._identities.held(stop.what))
+            served = Served(stop, held, "the board bears it", 0.8, way=Way.IDENTITY) if held else served
         return self._opening.open(served) if stop.at else served
 
     def _heeding(self, served: Served) -> Served:
