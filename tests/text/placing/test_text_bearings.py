@@ -80,6 +80,19 @@ def text_class(observations: list[TextObservation]) -> TextClass:
     )
 
 
+def test_a_point_between_two_signs_does_not_outdo_the_sign_that_depth_places_too() -> None:
+    """Directions to one from afar, and to the other, cross before both; in the first one's place depth was measured."""
+    far, near = [looking(x) for x in np.linspace(0.0, 0.06, 7)], [looking(x, 3.0) for x in np.linspace(-0.4, 0.4, 5)]
+    aside = [looking(4.0 + x, 2.0, -1.107) for x in np.linspace(0.0, 0.05, 3)]
+    poses, first = [*far, *near, *aside], sign((0.0, 0.0, 6.0))
+    observations = [seen(row, poses[row], first, 0.5) for row in range(7)]
+    observations += [seen(row, poses[row], first, 0.5, depth=6.0) for row in range(7, 12)]
+    observations += [seen(row, poses[row], sign((-2.0, 0.0, 5.0), -1.107), 0.5, text="TOFFEE") for row in range(12, 15)]
+    found = [each for each in placed(observations, poses_of(poses), CONFIG) if each.text == "COFFEE"]
+    assert len(found) == 12
+    assert np.linalg.norm(where(found, poses) - [0.0, 0.0, 6.0], axis=1).max() < 0.2
+
+
 @pytest.mark.parametrize("middle", [(0.2, -0.4, 3.0), (1.0, 0.3, 4.0), (0.0, 0.0, 2.0)])
 def test_text_without_depth_is_placed_by_its_bearings(middle: tuple[float, float, float]) -> None:
     observations = [seen(number, pose, sign(middle), 0.5) for number, pose in enumerate(WALK)]

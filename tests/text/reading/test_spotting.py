@@ -215,6 +215,17 @@ def test_ideographs_with_room_for_one_more_between_two_have_a_hole(places: list[
     assert not latin.has_hole
 
 
+def test_letters_on_an_arc_are_a_box_though_most_of_it_is_empty() -> None:
+    probability = np.zeros((240, 320), np.uint8)
+    cv2.ellipse(probability, (160, 200), (130, 130), 0, 210, 330, 200, 16)
+    boxes, scores = boxes_from_probability(probability.astype(np.float32) / 255.0, CONFIG)
+    assert len(boxes) == 1
+    assert scores[0] < CONFIG.box_score
+    # Less sure of itself, it is none.
+    boxes, _ = boxes_from_probability(probability.astype(np.float32) * 0.5 / 200.0, CONFIG)
+    assert len(boxes) == 0
+
+
 def test_a_region_of_the_probability_map_becomes_a_grown_box() -> None:
     probability = np.zeros((240, 320), np.float32)
     probability[100:120, 50:150] = 0.9

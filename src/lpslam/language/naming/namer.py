@@ -9,6 +9,7 @@ from rapidfuzz.distance import Levenshtein
 
 from lpslam.language.model import Naming, Reading
 from lpslam.language.naming.channel import Seen, evidence_of, paint_key
+from lpslam.language.naming.chinese_words import is_in_a_word, words_in
 from lpslam.language.naming.marks import ODD_MARK, odd_marks, with_gaps
 from lpslam.language.naming.posterior import ELSE, doubted, posterior, put_together
 from lpslam.language.naming.voting import cased_like, painted_like, vote
@@ -16,14 +17,15 @@ from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.reader import SignReader
 from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.painted import Known
-from lpslam.language.tables.spelling import respelled, words_of
+from lpslam.language.tables.spelling import is_ideograph, respelled, words_of
 from lpslam.language.tables.words import is_unspaced
 
 # What a known name is ahead of an unknown one, in logarithms of odds: a letter, and a letter of a word in any name;
 # chosen on drawn lettering, once with every name known and once with it hidden.
 _ADVANCE_LETTER, _ADVANCE_IDEOGRAPH, _ADVANCE_WORD = 1.5, 3.0, 1.5
-# What a word is behind for being one of many: short ones are near anything.
-_CHOICE_OF_WORDS = 3.0
+# What a word is behind for being one of many: short ones are near anything. Of pairs of common ideographs one in four
+# hundred is a word.
+_CHOICE_OF_WORDS, _CHOICE_OF_PAIRS = 3.0, 1.0
 # Where nothing that was read is like it, the share of that; and at most: what is known decides between near-equals.
 _ADVANCE_UNREAD, _MOST_AHEAD = 0.5, 10.0
 # What a string is behind in which traditional and simplified characters stand beside each other: few signs mix them.
@@ -87,6 +89,11 @@ class Namer:
         known = {key: self._known(key) for key in forms}
         read = {each.key for each in seen}
         alike = {self._looks(key) for key in read}
+        # What the reader held for possible is read as well: its own odds say how surely.
+        possible = {key for key in doubted(seen, self._makes_a_word) if any(map(is_ideograph, key))}
+        alike |= {self._looks(key) for key in possible}
+        keys = {self._fold.key(key) for key in read | possible}
+        words = {key: ahead + self._words_unspaced(self._fold.key(key), keys) for key, ahead in words.items()}
         priors = {key: self._advance(key, known[key], words[key], self._looks(key) in alike) for key in forms}
         probabilities = posterior(priors, seen, self._looks)
         # On a tie the weightiest reading stays.
@@ -109,7 +116,7 @@ class Namer:
         forms.setdefault(paint_key(voted), voted)
         for first, second in put_together(seen):
             forms.setdefault(first + second, f"{texts[first]} {texts[second]}")
-        for key in doubted(seen):
+        for key in doubted(seen, self._makes_a_word):
             if key:
                 forms.setdefault(key, respaced(key, template))
         for key in list(forms)[:_READINGS_LOOKED_UP]:
@@ -146,6 +153,25 @@ class Namer:
             for word in known
         )
 
+    def _words_unspaced(self, key: str, read: Set[str]) -> float:
+        """What common Chinese words put a folded key ahead, and a known name that it begins or ends with."""
+        tail = self._signs.known_tail(key)
+        head = min(self._signs.brand_head(key), len(key) - tail)
+        letter = _ADVANCE_IDEOGRAPH if is_unspaced(key) else _ADVANCE_LETTER
+        # “必胜客欢乐餐厅” is no listed name, but begins with one; “鸿达茶餐厅” ends with what it is.
+        parts = _ADVANCE_UNREAD * (letter * head + _ADVANCE_IDEOGRAPH * tail)
+        return parts + sum(
+            (_ADVANCE_IDEOGRAPH * len(word) - _CHOICE_OF_PAIRS)
+            * (1.0 if any(word in each for each in read) else _ADVANCE_UNREAD)
+            for word in words_in(key[head : len(key) - tail])
+        )
+
+    def _makes_a_word(self, key: str, at: int, letter: str) -> bool:
+        """Whether an ideograph in place `at` of a key makes a word with those beside it where there is none."""
+        if not is_ideograph(letter) or is_in_a_word(self._fold.key(key), at):
+            return False
+        return is_in_a_word(self._fold.key(key[:at] + letter + key[at + 1 :]), at)
+
     def _advance(self, key: str, known: Known | None, words: float, is_read: bool) -> float:
         letter = _ADVANCE_IDEOGRAPH if is_unspaced(key) else _ADVANCE_LETTER
         if known is not None:
@@ -156,12 +182,7 @@ class Namer:
             advance = max(of_letters * (1.0 if is_read else _ADVANCE_UNREAD), words)
             advance = min(advance, _MOST_AHEAD) - _OTHER_FORM * (paint_key(known.painted) != key)
         else:
-            # “必胜客欢乐餐厅” is no listed name, but begins with one.
-            # “鸿达茶餐厅” ends with what it is.
-            folded = self._fold.key(key)
-            tail = self._signs.known_tail(folded)
-            head = min(self._signs.brand_head(folded), len(folded) - tail)
-            advance = words + _ADVANCE_UNREAD * (letter * head + _ADVANCE_IDEOGRAPH * tail)
+            advance = words
         return min(advance, _MOST_AHEAD) - _MIXED * self._fold.is_mixed(key)
 
     def _painted(

@@ -47,13 +47,20 @@ def posterior(candidates: Mapping[str, float], seen: Sequence[Seen], looks: Look
     return {key: weight / total for key, weight in weights.items()}
 
 
-def doubted(seen: Sequence[Seen]) -> Iterator[str]:
-    """Keys that differ from a reading in one letter, which the reader held for possible."""
+def doubted(seen: Sequence[Seen], makes_a_word: Callable[[str, int, str], bool]) -> Iterator[str]:
+    """Keys that differ from a reading in one letter, which the reader held for possible.
+
+    Args:
+        seen: what was read.
+        makes_a_word: whether a letter in a place of a key makes a word: then any runner-up is tried.
+    """
     for each in seen[:_DOUBTED]:
         for at, slot in enumerate(each.letters):
             taken = slot.get(each.key[at], 1.0)
             for letter, probability in slot.items():
-                if letter != each.key[at] and len(letter) <= 1 and probability >= _RUNNER_UP * taken:
+                if letter == each.key[at] or len(letter) > 1:
+                    continue
+                if probability >= _RUNNER_UP * taken or makes_a_word(each.key, at, letter):
                     yield each.key[:at] + letter + each.key[at + 1 :]
         for at, slot in (each.gaps or {}).items():
             for letter, probability in slot.items():

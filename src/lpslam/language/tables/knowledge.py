@@ -297,5 +297,15 @@ def _leading(lexicons: Mapping[str, Mapping[str, Any]], folder: Folder) -> froze
 @lru_cache(maxsize=1)
 def load_words() -> frozenset[str]:
     """Common words of European languages, as `Folder.key` gives them (about 20 ms, once a process)."""
-    packed = (files("lpslam.language") / "data" / "words.txt.xz").read_bytes()
+    return _listed("words.txt.xz")
+
+
+@lru_cache(maxsize=1)
+def load_chinese_words() -> frozenset[str]:
+    """Common Chinese words of two to four characters, as `Folder.key` gives them (about 20 ms, once a process)."""
+    return _listed("words_zh.txt.xz")
+
+
+def _listed(name: str) -> frozenset[str]:
+    packed = (files("lpslam.language") / "data" / name).read_bytes()
     return frozenset(lzma.decompress(packed).decode().split("\n"))

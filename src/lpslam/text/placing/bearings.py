@@ -120,21 +120,29 @@ def _best(views: Views, left: Rows, sure: Rows) -> tuple[Rows, Rows]:
     distances = np.linalg.norm(points[:, None] - views.origins[left], axis=2)
     allowed = _SIGMAS * np.hypot(views.noise[left], np.minimum(strayed[:, None] / np.maximum(distances, 1e-6), 0.1))
     agree, scores = _agreement(views, left, angles(points, views.origins[left], views.directions[left]) / allowed)
+    near = _near(views, sure, points, strayed)
+    # What stands there by depth is seen there too: a point between two texts has views of both, and depth of neither.
+    scores = [
+        (views.keyframes_of(np.concatenate([left[own], sure[there]])), int(own.sum()), nearness)
+        for own, there, (_, _, nearness) in zip(agree, near, scores, strict=True)
+    ]
     # Depth says more than that directions cross: of equals it comes first. A point between two texts has as many views
     # as either, but none of them nearly.
     best = max(range(len(points)), key=lambda row: (scores[row][:2], row < len(standing), scores[row][2]))
     here = left[agree[best]]
     has_depth = best < len(standing)
-    if not has_depth and (scores[best][0] < 2 or len(here) < _FEWEST_VIEWS):
+    if not has_depth and (views.keyframes_of(here) < 2 or len(here) < _FEWEST_VIEWS):
         return empty, empty
-    near = [
-        row
-        for row in sure.tolist()
-        if (other := views.placements[row]) is not None
-        and np.linalg.norm(np.array(other.position) - points[best])
-        < _SIGMAS * np.hypot(strayed[best], other.uncertainty)
-    ]
-    return here, np.array(near, np.intp)
+    return here, sure[near[best]]
+
+
+def _near(views: Views, sure: Rows, points: Array, strayed: Array) -> NDArray[np.bool_]:
+    """Which views that depth places surely stand at each of m points, (m, n), as far as both are certain."""
+    placements = [each for row in sure.tolist() if (each := views.placements[row]) is not None]
+    positions = np.array([each.position for each in placements]).reshape(-1, 3)
+    uncertainties = np.array([each.uncertainty for each in placements])
+    apart = np.linalg.norm(points[:, None] - positions, axis=2)
+    return np.asarray(apart < _SIGMAS * np.hypot(strayed[:, None], uncertainties), np.bool_)
 
 
 def _agreement(views: Views, rows: Rows, misses: Array) -> tuple[NDArray[np.bool_], list[tuple[int, int, float]]]:

@@ -76,7 +76,7 @@ def boxes_from_probability(
     boxes, scores = [], []
     for contour, (centre, (width, height), angle) in regions:
         score = _mean_inside(probability, _corners(centre, width, height, angle))
-        if score < config.box_score:
+        if score < config.box_score and _mean_of_region(probability, contour) < config.region_score:
             continue
         growth = 2.0 * (width * height * config.growth_ratio / (2.0 * (width + height)))
         rectangle = _ordered(_corners(centre, width + growth, height + growth, angle))
@@ -130,6 +130,14 @@ def _mean_inside(probability: NDArray[np.float32], corners: NDArray[np.float32])
     mask = np.zeros(window.shape, np.uint8)
     cv2.fillPoly(mask, [(corners - low).astype(np.int32)], 1)
     return float(cv2.mean(window, mask)[0])
+
+
+def _mean_of_region(probability: NDArray[np.float32], contour: MatLike) -> float:
+    """Mean probability of a region's own pixels: a curved or slanted line leaves much of its rectangle empty."""
+    left, top, width, height = cv2.boundingRect(contour)
+    mask = np.zeros((height, width), np.uint8)
+    cv2.drawContours(mask, [contour], -1, 1, cv2.FILLED, offset=(-left, -top))
+    return float(cv2.mean(probability[top : top + height, left : left + width], mask)[0])
 
 
 def _ordered(corners: NDArray[np.floating[Any]]) -> Boxes:

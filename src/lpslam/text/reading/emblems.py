@@ -44,7 +44,9 @@ def without_emblems(line: NDArray[np.uint8], text: str) -> str:
     boxes = boxes[np.argsort(boxes[:, cv2.CC_STAT_LEFT])]
     if len(boxes) <= 2:
         return text
-    if first and _is_emblem(ink, boxes[0], boxes[1:]):
+    # A capital is taller than the small letters after it, and no taller than those with ascenders.
+    is_capital = text[1:2].islower() and not _is_taller(boxes[0], boxes[1:], 100.0)
+    if first and not is_capital and _is_emblem(ink, boxes[0], boxes[1:]):
         return text[1:].lstrip()
     if last and _is_emblem(ink, boxes[-1], boxes[:-1]):
         return text[:-1].rstrip()
@@ -59,6 +61,12 @@ def _ink(line: NDArray[np.uint8]) -> Mask:
     return np.asarray(1 - bright if rim.mean() > 0.5 else bright, dtype=np.uint8)
 
 
+def _is_taller(box: NDArray[Any], letters: NDArray[Any], percentile: float) -> bool:
+    """Whether a piece of ink is taller than so many percent of the letters beside it."""
+    usual = float(np.percentile(letters[:, cv2.CC_STAT_HEIGHT], percentile))
+    return bool(box[cv2.CC_STAT_HEIGHT] >= _TALLER * usual)
+
+
 def _is_emblem(ink: Mask, box: NDArray[Any], letters: NDArray[Any]) -> bool:
     left, top, width, height = box[:4].tolist()
     piece = np.pad(ink[top : top + height, left : left + width], 1)
@@ -69,7 +77,7 @@ def _is_emblem(ink: Mask, box: NDArray[Any], letters: NDArray[Any]) -> bool:
     share = 0.0 if hole is None else cv2.contourArea(hole) / (width * height)
     if hole is not None and share >= _HOLE and _roundness(outer) >= _ROUND_OUTLINE and _roundness(hole) <= _CORNERED:
         return True
-    is_tall = height >= _TALLER * float(np.median(letters[:, cv2.CC_STAT_HEIGHT]))
+    is_tall = _is_taller(box, letters, 50.0)
     if not is_tall or not _ROUND[0] <= width / height <= _ROUND[1]:
         return False
     if hole is None or share < _NO_HOLE:
