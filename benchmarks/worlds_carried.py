@@ -6,7 +6,7 @@ With text the map is read as `lpslam run` makes it, and signs help to find the c
 """
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -36,6 +36,8 @@ MAPPED_SHARE = 0.5  # of a frame's depth readings that one keyframe has in view:
 GRID = 12  # readings across and down of which that is asked
 LIKE_DISTANCE = 2.0  # factor between the distances from which both see a point
 LIKE_SIDE = 0.5  # cosine between the directions from which they do: 60 degrees apart all things look different
+HIDING = 0.8  # of a point's distance: a keyframe that reads less around it sees what stands before it
+COARSE = 8  # pixels across and down for each reading of a keyframe that is kept
 SEEING = 8  # frames after a start in which the camera must not be blind
 
 
@@ -51,20 +53,25 @@ class Task:
 
 @dataclass(frozen=True)
 class MappedViews:
-    """What a map's keyframes have in view: their true poses (n, 4, 4), and the camera."""
+    """What a map's keyframes have in view: their true poses (n, 4, 4), how far each sees (n, h, w), and the camera."""
 
     camera_from_world: NDArray[np.float64]
+    reach: NDArray[np.float32]
     camera: PinholeCamera
 
     @classmethod
-    def of(cls, slam_map: SlamMap, truth_from_map: NDArray[np.float64], camera: PinholeCamera) -> "MappedViews":
-        """Of the living keyframes of the map proper."""
-        poses = [
-            inverse_transform(truth_from_map @ slam_map.world_from_keyframe(int(k)))
-            for k in slam_map.living_keyframes()
-            if slam_map.is_home(int(k))
-        ]
-        return cls(np.array(poses).reshape(-1, 4, 4), camera)
+    def of(
+        cls,
+        slam_map: SlamMap,
+        truth_from_map: NDArray[np.float64],
+        camera: PinholeCamera,
+        reach: Mapping[float, NDArray[np.float32]],
+    ) -> "MappedViews":
+        """Of the living keyframes of the map proper; `reach` by their timestamps."""
+        home = [int(k) for k in slam_map.living_keyframes() if slam_map.is_home(int(k))]
+        poses = [inverse_transform(truth_from_map @ slam_map.world_from_keyframe(k)) for k in home]
+        far = [reach[slam_map.frame_of(k)[1]] for k in home]
+        return cls(np.array(poses).reshape(-1, 4, 4), np.array(far, np.float32), camera)
 
     def show(self, frame: RgbdFrame, world_from_camera: NDArray[np.float64]) -> bool:
         """Whether some keyframe has most of what a frame shows in view, from a like distance and side."""
@@ -79,7 +86,7 @@ class MappedViews:
         pixels = camera.undistort(np.column_stack([u, v])[seen].astype(float))
         points = transform_points(world_from_camera, camera.back_project(pixels, depth[seen]))
         rays = points - world_from_camera[:3, 3]
-        for pose in self.camera_from_world:
+        for pose, reach in zip(self.camera_from_world, self.reach, strict=True):
             others = points - inverse_transform(pose)[:3, 3]
             lengths = np.linalg.norm(rays, axis=1) * np.linalg.norm(others, axis=1)
             like_side = (rays * others).sum(axis=1) >= LIKE_SIDE * lengths
@@ -87,10 +94,33 @@ class MappedViews:
             ahead = np.maximum(z, 1e-3)
             across, down = camera.fx * x / ahead + camera.cx, camera.fy * y / ahead + camera.cy
             inside = (z > 0.1) & (across >= 0) & (across < camera.width) & (down >= 0) & (down < camera.height)
+            at = (np.column_stack([down, across])[inside] / COARSE).astype(int)
+            inside[inside] = ~is_hidden(ahead[inside], reach[at[:, 0], at[:, 1]])
             ratio = ahead / depth[seen]
             if np.mean(inside & like_side & (ratio < LIKE_DISTANCE) & (ratio > 1 / LIKE_DISTANCE)) >= MAPPED_SHARE:
                 return True
         return False
+
+
+def reach_of(depth: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(h, w) the farthest reading around every eighth pixel of a depth image, metres; 0 where there is none."""
+    import cv2
+
+    around = cv2.dilate(depth, np.ones((2 * COARSE + 1, 2 * COARSE + 1), np.uint8))
+    return np.asarray(around[COARSE // 2 :: COARSE, COARSE // 2 :: COARSE], np.float32)
+
+
+def is_hidden(distance: NDArray[np.float64], reach: NDArray[np.float32]) -> NDArray[np.bool_]:
+    """(n,) whether all that a keyframe reads around points (n,) is nearer than they are."""
+    hidden: NDArray[np.bool_] = (reach > 0) & (reach < HIDING * distance)
+    return hidden
+
+
+def reaching(frames: Iterable[RgbdFrame], reach: dict[float, NDArray[np.float32]]) -> Iterator[RgbdFrame]:
+    """The frames; how far each sees is kept by its timestamp."""
+    for frame in frames:
+        reach[frame.timestamp] = reach_of(frame.depth)
+        yield frame
 
 
 def measure(
@@ -140,12 +170,14 @@ def _carried(task: Task) -> dict[str, Any]:
     config = Config.from_yaml(task.config) if task.config else Config()
     recording, source = task.recording, task.recording.open()
     frames: list[RgbdFrame] = []
-    mapped = Mapped.of(keeping_the_last(Prefetched(source), frames), source.camera, config, task.with_text)
+    reach: dict[float, NDArray[np.float32]] = {}
+    seen = reaching(keeping_the_last(Prefetched(source), frames), reach)
+    mapped = Mapped.of(seen, source.camera, config, task.with_text)
     facts: dict[str, Any] = {"world": recording.name, "factors": recording.world.factors(), "trials": []}
     if len(mapped.estimate.timestamps) < 3:
         return facts
     truth_from_map = _aligned(recording.truth, mapped.estimate)
-    views = MappedViews.of(mapped.slam_map, truth_from_map, source.camera)
+    views = MappedViews.of(mapped.slam_map, truth_from_map, source.camera, reach)
     rng = np.random.default_rng([recording.world.seed, 117])
     for trial in range(task.trials):
         visit, grows = trial % 2, trial // 2 % 2 == 0

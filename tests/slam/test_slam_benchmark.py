@@ -75,6 +75,29 @@ def test_the_gap_is_blank_and_nothing_of_the_part_between_is_shown() -> None:
     assert np.all(np.diff([frame.timestamp for frame in shown]) > 0)
 
 
+@pytest.mark.parametrize(("metres", "is_mapped"), [(3.0, True), (1.0, False)])
+def test_what_a_keyframe_sees_a_wall_before_is_not_mapped_by_it(metres: float, is_mapped: bool) -> None:
+    """The camera stands where the keyframe stood and sees a wall at 3 m; the keyframe saw one so many metres away."""
+    from worlds_carried import MappedViews, reach_of
+
+    camera = PinholeCamera(width=320, height=240, fx=280.0, fy=280.0, cx=160.0, cy=120.0)
+    reach = reach_of(np.full((240, 320), metres, np.float32))
+    views = MappedViews(np.eye(4)[None], reach[None], camera)
+    frame = RgbdFrame(0, 0.0, np.zeros((240, 320, 3), np.uint8), np.full((240, 320), 3.0, np.float32))
+    assert views.show(frame, np.eye(4)) == is_mapped
+
+
+def test_holes_and_thin_things_hide_nothing() -> None:
+    from worlds_carried import is_hidden, reach_of
+
+    depth = np.full((240, 320), 3.0, np.float32)
+    depth[:, 100:108] = 1.0
+    depth[:80] = 0.0
+    reach = reach_of(depth)
+    assert reach.shape == (30, 40)
+    assert not is_hidden(np.full(reach.shape, 3.0), reach).any()
+
+
 def test_holding_frames_keeps_them_as_they_are() -> None:
     from slam_live import _Held
 
