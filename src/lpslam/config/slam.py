@@ -301,6 +301,13 @@ class LocatingConfig(Section):
     max_missing_share: float = Field(default=0.2, ge=0, le=1)  # of what should be seen, where nothing of it is seen
     min_seen_share: float = Field(default=0.1, ge=0, le=1)  # of what should be seen; real rooms show little again
     min_told_share: float = Field(default=0.05, ge=0, le=1)  # the same where signs tell: afar, corners are others
+    looked_at: int = Field(
+        default=120, ge=1
+    )  # points that a picture is asked for: a share is known to a tenth by so many
+    looked_around: int = Field(default=2, ge=0)  # pixels around its place, on its level, in which a point may stand
+    looked_beside: int = Field(default=24, ge=1)  # pixels, the same, to the places with which its own is compared
+    min_there_share: float = Field(default=0.5, ge=0, le=1)  # of them, at least, that stand there: most, ...
+    there_lead: float = Field(default=0.1, ge=0, le=1)  # ... unless of another place so much more does
     spread_cells: int = Field(default=4, ge=1)  # rows and columns of the image by which spread is judged ...
     min_spread: int = Field(default=6, ge=1)  # ... and how many of the cells must hold an inlier
     rival_share: float = Field(default=0.6, ge=0, le=1)  # of the best place's inliers that make another one a rival ...

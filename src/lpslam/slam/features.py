@@ -15,6 +15,7 @@ from lpslam.camera import PinholeCamera
 from lpslam.config import FeatureConfig
 from lpslam.frames import RgbdFrame
 from lpslam.slam.kernels import image as kernels
+from lpslam.slam.kernels.looking import NOWHERE, least_distances
 from lpslam.slam.kernels.settling import settle
 
 _STEERING_BINS = 60
@@ -80,14 +81,52 @@ class FeatureExtractor:
 
     def extract(self, frame: RgbdFrame, gray: NDArray[np.uint8] | None = None) -> Features:
         """Keypoints of a frame, coarse levels last; `gray` are its grey values (h, w) where they are known."""
-        images = [gray_of(frame.rgb) if gray is None else gray]
-        for size in self._sizes[1:]:
-            images.append(as_gray(cv2.resize(images[-1], size, interpolation=cv2.INTER_LINEAR)))
+        images = self._levels(gray_of(frame.rgb) if gray is None else gray)
         found = [keypoints for keypoints in self._of_levels(images) if len(keypoints[0])]
         if not found:
             return no_features()
         raw, octave, angle, descriptor = (np.concatenate(column) for column in zip(*found, strict=True))
         return self._with_depth(raw, frame.depth, octave, angle, descriptor)
+
+    def _levels(self, gray: NDArray[np.uint8]) -> list[NDArray[np.uint8]]:
+        """Grey values (h, w) on every level, the finest first."""
+        images = [gray]
+        for size in self._sizes[1:]:
+            images.append(as_gray(cv2.resize(images[-1], size, interpolation=cv2.INTER_LINEAR)))
+        return images
+
+    def unlikeness(
+        self,
+        gray: NDArray[np.uint8],
+        pixels: NDArray[np.float32],
+        octave: NDArray[np.int32],
+        descriptor: NDArray[np.uint64],
+        steps: NDArray[np.int32],
+        radius: int,
+    ) -> NDArray[np.int32]:
+        """By how many bits descriptors differ from what an image shows at given pixels and a few steps beside them.
+
+        Args:
+            gray: (h, w) of the image.
+            pixels: (n, 2) undistorted u, v at full resolution.
+            octave: (n,) level on which each is looked at.
+            descriptor: (n, 4) looked for.
+            steps: (places, 2) pixels of the level.
+            radius: pixels of the level around each place in which the likest counts.
+
+        Returns:
+            (n, places); more than any two descriptors differ where the place is too near to the border.
+        """
+        raw = self.camera.distort(pixels.astype(np.float64)) if self.camera.is_distorted else pixels
+        least = np.full((len(pixels), len(steps)), NOWHERE, np.int32)
+        for level, image in enumerate(self._levels(gray)):
+            rows = np.flatnonzero(octave == level)
+            width, height = self._sizes[level]
+            scale = np.array([width / self.camera.width, height / self.camera.height])
+            spots = np.rint((raw[rows] + 0.5) * scale - 0.5).astype(np.int32)[:, None] + steps
+            steered = self._steered[level]
+            least[rows] = least_distances(image, smoothed(image), spots, radius, steered, descriptor[rows])
+        return least
 
     def _of_levels(self, images: Sequence[NDArray[np.uint8]]) -> list[_LevelKeypoints]:
         """The keypoints of each level."""

@@ -13,7 +13,7 @@ from lpslam import isolated
 from lpslam.camera import PinholeCamera
 from lpslam.config import KeyframeConfig, SlamConfig
 from lpslam.frames import RgbdFrame
-from lpslam.slam.features import Features
+from lpslam.slam.features import FeatureExtractor, Features
 from lpslam.slam.kernels import bundle, graph, matching
 from lpslam.slam.kernels.geometry import median
 from lpslam.slam.kernels.pose import no_prior, prior_chi2
@@ -179,7 +179,7 @@ def run_mapping() -> None:
 
 
 def run_seldom() -> None:
-    """What made-up frames do not reach: rows read one after the other, depth by its range, points of rays, priors."""
+    """What made-up frames do not reach: rows one after the other, depth by its range, points of rays, priors, looks."""
     sensor = SensorModel.of(_camera(), SlamConfig())
     count, still = 8, np.zeros(6)
     pixels, depth = np.full((count, 2), 100.0, np.float32), np.full(count, 2.0, np.float32)
@@ -190,6 +190,9 @@ def run_seldom() -> None:
     from_anchor = np.tile(np.eye(4), (count, 1, 1))
     measure_inverse(from_anchor, ahead, pixels, information, np.ones(count), np.ones(count), sensor.intrinsics)
     prior_chi2(np.eye(4), no_prior())
+    extractor = FeatureExtractor(_camera(), SlamConfig().features)
+    gray, nowhere = np.zeros((240, 320), np.uint8), np.zeros((1, 2), np.int32)
+    extractor.unlikeness(gray, pixels, np.zeros(count, np.int32), np.zeros((count, 4), np.uint64), nowhere, 0)
 
 
 def run_everything() -> None:

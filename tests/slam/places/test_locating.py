@@ -14,10 +14,11 @@ from lpslam.config import SimulationConfig, SlamConfig
 from lpslam.frames import RgbdFrame
 from lpslam.simulation.replay import NoisyAgain
 from lpslam.simulation.source import MallSource
-from lpslam.slam.features import FeatureExtractor, Features
+from lpslam.slam.features import FeatureExtractor, Features, gray_of
 from lpslam.slam.kernels.geometry import exponential
 from lpslam.slam.places.index import PlaceIndex
-from lpslam.slam.places.locating import Located, Locator
+from lpslam.slam.places.locating import Expected, Located, Locator
+from lpslam.slam.places.looking import Looking
 from lpslam.slam.places.relocalising import Relocaliser
 from lpslam.slam.system import RgbdSlam
 
@@ -103,6 +104,27 @@ def test_views_from_between_the_frames_are_located(walked_here: Walked, mall: Ma
         metres, radians = pose_error(moved, inverse_transform(truth[index - 1]) @ truth[index])
         assert metres < 0.02
         assert np.degrees(radians) < 0.5
+
+
+def test_a_picture_shows_what_its_place_has_in_view_and_not_what_another_has(walked_here: Walked) -> None:
+    looking = Looking(walked_here.slam.map, walked_here.extractor, CONFIG.locating)
+    for index in range(4, FRAMES, 25):
+        frame = walked_here.again(index)
+        located = walked_here.find(frame)
+        assert located is not None
+        assert looking.share(gray_of(frame.rgb), located) > 0.6, f"frame {index}"
+        elsewhere = gray_of(walked_here.again((index + FRAMES // 2) % FRAMES).rgb)
+        assert looking.share(elsewhere, located) < 0.3, f"frame {index}"
+
+
+def test_a_picture_that_cannot_be_asked_says_nothing_against_a_place(walked_here: Walked) -> None:
+    looking, frame = Looking(walked_here.slam.map, walked_here.extractor, CONFIG.locating), walked_here.again(4)
+    located = walked_here.find(frame)
+    assert located is not None
+    few = Expected(*(column[:5] for column in located.expected))
+    blank = np.zeros_like(gray_of(frame.rgb))
+    assert looking.share(blank, located) < CONFIG.locating.min_there_share
+    assert looking.share(blank, replace(located, expected=few)) == CONFIG.locating.min_there_share
 
 
 @pytest.mark.parametrize(("elsewhere", "is_located"), [(0.0, True), (0.1, True), (0.4, False)])
@@ -201,8 +223,8 @@ def test_the_same_view_is_located_the_same_to_the_bit(walked_here: Walked) -> No
     assert second is not None
     np.testing.assert_array_equal(first.camera_from_world, second.camera_from_world)
     np.testing.assert_array_equal(first.points, second.points)
-    assert (first.inliers, first.predicted, first.depth_agreement) == (
-        (second.inliers, second.predicted, second.depth_agreement)
+    assert (first.inliers, len(first.expected.points), first.depth_agreement) == (
+        (second.inliers, len(second.expected.points), second.depth_agreement)
     )
 
 

@@ -13,7 +13,7 @@ from lpslam.slam.advice import NO_ADVICE, Anchor, KeyframeMap, LoopAdvisor, Reca
 from lpslam.slam.features import Features
 from lpslam.slam.map import SlamMap
 from lpslam.slam.places.index import PlaceIndex
-from lpslam.slam.places.locating import Located, Locator
+from lpslam.slam.places.locating import Expected, Located, Locator
 from lpslam.slam.places.parts import Parts
 from lpslam.slam.places.relocalising import LastSeen, Relocaliser
 
@@ -41,6 +41,7 @@ class Holding:
         self.parts: dict[int, Parts] = {}
         self.repeated: tuple[int, ...] = ()
         self.agreement = agreement
+        self.unlike: set[int] = set()
         self.asked: list[int] = []
         self.guesses: dict[int, np.ndarray] = {}
         self.anchors: dict[int, Anchor] = {}
@@ -52,6 +53,7 @@ class Holding:
         guess: np.ndarray | None = None,
         anchor: Anchor | None = None,
         is_anywhere: bool = True,
+        will_look: bool = False,
     ) -> Located | None:
         self.asked.append(candidate)
         if anchor is not None:
@@ -64,7 +66,9 @@ class Holding:
         pose = inverse_transform(rigid([metres, 0.0, 0.0], [0, 0, 0]))
         points, is_told = np.zeros(1, np.int32), guess is not None or anchor is not None
         parts = self.parts.get(candidate, Parts(np.zeros(48, np.intp), np.zeros(48, np.intp)))
-        return Located(candidate, pose, points, inliers, 2 * inliers, parts, 1.0, self.agreement, is_told)
+        expected = Expected(np.zeros(2 * inliers, np.int32), np.zeros((2 * inliers, 2), np.float32), points)
+        agreement = 0.2 if candidate in self.unlike else self.agreement
+        return Located(candidate, pose, points, inliers, expected, parts, 1.0, agreement, is_told)
 
     def is_unique(self, features: Features, located: Located) -> bool:
         return located.keyframe not in self.repeated
@@ -370,3 +374,50 @@ def test_a_view_is_compared_once() -> None:
     for _ in range(3):
         assert not searching.is_told_elsewhere(VIEW, 4, np.eye(4))
     assert locator.asked == [2, 4]
+
+
+def test_a_place_that_the_picture_does_not_show_is_not_believed() -> None:
+    searching = relocaliser(places_apart(5), [0.9, 0.0, 0.0, 0.0, 0.0], Holding({0: (0.0, 200)}))
+    assert searching.find(VIEW, -1, there=lambda located: 0.8) is not None
+    assert searching.find(VIEW, -1, there=lambda located: 0.3) is None
+
+
+def test_a_place_that_it_shows_is_found_where_a_better_one_is_not_there() -> None:
+    holding = Holding({0: (0.0, 200), 1: (0.1, 190), 2: (5.0, 100)})
+    searching = relocaliser(places_apart(5), [0.9, 0.8, 0.7, 0.0, 0.0], holding)
+    asked: list[int] = []
+
+    def there(located: Located) -> float:
+        asked.append(located.keyframe)
+        return 0.8 if located.keyframe == 2 else 0.3
+
+    found = searching.find(VIEW, -1, there=there)
+    assert found is not None
+    assert found.keyframe == 2
+    assert asked == [0, 2], "what is found around a place that is not there is not asked again"
+
+
+@pytest.mark.parametrize(("there", "is_believed"), [(0.7, True), (0.75, True), (0.95, False)])
+def test_what_looks_otherwise_speaks_against_a_place_where_much_more_of_it_is_there(
+    there: float, is_believed: bool
+) -> None:
+    """A hall that is alike when turned round: of the right end, seen from another side, little looks as it did."""
+    holding = Holding({0: (0.0, 200), 2: (5.0, 60)})
+    searching = relocaliser(places_apart(5), [0.9, 0.0, 0.7, 0.0, 0.0], holding)
+    holding.unlike.add(2)
+    found = searching.find(VIEW, -1, there=lambda located: there if located.keyframe == 2 else 0.7)
+    assert (found is not None) == is_believed
+
+
+def test_what_looks_otherwise_is_no_place_by_itself() -> None:
+    holding = Holding({2: (5.0, 60)})
+    holding.unlike.add(2)
+    assert relocaliser(places_apart(5), [0.0, 0.0, 0.7, 0.0, 0.0], holding).find(VIEW, -1, there=lambda _: 1.0) is None
+
+
+def test_a_place_that_looks_alike_by_one_of_its_keyframes_is_believed() -> None:
+    holding = Holding({0: (0.0, 200), 1: (0.1, 150)})
+    holding.unlike.add(0)
+    found = relocaliser(places_apart(5), [0.9, 0.8, 0.0, 0.0, 0.0], holding).find(VIEW, -1, there=lambda _: 0.7)
+    assert found is not None
+    assert found.keyframe == 1

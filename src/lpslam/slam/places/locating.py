@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,20 @@ _Matrix = NDArray[np.float64]
 _Rows = NDArray[np.int32]
 
 
+class Expected(NamedTuple):
+    """Map points that should be seen from a place, where nothing hides them.
+
+    Attributes:
+        points: (m,) ids.
+        pixels: (m, 2) undistorted u, v.
+        levels: (m,) the pyramid level at which each should be found.
+    """
+
+    points: _Rows
+    pixels: NDArray[np.float32]
+    levels: _Rows
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Located:
     """A place in the map that explains a view.
@@ -32,7 +47,7 @@ class Located:
         camera_from_world: 4×4 of the view, in the world frame of the candidate's sub-map.
         points: (n,) the map point that each keypoint sees, or -1.
         inliers: how many do.
-        predicted: how many map points should be seen from there, where nothing hides them.
+        expected: which map points should be seen from there.
         parts: of these, in every part of the image.
         depth_agreement: share of the inliers with a depth whose depth agrees with the map.
         alike_agreement: share of the keypoints that look like one point of the place, and like no other, that see it:
@@ -44,7 +59,7 @@ class Located:
     camera_from_world: _Matrix
     points: _Rows
     inliers: int
-    predicted: int
+    expected: Expected
     parts: Parts
     depth_agreement: float
     alike_agreement: float
@@ -58,7 +73,7 @@ class Located:
     @property
     def seen_share(self) -> float:
         """Share of the map points that should be seen and are."""
-        return self.inliers / max(self.predicted, 1)
+        return self.inliers / max(len(self.expected.points), 1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -90,6 +105,7 @@ class Locator:
         guess: _Matrix | None = None,
         anchor: Anchor | None = None,
         is_anywhere: bool = True,
+        will_look: bool = False,
     ) -> Located | None:
         """Match by appearance, PnP RANSAC, then guided matching in windows that narrow.
 
@@ -100,6 +116,7 @@ class Locator:
             guess: 4×4 camera from world, where something else than appearance says it: tried first, ...
             anchor: ... or, better, what is seen and stands so nowhere else in the map.
             is_anywhere: nothing else says in which part of the map it was taken: the place must look like no other.
+            will_look: the picture will be asked for what should be seen; how much of it was found as corners says less.
         """
         config = self._config
         alike = self._alike(features, self._group(candidate, config.matched_keyframes, allowed))
@@ -120,7 +137,7 @@ class Locator:
         found = self._from_appearance(features, alike)
         if found is None:
             return None
-        held = self._held(features, candidate, found.camera_from_world, points, alike)
+        held = self._held(features, candidate, found.camera_from_world, points, alike, will_look)
         if held is None or not is_anywhere or self._is_unique(features, alike, held, allowed):
             return held
         return None
@@ -131,15 +148,21 @@ class Locator:
         return self._is_unique(features, alike, located, None)
 
     def _held(
-        self, features: Features, keyframe: int, camera_from_world: _Matrix, points: _Rows, alike: _Alike
+        self,
+        features: Features,
+        keyframe: int,
+        camera_from_world: _Matrix,
+        points: _Rows,
+        alike: _Alike,
+        will_look: bool = False,
     ) -> Located | None:
         """The place around a first pose (4×4), where looks alone hold it."""
         estimate = self._guided(features, camera_from_world, points, (self._config.wide_search, 1.0))
         if estimate is None:
             return None
         located = self._judge(features, keyframe, estimate, points, alike)
-        agrees = located.alike_agreement >= self._config.min_alike_agreement
-        return located if agrees and self._is_certain(features, located) else None
+        agrees = will_look or located.alike_agreement >= self._config.min_alike_agreement
+        return located if agrees and self._is_certain(features, located, will_look) else None
 
     def _guided(
         self, features: Features, camera_from_world: _Matrix, points: _Rows, widenings: Sequence[float]
@@ -254,7 +277,7 @@ class Locator:
             pose,
             estimate.points,
             estimate.matches,
-            int((~hidden).sum()),
+            Expected(predicted.points[~hidden], predicted.projections[~hidden, :2], predicted.levels[~hidden]),
             Parts.of(predicted.projections[~hidden, :2], found[~hidden], self._sensor.image_size),
             float(agrees.mean()) if len(seeing) else 1.0,
             self._agreement(features, alike, pose),
@@ -267,7 +290,7 @@ class Locator:
         """
         if len(alike.keypoints) < self._config.min_matches:
             return 1.0
-        return _at_least(int(self._agrees(features, alike, camera_from_world).sum()), len(alike.keypoints))
+        return at_least(int(self._agrees(features, alike, camera_from_world).sum()), len(alike.keypoints))
 
     def _agrees(self, features: Features, alike: _Alike, camera_from_world: _Matrix) -> NDArray[np.bool_]:
         """(n,) whether what looks alike is seen where a pose (4×4) has it."""
@@ -293,7 +316,7 @@ class Locator:
         agrees = self._agrees(features, sample, located.camera_from_world)
         found = sample.keypoints[agrees], sample.points[agrees]
         unique = self._twins.of(features, *found, located.keyframe, allowed) < 0
-        return _at_least(int(unique.sum()), len(asked)) >= self._config.min_unique_agreement
+        return at_least(int(unique.sum()), len(asked)) >= self._config.min_unique_agreement
 
     def rivals(self, features: Features, located: Located) -> Iterator[Located]:
         """Other places of the sub-map that hold for a view, where what it shows looks like what it was located by."""
@@ -307,22 +330,19 @@ class Locator:
             if rival is not None:
                 yield rival
 
-    def _is_certain(self, features: Features, located: Located) -> bool:
+    def _is_certain(self, features: Features, located: Located, will_look: bool = False) -> bool:
         """Look-alike places share patches: believe only what fills the view and contradicts little of the map."""
         config = self._config
         pixels = features.pixels[located.points >= 0]
-        width, height = self._sensor.image_size
-        cells = np.floor(pixels / np.array([width, height]) * config.spread_cells).astype(int)
+        cells = np.floor(pixels / np.array(self._sensor.image_size) * config.spread_cells).astype(int)
         spread = len(np.unique(cells[:, 0] * config.spread_cells + cells[:, 1]))
-        return (
-            located.seen_share >= (config.min_told_share if located.is_told else config.min_seen_share)
-            and located.missing_share <= config.max_missing_share
-            and located.depth_agreement >= config.min_depth_agreement
-            and spread >= config.min_spread
-        )
+        is_held = located.depth_agreement >= config.min_depth_agreement and spread >= config.min_spread
+        least = config.min_told_share if located.is_told else config.min_seen_share
+        is_seen = located.seen_share >= least and located.missing_share <= config.max_missing_share
+        return is_held and (will_look or is_seen)
 
 
-def _at_least(seen: int, of: int) -> float:
+def at_least(seen: int, of: int) -> float:
     """The share of which so many are a sample, at least: the lower end of Wilson's interval (1927)."""
     share, spread = seen / of, _SIGMAS**2 / of
     return (share + spread / 2 - float(np.sqrt(share * (1 - share) * spread + spread**2 / 4))) / (1 + spread)

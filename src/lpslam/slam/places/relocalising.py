@@ -65,7 +65,12 @@ class Relocaliser:
         self._compared: Sequence[Recalled] = ()
 
     def confirm(
-        self, features: Features, last_reference: int, last_seen: LastSeen | None, timestamp: float
+        self,
+        features: Features,
+        last_reference: int,
+        last_seen: LastSeen | None,
+        timestamp: float,
+        there: Callable[[Located], float] | None = None,
     ) -> Located | None:
         """The place of a view: one that little tells only if the camera can have come there since it was last seen.
 
@@ -77,16 +82,21 @@ class Relocaliser:
             last_reference: the keyframe by which the camera was last seen, tried first.
             last_seen: where it was then, if that is known.
             timestamp: of the view, in seconds.
+            there: the share of what a place has in view that the picture shows; without, only corners tell.
         """
         config = self._config
         before, self._unconfirmed = self._unconfirmed, None
         likely = () if before is None else (self._again(before),)
         if last_seen is not None and abs(timestamp - last_seen.timestamp) <= self._moment:
             located = self.find(
-                features, last_reference, likely, lambda other: self._is_within_reach(other, last_seen, timestamp)
+                features,
+                last_reference,
+                likely,
+                lambda other: self._is_within_reach(other, last_seen, timestamp),
+                there,
             )
         else:
-            located = self.find(features, last_reference, likely)
+            located = self.find(features, last_reference, likely, there=there)
         is_sure = located is not None and (
             located.inliers >= config.sure_inliers and located.alike_agreement >= config.sure_alike_agreement
         )
@@ -114,6 +124,7 @@ class Relocaliser:
         last_reference: int,
         likely: Sequence[Recalled] = (),
         may_be_at: Callable[[Located], bool] = lambda located: True,
+        there: Callable[[Located], float] | None = None,
     ) -> Located | None:
         """The place of a view, or None; the caller holds the map's lock.
 
@@ -122,12 +133,16 @@ class Relocaliser:
             last_reference: the keyframe by which the camera was last seen, tried first.
             likely: keyframes tried next.
             may_be_at: where the camera cannot be is no rival of where it can.
+            there: as `confirm` takes it.
         """
         found = [
             located
             for candidate in self._likely(features, last_reference, likely)
-            if (located := self._locate(features, candidate)) is not None and not self._is_disowned(located)
+            if (located := self._locate(features, candidate, there is not None)) is not None
+            and not self._is_disowned(located)
         ]
+        if there is not None:
+            found = self._shown(found, there)
         if not found:
             return None
         best = max(found, key=lambda located: located.inliers)
@@ -151,6 +166,25 @@ class Relocaliser:
         if chosen is None or chosen.is_told or is_sure or self._locator.is_unique(features, chosen):
             return chosen
         return None
+
+    def _shown(self, found: Sequence[Located], there: Callable[[Located], float]) -> list[Located]:
+        """Places of which the picture shows most, and of no other place much more.
+
+        Of a place seen from another side hardly anything looks as it did. So it cannot be believed, but speaks against
+        one where what looks alike is by chance, or by a pattern.
+        """
+        config, shown = self._config, list[tuple[float, Located]]()
+        for located in sorted(found, key=lambda each: (self._looks_alike(each), each.inliers), reverse=True):
+            if located.is_told or not any(self._is_beside(other, located) for _, other in shown):
+                shown.append((1.0 if located.is_told else there(located), located))
+        most = max((share for share, located in shown if not located.is_told), default=0.0)
+        least = max(config.min_there_share, most - config.there_lead)
+        return [
+            located for share, located in shown if located.is_told or (self._looks_alike(located) and share >= least)
+        ]
+
+    def _looks_alike(self, located: Located) -> bool:
+        return located.alike_agreement >= self._config.min_alike_agreement
 
     def _preferred(self, places: Sequence[Located]) -> Located | None:
         """The one of places that look alike for which the view speaks rather than for any other, or None."""
@@ -213,9 +247,11 @@ class Relocaliser:
             for keyframe, other in self._disowned
         )
 
-    def _locate(self, features: Features, candidate: Recalled) -> Located | None:
+    def _locate(self, features: Features, candidate: Recalled, will_look: bool = False) -> Located | None:
         guess, anchor = candidate.camera_from_world, candidate.anchor
-        return self._locator.locate(features, candidate.keyframe, guess=guess, anchor=anchor, is_anywhere=False)
+        return self._locator.locate(
+            features, candidate.keyframe, guess=guess, anchor=anchor, is_anywhere=False, will_look=will_look
+        )
 
     def _likely(self, features: Features, last_reference: int, likely: Sequence[Recalled]) -> Iterator[Recalled]:
         """Keyframes to try, with what is known of the pose from elsewhere."""
@@ -253,6 +289,11 @@ class Relocaliser:
     def _is_elsewhere(self, one: Located, other: Located) -> bool:
         """Whether two places contradict each other; in different sub-maps both may be the same place."""
         return self._are_apart(one, other.keyframe, other.camera_from_world)
+
+    def _is_beside(self, one: Located, other: Located) -> bool:
+        """Whether two places are one, in the same sub-map."""
+        submaps = self._map.submaps()
+        return bool(submaps[one.keyframe] == submaps[other.keyframe]) and not self._is_elsewhere(one, other)
 
     def _are_apart(self, one: Located, keyframe: int, camera_from_world: NDArray[np.float64]) -> bool:
         """The same of a place and a pose (4×4) in the world of a keyframe's sub-map."""

@@ -8,6 +8,7 @@ looked for in the whole map, and after a while a new sub-map is begun.
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,7 @@ from lpslam.slam.delay import DepthDelay
 from lpslam.slam.features import FeatureExtractor, gray_of
 from lpslam.slam.map import SlamMap
 from lpslam.slam.mapping.far_points import FarPoints
+from lpslam.slam.places.looking import Looking
 from lpslam.slam.places.relocalising import Relocaliser
 from lpslam.slam.sensor import SensorModel
 from lpslam.slam.shutter.revising import EarlyFrames
@@ -85,6 +87,7 @@ class Tracker:
         self._extractor = extractor
         self._shutter = shutter
         self._relocaliser = relocaliser
+        self._looking = Looking(slam_map, extractor, config.locating)
         self._grows = grows
         self._is_mapping_idle = is_mapping_idle
         founds = grows and slam_map.keyframe_count == 0
@@ -183,7 +186,7 @@ class Tracker:
                 picture = replace(picture, features=followed.features, seen=followed.seen)
                 return self._accept(picture, followed.estimate, is_sure=False)
         # Nothing near where it should be: a frame is given up only after the whole map was searched.
-        found = self._search.best(view, self._lost_starts(view, picture.timestamp), gap, is_strict=True)
+        found = self._search.best(view, self._lost_starts(view, picture), gap, is_strict=True)
         return self._miss(picture) if found is None else self._take(picture, found, is_refound=True)
 
     def _take(self, picture: Picture, found: Search, is_refound: bool = False) -> TrackedFrame:
@@ -250,10 +253,10 @@ class Tracker:
         # Asked for only if that led nowhere: it compares every descriptor with every other.
         yield from self._guesser.from_reference(last, view, self._where.reference)
 
-    def _lost_starts(self, view: View, timestamp: float) -> Iterator[FirstGuess]:
-        where = self._where
-        located = self._relocaliser.confirm(view.features, where.reference, where.seen(), timestamp)
-        if located is not None:
+    def _lost_starts(self, view: View, picture: Picture) -> Iterator[FirstGuess]:
+        where, there = self._where, partial(self._looking.share, picture.gray)
+        seen = where.seen()
+        if located := self._relocaliser.confirm(view.features, where.reference, seen, picture.timestamp, there):
             yield FirstGuess(located.camera_from_world, located.points, located.points)
 
     # What becomes of the frame ----------------------------------------------------------------------------------
