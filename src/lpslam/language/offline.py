@@ -9,7 +9,7 @@ from dataclasses import replace
 from functools import lru_cache
 
 from lpslam.language.building import building, steps_of
-from lpslam.language.choosing.choosing import choose
+from lpslam.language.choosing.choosing import Choosing
 from lpslam.language.choosing.guessing import LEAST_SURE
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import best_of, likeness, match
@@ -81,7 +81,7 @@ class OfflineModel:
 
     def choose(self, question: str, landmarks: Sequence[Candidate]) -> Choice:
         """Choose the landmark whose kinds serve the wish best; none rather than one that does not (III-I)."""
-        choice = choose(question, self.index(landmarks), self._signs, self._knowledge, self.model)
+        choice = Choosing(self.index(landmarks), self._signs, self._knowledge, self.model).ranked(question).choice
         if choice.landmark is not None or not landmarks:
             return choice
         # Where the tables find nothing, the words of the question may speak for one all the same.

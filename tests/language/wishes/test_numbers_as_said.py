@@ -56,7 +56,6 @@ def test_whatever_a_board_numbers_is_found_by_its_number(question: str, board: s
     [
         ("63번 가게 찾아요", "Stands 56–70", ["Stands 40–55", "Placier"]),
         ("Koje 30", "Kojen 20–39", ["Kojen 40–59", "Waschraum"]),
-        ("do I see the vet with my kitten in 1 or 2?", "Consulting Room 2", ["Consulting Room 1", "Toilets"]),
         ("lecture theater b", "Lecture Theatre B", ["Lecture Theatre A", "Café"]),
         ("el juzgado número 3", "Juzgado de lo Penal n.º 3", ["Salas de vistas 1–3", "Juzgado n.º 4"]),
         ("a ballroom A", "연회장 A", ["연회장 B", "회의실 1–4"]),
@@ -64,6 +63,36 @@ def test_whatever_a_board_numbers_is_found_by_its_number(question: str, board: s
 )
 def test_the_board_that_alone_holds_a_number_is_it(question: str, board: str, others: list[str]) -> None:
     assert served(question, board, *others) == {board}
+
+
+@pytest.mark.parametrize(
+    ("question", "board", "others"),
+    [
+        ("亀の間で宴会と聞いておりますが。", "宴会場 亀", ["宴会場 鶴", "大浴場"]),
+        ("竹那间会议室", "会议室 B 竹", ["会议室 A 松", "会议室 C 梅"]),
+        ("a toilet", "Toilets", ["Toilets"]),
+    ],
+)
+def test_of_boards_of_a_kind_the_one_whose_own_word_is_said(question: str, board: str, others: list[str]) -> None:
+    assert served(question, board, *others) == {board}
+
+
+def test_a_word_of_its_own_does_not_tell_what_an_order_tells() -> None:
+    assert served("the second closest coffee shop", "Costa Coffee", "Starbucks") == {"Costa Coffee", "Starbucks"}
+
+
+def test_two_numbers_of_two_boards_are_neither() -> None:
+    assert (
+        MODEL.scorer([Candidate(0, "Pods 1–9"), Candidate(1, "Pods 10–19")])
+        .serve(MODEL.read_wish("is it in 7 or 12?").stops[0])
+        .way
+        is not Way.IDENTITY
+    )
+
+
+def test_a_numbered_place_that_is_taken_is_left_out() -> None:
+    stop = MODEL.read_wish("Ein Gruppenraum zum Lernen, der Gruppenraum 1 ist aber schon belegt.").stops[0]
+    assert [identity.value for each in stop.without for identity in each.identity] == ["1"]
 
 
 def test_a_seat_in_a_row_is_in_the_row() -> None:

@@ -28,26 +28,11 @@ _BARE_NO = 5  # letters of a plain “not” in any language; longer phrases ref
 _FEW = 3  # landmarks that one word may stand for
 _ANY = frozenset({"shop", "place", "business"})  # kinds that say nothing of what is wanted
 _PLACES = (
-    "amenity/",
-    "shop/",
-    "tourism/",
-    "facility/",
-    "department/",
-    "healthcare/",
-    "office/",
-    "leisure/",
-    "railway/",
+    *("amenity/", "shop/", "tourism/", "facility/", "department/"),
+    *("healthcare/", "office/", "leisure/", "railway/"),
 )
 """Kinds of place that are no word of another language by chance."""
 _PART = "part:"  # before the words that are parts of names, among names
-
-
-def choose(question: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge, model: str) -> Choice:
-    """Choose the landmark whose kinds serve the wish best; none rather than one that does not.
-
-    The evidence is in the language of the question.
-    """
-    return ranked(question, index, signs, knowledge, model).choice
 
 
 Scores = dict[int, float]
@@ -77,89 +62,208 @@ Understood = tuple[Wish, set[int]]
 """A wish, and the landmarks that are refused by a part of their name."""
 
 
-def ranked(
-    question: str,
-    index: LandmarkIndex,
-    signs: SignReader,
-    knowledge: Knowledge,
-    model: str,
-    language: str | None = None,
-) -> Ranked:
-    """What serves a question as the tables read it, with the scores of all landmarks that serve; no guess.
+class Choosing:
+    """Chooses among one set of landmarks, as the tables read a question."""
 
-    `language` is that of the text which the question is a part of.
-    """
-    understood = understand(question, index, signs, knowledge, language=language)
-    said_in = answer_language(question, language)
-    first = _as_understood(understood, question, index, signs, knowledge, model, said_in)
-    if first.choice.landmark is not None or understood[0].contradicted:
+    def __init__(self, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge, model: str) -> None:
+        self._index, self._signs, self._knowledge, self._model = index, signs, knowledge, model
+
+    def ranked(self, question: str, language: str | None = None) -> Ranked:
+        """What serves a question as the tables read it, with the scores of all landmarks that serve; no guess.
+
+        `language` is that of the text which the question is a part of.
+        """
+        understood = self._understand(question, language=language)
+        said_in = answer_language(question, language)
+        first = self._as_understood(understood, question, said_in)
+        if first.choice.landmark is not None or understood[0].contradicted:
+            return first
+        alone = None if language is None else self._understand(question)
+        as_alone = () if alone is None or alone == understood else (alone,)
+        for other in (*as_alone, *self._other_readings(understood[0], question)):
+            found = self._as_understood(other, question, said_in)
+            if found.choice.landmark is not None:
+                return found
         return first
-    alone = None if language is None else understand(question, index, signs, knowledge)
-    as_alone = () if alone is None or alone == understood else (alone,)
-    for other in (*as_alone, *_other_readings(understood[0], question, index, signs, knowledge)):
-        found = _as_understood(other, question, index, signs, knowledge, model, said_in)
-        if found.choice.landmark is not None:
-            return found
-    return first
 
+    def _other_readings(self, wish: Wish, question: str) -> Iterator[Understood]:
+        """How else a question may be meant of which nothing here serves the first reading."""
+        if self._index.shops >= _MALL and wish.turned:
+            # A turn of phrase of hospitals may hide a word that serves in a mall.
+            plain = self._understand(question, is_plain=True)
+            if plain[0] != wish:
+                yield plain
+        is_a_place = any(concept.startswith(_PLACES) for concept, _ in wish.wanted)
+        is_plain = not (is_a_place or wish.refused or wish.wanted_names)
+        if wish.language in LATIN and len(question.split()) <= _FEW_WORDS and is_plain:
+            # “Pan” is a pan in English and bread in Spanish; “the” is no tea.
+            bare = without_common(question, wish.language, self._knowledge)
+            for language in LATIN if bare else ():
+                if language != wish.language:
+                    yield self._understand(bare, language=language)
 
-def _other_readings(
-    wish: Wish, question: str, index: LandmarkIndex, signs: SignReader, knowledge: Knowledge
-) -> Iterator[Understood]:
-    """How else a question may be meant of which nothing here serves the first reading."""
-    if index.shops >= _MALL and wish.turned:
-        # A turn of phrase of hospitals may hide a word that serves in a mall.
-        plain = understand(question, index, signs, knowledge, is_plain=True)
-        if plain[0] != wish:
-            yield plain
-    is_a_place = any(concept.startswith(_PLACES) for concept, _ in wish.wanted)
-    is_plain = not (is_a_place or wish.refused or wish.wanted_names)
-    if wish.language in LATIN and len(question.split()) <= _FEW_WORDS and is_plain:
-        # “Pan” is a pan in English and bread in Spanish; “the” is no tea.
-        bare = without_common(question, wish.language, knowledge)
-        for language in LATIN if bare else ():
-            if language != wish.language:
-                yield understand(bare, index, signs, knowledge, language=language)
+    def _as_understood(self, understood: Understood, question: str, said_in: str) -> Ranked:
+        wish, refused = understood
+        wish = self._as_in_this_building(wish)
+        phrases = phrases_in("en" if wish.language is None else said_in)
+        if not self._index.landmarks or wish.language is None:
+            return Ranked(
+                Choice(None, float(not self._index.landmarks), phrases.say(_why_unread(self._index)), self._model)
+            )
+        wish, refused = self._without_refused(wish, refused, question)
+        named = [id_ for name in wish.wanted_names for id_ in self._index.ids_of.get(name, ()) if id_ not in refused]
+        if named:
+            choice = Choice(named[0], 0.95, phrases.say("named"), self._model, tuple(named[1 : 1 + _ALTERNATIVES]))
+            return Ranked(choice, dict.fromkeys(named, 1.0))
+        if wish.contradicted and not asks_for_another(question):
+            said_both = phrases.say("contradiction", things=", ".join(wish.contradicted))
+            return Ranked(Choice(None, 0.8, said_both, self._model))
+        if not wish.wanted:
+            wish = replace(wish, wanted=self._instead_of_refused(wish, refused))
+        says_only_where = all(kind in self._knowledge.venues for kind, _ in wish.wanted)
+        if says_only_where and wish.refused and not refused and not _asks(question, wish.language, self._knowledge):
+            # Who asks for nothing and refuses what nothing stands in for tells of it: “my laptop is not starting”.
+            wish = replace(wish, wanted=tuple((kind, 1.0) for kind in wish.refused), refused=())
+        wanted = dict(wish.wanted)
+        missing = [name for name in wish.wanted_names if name not in self._index.ids_of]
+        if missing and not any(weight >= _SPECIAL for weight in wanted.values()):
+            # A brand was asked for that is not here; another of its kind may do, but that is for the asker to say.
+            return Ranked(self._without_brand(missing[0], question, phrases))
+        if not wanted:
+            return Ranked(Choice(None, 0.0, phrases.say("no_kind"), self._model))
+        if wanted.keys() <= _ANY:
+            return Ranked(Choice(None, 0.5, phrases.say("unknown"), self._model))
+        return self._best(wish, refused, phrases)
 
+    def _without_refused(self, wish: Wish, refused: set[int], question: str) -> tuple[Wish, set[int]]:
+        """The landmarks that are refused by name or as one of many, and what is wanted then."""
+        refused = refused | {id_ for name in wish.refused_names for id_ in self._index.ids_of.get(name, ())}
+        if asks_for_another(question):
+            # “Starbucks is full, another café?” names what is not wanted.
+            named_besides = (*wish.wanted_names, *wish.near_names)
+            refused |= {id_ for name in named_besides for id_ in self._index.ids_of.get(name, ())}
+            if refused and wish.refused and not wish.wanted:
+                # “除了星巴克还有别的咖啡店吗”: the name is refused, and its kind is what is asked for.
+                wish = replace(wish, wanted=tuple((kind, 1.0) for kind in wish.refused), refused=())
+        if "chain" in wish.refused:
+            refused |= {id_ for id_, sign in self._index.signs.items() if sign.identity}
+        return wish, refused
 
-def _as_understood(
-    understood: Understood,
-    question: str,
-    index: LandmarkIndex,
-    signs: SignReader,
-    knowledge: Knowledge,
-    model: str,
-    said_in: str,
-) -> Ranked:
-    wish, refused = understood
-    wish = _as_in_this_building(wish, index, knowledge)
-    phrases = phrases_in("en" if wish.language is None else said_in)
-    if not index.landmarks or wish.language is None:
-        return Ranked(Choice(None, float(not index.landmarks), phrases.say(_why_unread(index)), model))
-    wish, refused = _without_refused(wish, refused, question, index)
-    named = [id_ for name in wish.wanted_names for id_ in index.ids_of.get(name, ()) if id_ not in refused]
-    if named:
-        choice = Choice(named[0], 0.95, phrases.say("named"), model, tuple(named[1 : 1 + _ALTERNATIVES]))
-        return Ranked(choice, dict.fromkeys(named, 1.0))
-    if wish.contradicted and not asks_for_another(question):
-        said_both = phrases.say("contradiction", things=", ".join(wish.contradicted))
-        return Ranked(Choice(None, 0.8, said_both, model))
-    if not wish.wanted:
-        wish = replace(wish, wanted=_instead_of_refused(wish, refused, index, knowledge))
-    says_only_where = all(kind in knowledge.venues for kind, _ in wish.wanted)
-    if says_only_where and wish.refused and not refused and not _asks(question, wish.language, knowledge):
-        # Who asks for nothing and refuses what nothing stands in for tells of it: “my laptop is not starting”.
-        wish = replace(wish, wanted=tuple((kind, 1.0) for kind in wish.refused), refused=())
-    wanted = dict(wish.wanted)
-    missing = [name for name in wish.wanted_names if name not in index.ids_of]
-    if missing and not any(weight >= _SPECIAL for weight in wanted.values()):
-        # A brand was asked for that is not here; another of its kind may do, but that is for the asker to say.
-        return Ranked(_without_brand(missing[0], question, index, signs, knowledge, model, phrases))
-    if not wanted:
-        return Ranked(Choice(None, 0.0, phrases.say("no_kind"), model))
-    if wanted.keys() <= _ANY:
-        return Ranked(Choice(None, 0.5, phrases.say("unknown"), model))
-    return _best(wish, index, refused, knowledge, model, phrases)
+    def _instead_of_refused(self, wish: Wish, refused: set[int]) -> tuple[tuple[str, float], ...]:
+        """Where only a refusal is said: something else of the same use."""
+        others = [*wish.refused, *(kind for id_ in refused for kind, _ in self._index.signs[id_].kinds)]
+        return instead_of(others, self._knowledge)
+
+    def _as_in_this_building(self, wish: Wish) -> Wish:
+        """Leave out kinds of rooms that no place of this map is, where words mean something else besides.
+
+        “Milk” is an aisle in a supermarket, and groceries in a mall.
+        """
+        wanted = [concept for concept, _ in wish.wanted]
+        absent = {
+            concept
+            for concept in wanted
+            if self._knowledge.family(concept) and not self._index.has(concept, self._knowledge)
+        }
+        left = tuple(each for each in wish.wanted if each[0] not in absent)
+        return replace(wish, wanted=left) if absent and left else wish
+
+    def _understand(self, question: str, is_plain: bool = False, language: str | None = None) -> Understood:
+        """Read a question that may mention landmarks by name, and brands that are not here.
+
+        Returns:
+            The wish, and the landmarks that are refused by a part of their name.
+        """
+        text = clean_text(question)
+        brands = {
+            phrase: Meaning("name", ((self._index.phrase_of.get(identity, identity), 1.0),))
+            for phrase, identity in self._signs.brands_in(text).items()
+            if phrase not in self._index.names
+        }
+        is_unsaid = partial(self._index.is_unsaid, text, self._knowledge.folder)
+        names = _Names(PhraseTable(brands), self._index.names, is_unsaid)
+        parts = self._parts_in(text)
+        if not parts:
+            return read_question(question, self._knowledge, names, is_plain, language), set()
+        mentioned = {word: Meaning("name", ((_PART + word, 1.0),)) for word in parts}
+        all_names = _Names(PhraseTable(brands | mentioned), self._index.names, is_unsaid)
+        wish = read_question(question, self._knowledge, all_names, is_plain, language)
+        refused = {name for name in wish.refused_names if name.startswith(_PART)}
+        if asks_for_another(question):
+            refused |= {name for name in wish.wanted_names if name.startswith(_PART)}
+        if not refused:
+            # A part of a name may be any word: alone it asks for nothing.
+            return read_question(question, self._knowledge, names, is_plain, language), set()
+        wanted, others, near = (
+            tuple(name for name in names if not name.startswith(_PART))
+            for names in (wish.wanted_names, wish.refused_names, wish.near_names)
+        )
+        wish = replace(wish, wanted_names=wanted, refused_names=others, near_names=near)
+        return wish, {id_ for name in refused for id_ in parts[name.removeprefix(_PART)]}
+
+    def _parts_in(self, text: str) -> dict[str, set[int]]:
+        """Words of a question that mean nothing themselves and stand in the names of few landmarks."""
+        every = self._knowledge.folder.units(text)
+        units = {unit for unit in every if unit in self._index.ids_by_word}
+        few = {
+            unit: ids
+            for unit in units
+            if unit not in self._index.names and len(ids := self._index.ids_by_word[unit]) <= _FEW
+        }
+        if not few:
+            return {}
+        languages = languages_of(text, self._knowledge)[:2]
+        return {
+            unit: ids
+            for unit, ids in few.items()
+            if not any(unit in self._knowledge.spoken(each) for each in languages)
+        }
+
+    def _best(self, wish: Wish, refused: set[int], phrases: Phrases) -> Ranked:
+        matches = {concept: self._index.matches(concept, self._knowledge) for concept, _ in wish.wanted}
+        served = serve(wish, matches, self._index.kinds, self._index.people, self._knowledge)
+        ranked = sorted(served, key=lambda each: (-each.score, self._index.members[each.group]))
+        asked = phrases.say("wanted", things=phrases.things([concept for concept, _ in wish.wanted]))
+        fitting = [each for each in ranked if each.best >= FITS]
+        ids = self._first_ids(fitting, refused)
+        if not ids and (refused or wish.refused):
+            fitting = [each for each in ranked if each.best >= FITS_INSTEAD]
+            ids = self._first_ids(fitting, refused)
+        if not ids:
+            nothing = phrases.say("nothing_offers", wanted=asked)
+            return Ranked(Choice(None, 0.6, nothing, self._model, tuple(self._first_ids(ranked, refused)[:3])))
+        of = {id_: each for each in fitting for id_ in self._index.members[each.group] if id_ not in refused}
+        why = partial(_serves, of, matches, asked, self._index, phrases)
+        choice = Choice(ids[0], round(min(of[ids[0]].best, 0.99), 3), why(ids[0]), self._model, tuple(ids[1:]))
+        return Ranked(choice, {id_: each.score for id_, each in of.items()}, why)
+
+    def _first_ids(self, ranked: Sequence[Served], refused: set[int]) -> list[int]:
+        """The first few ids of the best groups, by score and then by id."""
+        found: list[tuple[float, int]] = []
+        for served in ranked:
+            if len(found) > _ALTERNATIVES and served.score < found[-1][0]:
+                break
+            left = [id_ for id_ in self._index.members[served.group] if id_ not in refused][: _ALTERNATIVES + 1]
+            found.extend((served.score, id_) for id_ in left)
+        return [id_ for _, id_ in sorted(found, key=lambda each: (-each[0], each[1]))[: _ALTERNATIVES + 1]]
+
+    def _without_brand(self, identity: str, question: str, phrases: Phrases) -> Choice:
+        asked = self._knowledge.folder.fold(question)
+        # Of a brand's many names, the one that was used.
+        name = max(
+            (each for each in self._signs.names_of(identity) if self._knowledge.folder.fold(each) in asked),
+            key=len,
+            default="",
+        )
+        alike: dict[int, float] = {}
+        for kind, weight in self._signs.read(identity).kinds:
+            for group, share in self._index.alike(kind, self._knowledge).items():
+                first = self._index.members[group][0]
+                alike[first] = max(weight * share, alike.get(first, 0.0))
+        others = sorted((id_ for id_ in alike if alike[id_] >= _YES), key=lambda id_: (-alike[id_], id_))
+        return Choice(
+            None, 0.8, phrases.say("no_brand", name=name or identity), self._model, tuple(others[:_ALTERNATIVES])
+        )
 
 
 def _asks(question: str, language: str | None, knowledge: Knowledge) -> bool:
@@ -174,92 +278,6 @@ def _asks(question: str, language: str | None, knowledge: Knowledge) -> bool:
 
 def _why_unread(index: LandmarkIndex) -> str:
     return "unread" if index.landmarks else "empty_map"
-
-
-def _without_refused(wish: Wish, refused: set[int], question: str, index: LandmarkIndex) -> tuple[Wish, set[int]]:
-    """The landmarks that are refused by name or as one of many, and what is wanted then."""
-    refused = refused | {id_ for name in wish.refused_names for id_ in index.ids_of.get(name, ())}
-    if asks_for_another(question):
-        # “Starbucks is full, another café?” names what is not wanted.
-        named_besides = (*wish.wanted_names, *wish.near_names)
-        refused |= {id_ for name in named_besides for id_ in index.ids_of.get(name, ())}
-        if refused and wish.refused and not wish.wanted:
-            # “除了星巴克还有别的咖啡店吗”: the name is refused, and its kind is what is asked for.
-            wish = replace(wish, wanted=tuple((kind, 1.0) for kind in wish.refused), refused=())
-    if "chain" in wish.refused:
-        refused |= {id_ for id_, sign in index.signs.items() if sign.identity}
-    return wish, refused
-
-
-def _instead_of_refused(
-    wish: Wish, refused: set[int], index: LandmarkIndex, knowledge: Knowledge
-) -> tuple[tuple[str, float], ...]:
-    """Where only a refusal is said: something else of the same use."""
-    others = [*wish.refused, *(kind for id_ in refused for kind, _ in index.signs[id_].kinds)]
-    return instead_of(others, knowledge)
-
-
-def _as_in_this_building(wish: Wish, index: LandmarkIndex, knowledge: Knowledge) -> Wish:
-    """Leave out kinds of rooms that no place of this map is, where words mean something else besides.
-
-    “Milk” is an aisle in a supermarket, and groceries in a mall.
-    """
-    wanted = [concept for concept, _ in wish.wanted]
-    absent = {concept for concept in wanted if knowledge.family(concept) and not index.has(concept, knowledge)}
-    left = tuple(each for each in wish.wanted if each[0] not in absent)
-    return replace(wish, wanted=left) if absent and left else wish
-
-
-def understand(
-    question: str,
-    index: LandmarkIndex,
-    signs: SignReader,
-    knowledge: Knowledge,
-    is_plain: bool = False,
-    language: str | None = None,
-) -> Understood:
-    """Read a question that may mention landmarks by name, and brands that are not here.
-
-    Returns:
-        The wish, and the landmarks that are refused by a part of their name.
-    """
-    text = clean_text(question)
-    brands = {
-        phrase: Meaning("name", ((index.phrase_of.get(identity, identity), 1.0),))
-        for phrase, identity in signs.brands_in(text).items()
-        if phrase not in index.names
-    }
-    is_unsaid = partial(index.is_unsaid, text, knowledge.folder)
-    names = _Names(PhraseTable(brands), index.names, is_unsaid)
-    parts = _parts_in(text, index, knowledge)
-    if not parts:
-        return read_question(question, knowledge, names, is_plain, language), set()
-    mentioned = {word: Meaning("name", ((_PART + word, 1.0),)) for word in parts}
-    all_names = _Names(PhraseTable(brands | mentioned), index.names, is_unsaid)
-    wish = read_question(question, knowledge, all_names, is_plain, language)
-    refused = {name for name in wish.refused_names if name.startswith(_PART)}
-    if asks_for_another(question):
-        refused |= {name for name in wish.wanted_names if name.startswith(_PART)}
-    if not refused:
-        # A part of a name may be any word: alone it asks for nothing.
-        return read_question(question, knowledge, names, is_plain, language), set()
-    wanted, others, near = (
-        tuple(name for name in names if not name.startswith(_PART))
-        for names in (wish.wanted_names, wish.refused_names, wish.near_names)
-    )
-    wish = replace(wish, wanted_names=wanted, refused_names=others, near_names=near)
-    return wish, {id_ for name in refused for id_ in parts[name.removeprefix(_PART)]}
-
-
-def _parts_in(text: str, index: LandmarkIndex, knowledge: Knowledge) -> dict[str, set[int]]:
-    """Words of a question that mean nothing themselves and stand in the names of few landmarks."""
-    every = knowledge.folder.units(text)
-    units = {unit for unit in every if unit in index.ids_by_word}
-    few = {unit: ids for unit in units if unit not in index.names and len(ids := index.ids_by_word[unit]) <= _FEW}
-    if not few:
-        return {}
-    languages = languages_of(text, knowledge)[:2]
-    return {unit: ids for unit, ids in few.items() if not any(unit in knowledge.spoken(each) for each in languages)}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -281,27 +299,6 @@ class _Names:
         return (*few, *self.many.sizes(units, at)) if few else self.many.sizes(units, at)
 
 
-def _best(
-    wish: Wish, index: LandmarkIndex, refused: set[int], knowledge: Knowledge, model: str, phrases: Phrases
-) -> Ranked:
-    matches = {concept: index.matches(concept, knowledge) for concept, _ in wish.wanted}
-    served = serve(wish, matches, index.kinds, index.people, knowledge)
-    ranked = sorted(served, key=lambda each: (-each.score, index.members[each.group]))
-    asked = phrases.say("wanted", things=phrases.things([concept for concept, _ in wish.wanted]))
-    fitting = [each for each in ranked if each.best >= FITS]
-    ids = _first_ids(fitting, refused, index)
-    if not ids and (refused or wish.refused):
-        fitting = [each for each in ranked if each.best >= FITS_INSTEAD]
-        ids = _first_ids(fitting, refused, index)
-    if not ids:
-        nothing = phrases.say("nothing_offers", wanted=asked)
-        return Ranked(Choice(None, 0.6, nothing, model, tuple(_first_ids(ranked, refused, index)[:3])))
-    of = {id_: each for each in fitting for id_ in index.members[each.group] if id_ not in refused}
-    why = partial(_serves, of, matches, asked, index, phrases)
-    choice = Choice(ids[0], round(min(of[ids[0]].best, 0.99), 3), why(ids[0]), model, tuple(ids[1:]))
-    return Ranked(choice, {id_: each.score for id_, each in of.items()}, why)
-
-
 def _serves(
     served: Mapping[int, Served], matches: Matches, asked: str, index: LandmarkIndex, phrases: Phrases, id_: int
 ) -> str:
@@ -309,35 +306,3 @@ def _serves(
     name, sign, group = clean_text(index.name_of[id_]), index.signs[id_].evidence, served[id_].group
     things = [concept for concept, found in matches.items() if found.get(group, 0.0) >= FITS]
     return phrases.say("serves", wanted=asked, name=name, sign=sign, things=phrases.things(things))
-
-
-def _first_ids(ranked: Sequence[Served], refused: set[int], index: LandmarkIndex) -> list[int]:
-    """The first few ids of the best groups, by score and then by id."""
-    found: list[tuple[float, int]] = []
-    for served in ranked:
-        if len(found) > _ALTERNATIVES and served.score < found[-1][0]:
-            break
-        left = [id_ for id_ in index.members[served.group] if id_ not in refused][: _ALTERNATIVES + 1]
-        found.extend((served.score, id_) for id_ in left)
-    return [id_ for _, id_ in sorted(found, key=lambda each: (-each[0], each[1]))[: _ALTERNATIVES + 1]]
-
-
-def _without_brand(
-    identity: str,
-    question: str,
-    index: LandmarkIndex,
-    signs: SignReader,
-    knowledge: Knowledge,
-    model: str,
-    phrases: Phrases,
-) -> Choice:
-    asked = knowledge.folder.fold(question)
-    # Of a brand's many names, the one that was used.
-    name = max((each for each in signs.names_of(identity) if knowledge.folder.fold(each) in asked), key=len, default="")
-    alike: dict[int, float] = {}
-    for kind, weight in signs.read(identity).kinds:
-        for group, share in index.alike(kind, knowledge).items():
-            first = index.members[group][0]
-            alike[first] = max(weight * share, alike.get(first, 0.0))
-    others = sorted((id_ for id_ in alike if alike[id_] >= _YES), key=lambda id_: (-alike[id_], id_))
-    return Choice(None, 0.8, phrases.say("no_brand", name=name or identity), model, tuple(others[:_ALTERNATIVES]))

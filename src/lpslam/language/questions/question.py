@@ -20,7 +20,7 @@ from lpslam.language.questions.weighing import ASIDE, GENERAL, GIFTS, HINT, MAIN
 from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.inflection import known_form
 from lpslam.language.tables.knowledge import Knowledge
-from lpslam.language.tables.lexicon import Meaning
+from lpslam.language.tables.lexicon import Meaning, read_table
 from lpslam.language.tables.states import Trouble, says_at_home, together_in, troubles_in
 from lpslam.language.tables.words import Phrases, PhraseTable, Span, is_unspaced, longest_phrases
 
@@ -31,14 +31,7 @@ _ABBREVIATED = re.compile(r"\b([^\W\d_])\. (?=\w)")
 _ALLERGY = re.compile(r"(\w{3,}?)s?(allergien?|unverträglichkeit|intoleranz)\b", re.IGNORECASE)
 # Without its accent, as words are looked up, té is a Spanish pronoun.
 _SPANISH_TEA = re.compile(r"\bté\b", re.IGNORECASE)
-_ANOTHER = re.compile(
-    r"\b(another|other|else|instead|alternatives?|besides|otr[oa]s?|en vez|autres?|ailleurs|plutôt|ander(e[nrms]?)"
-    r"|d[oó]nde m[aá]s|qu[eé] m[aá]s|stattdessen|sonst|lieber|woanders|elsewhere|better|besser(e[nrms]?)?|mieux"
-    r"|mejor|aparte de|adem[aá]s de|hormis|à part|außer|apart from)\b"
-    r"|别的|別的|其他|其它|另外|另一|换一|換一|[别別][家处處间間]|[换換][个個家间間]|第二[家间間]|仲有|除了|除咗"
-    r"|別の|別んとこ|ほか|他の|他を|よそ|以外|다른|말고|대신|딴 ?[데거곳]",
-    re.IGNORECASE,
-)
+_ANOTHER = re.compile(read_table("patterns.json")["another"], re.IGNORECASE)
 """Words that ask for something beside what is named."""
 _QUESTION_LENGTH = 400
 _KEPT = 64  # readings that are kept: those of one question and its parts, and of a few that are asked at one time

@@ -10,12 +10,7 @@ GIFTS = frozenset({"gift", "souvenir"})
 """What is wanted of a shop for somebody else."""
 
 _TREATING = (
-    "amenity/dentist",
-    "amenity/doctors",
-    "amenity/clinic",
-    "amenity/hospital",
-    "amenity/pharmacy",
-    "healthcare",
+    *("amenity/dentist", "amenity/doctors", "amenity/clinic", "amenity/hospital", "amenity/pharmacy", "healthcare"),
     *("facility/xray", "facility/blood_test", "facility/emergency_room", "facility/vaccination"),
 )
 _TASTES = frozenset({"spicy", "mild_food"})

@@ -26,26 +26,11 @@ _LOOK_ALIKE = str.maketrans(
     "oieastbasilaeopcyxkmtbhijsdgoaeiknptux",
 )
 _WORD = re.compile(r"[^\W_]+(?:['’.][^\W_]+)*")
-_MARKUP = re.compile(
-    r"[{}<>\[\]\\`]\s*[/!\"'|#]|[\"'|/]\s*[{}\[\]<>]|[{}]|</?\w+|\]\]|\[\[|```|<\||\|>|##+|&\w+;|%\w\w%|\\[nu]"
-    r"|\[/?(?:inst|sys\w*|user|assistant)\]|\w\s*=\s*(?:true|false|null|none|\d)",
-    re.IGNORECASE,
-)
-_ROLE = re.compile(
-    r"(?:^|[\W_])(?:system|assistant|user|developer|human|tool|admin|ai|prompt|instructions?|系统|系統|システム|시스템|助手|用户)\s*[:：]",
-    re.IGNORECASE,
-)
-_NUMBERED = re.compile(
-    r"\b(?:landmark|id|option|candidate|label|item|answer|confidence|pick)\W*(?:is\W*)?(?:no\.?\W*)?"
-    r"(?:\d|one|two|three|four|five|six|seven|eight|nine|ten)\b",
-    re.IGNORECASE,
-)
-_BARE = re.compile(r"\W*(?:(?:yes|no|true|false|null|none|nothing)\W*)+", re.IGNORECASE)
-_FIELD = re.compile(
-    r"[\"“”'‘’]?(?:landmark|answer|id|name|role|content|confidence|serves|evidence|question|alternatives)[\"“”'‘’]?"
-    r"\s*[:：=]",
-    re.IGNORECASE,
-)
+_MARKUP = re.compile(read_table("patterns.json")["markup"], re.IGNORECASE)
+_ROLE = re.compile(read_table("patterns.json")["role"], re.IGNORECASE)
+_NUMBERED = re.compile(read_table("patterns.json")["numbered"], re.IGNORECASE)
+_BARE = re.compile(read_table("patterns.json")["bare"], re.IGNORECASE)
+_FIELD = re.compile(read_table("patterns.json")["field"], re.IGNORECASE)
 
 
 @lru_cache(maxsize=1 << 17)

@@ -70,11 +70,7 @@ class BoardWords:
         """Landmarks whose board bears every word that is asked for and means nothing else."""
         if self.refuses(text, meaning):
             return {}
-        said = self._said.whole(text)
-        if said:
-            return dict.fromkeys(said, _SURE)
-        named = self._by_words(text)
-        return named or dict.fromkeys(self._said.own(text), _NAMED) or self._by_some(text, meaning)
+        return self._by_words(text) or dict.fromkeys(self._said.own(text), _NAMED) or self._by_some(text, meaning)
 
     def _by_some(self, text: str, meaning: Meaning) -> dict[int, float]:
         """Boards that bear the names among the words that no table knows: “zu Ebert, weil ich etwas abgeben muss”.

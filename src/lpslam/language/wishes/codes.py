@@ -22,14 +22,9 @@ from lpslam.language.wishes.numerals import (
     with_unspaced_letters,
 )
 
+_AMOUNTS: Mapping[str, str] = read_table("wishes/quantities.json")
 _KEPT = 64  # texts as codes are looked for in them: a question and its parts
-# 一番近い is the nearest, 一番線 is platform 1; 이번 is this time, 이층 the second floor.
-_UNSPACED_NUMBER = re.compile(
-    r"(?!一番(?![線线口のホゲ通窓乗出カ]|$))第?([〇零一二三四五六七八九两兩十百]+)(?=[号號番楼樓层層階栋幢棟站股])|(?<=[第])([一二三四五六七八九十]+)(?!近)"
-    # 展厅四, 登机口二十二
-    r"|(?<=[口室厅廳台区區道排架门門座位楼樓])([一二三四五六七八九十百]+)(?![\u4e00-\u9fff])"
-    r"|(?<![가-힣])([일이삼사오육칠팔구]?[십백][일이삼사오육칠팔구십]*(?=번|호|층)|[일이삼사오육칠팔구](?=층|호|전시실|강의실|진료실|회의실|상영관|승강장|출구|게이트))"
-)
+_UNSPACED_NUMBER = re.compile(_AMOUNTS["number of unspaced scripts"])
 _NUMERAL = re.compile(
     r"[〇零一二三四五六七八九两兩十百]+|(?<![가-힣])(?P<hangul>[일이삼사오육칠팔구십백]+)|(?<=제)[일이삼사오육칠팔구십백]+"
 )
@@ -38,19 +33,11 @@ _FEWEST_TOGETHER = 3  # characters of a numeral and of what it numbers right beh
 _THIS_ONE = re.compile(r"(?<![가-힣])([일이삼사오육칠팔구])(?=번 (?!정류장)(\S+))")  # “이번 정류장” is this stop
 _ONE = r"(?:[a-z]{1,2}[-.]?|[b-z] )?\d{1,4}(?:[-.]\d{1,4}){0,2}(?:-?[a-z]| [a-z](?=[\u2e80-\uffff]))?|[a-z]"
 _CODE = re.compile(rf"(?<![a-zà-ÿ0-9'’])({_ONE})(?![^\W_\u2e80-\uffff])(?!['’-][^\W\d_])")
-_TO = "-|–|—|~|〜|～|to|bis|through|thru|à|a|al|至|到|から|부터|에서"
 _END = r"([a-z]{0,2}[-.]?\d{1,4}(?:\.\d{1,3})?[a-z]?|[a-z]{1,2})"
-_RANGE = re.compile(rf"(?<![a-zà-ÿ0-9])(?<!\d\.){_END} ?(?:{_TO}) ?{_END}(?![a-z0-9])")
-_TIMES = (
-    r"min(?:ute)?n?s?|minutos|分钟|分鐘|小时|小時|時間|시간|分(?!院)|hours?|horas|heures|stunden|days?|días|jours|tage|天|日間|weeks?|semanas?|wochen?|semaines?|周(?!边)|週間|주(?![가-힣])|months?|mes(?:es)?(?![a-z])|monate?|mois|个月|個月|か月|ヶ月|개월|"
-    r"a\.?m\.?|p\.?m\.?|uhr|o'clock|点|點|時|시(?!\S)|h(?![a-z])|years?|años|ans|jahre|岁|歳|살"
-)
-_MEASURES = (
-    r"%|°|度|도(?!\S)|degrees?|grados?|grad(?![a-z])|degrés?|€|\$|£|¥|元|円|원|eur|euros?|dollars?|met(?:er|re)s?|metros|mètres|米|m(?![a-z])|km|g|kg|ml|l(?![a-z])|"
-    r"キロ|킬로|公斤|kilos?|番目|回|次|杯|つ|個|个(?!房)|枚|本|位|people|persons|personas|personnes|personen|人|명|kids|children|niños|enfants|kinder"
-)
+_RANGE = re.compile(rf"(?<![a-zà-ÿ0-9])(?<!\d\.){_END} ?(?:{_AMOUNTS['to']}) ?{_END}(?![a-z0-9])")
 _QUANTITY = re.compile(
-    rf"\d+(?:[.,:h]\d+)? ?(?:{_TIMES}|{_MEASURES})(?![a-z])|\d{{1,2}}:\d{{2}}|[$€£¥]\d+", re.IGNORECASE
+    rf"\d+(?:[.,:h]\d+)? ?(?:{_AMOUNTS['times']}|{_AMOUNTS['measures']})(?![a-z])|\d{{1,2}}:\d{{2}}|[$€£¥]\d+",
+    re.IGNORECASE,
 )
 _PLURAL = "es|s|x"
 _SHORTEST_HEAD = 4  # letters of the head of a compound
@@ -101,9 +88,7 @@ _COUNTERS = " 号號番번-の"
 _COUNTED = re.compile("^호 ?(?=[가-힣])")  # 2호 엘리베이터 is a lift, 203호 a room
 _LISTED = re.compile(r"^(?:[・·、]\d{1,4})+")  # further numbers of the same: 3・4番線
 _LETTER_BEFORE = re.compile(r"(?<![^\W_])[b-df-hj-np-tv-xz]$")  # no word of any language: “B seven”
-_BETWEEN = re.compile(
-    r"\b(?:no|nr|number|nummer|numéro|número|numero|and|und|y|et|or|oder|ou|o|to|bis|à|a|al)\b|[或和とか나]|[\d\s.:#º°&,/()–—~・·、-]|(?<![a-z])[a-z](?![a-z])|(?<![a-z])[a-z](?=\d)"
-)
+_BETWEEN = re.compile(_AMOUNTS["between"])
 """What may stand between “gates” and a number: other numbers, “no.”, “and”."""
 
 
@@ -297,29 +282,14 @@ def lettered_numbers(text: str) -> list[Code]:
 _LETTER_ALONE = re.compile(r"(?<!\w)[b-z] $")
 
 
-def numbers_in(text: str) -> list[Code]:
-    """Return the numbers that a question says, times, sums and amounts apart."""
-    folded = _QUANTITY.sub(" ", _folded(text))
-    return [code_in(number, frozenset()) for number in re.findall(r"(?<![\w.,:])\d{1,4}(?![\w.,:]\d)", folded)]
-
-
-def codes_said(text: str) -> list[tuple[str, Code]]:
-    """Return every number and code in digits, of whatever, times and amounts apart, and the word before each."""
+def codes_said(text: str) -> list[Code]:
+    """Return every number and code in digits, of whatever; times and amounts apart."""
     said = _HOW_MANY.sub(" ", _QUANTITY.sub(" ", _folded(text)))
-    hits = (
-        (_WORD_BEFORE.search(said[: hit.start()]), code_in(hit.group(1), frozenset())) for hit in _CODE.finditer(said)
-    )
-    return [("" if word is None else word.group(1), code) for word, code in hits if code.number not in (None, 1)]
+    every = (code_in(hit.group(1), frozenset()) for hit in _CODE.finditer(said))
+    return [code for code in every if code.number is not None]
 
 
-def last_letters(text: str) -> list[Code]:
-    """Return the letter with which a text ends, of whatever: “the lounge b”."""
-    last = re.search(r"(?<=[^\W\d_] )[a-z]$", _folded(text).rstrip(" ?!."))
-    return [Code(last.group(), None, "", frozenset())] if last is not None else []
-
-
-_HOW_MANY = re.compile(r"(?<!\w)(?:for|für|pour|para|with|mit|avec|con|we're|wir sind) \d+")  # “a gift for 20”
-_WORD_BEFORE = re.compile(r"([^\W\d_]+)[. ]*$")
+_HOW_MANY = re.compile(rf"(?<!\w)(?:{_AMOUNTS['how many']}) \d+")  # “a gift for 20”
 
 
 @lru_cache(maxsize=_KEPT)

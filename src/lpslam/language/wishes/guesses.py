@@ -19,6 +19,7 @@ from lpslam.language.wishes.served import AS_WELL, Served, Way
 _LEAST_OFFERED = 0.25  # probability of a guess from which it fills a gap in a plan
 LEAST_IN_SPITE = 0.75  # probability from which what hears no negation, or no name, answers in spite of one
 IN_SPITE = LEAST_IN_SPITE / LEAST_SURE  # strictness of what answers in spite of what was read
+KIND_SURE = 0.6 / LEAST_SURE  # strictness of a kind: of those below, fewer than two of three were right
 _READ = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
 
 Trusted = Callable[[Mapping[int, float]], dict[int, float]]

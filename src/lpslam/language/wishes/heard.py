@@ -6,10 +6,12 @@ Both are spelt in Latin letters, one spelling for each sound, and compared by th
 import re
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 
 from rapidfuzz import fuzz, process
 
 from lpslam.language.tables.knowledge import load_words
+from lpslam.language.tables.lexicon import read_table
 
 _CONSONANTS = 4  # of a name that is known by them even where other words of the question are not heard
 _SOUNDS_ALIKE, _SPELT_ALIKE = 80.0, 0.55  # of many consonants, and of all letters, of names that sound the same
@@ -19,25 +21,14 @@ _FEWEST = 3  # letters of a word that is heard
 _APART = 0.05  # by which the name that sounds likest must lead
 _SPELT_APART = 1  # letters by which surnames of one sound may differ in length
 _RUN = 4  # words that may be one name
-_SPELLINGS = (
-    # One spelling for each sound, in the order in which they are looked for.
-    ("dsch|tsch|sch|tch|ch|sh|[cst]i(?=on)", "S"),
-    ("ph", "f"),
-    ("qu|kw|ck", "k"),
-    ("c(?=[eiy])|z", "s"),
-    ("c", "k"),
-    ("g(?=[eiy])", "j"),
-    ("ee|ea|ie", "i"),
-    ("oo|ou", "u"),
-    ("[ae][iy](?![aeiou])", "e"),
-    ("y", "i"),
-    ("x", "ks"),
-    ("h", ""),
-    (r"(.)\1", r"\1"),
-    ("(?<=..)e$", ""),
-)
 _CONSONANT = str.maketrans("vbplgckqzjxd", "fffrkkkksss" + "t", "aeiouhwy")
-_SPELT = tuple((re.compile(pattern), sound) for pattern, sound in _SPELLINGS)
+
+
+@lru_cache(maxsize=1)
+def _spellings() -> tuple[tuple[re.Pattern[str], str], ...]:
+    """One spelling for each sound, in the order in which they are looked for."""
+    return tuple((re.compile(pattern), sound) for pattern, sound in read_table("wishes/spellings.json"))
+
 
 Name = tuple[str, Sequence[str], Sequence[str]]
 """A board's name in Latin letters: all of it, its words in order, and its runs of scripts without spaces."""
@@ -45,7 +36,7 @@ Name = tuple[str, Sequence[str], Sequence[str]]
 
 def by_ear(latin: str) -> str:
     """Return a word as it sounds: taquilla and takilla are one, and so are gym and jim."""
-    for pattern, sound in _SPELT:
+    for pattern, sound in _spellings():
         latin = pattern.sub(sound, latin)
     return latin
 

@@ -18,9 +18,7 @@ from lpslam.language.wishes.codes import (
     board_keys,
     code_of,
     codes_said,
-    last_letters,
     lettered_numbers,
-    numbers_in,
     spoken_numbers,
     without_codes,
 )
@@ -220,13 +218,10 @@ class Identities:
         return {id_: _SURE for id_ in sorted(scores) if scores[id_] == best > 0.0}
 
     def held(self, what: str) -> dict[int, float]:
-        """The one landmark that bears a number which is said, or bears it beside another form of the word before it."""
-        for word, code in codes_said(what):
-            ids = [id_ for id_, codes in self._may_bear(code) if any(each.bears(code) for each in codes)]
-            alike = [id_ for id_ in ids if self._names.has_form(id_, word)] if len(ids) > 1 else ids
-            if len(alike) == 1:
-                return dict.fromkeys(alike, _SURE)
-        return {}
+        """The one landmark that bears a number which is said, whatever word stands beside it."""
+        said = codes_said(what)
+        ids = {id_ for code in said for id_, codes in self._may_bear(code) if any(each.bears(code) for each in codes)}
+        return dict.fromkeys(ids, _SURE) if len(ids) == 1 else {}
 
     def bearing(self, text: str, ids: Callable[[], Iterable[int]]) -> set[int]:
         """Those of some landmarks that bear a number or code which a text says; they are asked for if it says any."""
@@ -240,19 +235,25 @@ class Identities:
         }
         return found | (self._names.bearing(letter).intersection(ids()) if letter else set())
 
-    def of_the_number(self, what: str, scores: Mapping[int, float]) -> dict[int, float]:
-        """Of boards of one sort, the one that bears the number that is said: “mine is locker 37” is Lockers 1–60."""
-        # “One” is seldom a number.
-        said = numbers_in(what) or last_letters(what) or [code for code in all_numbers(what) if code.number != 1]
-        if not said:
-            return dict(scores)
+    def told_apart(self, what: str, scores: Mapping[int, float], is_one: bool = False) -> dict[int, float]:
+        """Of boards that serve as well as any, the one whose number, or a word of its own, is said.
+
+        “Mine is locker 37” is Lockers 1–60, 亀の間 is 宴会場 亀; words tell only where no place, order or refusal does.
+        """
         top = max(scores.values(), default=0.0)
-        best = [id_ for id_, score in scores.items() if score >= AS_WELL * top and self.codes_of(id_)]
+        best = [id_ for id_, score in scores.items() if score >= AS_WELL * top]
         if len(best) < _FEWEST_OF_A_SORT:
             return dict(scores)
-        bearing = ([id_ for id_ in best if any(e.bears(code) for e in self.codes_of(id_))] for code in said)
-        told = next((ids for ids in bearing if ids), best)
-        return {id_: score for id_, score in scores.items() if id_ in told or id_ not in best}
+        numbered = [id_ for id_ in best if self.codes_of(id_)]
+        told = self._of_the_number(what, numbered) if len(numbered) > 1 else []
+        told = told or (self._names.told_by(what, best) if is_one else [])
+        return {id_: score for id_, score in scores.items() if not told or id_ in told or id_ not in best}
+
+    def _of_the_number(self, what: str, ids: Sequence[int]) -> list[int]:
+        # “One” is seldom a number.
+        said = codes_said(what) or [code for code in all_numbers(what) if code.number != 1]
+        bearing = ([id_ for id_ in ids if any(e.bears(code) for e in self.codes_of(id_))] for code in said)
+        return next((found for found in bearing if found), [])
 
     def _coded(self, asked: Code) -> dict[int, float]:
         """Landmarks that bear a code: surest the very one, of what is asked for."""

@@ -4,6 +4,7 @@ Names are compared folded, in part, with a few wrong letters, and in Latin lette
 """
 
 import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -112,11 +113,16 @@ class Names:
         """Whether the first line of a board bears some words."""
         return any(self._share(words, line) > 0.0 for line in self._words[id_][:1])
 
-    def has_form(self, id_: int, word: str) -> bool:
-        """Whether a board bears a word in another form: the plural, a compound of it, or what it shortens."""
-        pattern = re.compile(".*?".join(self._knowledge.folder.key(word)))
-        units = (unit for line in self._words[id_] for unit in line.units)
-        return len(word) > 1 and any(pattern.match(unit) or unit.endswith(word) for unit in units)
+    def told_by(self, text: str, ids: Sequence[int]) -> list[int]:
+        """The one of some landmarks of whose name a word stands in a text that no other's name has."""
+        folder, names = self._knowledge.folder, {id_: set[str]() for id_ in ids}
+        for id_, name in names.items():
+            name |= {*self._words[id_][0].units, *filter(is_unspaced, folder.fold(self.name_of(id_)).split())}
+        every, said = Counter(word for name in names.values() for word in name), folder.fold(text)
+        units = set(folder.units(text)).difference(*self._knowledge.common.values())
+        own = {word for word, n in every.items() if n == 1 and (word in said if is_unspaced(word) else word in units)}
+        told = [id_ for id_, name in names.items() if name & own]
+        return told if len(told) == 1 else []
 
     def akin(self, word: str) -> set[int]:
         """Landmarks whose boards bear another word that begins alike: adoptieren, Adoption."""

@@ -2,6 +2,7 @@
 
 import re
 
+from lpslam.language.tables.lexicon import read_table
 from lpslam.language.wishes.rules import content_left, rules_of
 
 ALIKE = 0.9  # of the best score: what serves what is refused, or what is left of what is wanted, as well
@@ -13,11 +14,7 @@ _CAPITAL = re.compile(r"(?<![^\W_\u2e80-\uffff])[A-Z](?![^\W_\u2e80-\uffff]|['�
 _BRIEF = 9  # letters of what is refused by a letter alone: “el A no”
 _ENDS = " .。!！?？,，、;；:"
 ALL_REFUSED = "all that serves is refused"
-_NO = re.compile(
-    r"^(?:(?:and|or|y|o|et|ou|und|oder) )?(?:(?:not|no|nothing|neither|without|anything|nada|sin|ni|tampoco|nicht"
-    r"|nichts|kein(?:e[nmrs]?)?|ohne|pas|rien|sans|surtout|bitte|please)\b[ '’]*"
-    r"|(?:with|from|in|de|con|mit|aus|d|avec)\b[ '’]+|(?:也|还有|都)?(?:不要|不是|不想|不吃|不喝|不去|别))+"
-)
+_NO = re.compile(read_table("patterns.json")["no"])
 """A negation said once more: “nothing frozen and nothing with gluten”."""
 
 

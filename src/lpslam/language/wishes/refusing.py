@@ -19,17 +19,14 @@ _LEAST_READ = 0.4  # probability of what tables read beside what they read as re
 _AS_WANTED = 0.5  # of the best score: what may be wanted where the best is refused
 _HAS = 0.7  # of how well a place serves what it has of its own
 
+Serving = Callable[[Stop], Served]
+
 
 class Refusing:
     """Refusals among one set of landmarks; `serve` says which of them serve a part of a stop."""
 
     def __init__(
-        self,
-        serve: Callable[[Stop], Served],
-        boards: BoardWords,
-        identities: Identities,
-        index: LandmarkIndex,
-        knowledge: Knowledge,
+        self, serve: Serving, boards: BoardWords, identities: Identities, index: LandmarkIndex, knowledge: Knowledge
     ) -> None:
         self._serve, self._boards, self._identities = serve, boards, identities
         self._index, self._knowledge = index, knowledge
@@ -40,7 +37,7 @@ class Refusing:
         if parts is None:
             return served
         stop = replace(served.stop, what="", kinds=(), refused=(), language=language)
-        rest_of = cache(lambda: self._serve(replace(stop, what=parts[0])))
+        rest_of, served = cache(lambda: _as_told(self._serve(replace(stop, what=parts[0])))), _as_told(served)
         named = {id_ for name in meaning.refused_names for id_ in self._index.ids_of.get(name, ())}
         alike: set[int] = set()
         for each in parts[1]:
@@ -60,7 +57,9 @@ class Refusing:
         if not rest.scores or rest.sure < least:
             # Tables that read what is refused as well as what is wanted are right more often than their words tell.
             is_surer = bool(read and meaning.refused) and max(served.sure, rest.sure) >= _LEAST_READ
-            return replace(served, scores=read, sure=max(served.sure, LEAST_SURE) if is_surer else served.sure)
+            return replace(
+                served, scores=read, sure=max(served.sure, LEAST_SURE) if is_surer else served.sure, strictness=1.0
+            )
         # What comes far behind what is refused was not wanted.
         near = _AS_WANTED * max(rest.scores.values())
         left = {id_: score for id_, score in rest.scores.items() if id_ not in out and (score >= near or id_ in read)}
@@ -86,3 +85,7 @@ class Refusing:
         groups = self._index.members
         matches = (self._index.matches(concept, self._knowledge) for concept in concepts)
         return {id_ for found in matches for at, share in found.items() if share >= _HAS for id_ in groups[at]}
+
+
+def _as_told(served: Served) -> Served:
+    return replace(served, strictness=1.0) if served.way is Way.KIND else served

@@ -1,4 +1,4 @@
-"""Names of boards that stand in a question, whole or by what is their own, whatever else is said there."""
+"""Names of boards that stand in a question by what is their own, whatever else is said there."""
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
@@ -11,8 +11,6 @@ from lpslam.language.wishes.heard import sound_the_same
 from lpslam.language.wishes.names import Names, pairs_of
 
 _FEW = 8  # boards that bear a word which may tell one of them
-_FEWEST_UNSPACED = 3  # characters of a whole name of a script without spaces
-_LONG_RUN = 5  # characters of a name of such a script that is meant though it is a phrase of the tables
 _FEWEST_OWN = 2  # characters of the part of such a name that is its own
 _PARTICLE = re.compile(r"$|[^가-힣]|[은는이가을를에로의도와과]|까지|으로|하고|쪽|이요")
 
@@ -23,18 +21,6 @@ class SaidNames:
     def __init__(self, names: Names, asked: AskedWords, knowledge: Knowledge) -> None:
         self._names, self._asked, self._knowledge = names, asked, knowledge
         self._units: dict[int, tuple[str, ...]] = {}
-
-    def whole(self, text: str) -> list[int]:
-        """The landmarks whose whole name stands in a text; the longest, where one name holds another."""
-        said = self._words_of(text)
-        found: dict[int, int] = {}
-        for id_ in self._near(text, said):
-            name = self._name(id_)
-            starts = [at for at in range(len(said) - len(name) + 1) if tuple(said[at : at + len(name)]) == name]
-            if any(self._is_meant(text, said, at, name) for at in starts[:1]):
-                found[id_] = sum(map(len, name))
-        longest = max(found.values(), default=0)
-        return [id_ for id_, letters in found.items() if letters == longest]
 
     def own(self, text: str) -> list[int]:
         """The landmarks of whose name the part that is its own stands in a text: 云岚 of 云岚书店."""
@@ -119,24 +105,6 @@ class SaidNames:
         if id_ not in self._units:
             self._units[id_] = tuple(self._words_of(self._names.name_of(id_)))
         return self._units[id_]
-
-    def _is_meant(self, text: str, said: Sequence[str], at: int, name: Sequence[str]) -> bool:
-        """Whether a name that stands in a text is one there: of several words, or of one that means nothing else."""
-        is_run = is_unspaced(name[0])
-        if is_run and not self._stands_in(text, "".join(name)):
-            return False
-        if is_run and len(name) < _LONG_RUN and self._is_known("".join(name)):
-            return False  # what tables read: サウナ
-        words, proper = self._asked.of(" ".join(name), self._asked.likely(text))
-        if proper and (is_run or len(name) > 1):
-            return True
-        if proper:
-            return bool(self.spelt_as_names(text, proper))
-        if len(name) < (_FEWEST_UNSPACED if is_run else 2) or not words:
-            return False
-        # “Meeting Room Everest” is no Meeting Room.
-        beside = {*said[max(0, at - 1) : at], *said[at + len(name) : at + len(name) + 1]}
-        return beside.isdisjoint(self._asked.asked(text)[1])
 
     def _stands_in(self, text: str, run: str) -> bool:
         """Whether a run stands in a text; of Hangul, which parts words by spaces, as a word with its particle."""

@@ -9,7 +9,7 @@ from dataclasses import replace
 from functools import partial
 
 from lpslam.language.building import steps_of
-from lpslam.language.choosing.choosing import Ranked, ranked
+from lpslam.language.choosing.choosing import Choosing, Ranked
 from lpslam.language.choosing.guessing import LEAST_SURE
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import FITS, best_of, match
@@ -27,8 +27,8 @@ from lpslam.language.wishes.attributes import attributes_of, told_apart
 from lpslam.language.wishes.board_words import BoardWords
 from lpslam.language.wishes.certainty import clues_of
 from lpslam.language.wishes.codes import without_codes
-from lpslam.language.wishes.form import Stop, with_meaning
-from lpslam.language.wishes.guesses import IN_SPITE, LEAST_IN_SPITE, Guesses, is_told
+from lpslam.language.wishes.form import Ask, Stop, with_meaning
+from lpslam.language.wishes.guesses import IN_SPITE, KIND_SURE, LEAST_IN_SPITE, Guesses, is_told
 from lpslam.language.wishes.identities import Identities
 from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.opening import Opening
@@ -62,6 +62,7 @@ class EmbeddedScorer:
         self._index = index
         self._signs = signs
         self._knowledge = knowledge
+        self._choosing = Choosing(index, signs, knowledge, self.model)
         self._asked = AskedWords(knowledge)
         self._names = Names(landmarks, knowledge, signs.repair)
         self._boards = BoardWords(self._names, self._asked, index, knowledge)
@@ -85,12 +86,8 @@ class EmbeddedScorer:
         """Return the landmarks that serve a stop: by identity, by name, else by what they are."""
         served = self._judged(self._found(stop)) if stop.what else self._trust.any_place(stop)
         served = self._heeding(served) if stop.identity and served.way is not Way.IDENTITY else served
-        if (
-            stop.what
-            and not stop.identity
-            and not served.settled
-            and (not served.scores or served.sure < LEAST_SURE * served.strictness)
-        ):
+        is_unsure = not served.scores or served.sure < LEAST_SURE * served.strictness
+        if stop.what and is_unsure and not (stop.identity or served.settled):
             held = self._trusted(self._identities.held(stop.what))
             served = Served(stop, held, "the board bears it", 0.8, way=Way.IDENTITY) if held else served
         return self._opening.open(served) if stop.at else served
@@ -145,7 +142,9 @@ class EmbeddedScorer:
             return replace(served, is_said=True), {}
         sure = self._guesses.sure(served, clues, meaning, language)
         is_said = is_said and sure >= LEAST_SURE
-        served = replace(served, sure=sure, confidence=min(served.confidence, sure), is_said=is_said)
+        is_doubted = served.way is Way.KIND and served.stop.ask is not Ask.WHETHER
+        strict = max(served.strictness, KIND_SURE if is_doubted else 0.0)
+        served = replace(served, sure=sure, confidence=min(served.confidence, sure), is_said=is_said, strictness=strict)
         if sure >= LEAST_SURE or served.way not in (Way.KIND, Way.GUESS):
             return served, clues
         said = self._by_words(served.stop, meaning, served.ignored)
@@ -210,10 +209,11 @@ class EmbeddedScorer:
         if general:
             scores = self._trusted(general)
             return Served(stop, scores, "any of this sort", 0.9, ignored=ignored, way=Way.SORT)
-        tables = ranked(stop.what, self._index, self._signs, self._knowledge, self.model, stop.language)
+        tables = self._choosing.ranked(stop.what, stop.language)
         choice = tables.choice
         scores = self._sorts.of_the_family(meaning, self._trusted(tables.scores))
-        scores = self._identities.of_the_number(stop.what, self._told_apart(stop, scores))
+        is_one = not is_told(stop) and not self._boards.refuses(stop.what, meaning)
+        scores = self._identities.told_apart(stop.what, self._told_apart(stop, scores), is_one)
         otherwise = None if scores else self._by_the_board(stop, meaning, ignored)
         if otherwise is not None:
             return otherwise
@@ -255,7 +255,7 @@ class EmbeddedScorer:
     def _is_missing_brand(self, stop: Stop, meaning: Meaning) -> bool:
         """Whether a brand is asked for that is not here, and nothing else: no other place is meant."""
         brands = self._signs.brands_in(stop.what).values()
-        is_lacking = bool(brands) and self._index.phrase_of.keys().isdisjoint(brands)
+        is_lacking = bool(brands) and self._index.phrase_of.keys().isdisjoint(brands) and not is_told(stop)
         return is_lacking and not any(weight >= _READ for _, weight in meaning.wanted)
 
     def _is_another(self, stop: Stop, meaning: Meaning, scores: Mapping[int, float]) -> bool:
@@ -292,7 +292,7 @@ class EmbeddedScorer:
         if meaning.wanted_names or self._boards.refuses(stop.what, meaning):
             return None
         found = self._guesses.support.of(stop.what, self._language(stop, meaning), scores)
-        kept = self._identities.of_the_number(stop.what, self._not_otherwise(stop, found.scores))
+        kept = self._identities.told_apart(stop.what, self._not_otherwise(stop, found.scores), not is_told(stop))
         if not scores and self._is_missing(stop, meaning):
             # A place to eat that has no pizza by the tables has none by the words of the question.
             general = [kind for kind, _ in meaning.wanted if kind in self._knowledge.general]
@@ -358,7 +358,7 @@ class EmbeddedScorer:
 
     def _of_what(self, stop: Stop) -> tuple[int, ...]:
         """What comes next where an identity stands on no board: others of the same sort."""
-        choice = ranked(stop.what, self._index, self._signs, self._knowledge, self.model).choice
+        choice = self._choosing.ranked(stop.what).choice
         return tuple(id_ for id_ in (choice.landmark, *choice.alternatives) if id_ is not None)
 
 

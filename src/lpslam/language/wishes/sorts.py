@@ -2,33 +2,26 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import Kinds, likeness
 from lpslam.language.model import Candidate
 from lpslam.language.questions.wanted import Wish as Meaning
 from lpslam.language.tables.knowledge import Knowledge
+from lpslam.language.tables.lexicon import read_table
 from lpslam.language.wishes.form import Ask, Stop, Which
 
 _ANY_SORT = frozenset({"shop", "business", "place"})
 _FEW_OF_A_FAMILY = 3  # rooms of one sort of building that make the map one of it, at least
 _MUCH_OF_A_FAMILY = 0.25  # of all landmarks: fewer aisles of goods are shops of a mall
-_OF_THE_HOUSE = (
-    *(
-        f"amenity/{each}"
-        for each in ("toilets", "drinking_water", "shower", "telephone", "bench", "waste", "recycling")
-    ),
-    *(f"amenity/{each}" for each in ("vending_machine", "atm", "parking", "bicycle_parking", "luggage_locker")),
-    *(
-        f"amenity/{each}"
-        for each in ("charging_station", "smoking_area", "water_point", "clock", "lounge", "taxi", "recycling")
-    ),
-    *("facility", "highway/", "emergency/", "indoor/", "entrance", "aeroway/", "railway/", "department/"),
-    *("amenity/dressing_room", "sport/changing", "pool/", "leisure/spa", "sauna"),
-    *("museum/", "aisle/", "warehouse/", "dock/", "office/", "faculty/", "ride/", "ferry/", "factory/"),
-)
-_ROOMS = ("facility/", "indoor/", "department/", "office/", "aeroway/", "amenity/doctors", "museum/")
 _FIRST_OF_ALL = 0.9  # of a kind that a place is, not one that is had there as well
+
+
+@lru_cache(maxsize=2)
+def _kinds(name: str) -> tuple[str, ...]:
+    """How the kinds of "parts" of a house begin, or of its "rooms", of which it has several."""
+    return tuple(read_table("wishes/house.json")[name].split())
 
 
 class Sorts:
@@ -68,7 +61,7 @@ class Sorts:
         """
         if likeness("business", kinds, self._knowledge) >= 0.5:
             return True
-        return not any(kind.startswith((*_OF_THE_HOUSE, "sign/")) for kind, _ in kinds)
+        return not any(kind.startswith((*_kinds("parts"), "sign/")) for kind, _ in kinds)
 
     def of_the_family(self, meaning: Meaning, scores: Mapping[int, float]) -> dict[int, float]:
         """Who asks for one department of a hospital wants no other; an aisle goes before the rest of a supermarket."""
@@ -94,11 +87,11 @@ class Sorts:
 
     def is_of_the_house(self, id_: int) -> bool:
         """Whether a landmark is a part of the building and no business in it: a toilet, a lift, a gate."""
-        return self._is_first_of_all(id_, _OF_THE_HOUSE)
+        return self._is_first_of_all(id_, _kinds("parts"))
 
     def is_a_room(self, id_: int) -> bool:
         """Whether a landmark is of a kind of which a building has several, told apart by names."""
-        return self._is_first_of_all(id_, _ROOMS)
+        return self._is_first_of_all(id_, _kinds("rooms"))
 
     def _is_first_of_all(self, id_: int, kinds: tuple[str, ...]) -> bool:
         # What the further lines of a shop's board list makes no room of it.
