@@ -7,6 +7,7 @@ import pytest
 
 from lpslam.config import WayConfig
 from lpslam.ground.grid import FREE, OCCUPIED, UNKNOWN, Grid
+from lpslam.navigation.walking.blocks import Blocks
 from lpslam.navigation.walking.goals import goal_before
 from lpslam.navigation.walking.ways import NoWayError, Walkable, WayDistances
 
@@ -61,9 +62,47 @@ def test_ways_among_scattered_things_keep_clear_and_are_near_the_shortest(seed: 
 def test_a_large_grid_gives_the_same_way_in_two_rounds(monkeypatch: pytest.MonkeyPatch) -> None:
     grid, (start, end) = hall(side=600), (np.array([1.0, 1.0]), np.array([28.0, 2.0]))
     fine = Walkable(grid, CONFIG).way(start, end)
-    monkeypatch.setattr("lpslam.navigation.walking.ways._MOST_COARSE", 64)
+    monkeypatch.setattr("lpslam.navigation.walking.ways._MOST_SQUARES", 64)
     coarse = Walkable(grid, CONFIG).way(start, end)
     assert coarse.length == pytest.approx(fine.length, rel=0.03)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_walls_thinner_than_a_square_are_gone_round_in_two_rounds(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Rooms of 4 m with walls of 10 cm, two doors each; squares of 8 cells."""
+    random, side, room = np.random.default_rng(seed), 480, 80
+    values = np.full((side, side), FREE, np.int8)
+    for wall in range(0, side, room):
+        values[wall : wall + 2, :] = values[:, wall : wall + 2] = OCCUPIED
+    for wall in range(room, side, room):
+        for beside in range(0, side, room):
+            door = beside + random.integers(12, 40)
+            values[wall : wall + 2, door : door + 24] = FREE
+            door = beside + random.integers(12, 40)
+            values[door : door + 24, wall : wall + 2] = FREE
+    values[-2:] = values[:, -2:] = OCCUPIED
+    grid, ends = Grid(values, (0.0, 0.0), 0.05), (np.array([1.5, 1.5]), np.array([22.5, 22.5]))
+    whole = Walkable(grid, CONFIG).way(*ends)
+    monkeypatch.setattr("lpslam.navigation.walking.ways._MOST_SQUARES", 60)
+    walkable = Walkable(grid, CONFIG)
+    assert walkable._blocks is not None
+    near = walkable._blocks.near(walkable.start(ends[0]), walkable.start(ends[1]))
+    assert near is not None
+    assert near.mean() < 0.3
+    way = walkable.way(*ends)
+    assert way.length < 1.05 * whole.length
+    assert clearances(walkable, way.points).min() > CONFIG.robot_radius - 0.05
+
+
+def test_squares_know_what_hangs_together() -> None:
+    cost = np.ones((16, 24), np.float32)
+    cost[:, 3] = np.inf
+    blocks = Blocks.of(cost, 8)
+    assert blocks.parts[0, 0] != blocks.parts[0, 5]
+    assert blocks.near((0, 0), (0, 5)) is None
+    cost[15, 3] = 1.0
+    blocks = Blocks.of(cost, 8)
+    assert blocks.near((0, 0), (0, 20)) is not None
 
 
 def test_a_door_that_is_too_narrow_says_for_whom_it_is_not() -> None:

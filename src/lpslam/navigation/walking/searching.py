@@ -10,7 +10,7 @@ from lpslam.kernel_cache import provide_cache
 
 provide_cache(__file__)
 
-_DIAGONAL = math.sqrt(2.0)
+DIAGONAL = math.sqrt(2.0)
 _EAGER = 1.03
 """How much what is left is made of: a way is 3 % too long at most, and open ground is crossed, not flooded."""
 
@@ -27,19 +27,18 @@ def cheapest(cost: NDArray[np.float32], start: int, end: int, near: NDArray[np.u
     """
     rows, columns = cost.shape
     flat = cost.ravel()
-    spent = np.full(flat.size, np.inf, np.float32)
-    parent = np.full(flat.size, -1, np.int32)
+    spent, parent = _unvisited(rows, columns, near, side)
     keys, cells, size = np.empty(1024, np.float32), np.empty(1024, np.int32), 0
     row, column = end // columns, end % columns
     spent[start] = 0.0
-    keys, cells, size = _push(keys, cells, size, _ahead(start, row, column, columns), start)
+    keys, cells, size = push(keys, cells, size, 0.0, start)
     while size:
         key, cell = keys[0], cells[0]
-        size = _pop(keys, cells, size)
+        size = pop(keys, cells, size)
         if cell == end:
             break
         i, j = cell // columns, cell % columns
-        if key > spent[cell] + _ahead(cell, row, column, columns) + 1e-3:
+        if key > spent[cell] + ahead(i, j, row, column) + 1e-3 and cell != start:
             continue  # a cheaper way to it was found since
         for di in range(-1, 2):
             for dj in range(-1, 2):
@@ -52,11 +51,17 @@ def cheapest(cost: NDArray[np.float32], start: int, end: int, near: NDArray[np.u
                 # No cutting of corners.
                 if di != 0 and dj != 0 and (math.isinf(cost[i, b]) or math.isinf(cost[a, j])):
                     continue
-                step = (_DIAGONAL if di != 0 and dj != 0 else 1.0) * 0.5 * (flat[cell] + flat[other])
-                total = spent[cell] + step
+                step = (DIAGONAL if di != 0 and dj != 0 else 1.0) * 0.5 * (flat[cell] + flat[other])
+                total = float(np.float32(spent[cell] + step))  # as it is kept: rounded up, it would seem cheaper again
                 if total < spent[other]:
                     spent[other], parent[other] = total, cell
-                    keys, cells, size = _push(keys, cells, size, total + _ahead(other, row, column, columns), other)
+                    keys, cells, size = push(keys, cells, size, total + ahead(a, b, row, column), other)
+    return traced(parent, start, end)
+
+
+@njit(cache=True, nogil=True)
+def traced(parent: NDArray[np.int32], start: int, end: int) -> NDArray[np.int64]:
+    """The way (n,) from start to end by what each was reached from; none where the end was not reached."""
     if end != start and parent[end] < 0:
         return np.empty(0, np.int64)
     length, cell = 1, end
@@ -72,14 +77,31 @@ def cheapest(cost: NDArray[np.float32], start: int, end: int, near: NDArray[np.u
 
 
 @njit(cache=True, nogil=True)
-def _ahead(cell: int, row: int, column: int, columns: int) -> float:
-    """What is left in steps, all but at least."""
-    down, across = abs(cell // columns - row), abs(cell % columns - column)
-    return _EAGER * (max(down, across) + (_DIAGONAL - 1.0) * min(down, across))
+def _unvisited(
+    rows: int, columns: int, near: NDArray[np.uint8], side: int
+) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
+    """What was spent on the way to each cell and from where, of those that may be entered; the rest is not touched."""
+    spent, parent = np.empty(rows * columns, np.float32), np.empty(rows * columns, np.int32)
+    for p in range(near.shape[0]):
+        for q in range(near.shape[1]):
+            if near[p, q] == 0:
+                continue
+            left, right = q * side, min((q + 1) * side, columns)
+            for i in range(p * side, min((p + 1) * side, rows)):
+                for cell in range(i * columns + left, i * columns + right):
+                    spent[cell], parent[cell] = np.inf, -1
+    return spent, parent
 
 
 @njit(cache=True, nogil=True)
-def _push(
+def ahead(i: int, j: int, row: int, column: int) -> float:
+    """What is left in steps from a cell to another one, all but at least."""
+    down, across = abs(i - row), abs(j - column)
+    return _EAGER * (max(down, across) + (DIAGONAL - 1.0) * min(down, across))
+
+
+@njit(cache=True, nogil=True)
+def push(
     keys: NDArray[np.float32], cells: NDArray[np.int32], size: int, key: float, cell: int
 ) -> tuple[NDArray[np.float32], NDArray[np.int32], int]:
     """Add to a binary heap."""
@@ -97,7 +119,7 @@ def _push(
 
 
 @njit(cache=True, nogil=True)
-def _pop(keys: NDArray[np.float32], cells: NDArray[np.int32], size: int) -> int:
+def pop(keys: NDArray[np.float32], cells: NDArray[np.int32], size: int) -> int:
     """Take the least away from a binary heap; its new size."""
     size -= 1
     key, cell = keys[size], cells[size]

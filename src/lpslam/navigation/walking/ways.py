@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from lpslam.config import WayConfig
 from lpslam.errors import UserError
 from lpslam.ground.grid import FREE, OCCUPIED, Grid
+from lpslam.navigation.walking.blocks import Blocks
 from lpslam.navigation.walking.searching import cheapest, is_clear
 
 Array = NDArray[np.float64]
@@ -67,7 +68,8 @@ class Walkable:
         has_room = (grid.values == FREE) & (self.clearance > config.robot_radius)
         tight = np.clip(1.0 - (self.clearance - config.robot_radius) / max(config.comfort, 1e-6), 0.0, 1.0)
         self.cost = np.where(has_room, 1.0 + config.comfort_cost * tight, np.inf).astype(np.float32)
-        self._coarse = _coarser(self.cost)
+        side = max(-(-max(grid.shape) // _MOST_SQUARES), 1)
+        self._blocks = Blocks.of(self.cost, side) if side > 1 else None
         _, regions = cv2.connectedComponents(has_room.astype(np.uint8), connectivity=4)
         self.regions = np.asarray(regions, np.int32)
 
@@ -127,16 +129,11 @@ class Walkable:
         return Way(self.grid.middles(self._straightened(self._cells(first, last))), self.config.speed)
 
     def _cells(self, first: tuple[int, int], last: tuple[int, int]) -> NDArray[np.int64]:
-        """The cells (n, 2) of the cheapest way; on a large grid, near that over coarser cells if it can be."""
-        size, coarse = self._coarse
-        if size > 1:
-            cells = _over(coarse, (first[0] // size, first[1] // size), (last[0] // size, last[1] // size))
-            near = np.zeros(coarse.shape, np.uint8)
-            near[cells[:, 0], cells[:, 1]] = 1
-            near = np.asarray(cv2.dilate(near, np.ones((3, 3), np.uint8)), np.uint8)
-            cells = _over(self.cost, first, last, near, size)
-            if len(cells):
-                return cells
+        """The cells (n, 2) of the cheapest way; on a large grid, near that over squares of cells."""
+        if self._blocks is not None:
+            near = self._blocks.near(first, last)
+            if near is not None:
+                return _over(self.cost, first, last, near, self._blocks.side)
         return _over(self.cost, first, last)
 
     def _straightened(self, cells: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -181,16 +178,6 @@ def _over(
     return np.column_stack([cells // columns, cells % columns])
 
 
-def _coarser(cost: NDArray[np.float32]) -> tuple[int, NDArray[np.float32]]:
-    """How many cells make a coarse one to each side, and what the cheapest of each costs."""
-    size = max(-(-max(cost.shape) // _MOST_COARSE), 1)
-    rows, columns = (-(-side // size) for side in cost.shape)
-    padded = np.full((rows * size, columns * size), np.inf, np.float32)
-    padded[: cost.shape[0], : cost.shape[1]] = cost
-    coarse = padded.reshape(rows, size, columns, size).min(axis=3).min(axis=1)
-    return size, np.ascontiguousarray(coarse)
-
-
 class WayDistances:
     """Lengths of ways, for whoever asks what is nearest; as the crow flies, where there is no ground.
 
@@ -216,8 +203,8 @@ class WayDistances:
         return self._known[first, last]
 
 
-_MOST_COARSE = 256
-"""Coarse cells to a side: a grid that is larger is searched in two rounds."""
+_MOST_SQUARES = 256
+"""Squares to a side: a grid of more cells is searched over squares first."""
 
 _FIRST_LOOK = 32
 """Cells to each side in which a place is looked for first."""
