@@ -12,7 +12,7 @@ from test_doubt import Witness
 
 from lpslam.camera import inverse_transform
 from lpslam.config import SlamConfig, TrackingConfig
-from lpslam.slam.advice import NO_ADVICE, KeyframeMap, LoopAdvisor
+from lpslam.slam.advice import NO_ADVICE, KeyframeMap, LoopAdvisor, Recalled
 from lpslam.slam.features import Features
 from lpslam.slam.places.locating import Located
 from lpslam.slam.places.relocalising import Relocaliser
@@ -70,10 +70,16 @@ def tell(clip: Clip, monkeypatch: pytest.MonkeyPatch) -> Tell:
     def told(in_vain: int = len(HIDDEN) + len(UNSEEN), advisor: LoopAdvisor = NO_ADVICE, **tracking: float) -> Story:
         find, calls = Relocaliser.find, 0
 
-        def late(relocaliser: Relocaliser, features: Features, reference: int, likely: Sequence[int]) -> Located | None:
+        def late(
+            relocaliser: Relocaliser,
+            features: Features,
+            reference: int,
+            likely: Sequence[Recalled],
+            there: Callable[[Located], float] | None = None,
+        ) -> Located | None:
             nonlocal calls
             calls += 1
-            return None if calls <= in_vain else find(relocaliser, features, reference, likely)
+            return None if calls <= in_vain else find(relocaliser, features, reference, likely, there=there)
 
         monkeypatch.setattr(Relocaliser, "find", late)
         config = SlamConfig(tracking=TrackingConfig.model_validate({"coast_seconds": 0.0, **tracking}))
