@@ -301,9 +301,7 @@ class LocatingConfig(Section):
     max_missing_share: float = Field(default=0.2, ge=0, le=1)  # of what should be seen, where nothing of it is seen
     min_seen_share: float = Field(default=0.1, ge=0, le=1)  # of what should be seen; real rooms show little again
     min_told_share: float = Field(default=0.05, ge=0, le=1)  # the same where signs tell: afar, corners are others
-    looked_at: int = Field(
-        default=120, ge=1
-    )  # points that a picture is asked for: a share is known to a tenth by so many
+    looked_at: int = Field(default=120, ge=1)  # points that a picture is asked for: they tell a share to a tenth
     looked_around: int = Field(default=2, ge=0)  # pixels around its place, on its level, in which a point may stand
     looked_beside: int = Field(default=24, ge=1)  # pixels, the same, to the places with which its own is compared
     min_there_share: float = Field(default=0.5, ge=0, le=1)  # of them, at least, that stand there: most, ...

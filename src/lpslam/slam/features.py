@@ -121,6 +121,8 @@ class FeatureExtractor:
         least = np.full((len(pixels), len(steps)), NOWHERE, np.int32)
         for level, image in enumerate(self._levels(gray)):
             rows = np.flatnonzero(octave == level)
+            if not len(rows):
+                continue
             width, height = self._sizes[level]
             scale = np.array([width / self.camera.width, height / self.camera.height])
             spots = np.rint((raw[rows] + 0.5) * scale - 0.5).astype(np.int32)[:, None] + steps

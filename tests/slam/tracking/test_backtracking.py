@@ -75,11 +75,12 @@ def tell(clip: Clip, monkeypatch: pytest.MonkeyPatch) -> Tell:
             features: Features,
             reference: int,
             likely: Sequence[Recalled],
-            there: Callable[[Located], float] | None = None,
+            may_be_at: Callable[[Located], bool],
+            there: Callable[[Located], float] | None,
         ) -> Located | None:
             nonlocal calls
             calls += 1
-            return None if calls <= in_vain else find(relocaliser, features, reference, likely, there=there)
+            return None if calls <= in_vain else find(relocaliser, features, reference, likely, may_be_at, there)
 
         monkeypatch.setattr(Relocaliser, "find", late)
         config = SlamConfig(tracking=TrackingConfig.model_validate({"coast_seconds": 0.0, **tracking}))

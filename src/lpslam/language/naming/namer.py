@@ -80,7 +80,8 @@ class Namer:
     def most_certain(self, readings: Sequence[Reading]) -> Certain:
         """Take the string that is most probable, all readings being given; known names are likelier than others."""
         seen = evidence_of(readings)
-        forms = self._candidates(seen, readings)
+        doubtful = list(doubted(seen, self._makes_a_word))
+        forms = self._candidates(seen, readings, doubtful)
         read_words = {word for each in readings for word in self._words(each.text)}
         words = {key: self._words_ahead(text, read_words) for key, text in forms.items()}
         for each in readings:
@@ -90,7 +91,7 @@ class Namer:
         read = {each.key for each in seen}
         alike = {self._looks(key) for key in read}
         # What the reader held for possible is read as well: its own odds say how surely.
-        possible = {key for key in doubted(seen, self._makes_a_word) if any(map(is_ideograph, key))}
+        possible = {key for key in doubtful if any(map(is_ideograph, key))}
         alike |= {self._looks(key) for key in possible}
         keys = {self._fold.key(key) for key in read | possible}
         words = {key: ahead + self._words_unspaced(self._fold.key(key), keys) for key, ahead in words.items()}
@@ -104,8 +105,8 @@ class Namer:
     def _looks(self, text: str) -> str:
         return self._fold.skeleton(self._fold.fold(text))
 
-    def _candidates(self, seen: Sequence[Seen], readings: Sequence[Reading]) -> dict[str, str]:
-        """The keys that may be painted, each with a form of it; those that were read come first."""
+    def _candidates(self, seen: Sequence[Seen], readings: Sequence[Reading], doubtful: Sequence[str]) -> dict[str, str]:
+        """The keys that may be painted, each with a form of it; those that were read come first, then the doubtful."""
         texts: dict[str, str] = {}
         for each in sorted(readings, key=lambda each: -each.count * (each.right or each.confidence)):
             texts.setdefault(paint_key(each.text), clean_text(each.text))
@@ -116,7 +117,7 @@ class Namer:
         forms.setdefault(paint_key(voted), voted)
         for first, second in put_together(seen):
             forms.setdefault(first + second, f"{texts[first]} {texts[second]}")
-        for key in doubted(seen, self._makes_a_word):
+        for key in doubtful:
             if key:
                 forms.setdefault(key, respaced(key, template))
         for key in list(forms)[:_READINGS_LOOKED_UP]:

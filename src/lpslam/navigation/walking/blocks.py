@@ -131,7 +131,7 @@ def _over(
         if part == end:
             break
         left = ahead(square[part, 0], square[part, 1], row, column)
-        if key > spent[part] + left + 1e-3 and part != start:
+        if key > spent[part] + left + 1e-3:
             continue  # a cheaper way to it was found since
         for at in range(first[part], first[part + 1]):
             beside = others[at]

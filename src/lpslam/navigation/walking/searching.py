@@ -38,7 +38,7 @@ def cheapest(cost: NDArray[np.float32], start: int, end: int, near: NDArray[np.u
         if cell == end:
             break
         i, j = cell // columns, cell % columns
-        if key > spent[cell] + ahead(i, j, row, column) + 1e-3 and cell != start:
+        if key > spent[cell] + ahead(i, j, row, column) + 1e-3:
             continue  # a cheaper way to it was found since
         for di in range(-1, 2):
             for dj in range(-1, 2):

@@ -87,16 +87,12 @@ class Relocaliser:
         config = self._config
         before, self._unconfirmed = self._unconfirmed, None
         likely = () if before is None else (self._again(before),)
-        if last_seen is not None and abs(timestamp - last_seen.timestamp) <= self._moment:
-            located = self.find(
-                features,
-                last_reference,
-                likely,
-                lambda other: self._is_within_reach(other, last_seen, timestamp),
-                there,
-            )
-        else:
-            located = self.find(features, last_reference, likely, there=there)
+        is_recent = last_seen is not None and abs(timestamp - last_seen.timestamp) <= self._moment
+
+        def may_be_at(other: Located) -> bool:
+            return not is_recent or self._is_within_reach(other, last_seen, timestamp)
+
+        located = self.find(features, last_reference, likely, may_be_at, there)
         is_sure = located is not None and (
             located.inliers >= config.sure_inliers and located.alike_agreement >= config.sure_alike_agreement
         )

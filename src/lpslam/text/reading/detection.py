@@ -79,13 +79,14 @@ def boxes_from_probability(
         # The largest are most likely to be read.
         regions = sorted(regions, key=lambda each: -each[1][1][0] * each[1][1][1])[: config.max_boxes]
     boxes, scores = [], []
-    for contour, (centre, (width, height), angle) in regions:
+    for contour, rectangle in regions:
+        centre, (width, height), angle = rectangle
         score = _mean_inside(probability, _corners(centre, width, height, angle))
-        if score < config.box_score and not _is_an_arc(probability, contour, config):
+        if score < config.box_score and not _is_an_arc(probability, contour, rectangle, config):
             continue
         growth = 2.0 * (width * height * config.growth_ratio / (2.0 * (width + height)))
-        rectangle = _ordered(_corners(centre, width + growth, height + growth, angle))
-        boxes.append(_as_seen_aslant(contour, rectangle, config))
+        grown = _ordered(_corners(centre, width + growth, height + growth, angle))
+        boxes.append(_as_seen_aslant(contour, grown, config))
         scores.append(score)
     return np.array(boxes, dtype=np.float64).reshape(-1, 4, 2), np.array(scores, dtype=np.float64)
 
@@ -137,14 +138,16 @@ def _mean_inside(probability: NDArray[np.float32], corners: NDArray[np.float32])
     return float(cv2.mean(window, mask)[0])
 
 
-def _is_an_arc(probability: NDArray[np.float32], contour: MatLike, config: SpottingConfig) -> bool:
+def _is_an_arc(
+    probability: NDArray[np.float32], contour: MatLike, rectangle: cv2.typing.RotatedRect, config: SpottingConfig
+) -> bool:
     """Whether a region is a bent line of letters, which leaves most of its rectangle empty: its own pixels count."""
     left, top, width, height = cv2.boundingRect(contour)
     mask = np.zeros((height, width), np.uint8)
     cv2.drawContours(mask, [contour], -1, 1, cv2.FILLED, offset=(-left, -top))
     if cv2.mean(probability[top : top + height, left : left + width], mask)[0] < config.arc_score:
         return False
-    length, thickness, middles = _middles(contour)
+    length, thickness, middles = _middles(contour, rectangle)
     if length < _LEAST_ARC * thickness:
         return False
     places = np.linspace(-1.0, 1.0, len(middles))
@@ -153,9 +156,9 @@ def _is_an_arc(probability: NDArray[np.float32], contour: MatLike, config: Spott
     return bool(abs(bend[0]) > _LEAST_RISE * thickness and strayed < _MOST_STRAYED * thickness)
 
 
-def _middles(contour: MatLike) -> tuple[float, float, NDArray[np.float64]]:
+def _middles(contour: MatLike, rectangle: cv2.typing.RotatedRect) -> tuple[float, float, NDArray[np.float64]]:
     """Length and usual thickness of a region along its smallest rectangle, and where its middle is at each pixel."""
-    centre, (width, height), angle = cv2.minAreaRect(contour)
+    centre, (width, height), angle = rectangle
     turn = np.deg2rad(angle + (0.0 if width >= height else 90.0))
     along = np.array([np.cos(turn), np.sin(turn)])
     points = (contour.reshape(-1, 2) - np.array(centre)) @ np.column_stack([along, [-along[1], along[0]]])
