@@ -16,7 +16,9 @@ from lpslam.errors import UserError
 from lpslam.poses import StampedPoses
 from lpslam.sources.focal_check import FocalCurve, focal_curve
 from lpslam.sources.followed_pairs import pairs_of
+from lpslam.sources.image_pairs import ImagePairSource
 from lpslam.sources.recorded import RecordedSource
+from lpslam.sources.registering.by_contours import FoundDisplacement, find_displacement
 
 Array = NDArray[np.float64]
 
@@ -55,6 +57,7 @@ class Calibrated:
         solution: the adjustment.
         halves: None where a half is too little.
         scale: true metres in a metre of depth; None without a true path, or one that tells too little.
+        displacement: how depth lies beside colour; None where it is registered, as far as its contours tell.
     """
 
     camera: PinholeCamera
@@ -64,6 +67,7 @@ class Calibrated:
     solution: Solution
     halves: Halves | None
     scale: TrueScale | None
+    displacement: FoundDisplacement | None = None
 
 
 def calibrate(
@@ -73,6 +77,8 @@ def calibrate(
     on_progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Calibrated:
     """Estimate focal lengths, principal point and distortion; with a true path also the depth scale.
+
+    Of a folder whose depth is not registered to colour, how it lies is estimated first.
 
     Args:
         source: a recording, opened with any calibration: only the size of its images and its depth scale are believed.
@@ -84,6 +90,7 @@ def calibrate(
         UserError: the recording does not tell; says what it lacks.
     """
     settings = config.calibrating
+    source, displacement = _registered(source, config)
     guess = _guessed_focal(source, config)
     travel = travel_of(source.frame, len(source), settings, on_progress)
     views = views_of(source.frame, chosen(travel, settings), source.camera, settings)
@@ -101,7 +108,8 @@ def calibrate(
             "turn the camera left and right, up and down, and about its axis"
         )
     halves = _halves(solution, settings)
-    scale = _scale(views, solution, truth, settings)
+    # Where the cameras stand apart, nothing says of which of them the true path is.
+    scale = _scale(views, solution, None if displacement else truth, settings)
     sigma = solution.sigma
     if halves is not None:
         sigma = np.maximum(sigma, _apart(halves) / 2.0)
@@ -109,7 +117,23 @@ def calibrate(
     if scale is not None:
         camera = replace(camera, depth_scale=camera.depth_scale / scale.ratio)
     readout = (float(solution.state.lens[-1]), float(solution.sigma[-1]))
-    return Calibrated(camera, sigma, readout, guess, solution, halves, scale)
+    return Calibrated(camera, sigma, readout, guess, solution, halves, scale, displacement)
+
+
+def _registered(source: RecordedSource, config: Config) -> tuple[RecordedSource, FoundDisplacement | None]:
+    """Frames with depth registered to colour, and how it was found to lie; bags say that themselves."""
+    if not isinstance(source, ImagePairSource):
+        return source, None
+    check = config.calibration.registration
+    found = find_displacement(source.sample_frames(check.estimating_frames), check)
+    if found is not None and (found.is_displaced or (found.is_told and not source.is_of_one_size)):
+        return source.registered(found.displacement), found
+    if source.is_of_one_size:
+        return source, None
+    raise UserError(
+        f"{source.name}: depth has other images than colour, and too few contours of things to tell how it lies; "
+        "record where chairs, boxes or door frames stand before what is farther"
+    )
 
 
 def _plain(camera: PinholeCamera, focal: float) -> PinholeCamera:

@@ -8,6 +8,7 @@ import numpy as np
 from lpslam.calibration.calibrating import Calibrated
 from lpslam.calibration.lens import NAMES
 from lpslam.errors import UserError
+from lpslam.sources.registering.by_contours import FoundDisplacement
 from lpslam.whole_files import refuse_unwritable, written_whole
 
 _DISTORTION = NAMES[4:9]
@@ -45,7 +46,20 @@ def yaml_text(found: Calibrated, source: str) -> str:
     terms = ", ".join(f"{value:.6f}" for value in camera.distortion)
     deviations = ", ".join(f"{value:.4f}" for value in sigma[4:9])
     lines.append(f"distortion: [{terms}]  # ± {deviations}: {', '.join(_DISTORTION)}")
+    if found.displacement is not None:
+        lines += ["depth_displacement:", *(f"  {line}" for line in _displacement_lines(found.displacement))]
     return "\n".join(lines) + "\n"
+
+
+def _displacement_lines(found: FoundDisplacement) -> list[str]:
+    scale, *rest = found.displacement.numbers
+    shift, parallax = (f"[{x:.3f}, {y:.3f}]" for x, y in (rest[:2], rest[2:]))
+    sigma = [f"{value:.2g}" for value in found.sigma]
+    return [
+        f"scale: {scale:.5f}  # ± {sigma[0]}, pixels of colour in a pixel of depth",
+        f"shift: {shift}  # ± {sigma[1]}, {sigma[2]} pixels",
+        f"parallax: {parallax}  # ± {sigma[3]}, {sigma[4]} pixels times metres",
+    ]
 
 
 def record_of(found: Calibrated) -> dict[str, Any]:
@@ -62,6 +76,15 @@ def record_of(found: Calibrated) -> dict[str, Any]:
     record |= {"first_guess_focal": found.guess, "views": len(found.solution.views)}
     record |= {"points": len(np.unique(found.solution.seen.point)), "observations": len(found.solution.seen.view)}
     record["reprojection_rms_px"] = found.solution.pixel_rms
+    record["depth_displacement"] = None
+    if found.displacement is not None:
+        numbers = found.displacement.displacement
+        record["depth_displacement"] = {
+            "scale": numbers.scale,
+            "shift": list(numbers.shift),
+            "parallax": list(numbers.parallax),
+            "pixels": found.displacement.pixels,
+        }
     record["halves"] = None
     if halves is not None:
         record["halves"] = {
@@ -91,6 +114,12 @@ def lines_of(found: Calibrated) -> dict[str, str]:
         facts["depth scale"] = f"{camera.depth_scale:.5g} ± {camera.depth_scale * found.scale.sigma:.2g} (true path)"
     else:
         facts["depth scale"] = f"{camera.depth_scale:g}, as stated"
+    if found.displacement is not None:
+        shift, parallax = found.displacement.displacement.shift, found.displacement.displacement.parallax
+        facts["depth displaced"] = (
+            f"by {found.displacement.pixels:.0f} px: scale {found.displacement.displacement.scale:.3f}, "
+            f"shift {shift[0]:.1f}, {shift[1]:.1f} px, parallax {parallax[0]:.1f}, {parallax[1]:.1f} px m"
+        )
     facts["from"] = f"{len(found.solution.views)} views, {len(found.solution.seen.view)} observations"
     facts["error"] = f"{found.solution.pixel_rms:.2f} px"
     if halves is None:

@@ -11,6 +11,7 @@ from lpslam.config.ground import GroundConfig, WayConfig
 from lpslam.config.navigation import NavigationConfig
 from lpslam.config.page import PageConfig, RoomConfig
 from lpslam.config.pairing import PairingConfig
+from lpslam.config.registering import RegistrationCheckConfig
 from lpslam.config.robots import RobotConfig
 from lpslam.config.section import Field, PositiveFloat, Section
 from lpslam.config.serving import JobsConfig, ServingConfig, WatchingConfig
@@ -78,6 +79,7 @@ __all__ = [
     "PlacementConfig",
     "PlacesConfig",
     "ReadingConfig",
+    "RegistrationCheckConfig",
     "RobotConfig",
     "RoomConfig",
     "SecondLookConfig",
@@ -261,6 +263,8 @@ class CalibrationCheckConfig(Section):
     timing_frames: int = Field(default=10, ge=3)
     # By the motion of the picture.
     focal: FocalCheckConfig = FocalCheckConfig()
+    # By contours of things.
+    registration: RegistrationCheckConfig = RegistrationCheckConfig()
 
 
 class CameraMatchConfig(Section):

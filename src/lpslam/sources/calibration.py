@@ -15,6 +15,7 @@ import numpy as np
 
 from lpslam.camera import PinholeCamera
 from lpslam.errors import UserError
+from lpslam.sources.registering.displacement import DepthDisplacement
 from lpslam.sources.yaml_tree import Tree, read_yaml_tree
 
 _MATRICES = ("k", "camera_matrix", "intrinsic_matrix", "intrinsics", "intrinsic", "matrix")
@@ -38,6 +39,8 @@ _DEPTH_SCALE = (
     "png_depth_scale",
     "depth_units",
 )
+_DISPLACEMENT = "depth_displacement"
+_LARGEST_RATIO, _LARGEST_SHIFT = 10.0, 10_000.0  # of focal lengths, and pixels: beyond it, nothing is in view
 _FPS = ("fps", "frame_rate", "framerate", "rate")
 _MODELS_NOT_SUPPORTED = ("equi", "fisheye", "kannala", "omni", "fov", "eucm", "double_sphere", "ds-", "mei")
 _NEARLY = 0.85  # share of letters in common, of words that are one mistyped
@@ -47,10 +50,11 @@ _PREFERRED, _DEFERRED = ("camera", "cam0", "rgb", "color", "colour", "left"), ("
 
 @dataclass(frozen=True, slots=True)
 class Calibration:
-    """A camera and what had to be assumed about it, one sentence each."""
+    """A camera, what had to be assumed about it, one sentence each, and how depth lies beside colour, if not on it."""
 
     camera: PinholeCamera
     notes: tuple[str, ...]
+    displacement: DepthDisplacement | None = None
 
 
 def read_calibration(
@@ -101,7 +105,7 @@ def read_calibration(
         )
     except UserError as error:
         raise error if str(path) in str(error) else UserError(f"{path}: {error}") from error
-    return Calibration(camera, tuple(notes))
+    return Calibration(camera, tuple(notes), _displacement(scopes, path))
 
 
 def _misspelt(scopes: tuple[Tree, ...], path: Path) -> list[str]:
@@ -114,7 +118,17 @@ def _misspelt(scopes: tuple[Tree, ...], path: Path) -> list[str]:
 
 
 def _understood() -> set[str]:
-    keys = (*_FOCAL.values(), _RESOLUTION, _DISTORTION, _DEPTH_SCALE, _FPS, _WIDTH, _HEIGHT, _MATRICES)
+    keys = (
+        *_FOCAL.values(),
+        (_DISPLACEMENT,),
+        _RESOLUTION,
+        _DISTORTION,
+        _DEPTH_SCALE,
+        _FPS,
+        _WIDTH,
+        _HEIGHT,
+        _MATRICES,
+    )
     return {key for group in (*keys, _DISTORTION_MODEL) for key in group}
 
 
@@ -201,6 +215,23 @@ def _distortion(scopes: tuple[Tree, ...], path: Path) -> tuple[float, float, flo
     if not np.isfinite(padded).all():
         raise UserError(f"calibration {path}: distortion must be finite numbers: k1, k2, p1, p2, k3")
     return padded[0], padded[1], padded[2], padded[3], padded[4]
+
+
+def _displacement(scopes: tuple[Tree, ...], path: Path) -> DepthDisplacement | None:
+    stated = _find(scopes, (_DISPLACEMENT,))
+    if stated is None:
+        return None
+    of = f"calibration {path}: {_DISPLACEMENT}"
+    if not isinstance(stated, dict):
+        raise UserError(f"{of} must have scale, shift and parallax, as 'lpslam calibrate' writes them")
+    scale = _number(stated.get("scale"), f"scale of {_DISPLACEMENT}", path)
+    shift, parallax = (_numbers(stated.get(name)) for name in ("shift", "parallax"))
+    if shift is None or parallax is None or len(shift) != 2 or len(parallax) != 2:
+        raise UserError(f"{of} needs a shift and a parallax of two numbers each, x and y")
+    is_possible = 1 / _LARGEST_RATIO <= scale <= _LARGEST_RATIO
+    if not is_possible or not all(abs(number) <= _LARGEST_SHIFT for number in (*shift, *parallax)):
+        raise UserError(f"{of} takes depth out of the picture; its scale is near 1, its shifts are pixels")
+    return DepthDisplacement(scale, (shift[0], shift[1]), (parallax[0], parallax[1]))
 
 
 def _depth_scale(tree: Tree, scopes: tuple[Tree, ...], path: Path) -> float | None:

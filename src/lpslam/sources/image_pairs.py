@@ -12,6 +12,8 @@ from lpslam.camera import PinholeCamera
 from lpslam.errors import UserError
 from lpslam.frames import FrameFault, RgbdFrame
 from lpslam.sources.images import BadImageError, image_size, read_colour, read_depth
+from lpslam.sources.registering.displacement import DepthDisplacement
+from lpslam.sources.registering.registration import DepthRegistration
 
 logger = logging.getLogger(__name__)
 
@@ -46,6 +48,8 @@ class ImagePairSource:
         invalid_depths: raw values besides 0 that mean "no depth".
         notes: what was assumed because the recording does not say it; one sentence each.
         listed_times: seconds of all colour and of all depth images, rising, where each kind has times of its own.
+        displacement: how depth lies beside colour; it is registered then. Without, it is taken to be registered.
+        may_displace: depth may have another size than colour, since how it lies is still to be found.
         max_frames: use only so many frames, from the first.
 
     Raises:
@@ -61,6 +65,8 @@ class ImagePairSource:
         invalid_depths: tuple[int, ...] = (),
         notes: tuple[str, ...] = (),
         listed_times: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None,
+        displacement: DepthDisplacement | None = None,
+        may_displace: bool = False,
         max_frames: int | None = None,
     ) -> None:
         if max_frames is not None and max_frames < 1:
@@ -74,7 +80,10 @@ class ImagePairSource:
         self._faults: list[FrameFault] = []
         self.notes = notes
         self.listed_times = listed_times
-        _refuse_other_size(name, camera, self._pairs)
+        self.displacement = displacement
+        self._may_displace = may_displace
+        self._registrations: dict[tuple[int, ...], DepthRegistration] = {}
+        _refuse_other_size(name, camera, self._pairs, is_registered=displacement is None and not may_displace)
         for note in notes:
             logger.warning("%s: %s", name, note)
 
@@ -92,6 +101,12 @@ class ImagePairSource:
     def faults(self) -> list[FrameFault]:
         """Frames skipped so far in the running (or last) iteration."""
         return self._faults
+
+    @property
+    def is_of_one_size(self) -> bool:
+        """Whether depth images have the size of colour images, as far as a few of them tell."""
+        depths = _sizes([pair.depth for pair in self._pairs if pair.depth is not None])
+        return not depths or (self._camera.width, self._camera.height) in depths
 
     @property
     def timestamps(self) -> list[float]:
@@ -136,7 +151,20 @@ class ImagePairSource:
             kept,
             invalid_depths=self._invalid_depths,
             listed_times=self.listed_times,
+            displacement=self.displacement,
+            may_displace=self._may_displace,
             max_frames=max_frames,
+        )
+
+    def registered(self, displacement: DepthDisplacement) -> "ImagePairSource":
+        """The same recording, its depth registered by where it was found to lie."""
+        return ImagePairSource(
+            self._name,
+            self._camera,
+            self._pairs,
+            invalid_depths=self._invalid_depths,
+            listed_times=self.listed_times,
+            displacement=displacement,
         )
 
     def sample_depths(self, count: int) -> list[NDArray[np.float32]]:
@@ -149,6 +177,11 @@ class ImagePairSource:
             except BadImageError:
                 continue
         return depths
+
+    def sample_frames(self, count: int) -> list[RgbdFrame]:
+        """Frames spread over the recording; without those that cannot be used."""
+        rows = np.unique(np.linspace(0, len(self._pairs) - 1, count).astype(int)) if count else ()
+        return [frame for frame in (self.frame(int(row)) for row in rows) if frame is not None]
 
     def frame(self, index: int) -> RgbdFrame | None:
         """The frame of a number; None if it cannot be used, or there is none. Leaves no fault behind."""
@@ -168,8 +201,17 @@ class ImagePairSource:
         if pair.depth is None:
             return RgbdFrame(index, pair.timestamp, rgb, np.zeros(wanted, np.float32))
         depth = read_depth(pair.depth, self._camera.depth_scale, self._invalid_depths)
-        _refuse_size(pair.depth, depth.shape, wanted)
+        if self.displacement is not None:
+            depth = self._registered(depth, self.displacement)
+        elif not self._may_displace:
+            _refuse_size(pair.depth, depth.shape, wanted)
         return RgbdFrame(index, pair.timestamp, rgb, depth)
+
+    def _registered(self, depth: NDArray[np.float32], displacement: DepthDisplacement) -> NDArray[np.float32]:
+        if depth.shape not in self._registrations:
+            rig = displacement.rig((depth.shape[1], depth.shape[0]), (self._camera.width, self._camera.height))
+            self._registrations[depth.shape] = DepthRegistration(rig)
+        return self._registrations[depth.shape](depth)
 
 
 def _refuse_size(path: Path, found: tuple[int, ...], wanted: tuple[int, int]) -> None:
@@ -191,14 +233,14 @@ def first_image_size(paths: Sequence[Path]) -> tuple[int, int] | None:
     return next((size for size in map(image_size, paths[:100]) if size is not None), None)
 
 
-def _refuse_other_size(name: str, camera: PinholeCamera, pairs: Sequence[ImagePair]) -> None:
+def _refuse_other_size(name: str, camera: PinholeCamera, pairs: Sequence[ImagePair], *, is_registered: bool) -> None:
     wanted = (camera.width, camera.height)
     colours = _sizes([pair.colour for pair in pairs])
     depths = _sizes([pair.depth for pair in pairs if pair.depth is not None])
-    if colours and depths and not colours & depths:
+    if is_registered and colours and depths and not colours & depths:
         raise UserError(
             f"{name}: its colour images are {_in_words(colours)}, its depth images {_in_words(depths)}; "
-            "register depth to colour, so that both have the same pixels"
+            "register depth to colour, so that both have the same pixels, or let 'lpslam calibrate' find how it lies"
         )
     if colours and wanted not in colours:
         raise UserError(

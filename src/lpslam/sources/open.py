@@ -13,9 +13,11 @@ from lpslam.sources.bags.topics import TopicChoice
 from lpslam.sources.captures.layouts import CAPTURES
 from lpslam.sources.focal_check import doubts_about_focal
 from lpslam.sources.followed_pairs import pairs_of
+from lpslam.sources.image_pairs import ImagePairSource
 from lpslam.sources.live.opening import addresses, is_camera, open_camera
 from lpslam.sources.plausibility import Doubt, doubts_about_depth, doubts_about_intrinsics, doubts_about_timing
 from lpslam.sources.recorded import RecordedSource
+from lpslam.sources.registering.by_contours import FoundDisplacement, find_displacement, looks_displaced
 from lpslam.sources.sevenscenes import looks_like_seven_scenes, open_seven_scenes
 from lpslam.sources.tum import looks_like_tum, open_tum
 
@@ -134,7 +136,7 @@ def open_source(
     if not any(doubt.is_fatal for doubt in doubts):
         pairs = pairs_of(source.frame, source.timestamps, checks.focal)
         doubts += doubts_about_focal(pairs, source.camera, checks.focal)
-    _say(source, doubts + _other_doubts(source, checks))
+    _say(source, doubts + _other_doubts(source, checks) + _doubts_about_registration(source, checks))
     return source
 
 
@@ -222,6 +224,25 @@ def _other_doubts(source: RecordedSource, checks: CalibrationCheckConfig) -> lis
     if source.listed_times is not None:
         doubts += doubts_about_timing(*source.listed_times, checks)
     return doubts
+
+
+def _doubts_about_registration(source: RecordedSource, checks: CalibrationCheckConfig) -> list[Doubt]:
+    """Only of folders, which do not tell: bags say where their cameras stand."""
+    if not isinstance(source, ImagePairSource) or source.displacement is not None:
+        return []
+    frames = source.sample_frames(checks.registration.frames)
+    if not looks_displaced(frames, checks.registration):
+        return []
+    found = find_displacement(frames, checks.registration)
+    return [displaced(found)] if found is not None and found.is_displaced else []
+
+
+def displaced(found: FoundDisplacement) -> Doubt:
+    """What to do where depth is not registered to colour."""
+    return Doubt(
+        f"depth is not registered to colour: what it shows lies {found.pixels:.0f} pixels beside it; record aligned "
+        "depth, or run 'lpslam calibrate' on the recording, and give what it writes with --camera"
+    )
 
 
 def _signs() -> str:

@@ -10,7 +10,7 @@ from lpslam.camera import PinholeCamera
 from lpslam.config import PairingConfig
 from lpslam.errors import UserError
 from lpslam.regular_files import text_of
-from lpslam.sources.calibration import read_calibration
+from lpslam.sources.calibration import Calibration, read_calibration
 from lpslam.sources.image_pairs import ImagePair, ImagePairSource, first_image_size, in_depth_pauses
 
 FRAMES_PER_SECOND = 30.0
@@ -39,7 +39,7 @@ def open_seven_scenes(
         folder: holds the images.
         camera_file: a calibration to use instead of the folder's own.
         max_frames: use only so many frames, from the first.
-        nominal: makes no difference: a calibration is always known.
+        nominal: depth may have another size than colour; a calibration is always known.
         pairing: how long depth may stay away before frames come without.
 
     Raises:
@@ -61,22 +61,28 @@ def open_seven_scenes(
     ]
     if not pairs:
         raise UserError(f"{folder}: no frame-NNNNNN.color.jpg or .png is there")
-    camera, notes = _find_camera(folder, camera_file, [pair.colour for pair in pairs])
+    calibration = _find_calibration(folder, camera_file, [pair.colour for pair in pairs])
     return ImagePairSource(
-        folder.resolve().name, camera, pairs, invalid_depths=(_NO_DEPTH,), notes=notes, max_frames=max_frames
+        folder.resolve().name,
+        calibration.camera,
+        pairs,
+        invalid_depths=(_NO_DEPTH,),
+        notes=calibration.notes,
+        displacement=calibration.displacement,
+        may_displace=nominal,
+        max_frames=max_frames,
     )
 
 
-def _find_camera(folder: Path, camera_file: Path | None, colours: list[Path]) -> tuple[PinholeCamera, tuple[str, ...]]:
+def _find_calibration(folder: Path, camera_file: Path | None, colours: list[Path]) -> Calibration:
     size = first_image_size(colours)
     if camera_file is not None:
-        calibration = read_calibration(camera_file, image_size=size, default_depth_scale=_DEPTH_SCALE)
-        return calibration.camera, calibration.notes
+        return read_calibration(camera_file, image_size=size, default_depth_scale=_DEPTH_SCALE)
     width, height = size or (640, 480)
     path = folder / _INTRINSICS
     if not path.is_file():
         camera = PinholeCamera(width, height, 585.0, 585.0, 320.0, 240.0, depth_scale=_DEPTH_SCALE)
-        return camera, (f"no {_INTRINSICS}: the focal length 585 of 7-Scenes is used",)
+        return Calibration(camera, (f"no {_INTRINSICS}: the focal length 585 of 7-Scenes is used",))
     try:
         words = text_of(path).split()
         matrix = np.array([float(word) for word in words], dtype=np.float64).reshape(3, 3)
@@ -84,6 +90,6 @@ def _find_camera(folder: Path, camera_file: Path | None, colours: list[Path]) ->
         raise UserError(f"{path}: expected the nine numbers of a 3×3 intrinsic matrix") from error
     fx, fy, cx, cy = (float(matrix[i]) for i in ((0, 0), (1, 1), (0, 2), (1, 2)))
     try:
-        return PinholeCamera(width, height, fx, fy, cx, cy, depth_scale=_DEPTH_SCALE), ()
+        return Calibration(PinholeCamera(width, height, fx, fy, cx, cy, depth_scale=_DEPTH_SCALE), ())
     except UserError as error:
         raise UserError(f"{path}: {error}") from error

@@ -9,7 +9,7 @@ from lpslam.camera import PinholeCamera
 from lpslam.config import PairingConfig
 from lpslam.errors import UserError
 from lpslam.regular_files import text_of
-from lpslam.sources.calibration import read_calibration
+from lpslam.sources.calibration import Calibration, read_calibration
 from lpslam.sources.clocks import in_seconds
 from lpslam.sources.image_pairs import ImagePair, ImagePairSource, first_image_size, in_depth_pauses
 from lpslam.timestamps import associate
@@ -80,34 +80,34 @@ def open_tum(
             fault = f"{path.name} has no depth image within {tolerance * 1000:g} ms"
             pairs.append(ImagePair(timestamp, path, None, fault))
         previous = timestamp
-    camera, notes = _find_camera(folder, camera_file, [path for _, path in colours], nominal)
+    calibration = _find_calibration(folder, camera_file, [path for _, path in colours], nominal)
+    notes = calibration.notes
     if depth_note and depth_note != note:
         note = f"{note}; in depth.txt {depth_note}" if note else f"in depth.txt {depth_note}"
     notes = (*notes, note) if note else notes
     return ImagePairSource(
         folder.resolve().name,
-        camera,
+        calibration.camera,
         pairs,
         notes=notes,
         listed_times=(colour_times, depth_times),
+        displacement=calibration.displacement,
+        may_displace=nominal,
         max_frames=max_frames,
     )
 
 
-def _find_camera(
-    folder: Path, camera_file: Path | None, colours: list[Path], nominal: bool
-) -> tuple[PinholeCamera, tuple[str, ...]]:
+def _find_calibration(folder: Path, camera_file: Path | None, colours: list[Path], nominal: bool) -> Calibration:
     own = next((folder / name for name in CAMERA_FILES if (folder / name).is_file()), None)
     size = first_image_size(colours)
     if camera_file is not None or own is not None:
-        calibration = read_calibration(camera_file or own or folder, image_size=size, default_depth_scale=DEPTH_SCALE)
-        return calibration.camera, calibration.notes
+        return read_calibration(camera_file or own or folder, image_size=size, default_depth_scale=DEPTH_SCALE)
     sensor = re.search(r"(?:freiburg|fr)([123])(?!\d)", folder.resolve().name, re.IGNORECASE)
     if sensor is None and nominal:
         width, height = size or (640, 480)
         focal, note = _NOMINAL_FOCAL * width, f"no {CAMERA_FILES[0]}: depth is taken for {DEPTH_SCALE:g} units a metre"
         middle = ((width - 1) / 2, (height - 1) / 2)
-        return PinholeCamera(width, height, focal, focal, *middle, depth_scale=DEPTH_SCALE), (note,)
+        return Calibration(PinholeCamera(width, height, focal, focal, *middle, depth_scale=DEPTH_SCALE), (note,))
     if sensor is None:
         raise UserError(
             f"{folder} has no {CAMERA_FILES[0]} and is not named after freiburg1, 2 or 3; "
@@ -116,7 +116,8 @@ def _find_camera(
     (fx, fy, cx, cy), distortion = _FREIBURG[sensor[1]]
     width, height = size or (640, 480)
     camera = PinholeCamera(width, height, fx, fy, cx, cy, distortion, DEPTH_SCALE)
-    return camera, (f"no {CAMERA_FILES[0]}: the calibration of freiburg{sensor[1]} is used, after the folder's name",)
+    note = f"no {CAMERA_FILES[0]}: the calibration of freiburg{sensor[1]} is used, after the folder's name"
+    return Calibration(camera, (note,))
 
 
 def _read_list(path: Path) -> tuple[list[tuple[float, Path]], str]:

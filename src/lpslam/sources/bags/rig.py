@@ -55,10 +55,12 @@ def rig_of(container: Container, topics: ChosenTopics, camera_file: Path | None)
     colour_size, depth_size = _size_of(topics.colour, container), _size_of(topics.depth, container)
     recorded = _camera(container, topics.colour, topics.colour_info, scale, is_needed=camera_file is None)
     notes: list[str] = []
+    displacement = None
     if camera_file is not None:
         calibration = read_calibration(camera_file, image_size=colour_size, default_depth_scale=scale)
         colour = replace(calibration.camera, depth_scale=calibration.camera.depth_scale)
         scale, notes = colour.depth_scale, list(calibration.notes)
+        displacement = calibration.displacement
     else:
         assert recorded is not None
         colour = recorded
@@ -67,6 +69,8 @@ def rig_of(container: Container, topics: ChosenTopics, camera_file: Path | None)
             f"{container.path}: its images are {_in_words(colour_size)}, its calibration is for "
             f"{_in_words((colour.width, colour.height))}; give the calibration of these images"
         )
+    if displacement is not None:
+        return BagRig(colour, scale, displacement.rig(depth_size, colour_size), notes)
     depth = _camera(container, topics.depth, topics.depth_info, scale, is_needed=False)
     if depth is not None and depth_size != (depth.width, depth.height):
         depth = None

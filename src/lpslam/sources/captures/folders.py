@@ -9,7 +9,7 @@ from pathlib import Path
 from lpslam.camera import PinholeCamera
 from lpslam.errors import UserError
 from lpslam.regular_files import text_of
-from lpslam.sources.calibration import read_calibration
+from lpslam.sources.calibration import Calibration, read_calibration
 from lpslam.sources.captures.common import RATE, numbered
 from lpslam.sources.image_pairs import ImagePair, ImagePairSource, first_image_size
 from lpslam.sources.tum import CAMERA_FILES
@@ -41,27 +41,31 @@ def open_capture(folder: Path, camera_file: Path | None, max_frames: int | None,
         for number, path in sorted(colours.items())
     ]
     size = first_image_size(list(colours.values()))
-    camera, notes = _camera(folder, camera_file, size, nominal)
-    notes = (*notes, f"its images carry no times: {RATE:g} a second are taken")
-    return ImagePairSource(folder.resolve().name, camera, pairs, notes=notes, max_frames=max_frames)
+    calibration = _calibration(folder, camera_file, size, nominal)
+    return ImagePairSource(
+        folder.resolve().name,
+        calibration.camera,
+        pairs,
+        notes=(*calibration.notes, f"its images carry no times: {RATE:g} a second are taken"),
+        displacement=calibration.displacement,
+        may_displace=nominal,
+        max_frames=max_frames,
+    )
 
 
-def _camera(
-    folder: Path, camera_file: Path | None, size: tuple[int, int] | None, nominal: bool
-) -> tuple[PinholeCamera, tuple[str, ...]]:
+def _calibration(folder: Path, camera_file: Path | None, size: tuple[int, int] | None, nominal: bool) -> Calibration:
     own = camera_file or next((folder / name for name in CAMERA_FILES if (folder / name).is_file()), None)
     if own is not None:
-        calibration = read_calibration(own, image_size=size, default_depth_scale=_MILLIMETRES)
-        return calibration.camera, calibration.notes
+        return read_calibration(own, image_size=size, default_depth_scale=_MILLIMETRES)
     stated = next((folder / name for name in _INTRINSICS if (folder / name).is_file()), None)
     if stated is not None:
-        return open3d_camera(stated), ("depth is taken for millimetres",)
+        return Calibration(open3d_camera(stated), ("depth is taken for millimetres",))
     width, height = size or (640, 480)
     if folder.joinpath("color").is_dir() or nominal:
         # Redwood's recordings state none: PrimeSense's factory values, as Open3D takes them too.
         focal, note = 525.0 * width / 640, "no calibration: PrimeSense's focal length 525 at 640 pixels is used"
         middle = (width - 1) / 2, (height - 1) / 2
-        return PinholeCamera(width, height, focal, focal, *middle, depth_scale=_MILLIMETRES), (note,)
+        return Calibration(PinholeCamera(width, height, focal, focal, *middle, depth_scale=_MILLIMETRES), (note,))
     raise UserError(f"{folder} has no {CAMERA_FILES[0]}; give its calibration with --camera FILE")
 
 
