@@ -7,6 +7,7 @@
     python benchmarks/text.py photographed --cache DIR          walks past photographed shop fronts
     python benchmarks/text.py photographed --set test --seeds 101-106
     python benchmarks/text.py photographed FOLDER               the same of your photographs with labels.json
+    python benchmarks/text.py photographed --looks 4 FOLDER     each so often, worn otherwise each time
     python benchmarks/text.py render --cache DIR [--set dev]    only the malls
 
 A sign is expected in the map when its letters were 12 pixels high (Chinese 16), seen within 50 degrees, sharp and
@@ -34,6 +35,7 @@ def main() -> None:
         help="which malls (default eval, or development fronts)",
     )
     parser.add_argument("--seeds", help="of photographed fronts, A-B (default: all of the set)")
+    parser.add_argument("--looks", type=int, default=0, help="hang every photograph so many times, each time worn anew")
     parser.add_argument("--kind", action="append", choices=["dark", "duplicates", "chinese", "protruding"])
     parser.add_argument("--processes", type=int, default=2, help="that render (default 2)")
     parser.add_argument("--live", action="store_true", help="at the camera's pace, reading beside tracking")

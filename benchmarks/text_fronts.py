@@ -27,7 +27,8 @@ from lpslam.text.remembering.similarity import comparison_key
 from slam_recordings import Recording
 from slam_report import Report
 from text_calibration import calibration_error, draw_stated, error_by_chance
-from text_fronts_scores import Judged, SignScore, judge, lines_said, stated_and_exact, texts_of
+from text_fronts_scores import Judged, SignScore, judge, lines_said, pictures_of, stated_and_exact, texts_of
+from text_worn import interval, looks
 
 SETS = {"development": range(1, 7), "test": range(101, 107)}
 """Seeds of streets: those to develop on, and those that nothing is tuned on."""
@@ -60,6 +61,7 @@ class Total:
     ate: list[float] = field(default_factory=list)
     boards: list[LabelledBoard] = field(default_factory=list)
     stated: list[tuple[float, bool]] = field(default_factory=list)
+    pictures: list[str] = field(default_factory=list)
 
 
 def measure(given: Namespace, config: Config, report: Report, photographs: Path) -> None:
@@ -76,7 +78,7 @@ def measure(given: Namespace, config: Config, report: Report, photographs: Path)
     for folder in given.folders or [photographs]:
         # The given photographs are to be reported on: they come with the test set.
         if given.folders or which == "test":
-            streets += _streets_of_photographs(folder)
+            streets += _streets_of_photographs(folder, given.looks)
     print(f"kernels ready in {warm_up(print):.1f} s")
     total = Total()
     spotter = PaddleSpotter(config.text.spotting)
@@ -106,12 +108,20 @@ def _seeds(text: str) -> list[int]:
     return seeds
 
 
-def _streets_of_photographs(folder: Path) -> list[StreetOf]:
+def _streets_of_photographs(folder: Path, count: int) -> list[StreetOf]:
     if not (folder / "labels.json").exists():
         print(f"{folder} has no photographs with labels.json; left out")
         return []
-    parts = streets_of(read_labelled(folder))
+    boards = read_labelled(folder)
+    if count:
+        rows = [(look, row, part) for look, some in enumerate(looks(boards, count)) for row, part in _rows(some)]
+        return [StreetOf(f"worn-{folder.name}-{look}-{row}", 9000 + 10 * look + row, part) for look, row, part in rows]
+    parts = streets_of(boards)
     return [StreetOf(f"photographs-{folder.name}-{row}", 900 + row, part) for row, part in enumerate(parts)]
+
+
+def _rows(boards: Sequence[LabelledBoard]) -> list[tuple[int, list[LabelledBoard]]]:
+    return list(enumerate(streets_of(boards)))
 
 
 def _measure_street(
@@ -132,6 +142,7 @@ def _measure_street(
     truth_from_map = scores.ate.truth_from_estimate
     judged, of_signs = judge(world.landmarks(), signs, read_distractors(folder), truth_from_map, config.evaluation)
     total.stated += stated_and_exact(world.landmarks(), signs, truth_from_map)
+    total.pictures += pictures_of(world.landmarks(), signs, truth_from_map)
     total.judged += judged
     total.scores += of_signs
     total.ate.append(scores.ate.rmse)
@@ -254,7 +265,7 @@ def _tables(total: Total, plain: Plain, report: Report) -> None:
             ["Split boards", str(sum(each.split for each in total.scores)), ""],
             ["Duplicates", str(sum(each.doubles for each in total.scores)), ""],
             ["Lines right in role", _share([own == true for each in total.judged for own, true in each.roles]), ""],
-            *_calibration(total.stated),
+            *_calibration(total.stated, total.pictures),
             ["Position, median", f"{np.median(off):.3f} m" if off else "none", ""],
             ["ATE, median", f"{np.median(total.ate):.4f} m" if total.ate else "none", ""],
         ],
@@ -273,16 +284,18 @@ def _tables(total: Total, plain: Plain, report: Report) -> None:
     report.table(["Factor", "Kind", "Found", "Exact", "Plain reading finds"], rows)
 
 
-def _calibration(stated: Sequence[tuple[float, bool]]) -> list[list[str]]:
+def _calibration(stated: Sequence[tuple[float, bool]], pictures: Sequence[str]) -> list[list[str]]:
     """How well lines are what they are said to be."""
     if not stated:
         return []
     said, exact = np.array([each for each, _ in stated]), np.array([each for _, each in stated])
     sure = exact[said >= SURE].tolist()
     mean, most = error_by_chance(said)
+    once, low, high = interval(said, exact, pictures)
     return [
         [f"Lines said to be {SURE} sure or more; exact", _share(sure), ""],
         ["Expected calibration error of lines", f"{calibration_error(said, exact):.3f}", ""],
+        ["each board counted once; 95 % of resamplings", f"{once:.3f}; {low:.3f} to {high:.3f}", ""],
         ["by chance, if all were as sure as said; nine in ten", f"{mean:.3f}; {most:.3f}", ""],
     ]
 

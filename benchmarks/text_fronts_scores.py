@@ -138,6 +138,13 @@ def stated_and_exact(
     return stated
 
 
+def pictures_of(marks: Sequence[Landmark], signs: Sequence[TrueSign], truth_from_map: Array) -> list[str]:
+    """On which board every line of `stated_and_exact` stands: the file of its picture, or nothing."""
+    places = [transform_points(truth_from_map, line.position[None])[0] for mark in marks for line in mark.lines]
+    on = [[sign for sign in signs if _is_on(sign, place)] for place in places]
+    return [each[0].features.get("file", str(each[0].id)) if each else "" for each in on]
+
+
 def _judge_one(
     mark: Landmark, place: Array, scores: Sequence[SignScore], distractors: Sequence[Distractor], like: float
 ) -> Judged:

@@ -99,3 +99,31 @@ def test_few_lines_have_a_calibration_error_by_chance() -> None:
     assert 0.03 < few[0] < few[1] < 0.12
     assert many[1] < 0.015
     assert error_by_chance(np.ones(30)) == (0.0, 0.0)
+
+
+def test_each_photograph_counts_once_in_the_error_of_certainty() -> None:
+    from text_worn import interval
+
+    # Nine lines of one picture are as sure as they are right; the only line of the other is not.
+    stated, exact = np.array([0.95] * 9 + [0.95]), np.array([True] * 9 + [False])
+    once, low, high = interval(stated, exact, ["a"] * 9 + ["b"])
+    assert once == pytest.approx(0.45)
+    assert low == pytest.approx(0.05)
+    assert high == pytest.approx(0.95)
+
+
+def test_a_worn_board_says_the_same_and_looks_otherwise() -> None:
+    from text_worn import looks
+
+    from lpslam.simulation.boards.labels import LabelledBoard, LabelledLine
+
+    image = np.full((120, 400, 3), 180, np.uint8)
+    image[40:80, 60:340] = 20
+    board = LabelledBoard("a.jpg", image, (LabelledLine("HOTEL"),), width=1.0)
+    first, second = (each[0] for each in looks([board], 2))
+    assert first.lines == second.lines == board.lines
+    assert first.image.shape == image.shape
+    assert first.width != second.width
+    assert np.abs(first.image.astype(int) - second.image).mean() > 5
+    again = looks([board], 2)[0][0]
+    assert np.array_equal(again.image, first.image)
