@@ -113,9 +113,8 @@ def test_each_photograph_counts_once_in_the_error_of_certainty() -> None:
 
 
 def test_a_worn_board_says_the_same_and_looks_otherwise() -> None:
-    from text_worn import looks
-
     from lpslam.simulation.boards.labels import LabelledBoard, LabelledLine
+    from text_worn import looks
 
     image = np.full((120, 400, 3), 180, np.uint8)
     image[40:80, 60:340] = 20

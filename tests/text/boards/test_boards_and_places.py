@@ -366,6 +366,17 @@ def test_entries_side_by_side_are_no_name() -> None:
     assert named.text == "米湯"
 
 
+def test_an_entry_of_a_list_beside_a_name_is_no_word_of_it() -> None:
+    entries = [
+        place(1000 * row, text, 0.0, 0.12 * row, width=0.4, height=0.15)
+        for row, text in enumerate(("Tea", "Bread", "Cake"))
+    ]
+    name = place(9000, "Ada's Kitchen", -0.95, 0.12, width=1.4, height=0.19)
+    assert [line.text for line in lines_of([name, *entries])[1]] == ["Tea", "Ada's Kitchen", "Bread", "Cake"]
+    # Without a list it is one, however much smaller it is written.
+    assert [line.text for line in lines_of([name, entries[1]])[1]] == ["Ada's Kitchen Bread"]
+
+
 def test_a_text_that_comes_into_view_bit_by_bit_is_not_carried() -> None:
     """Its middle moves with what is in view, and its begin stays where it is."""
     text_class = TextClass(0, 0.0, 1.0)

@@ -122,7 +122,7 @@ def kinship(first: Place, second: Place) -> Kinship:
     return Kinship(
         stacked=stacked,
         gap=min(gap / letter, _MOST_GAP),
-        apart=min(_out_of_line(*sizes) / letter, _MOST_GAP),
+        apart=min(out_of_line(*sizes) / letter, _MOST_GAP),
         size=log(max(first.letter, second.letter) / max(min(first.letter, second.letter), 1e-6)),
         edge=_edge(first, second, (right, down), stacked, gap) / letter,
         hue=hue,
@@ -138,7 +138,7 @@ def _free(offset: float, first: float, second: float) -> float:
     return abs(offset) - (first + second) / 2.0
 
 
-def _out_of_line(offset: float, first: float, second: float) -> float:
+def out_of_line(offset: float, first: float, second: float) -> float:
     """Metres by which two stretches fail to begin, end or have their middles together, whichever is least."""
     half = (first - second) / 2.0
     return min(abs(offset), abs(offset + half), abs(offset - half))

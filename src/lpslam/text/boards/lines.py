@@ -1,11 +1,11 @@
 """The lines of a board: pieces of one line side by side are joined, and each line gets its role."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lpslam.text.boards.kinship import out_of_line
 from lpslam.text.boards.roles import LineShape, roles_of
 from lpslam.text.placing.places import Place
 from lpslam.text.remembering.similarity import IDEOGRAPHS
@@ -13,24 +13,13 @@ from lpslam.text.types import LandmarkLine
 
 Array = NDArray[np.float64]
 
-
-class _Joint(NamedTuple):
-    """How far two pieces of one line may differ.
-
-    Attributes:
-        height: largest ratio of their letter heights.
-        shift: letter heights that their middles stand out of row.
-        gap: letter heights between them.
-    """
-
-    height: float
-    shift: float
-    gap: float
-
-
+# How far pieces of one line may differ: ratio of their letter heights; letter heights out of row, and between them.
 # Between words a space may be wide. Characters that are written without spaces are read in one piece: what stands
 # beside them is another line, unless it looks just the same and all but touches them.
-_WORDS, _UNSPACED = _Joint(1.35, 0.3, 0.9), _Joint(1.15, 0.12, 0.45)
+_WORDS, _UNSPACED = (1.35, 0.3, 0.9), (1.15, 0.12, 0.45)
+# What stands in a column is of the size of what is above or below it, so many letter heights away at most, and has an
+# edge or the middle in common with it to this share of a letter; what is beside it differs by more than the factor.
+_COLUMN_SIZE, _COLUMN_STEP, _COLUMN_SHIFT = 1.15, 2.0, 0.3
 # Width of a box over its height from which its line runs across: one that runs down has nothing beside it.
 _ACROSS = 0.8
 
@@ -39,7 +28,7 @@ def lines_of(board: Sequence[Place]) -> tuple[LandmarkLine, list[LandmarkLine]]:
     """The line that a board is called by, and all its lines in the order of reading, top to bottom."""
     reference = max(board, key=lambda each: (each.width * each.height, -each.id))
     rows = _in_reading_order(board, reference)
-    joined = [piece for row in rows for piece in _pieces(row, reference)]
+    joined = [piece for row in rows for piece in _pieces(row, board, reference)]
     shapes = [_shape(pieces, reference) for pieces in joined]
     main, roles = roles_of(shapes)
     lines = [
@@ -74,29 +63,45 @@ def _in_reading_order(board: Sequence[Place], reference: Place) -> list[list[Pla
     return [sorted(row, key=lambda each: across[each.id]) for row in rows]
 
 
-def _pieces(row: Sequence[Place], reference: Place) -> list[list[Place]]:
-    """Split a row into its lines: those of a menu stand side by side too."""
+def _pieces(row: Sequence[Place], board: Sequence[Place], reference: Place) -> list[list[Place]]:
+    """Split a row into its lines: those of a menu stand side by side too, and beside a name."""
     lines: list[list[Place]] = []
     for place in row:
-        if lines and _go_on(lines[-1][-1], place, reference):
+        last = lines[-1][-1] if lines else place
+        is_entry = _is_entry(place, last, board, reference) or _is_entry(last, place, board, reference)
+        if lines and not is_entry and _go_on(last, place, reference):
             lines[-1].append(place)
         else:
             lines.append([place])
     return lines
 
 
+def _is_entry(place: Place, beside: Place, board: Sequence[Place], reference: Place) -> bool:
+    """Whether a text is one of a column of its size, and what stands beside it is not."""
+    return _ratio(place, beside) > _COLUMN_SIZE and any(
+        0.5 * place.letter < abs(float(offset @ reference.down)) <= _COLUMN_STEP * place.letter
+        and out_of_line(float(offset @ reference.baseline), place.width, other.width) <= _COLUMN_SHIFT * place.letter
+        and _ratio(place, other) <= _COLUMN_SIZE
+        for other, offset in ((each, each.position - place.position) for each in board)
+    )
+
+
+def _ratio(first: Place, second: Place) -> float:
+    return max(first.letter, second.letter) / max(min(first.letter, second.letter), 1e-6)
+
+
 def _go_on(first: Place, second: Place, reference: Place) -> bool:
     is_unspaced = max(first.name[-1:], second.name[:1]) >= IDEOGRAPHS
-    joint = _UNSPACED if is_unspaced else _WORDS
-    letters = sorted((first.letter, second.letter))
+    ratio, shift, space = _UNSPACED if is_unspaced else _WORDS
+    letter = max(first.letter, second.letter)
     offset = second.position - first.position
     gap = float(offset @ reference.baseline) - (first.width + second.width) / 2.0
     is_across = first.width > _ACROSS * first.height and second.width > _ACROSS * second.height
     return (
         is_across
-        and letters[1] <= joint.height * letters[0]
-        and abs(float(offset @ reference.down)) <= joint.shift * letters[1]
-        and gap <= joint.gap * letters[1]
+        and _ratio(first, second) <= ratio
+        and abs(float(offset @ reference.down)) <= shift * letter
+        and gap <= space * letter
     )
 
 

@@ -6,13 +6,8 @@ from rapidfuzz import fuzz
 from rapidfuzz.distance import Levenshtein
 
 
-def edit_distance(a: str, b: str) -> int:
-    """The fewest insertions, deletions and substitutions that turn `a` into `b` (Eq. 1-2)."""
-    return Levenshtein.distance(a, b)
-
-
 def similarity(a: str, b: str) -> float:
-    """Eq. 3: one minus the edit distance over the longer length; 1 for equal texts, 0 for nothing in common."""
+    """Eq. 1-3: one minus the edit distance over the longer length; 1 for equal texts, 0 for nothing in common."""
     return Levenshtein.normalized_similarity(a, b)
 
 
