@@ -22,6 +22,8 @@ from collections import Counter, defaultdict
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from lpslam.language.offline import OfflineModel
 from lpslam.navigation.places import Here
 from lpslam.navigation.solver import solve
@@ -237,7 +239,8 @@ def score(worlds: dict[str, Any], shows_misses: bool = False) -> dict[str, Count
         places, candidates = places_of(world)
         scorer = model.scorer(candidates)
         for wish in world["wishes"]:
-            solution = solve(model.read_wish(wish["question"]), places, scorer, Here(None))
+            here = None if "here" not in world else np.array([*world["here"], 0.0])
+            solution = solve(model.read_wish(wish["question"]), places, scorer, Here(here))
             found = [stop.place.name for stop in solution.stops if stop.place is not None]
             result = "right" if is_right(wish, solution) else "wrong" if found else "none"
             for key in (wish["category"], f"language {wish['language']}"):

@@ -85,3 +85,34 @@ def test_whatever_stands_there_is_asked_for(question: str) -> None:
     (stop,) = solve(model.read_wish(question), places, scorer, Here()).stops
     assert stop.place is not None
     assert stop.place.name == "Blue Harbour"
+
+
+ROW = ("Bakery", "Post Office", "Pharmacy", "Salle 12", "Florist")
+"""Boards of one wall, told from the left by who reads them."""
+
+
+@pytest.mark.parametrize(
+    ("question", "found"),
+    [
+        # What is asked for is no kind of place, or one that only says that it is some place.
+        ("my mate said it's the stall between the bakery and the pharmacy", "Post Office"),
+        ("the rack between the bakery and the pharmacy", "Post Office"),
+        ("comment s'appelle ce qui est entre la pharmacie et le fleuriste ?", "Salle 12"),
+        ("薬局と花屋のあいだって何でしたっけ", "Salle 12"),
+        ("빵집과 약국 사이에 있는 게 뭐죠?", "Post Office"),
+        ("빵집과 약국 사이에 있는 창구", "Post Office"),
+        ("夹在面包店和药房之间的窗口", "Post Office"),
+        # The clause before says where “it” is.
+        ("I am standing here and look at the pharmacy. Which shop is just left of it?", "Post Office"),
+        ("Look at the pharmacy: what is directly right of it?", "Salle 12"),
+        # A kind that is read, and does not stand there, is none.
+        ("the cinema between the bakery and the pharmacy", None),
+    ],
+)
+def test_whatever_stands_there_is_the_answer(question: str, found: str | None) -> None:
+    south = np.array([0.0, -1.0, 0.0])
+    places = [Place(at, name, np.array([4.0 * at, 0.0, 0.0]), south) for at, name in enumerate(ROW)]
+    model = OfflineModel()
+    scorer = model.scorer([Candidate(place.id, place.name) for place in places])
+    solution = solve(model.read_wish(question), places, scorer, Here(None))
+    assert [stop.place and stop.place.name for stop in solution.stops] == [found]

@@ -50,7 +50,10 @@ _BESIDE = frozenset(map(str, (Relation.NEAR, Relation.BEFORE, Relation.NEXT_TO, 
 _FEWEST_ALTERNATIVES = 2
 _MOST_NAMED_WORDS = 7  # of an alternative: longer ones tell of something
 _DEEPEST = 2  # anchors of anchors
-_COLON = re.compile(r"(?<=\w)[:：](?=\s|[^\x00-\u2fff])")  # it parts clauses as a comma does
+_STANDING = (Relation.NEXT_TO, Relation.OPPOSITE, Relation.LEFT_OF, Relation.RIGHT_OF, Relation.BETWEEN)
+"""Relations in which so little stands that they tell a place by themselves."""
+_CLAUSE_END = re.compile(r"(?<=\w)(?:[:：](?=\s|[^\x00-\u2fff])|[.;](?=\s)|。)")  # it parts clauses as a comma does
+_LAST_CLAUSE = re.compile(r"^(.*)[,，、](.*?)$")
 _SIGHS = re.compile("[\u1100-\u11ff\u3131-\u318e]+")  # ㅠㅠ, ㅋㅋ: letters of Hangul that make no syllable
 _TITLE = re.compile(r"\b(Dr|Dra|Prof|Mrs?|Ms|Sra?|Mme|St|med)\. ")  # its point ends no clause
 _LATIN = re.compile("[A-Za-z]")
@@ -81,6 +84,11 @@ def read_wish(question: str, knowledge: Knowledge) -> Wish:
     listed = _unordered(text, languages, knowledge) if is_plain else []
     if listed:
         return Wish(_parts(listed, languages, knowledge, language), language, instead=Wish((alone,), language))
+    if alone.relation in _STANDING and alone.what and not alone.identity:
+        # “Remind me what they call the stall next to it”: words that are no place tell of whatever stands there.
+        told = rules_of(languages[0])["spots"].sub(" ", alone.what)
+        if not says_a_kind(told, languages, knowledge):
+            return Wish((alone,), language, instead=Wish((replace(alone, what=""),), language))
     if alone.relation is not None and alone.what and not says_a_kind(alone.what, languages, knowledge):
         # “They say that dock 59 is near here”: where its other words are no place, the whole may name one.
         whole = _stop(text, languages, knowledge, depth=_DEEPEST)
@@ -226,7 +234,7 @@ def _stop(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: in
 
 def _placed(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: int) -> tuple[Stop, str] | None:
     """Read where a stop is said to stand; return it with its relation, and what is wanted there."""
-    text = _COLON.sub(",", text)
+    text = _CLAUSE_END.sub(",", text)
     for language in languages:
         text = rules_of(language)["unsaid"].sub("", text)
     relation = _related(text, languages) if depth < _DEEPEST else None
@@ -235,6 +243,10 @@ def _placed(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: 
     row, match, rules = relation
     groups = {name: (value or "").strip(_ENDS) for name, value in match.groupdict().items()}
     what = " ".join(each for each in (groups.get(name, "") for name in ("what", "thing", "rest")) if each)
+    before = _LAST_CLAUSE.match(what) if depth == 0 and rules["previous"].match(groups["anchor"]) else None
+    if before is not None:
+        # “I look at the bakery; what is left of it?”
+        groups["anchor"], what = before.groups()
     anchors = tuple(
         _anchor(groups[name], languages, knowledge, rules, depth) for name in ("anchor", "second") if groups.get(name)
     )

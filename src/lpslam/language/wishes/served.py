@@ -7,7 +7,7 @@ from typing import Protocol
 
 from lpslam.language.wishes.form import Stop
 
-_LEAST_ANCHOR = 0.4  # probability of a guess from which it is an anchor, as it is a stop of a plan
+_LEAST_ANCHOR = 0.55  # probability of a guess from which it is an anchor, as it is a stop of a plan
 NOT_SURE = "it is not sure what is meant"
 
 
