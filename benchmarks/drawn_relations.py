@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from drawn_names import LATIN_SHOP, LANGUAGES, UNSPACED, score
+from drawn_names import LANGUAGES, LATIN_SHOP, UNSPACED, score
 from drawn_names import WORDS as NAMES
 
 WORDS: dict[str, Any] = json.loads(
@@ -33,7 +33,7 @@ ACROSS, NOT_ACROSS = 1.0, 2.2  # metres along the row: what stands across, and w
 NEARER, LESS_DETOUR = 2.5, 4.0  # metres by which one must be nearer, or the smaller detour, than another
 _OF_ANY = ("next to", "opposite", "side", "between")  # whatever stands there
 _GENDERED = {
-    # Of German, by gender: der, dative, accusative, ein (accusative), einem, and the endings of welch-, nächst-, ander-.
+    # Of German, by gender: der, dative, accusative, ein (accusative), einem, endings of welch-, nächst-, ander-.
     "m": ("der", "dem", "den", "einen", "einem", "er", "e", "en"),
     "f": ("die", "der", "die", "eine", "einer", "e", "e", "e"),
     "n": ("das", "dem", "das", "ein", "einem", "es", "e", "es"),
@@ -65,7 +65,7 @@ class Noun:
 
     def _german(self) -> dict[str, str]:
         if not self.gender:
-            return {each: self.word for each in ("dat", "acc")} | {
+            return dict.fromkeys(("dat", "acc"), self.word) | {
                 each: f"{each} {self.word}" for each in ("von", "an", "zu")
             }
         the, dative, accusative, one, to_one, which, near, other = _GENDERED[self.gender]
@@ -86,7 +86,7 @@ class Noun:
             the, of, to = ("l'", "de l'", "à l'") if sex else ("", "d'", "à ")
         return {
             "article": the, "the": the + self.word, "of": of + self.word, "to": to + self.word,
-            "an": f"{'un' if sex == 'm' or lang == 'es' and sex == 'm' else 'une' if lang == 'fr' else 'una'} {self.word}",
+            "an": f"{'un' if sex == 'm' else 'une' if lang == 'fr' else 'una'} {self.word}",
             "which": f"{'quel' if sex == 'm' else 'quelle'}",
         }  # fmt: skip
 
@@ -104,16 +104,15 @@ def slots(items: list[Noun], generic: Noun, kind: Noun) -> dict[str, str]:
     for letter, number, noun in zip("abc", ("", "2", "3"), items, strict=False):
         forms = noun.forms()
         filled[letter] = forms["the"]
-        for name, form in (("dat", "dat"), ("acc", "acc"), ("von", "von"), ("an", "an"), ("zu", "zu"),
-                           ("de", "of"), ("to", "to"), ("wa", "wa"), ("rang", "rang"), ("eul", "eul"), ("ro", "ro")):  # fmt: skip
-            filled[name + number] = forms.get(form, noun.word)
+        for name in ("dat", "acc", "von", "an", "zu", "of", "to", "wa", "rang", "eul", "ro"):
+            filled[("de" if name == "of" else name) + number] = forms.get(name, noun.word)
         filled[f"{letter}_ro"], filled[f"{letter}_wa"] = forms.get("ro", ""), forms.get("wa", "")
     any_, wanted = generic.forms(), kind.forms()
     filled |= {"dieser": any_.get("article", ""), "rel": any_.get("article", ""), "welcher": any_.get("which", ""),
                "le": any_.get("article", ""), "quel": any_.get("which", ""), "g_ro": any_.get("ro", ""),
                "un": any_.get("an", "").split(" ")[0], "to_g": any_.get("to", ""), "welches": "was",
                "der_n": wanted["the"], "le_n": wanted["the"], "rel_n": wanted.get("article", ""),
-               "welcher_n": f"{wanted.get('which', '')} {kind.word}", "quel_n": f"{wanted.get('which', '')} {kind.word}",
+               "welcher_n": f"{wanted.get('which')} {kind.word}", "quel_n": f"{wanted.get('which')} {kind.word}",
                "ein_n": wanted.get("one", ""), "dat_n": wanted.get("to one", ""), "un_n": wanted.get("an", ""),
                "der_nahe_n": wanted.get("nearest", ""), "ein_anderer_n": wanted.get("another", ""),
                "n_i": wanted.get("i", ""), "n_eul": wanted.get("eul", "")}  # fmt: skip

@@ -116,3 +116,54 @@ def test_whatever_stands_there_is_the_answer(question: str, found: str | None) -
     scorer = model.scorer([Candidate(place.id, place.name) for place in places])
     solution = solve(model.read_wish(question), places, scorer, Here(None))
     assert [stop.place and stop.place.name for stop in solution.stops] == [found]
+
+
+@pytest.mark.parametrize(
+    ("question", "relation", "anchors"),
+    [
+        ("En sortant de la pharmacie, qu'est-ce qui est juste en face ?", "opposite", ["pharmacie"]),
+        ("Was liegt dem Friseur direkt gegenüber?", "opposite", ["dem Friseur"]),
+        ("al salir de la farmacia, ¿qué tengo enfrente?", "opposite", ["farmacia"]),
+        ("약국과 마주 보고 있는 가게", "opposite", ["약국"]),
+        ("薬局と向かい合っている店", "opposite", ["薬局"]),
+        ("quel est le voisin direct de la pharmacie ?", "next to", ["pharmacie"]),
+        ("quiero ir al local que linda con la farmacia", "next to", ["la farmacia"]),
+        ("药房的邻居是谁", "next to", ["药房"]),
+        ("I want the one that has the bank on one side and the gym on the other", "between", ["the bank", "the gym"]),
+        ("両隣が薬局と花屋の店", "between", ["薬局", "花屋"]),
+        ("when I stand in front of the bank and look at it, what is on the left?", "left of", ["the bank"]),
+        ("estoy delante de la farmacia. ¿Qué local queda a la derecha?", "right of", ["farmacia"]),
+        ("Si me pongo delante de la farmacia, ¿qué queda a mi derecha?", "right of", ["la farmacia"]),
+        ("今薬局を見ています。その左隣の店は？", "left of", ["薬局"]),
+        ("I'll be at the archive, where's the nearest café from there?", "near", ["I'll be at the archive"]),
+    ],
+)
+def test_a_relation_in_a_clause_of_its_own_is_read(question: str, relation: str, anchors: list[str]) -> None:
+    (stop,) = OfflineModel().read_wish(question).stops
+    assert stop.relation is not None
+    assert (stop.relation.value, [each.what for each in stop.anchor]) == (relation, anchors)
+
+
+@pytest.mark.parametrize(
+    ("question", "stops"),
+    [
+        ("als Erstes zur Bank, als Zweites zum Friseur, als Drittes zum Kino", 3),
+        ("en premier la banque, en deuxième le coiffeur, en dernier le cinéma", 3),
+        ("第一站银行，第二站药房，第三站电影院", 3),
+        ("약국 갔다 와서 은행 가자", 2),
+        ("薬局に寄ったあと銀行まで", 2),
+        ("the bank, but the pharmacy first", 2),
+    ],
+)
+def test_a_plan_is_read(question: str, stops: int) -> None:
+    assert len(OfflineModel().read_wish(question).stops) == stops
+
+
+@pytest.mark.parametrize(
+    ("question", "anchor"),
+    [("肉铺还是蔬菜摊离鱼摊近？", "鱼摊"), ("郵便局から近いのは薬局ですか、花屋ですか", "郵便局")],
+)
+def test_one_of_two_is_read(question: str, anchor: str) -> None:
+    (stop,) = OfflineModel().read_wish(question).stops
+    assert len(stop.among) == 2
+    assert [each.what for each in stop.anchor] == [anchor]

@@ -152,8 +152,9 @@ def _among(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> Stop 
         rules = rules_of(language)
         found = rules.first("among", text)
         order, rank = (None, 1) if found is None else _ordered(text, (language,))
-        if found is None or order is None:
+        if found is None or (order is None and "which" not in found[0].then):
             continue
+        order = order or Which(found[0].then["which"])  # “离药房近的是A还是B”
         groups = {name: (value or "").strip(_ENDS) for name, value in found[1].groupdict().items()}
         listed = [groups.get("first", ""), groups.get("second", "")]
         if "among" in groups:
@@ -342,7 +343,9 @@ def _uncommon(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> st
 def _anchor(text: str, languages: tuple[str, ...], knowledge: Knowledge, rules: Rules, depth: int) -> Stop:
     if rules["previous"].match(text):
         return PREVIOUS
-    return replace(_stop(text, languages, knowledge, depth=depth + 1), ask=Ask.WHERE)
+    stop = _stop(text, languages, knowledge, depth=depth + 1)
+    is_stood_at = stop.relation is Relation.BEFORE and not stop.what and not depth  # “in front of X, what is left?”
+    return stop.anchor[0] if is_stood_at else replace(stop, ask=Ask.WHERE)
 
 
 def _asked(text: str, languages: tuple[str, ...]) -> tuple[Ask, str]:

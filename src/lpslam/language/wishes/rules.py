@@ -18,8 +18,10 @@ _NAMED = re.compile(r"(?<!\(\?P)<(\w+)>")
 _ENDS = " .。!！?？,，、;；¿¡"
 _CASED = "(?-i:"  # a pattern with it heeds case in part
 _TABLES = ("asks", "orders", "sequences", "relations", "exclusions", "refusals", "among", "persons", "counts")
-_WORDS = ("here", "previous", "filler", "any", "spots", "meeting", "unsaid", "between", "alternative_ends", "joints")
-_WORDS += ("ordering",)
+_WORDS = (
+    *("here", "previous", "filler", "any", "spots", "meeting", "unsaid", "between", "alternative_ends", "joints"),
+    "ordering",
+)
 _DEEPEST = 3  # parts within parts
 
 
