@@ -2,7 +2,7 @@
 
 python benchmarks/drawn_relations.py                          # 60 worlds of seed 0
 python benchmarks/drawn_relations.py --seed 7 --misses
-python benchmarks/drawn_relations.py --other                  # ways of asking that the rules were not made by
+python benchmarks/drawn_relations.py --ways third             # other ways of asking; or other
 python benchmarks/drawn_relations.py --write FILE.json        # the wishes as a set for `benchmarks/wishes.py`
 
 A world is two rows of boards that face one another across a corridor, turned and shifted at random: shops, offices,
@@ -297,11 +297,10 @@ class World:
         return math.hypot(board.x - self._here, self.width / 2)
 
 
-def drawn(seed: int, worlds: int, is_other: bool = False) -> dict[str, Any]:
+def drawn(seed: int, worlds: int, ways: str = "ways") -> dict[str, Any]:
     """Return worlds with their wishes; the same for the same seed."""
     rng = random.Random(seed)
-    ways = WORDS["other ways" if is_other else "ways"]
-    return {"worlds": {f"drawn {at}": World(rng, ways).draw() for at in range(worlds)}}
+    return {"worlds": {f"drawn {at}": World(rng, WORDS[ways]).draw() for at in range(worlds)}}
 
 
 def main() -> None:
@@ -309,11 +308,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--worlds", type=int, default=60)
-    parser.add_argument("--other", action="store_true", help="other ways of asking")
+    parser.add_argument("--ways", choices=("other", "third"), help="other ways of asking")
     parser.add_argument("--misses", action="store_true", help="show every miss")
     parser.add_argument("--write", type=Path, metavar="FILE", help="write the worlds instead")
     given = parser.parse_args()
-    tree = drawn(given.seed, given.worlds, given.other)
+    tree = drawn(given.seed, given.worlds, f"{given.ways} ways" if given.ways else "ways")
     if given.write:
         given.write.write_text(json.dumps(tree, ensure_ascii=False, indent=1), encoding="utf-8")
         return

@@ -8,7 +8,7 @@ from types import ModuleType
 import pytest
 
 BENCHMARKS = Path(__file__).parents[3] / "benchmarks"
-LEAST, MOST_WRONG = 0.95, 0.04
+LEAST, MOST_WRONG = {"ways": 0.95, "other ways": 0.95, "third ways": 0.8}, 0.15
 
 
 @pytest.fixture
@@ -30,9 +30,9 @@ def test_what_is_expected_is_one_board(drawn_relations: ModuleType) -> None:
             assert "{" not in wish["question"]
 
 
-@pytest.mark.parametrize("is_other", [False, True])
-def test_what_stands_in_a_relation_is_found(drawn_relations: ModuleType, is_other: bool) -> None:
-    counts = drawn_relations.score(drawn_relations.drawn(1, 12, is_other)["worlds"])
+@pytest.mark.parametrize("ways", list(LEAST))
+def test_what_stands_in_a_relation_is_found(drawn_relations: ModuleType, ways: str) -> None:
+    counts = drawn_relations.score(drawn_relations.drawn(1, 12, ways)["worlds"])
     total = sum((count for key, count in counts.items() if not key.startswith("language")), Counter())
-    assert total["right"] >= LEAST * total.total()
+    assert total["right"] >= LEAST[ways] * total.total()
     assert total["wrong"] <= MOST_WRONG * total.total()

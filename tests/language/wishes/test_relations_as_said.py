@@ -133,7 +133,7 @@ def test_whatever_stands_there_is_the_answer(question: str, found: str | None) -
         ("両隣が薬局と花屋の店", "between", ["薬局", "花屋"]),
         ("when I stand in front of the bank and look at it, what is on the left?", "left of", ["the bank"]),
         ("estoy delante de la farmacia. ¿Qué local queda a la derecha?", "right of", ["farmacia"]),
-        ("Si me pongo delante de la farmacia, ¿qué queda a mi derecha?", "right of", ["la farmacia"]),
+        ("Si me pongo delante de la farmacia, ¿qué queda a mi derecha?", "right of", ["farmacia"]),
         ("今薬局を見ています。その左隣の店は？", "left of", ["薬局"]),
         ("I'll be at the archive, where's the nearest café from there?", "near", ["I'll be at the archive"]),
     ],
@@ -167,3 +167,29 @@ def test_one_of_two_is_read(question: str, anchor: str) -> None:
     (stop,) = OfflineModel().read_wish(question).stops
     assert len(stop.among) == 2
     assert [each.what for each in stop.anchor] == [anchor]
+
+
+@pytest.mark.parametrize(
+    ("question", "relation", "anchors"),
+    [
+        # No row reads these: a relation's word alone tells of it, and all else is where.
+        ("which room shares a wall with the bank?", "next to", 1),
+        ("Wer sitzt Wand an Wand mit der Bank?", "next to", 1),
+        ("Menez-moi à la porte contiguë à la banque", "next to", 1),
+        ("薬局の真横の部屋", "next to", 1),
+        ("药房门对门是什么", "opposite", 1),
+        ("en medio de la farmacia y el banco, ¿qué hay?", "between", 2),
+        ("약국과 은행 중간에 뭐가 있나요?", "between", 2),
+    ],
+)
+def test_a_word_of_a_relation_is_enough(question: str, relation: str, anchors: int) -> None:
+    (stop,) = OfflineModel().read_wish(question).stops
+    assert stop.relation is not None
+    assert (stop.what, stop.relation.value, len(stop.anchor)) == ("", relation, anchors)
+
+
+@pytest.mark.parametrize(
+    "question", ["auf dem linken Ohr höre ich nichts mehr", "je veux quelqu'un en face de moi", "les vaches du voisin"]
+)
+def test_who_only_tells_of_something_asks_for_no_neighbour(question: str) -> None:
+    assert OfflineModel().read_wish(question).stops[0].what

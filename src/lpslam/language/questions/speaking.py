@@ -69,3 +69,10 @@ def languages_of(text: str, knowledge: Knowledge) -> tuple[str, ...]:
     if len(words) <= 3:
         return tuple(ranked)
     return tuple(language for language in ranked[:1] if hits[language] >= _KNOWN_SHARE * len(words))
+
+
+def wish_languages(text: str, knowledge: Knowledge) -> tuple[str, ...]:
+    """Return the languages whose rules are tried, likeliest first; at least one."""
+    likely = languages_of(text, knowledge)
+    is_one = bool(likely) and (likely[0] not in LATIN or is_surely_one(text, knowledge))
+    return likely if is_one else tuple(dict.fromkeys((*likely, *LATIN)))

@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
-from lpslam.language.questions.speaking import languages_of
+from lpslam.language.questions.speaking import languages_of, wish_languages
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.words import is_mark, is_unspaced, longest_phrases
-from lpslam.language.wishes.reading import content_of, wish_languages
+from lpslam.language.wishes.rules import content_of
 
 SHORTEST = 3  # letters of a word that is a name by itself
 

@@ -5,14 +5,14 @@ from collections.abc import Iterable
 
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.questions.question import asks_for_another
+from lpslam.language.questions.speaking import wish_languages
 from lpslam.language.questions.wanted import Wish as Meaning
 from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.words import is_mark, is_unspaced, longest_phrases
 from lpslam.language.wishes.asked_words import SHORTEST, AskedWords
 from lpslam.language.wishes.names import Names
-from lpslam.language.wishes.reading import content_of, wish_languages
 from lpslam.language.wishes.refusals import parted
-from lpslam.language.wishes.rules import rules_of
+from lpslam.language.wishes.rules import content_of, rules_of
 from lpslam.language.wishes.said import SaidNames
 
 _SURE, _NAMED = 1.0, 0.9  # of a whole name, of a part of one

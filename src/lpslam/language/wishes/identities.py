@@ -7,6 +7,7 @@ from functools import cached_property
 from lpslam.language.languages import UNSPACED
 from lpslam.language.model import Candidate
 from lpslam.language.questions.question import read_question
+from lpslam.language.questions.speaking import wish_languages
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.words import UNSPACED_RUN
 from lpslam.language.wishes.code import Code
@@ -24,9 +25,8 @@ from lpslam.language.wishes.codes import (
 )
 from lpslam.language.wishes.form import Identity, Sort, Stop
 from lpslam.language.wishes.names import Names
-from lpslam.language.wishes.reading import content_of, wish_languages
 from lpslam.language.wishes.refusals import letter_of
-from lpslam.language.wishes.rules import person_of
+from lpslam.language.wishes.rules import content_of, person_of
 from lpslam.language.wishes.served import AS_WELL
 
 _SURE = 1.0  # of a code or person

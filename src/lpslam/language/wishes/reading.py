@@ -4,9 +4,9 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 
-from lpslam.language.languages import LANGUAGES, LATIN, UNSPACED
+from lpslam.language.languages import LATIN, UNSPACED
 from lpslam.language.questions.question import read_question
-from lpslam.language.questions.speaking import is_surely_one, languages_of
+from lpslam.language.questions.speaking import languages_of, wish_languages
 from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.hours import asked_time
 from lpslam.language.tables.knowledge import Knowledge
@@ -37,9 +37,8 @@ from lpslam.language.wishes.form import (
     Which,
     Wish,
 )
-from lpslam.language.wishes.rules import Row, Rules, content_left, person_of, rules_of
+from lpslam.language.wishes.rules import LONGEST, Row, Rules, content_left, person_of, rules_of
 
-_LONGEST = 400  # letters of a question
 _ENDS = " .。!！?？,，、;；¿¡"
 _MOST_STOPS = 6
 _OPPOSED = {Which.NEAREST.value, Which.FARTHEST.value}  # one place is hardly both
@@ -60,17 +59,9 @@ _LATIN = re.compile("[A-Za-z]")
 _POSSESSIVE = re.compile(r"['’]s?$")
 
 
-def wish_languages(text: str, knowledge: Knowledge) -> tuple[str, ...]:
-    """Return the languages whose rules are tried, likeliest first."""
-    likely = [language for language in languages_of(text, knowledge) if language in LANGUAGES]
-    if not likely or (likely[0] in LATIN and not is_surely_one(text, knowledge)):
-        likely += [language for language in LATIN if language not in likely]
-    return tuple(dict.fromkeys(likely))
-
-
 def read_wish(question: str, knowledge: Knowledge) -> Wish:
     """Return what a question means; one stop with all its words where no rule says more."""
-    text = _TITLE.sub(r"\1 ", _SIGHS.sub("", clean_text(question, _LONGEST)).strip(_ENDS))
+    text = _TITLE.sub(r"\1 ", _SIGHS.sub("", clean_text(question, LONGEST)).strip(_ENDS))
     languages = wish_languages(text, knowledge)
     language = next(iter(languages_of(text, knowledge)), None)
     alternatives = _among(text, languages, knowledge)
@@ -84,16 +75,28 @@ def read_wish(question: str, knowledge: Knowledge) -> Wish:
     listed = _unordered(text, languages, knowledge) if is_plain else []
     if listed:
         return Wish(_parts(listed, languages, knowledge, language), language, instead=Wish((alone,), language))
+    cued = _cued(text, languages, knowledge) if is_plain and alone.ask not in LISTED else None
+    if cued is not None:
+        return Wish((cued,), language, instead=Wish((alone,), language))
     if alone.relation in _STANDING and alone.what and not alone.identity:
         # “Remind me what they call the stall next to it”: words that are no place tell of whatever stands there.
         told = rules_of(languages[0])["spots"].sub(" ", alone.what)
         if not says_a_kind(told, languages, knowledge):
             return Wish((alone,), language, instead=Wish((replace(alone, what=""),), language))
-    if alone.relation is not None and alone.what and not says_a_kind(alone.what, languages, knowledge):
-        # “They say that dock 59 is near here”: where its other words are no place, the whole may name one.
-        whole = _stop(text, languages, knowledge, depth=_DEEPEST)
-        return Wish((alone,), language, instead=Wish((whole,), language) if whole.identity else None)
     return Wish((alone,), language)
+
+
+def _cued(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> Stop | None:
+    """Read whatever stands beside a place that is all else the text tells of: a relation's word anywhere in it."""
+    rules = rules_of(languages[0])
+    found = rules.first("cues", text)
+    if found is None:
+        return None
+    relation, rest = Relation(found[0].then["relation"]), " ".join(found[1].group("before", "after"))
+    count, pieces = (2, rules["between"].split(rest)) if relation is Relation.BETWEEN else (1, [rest])
+    parts = [each for each in pieces if content_left(each, rules)]
+    anchors = tuple(_stop(each, languages, knowledge, depth=_DEEPEST) for each in parts)
+    return Stop("", relation=relation, anchor=anchors, whole=text) if len(parts) == count else None
 
 
 def _plan(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> Wish | None:
@@ -392,8 +395,3 @@ def _identity(text: str, languages: tuple[str, ...]) -> tuple[Identity, ...]:
     person = person_of(text, dict.fromkeys((*languages, *others) if UNSPACED_RUN.search(text) else languages))
     persons = () if person is None else (Identity(Sort.PERSON, _POSSESSIVE.sub("", person)),)
     return (*persons, *identities(asked_codes(text)))
-
-
-def content_of(text: str, languages: tuple[str, ...]) -> str:
-    """Return what is left of a text without the filler of its likeliest language."""
-    return content_left(clean_text(text, _LONGEST).strip(_ENDS), rules_of(languages[0] if languages else "en"))

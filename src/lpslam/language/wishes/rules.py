@@ -5,19 +5,21 @@ pattern is the part of that name; `<ordinal>` is every ordinal number of the lan
 """
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from itertools import chain
 from typing import Any
 
+from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.lexicon import read_table
 from lpslam.language.wishes.numerals import ordinals
 
 _NAMED = re.compile(r"(?<!\(\?P)<(\w+)>")
+LONGEST = 400  # letters of a question
 _ENDS = " .。!！?？,，、;；¿¡"
 _CASED = "(?-i:"  # a pattern with it heeds case in part
-_TABLES = ("asks", "orders", "sequences", "relations", "exclusions", "refusals", "among", "persons", "counts")
+_TABLES = ("asks", "orders", "sequences", "relations", "exclusions", "refusals", "among", "persons", "counts", "cues")
 _WORDS = (
     *("here", "previous", "filler", "any", "spots", "meeting", "unsaid", "between", "alternative_ends", "joints"),
     "ordering",
@@ -121,6 +123,11 @@ def content_left(text: str, rules: Rules, least: int = 1) -> str:
     """Return what of a text is not filler; empty where nothing is left."""
     left = " ".join(rules["filler"].sub(" ", text).split()).strip(_ENDS + "'’")
     return left if len(left) >= least else ""
+
+
+def content_of(text: str, languages: Sequence[str]) -> str:
+    """Return what is left of a text without the filler of its likeliest language."""
+    return content_left(clean_text(text, LONGEST).strip(_ENDS), rules_of(languages[0]))
 
 
 def person_of(text: str, languages: Iterable[str]) -> str | None:
