@@ -95,6 +95,24 @@ def test_contours_lie_where_things_end_and_depth_that_is_no_number_is_none() -> 
     assert not len(contours_of(np.zeros((HEIGHT, WIDTH), np.float32), CONFIG).depths)
 
 
+@pytest.mark.parametrize("size", [(1, 1), (2, 2), (640, 1), (1, 640), (5, 700), (4000, 10), (64, 48)])
+@pytest.mark.parametrize("depth_size", [(1, 1), (1, 3), (640, 1), (3, 300), (20, 4000), (64, 48)])
+def test_images_of_any_shape_and_any_readings_tell_something_or_nothing(
+    size: tuple[int, int], depth_size: tuple[int, int]
+) -> None:
+    rng = np.random.default_rng(1)
+    config = RegistrationCheckConfig(min_view_pixels=1, min_views=2, contour_pixels=100)
+    frames = []
+    for k in range(3):
+        depth = np.where(rng.random((depth_size[1] // 5 + 1, depth_size[0] // 5 + 1)) < 0.5, 1.0, 3.0)
+        depth = np.repeat(np.repeat(depth, 5, 0), 5, 1)[: depth_size[1], : depth_size[0]].astype(np.float32)
+        depth[rng.random(depth.shape) < 0.05] = rng.choice([np.nan, np.inf, -1.0, 0.0])
+        frames.append(RgbdFrame(k, k / 30, rng.integers(0, 255, (size[1], size[0], 3), dtype=np.uint8), depth))
+    found = find_displacement(frames, config)
+    assert found is None or np.isfinite(found.displacement.numbers).all()
+    looks_displaced(frames, config)
+
+
 def test_what_is_found_registers_depth() -> None:
     frame = boxes_before_a_wall(3, KINECT)
     right = boxes_before_a_wall(3, REGISTERED).depth

@@ -7,9 +7,9 @@ class RegistrationCheckConfig(Section):
     """Whether contours of things lie in the depth image where the colour image shows them."""
 
     # Frames, spread over the recording; 0: registration is not checked. Eight take a third of a second.
-    frames: int = Field(default=8, ge=0)
+    frames: int = Field(default=8, ge=0, le=100)
     # Frames from which it is estimated, for `lpslam calibrate`.
-    estimating_frames: int = Field(default=40, ge=4)
+    estimating_frames: int = Field(default=40, ge=4, le=100)
     # Metres; nearer readings are noise.
     nearest: float = Field(default=0.3, gt=0)
     # Metres, and share of the distance, by which what is behind a contour is farther.
@@ -27,8 +27,10 @@ class RegistrationCheckConfig(Section):
     min_views: int = Field(default=5, ge=2)
     # Width of depth images of which each pixel is looked at; of larger ones every second, every third.
     depth_width: int = Field(default=640, ge=64)
-    # Width to which pictures are reduced, pixels: a pixel of it is two of 640.
-    width: int = Field(default=320, ge=64)
+    # Pixels to which the longer side of pictures is reduced: a pixel of it is two of 640.
+    side: int = Field(default=320, ge=64, le=1000)
+    # Pixels that the shorter side then has at least: a strip shows no contours.
+    least_side: int = Field(default=32, ge=8)
     # Ratios of focal lengths that are tried, and how many: RealSense's depth sees 1.6 times as wide as its colour.
     scales: tuple[float, float] = (0.5, 2.0)
     scale_steps: int = Field(default=29, ge=3)

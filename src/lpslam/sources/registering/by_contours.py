@@ -81,11 +81,11 @@ def looks_displaced(frames: Iterable[RgbdFrame], config: RegistrationCheckConfig
 def _search_of(frames: Iterable[RgbdFrame], config: RegistrationCheckConfig) -> "_Search | None":
     views, sizes = [], set()
     for frame in frames:
-        contours = contours_of(frame.depth, config)
-        if len(contours.depths) < config.min_view_pixels:
+        contours, changes = contours_of(frame.depth, config), changes_of(frame.rgb, config.side)
+        if len(contours.depths) < config.min_view_pixels or min(changes[0].shape) < config.least_side:
             continue
         sizes.add(((frame.depth.shape[1], frame.depth.shape[0]), (frame.rgb.shape[1], frame.rgb.shape[0])))
-        views.append(_View(contours, changes_of(frame.rgb, config.width)))
+        views.append(_View(contours, changes))
     if len(sizes) != 1 or len(views) < config.min_views:
         return None
     return _Search(views, *sizes.pop(), config)

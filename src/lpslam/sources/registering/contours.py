@@ -71,16 +71,16 @@ def _ends(depth: Picture, config: RegistrationCheckConfig) -> tuple[Array, Array
     return row[is_end].astype(np.float64), column[is_end].astype(np.float64), near[is_end]
 
 
-def changes_of(rgb: NDArray[np.uint8], width: int) -> tuple[Picture, Picture]:
+def changes_of(rgb: NDArray[np.uint8], side: int) -> tuple[Picture, Picture]:
     """How much a picture changes to the side and downwards, beside how much it does all around; 0 to 1.
 
     Args:
         rgb: (h, w, 3).
-        width: pixels to which it is reduced.
+        side: pixels to which its longer side is reduced.
     """
     gray = cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY)
-    size = (width, max(1, round(width * gray.shape[0] / gray.shape[1])))
-    small = cv2.resize(gray, size, interpolation=cv2.INTER_AREA).astype(np.float32)
+    height, width = (max(1, round(side * length / max(gray.shape))) for length in gray.shape)
+    small = cv2.resize(gray, (width, height), interpolation=cv2.INTER_AREA).astype(np.float32)
     smooth = cv2.GaussianBlur(small, (0, 0), 0.7)
     return _beside_around(cv2.Sobel(smooth, cv2.CV_32F, 1, 0)), _beside_around(cv2.Sobel(smooth, cv2.CV_32F, 0, 1))
 
