@@ -366,6 +366,17 @@ def test_entries_side_by_side_are_no_name() -> None:
     assert named.text == "米湯"
 
 
+def test_frames_that_saw_the_end_of_a_text_do_not_tell_where_its_middle_is() -> None:
+    left, right = (
+        place(0, "LONG FASCIA", 0, 0, width=1.6),
+        place(1000, "NEXT", 1.8, 0, width=0.8, frames=range(8, 10)),
+    )
+    ends = {frame: left.positions_by_frame[frame] + np.array([0.5, 0.0, 0.0]) for frame in (8, 9)}
+    sizes = {frame: (0.6 if frame in ends else 1.6, 0.2) for frame in left.positions_by_frame}
+    cut = replace(left, positions_by_frame=left.positions_by_frame | ends, sizes_by_frame=sizes)
+    assert names(boards([cut, right], CONFIG)) == [["LONG FASCIA"], ["NEXT"]]
+
+
 def test_an_entry_of_a_list_beside_a_name_is_no_word_of_it() -> None:
     entries = [
         place(1000 * row, text, 0.0, 0.12 * row, width=0.4, height=0.15)

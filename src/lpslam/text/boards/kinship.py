@@ -25,6 +25,8 @@ _SURE_EDGE = 0.5
 _OUT, _ANGLE = 0.1, 30.0
 # A ground that goes on for this share of what is looked at goes on.
 _ALL_CLEAR = 0.97
+# A frame that saw less than this share of a text's longer side saw a part of it.
+_WHOLE = 0.85
 # Letter heights by which an edge must lie nearer than the other text: boxes are somewhat larger than their letters.
 _EDGE_MARGIN = 0.15
 
@@ -196,13 +198,21 @@ def _offset(first: Place, second: Place) -> Array:
     """From the first to the second (3,) metres, as frames that saw both at once agree on it, where there are some.
 
     Within a frame the errors of pose and depth are common to both, so this is surer than the difference of positions.
-    But a large line is read from afar and a small one from near, where the large one is cut off.
+    But a large line is read from afar and a small one from near, where the large one is cut off: the middle of what is
+    left is not its middle.
     """
-    common = first.positions_by_frame.keys() & second.positions_by_frame.keys()
+    common = _whole_frames(first) & _whole_frames(second)
     if len(common) < 2:
         return second.position - first.position
     offsets = [second.positions_by_frame[frame] - first.positions_by_frame[frame] for frame in sorted(common)]
     return np.asarray(np.median(offsets, axis=0), dtype=np.float64)
+
+
+def _whole_frames(place: Place) -> set[int]:
+    """Frames that saw a text about as wide and high as it is, or of which no size is known."""
+    longer = max(place.width, place.height)
+    sizes = place.sizes_by_frame
+    return {each for each in place.positions_by_frame if each not in sizes or max(sizes[each]) >= _WHOLE * longer}
 
 
 def _facing(first: Place, second: Place) -> float:
