@@ -112,3 +112,21 @@ def test_one_of_a_kind_is_no_other_of_it(question: str, expected: str | None) ->
 )
 def test_ways_of_asking_are_no_relations_refusals_or_hours(question: str, expected: str) -> None:
     assert solved(MODEL, question, BOARDS) == [expected]
+
+
+@pytest.mark.parametrize(
+    ("question", "expected"),
+    [
+        ("ボイル先生（Dr Boyle）の部屋はどちらですか", "Dr. Douglas Boyle"),
+        ("三号眼镜店（Price Optics）怎么走", "Price Optics"),
+        ("라크베일 2호점(Larkvale) 어디예요?", "Larkvale"),
+    ],
+)
+def test_a_name_in_brackets_and_another_script_is_what_the_board_says(question: str, expected: str) -> None:
+    assert solved(MODEL, question, BOARDS) == [expected]
+
+
+@pytest.mark.parametrize("question", ["哪里可以充电（USB）", "toilets (Ladies)", "喝咖啡（Larkvale也行）"])
+def test_other_brackets_stay_what_they_are(question: str) -> None:
+    (stop,) = MODEL.read_wish(question).stops
+    assert "(" in stop.what

@@ -56,6 +56,8 @@ _LAST_CLAUSE = re.compile(r"^(.*)[,，、](.*?)$")
 _SIGHS = re.compile("[\u1100-\u11ff\u3131-\u318e]+")  # ㅠㅠ, ㅋㅋ: letters of Hangul that make no syllable
 _TITLE = re.compile(r"\b(Dr|Dra|Prof|Mrs?|Ms|Sra?|Mme|St|med)\. ")  # its point ends no clause
 _LATIN = re.compile("[A-Za-z]")
+_GLOSS = re.compile(r"[\d\u3040-\u30ff\u3400-\u9fff\uac00-\ud7a3]+\s*\(((?=[^)]*[a-z])[A-Z][A-Za-z\d .&'’-]*)\)")
+"""“2号拍卖场(Sale Ring 2)”: a name in brackets, in another script, is what the board says."""
 _POSSESSIVE = re.compile(r"['’]s?$")
 
 
@@ -195,6 +197,7 @@ def _in_sequence(text: str, rules: Rules) -> list[str]:
 
 def _stop(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: int = 0) -> Stop:
     """Read one stop: what is asked, what is left out, its relation and anchor, order, and what its board bears."""
+    text = _GLOSS.sub(r"\1", text)
     asked, whole = asked_time(text) if depth == 0 else None, text
     text = text if asked is None else asked.rest
     ask, ask_language = _asked(text, languages)
