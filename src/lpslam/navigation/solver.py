@@ -93,7 +93,11 @@ def _in_order(solver: "_Solver", wish: Wish) -> list[Solved]:
         sure = LEAST_SURE if len(wish.stops) == 1 else least
         solved.append(solver.stop(stop, solved[-1].place if solved else None, bool(solved), sure))
     is_apart = len({each.place.id for each in solved if each.place is not None}) == len(solved)
-    return solved if is_apart or wish.instead is None else _in_order(solver, wish.instead)
+    if is_apart or wish.instead is None:
+        return solved
+    otherwise = _in_order(solver, wish.instead)
+    # Where neither reading finds a place, the first says what is missing: “KFC beside the station”, of no station.
+    return otherwise if len(solved) > 1 or any(each.place is not None for each in otherwise) else solved
 
 
 @dataclass(frozen=True, slots=True, eq=False)
