@@ -259,11 +259,15 @@ def main() -> None:
     parser.add_argument("--misses", action="store_true", help="show every miss")
     parser.add_argument("--write", type=Path, metavar="FILE", help="write the worlds instead")
     given = parser.parse_args()
-    tree = drawn(given.seed, given.worlds, given.ranges)
-    if given.write:
-        given.write.write_text(json.dumps(tree, ensure_ascii=False, indent=1), encoding="utf-8")
+    write_or_score(drawn(given.seed, given.worlds, given.ranges), given.write, given.misses)
+
+
+def write_or_score(tree: dict[str, Any], path: Path | None, shows_misses: bool) -> None:
+    """Write drawn worlds where a file is named; else print one line a kind of question and a language."""
+    if path is not None:
+        path.write_text(json.dumps(tree, ensure_ascii=False, indent=1), encoding="utf-8")
         return
-    for key, count in sorted(score(tree["worlds"], given.misses).items()):
+    for key, count in sorted(score(tree["worlds"], shows_misses).items()):
         print(
             f"{key}: {count['right']} of {count.total()} = {count['right'] / count.total():.1%}, wrong {count['wrong']}"
         )

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from drawn_names import LANGUAGES, LATIN_SHOP, UNSPACED, score
+from drawn_names import LANGUAGES, LATIN_SHOP, UNSPACED, write_or_score
 from drawn_names import WORDS as NAMES
 
 WORDS: dict[str, Any] = json.loads(
@@ -312,14 +312,8 @@ def main() -> None:
     parser.add_argument("--misses", action="store_true", help="show every miss")
     parser.add_argument("--write", type=Path, metavar="FILE", help="write the worlds instead")
     given = parser.parse_args()
-    tree = drawn(given.seed, given.worlds, f"{given.ways} ways" if given.ways else "ways")
-    if given.write:
-        given.write.write_text(json.dumps(tree, ensure_ascii=False, indent=1), encoding="utf-8")
-        return
-    for key, count in sorted(score(tree["worlds"], given.misses).items()):
-        print(
-            f"{key}: {count['right']} of {count.total()} = {count['right'] / count.total():.1%}, wrong {count['wrong']}"
-        )
+    ways = f"{given.ways} ways" if given.ways else "ways"
+    write_or_score(drawn(given.seed, given.worlds, ways), given.write, given.misses)
 
 
 if __name__ == "__main__":

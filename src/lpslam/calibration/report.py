@@ -115,10 +115,10 @@ def lines_of(found: Calibrated) -> dict[str, str]:
     else:
         facts["depth scale"] = f"{camera.depth_scale:g}, as stated"
     if found.displacement is not None:
-        shift, parallax = found.displacement.displacement.shift, found.displacement.displacement.parallax
+        scale, *rest = found.displacement.displacement.numbers
+        shift, parallax = (f"{x:.1f}, {y:.1f}" for x, y in (rest[:2], rest[2:]))
         facts["depth displaced"] = (
-            f"by {found.displacement.pixels:.0f} px: scale {found.displacement.displacement.scale:.3f}, "
-            f"shift {shift[0]:.1f}, {shift[1]:.1f} px, parallax {parallax[0]:.1f}, {parallax[1]:.1f} px m"
+            f"by {found.displacement.pixels:.0f} px: scale {scale:.3f}, shift {shift} px, parallax {parallax} px m"
         )
     facts["from"] = f"{len(found.solution.views)} views, {len(found.solution.seen.view)} observations"
     facts["error"] = f"{found.solution.pixel_rms:.2f} px"

@@ -145,26 +145,25 @@ class ImagePairSource:
         if not kept:
             length = self._pairs[-1].timestamp - first
             raise UserError(f"{self._name}: no frame lies between --from and --to; it lasts {length:.1f} s")
-        return ImagePairSource(
-            self._name,
-            self._camera,
-            kept,
-            invalid_depths=self._invalid_depths,
-            listed_times=self.listed_times,
-            displacement=self.displacement,
-            may_displace=self._may_displace,
-            max_frames=max_frames,
-        )
+        return self._again(kept, self.displacement, max_frames)
 
     def registered(self, displacement: DepthDisplacement) -> "ImagePairSource":
         """The same recording, its depth registered by where it was found to lie."""
+        return self._again(self._pairs, displacement, None)
+
+    def _again(
+        self, pairs: Sequence[ImagePair], displacement: DepthDisplacement | None, max_frames: int | None
+    ) -> "ImagePairSource":
+        """Some of the frames, without the notes, which were said."""
         return ImagePairSource(
             self._name,
             self._camera,
-            self._pairs,
+            pairs,
             invalid_depths=self._invalid_depths,
             listed_times=self.listed_times,
             displacement=displacement,
+            may_displace=self._may_displace,
+            max_frames=max_frames,
         )
 
     def sample_depths(self, count: int) -> list[NDArray[np.float32]]:

@@ -17,7 +17,7 @@ from lpslam.sources.image_pairs import ImagePairSource
 from lpslam.sources.live.opening import addresses, is_camera, open_camera
 from lpslam.sources.plausibility import Doubt, doubts_about_depth, doubts_about_intrinsics, doubts_about_timing
 from lpslam.sources.recorded import RecordedSource
-from lpslam.sources.registering.by_contours import FoundDisplacement, find_displacement, looks_displaced
+from lpslam.sources.registering.by_contours import find_displacement, looks_displaced
 from lpslam.sources.sevenscenes import looks_like_seven_scenes, open_seven_scenes
 from lpslam.sources.tum import looks_like_tum, open_tum
 
@@ -234,15 +234,14 @@ def _doubts_about_registration(source: RecordedSource, checks: CalibrationCheckC
     if not looks_displaced(frames, checks.registration):
         return []
     found = find_displacement(frames, checks.registration)
-    return [displaced(found)] if found is not None and found.is_displaced else []
-
-
-def displaced(found: FoundDisplacement) -> Doubt:
-    """What to do where depth is not registered to colour."""
-    return Doubt(
-        f"depth is not registered to colour: what it shows lies {found.pixels:.0f} pixels beside it; record aligned "
-        "depth, or run 'lpslam calibrate' on the recording, and give what it writes with --camera"
-    )
+    if found is None or not found.is_displaced:
+        return []
+    return [
+        Doubt(
+            f"depth is not registered to colour: what it shows lies {found.pixels:.0f} pixels beside it; record "
+            "aligned depth, or run 'lpslam calibrate' on the recording, and give what it writes with --camera"
+        )
+    ]
 
 
 def _signs() -> str:

@@ -193,7 +193,7 @@ class _Search:
         return np.asarray(np.bincount(self._view, each, len(self._views)), np.float64)
 
     def score(self, numbers: Array) -> float:
-        """The mean of all contour pixels, at the finest blur."""
+        """The sum over all contour pixels, at the finest blur."""
         return float(self.each(numbers, self._config.blurs[-1]).sum())
 
     def refined(self, start: Array) -> Array:
