@@ -134,7 +134,7 @@ def ask(
 
     At the prompt, or from a pipe with a question a line, "and another one?" means what was asked before.
     """
-    from lpslam.language.building import building
+    from lpslam.language.kept import building
 
     # What is loaded is no garbage either.
     with building():

@@ -4,7 +4,7 @@ import gc
 
 import pytest
 
-from lpslam.language.building import building
+from lpslam.language.kept import building
 
 
 def test_it_waits_and_goes_on() -> None:

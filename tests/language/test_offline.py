@@ -11,7 +11,7 @@ from rapidfuzz.distance import Levenshtein
 from lpslam.language.model import Candidate, Reading
 from lpslam.language.offline import OfflineModel
 from lpslam.language.registry import language_model
-from lpslam.language.tables.nearest import NearestNames, allowed_edits
+from lpslam.language.tables.spelling import NearestNames, allowed_edits
 
 MODEL = OfflineModel()
 LETTERS = st.text(alphabet="abcdeHIKLOSTadno01' -餐厅必胜客小心", min_size=1, max_size=14)

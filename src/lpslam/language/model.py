@@ -89,7 +89,15 @@ class Choice:
     alternatives: tuple[int, ...] = ()
 
 
-class LanguageModel(Protocol):
+class Chooser(Protocol):
+    """Whatever chooses among landmarks."""
+
+    def choose(self, question: str, landmarks: Sequence[Candidate]) -> Choice:
+        """Choose the landmark that serves what the question wants, or none."""
+        ...
+
+
+class LanguageModel(Chooser, Protocol):
     """Any model, hosted, local or embedded, that can do the three uses."""
 
     @property
@@ -103,18 +111,6 @@ class LanguageModel(Protocol):
 
     def judge(self, names: Sequence[str], question: str) -> list[Judgement]:
         """Answer the question for each name apart, in the order of the names; `LINES_APART` parts a board's lines."""
-        ...
-
-    def choose(self, question: str, landmarks: Sequence[Candidate]) -> Choice:
-        """Choose the landmark that serves what the question wants, or none."""
-        ...
-
-
-class Chooser(Protocol):
-    """Whatever chooses among landmarks."""
-
-    def choose(self, question: str, landmarks: Sequence[Candidate]) -> Choice:
-        """Choose the landmark that serves what the question wants, or none."""
         ...
 
 

@@ -8,11 +8,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import lru_cache
 
-from lpslam.language.building import building, steps_of
 from lpslam.language.choosing.choosing import Choosing
 from lpslam.language.choosing.guessing import LEAST_SURE
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import best_of, likeness, match
+from lpslam.language.kept import building, steps_of
 from lpslam.language.languages import LANGUAGES
 from lpslam.language.model import Candidate, Choice, Judgement, Naming, Reading
 from lpslam.language.naming.namer import Namer
@@ -47,7 +47,7 @@ class OfflineModel:
             self._signs = load_sign_reader()
         self.namer = Namer(self._knowledge, self._signs)
         self._indices: tuple[LandmarkIndex, ...] = ()
-        self._scorers: dict[int, tuple[LandmarkIndex, EmbeddedScorer]] = {}
+        self._scorer_of = lru_cache(maxsize=_MAPS_KEPT)(self._scorer)
 
     @property
     def model(self) -> str:
@@ -98,14 +98,11 @@ class OfflineModel:
 
     def scorer(self, landmarks: Sequence[Candidate]) -> EmbeddedScorer:
         """Return what says which of the landmarks serve a stop of a wish; kept for the next question about them."""
-        index = self.index(landmarks)
-        kept = self._scorers.get(id(index))
-        if kept is not None and kept[0] is index:
-            return kept[1]
+        return self._scorer_of(self.index(landmarks))
+
+    def _scorer(self, index: LandmarkIndex) -> EmbeddedScorer:
         with building():
-            scorer = EmbeddedScorer(landmarks, index, self._signs, self._knowledge)
-        self._keep({**self._scorers, id(index): (index, scorer)})
-        return scorer
+            return EmbeddedScorer(index.landmarks, index, self._signs, self._knowledge)
 
     def preparations(self, landmarks: Sequence[Candidate]) -> Iterator[None]:
         """Build, a little at a time, what questions about some landmarks would build when they first need it."""
@@ -127,10 +124,6 @@ class OfflineModel:
         # Replaced, never changed: other threads may be going through them.
         self._indices = (index, *self._indices)[:_MAPS_KEPT]
         return index
-
-    def _keep(self, scorers: dict[int, tuple[LandmarkIndex, EmbeddedScorer]]) -> None:
-        living = {id(index) for index in self._indices}
-        self._scorers = {key: value for key, value in scorers.items() if key in living}
 
 
 @lru_cache(maxsize=1)

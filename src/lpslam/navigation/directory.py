@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Iterator
 
 from lpslam.config import NavigationConfig
-from lpslam.language.building import steps_of
+from lpslam.language.kept import steps_of
 from lpslam.language.model import Candidate
 from lpslam.navigation.places import Place
 from lpslam.navigation.sites import Sites

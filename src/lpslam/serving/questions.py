@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from lpslam.errors import UserError
 from lpslam.language.model import LanguageModel
 from lpslam.language.offline import OfflineModel, embedded_model
-from lpslam.language.questions.follow_up import FollowUp, follow_up
-from lpslam.language.questions.phrasing import phrases_in
+from lpslam.language.questions.phrasing import FollowUp, follow_up, phrases_in
 from lpslam.language.wishes.form import Wish
 from lpslam.navigation.asking import answer
 from lpslam.navigation.directory import Directory

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from lpslam.config import Config
 from lpslam.errors import UserError
 from lpslam.language.model import Converses, LanguageModel
-from lpslam.language.questions.follow_up import follow_up
+from lpslam.language.questions.phrasing import follow_up
 from lpslam.navigation.asking import Answer, answer
 from lpslam.navigation.directory import Directory
 from lpslam.navigation.known import Known

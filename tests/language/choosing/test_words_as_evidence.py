@@ -5,9 +5,8 @@ from collections.abc import Iterator
 import pytest
 
 from lpslam.language.choosing import evidence
-from lpslam.language.choosing.evidence import Heard
+from lpslam.language.choosing.evidence import Heard, Support
 from lpslam.language.choosing.landmark_index import LandmarkIndex
-from lpslam.language.choosing.support import Support
 from lpslam.language.model import Candidate
 from lpslam.language.offline import OfflineModel
 from lpslam.language.signs.reader import load_sign_reader

@@ -8,8 +8,8 @@ import pytest
 from chat_server import ChatServer, Json, answers, picks
 
 from lpslam.language.hosted import chat as chat_module
-from lpslam.language.hosted.answer_cache import AnswerCache
 from lpslam.language.hosted.chat import ChatModel
+from lpslam.language.hosted.usage import AnswerCache
 from lpslam.language.kept import user_cache_folder
 from lpslam.language.model import Candidate
 from lpslam.language.registry import language_model

@@ -1,7 +1,7 @@
 """Where no space parts words, common Chinese words tell the likelier string."""
 
 from lpslam.language.model import Reading, Slots
-from lpslam.language.naming.chinese_words import is_in_a_word, words_in
+from lpslam.language.naming.marks import is_in_a_word, words_in
 from lpslam.language.offline import OfflineModel
 
 

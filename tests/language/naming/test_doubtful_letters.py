@@ -4,7 +4,7 @@ import pytest
 
 from lpslam.language.model import Reading, Slots
 from lpslam.language.naming.channel import evidence_of, log_likelihood, slip_of
-from lpslam.language.naming.doubts import log_odds_against
+from lpslam.language.naming.posterior import log_odds_against
 from lpslam.language.offline import OfflineModel
 
 

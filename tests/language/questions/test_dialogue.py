@@ -8,8 +8,7 @@ import pytest
 
 from lpslam.errors import UserError
 from lpslam.language.offline import OfflineModel
-from lpslam.language.questions.follow_up import follow_up
-from lpslam.language.questions.phrasing import answer_language, phrases_in
+from lpslam.language.questions.phrasing import answer_language, follow_up, phrases_in
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.navigation.known import known_of
 from lpslam.poses import StampedPoses

@@ -2,8 +2,8 @@
 
 import pytest
 
+from lpslam.language.signs.meaning import WARNING
 from lpslam.language.signs.reader import SignReader, load_sign_reader
-from lpslam.language.signs.wording import WARNING
 
 
 @pytest.fixture(scope="module")

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from asking import solved
 
+from lpslam.language.choosing.evidence import Support
 from lpslam.language.choosing.guessing import COLUMNS, Guessing
 from lpslam.language.choosing.landmark_index import LandmarkIndex
-from lpslam.language.choosing.support import Support
 from lpslam.language.model import Candidate
 from lpslam.language.offline import OfflineModel
 from lpslam.language.signs.reader import load_sign_reader

@@ -7,7 +7,7 @@ import pytest
 
 from lpslam.language.model import Candidate
 from lpslam.language.offline import OfflineModel
-from lpslam.language.wishes.refusals import parted
+from lpslam.language.wishes.rules import parted
 from lpslam.navigation.places import Here, Place
 from lpslam.navigation.solver import solve
 

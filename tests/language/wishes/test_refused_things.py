@@ -4,7 +4,7 @@ import pytest
 
 from language.asking import solved
 from lpslam.language.offline import OfflineModel
-from lpslam.language.wishes.refusals import parted
+from lpslam.language.wishes.rules import parted
 
 
 @pytest.mark.parametrize(

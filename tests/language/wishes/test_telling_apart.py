@@ -7,7 +7,7 @@ import pytest
 
 from lpslam.language.model import Candidate
 from lpslam.language.offline import OfflineModel
-from lpslam.language.wishes.attributes import attributes_of, told_apart
+from lpslam.language.wishes.sorts import attributes_of, told_apart
 from lpslam.navigation.places import Here, Place
 from lpslam.navigation.solver import solve
 

@@ -8,10 +8,10 @@ from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import FITS, FITS_INSTEAD, Matches, Served, serve
 from lpslam.language.languages import LATIN
 from lpslam.language.model import Choice
-from lpslam.language.questions.clauses import places_of
 from lpslam.language.questions.phrasing import Phrases, answer_language, phrases_in
 from lpslam.language.questions.question import asks_for_another, instead_of, read_question, without_common
 from lpslam.language.questions.speaking import languages_of
+from lpslam.language.questions.stance import places_of
 from lpslam.language.questions.wanted import Wish
 from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.reader import SignReader
@@ -37,6 +37,8 @@ _PART = "part:"  # before the words that are parts of names, among names
 
 Scores = dict[int, float]
 """How well landmarks serve, by id, 0 to 1; those that do not serve are not in it."""
+Understood = tuple[Wish, set[int]]
+"""A wish, and the landmarks that are refused by a part of their name."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,10 +58,6 @@ class Ranked:
     def reason(self, id_: int) -> str:
         """Why one of those that serve does."""
         return self.choice.evidence if self.why is None else self.why(id_)
-
-
-Understood = tuple[Wish, set[int]]
-"""A wish, and the landmarks that are refused by a part of their name."""
 
 
 class Choosing:
@@ -160,11 +158,7 @@ class Choosing:
         “Milk” is an aisle in a supermarket, and groceries in a mall.
         """
         wanted = [concept for concept, _ in wish.wanted]
-        absent = {
-            concept
-            for concept in wanted
-            if self._knowledge.family(concept) and not self._index.has(concept, self._knowledge)
-        }
+        absent = {concept for concept in wanted if self._knowledge.family(concept) and not self._index.has(concept)}
         left = tuple(each for each in wish.wanted if each[0] not in absent)
         return replace(wish, wanted=left) if absent and left else wish
 
@@ -180,7 +174,7 @@ class Choosing:
             for phrase, identity in self._signs.brands_in(text).items()
             if phrase not in self._index.names
         }
-        is_unsaid = partial(self._index.is_unsaid, text, self._knowledge.folder)
+        is_unsaid = partial(self._index.is_unsaid, text)
         names = _Names(PhraseTable(brands), self._index.names, is_unsaid)
         parts = self._parts_in(text)
         if not parts:
@@ -220,7 +214,7 @@ class Choosing:
         }
 
     def _best(self, wish: Wish, refused: set[int], phrases: Phrases) -> Ranked:
-        matches = {concept: self._index.matches(concept, self._knowledge) for concept, _ in wish.wanted}
+        matches = {concept: self._index.matches(concept) for concept, _ in wish.wanted}
         served = serve(wish, matches, self._index.kinds, self._index.people, self._knowledge)
         ranked = sorted(served, key=lambda each: (-each.score, self._index.members[each.group]))
         asked = phrases.say("wanted", things=phrases.things([concept for concept, _ in wish.wanted]))
@@ -257,7 +251,7 @@ class Choosing:
         )
         alike: dict[int, float] = {}
         for kind, weight in self._signs.read(identity).kinds:
-            for group, share in self._index.alike(kind, self._knowledge).items():
+            for group, share in self._index.alike(kind).items():
                 first = self._index.members[group][0]
                 alike[first] = max(weight * share, alike.get(first, 0.0))
         others = sorted((id_ for id_ in alike if alike[id_] >= _YES), key=lambda id_: (-alike[id_], id_))

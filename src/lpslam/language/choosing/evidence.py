@@ -8,16 +8,18 @@ another form of it, the more the fewer concepts share it: the logarithm of how m
 import math
 from bisect import bisect_left
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Sequence
-from functools import lru_cache
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache, lru_cache
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 from rapidfuzz.distance import Prefix
 
-from lpslam.language.building import building
-from lpslam.language.kept import kept
+from lpslam.language.choosing.landmark_index import LandmarkIndex
+from lpslam.language.choosing.serving import Kinds, best_of
+from lpslam.language.kept import building, kept
 from lpslam.language.tables.concepts import load_associations, load_buildings
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.words import is_mark, is_unspaced
@@ -36,7 +38,20 @@ _OF_SIZE = 0.7  # power of the number of a concept's phrases by which its words 
 _FEW_PHRASES = 4.0  # added to that number: concepts of one phrase are no surer than others
 _DOUBT = 0.3  # added to what all concepts have of a word: one phrase is no proof
 _LIKELIER = 40.0  # how much likelier a word makes the only concept that has it
+_KEPT = 4096  # words of a language whose weights are kept
 _ASKS = "ask"  # said of all that one may ask about
+Floats = NDArray[np.float64]
+_LEAST_SERVED = 0.3  # a kind that serves a concept less than this does not speak for it
+_OF_WORDS, _OF_BEST, _OF_READING = 1.3, 1.8, 1.4
+"""What evidence weighs, what tables read of a place as a share of the best, and as it is (a fit of choices to sets)."""
+_AKIN = 0.6  # of what a word of a board says, what another that begins alike says
+_SAYS = 0.5  # evidence of a word that speaks for a place
+_QUESTIONS_KEPT = 4  # questions of which it is kept what they speak for: one and its parts
+_FARTHEST = 1.6  # below the best score: what comes less near is not offered
+CLUES = (
+    *("words for it", "share of words for it", "strongest word for it", "board bears words"),
+    *("words for more elsewhere", "lead by words", "read as well", "read at all"),
+)
 
 
 class Heard:
@@ -54,7 +69,7 @@ class Heard:
         self._said = Counter(concept for _, concepts in self._rows for concept in concepts)
         self._number_of = {concept: number for number, concept in enumerate(self._said)}
         self.concepts = tuple(self._said)
-        self._kept: dict[str, Weights] = {}
+        self.weights = lru_cache(maxsize=_KEPT)(self._weighed)
 
     def terms(self, question: str) -> list[str]:
         """Return the words of a question that say something; of scripts without spaces every two characters."""
@@ -72,15 +87,8 @@ class Heard:
                 found += [] if is_filler else [" ".join(pair)]
         return list(dict.fromkeys(found))
 
-    def weights(self, term: str) -> Weights:
-        """Return what a word speaks for."""
-        if term not in self._kept:
-            if len(self._kept) >= _KEPT:
-                self._kept = {}
-            self._kept[term] = self._weighed(term)
-        return self._kept[term]
-
     def _weighed(self, term: str) -> Weights:
+        """What a word speaks for."""
         said: dict[str, float] = defaultdict(float)
         for row, alike in self._having(term).items():
             phrase, concepts = self._rows[row]
@@ -117,9 +125,6 @@ class Heard:
             if not self._words[at].startswith(letters):
                 return
             yield self._words[at]
-
-
-_KEPT = 4096  # words of a language whose weights are kept
 
 
 def _made(language: str, knowledge: Knowledge) -> Made:
@@ -162,3 +167,185 @@ def heard_in(language: str, knowledge: Knowledge) -> Heard:
     """Return the phrases of a language, made when they are first asked for."""
     with building():
         return Heard(language, knowledge, kept(f"heard-{language}", b"", lambda: _made(language, knowledge)))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Supported:
+    """What speaks for the landmarks of a map.
+
+    Attributes:
+        scores: by id, 0 < score <= 1, of those that come near the best.
+        clues: how sure that is, by name.
+        words: those that speak for the best, as the tables have them.
+    """
+
+    scores: Mapping[int, float]
+    clues: Mapping[str, float]
+    words: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Evidence:
+    """What the words of a question speak for; not to be changed.
+
+    Attributes:
+        terms: the words that say something.
+        by_word: (words, groups) how much each speaks for each group.
+        total: (groups,) how much all do.
+        elsewhere: how much all speak for the concept that nothing here serves.
+        said: (concepts,) how much all speak for each concept of the language, here or not.
+        borne: how much they speak for the landmarks whose boards bear them, by id.
+    """
+
+    terms: list[str]
+    by_word: Floats
+    total: Floats
+    elsewhere: float
+    said: Floats
+    borne: Mapping[int, float]
+
+
+class Support:
+    """The groups of landmarks of a map by the concepts that they serve."""
+
+    def __init__(
+        self,
+        index: LandmarkIndex,
+        bearing: Callable[[str], Collection[int]],
+        akin: Callable[[str], Collection[int]],
+        knowledge: Knowledge,
+    ) -> None:
+        """`bearing` returns the landmarks whose boards bear a word, `akin` those that bear one that begins alike."""
+        self.knowledge = knowledge
+        self._bearing, self._akin = bearing, akin
+        self._count = len(index.landmarks)
+        groups = [(kinds, ids) for kinds, ids in index.groups.items() if not kinds or index.signs[ids[0]].is_place]
+        self.ids = [ids for _, ids in groups]
+        self.group_of = {id_: at for at, (_, ids) in enumerate(groups) for id_ in ids}
+        serving: dict[str, dict[int, float]] = defaultdict(dict)
+        for at, (kinds, _) in enumerate(groups):
+            for concept, share in served_by(kinds, knowledge).items():
+                serving[concept][at] = share
+        # The groups that serve a concept, and how well, one concept after the other.
+        self._column_of = {concept: column for column, concept in enumerate(serving)}
+        self._sizes = np.array([len(shares) for shares in serving.values()], np.int64)
+        self._starts = np.cumsum(self._sizes) - self._sizes
+        self._groups = np.array([at for shares in serving.values() for at in shares], np.int64)
+        self._shares = np.array([each for shares in serving.values() for each in shares.values()], np.float64)
+        self._columns_of = cache(self._columns)
+        # One question is asked of tables and guesses.
+        self.evidence = lru_cache(maxsize=_QUESTIONS_KEPT)(self._evidence)
+
+    def of(self, question: str, language: str, read: Mapping[int, float]) -> Supported:
+        """Return what speaks for the landmarks; `read` is how well each serves what the tables read."""
+        evidence = self.evidence(question, language)
+        terms, own = evidence.terms, evidence.borne
+        strength = max(read.values(), default=0.0)
+        by_group = self.by_group(read)
+        tables = by_group * (_OF_BEST / max(strength, 1e-9) + _OF_READING)
+        total = _OF_WORDS * evidence.total + tables
+        found = self._scored(total, own, read)
+        if not found:
+            return Supported({}, {})
+        best = best_of(found)
+        said = evidence.by_word[:, self.group_of[best]] if terms else np.zeros(0)
+        by_board = own.get(best, 0.0)
+        rivals = [each for id_, each in found.items() if self.group_of[id_] != self.group_of[best]]
+        clues = (
+            float(said.sum()) / 5.0,
+            float((said > _SAYS).mean()) if terms else 0.0,
+            float(said.max(initial=0.0)) / 4.0,
+            by_board / 4.0,
+            max(evidence.elsewhere - float(said.sum()) - by_board, 0.0) / 4.0,
+            min(found[best] - max(rivals, default=0.0), 6.0) / 6.0,
+            read.get(best, 0.0) / strength if strength else 0.0,
+            strength,
+        )
+        top = found[best]
+        scores = {id_: math.exp(each - top) for id_, each in found.items() if each >= top - _FARTHEST}
+        words = tuple(term.replace(" ", "") for term, each in zip(terms, said, strict=True) if each > _SAYS)
+        return Supported(scores, dict(zip(CLUES, clues, strict=True)), words)
+
+    def by_group(self, read: Mapping[int, float]) -> Floats:
+        """(groups,) how well each serves what the tables read."""
+        found = np.zeros(len(self.ids))
+        for id_, score in read.items():
+            if id_ in self.group_of:
+                found[self.group_of[id_]] = max(score, found[self.group_of[id_]])
+        return found
+
+    def speaking(self, evidence: Evidence) -> Floats:
+        """(groups,) the share of the words that speak for each."""
+        by_word = evidence.by_word
+        return (by_word > _SAYS).mean(axis=0) if len(by_word) else np.zeros(by_word.shape[1])
+
+    def _evidence(self, question: str, language: str) -> Evidence:
+        """What the words of a question speak for.
+
+        All words of a group are heard of the one thing that they say most of together: who sells much has no advantage.
+        """
+        heard = heard_in(language, self.knowledge)
+        terms = heard.terms(question)
+        weights = [heard.weights(term) for term in terms]
+        concepts = np.concatenate([each for each, _ in weights]) if terms else np.zeros(0, np.int64)
+        weight = np.concatenate([each for _, each in weights]) if terms else np.zeros(0)
+        said = np.zeros(len(heard.concepts))
+        np.add.at(said, concepts, weight)
+        columns = self._columns_of(language)
+        row = np.repeat(np.arange(len(terms)), [len(each) for each, _ in weights])
+        is_here = columns[concepts] >= 0
+        at, share, of = self._serving(columns[concepts[is_here]])
+        found = np.zeros((len(terms), len(self.ids)))
+        np.maximum.at(found, (row[is_here][of], at), weight[is_here][of] * share)
+        asked = np.flatnonzero(said)
+        here = asked[columns[asked] >= 0]
+        at, share, of = self._serving(columns[here])
+        together = np.zeros(len(self.ids))
+        np.maximum.at(together, at, said[here][of] * share)
+        found *= together / np.maximum(found.sum(axis=0), 1e-9)
+        elsewhere = float(said[asked[columns[asked] < 0]].max(initial=0.0))
+        return Evidence(terms, found, found.sum(axis=0), elsewhere, said, self._borne(terms))
+
+    def _columns(self, language: str) -> NDArray[np.int64]:
+        """Which of the concepts that are served here those of a language are; -1 for others."""
+        concepts = heard_in(language, self.knowledge).concepts
+        return np.array([self._column_of.get(each, -1) for each in concepts], np.int64)
+
+    def _serving(self, columns: NDArray[np.int64]) -> tuple[NDArray[np.int64], Floats, NDArray[np.int64]]:
+        """The groups that serve some concepts, how well, and which of these concepts each is of."""
+        sizes = self._sizes[columns]
+        of = np.repeat(np.arange(len(columns)), sizes)
+        rows = np.arange(len(of)) + np.repeat(self._starts[columns] - (np.cumsum(sizes) - sizes), sizes)
+        return self._groups[rows], self._shares[rows], of
+
+    def _borne(self, terms: list[str]) -> dict[int, float]:
+        """How much the words of a question speak for the landmarks whose boards bear them, the rarer the more."""
+        found: dict[int, float] = defaultdict(float)
+        for term in terms:
+            word = term.replace(" ", "")
+            for ids, share in ((self._bearing(word), 1.0), (self._akin(word), _AKIN)):
+                for id_ in ids:
+                    if id_ in self.group_of:
+                        found[id_] += share * math.log1p(self._count / len(ids))
+        return found
+
+    def _scored(self, total: Floats, own: Mapping[int, float], read: Mapping[int, float]) -> dict[int, float]:
+        """The landmarks of the best groups, and those whose boards bear words."""
+        found = {id_: float(total[self.group_of[id_]]) + _OF_WORDS * each for id_, each in own.items()}
+        top = max(float(total.max(initial=0.0)), max(found.values(), default=0.0))
+        if top <= 0.0:
+            return {}
+        for at in np.flatnonzero(total >= max(top - 2.0 * _FARTHEST, 1e-9)):
+            # Of places of one kind, those that the reading left.
+            for id_ in [each for each in self.ids[at] if each in read] or self.ids[at]:
+                found.setdefault(id_, float(total[at]))
+        return found
+
+
+def served_by(kinds: Kinds, knowledge: Knowledge) -> Mapping[str, float]:
+    """The concepts that a place of some kinds serves, and how well."""
+    found: dict[str, float] = {}
+    for kind, sure in kinds:
+        for concept, share in knowledge.served_by(kind).items():
+            found[concept] = max(found.get(concept, 0.0), sure * share)
+    return {concept: share for concept, share in found.items() if share >= _LEAST_SERVED}

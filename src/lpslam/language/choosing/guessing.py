@@ -9,16 +9,15 @@ The weights are in `data/wishes/guesses.json` (`tools/train_guesses.py`).
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.language.choosing.evidence import heard_in
+from lpslam.language.choosing.evidence import Support, heard_in, served_by
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.meaning import load_senses
-from lpslam.language.choosing.support import Support, served_by
 from lpslam.language.tables.lexicon import read_table
 
 Floats = NDArray[np.float64]
@@ -27,6 +26,7 @@ _UNKIND = 0.7  # of its board's cosine: the cosine of a kind that is not known
 _FARTHEST = 1.6  # below the best score: what comes less near is not offered
 _MOST = 4.0  # of a lead by which guesses differ
 _AS_WELL = 0.97  # of how well tables see a place serve: another that serves as well
+_KEPT = 4  # questions of which it is kept what they say: one and its parts
 _NUMBER = re.compile(r"\d+")
 _UNSPACED = frozenset({"zh", "ja", "ko"})
 LEAST_SURE = 0.55
@@ -69,34 +69,6 @@ class Heard:
         return np.maximum.reduceat(scores, self.starts) if len(scores) else np.zeros(0)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Weighed:
-    """What was heard, by the weights of the columns.
-
-    Attributes:
-        score: (landmarks,) of all columns.
-        meaning: (landmarks,) of those of meaning.
-        by_score, by_meaning, by_words: (groups,) the best of each group.
-        known: (concepts,) of the crowd.
-    """
-
-    score: Floats
-    meaning: Floats
-    by_score: Floats
-    by_meaning: Floats
-    by_words: Floats
-    known: Floats
-
-
-def _weighed(heard: Heard, weights: Floats) -> Weighed:
-    score = heard.columns @ weights
-    meaning = heard.columns[:, 4] * weights[4] + heard.columns[:, 5] * weights[5]
-    return Weighed(
-        *(score, meaning, heard.best_of(score), heard.best_of(meaning), heard.best_of(heard.columns[:, 0])),
-        weights[0] * heard.words + (weights[4] + weights[5]) * heard.cosines,
-    )
-
-
 @dataclass(frozen=True, slots=True)
 class Found:
     """What the tables found.
@@ -132,9 +104,8 @@ class Guessing:
         self._row_of = {id_: row for row, id_ in enumerate(support.group_of)}
         self._size = len(index.landmarks)
         # What tables found and a guess beside it are judged one after the other, of the same words.
-        self._last: tuple[tuple[str, str], Heard] | None = None
-        self._last_read: tuple[tuple[Any, ...], Heard] | None = None
-        self._last_weighed: tuple[Heard, Floats, Weighed] | None = None
+        self._heard = lru_cache(maxsize=_KEPT)(self._of_words)
+        self._heard_with = lru_cache(maxsize=_KEPT)(self._with_read)
         # Numbers say nothing of what a board means.
         said = {mark.id: _NUMBER.sub(" ", " ".join([mark.name, *mark.lines])) for mark in index.landmarks}
         texts = {text: at for at, text in enumerate(dict.fromkeys(said[id_] for id_ in support.group_of))}
@@ -153,34 +124,25 @@ class Guessing:
         self._served = [
             [known[each] for each in served_by(sign.kinds, support.knowledge) if each in known] for sign in signs
         ]
-        self._senses_of: dict[str, NDArray[np.int64]] = {}
+        self._senses_in = cache(self._senses_of)
 
     def heard(self, question: str, language: str, read: Mapping[int, float]) -> Heard:
         """Return what a question says of every landmark; `read` is how well each serves what the tables read."""
-        asked_of, last = (question, language, *read.items()), self._last_read
-        if last is None or last[0] != asked_of:
-            heard = self._of_words(question, language)
-            last = self._last_read = asked_of, replace(heard, columns=self._with_read(heard.columns, read))
-        return last[1]
+        return self._heard_with(question, language, tuple(read.items()))
 
-    def _with_read(self, columns: Floats, read: Mapping[int, float]) -> Floats:
-        """The columns with what tables read of each landmark."""
+    def _with_read(self, question: str, language: str, read: tuple[tuple[int, float], ...]) -> Heard:
+        """What a question says, with what tables read of each landmark."""
+        heard = self._heard(question, language)
         if not read:
-            return columns
-        columns = columns.copy()
-        tables = self._support.by_group(read)
+            return heard
+        columns = heard.columns.copy()
+        tables = self._support.by_group(dict(read))
         columns[:, 3] = tables[self._groups]
         columns[:, 2] = columns[:, 3] / max(tables.max(initial=0.0), 1e-9)
-        return columns
+        return replace(heard, columns=columns)
 
     def _of_words(self, question: str, language: str) -> Heard:
         """What the words of a question say, whatever is read in it."""
-        last = self._last
-        if last is None or last[0] != (question, language):
-            last = self._last = (question, language), self._heard(question, language)
-        return last[1]
-
-    def _heard(self, question: str, language: str) -> Heard:
         evidence = self._support.evidence(question, language)
         borne = np.zeros(len(self._ids))
         borne[[self._row_of[id_] for id_ in evidence.borne]] = list(evidence.borne.values())
@@ -203,12 +165,10 @@ class Guessing:
             *(cosines - middle, words[:-1], float(cosines.std()) + 1e-9, language),
         )
 
-    def _senses_in(self, language: str) -> NDArray[np.int64]:
+    def _senses_of(self, language: str) -> NDArray[np.int64]:
         """Which concept of the crowd each of a language's concepts is; the one after the last where it is none."""
-        if language not in self._senses_of:
-            concepts, known = heard_in(language, self._support.knowledge).concepts, self._senses.concepts
-            self._senses_of[language] = np.array([known.get(each, len(known)) for each in concepts], np.int64)
-        return self._senses_of[language]
+        concepts, known = heard_in(language, self._support.knowledge).concepts, self._senses.concepts
+        return np.array([known.get(each, len(known)) for each in concepts], np.int64)
 
     def _meaning(self, boards: NDArray[np.float32], cosines: Floats) -> tuple[Floats, Floats]:
         """(landmarks,) cosines of boards and of kinds, NaN where none is known; places of one kind are alike.
@@ -224,38 +184,35 @@ class Guessing:
         best = np.maximum.reduceat(own, self._starts)
         return np.where(self._is_known[self._groups], best[self._groups], own), kind
 
-    def weighed(self, heard: Heard, weights: Floats) -> Weighed:
-        """Return what was heard, by the weights of the columns."""
-        last = self._last_weighed
-        if last is None or last[0] is not heard or last[1] is not weights:
-            last = self._last_weighed = heard, weights, _weighed(heard, weights)
-        return last[2]
-
     def clues(self, heard: Heard, row: int, weights: Floats, found: Found) -> dict[str, float]:
         """Return what tells how sure it is that a landmark is meant, by the weights of the columns."""
-        by = self.weighed(heard, weights)
         group = int(heard.groups[row])
         own = dict(zip(COLUMNS, heard.columns[row].tolist(), strict=True))
+        score = heard.columns @ weights
+        meaning = heard.columns[:, 4] * weights[4] + heard.columns[:, 5] * weights[5]
         # What serves what is read as well is no rival: who is hungry is told of any of two restaurants.
-        as_well = np.zeros(len(self._starts), bool)
-        if own["read"] > 0.0:
-            as_well = heard.columns[self._starts, 3] >= _AS_WELL * own["read"]
-            as_well[group] = False
+        as_well = (heard.columns[self._starts, 3] >= _AS_WELL * own["read"]) & (own["read"] > 0.0)
+        as_well[group] = False
         others = ~as_well
-        shares = np.exp(by.by_score[others] - by.score[row])
+        shares = np.exp(heard.best_of(score)[others] - score[row])
         others[group] = False
-        served = self._served[group]
-        known, cosines = by.known.copy(), heard.cosines.copy()
-        known[served] = cosines[served] = -np.inf
-        alone = own["words"] * weights[0] + own["words of the board"] * weights[1] + float(by.meaning[row])
+        known, cosines = weights[0] * heard.words + (weights[4] + weights[5]) * heard.cosines, heard.cosines.copy()
+        known[self._served[group]] = cosines[self._served[group]] = -np.inf
+        alone = own["words"] * weights[0] + own["words of the board"] * weights[1] + float(meaning[row])
         nearest = max(own["board"], own["kind"])
         is_found = found.best is not None and self._is_of(found.best, row)
+
+        def lead(scores: Floats) -> float:
+            """By how much it leads landmarks of other kinds, below 0 where it does not."""
+            rival = float(heard.best_of(scores).max(initial=-np.inf, where=others))
+            return min(max(float(scores[row]) - rival, -_MOST), _MOST) / _MOST if rival > -np.inf else 0.5
+
         return {
             **(found.clues if is_found else {}),
             "share": 1.0 / float(shares.sum()),
-            "lead": _lead(by.score[row], by.by_score, others) / _MOST,
-            "lead of meaning": _lead(by.meaning[row], by.by_meaning, others) / _MOST,
-            "lead of words": _lead(own["words"], by.by_words, others) / _MOST,
+            "lead": lead(score),
+            "lead of meaning": lead(meaning),
+            "lead of words": lead(heard.columns[:, 0]),
             "alone": float(not others.any()),
             "others as well": float(np.log1p(as_well.sum())),
             "board": own["board"] / heard.spread / 4.0,
@@ -282,7 +239,7 @@ class Guessing:
 
     def likeliest(self, heard: Heard, found: Found, weights: Floats) -> list[int]:
         """Return the rows of the landmarks that may be meant: what the tables found, and what comes first."""
-        score = self.weighed(heard, weights).score
+        score = heard.columns @ weights
         rows = [int(np.argmax(score))] if score.max(initial=0.0) > 0.0 else []
         if found.best is None:
             return rows
@@ -307,7 +264,7 @@ class Guessing:
         is_sure = found.best is not None and surest[rows[0]] >= LEAST_SURE
         # What is told in so many words is not taken back for what is a little likelier.
         row = rows[0] if is_sure else max(surest, key=lambda each: surest[each])
-        score = self.weighed(heard, model.rank).score
+        score = heard.columns @ model.rank
         near = np.flatnonzero(score >= score[row] - _FARTHEST)
         shares = np.minimum(1.0, np.exp(score[near] - score[row]))
         scores = dict(zip(self._ids[near].tolist(), shares.tolist(), strict=True))
@@ -315,12 +272,6 @@ class Guessing:
 
     def _is_of(self, id_: int, row: int) -> bool:
         return bool(self._groups[self._row_of[id_]] == self._groups[row])
-
-
-def _lead(own: float, best: Floats, others: NDArray[np.bool_]) -> float:
-    """By how much a landmark leads those of other kinds, below 0 where it does not."""
-    rival = float(best.max(initial=-np.inf, where=others))
-    return min(max(float(own) - rival, -_MOST), _MOST) if rival > -np.inf else 0.5 * _MOST
 
 
 @dataclass(frozen=True, slots=True, eq=False)

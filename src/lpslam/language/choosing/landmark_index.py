@@ -3,6 +3,7 @@
 import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 from lpslam.language.choosing.serving import Kinds, likeness, match, whom_for
@@ -14,7 +15,7 @@ from lpslam.language.signs.meaning import SignMeaning, joined
 from lpslam.language.signs.reader import SignReader
 from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.lexicon import Meaning
-from lpslam.language.tables.words import UNSPACED_RUN, Folder, PhraseTable, is_unspaced
+from lpslam.language.tables.words import UNSPACED_RUN, PhraseTable, is_unspaced
 
 MANY = 500
 """Landmarks of which it is kept on disk what their boards say."""
@@ -32,13 +33,13 @@ class LandmarkIndex:
     """Landmarks by what their signs mean, judged once however many mean the same, and by their names."""
 
     def __init__(self, landmarks: Sequence[Candidate], signs: SignReader, knowledge: Knowledge) -> None:
-        self._given = landmarks
+        self._given, self._knowledge = landmarks, knowledge
         self.landmarks = list(landmarks)
         self.name_of = {landmark.id: landmark.name for landmark in landmarks}
         self.groups: dict[Kinds, list[int]] = {}
         self.signs: dict[int, SignMeaning] = {}
-        self._matches: dict[str, dict[int, float]] = {}
-        self._alike: dict[str, dict[int, float]] = {}
+        # Questions ask for the same again and again.
+        self.matches, self.alike = cache(self._matches), cache(self._alike)
         called = _Called(signs, knowledge)
         of_brand: dict[str, list[int]] = {}
         for landmark, sign in zip(landmarks, _signs_of(landmarks, signs), strict=True):
@@ -73,35 +74,28 @@ class LandmarkIndex:
         self._plurals = {phrase: said for phrase, said in called.plurals.items() if phrase not in called.singular}
         self._initials = called.initials
 
-    def matches(self, concept: str, knowledge: Knowledge) -> Mapping[int, float]:
+    def _matches(self, concept: str) -> Mapping[int, float]:
         """How well the groups serve a concept, by their place in `groups`: those that do."""
-        # Questions ask for the same again and again.
-        found = self._matches.get(concept)
-        if found is None:
-            every = enumerate(match(concept, kinds, knowledge) for kinds in self.groups)
-            found = self._matches[concept] = {at: served for at, served in every if served}
-        return found
+        every = enumerate(match(concept, kinds, self._knowledge) for kinds in self.groups)
+        return {at: served for at, served in every if served}
 
-    def alike(self, kind: str, knowledge: Knowledge) -> Mapping[int, float]:
+    def _alike(self, kind: str) -> Mapping[int, float]:
         """How surely groups of landmarks are of a kind, by their place in `groups`: those that may be."""
-        found = self._alike.get(kind)
-        if found is None:
-            every = enumerate(likeness(kind, kinds, knowledge) for kinds in self.kinds)
-            found = self._alike[kind] = {at: sure for at, sure in every if sure}
-        return found
+        every = enumerate(likeness(kind, kinds, self._knowledge) for kinds in self.kinds)
+        return {at: sure for at, sure in every if sure}
 
-    def has(self, concept: str, knowledge: Knowledge) -> bool:
+    def has(self, concept: str) -> bool:
         """Whether any place here is surely of a kind."""
-        return max(self.alike(concept, knowledge).values(), default=0.0) >= _SURELY
+        return max(self.alike(concept).values(), default=0.0) >= _SURELY
 
-    def is_unsaid(self, question: str, folder: Folder, phrase: str) -> bool:
+    def is_unsaid(self, question: str, phrase: str) -> bool:
         """Whether a name only seems to be said.
 
         Phrases drop the plural, but “the sole of my boot” does not say “Boots”; and two letters are a name only where
         they stand in capitals of their own.
         """
         plural, name = self._plurals.get(phrase), self._initials.get(phrase)
-        if plural is not None and plural not in folder.fold(question):
+        if plural is not None and plural not in self._knowledge.folder.fold(question):
             return True
         return name is not None and not re.search(rf"(?<![A-Za-z]){name}(?![A-Za-z])", question)
 

@@ -3,8 +3,7 @@
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 
-from lpslam.language.questions.sorts import is_eaten
-from lpslam.language.questions.wanted import Wish
+from lpslam.language.questions.wanted import Wish, is_eaten
 from lpslam.language.tables.knowledge import Knowledge
 
 Kinds = tuple[tuple[str, float], ...]

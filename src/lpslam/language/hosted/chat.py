@@ -17,7 +17,6 @@ from typing import Any, TypeVar
 from rapidfuzz.distance import Levenshtein
 
 from lpslam.config import LanguageConfig
-from lpslam.language.hosted.answer_cache import AnswerCache
 from lpslam.language.hosted.answers import (
     EVIDENCE_LENGTH,
     NONE,
@@ -34,7 +33,7 @@ from lpslam.language.hosted.answers import (
 from lpslam.language.hosted.endpoint import Endpoint
 from lpslam.language.hosted.exchange import Exchange, NoAnswerError, Question
 from lpslam.language.hosted.shortlist import shortlist
-from lpslam.language.hosted.usage import Usage
+from lpslam.language.hosted.usage import AnswerCache, Usage
 from lpslam.language.kept import user_cache_folder
 from lpslam.language.model import Candidate, Choice, Judgement, LanguageModel, Naming, Reading
 from lpslam.language.sanitise import clean_text

@@ -5,18 +5,17 @@ A question that fails gives a `NoAnswerError` with the reason; a mistake that th
 
 import asyncio
 import json
-import threading
 import time
 from collections.abc import Awaitable, Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from lpslam.config import LanguageConfig
 from lpslam.errors import LpSlamError, MissingExtraError, UserError
-from lpslam.language.hosted.answer_cache import AnswerCache
 from lpslam.language.hosted.endpoint import EXTRAS, Endpoint
-from lpslam.language.hosted.usage import Usage
+from lpslam.language.hosted.usage import AnswerCache, Usage
 from lpslam.language.sanitise import clean_text
 
 if TYPE_CHECKING:
@@ -262,21 +261,8 @@ def _run(make: Callable[[], Any]) -> Any:
         asyncio.get_running_loop()
     except RuntimeError:
         return asyncio.run(make())
-    outcome: list[Any] = []
-
-    def work() -> None:
-        try:
-            outcome.append((asyncio.run(make()), None))
-        except BaseException as error:
-            outcome.append((None, error))
-
-    thread = threading.Thread(target=work, name="language", daemon=True)
-    thread.start()
-    thread.join()
-    answer, error = outcome[0]
-    if error is not None:
-        raise error
-    return answer
+    with ThreadPoolExecutor(1, "language") as pool:
+        return pool.submit(lambda: asyncio.run(make())).result()
 
 
 def _object_in(text: str) -> Mapping[str, Any]:

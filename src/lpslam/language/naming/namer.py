@@ -9,8 +9,7 @@ from rapidfuzz.distance import Levenshtein
 
 from lpslam.language.model import Naming, Reading
 from lpslam.language.naming.channel import Seen, evidence_of, paint_key
-from lpslam.language.naming.chinese_words import is_in_a_word, words_in
-from lpslam.language.naming.marks import ODD_MARK, odd_marks, with_gaps
+from lpslam.language.naming.marks import ODD_MARK, is_in_a_word, odd_marks, with_gaps, words_in
 from lpslam.language.naming.posterior import ELSE, doubted, posterior, put_together
 from lpslam.language.naming.voting import cased_like, painted_like, vote
 from lpslam.language.sanitise import clean_text

@@ -1,17 +1,21 @@
-"""How an answer is said in the language of its question: one table of templates a language (`data/answers.json`)."""
+"""How an answer is said in the language of its question, and questions that only mean something after another one."""
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-from lpslam.language.questions.question import language_of
+from lpslam.language.questions.question import language_of, read_question
 from lpslam.language.sanitise import clean_text
-from lpslam.language.tables.knowledge import load_knowledge
+from lpslam.language.tables.knowledge import Knowledge, load_knowledge
 from lpslam.language.tables.lexicon import read_table
+from lpslam.language.tables.words import PhraseTable, is_mark, longest_phrases
 
 _ENGLISH, _TRADITIONAL = "en", "zh-Hant"
 _PARTED = "; "
+_MORE, _FILLER = "more", "filler"
+_LONGEST = 80  # letters; whoever says more says what
 
 
 class Phrases:
@@ -85,3 +89,59 @@ def _reasons() -> tuple[tuple[re.Pattern[str], Mapping[str, str]], ...]:
     """Patterns of the English reasons, and how each language says them; the first that fits is meant."""
     rows: list[Mapping[str, str]] = read_table("reasons.json")
     return tuple((re.compile(re.sub(r"\\{(\w+)\\}", r"(?P<\1>.+)", re.escape(row[_ENGLISH]))), row) for row in rows)
+
+
+@dataclass(frozen=True, slots=True)
+class FollowUp:
+    """What a question takes from the one before it.
+
+    Attributes:
+        question: the want, in full.
+        keeps: whether what was already named is to be left out.
+        language: tag of the language to answer in.
+    """
+
+    question: str
+    keeps: bool
+    language: str
+
+
+def follow_up(text: str, before: str | None) -> FollowUp:
+    """Read `text` after the question `before`; without one it stands for itself."""
+    own = FollowUp(text, False, answer_language(text))
+    if before is None or len(clean_text(text, 400)) > _LONGEST:
+        return own
+    knowledge = load_knowledge()
+    language = _language_of_more(text, knowledge)
+    if language is not None:
+        return FollowUp(before, True, _in_script(language, own.language))
+    wish = read_question(text, knowledge)
+    has_own = wish.wanted or wish.wanted_names
+    if not has_own and (wish.refused or wish.refused_names):
+        return FollowUp(f"{before.rstrip(' ?？.。!！')}. {text}", False, own.language)
+    return own
+
+
+def _language_of_more(text: str, knowledge: Knowledge) -> str | None:
+    """The language in which a text asks for another one and says nothing else; None where it does not."""
+    units = [unit for unit in knowledge.folder.units(clean_text(text)) if not is_mark(unit)]
+    for language, table in _asking_more().items():
+        spans = longest_phrases(units, (table,))
+        is_all = bool(units) and sum(span.end - span.start for span in spans) == len(units)
+        if is_all and any(span.value == _MORE for span in spans):
+            return language
+    return None
+
+
+def _in_script(language: str, detected: str) -> str:
+    return detected if detected.partition("-")[0] == language else language
+
+
+@lru_cache(maxsize=1)
+def _asking_more() -> Mapping[str, PhraseTable[str]]:
+    tree = read_table("follow_ups.json")
+    phrase = load_knowledge().folder.phrase
+    return {
+        language: PhraseTable((phrase(text), role) for role in (_FILLER, _MORE) for text in roles[role].split("|"))
+        for language, roles in tree.items()
+    }

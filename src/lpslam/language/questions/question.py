@@ -11,12 +11,21 @@ from functools import lru_cache
 from itertools import pairwise
 
 from lpslam.language.languages import LATIN
-from lpslam.language.questions.clauses import Clause, clauses_of
-from lpslam.language.questions.sorts import is_general
 from lpslam.language.questions.speaking import languages_of
-from lpslam.language.questions.stance import NEXT_TO, Stand, Told, spilled, told_in
-from lpslam.language.questions.wanted import THING, Wish
-from lpslam.language.questions.weighing import ASIDE, GENERAL, GIFTS, HINT, MAIN, MODIFIER, as_treated, without_symptoms
+from lpslam.language.questions.stance import NEXT_TO, Clause, Stand, Told, clauses_of, spilled, told_in
+from lpslam.language.questions.wanted import (
+    ASIDE,
+    GENERAL,
+    GIFTS,
+    HINT,
+    MAIN,
+    MODIFIER,
+    THING,
+    Wish,
+    as_treated,
+    is_general,
+    without_symptoms,
+)
 from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.inflection import known_form
 from lpslam.language.tables.knowledge import Knowledge

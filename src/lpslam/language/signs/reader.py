@@ -5,17 +5,19 @@ from collections.abc import Mapping, Sequence
 from functools import cached_property, lru_cache
 
 from lpslam.language.model import LINES_APART
-from lpslam.language.questions.sorts import is_eaten
 from lpslam.language.questions.speaking import languages_of
+from lpslam.language.questions.wanted import is_eaten
 from lpslam.language.sanitise import clean_text
-from lpslam.language.signs.meaning import SignMeaning, as_unknown, joined, of_known
-from lpslam.language.signs.repair import Repair
-from lpslam.language.signs.warnings import Warnings
-from lpslam.language.signs.wording import (
+from lpslam.language.signs.meaning import (
     SELDOM,
     SLOGAN,
+    SignMeaning,
+    Warnings,
     as_a_house,
+    as_unknown,
     is_mostly_slogan,
+    joined,
+    of_known,
     places_in,
     reads_like_a_name,
     said_in,
@@ -23,10 +25,11 @@ from lpslam.language.signs.wording import (
     weighed,
     without_stray_letters,
 )
+from lpslam.language.signs.repair import Repair
 from lpslam.language.tables.knowledge import Knowledge, load_knowledge, load_words
 from lpslam.language.tables.lexicon import Meaning
-from lpslam.language.tables.nearest import NearestNames, allowed_edits
 from lpslam.language.tables.painted import Known
+from lpslam.language.tables.spelling import NearestNames, allowed_edits
 from lpslam.language.tables.words import Span, is_mark, is_unspaced, longest_phrases
 
 _PARTS = re.compile(r"[()\[\]{}<>|/·•:;—–]+|\s-\s")

@@ -4,8 +4,7 @@ from collections.abc import Mapping, Sequence
 from functools import cached_property, lru_cache
 
 from lpslam.language.tables.knowledge import Knowledge, load_words
-from lpslam.language.tables.nearest import NearestNames
-from lpslam.language.tables.spelling import is_alike
+from lpslam.language.tables.spelling import NearestNames, is_alike
 from lpslam.language.tables.words import is_unspaced, longest_phrases
 
 _SHORTEST = 6  # letters of a word that may be a misread other one

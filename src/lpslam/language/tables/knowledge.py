@@ -7,8 +7,8 @@ language or topic is a further file, not further code.
 
 import lzma
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from dataclasses import dataclass
+from functools import cache, cached_property, lru_cache
 from importlib.resources import files
 from typing import Any
 
@@ -32,6 +32,7 @@ from lpslam.language.tables.words import Folder, PhraseTable
 
 _SUBSTITUTE = 0.8
 _TRADE_FIRST = ("de", "es", "fr")
+_ROLES_CALLED = {"forbidding": "sign_forbidding"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,10 +79,11 @@ class Knowledge:
     families: Mapping[str, tuple[str, ...]]
     doors: frozenset[str]
     _tables: "SpokenTables"
-    _above: dict[str, tuple[str, ...]] = field(default_factory=dict)
-    _families: dict[str, str] = field(default_factory=dict)
-    _shares: dict[tuple[str, str], float] = field(default_factory=dict)
-    _served: dict[str, Mapping[str, float]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        # Kinds and concepts are a few thousand, and are looked up all the time.
+        for name in ("family", "above", "share", "served_by"):
+            object.__setattr__(self, name, cache(getattr(self, name)))
 
     def spoken(self, language: str) -> PhraseTable[Meaning]:
         """Return what the phrases of a language mean in a question; built when it is first asked for."""
@@ -105,11 +107,7 @@ class Knowledge:
 
     def family(self, kind: str) -> str:
         """Return the sort of building whose rooms are of this kind: a hospital for a department; "" for none."""
-        found = self._families.get(kind)
-        if found is None:
-            found = next((name for name, starts in self.families.items() if kind.startswith(starts)), "")
-            self._families[kind] = found
-        return found
+        return next((name for name, starts in self.families.items() if kind.startswith(starts)), "")
 
     def word_for(self, concept: str, language: str) -> str | None:
         """Return how a language calls a concept; None where no table says so. "zh-Hant" is traditional Chinese."""
@@ -117,17 +115,15 @@ class Knowledge:
 
     def above(self, kind: str) -> tuple[str, ...]:
         """Return `kind` and every more general kind above it, the nearest first."""
-        if kind not in self._above:
-            found: dict[str, None] = {}
-            left = [kind]
-            while left:
-                here = left.pop(0)
-                if here not in found:
-                    found[here] = None
-                    left.extend([here.rsplit("/", 1)[0]] if "/" in here else [])
-                    left.extend(self.isa.get(here, ()))
-            self._above[kind] = tuple(found)
-        return self._above[kind]
+        found: dict[str, None] = {}
+        left = [kind]
+        while left:
+            here = left.pop(0)
+            if here not in found:
+                found[here] = None
+                left.extend([here.rsplit("/", 1)[0]] if "/" in here else [])
+                left.extend(self.isa.get(here, ()))
+        return tuple(found)
 
     def share(self, concept: str, kind: str) -> float:
         """Return how well a place of `kind` serves `concept`, 0..1: it is one, or it offers it.
@@ -135,9 +131,7 @@ class Knowledge:
         What is said of the kind itself goes before what is said of the kinds above it: a café serves coffee, a
         bubble tea shop, though a kind of café, hardly.
         """
-        if (concept, kind) not in self._shares:
-            self._shares[concept, kind] = 1.0 if concept in self.above(kind) else self._offered(concept, kind)
-        return self._shares[concept, kind]
+        return 1.0 if concept in self.above(kind) else self._offered(concept, kind)
 
     def _offered(self, concept: str, kind: str) -> float:
         tables = [(1.0, self.offers[concept])] if concept in self.offers else []
@@ -151,14 +145,12 @@ class Knowledge:
 
     def served_by(self, kind: str) -> Mapping[str, float]:
         """Return all concepts that a place of `kind` serves, and how well: `share`, the other way round."""
-        if kind not in self._served:
-            above = self.above(kind)
-            offered = {concept for each in above for concept in self._offered_by.get(each, ())}
-            # A shop serves as another that sells the same first of all.
-            alike = {next(iter(self.offers[concept])) for concept in offered}
-            concepts = sorted({*above, *offered, *(each for each in alike if each.startswith("shop/"))})
-            self._served[kind] = {concept: self.share(concept, kind) for concept in concepts}
-        return self._served[kind]
+        above = self.above(kind)
+        offered = {concept for each in above for concept in self._offered_by.get(each, ())}
+        # A shop serves as another that sells the same first of all.
+        alike = {next(iter(self.offers[concept])) for concept in offered}
+        concepts = sorted({*above, *offered, *(each for each in alike if each.startswith("shop/"))})
+        return {concept: self.share(concept, kind) for concept in concepts}
 
     @cached_property
     def _offered_by(self) -> Mapping[str, list[str]]:
@@ -230,9 +222,6 @@ def _made() -> dict[str, Any]:
         "families": dict(buildings.families),
         "doors": frozenset(map(folder.key, kinds["doors"])),
     }
-
-
-_ROLES_CALLED = {"forbidding": "sign_forbidding"}
 
 
 def _painted(

@@ -3,12 +3,11 @@
 import json
 import lzma
 from collections.abc import Iterable, Mapping, Set
-from functools import cached_property
+from functools import cache, cached_property
 from importlib.resources import files
 from typing import Any, NamedTuple
 
-from lpslam.language.building import building
-from lpslam.language.kept import kept
+from lpslam.language.kept import building, kept
 from lpslam.language.languages import LANGUAGES, LATIN
 from lpslam.language.tables.concepts import load_buildings
 from lpslam.language.tables.states import StateTables
@@ -24,6 +23,8 @@ _PARTITIVES = "du|de la|des|de l|le|la|les|el|los|las|der|die|das|some|any"
 _SHORTEST_BEGINNING = 4  # letters of a part that may be the beginning of a longer word
 # How sure a word makes us of a kind: written for this by hand, a kind's own name in the index, or a search term.
 BY_HAND, BY_NAME, BY_TERM = 1.0, 0.95, 0.8
+Packed = tuple[list[tuple[Any, ...]], dict[str, int]]
+"""What phrases mean, of plain values: each meaning once, and which is whose."""
 
 
 class Meaning(NamedTuple):
@@ -65,10 +66,6 @@ def load_gazetteer() -> dict[str, Any]:
     return gazetteer
 
 
-Packed = tuple[list[tuple[Any, ...]], dict[str, int]]
-"""What phrases mean, of plain values: each meaning once, and which is whose."""
-
-
 def packed(table: Mapping[str, Meaning]) -> Packed:
     """Return a table of plain values."""
     said = {meaning: at for at, meaning in enumerate(dict.fromkeys(table.values()))}
@@ -104,11 +101,9 @@ class SpokenTables:
 
     def __init__(self, folder: Folder) -> None:
         self._folder = folder
-        self._built: dict[str, PhraseTable[Meaning]] = {}
-        self._plain: dict[str, PhraseTable[Meaning]] = {}
-        self._turns: dict[str, frozenset[str]] = {}
-        self._borrowed: dict[str, PhraseTable[Meaning]] = {}
-        self._states: dict[str, StateTables] = {}
+        # Each is built when it is first asked for.
+        self._both, self._borrowed = cache(self._every_and_plain), cache(self._of_english)
+        self.turns_of, self.states_of = cache(self._turns), cache(self._states)
 
     @cached_property
     def _lexicons(self) -> Mapping[str, Mapping[str, Any]]:
@@ -124,53 +119,46 @@ class SpokenTables:
         return kinds
 
     def of(self, language: str) -> PhraseTable[Meaning]:
-        """Return what a language's phrases mean, by `Folder.phrase`; built when it is first asked for."""
-        if language not in self._built:
-            with building():
-                every, plain = kept(f"spoken-{language}", b"", lambda: tuple(map(packed, self._build(language))))
-                self._plain[language] = PhraseTable(unpacked(plain))
-                self._built[language] = PhraseTable(unpacked(every))
-        return self._built[language]
+        """Return what a language's phrases mean, by `Folder.phrase`."""
+        return self._both(language)[0]
+
+    def _every_and_plain(self, language: str) -> tuple[PhraseTable[Meaning], PhraseTable[Meaning]]:
+        with building():
+            every, plain = kept(f"spoken-{language}", b"", lambda: tuple(map(packed, self._build(language))))
+            return PhraseTable(unpacked(every)), PhraseTable(unpacked(plain))
 
     def plain(self, language: str) -> PhraseTable[Meaning]:
         """Return `of` without the turns of phrase of other buildings than malls, which hide the words in them."""
-        self.of(language)
-        return self._plain[language]
+        return self._both(language)[1]
 
-    def turns_of(self, language: str) -> frozenset[str]:
-        """Return the phrases that mean something else in `of` than in `plain`."""
-        if language not in self._turns:
-            every, plain = self.of(language), self._plain[language]
-            self._turns[language] = frozenset(key for key, said in every.items() if plain.get(key) != said)
-        return self._turns[language]
+    def _turns(self, language: str) -> frozenset[str]:
+        """The phrases that mean something else in `of` than in `plain`."""
+        every, plain = self._both(language)
+        return frozenset(key for key, said in every.items() if plain.get(key) != said)
 
     def with_english(self, language: str) -> tuple[PhraseTable[Meaning], ...]:
         """Return a language's table, and the English words that it borrows."""
-        if language == "en":
-            return (self.of("en"),)
-        if language not in self._borrowed:
-            # German “hat” is no hat, Spanish “suspender” no braces: a language's own words are not borrowed.
-            own = self._common(language) | phrases_of(self._folder, self._lexicons[language].get("own_words", ""))
-            borrowed = ((key, said) for key, said in self.of("en").items() if key not in own)
-            self._borrowed[language] = PhraseTable(borrowed)
-        return self.of(language), self._borrowed[language]
+        return (self.of(language),) if language == "en" else (self.of(language), self._borrowed(language))
 
-    def states_of(self, language: str) -> StateTables:
-        """Return the things and states of a language."""
-        if language not in self._states:
-            tree = read_table("lexicon/states.json")
-            self._states[language] = StateTables(
-                self._names(tree["things"], language),
-                self._names(tree["states"], language),
-                PhraseTable((phrase, ()) for phrase in phrases_of(self._folder, tree["at_home"][language])),
-                {(pair.split("+")[0], pair.split("+")[1]): want for pair, want in tree["together"].items()},
-                [
-                    (tuple(self._part(part, language) for part in parts), entry.name)
-                    for entry in load_buildings().concepts
-                    for parts in entry.apart.get(language, ())
-                ],
-            )
-        return self._states[language]
+    def _of_english(self, language: str) -> PhraseTable[Meaning]:
+        # German “hat” is no hat, Spanish “suspender” no braces: a language's own words are not borrowed.
+        own = self._common(language) | phrases_of(self._folder, self._lexicons[language].get("own_words", ""))
+        return PhraseTable((key, said) for key, said in self.of("en").items() if key not in own)
+
+    def _states(self, language: str) -> StateTables:
+        """The things and states of a language."""
+        tree = read_table("lexicon/states.json")
+        return StateTables(
+            self._names(tree["things"], language),
+            self._names(tree["states"], language),
+            PhraseTable((phrase, ()) for phrase in phrases_of(self._folder, tree["at_home"][language])),
+            {(pair.split("+")[0], pair.split("+")[1]): want for pair, want in tree["together"].items()},
+            [
+                (tuple(self._part(part, language) for part in parts), entry.name)
+                for entry in load_buildings().concepts
+                for parts in entry.apart.get(language, ())
+            ],
+        )
 
     def _part(self, part: str, language: str) -> str:
         """The beginning of a word as the units of a question are joined; a short one is a whole word."""

@@ -88,7 +88,8 @@ class Folder:
         # Of several traditional characters that became one, the commonest is listed first.
         self._simplified = {new: old for old, new in reversed(self._traditional.items()) if new not in both}
         self._alike = {ord(pair[0]): pair[1] for pair in lookalikes.split()}
-        self._units: dict[str, tuple[str, ...]] = {}
+        # One question is cut again and again.
+        self._cut = lru_cache(maxsize=_KEPT)(lambda text: tuple(_units(self.fold(text))))
 
     def fold(self, text: str) -> str:
         """Return `text` as it is compared: NFKC, no case, no accents, simplified characters, `'` for apostrophes."""
@@ -119,13 +120,7 @@ class Folder:
 
     def units(self, text: str) -> list[str]:
         """Return the units of `text` in order; punctuation marks are units of their own."""
-        found = self._units.get(text)
-        if found is None:
-            # One question is cut again and again.
-            if len(self._units) >= _KEPT:
-                self._units.clear()
-            found = self._units[text] = tuple(_units(self.fold(text)))
-        return list(found)
+        return list(self._cut(text))
 
     def without(self, text: str, left_out: Collection[int]) -> str:
         """Return a text without some of its units: as it is written, or its units where writing hides them."""

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 from lpslam.language.languages import CAPITALS_ARE_NAMES
 from lpslam.language.questions.question import read_question
-from lpslam.language.questions.weighing import MAIN
+from lpslam.language.questions.wanted import MAIN
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.words import is_unspaced
 from lpslam.language.wishes.codes import asked_codes

@@ -5,13 +5,14 @@ A code is a number, a letter with one (B31, 3.14, 2-105), or a letter that stand
 
 import re
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import Self
 
 from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.hours import without_hours
 from lpslam.language.tables.lexicon import read_table
 from lpslam.language.tables.words import is_unspaced
-from lpslam.language.wishes.code import Code, code_in, range_of
 from lpslam.language.wishes.form import Identity, Sort
 from lpslam.language.wishes.numerals import (
     digit_ordinal,
@@ -45,6 +46,100 @@ _BEFORE, _AFTER = 26, 8  # letters around a code in which the word for what is n
 _FEWEST_SPOKEN = 3  # digits of a number in words that is a room's where nothing says so
 _NUMBER_WORD = re.compile(r"(?<!\w)(?:number|nummer|numéro|número|the|die|den|der|das|el|la|le|les|los|las)(?!\w)")
 _FEW_WORDS, _SHORT = 2, 16  # words and letters of a question that may be no more than a number
+_COUNTERS = " 号號番번-の"
+_COUNTED = re.compile("^호 ?(?=[가-힣])")  # 2호 엘리베이터 is a lift, 203호 a room
+_LISTED = re.compile(r"^(?:[・·、]\d{1,4})+")  # further numbers of the same: 3・4番線
+_LETTER_BEFORE = re.compile(r"(?<![^\W_])[b-df-hj-np-tv-xz]$")  # no word of any language: “B seven”
+_BETWEEN = re.compile(_AMOUNTS["between"])
+"""What may stand between “gates” and a number: other numbers, “no.”, “and”."""
+_LEVELS = frozenset({"floor"})
+_ORDINAL_BEFORE = re.compile(r"\d(?:st|nd|rd|th|\.|er|e|ère|ème|º|ª|°)? $")  # “3rd floor: 301–312”
+_NUMBERED_ONE = re.compile(r"(?<![\w.,:])(\d{3,4})er(?!\w)")  # “der 117er”
+_NUMBER_SIGN = re.compile(r"(?<!\w)(?:n\.? ?°|n\.?[or]s?\.?) ?(?=\d)")  # “n° 4”, “n.º 4” as cleaned, “Nr. 4”
+_ZEROS_IN_WORDS = re.compile(r"(?<=[a-z])0+(?=[a-z])|(?<![a-z\d])0(?=[a-z]{2})")
+_LETTER_APART = re.compile(r"(?<![^\W_])a (?=\d{2,4}(?!\w))")
+_TOKEN = re.compile(r"(?<![a-z\d])(?=[a-z.-]*\d|\d)[a-z\d]+(?:[.-][a-z\d]+)*(?![a-z\d])")
+_LEADING_ZEROS = re.compile(r"(?<=[a-z][-.])[0o]+(?=\d)")  # C-O3 is asked for as C-3
+_ALIKE = str.maketrans("oilzsb", "011258", ".- ")
+_LAST_LETTER = re.compile(r"(?<=[^\W\d_] )[A-Z]$")
+_LETTERED = re.compile(r"\d{1,4}[a-z]")
+_UNSPACED_ALONE = re.compile("[〇零一二三四五六七八九十百]{1,5}|[영공일이삼사오육칠팔구십백]{1,5}")
+_LETTER_ALONE = re.compile(r"(?<!\w)[b-z] $")
+_HOW_MANY = re.compile(rf"(?<!\w)(?:{_AMOUNTS['how many']}) \d+")  # “a gift for 20”
+_AFTER_POINT = re.compile(r"\w\.$")
+
+
+@dataclass(frozen=True, slots=True)
+class Code:
+    """Letters, a number (None: letters alone), the rest, what is numbered; and the last code, where it is a range."""
+
+    letters: str
+    number: int | None
+    rest: str
+    of: frozenset[str]
+    until: Self | None = None
+
+    @property
+    def value(self) -> str:
+        """As it is compared: "b31"."""
+        return f"{self.letters}{'' if self.number is None else self.number}{self.rest}"
+
+    def bears(self, asked: "Code") -> bool:
+        """Whether this code, or range of codes, of a board is or contains the one that is asked for."""
+        if self.of and asked.of and self.of.isdisjoint(asked.of):
+            return False
+        if self.until is not None and self.number is None:
+            is_alike = len(asked.letters) == len(self.letters) and asked.number is None and not asked.rest
+            return is_alike and self.letters <= asked.letters <= self.until.letters
+        if self.number is None:
+            return asked.letters == self.letters and not asked.rest and bool(self.of or asked.number is None)
+        if asked.letters != self.letters:
+            return False
+        if asked.number is None:
+            # “Gates A” are A1 to A15.
+            return bool(self.of & asked.of)
+        if self.until is None:
+            return (asked.number, asked.rest) == (self.number, self.rest)
+        if self.until.number is None or self.rest:
+            return asked.number == self.number and _between(self.rest, asked.rest, self.until.rest)
+        # M1-4 lies in M1 to M8, and 3.05 not in 1 to 6.
+        last = int(asked.rest[1:]) if re.fullmatch(r"-\d+", asked.rest) else asked.number
+        is_one = not asked.rest or asked.rest.isalpha() or last > asked.number
+        return is_one and self.number <= asked.number <= last <= self.until.number
+
+
+def code_in(text: str, of: frozenset[str]) -> Code:
+    """Return the code that a text without case is."""
+    bare = re.sub(r"(?<=[a-z])[-. ](?=\d)|(?<=\d) (?=[a-z])", "", text)
+    found = re.match(r"([a-z]{0,2})(\d{1,4})(.*)$", bare)
+    if found is None:
+        return Code(bare, None, "", of)
+    return Code(found.group(1), int(found.group(2)), found.group(3), of)
+
+
+def range_of(first: str, last: str, of: frozenset[str]) -> Code | None:
+    """Return the range from one code to another, which may leave out what both begin with; None where it is none."""
+    one, end = code_in(first, of), code_in(last, of)
+    if one.number is not None and end.number is None:
+        # 2A–F
+        end = replace(one, rest=end.letters)
+    if one.number is None or end.number is None:
+        is_range = one.number == end.number and one.letters < end.letters and len(one.letters) == len(end.letters)
+        return replace(one, until=end) if is_range and of else None
+    if end.letters not in (one.letters, ""):
+        return None
+    if one.rest:
+        is_range = one.number == end.number and _between(one.rest, end.rest, end.rest)
+    else:
+        is_range = one.number <= end.number and not end.rest
+    return replace(one, until=end) if is_range else None
+
+
+def _between(first: str, rest: str, last: str) -> bool:
+    """Whether what follows a number lies between what follows two: .05 between .01 and .12, d between a and f."""
+    keys = [(each[:1].isalpha(), int(each[1:]) if each[1:].isdigit() else each) for each in (first, rest, last)]
+    kinds = {(is_letter, type(key)) for is_letter, key in keys}
+    return len(kinds) == 1 and keys[0] <= keys[1] <= keys[2]
 
 
 @lru_cache(maxsize=1)
@@ -84,14 +179,6 @@ def _of_code(text: str, start: int, end: int) -> frozenset[str]:
     return word[0] | ahead if is_unspaced_after or not word[0] else word[0]
 
 
-_COUNTERS = " 号號番번-の"
-_COUNTED = re.compile("^호 ?(?=[가-힣])")  # 2호 엘리베이터 is a lift, 203호 a room
-_LISTED = re.compile(r"^(?:[・·、]\d{1,4})+")  # further numbers of the same: 3・4番線
-_LETTER_BEFORE = re.compile(r"(?<![^\W_])[b-df-hj-np-tv-xz]$")  # no word of any language: “B seven”
-_BETWEEN = re.compile(_AMOUNTS["between"])
-"""What may stand between “gates” and a number: other numbers, “no.”, “and”."""
-
-
 def _of_board_code(text: str, start: int, end: int) -> frozenset[str]:
     """What is numbered by a code of a board; other words may stand between: “Caisses automatiques 13-20”."""
     of = _of_code(text, start, end)
@@ -117,14 +204,6 @@ def _last_words(text: str) -> list[tuple[re.Match[str], frozenset[str]]]:
     ]
 
 
-_LEVELS = frozenset({"floor"})
-_ORDINAL_BEFORE = re.compile(r"\d(?:st|nd|rd|th|\.|er|e|ère|ème|º|ª|°)? $")  # “3rd floor: 301–312”
-
-
-_NUMBERED_ONE = re.compile(r"(?<![\w.,:])(\d{3,4})er(?!\w)")  # “der 117er”
-_NUMBER_SIGN = re.compile(r"(?<!\w)(?:n\.? ?°|n\.?[or]s?\.?) ?(?=\d)")  # “n° 4”, “n.º 4” as cleaned, “Nr. 4”
-
-
 @lru_cache(maxsize=_KEPT)
 def _folded(text: str) -> str:
     clean = _NUMBER_SIGN.sub("", clean_text(text).casefold())
@@ -145,13 +224,6 @@ def _is_number(folded: str, hit: re.Match[str]) -> bool:
     thing = _classes()[0].match(rest.removeprefix(" ") if hit["hangul"] is not None and len(numeral) > 1 else rest)
     is_told = folded[: hit.start()].endswith(("第", "제"))
     return thing is not None and len(numeral + thing.group()) + is_told >= _FEWEST_TOGETHER and numeral not in "两兩"
-
-
-_ZEROS_IN_WORDS = re.compile(r"(?<=[a-z])0+(?=[a-z])|(?<![a-z\d])0(?=[a-z]{2})")
-_LETTER_APART = re.compile(r"(?<![^\W_])a (?=\d{2,4}(?!\w))")
-_TOKEN = re.compile(r"(?<![a-z\d])(?=[a-z.-]*\d|\d)[a-z\d]+(?:[.-][a-z\d]+)*(?![a-z\d])")
-_LEADING_ZEROS = re.compile(r"(?<=[a-z][-.])[0o]+(?=\d)")  # C-O3 is asked for as C-3
-_ALIKE = str.maketrans("oilzsb", "011258", ".- ")
 
 
 def _board(text: str) -> str:
@@ -198,9 +270,6 @@ def board_codes(text: str) -> tuple[Code, ...]:
     return tuple(found)
 
 
-_LAST_LETTER = re.compile(r"(?<=[^\W\d_] )[A-Z]$")
-
-
 def asked_codes(text: str) -> list[Code]:
     """Return the codes that a question asks for: beside what is numbered, or of a letter and a number.
 
@@ -244,9 +313,6 @@ def _without_quantities(folded: str) -> str:
     )
 
 
-_LETTERED = re.compile(r"\d{1,4}[a-z]")
-
-
 def all_numbers(text: str) -> list[Code]:
     """Return all numbers that a text says, in digits or words, of whatever."""
     said = with_digits(_folded(text), lambda at: True, lambda at: True)
@@ -269,9 +335,6 @@ def spoken_numbers(text: str) -> list[Code]:
     return [code_in(number, frozenset()) for number in numbers if number not in painted]
 
 
-_UNSPACED_ALONE = re.compile("[〇零一二三四五六七八九十百]{1,5}|[영공일이삼사오육칠팔구십백]{1,5}")
-
-
 def lettered_numbers(text: str) -> list[Code]:
     """Return what may be a letter and a number as they are called, of whatever: “I leave from bee twelve”."""
     lettered = with_letters(_folded(text), lambda *_: True)
@@ -279,17 +342,11 @@ def lettered_numbers(text: str) -> list[Code]:
     return [code_in(hit.group(), frozenset()) for hit in re.finditer(r"(?<!\w)[a-z] \d{1,4}(?!\w)", said)]
 
 
-_LETTER_ALONE = re.compile(r"(?<!\w)[b-z] $")
-
-
 def codes_said(text: str) -> list[Code]:
     """Return every number and code in digits, of whatever; times and amounts apart."""
     said = _HOW_MANY.sub(" ", _QUANTITY.sub(" ", _folded(text)))
     every = (code_in(hit.group(1), frozenset()) for hit in _CODE.finditer(said))
     return [code for code in every if code.number is not None]
-
-
-_HOW_MANY = re.compile(rf"(?<!\w)(?:{_AMOUNTS['how many']}) \d+")  # “a gift for 20”
 
 
 @lru_cache(maxsize=_KEPT)
@@ -301,9 +358,6 @@ def _digits_in(folded: str) -> str:
         lambda at: _follows(folded, at) or _AFTER_POINT.search(folded[:at]) is not None,
         lambda at: _leads(folded, at),
     )
-
-
-_AFTER_POINT = re.compile(r"\w\.$")
 
 
 def in_digits(text: str) -> str:

@@ -6,7 +6,11 @@ Language says what is meant, the map says where and which: nothing here holds a 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from enum import StrEnum
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import Field, TypeAdapter, ValidationError
+
+_DEEPEST = 15  # levels of a document; an anchor is two below its stop
 
 
 class Ask(StrEnum):
@@ -134,14 +138,14 @@ class Stop:
     without: tuple["Stop", ...] = ()
     identity: tuple[Identity, ...] = ()
     which: Which = Which.ANY
-    rank: int = 1
+    rank: Annotated[int, Field(ge=1)] = 1
     relation: Relation | None = None
     anchor: tuple["Stop", ...] = ()
     start: "Stop | None" = None
     ask: Ask = Ask.WHERE
     whole: str = ""
     contradiction: str = ""
-    at: tuple[int, ...] = ()
+    at: tuple[Annotated[int, Field(ge=0, lt=24 * 60)], ...] = ()
     floor: Floor | None = None
     unplaced: str = ""
     same_side: bool = False
@@ -180,18 +184,13 @@ class Wish:
         Raises:
             ValueError: it is none.
         """
+        if not _ends_within(tree, _DEEPEST):
+            raise ValueError("this is no wish: anchors of anchors of anchors")
         try:
-            stops = tuple(_stop_of(each) for each in tree["stops"])
-            language = tree.get("language")
-            instead = tree.get("instead")
-            return cls(
-                stops,
-                None if language is None else str(language),
-                _texts(tree.get("notes", ())),
-                None if instead is None else cls.from_document(instead),
-            )
-        except (KeyError, TypeError, AttributeError) as error:
-            raise ValueError(f"this is no wish: {error!r}") from error
+            return TypeAdapter(cls).validate_python(tree)
+        except ValidationError as error:
+            first = error.errors()[0]
+            raise ValueError(f"this is no wish: {'.'.join(map(str, first['loc']))}: {first['msg']}") from error
 
     def __str__(self) -> str:
         """What was understood, in a line: "toilet, nearest, near (exit)"."""
@@ -231,40 +230,10 @@ def told(stop: Stop) -> str:
     return ", ".join(parts)
 
 
-def _stop_of(tree: Mapping[str, Any], depth: int = 0) -> Stop:
-    if depth > 3:
-        raise TypeError("anchors of anchors of anchors")
-    start = tree.get("start")
-    relation = tree.get("relation")
-    language = tree.get("language")
-    floor = tree.get("floor")
-    return Stop(
-        str(tree["what"]),
-        _texts(tree.get("kinds", ())),
-        _texts(tree.get("refused", ())),
-        tuple(_stop_of(each, depth + 1) for each in tree.get("without", ())),
-        tuple(
-            Identity(Sort(each["sort"]), str(each["value"]), _texts(each["of"])) for each in tree.get("identity", ())
-        ),
-        Which(tree.get("which", "any")),
-        max(1, int(tree.get("rank", 1))),
-        None if relation is None else Relation(relation),
-        tuple(_stop_of(each, depth + 1) for each in tree.get("anchor", ())),
-        None if start is None else _stop_of(start, depth + 1),
-        Ask(tree.get("ask", "where")),
-        str(tree.get("whole", "")),
-        str(tree.get("contradiction", "")),
-        tuple(int(each) % (24 * 60) for each in tree.get("at", ())),
-        None if floor is None else Floor(Counting(floor["counting"]), int(floor["number"])),
-        str(tree.get("unplaced", "")),
-        bool(tree.get("same_side", False)),
-        tuple(_stop_of(each, depth + 1) for each in tree.get("among", ())),
-        None if language is None else str(language),
-    )
-
-
-def _texts(given: Sequence[object]) -> tuple[str, ...]:
-    return tuple(str(each) for each in given)
+def _ends_within(tree: object, levels: int) -> bool:
+    """Whether a part of a document holds no more than so many levels of others."""
+    inner = tree.values() if isinstance(tree, Mapping) else tree if isinstance(tree, list | tuple) else ()
+    return levels > 0 and all(_ends_within(each, levels - 1) for each in inner)
 
 
 def with_meaning(stop: Stop, kinds: Sequence[str], refused: Sequence[str]) -> Stop:

@@ -1,31 +1,99 @@
 """Guesses beside what the tables found: they answer where tables find nothing sure, and may doubt what those found."""
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cached_property
 
+from lpslam.language.choosing.evidence import CLUES, Support
 from lpslam.language.choosing.guessing import LEAST_SURE, Found, Guess, Guessing, Heard
 from lpslam.language.choosing.landmark_index import LandmarkIndex
-from lpslam.language.choosing.serving import best_of
-from lpslam.language.choosing.support import Support
+from lpslam.language.choosing.serving import FITS, best_of, likeness, match
 from lpslam.language.questions.phrasing import answer_language, phrases_in
+from lpslam.language.questions.question import read_part
 from lpslam.language.questions.wanted import Wish as Meaning
 from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.knowledge import Knowledge
+from lpslam.language.tables.states import together_in
+from lpslam.language.tables.words import is_mark, longest_phrases
+from lpslam.language.wishes.board_words import AskedWords
 from lpslam.language.wishes.form import Stop, Which
 from lpslam.language.wishes.names import Names
 from lpslam.language.wishes.served import AS_WELL, Served, Way
 
+_RIVALS = 0.97  # of the best score: what serves as well
+_MOST_UNITS = 20  # units of a question that count as many
 _LEAST_OFFERED = 0.25  # probability of a guess from which it fills a gap in a plan
 LEAST_IN_SPITE = 0.75  # probability from which what hears no negation, or no name, answers in spite of one
 IN_SPITE = LEAST_IN_SPITE / LEAST_SURE  # strictness of what answers in spite of what was read
 KIND_SURE = 0.6 / LEAST_SURE  # strictness of a kind: of those below, fewer than two of three were right
 _READ = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
-
 Trusted = Callable[[Mapping[int, float]], dict[int, float]]
 """Leaves of landmarks with scores those that are believed."""
 Clues = Mapping[str, float]
-"""What tells how sure what the tables found is (`certainty.py`)."""
+"""What tells how sure what the tables found is (`clues_of`)."""
+
+
+def clues_of(served: Served, index: LandmarkIndex, asked: AskedWords, knowledge: Knowledge) -> dict[str, float]:
+    """Return what tells how sure it is that the best of what serves is what was meant, each about 0 to 1."""
+    text = served.stop.what
+    wish = read_part(text, served.stop.language, knowledge)
+    best = best_of(served.scores)
+    top = served.scores[best]
+    kinds = index.signs[best].kinds
+    stop = served.stop
+    # What a place, an order or an exclusion tells apart are no rivals.
+    is_told = stop.relation is not None or stop.which is not Which.ANY or bool(stop.without)
+    rivals = {} if is_told else served.scores
+    group_of = index.group_of
+    group = group_of[best]
+    others = [score for id_, score in rivals.items() if group_of[id_] != group]
+    ties = {group, *(group_of[id_] for id_, score in rivals.items() if score >= _RIVALS * top)}
+    meant = {concept: weight for concept, weight in wish.wanted if match(concept, kinds, knowledge) >= FITS}
+    language = wish.language or next(iter(asked.likely(text)), "en")
+    units = knowledge.folder.units(text)
+    common = knowledge.common.get(language, frozenset())
+    own = [at for at, unit in enumerate(units) if not is_mark(unit) and unit not in common]
+    known: set[int] = set()
+    telling: set[int] = set()
+    longest, several = 0, False
+    for span in longest_phrases(units, knowledge.tables_of(language)):
+        known.update(range(span.start, span.end))
+        if any(concept in meant for concept, _ in span.value.concepts):
+            telling.update(range(span.start, span.end))
+            longest = max(longest, min(len(span.key), 20))
+            several = several or span.end - span.start > 1
+    for together in together_in(units, knowledge.states(language)):
+        known.update(together.units)
+        if together.concept in meant:
+            telling.update(together.units)
+            several = True
+    words = max(len(own), 1)
+    weight = dict(wish.wanted)
+    direct = max((weight[each] * likeness(each, kinds, knowledge) for each in meant), default=0.0)
+    offered = max((weight[each] * match(each, kinds, knowledge) for each in meant), default=0.0)
+    is_kind = served.way is Way.KIND
+    clues = {
+        "is one": direct if is_kind else 0.0,
+        "offers it": offered if is_kind and not direct else 0.0,
+        "longest phrase": longest / 10.0 if is_kind else 0.0,
+        "phrase of several words": float(is_kind and several),
+        "unread signs": index.unread,
+        "strength": served.strength if is_kind else 0.0,
+        "strength of words": served.strength if served.way in (Way.WORDS, Way.NAME) else 0.0,
+        "lead by tables": (top - max(others, default=0.0)) / top,
+        "rivals": math.log(len(ties)),
+        "says so": sum(at in telling for at in own) / words if is_kind else 0.0,
+        "not known": sum(at not in known for at in own) / words,
+        "length": math.log1p(min(len(own), _MOST_UNITS)),
+        "wants much": math.log1p(len(wish.wanted)),
+        "only general": float(bool(meant) and all(each in knowledge.general for each in meant)),
+        "sign of many kinds": math.log1p(len(kinds)),
+        "brand": float(bool(index.signs[best].identity)),
+        "language not told": float(wish.language is None),
+    }
+    clues |= {name: served.heard.get(name, 0.0) for name in CLUES}
+    return clues | {"name": float(served.way is Way.NAME), "guess": float(served.way is Way.GUESS)}
 
 
 def is_told(stop: Stop) -> bool:

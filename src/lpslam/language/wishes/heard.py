@@ -22,16 +22,14 @@ _APART = 0.05  # by which the name that sounds likest must lead
 _SPELT_APART = 1  # letters by which surnames of one sound may differ in length
 _RUN = 4  # words that may be one name
 _CONSONANT = str.maketrans("vbplgckqzjxd", "fffrkkkksss" + "t", "aeiouhwy")
+Name = tuple[str, Sequence[str], Sequence[str]]
+"""A board's name in Latin letters: all of it, its words in order, and its runs of scripts without spaces."""
 
 
 @lru_cache(maxsize=1)
 def _spellings() -> tuple[tuple[re.Pattern[str], str], ...]:
     """One spelling for each sound, in the order in which they are looked for."""
     return tuple((re.compile(pattern), sound) for pattern, sound in read_table("wishes/spellings.json"))
-
-
-Name = tuple[str, Sequence[str], Sequence[str]]
-"""A board's name in Latin letters: all of it, its words in order, and its runs of scripts without spaces."""
 
 
 def by_ear(latin: str) -> str:

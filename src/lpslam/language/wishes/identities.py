@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cache, cached_property
 
 from lpslam.language.languages import UNSPACED
 from lpslam.language.model import Candidate
@@ -10,8 +10,8 @@ from lpslam.language.questions.question import read_question
 from lpslam.language.questions.speaking import wish_languages
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.words import UNSPACED_RUN
-from lpslam.language.wishes.code import Code
 from lpslam.language.wishes.codes import (
+    Code,
     alike_key,
     all_numbers,
     asked_codes,
@@ -25,8 +25,7 @@ from lpslam.language.wishes.codes import (
 )
 from lpslam.language.wishes.form import Identity, Sort, Stop
 from lpslam.language.wishes.names import Names
-from lpslam.language.wishes.refusals import letter_of
-from lpslam.language.wishes.rules import content_of, person_of
+from lpslam.language.wishes.rules import content_of, letter_of, person_of
 from lpslam.language.wishes.served import AS_WELL
 
 _SURE = 1.0  # of a code or person
@@ -44,16 +43,12 @@ class Identities:
     def __init__(self, landmarks: Sequence[Candidate], names: Names, knowledge: Knowledge) -> None:
         self._landmarks, self._names, self._knowledge = landmarks, names, knowledge
         self._by_id = {mark.id: mark for mark in landmarks}
-        self._codes: dict[int, list[Code]] = {}
+        self.codes_of = cache(self._codes_of)
 
-    def codes_of(self, id_: int) -> list[Code]:
+    def _codes_of(self, id_: int) -> list[Code]:
         """The codes of one board, read when they are first asked for."""
-        found = self._codes.get(id_)
-        if found is None:
-            mark = self._by_id[id_]
-            texts = dict.fromkeys((mark.name, *mark.lines))
-            found = self._codes[id_] = [code for text in texts for code in board_codes(text)]
-        return found
+        mark = self._by_id[id_]
+        return [code for text in dict.fromkeys((mark.name, *mark.lines)) for code in board_codes(text)]
 
     @cached_property
     def codes(self) -> dict[int, list[Code]]:

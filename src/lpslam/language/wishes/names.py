@@ -5,13 +5,13 @@ Names are compared folded, in part, with a few wrong letters, and in Latin lette
 
 import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 from anyascii import anyascii
-from rapidfuzz import fuzz, process
-from rapidfuzz.distance import OSA, Levenshtein
+from rapidfuzz import process
+from rapidfuzz.distance import OSA
 
 from lpslam.language.choosing.landmark_index import MANY
 from lpslam.language.kept import kept
@@ -22,8 +22,6 @@ from lpslam.language.tables.lexicon import read_table
 from lpslam.language.tables.words import UNSPACED_RUN, Folder, is_mark, is_unspaced
 from lpslam.language.wishes.heard import HeardNames, sound_the_same
 
-_SAME = 88.0  # of 100: two known words of a name are the same but for a reader's or a typist's slip
-_SAME_PERSON = 90.0  # of 100: Schmidt and Schmitt may be two people, Schneider and Schnieder one
 _FAR = 9  # letters of a word in which two slips are forgiven
 _LONG = 5  # letters of a word in which a slip is forgiven
 _STEM, _STEM_SHARE = 5, 0.6  # letters with which words begin alike, at least, and their share of the shorter one
@@ -64,12 +62,14 @@ class Names:
         self._knowledge = knowledge
         self._repair = repair
         self._words = self._all_words(landmarks)
-        self._ids_of: dict[str, set[int]] = {}
-        for id_, lines in self._words.items():
-            for piece in {piece for line in lines for piece in (*line.units, *pairs_of(line.runs))}:
-                self._ids_of.setdefault(piece, set()).add(id_)
-        self._borne: dict[str, set[int]] = {}  # by words of late: they are asked for again and again of one question
-        self._long = [unit for unit in self._ids_of if len(unit) >= _LONG]
+        self._rows = [(id_, line) for id_, lines in self._words.items() for line in lines]
+        self._rows_of: dict[str, set[int]] = {}
+        for row, (_, line) in enumerate(self._rows):
+            for piece in {*line.units, *pairs_of(line.runs)}:
+                self._rows_of.setdefault(piece, set()).add(row)
+        # Words are asked for again and again of one question.
+        self._bearing = lru_cache(maxsize=_KEPT)(self._near)
+        self._long = [unit for unit in self._rows_of if len(unit) >= _LONG]
 
     def _all_words(self, landmarks: Sequence[Candidate]) -> dict[int, list[Words]]:
         """The words of each line of boards, the name first and then all lines together; kept where they are many."""
@@ -103,15 +103,14 @@ class Names:
 
     def bearing(self, piece: str) -> set[int]:
         """Landmarks whose boards bear a word just so, or two characters of a script without spaces."""
-        return self._ids_of.get(piece, set())
+        return self._ids(self._rows_of.get(piece, ()))
+
+    def _ids(self, rows: Iterable[int]) -> set[int]:
+        return {self._rows[row][0] for row in rows}
 
     def name_of(self, id_: int) -> str:
         """The name of a board: its first line."""
         return self._words[id_][0].text if self._words[id_] else ""
-
-    def is_name_of(self, id_: int, words: Sequence[str]) -> bool:
-        """Whether the first line of a board bears some words."""
-        return any(self._share(words, line) > 0.0 for line in self._words[id_][:1])
 
     def told_by(self, text: str, ids: Sequence[int]) -> list[int]:
         """The one of some landmarks of whose name a word stands in a text that no other's name has."""
@@ -131,44 +130,42 @@ class Names:
             alike = next((at for at, (a, b) in enumerate(zip(word, unit, strict=False)) if a != b), None)
             common = min(len(word), len(unit)) if alike is None else alike
             if unit != word and common >= _STEM_SHARE * min(len(word), len(unit)):
-                found |= self._ids_of[unit]
+                found |= self.bearing(unit)
         return found
 
     @cached_property
     def _by_stem(self) -> dict[str, list[str]]:
         found: dict[str, list[str]] = {}
-        for unit in self._ids_of:
+        for unit in self._rows_of:
             if len(unit) >= _STEM and not is_unspaced(unit):
                 found.setdefault(unit[:_STEM], []).append(unit)
         return found
 
-    def _bearing(self, word: str) -> set[int]:
-        """Landmarks that may bear a word: its own, one a slip away, or all pairs of its characters."""
+    def _near(self, word: str, most_slips: int = 2) -> set[int]:
+        """The lines that may bear a word: its own, one a slip away, or all pairs of its characters."""
         if is_unspaced(word):
-            pairs = [self._ids_of.get(pair, set()) for pair in pairs_of((word,))]
+            pairs = [self._rows_of.get(pair, set()) for pair in pairs_of((word,))]
             return set.intersection(*pairs) if pairs else set()
-        ids = self._borne.get(word)
-        if ids is None:
-            ids = set(self._ids_of.get(word, ()))
-            if len(word) >= _LONG:
-                slips = _slips(word)
-                near = process.extract(word, self._long, scorer=Levenshtein.distance, score_cutoff=slips, limit=None)
-                ids.update(*(self._ids_of[unit] for unit, _, _ in near))
-            # Replaced, not changed: threads ask at the same time.
-            self._borne = {**(self._borne if len(self._borne) < _KEPT else {}), word: ids}
-        return ids
+        rows = set(self._rows_of.get(word, ()))
+        if len(word) >= _LONG:
+            slips = min(most_slips, 1 if len(word) < _FAR else 2)
+            near = process.extract(word, self._long, scorer=OSA.distance, score_cutoff=slips, limit=None)
+            rows.update(*(self._rows_of[unit] for unit, _, _ in near))
+        return rows
 
-    def covered(self, content: Sequence[str]) -> dict[int, float]:
-        """Return by landmark how much of a board's letters is asked for, where it bears all words; 0 < share <= 1."""
-        if not content:
-            return {}
-        ids = set.intersection(*(self._bearing(word) for word in content))
-        shares = {id_: max(self._share(content, line) for line in self._words[id_]) for id_ in sorted(ids)}
-        return {id_: share for id_, share in shares.items() if share > 0.0}
+    def covered(self, content: Sequence[str], is_name: bool = False) -> dict[int, float]:
+        """Return by landmark how much of a line's letters is asked for, where it bears all words; 0 < share <= 1.
+
+        `is_name` says that only the first lines of boards count.
+        """
+        found: dict[int, float] = {}
+        for row in sorted(set.intersection(*map(self._bearing, content))) if content else ():
+            id_, line = self._rows[row]
+            if not is_name or line is self._words[id_][0]:
+                found[id_] = max(found.get(id_, 0.0), self._share(content, line))
+        return {id_: share for id_, share in found.items() if share > 0.0}
 
     def _share(self, content: Sequence[str], line: Words) -> float:
-        if not all(_bears(line, word) for word in content):
-            return 0.0
         # Of a board in two scripts, the letters of the one that is asked in.
         in_runs, in_units = sum(map(len, line.runs)), sum(map(len, line.units))
         asked_in = {is_unspaced(word) for word in content}
@@ -195,8 +192,9 @@ class Names:
         words = self._knowledge.folder.fold(name).replace("-", " ").split()
         # Boards have units without an “s” that may be a plural's.
         forms = [{word, *self._knowledge.folder.units(word)} for word in words]
-        near = set().union(*(self._bearing(form) for form in forms[0])) if forms else set()
-        found = [id_ for id_ in sorted(near) if any(all(_bears_person(e, f) for f in forms) for e in self._words[id_])]
+        # Schneider is no Schneiderei.
+        rows = [set().union(*(self._bearing(form, 1) for form in each)) for each in forms]
+        found = sorted(self._ids(set.intersection(*rows))) if rows else []
         return found or self._in_another_script(words) or self._surnames_heard(_latin(words[-1]) if words else "")
 
     def _in_another_script(self, words: Sequence[str]) -> list[int]:
@@ -212,9 +210,9 @@ class Names:
         if len(surname) < _SHORTEST:
             return []
         heard = [
-            ids for word, ids in self._ids_of.items() if word not in load_words() and sound_the_same(surname, word)
+            rows for word, rows in self._rows_of.items() if word not in load_words() and sound_the_same(surname, word)
         ]
-        return sorted(heard[0]) if len(heard) == 1 else []
+        return sorted(self._ids(heard[0])) if len(heard) == 1 else []
 
 
 @lru_cache(maxsize=1)
@@ -232,45 +230,6 @@ def _begins_with(line: Words, written: set[str]) -> bool:
 def pairs_of(runs: Sequence[str]) -> list[str]:
     """Every two characters that follow one another, and every one: by them runs are found that hold a shorter one."""
     return [run[at : at + 2] for run in runs for at in range(max(1, len(run) - 1))]
-
-
-def _bears(line: Words, word: str) -> bool:
-    if is_unspaced(word):
-        return any(word in run for run in line.runs)
-    if word in line.units:
-        return True
-    if len(word) < _LONG:
-        return False
-    return any(
-        len(unit) >= _LONG
-        and (word[0] == unit[0] or len(word) >= _FAR - 1)
-        and (Levenshtein.distance(word, unit) <= _slips(word) if word not in load_words() else _is_same(word, unit))
-        for unit in line.units
-    )
-
-
-def _is_same(word: str, unit: str) -> bool:
-    """Whether two words are one, of which the first is a word by itself: it is hardly a slip of another."""
-    return word[0] == unit[0] and fuzz.ratio(word, unit) >= _SAME
-
-
-def _slips(word: str) -> int:
-    """How many wrong letters are forgiven in a word."""
-    return 0 if len(word) < _LONG else 1 if len(word) < _FAR else 2
-
-
-def _bears_person(line: Words, forms: set[str]) -> bool:
-    """Whether a line bears a name in one of its forms, or one a slip away; who writes another name means another."""
-    if any(form in line.units or (is_unspaced(form) and any(form in run for run in line.runs)) for form in forms):
-        return True
-    pairs = [(form, unit) for form in forms if len(form) >= _LONG for unit in line.units]
-    is_known = not forms.isdisjoint(load_words())
-    return any(
-        OSA.distance(form, unit, score_cutoff=1) <= 1
-        if not is_known
-        else abs(len(form) - len(unit)) <= 1 and fuzz.ratio(form, unit) >= _SAME_PERSON
-        for form, unit in pairs
-    )
 
 
 def _latin(text: str) -> str:

@@ -29,6 +29,7 @@ _BROKEN = re.compile(r"[^\w\s-]|_|\d")  # what does not stand within a number
 _HAN = {ch: at for at, ch in enumerate("〇一二三四五六七八九")} | {"零": 0, "两": 2, "兩": 2}
 _HANGUL = {ch: at for at, ch in enumerate("영일이삼사오육칠팔구")} | {"공": 0}
 _STEPS = {"十": 10, "百": 100, "십": 10, "백": 100}
+_POINT = re.compile(r"(?<!\w)(\w+) (?:point|dot|punkt|punto) (?=(\w+))")
 
 
 @lru_cache(maxsize=1)
@@ -214,9 +215,6 @@ def with_digits(folded: str, follows: Callable[[int], bool], leads: Callable[[in
 def with_points(folded: str) -> str:
     """Return a text in which points that are said between numbers are points: “one point oh seven” → “one.oh seven”."""
     return _POINT.sub(lambda hit: f"{hit[1]}." if all(map(_is_number, hit.groups())) else hit.group(), folded)
-
-
-_POINT = re.compile(r"(?<!\w)(\w+) (?:point|dot|punkt|punto) (?=(\w+))")
 
 
 def _is_number(word: str) -> bool:

@@ -11,7 +11,6 @@ from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.hours import asked_time
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.words import UNSPACED_RUN, is_mark
-from lpslam.language.wishes.attributes import attributes_of
 from lpslam.language.wishes.chains import (
     FEWEST_LISTED,
     are_things,
@@ -38,6 +37,7 @@ from lpslam.language.wishes.form import (
     Wish,
 )
 from lpslam.language.wishes.rules import LONGEST, Row, Rules, content_left, person_of, rules_of
+from lpslam.language.wishes.sorts import attributes_of
 
 _ENDS = " .。!！?？,，、;；¿¡"
 _MOST_STOPS = 6
@@ -221,7 +221,7 @@ def _stop(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: in
             left = ""
     is_any = ask in OF_ANY_PLACE or (not left and (is_placed or ask is Ask.LIST))
     which = stop.which
-    opposed = sorted({each.value for each in _orders(what, languages)} & _OPPOSED)
+    opposed = sorted({each.value for each, _ in _orders(what, languages)} & _OPPOSED)
     if which is Which.ANY and ask in LISTED:
         which = Which.ALL
     return replace(
@@ -362,22 +362,20 @@ def _asked(text: str, languages: tuple[str, ...]) -> tuple[Ask, str]:
     return Ask.WHERE, languages[0] if languages else "en"
 
 
-def _ordered(text: str, languages: tuple[str, ...]) -> tuple[Which | None, int]:
+def _orders(text: str, languages: tuple[str, ...]) -> list[tuple[Which, int]]:
+    """All orders that are asked for, each with its rank, in the first language that has any."""
     for language in languages:
-        found = rules_of(language).first("orders", text)
-        if found is not None:
-            said = next(
-                (value for name, value in found[1].groupdict().items() if name.startswith("rank") and value), ""
-            )
-            return Which(found[0].then["which"]), rules_of(language).ranks.get(said.casefold(), 1)
-    return None, 1
+        rules, found = rules_of(language), list[tuple[Which, int]]()
+        for row, match in rules.holding("orders", text):
+            said = (value for name, value in match.groupdict().items() if name.startswith("rank") and value)
+            found.append((Which(row.then["which"]), rules.ranks.get(next(said, "").casefold(), 1)))
+        if found:
+            return found
+    return []
 
 
-def _orders(text: str, languages: tuple[str, ...]) -> set[Which]:
-    """All orders that are asked for, in the first language that has any."""
-    every = (rules_of(each) for each in languages)
-    found = ({Which(row.then["which"]) for row, _ in rules.holding("orders", text)} for rules in every)
-    return next((each for each in found if each), set())
+def _ordered(text: str, languages: tuple[str, ...]) -> tuple[Which | None, int]:
+    return next(iter(_orders(text, languages)), (None, 1))
 
 
 def _related(text: str, languages: tuple[str, ...]) -> tuple[Row, re.Match[str], Rules] | None:

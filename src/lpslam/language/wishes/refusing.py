@@ -12,7 +12,7 @@ from lpslam.language.wishes.board_words import BoardWords
 from lpslam.language.wishes.form import Stop
 from lpslam.language.wishes.guesses import LEAST_IN_SPITE
 from lpslam.language.wishes.identities import Identities
-from lpslam.language.wishes.refusals import ALIKE, ALL_REFUSED, LEAST_REFUSED
+from lpslam.language.wishes.rules import ALIKE, ALL_REFUSED, LEAST_REFUSED
 from lpslam.language.wishes.served import Served, Way
 
 _LEAST_READ = 0.4  # probability of what tables read beside what they read as refused
@@ -83,7 +83,7 @@ class Refusing:
     def _serving(self, concepts: Sequence[str]) -> set[int]:
         """All landmarks that are something, or have it of their own."""
         groups = self._index.members
-        matches = (self._index.matches(concept, self._knowledge) for concept in concepts)
+        matches = (self._index.matches(concept) for concept in concepts)
         return {id_ for found in matches for at, share in found.items() if share >= _HAS for id_ in groups[at]}
 
 

@@ -6,14 +6,14 @@ Ids and strings only: where landmarks stand is the map's own knowledge.
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import lru_cache, partial
 
-from lpslam.language.building import steps_of
 from lpslam.language.choosing.choosing import Choosing, Ranked
+from lpslam.language.choosing.evidence import Supported
 from lpslam.language.choosing.guessing import LEAST_SURE
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import FITS, best_of, match
-from lpslam.language.choosing.support import Supported
+from lpslam.language.kept import steps_of
 from lpslam.language.languages import CAPITALS_ARE_NAMES
 from lpslam.language.model import Candidate
 from lpslam.language.questions.phrasing import answer_language, phrases_in
@@ -22,21 +22,17 @@ from lpslam.language.questions.wanted import Wish as Meaning
 from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.reader import SignReader
 from lpslam.language.tables.knowledge import Knowledge
-from lpslam.language.wishes.asked_words import AskedWords
-from lpslam.language.wishes.attributes import attributes_of, told_apart
-from lpslam.language.wishes.board_words import BoardWords
-from lpslam.language.wishes.certainty import clues_of
+from lpslam.language.wishes.board_words import AskedWords, BoardWords
 from lpslam.language.wishes.codes import without_codes
 from lpslam.language.wishes.form import Ask, Stop, with_meaning
-from lpslam.language.wishes.guesses import IN_SPITE, KIND_SURE, LEAST_IN_SPITE, Guesses, is_told
+from lpslam.language.wishes.guesses import IN_SPITE, KIND_SURE, LEAST_IN_SPITE, Guesses, clues_of, is_told
 from lpslam.language.wishes.identities import Identities
 from lpslam.language.wishes.names import Names
-from lpslam.language.wishes.opening import Opening
-from lpslam.language.wishes.refusals import parted
 from lpslam.language.wishes.refusing import Refusing
+from lpslam.language.wishes.rules import parted
 from lpslam.language.wishes.served import AS_WELL, UNQUESTIONED, Served, Way
-from lpslam.language.wishes.sorts import Sorts
-from lpslam.language.wishes.trust import Trust
+from lpslam.language.wishes.sorts import Sorts, attributes_of, told_apart
+from lpslam.language.wishes.trust import Opening, Trust
 
 _FEWEST_TO_TELL_APART = 2
 _SHORT_QUESTION = 8  # words of a question whose capital is the name that it asks for
@@ -48,6 +44,7 @@ _OFFERS = 0.8  # of what is asked for: a place that has it of its own
 _DISTRUSTED = "what the only such board says reads as if it spoke to a machine"
 _NAMED = 0.9  # of what alone tells a place
 _WHOLE = 0.95  # of a name's letters: the name itself
+_KEPT = 8  # stops of which it is kept what they say of the place: one and its parts
 _READ = 0.5  # a wanted concept of this weight is more than “food” or “a shop”
 
 
@@ -74,7 +71,7 @@ class EmbeddedScorer:
         self._trust = Trust(landmarks, index)
         self._trusted = self._trust.of
         self._refusing = Refusing(self.serve, self._boards, self._identities, index, knowledge)
-        self._last_attributes: tuple[tuple[str, str | None], frozenset[tuple[str, str]]] | None = None
+        self._attributes = lru_cache(maxsize=_KEPT)(self._wanted_attributes)
         self._clues = partial(clues_of, index=index, asked=self._asked, knowledge=knowledge)
 
     def steps(self) -> Iterator[None]:
@@ -158,7 +155,7 @@ class EmbeddedScorer:
 
     def _not_otherwise(self, stop: Stop, scores: Mapping[int, float]) -> dict[int, float]:
         """Landmarks that may be trusted, and whose boards say nothing else: the north entrance is not the east one."""
-        asked = self._attributes(stop)
+        asked = self._attributes(stop.what, stop.language)
         return {
             id_: score
             for id_, score in self._trusted(scores).items()
@@ -327,7 +324,7 @@ class EmbeddedScorer:
 
     def _told_apart(self, stop: Stop, scores: Mapping[int, float]) -> dict[int, float]:
         """Of rooms and doors of one kind, those that the wish tells from the others: “the blue lounge”, 北口."""
-        asked = self._attributes(stop)
+        asked = self._attributes(stop.what, stop.language)
         if not asked:
             return dict(scores)
         told = {
@@ -338,15 +335,10 @@ class EmbeddedScorer:
         best = max([0, *(told[id_] for id_, score in scores.items() if score >= least)])
         return {id_: score for id_, score in scores.items() if told[id_] >= best}
 
-    def _attributes(self, stop: Stop) -> frozenset[tuple[str, str]]:
-        """What a stop says of the place that it wants, not of what it refuses."""
-        # It is asked again and again of one stop.
-        last = self._last_attributes
-        if last is None or last[0] != (stop.what, stop.language):
-            parts = parted(stop.what, stop.language or next(iter(self._asked.likely(stop.what)), "en"))
-            found = attributes_of(stop.what if parts is None else parts[0])
-            last = self._last_attributes = (stop.what, stop.language), found
-        return last[1]
+    def _wanted_attributes(self, what: str, language: str | None) -> frozenset[tuple[str, str]]:
+        """What the words of a stop say of the place that it wants, not of what it refuses."""
+        parts = parted(what, language or next(iter(self._asked.likely(what)), "en"))
+        return attributes_of(what if parts is None else parts[0])
 
     def is_understood(self, stop: Stop) -> bool:
         """Whether a stop's words are words for a place at all, on this map or on another."""

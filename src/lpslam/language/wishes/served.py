@@ -9,6 +9,8 @@ from lpslam.language.wishes.form import Stop
 
 _LEAST_ANCHOR = 0.55  # probability of a guess from which it is an anchor, as it is a stop of a plan
 NOT_SURE = "it is not sure what is meant"
+AS_WELL = 0.97
+"""Of the best score: what serves as well."""
 
 
 class Way(StrEnum):
@@ -26,9 +28,6 @@ class Way(StrEnum):
 
 UNQUESTIONED = (Way.PLACE, Way.IDENTITY, Way.SORT, Way.HEARD)
 """What is told by the map, must stand on the board, or sounds like one name alone: no words to be mistaken."""
-
-AS_WELL = 0.97
-"""Of the best score: what serves as well."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,5 +1,6 @@
-"""Places by the sort of building that they are of: departments of a hospital, aisles of a shop, doors of a house."""
+"""What tells places of a map apart: the blue room, the north gate; departments of a hospital, doors of a house."""
 
+import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
@@ -8,14 +9,49 @@ from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.choosing.serving import Kinds, likeness
 from lpslam.language.model import Candidate
 from lpslam.language.questions.wanted import Wish as Meaning
+from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.lexicon import read_table
+from lpslam.language.tables.words import is_unspaced
 from lpslam.language.wishes.form import Ask, Stop, Which
 
 _ANY_SORT = frozenset({"shop", "business", "place"})
 _FEW_OF_A_FAMILY = 3  # rooms of one sort of building that make the map one of it, at least
 _MUCH_OF_A_FAMILY = 0.25  # of all landmarks: fewer aisles of goods are shops of a mall
 _FIRST_OF_ALL = 0.9  # of a kind that a place is, not one that is had there as well
+
+
+@lru_cache(maxsize=1)
+def _patterns() -> Mapping[tuple[str, str], re.Pattern[str]]:
+    """Groups and what each may be, and how that is said; of a group a place has one."""
+    tree: Mapping[str, Mapping[str, str]] = read_table("wishes/attributes.json")
+    return {(group, value): _pattern(joined) for group, values in tree.items() for value, joined in values.items()}
+
+
+def _pattern(joined: str) -> re.Pattern[str]:
+    words = re.split(r"\|(?![^()]*\))", joined)
+    spaced = "|".join(word for word in words if not is_unspaced(word))
+    unspaced = "|".join(word for word in words if is_unspaced(word))
+    # It is looked for in texts without capitals. “Haupt-” and “Süd-” begin words.
+    return re.compile(rf"(?<!\w)(?:{spaced})(?!(?<=\w)[^\W_])|(?<!\w)(?:{_prefixes(words)})|{unspaced}")
+
+
+def _prefixes(words: list[str]) -> str:
+    return "|".join([word for word in words if word.endswith(r"(?=\w)")] or ["(?!)"])
+
+
+@lru_cache(maxsize=1 << 14)
+def attributes_of(text: str) -> frozenset[tuple[str, str]]:
+    """Return what a board or a question says that tells a place from others of its kind: ("colour", "blue")."""
+    folded = clean_text(text).casefold()
+    return frozenset(value for value, pattern in _patterns().items() if pattern.search(folded))
+
+
+def told_apart(asked: frozenset[tuple[str, str]], board: frozenset[tuple[str, str]]) -> int:
+    """Return how much of what is asked a board says, 0 where it is silent, -1 where it says something else of it."""
+    values = dict(board)
+    is_another = any(group in values and (group, value) not in board for group, value in asked)
+    return -1 if is_another else len(asked & board)
 
 
 @lru_cache(maxsize=2)
@@ -68,7 +104,7 @@ class Sorts:
         for kind, _ in meaning.wanted:
             family = self._knowledge.family(kind)
             if family and self._families[family] >= max(_FEW_OF_A_FAMILY, _MUCH_OF_A_FAMILY * len(self._landmarks)):
-                alike = self._index.alike(kind, self._knowledge)
+                alike = self._index.alike(kind)
                 own = {id_ for group, sure in alike.items() if sure >= 0.5 for id_ in self._index.members[group]}
                 others = {
                     other for other, _ in meaning.wanted if other != kind and (self._knowledge.family(other) == family)
