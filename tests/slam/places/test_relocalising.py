@@ -1,6 +1,6 @@
 """Which of the places that could be a lost view's is believed."""
 
-from collections.abc import Iterator
+from dataclasses import replace
 from typing import cast
 
 import numpy as np
@@ -31,13 +31,16 @@ class Places:
 
 
 class Holding:
-    """A locator for which some keyframes hold, each with a pose and so many inliers; remembers what it was asked."""
+    """A locator for which some keyframes hold, each with a pose and so many inliers; remembers what it was asked.
+
+    Of a view that was found at one of `fits`, a part fits so many metres from the first keyframe as well.
+    """
 
     def __init__(
-        self, holds: dict[int, tuple[float, int]], agreement: float = 1.0, alike: tuple[int, ...] = ()
+        self, holds: dict[int, tuple[float, int]], agreement: float = 1.0, fits: dict[int, float] | None = None
     ) -> None:
         self.holds = holds
-        self.alike = alike
+        self.fits = fits or {}
         self.parts: dict[int, Parts] = {}
         self.repeated: tuple[int, ...] = ()
         self.agreement = agreement
@@ -73,9 +76,11 @@ class Holding:
     def is_unique(self, features: Features, located: Located) -> bool:
         return located.keyframe not in self.repeated
 
-    def rivals(self, features: Features, located: Located) -> Iterator[Located]:
-        found = (self.locate(features, keyframe) for keyframe in self.alike)
-        return (rival for rival in found if rival is not None)
+    def fit_elsewhere(self, features: Features, located: Located) -> Located | None:
+        metres = self.fits.get(located.keyframe)
+        if metres is None:
+            return None
+        return replace(located, camera_from_world=inverse_transform(rigid([metres, 0.0, 0.0], [0, 0, 0])))
 
 
 def places_apart(count: int, submaps: dict[int, int] | None = None) -> SlamMap:
@@ -142,12 +147,16 @@ def test_a_place_that_is_told_is_not_believed_where_much_less_agrees_or_two_are_
     assert relocaliser(slam_map, [0.0] * 5, both, advisor).find(VIEW, 4) is None
 
 
-def test_what_looks_like_a_place_is_looked_for_in_the_whole_map() -> None:
-    """The right front of a row that are all alike need not be among the few candidates."""
-    locator = Holding({4: (0.0, 90), 1: (6.0, 85)}, alike=(1,))
-    assert relocaliser(places_apart(5), [0.0] * 5, locator).find(VIEW, 4) is None
-    poorer = Holding({4: (0.0, 90), 1: (6.0, 30)}, alike=(1,))
-    assert relocaliser(places_apart(5), [0.0] * 5, poorer).find(VIEW, 4) is not None
+def test_a_view_of_which_a_part_fits_elsewhere_is_not_believed() -> None:
+    """Before a row of fronts all alike: the right one need not be mapped."""
+    assert relocaliser(places_apart(5), [0.0] * 5, Holding({4: (0.0, 90)})).find(VIEW, 4) is not None
+    assert relocaliser(places_apart(5), [0.0] * 5, Holding({4: (0.0, 90)}, fits={4: 6.0})).find(VIEW, 4) is None
+
+
+def test_a_sign_tells_which_of_the_places_that_a_view_fits_is_the_right_one() -> None:
+    told = Holding({2: (1.0, 80)}, fits={2: 6.0})
+    advisor = Recalling(Recalled(2, np.eye(4)))
+    assert relocaliser(places_apart(5), [0.0] * 5, told, advisor).find(VIEW, 4) is not None
 
 
 def seen_in_parts(*shares: float) -> Parts:
@@ -158,22 +167,6 @@ def seen_in_parts(*shares: float) -> Parts:
     return Parts(expected, seen)
 
 
-@pytest.mark.parametrize("at", [1, 4])
-def test_of_places_that_look_alike_the_one_that_more_parts_of_the_view_show_is_believed(at: int) -> None:
-    locator = Holding({4: (0.0, 90), 1: (6.0, 85)}, alike=(1,))
-    locator.parts = {4: seen_in_parts(0.5, 0.4, 0.5), 1: seen_in_parts(0.5, 0.4, 0.5)}
-    searching = relocaliser(places_apart(5), [0.0] * 5, locator)
-    assert searching.find(VIEW, 4) is None
-    locator.parts[5 - at] = seen_in_parts(0.0, 0.4, 0.0)
-    found = searching.find(VIEW, 4)
-    assert found is not None
-    assert found.keyframe == at
-    locator.repeated = (at,)
-    assert searching.find(VIEW, 4) is not None
-    locator.agreement = 0.7
-    assert searching.find(VIEW, 4) is None
-
-
 def test_a_place_that_looks_like_others_that_do_not_hold_is_not_believed() -> None:
     """Tiles of a floor fit in many places, of which the right one need not be mapped."""
     locator = Holding({4: (0.0, 90)})
@@ -182,7 +175,7 @@ def test_a_place_that_looks_like_others_that_do_not_hold_is_not_believed() -> No
 
 
 def test_a_look_alike_out_of_reach_is_no_rival_a_moment_after_the_camera_was_seen() -> None:
-    locator = Holding({4: (0.0, 90), 1: (6.0, 85)}, alike=(1,))
+    locator = Holding({4: (0.0, 90)}, fits={4: 6.0})
     seen = LastSeen(4, np.eye(4), 10.0)
     for later, is_found in ((0.1, True), (2.0, False)):
         searching = relocaliser(places_apart(5), [0.0] * 5, locator)
@@ -191,7 +184,7 @@ def test_a_look_alike_out_of_reach_is_no_rival_a_moment_after_the_camera_was_see
 
 
 def test_a_place_that_signs_have_spoken_against_is_no_rival() -> None:
-    locator = Holding({4: (0.0, 90), 1: (6.0, 85)}, alike=(1,))
+    locator = Holding({4: (0.0, 90)}, fits={4: 6.0})
     searching = relocaliser(places_apart(5), [0.0] * 5, locator)
     searching.disown(1, inverse_transform(rigid([6.0, 0.0, 0.0], [0, 0, 0])))
     assert searching.find(VIEW, 4) is not None

@@ -1,12 +1,13 @@
 """Where in the map a view could have been taken: for relocalising, closing loops and merging (ORB-SLAM, V-E, VII-B)."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lpslam.camera import inverse_transform
 from lpslam.config import LocatingConfig, TrackingConfig
 from lpslam.slam.advice import Anchor
 from lpslam.slam.association import Associator, Estimate, View
@@ -16,7 +17,7 @@ from lpslam.slam.kernels import graph, matching
 from lpslam.slam.map import SlamMap
 from lpslam.slam.places.anchored import anchored_pose
 from lpslam.slam.places.parts import Parts
-from lpslam.slam.places.twins import Twins, spread_over
+from lpslam.slam.places.twins import spread_over, twins
 from lpslam.slam.rays import is_unsure
 from lpslam.slam.sensor import SensorModel
 
@@ -95,7 +96,6 @@ class Locator:
         self._config = config
         self._hamming, self._ratio = tracking.hamming_strict, tracking.ratio_brute_force
         self._associator = Associator(slam_map, sensor, tracking)
-        self._twins = Twins(slam_map, config)
 
     def locate(
         self,
@@ -138,14 +138,10 @@ class Locator:
         if found is None:
             return None
         held = self._held(features, candidate, found.camera_from_world, points, alike, will_look)
-        if held is None or not is_anywhere or self._is_unique(features, alike, held, allowed):
+        if held is None or not is_anywhere:
             return held
-        return None
-
-    def is_unique(self, features: Features, located: Located) -> bool:
-        """Whether a place that holds for a view looks like no other of the map."""
-        alike = self._alike(features, self._group(located.keyframe, self._config.matched_keyframes, None))
-        return self._is_unique(features, alike, located, None)
+        is_one = self.fit_elsewhere(features, held, allowed) is None and self.is_unique(features, held, allowed)
+        return held if is_one else None
 
     def _held(
         self,
@@ -302,33 +298,56 @@ class Locator:
         agrees: NDArray[np.bool_] = (z > 0) & (np.linalg.norm(off, axis=1) < self._config.trial_pixels)
         return agrees
 
-    def _is_unique(
-        self, features: Features, alike: _Alike, located: Located, allowed: NDArray[np.bool_] | None
-    ) -> bool:
+    def is_unique(self, features: Features, located: Located, allowed: NDArray[np.bool_] | None = None) -> bool:
         """Whether enough of what looks alike agrees with the place and looks so nowhere else in the map.
 
         A floor whose tiles repeat fits in many places; so much of it as agrees says nothing.
+
+        Args:
+            features: the view's keypoints.
+            located: a place that holds for it.
+            allowed: (K,) keyframes whose points may be used; all without.
         """
-        if len(alike.keypoints) < self._config.min_matches:
+        config = self._config
+        alike = self._alike(features, self._group(located.keyframe, config.matched_keyframes, allowed))
+        if len(alike.keypoints) < config.min_matches:
             return True
         asked = spread_over(np.arange(len(alike.keypoints)), _MOST_ASKED)
         sample = _Alike(alike.keypoints[asked], alike.points[asked])
         agrees = self._agrees(features, sample, located.camera_from_world)
-        found = sample.keypoints[agrees], sample.points[agrees]
-        unique = self._twins.of(features, *found, located.keyframe, allowed) < 0
-        return at_least(int(unique.sum()), len(asked)) >= self._config.min_unique_agreement
+        found = features.descriptor[sample.keypoints[agrees]], sample.points[agrees]
+        unique = twins(self._map, *found, located.keyframe, config.rival_distance, allowed) < 0
+        return at_least(int(unique.sum()), len(asked)) >= config.min_unique_agreement
 
-    def rivals(self, features: Features, located: Located) -> Iterator[Located]:
-        """Other places of the sub-map that hold for a view, where what it shows looks like what it was located by."""
+    def fit_elsewhere(
+        self, features: Features, located: Located, allowed: NDArray[np.bool_] | None = None
+    ) -> Located | None:
+        """Another place of the map that a part of a view fits: by what looks alike and is not where the first has it.
+
+        Before a row of fronts all alike a view fits the map front for front, and a part of it as well as if the camera
+        stood before the next one. Which of them it is, or one that is not mapped, its looks do not tell. Where nothing
+        repeats, what disagrees does so by chance, and on no second pose.
+
+        Args:
+            features: the view's keypoints.
+            located: the place that most of it fits.
+            allowed: (K,) keyframes whose points may be used; all without.
+        """
         config = self._config
-        intrinsics = self._sensor.intrinsics
-        for keyframe, pose in self._twins.places(features, located.points, located.keyframe, intrinsics):
-            group = self._group(keyframe, config.guided_keyframes, None)
-            points = graph.points_of(self._map.columns, group, self._map.point_count)
-            alike = self._alike(features, group[: config.matched_keyframes])
-            rival = self._held(features, keyframe, pose, points, alike)
-            if rival is not None:
-                yield rival
+        alike = self._alike(features, self._group(located.keyframe, config.guided_keyframes, allowed))
+        stray = ~self._agrees(features, alike, located.camera_from_world)
+        found = largest_consensus(
+            self._map.columns.position[alike.points[stray]],
+            features.pixels[alike.keypoints[stray]],
+            self._sensor.intrinsics,
+            config.trials,
+            config.trial_pixels,
+        )
+        if found is None or len(found.rows) < config.min_trial_inliers:
+            return None
+        apart = inverse_transform(located.camera_from_world)[:3, 3] - inverse_transform(found.camera_from_world)[:3, 3]
+        is_elsewhere = float(np.linalg.norm(apart)) > config.rival_distance
+        return replace(located, camera_from_world=found.camera_from_world) if is_elsewhere else None
 
     def _is_certain(self, features: Features, located: Located, will_look: bool = False) -> bool:
         """Look-alike places share patches: believe only what fills the view and contradicts little of the map."""

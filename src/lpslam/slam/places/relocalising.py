@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,7 +32,7 @@ class LastSeen:
 
 
 class Relocaliser:
-    """Believes one place that holds, unless another holds as well elsewhere.
+    """Believes one place that holds, unless another holds as well elsewhere, or a part of the view fits elsewhere.
 
     A place that few points tell, or that some of what looks alike contradicts, is believed when the next frames find it
     too; one fewer where the camera was near it.
@@ -145,23 +144,22 @@ class Relocaliser:
         told = [located for located in found if located.is_told and self._is_like(best, located)]
         if told:
             # Of places that look alike, a sign tells which it is.
-            best, others = max(told, key=lambda located: located.inliers), iter(told)
-        else:
-            others = chain(found, self._locator.rivals(features, best))
-        rivals = [
-            other
-            for other in others
-            if self._is_like(best, other)
-            and self._is_elsewhere(best, other)
-            and may_be_at(other)
-            and not self._is_disowned(other)
-        ]
-        chosen = self._preferred([best, *rivals])
-        # That it is better than others does not make it right: the right one need not be mapped.
-        is_sure = chosen is not None and bool(rivals) and chosen.alike_agreement >= self._config.sure_alike_agreement
-        if chosen is None or chosen.is_told or is_sure or self._locator.is_unique(features, chosen):
-            return chosen
-        return None
+            best, found = max(told, key=lambda located: located.inliers), told
+        if any(self._is_rival(best, other) and may_be_at(other) for other in found):
+            return None
+        # That no other place holds does not make it right: the right one need not be mapped.
+        return best if best.is_told or self._repeats_nowhere(features, best, may_be_at) else None
+
+    def _is_rival(self, best: Located, other: Located) -> bool:
+        """Whether another place holds nearly as well as the best, and contradicts it."""
+        return self._is_like(best, other) and self._is_elsewhere(best, other)
+
+    def _repeats_nowhere(self, features: Features, best: Located, may_be_at: Callable[[Located], bool]) -> bool:
+        """Whether what a view shows of a place is nowhere else in the map, or only where the camera cannot be."""
+        elsewhere = self._locator.fit_elsewhere(features, best)
+        if elsewhere is not None and may_be_at(elsewhere) and not self._is_disowned(elsewhere):
+            return False
+        return self._locator.is_unique(features, best)
 
     def _shown(self, found: Sequence[Located], there: Callable[[Located], float]) -> list[Located]:
         """Places of which the picture shows most, and of no other place much more.
@@ -181,14 +179,6 @@ class Relocaliser:
 
     def _looks_alike(self, located: Located) -> bool:
         return located.alike_agreement >= self._config.min_alike_agreement
-
-    def _preferred(self, places: Sequence[Located]) -> Located | None:
-        """The one of places that look alike for which the view speaks rather than for any other, or None."""
-        for one in places:
-            others = (other for other in places if other is not one and self._is_elsewhere(one, other))
-            if all(one.parts.speak_for(other.parts) >= self._config.rival_evidence for other in others):
-                return one
-        return None
 
     def is_told_elsewhere(self, features: Features, reference: int, camera_from_world: NDArray[np.float64]) -> bool:
         """Whether a sign in view tells a place that holds as well as the one in which the camera was found.
