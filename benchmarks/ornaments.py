@@ -18,7 +18,8 @@ import ornament_pictures
 from lpslam.config import SpottingConfig
 from lpslam.language.offline import OfflineModel
 from lpslam.text.reading.boxes import letter_heights
-from lpslam.text.reading.ornaments import are_ornaments
+from lpslam.text.reading.ornaments import pattern_likenesses
+from lpslam.text.reading.patterns import Likeness
 from lpslam.text.reading.spotting import PaddleSpotter, accepted_texts
 from ornament_walks import walk_past
 
@@ -52,7 +53,7 @@ def measure_ornaments(first: int, count: int) -> None:
             boxes = boxes[letter_heights(boxes) >= config.min_letter_height]
             texts = accepted_texts(boxes, spotter.recognise(image, boxes), config)
             read = np.array([text is not None for text in texts], bool)
-            refused = are_ornaments(image, boxes)
+            refused = np.array(pattern_likenesses(image, boxes)) == Likeness.IS
             counts += len(boxes), int(read.sum()), int((read & ~refused).sum())
             names.update(text.text for text, each in zip(texts, refused, strict=True) if text is not None and not each)
         print(f"| {kind} | {counts[0]} | {counts[1]} | {counts[2]} | {', '.join(n for n, _ in names.most_common(5))} |")
@@ -82,7 +83,7 @@ def measure_texts(first: int, count: int) -> None:
     refused = Counter[str]()
     for seed in range(first, first + count):
         word, image, box = ornament_pictures.text(np.random.default_rng([seed, 99]))
-        if are_ornaments(image, box[None])[0]:
+        if pattern_likenesses(image, box[None])[0] is Likeness.IS:
             refused[word] += 1
     share = sum(refused.values()) / count
     print(f"texts refused: {sum(refused.values())} of {count} ({share:.2%}): {dict(refused.most_common(8))}")

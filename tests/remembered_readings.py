@@ -36,10 +36,6 @@ class RememberingSpotter(PaddleSpotter):
         """See `TextSpotter`."""
         return self._remembered("detect", (rgb,), lambda: PaddleSpotter.detect(self, rgb))
 
-    def detect_at(self, rgb: NDArray[np.uint8], share: float) -> tuple[Boxes, NDArray[np.float64]]:
-        """See `SearchesSmaller`."""
-        return self._remembered(f"detect at {share}", (rgb,), lambda: PaddleSpotter.detect_at(self, rgb, share))
-
     def recognise(self, rgb: NDArray[np.uint8], boxes: Boxes) -> list[Recognition]:
         """See `TextSpotter`."""
         return self._remembered("recognise", (rgb, boxes), lambda: PaddleSpotter.recognise(self, rgb, boxes))

@@ -14,11 +14,6 @@ class SpottingConfig(Section):
     threads: int = Field(default=1, ge=1)
     # Longest image side the detector sees, pixels; enlarging small images costs more than it finds.
     detection_side: int = Field(default=960, ge=64)
-    # Share of its size at which an image is searched after some in which there was nothing to read: what the detector
-    # misses at one size, in frame after frame, it finds at another, and a smaller image costs less. 1: all as they are.
-    other_size: float = Field(default=0.85, gt=0, le=1)
-    # So many images in a row with nothing to read; after fewer, small letters that come are missed too often.
-    idle_frames: int = Field(default=4, ge=1)
     # DBNet's published thresholds: a pixel is text above the first, a box is kept above the second mean probability.
     text_probability: float = Field(default=0.3, gt=0, lt=1)
     box_score: float = Field(default=0.5, ge=0, le=1)

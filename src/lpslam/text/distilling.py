@@ -25,10 +25,7 @@ class Distilled:
 
 
 def distil(
-    text_map: TextMap,
-    world_from_keyframe: KeyframePoses,
-    language: LanguageModel,
-    question: str = DEFAULT_QUESTION,
+    text_map: TextMap, world_from_keyframe: KeyframePoses, language: LanguageModel, question: str = DEFAULT_QUESTION
 ) -> Distilled:
     """Name every long-term class anew, cluster positions, and judge every landmark's name.
 

@@ -17,7 +17,7 @@ from lpslam.text.reading.colours import read_in_colours
 from lpslam.text.reading.neighbours import are_among_marks
 from lpslam.text.reading.ornaments import pattern_likenesses, says_a_pattern, says_a_text
 from lpslam.text.reading.patterns import Likeness
-from lpslam.text.reading.spotting import ReadsElsewhere, SearchesSmaller, TextSpotter, accepted_texts
+from lpslam.text.reading.spotting import ReadsElsewhere, TextSpotter, accepted_texts
 from lpslam.text.remembering.ends import is_word
 from lpslam.text.remembering.similarity import is_short
 from lpslam.text.sorting import CUT, BoxSorter
@@ -39,7 +39,8 @@ class _Stand:
 class _Sorted:
     """The (n, 4, 2) boxes of a frame, what becomes of each, where those stand that are read, and what they say.
 
-    Rows that are `refused` hold patterns; `doubtful` ones look like patterns, and what they say decides.
+    Rows that are `refused` hold patterns; `doubtful` ones look like patterns, and what they say decides. Of `expected`
+    ones nothing was found in the image: a text of the class of that id was there in others.
     """
 
     boxes: Boxes
@@ -48,6 +49,7 @@ class _Sorted:
     texts: dict[int, SpottedText] = field(default_factory=dict)
     refused: list[int] = field(default_factory=list)
     doubtful: set[int] = field(default_factory=set)
+    expected: dict[int, int] = field(default_factory=dict)
 
     def refuse(self, row: int) -> None:
         """Note that a box holds a pattern; one that is cut stays so, since what is beyond nobody saw."""
@@ -82,7 +84,6 @@ class FrameReader:
         self._sorter = sorter
         self._config = config
         self._statistics = statistics
-        self._idle_frames = 0
 
     def read(
         self, frame: RgbdFrame, keyframe_from_camera: Array, world_from_keyframe: Array | None, keyframe: int
@@ -110,7 +111,6 @@ class FrameReader:
         finally:
             self._statistics.reader_processor_ms += 1000.0 * (self._processor_seconds() - processor)
         texts, parts = found.said((BoxFate.KEPT,)), found.said(CUT)
-        self._idle_frames = 0 if texts else self._idle_frames + 1
         unread = [row for row in rows if row not in found.texts and found.fates[row] == BoxFate.KEPT]
         found.fates[unread] = BoxFate.UNREAD
         self._statistics.count(found.fates.tolist(), sum(placement is None for placement in texts.placements))
@@ -129,16 +129,15 @@ class FrameReader:
 
     def _detected(self, frame: RgbdFrame, stand: _Stand) -> _Sorted:
         started = perf_counter()
-        config = self._config.spotting
-        # Where frames in a row had nothing to read, another size may find what is there; small letters it may miss.
-        is_due = self._idle_frames >= config.idle_frames and config.other_size < 1.0
-        if is_due and isinstance(self._spotter, SearchesSmaller):
-            boxes, _ = self._spotter.detect_at(frame.rgb, config.other_size)
-            self._idle_frames = -1
-        else:
-            boxes, _ = self._spotter.detect(frame.rgb)
+        boxes, _ = self._spotter.detect(frame.rgb)
         self._statistics.detection_ms += 1000.0 * (perf_counter() - started)
-        return self._sorted(frame, boxes, stand)
+        classes, more = self._sorter.expected_in(boxes, stand.keyframe_from_camera, stand.world_from_keyframe)
+        found = self._sorted(frame, np.concatenate([boxes, more]) if classes else boxes, stand)
+        found.expected = dict(enumerate(classes, len(boxes)))
+        for row in found.expected:
+            if found.fates[row] in CUT:
+                found.placements.pop(row, None)
+        return found
 
     def _sorted(self, frame: RgbdFrame, boxes: Boxes, stand: _Stand) -> _Sorted:
         started = perf_counter()
@@ -150,18 +149,13 @@ class FrameReader:
 
     def _without_ornaments(self, frame: RgbdFrame, found: _Sorted, stand: _Stand) -> list[int]:
         """Rows of boxes that are worth reading; patterns among them are marked."""
-        kept = []
         rows = sorted(found.placements)
-        likenesses = pattern_likenesses(frame.rgb, found.boxes[rows])
-        for row, like in zip(rows, likenesses, strict=True):
-            is_ornament = self._sorter.is_ornament(like, found.placements[row], stand.world_from_keyframe)
-            if is_ornament and like is Likeness.IS:
+        for row, like in zip(rows, pattern_likenesses(frame.rgb, found.boxes[rows]), strict=True):
+            if like is Likeness.IS:
                 found.refuse(row)
-                continue
-            kept.append(row)
-            if is_ornament:
+            elif like is Likeness.LIKE and self._sorter.is_new(found.placements[row], stand.world_from_keyframe):
                 found.doubtful.add(row)
-        return kept
+        return [row for row in rows if row not in found.refused]
 
     def _recognise(self, frame: RgbdFrame, found: _Sorted, rows: Sequence[int]) -> None:
         if not rows:
@@ -175,14 +169,18 @@ class FrameReader:
             text = read_in_colours(frame.rgb, found.boxes[row], text, self._spotter, self._config.spotting)
             if text is None or is_squeezed(text.text, found.placements[row]):
                 continue
+            if row in found.expected and not self._sorter.says_what_is_expected(found.expected[row], text.text):
+                continue
             if not says_a_pattern(frame.rgb, text.box, text.text):
                 found.texts[row] = text
             else:
                 found.refuse(row)
+        unread = [row for row in found.expected if found.fates[row] == BoxFate.KEPT and row not in found.texts]
+        found.fates[unread] = BoxFate.UNREAD
 
     def _take_apart(self, frame: RgbdFrame, found: _Sorted, rows: Sequence[int], stand: _Stand) -> None:
         """Read boxes that say nothing as one line in their columns and lines, and columns that were found as lines."""
-        kept = [row for row in rows if found.fates[row] == BoxFate.KEPT]
+        kept = [row for row in rows if found.fates[row] == BoxFate.KEPT and row not in found.expected]
         for row in kept:
             self._replace(frame, found, [row], found.boxes[row], found.texts.get(row), stand)
         lines = [row for row in kept if row in found.texts]

@@ -204,7 +204,8 @@ class TextMapper:
         placement: Placement | None,
         right: float | None = None,
     ) -> TextObservation:
-        around = surroundings(frame.rgb, text.box)
+        size = (placement.width, placement.height) if placement is not None else None
+        around = surroundings(frame.rgb, text.box, size)
         return TextObservation(
             frame.index,
             frame.timestamp,
@@ -347,7 +348,6 @@ class TextMapper:
             text_class = memory.sight(text.text, text.confidence, observation.timestamp, here, glance, again)
             seen = SeenSize(glance.height, glance.frontal)
             self._spots.add(text_class.id, text.text, placement, world_from_keyframe, seen, room)
-            self._sorter.votes.read(text_class.id)
         text_class.observations.append(observation)
         if text_class.pool is Pool.LONG_TERM and needs_name(text_class):
             self._name(text_class)

@@ -16,12 +16,11 @@ from lpslam.text.placing.spots import Spots
 from lpslam.text.placing.views import bearing_of
 from lpslam.text.reading.blocks import may_run_down
 from lpslam.text.reading.borders import cut_by_border, room_beyond
-from lpslam.text.reading.boxes import Boxes, letter_heights
+from lpslam.text.reading.boxes import Boxes, letter_heights, share_a_middle
 from lpslam.text.reading.legibility import SeenSize, frontal_cosine
-from lpslam.text.reading.ornaments import PatternVotes
-from lpslam.text.reading.patterns import Likeness
 from lpslam.text.remembering.known_names import WORD_ENDS
 from lpslam.text.remembering.memory import LongShortTermMemory
+from lpslam.text.remembering.similarity import is_short
 from lpslam.text.types import Bearing, BoxFate, Placement, SpottedText
 
 Array = NDArray[np.float64]
@@ -31,6 +30,10 @@ NOWHERE = -1
 
 CUT = (BoxFate.BORDER, BoxFate.HIDDEN)
 """Fates of boxes whose text may go on where the view ends."""
+
+
+# Cosine between a text's normal and the way to the camera, and metres before it, from which it is read unfound.
+_LEAST_COSINE, _NEAREST = 0.5, 0.2
 
 
 class BoxSorter:
@@ -44,7 +47,6 @@ class BoxSorter:
         spots: Spots,
         points_seen_by: Callable[[int], Array],
     ) -> None:
-        self.votes = PatternVotes()
         self.directions = Directions()
         self._camera = camera
         self._config = config
@@ -107,20 +109,50 @@ class BoxSorter:
     def _has_sure_name(self, placement: Placement, world_from_keyframe: Array) -> bool:
         return any(map(self._is_sure_of_name, self._spots.classes_at(placement, world_from_keyframe)))
 
+    def expected_in(
+        self, boxes: Boxes, keyframe_from_camera: Array, world_from_keyframe: Array | None
+    ) -> tuple[list[int], Boxes]:
+        """Classes of which another reading would tell something, and their boxes, wholly in view and none of these.
+
+        A detector misses most images of some texts, though what it finds in few is read in all.
+        """
+        classes, expected = [], boxes
+        world_from_camera = (np.eye(4) if world_from_keyframe is None else world_from_keyframe) @ keyframe_from_camera
+        for identifier, corners, normal in () if world_from_keyframe is None else self._spots.boxes(self._is_unsettled):
+            way = world_from_camera[:3, 3] - corners.mean(axis=0)
+            corners = transform_points(inverse_transform(world_from_camera), corners)
+            if normal @ way < _LEAST_COSINE * np.linalg.norm(way) or corners[:, 2].min() < _NEAREST:
+                continue
+            box = self._camera.distort(self._camera.project(corners))
+            is_inside = box.min() >= 0.0 and (box.max(axis=0) < (self._camera.width, self._camera.height)).all()
+            if is_inside and not share_a_middle(box, expected):
+                classes.append(identifier)
+                expected = np.concatenate([expected, box[None]])
+        return classes, expected[len(boxes) :]
+
+    def _is_unsettled(self, identifier: int) -> bool:
+        # What is read in any box is like a short text.
+        most = self._config.reading.settled_sightings
+        known = self._memory.classes_of([identifier])
+        is_open = any(each.count < most and not is_short(each.spellings[0]) for each in known)
+        return is_open and not self._is_sure_of_name(identifier)
+
+    def says_what_is_expected(self, identifier: int, text: str) -> bool:
+        """Whether a text is like the readings of a class, and no piece of one."""
+        least = self._config.memory.similarity_in_place
+        known = self._memory.classes_of([identifier])
+        return any(each.is_like(text, least) and not each.has_more_than(text) for each in known)
+
     def is_sure(self, placement: Placement) -> bool:
         """Whether a place is certain enough to be evidence of what stands where."""
         return placement.uncertainty <= self._config.instances.doubtful_uncertainty
 
-    def is_ornament(
-        self, like: Likeness, placement: Placement | PlacementFault, world_from_keyframe: Array | None
-    ) -> bool:
-        """Whether a box holds a pattern: by itself, or because what stands there mostly looks like one."""
-        if like is not Likeness.LIKE:
-            return like is Likeness.IS
-        # Without a place there are no other views to ask, and one says nothing.
-        if not isinstance(placement, Placement) or not self.is_sure(placement) or world_from_keyframe is None:
+    def is_new(self, placement: Placement | PlacementFault, world_from_keyframe: Array | None) -> bool:
+        """Whether a text has a place at which nothing was read half as often as what is settled."""
+        if not isinstance(placement, Placement) or world_from_keyframe is None:
             return False
-        return self.votes.is_ornament(self._spots.classes_at(placement, world_from_keyframe))
+        here = self._memory.classes_of(self._spots.classes_at(placement, world_from_keyframe))
+        return all(2 * each.count < self._config.reading.settled_sightings for each in here)
 
     def room_of(
         self,
@@ -139,12 +171,7 @@ class BoxSorter:
         return max(before, least), max(behind, least)
 
     def _room(
-        self,
-        frame: RgbdFrame,
-        box: Array,
-        placement: Placement | None,
-        keyframe_from_camera: Array,
-        either_way: bool,
+        self, frame: RgbdFrame, box: Array, placement: Placement | None, keyframe_from_camera: Array, either_way: bool
     ) -> tuple[float, float]:
         config = self._config.placement
         hidden = hidden_pixels(box, placement, frame.depth, self._camera, keyframe_from_camera, config)

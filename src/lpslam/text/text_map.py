@@ -183,7 +183,7 @@ def _without_superseded(config: dict[str, Any]) -> dict[str, Any]:
 
 _SUPERSEDED = frozenset(
     {
-        ("spotting", "border_margin"),
+        *(("spotting", name) for name in ("border_margin", "other_size", "idle_frames")),
         *(("instances", f"line_{name}") for name in ("gap", "height_ratio", "offset", "angle", "ground_difference")),
     }
 )

@@ -7,9 +7,14 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from lpslam.assets import font_names, font_path
-from lpslam.text.reading.ornaments import PatternVotes, are_ornaments, is_pattern, repetition
+from lpslam.text.reading.ornaments import is_pattern, pattern_likenesses, repetition
+from lpslam.text.reading.patterns import Likeness
 
 INK, GROUND = (30, 40, 60), (210, 200, 190)
+
+
+def are_ornaments(rgb: NDArray[np.uint8], boxes: NDArray[np.float64]) -> NDArray[np.bool_]:
+    return np.array([each is Likeness.IS for each in pattern_likenesses(rgb, boxes)], np.bool_)
 
 
 def written(text: str, font: str, size: int = 40) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
@@ -128,18 +133,3 @@ def test_equal_letters_seen_aslant_are_none(text: str, yaw: float) -> None:
         picture, box = written(text, font)
         image, seen = walked_past(picture, box, yaw)
         assert are_ornaments(image, seen[None]).tolist() == [False], font
-
-
-def test_a_word_that_looks_like_a_pattern_now_and_then_is_read_and_a_pattern_that_does_mostly_is_not() -> None:
-    word, ornament = PatternVotes(), PatternVotes()
-    for _ in range(6):
-        word.read(7)
-    assert [word.is_ornament({7}) for _ in range(3)] == [False, False, False]
-    assert word.is_ornament({7})
-    assert ornament.is_ornament(())
-    ornament.read(3)
-    assert [ornament.is_ornament({3}) for _ in range(3)] == [True, True, True]
-    # One of two classes that were read there is enough.
-    for _ in range(4):
-        word.read(7)
-    assert not word.is_ornament({7, 3})

@@ -40,6 +40,16 @@ def test_words_and_numbers_of_equal_letters_are_not(painted: str) -> None:
     assert pattern_odds(painted) < CLEAR
 
 
+@pytest.mark.parametrize("painted", ["佳佳超市", "丽丽美发", "笑笑", "咚咚"])
+def test_a_character_that_is_doubled_once_is_no_motif(painted: str) -> None:
+    assert pattern_odds(painted) < SUSPECT
+
+
+@pytest.mark.parametrize("read", ["日日", "口口", "凹凸", "回回回", "佳佳佳"])
+def test_frames_and_what_comes_three_times_are(read: str) -> None:
+    assert pattern_odds(read) >= SUSPECT
+
+
 def test_names_of_signs_are_never_patterns() -> None:
     names = {line for each in lexicon.EVERYTHING for line in (each.english, each.chinese) if line}
     assert [name for name in names if pattern_odds(name) >= SUSPECT and len(name) > 4] == []

@@ -15,7 +15,7 @@ from lpslam.text.reading.certainty import probability_right
 from lpslam.text.reading.detection import boxes_from_probability, network_input
 from lpslam.text.reading.networks import load_network
 from lpslam.text.reading.recognition import decode_ctc, rectify
-from lpslam.text.reading.spotting import PaddleSpotter, SearchesSmaller, TextSpotter, accepted_texts
+from lpslam.text.reading.spotting import PaddleSpotter, TextSpotter, accepted_texts
 from lpslam.text.remembering.similarity import comparison_key, similarity
 from lpslam.text.types import Recognition, SpottedText
 
@@ -97,18 +97,8 @@ def test_company_does_not_change_a_reading(spotter: PaddleSpotter) -> None:
     assert together == [spotter.recognise(image, boxes[row : row + 1])[0] for row in range(len(boxes))]
 
 
-def test_a_smaller_search_gives_boxes_in_the_pixels_of_the_image(spotter: PaddleSpotter) -> None:
-    image = painted(("HUAWEI", 60, 100, 1.2), ("HIGH TEMPERATURE", 60, 250, 1.2))
-    (whole, _), (smaller, _) = spotter.detect(image), spotter.detect_at(image, 0.7)
-    assert len(whole) == len(smaller) == 2
-    for box in whole:
-        assert np.abs(smaller - box).max(axis=(1, 2)).min() < 8.0
-    assert {each.text for each in spotter.recognise(image, smaller)} == {"HUAWEI", "HIGH TEMPERATURE"}
-
-
 def test_it_is_a_text_spotter(spotter: PaddleSpotter) -> None:
     assert isinstance(spotter, TextSpotter)
-    assert isinstance(spotter, SearchesSmaller)
 
 
 @pytest.mark.skipif(not SIGNS.exists(), reason="the photographs of ../shared/data/signs are not here")

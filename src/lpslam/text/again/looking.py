@@ -19,7 +19,6 @@ from lpslam.text.reading.certainty import probability_right
 from lpslam.text.reading.spotting import TextSpotter, accepted_texts
 from lpslam.text.remembering.evidence import Glance, note
 from lpslam.text.remembering.memory import TextClass, Variant
-from lpslam.text.remembering.similarity import comparison_key, similarity
 from lpslam.text.text_map import TextMap
 from lpslam.text.types import SpottedText
 
@@ -31,10 +30,6 @@ _FIRST_VIEW = 2
 _SAME_MIDDLE, _SAME_SIZE = 0.5, 1.6
 """A box of the drawing is a text's if their middles are within this share of the letters' height and a third of the
 length, and their sides within this factor."""
-
-_LEADING = 4
-"""Commonest spellings that a reading must be like, as in memory."""
-
 
 _OFTEN = 3
 """Readings from which a spelling is held to have shown all that stands there."""
@@ -115,19 +110,14 @@ def _read(canvas: Canvas, text_class: TextClass, text_map: TextMap, spotter: Tex
         each
         for row, each in enumerate(accepted)
         if each is not None
-        and _is_like(each.text, text_class, config.memory.similarity_in_place)
+        and text_class.is_like(each.text, config.memory.similarity_in_place)
         # The known box is a median, also of boxes around pieces: what it cuts off says nothing of a text's ends.
-        and not (row == 0 and _is_piece(each.text, text_class))
+        and not (row == 0 and text_class.has_more_than(each.text))
     ]
     if texts:
         # Both boxes are cut from one drawing: the surer reading is what it says.
         _add(max(texts, key=lambda each: _glance(each, canvas).right), canvas, text_class)
     return min(len(texts), 1)
-
-
-def _is_like(text: str, text_class: TextClass, least: float) -> bool:
-    key = comparison_key(text)
-    return any(similarity(key, comparison_key(each)) >= least for each in text_class.spellings[:_LEADING])
 
 
 def without_neighbours(text: SpottedText, text_class: TextClass) -> SpottedText:
@@ -137,7 +127,7 @@ def without_neighbours(text: SpottedText, text_class: TextClass) -> SpottedText:
     pixels as the readings: had more been painted, one of them would have had some of it.
     """
     read = text.text.casefold()
-    for spelling in text_class.spellings[:_LEADING]:
+    for spelling in text_class.leading_spellings:
         key = spelling.casefold()
         at = read.find(key)
         if at < 0 or 2 * len(key) < len(read) or text_class.variants[spelling].count < _OFTEN:
@@ -148,12 +138,6 @@ def without_neighbours(text: SpottedText, text_class: TextClass) -> SpottedText:
         if len(read) == len(text.text) and (first, last) != (0, len(read)):
             return replace(text, text=text.text[first:last].strip(), slots=())
     return text
-
-
-def _is_piece(text: str, text_class: TextClass) -> bool:
-    """Whether a longer spelling that was read has all of a text in it."""
-    key = comparison_key(text)
-    return any(key in longer and key != longer for longer in map(comparison_key, text_class.variants))
 
 
 def _add(text: SpottedText, canvas: Canvas, text_class: TextClass) -> None:

@@ -6,6 +6,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from lpslam.text.reading.boxes import widths_and_heights
+
 Array = NDArray[np.float64]
 Colour = tuple[int, int, int]
 Clear = tuple[float, float, float, float]
@@ -32,7 +34,7 @@ class Surroundings(NamedTuple):
     Attributes:
         ground, ink: (red, green, blue), 0 to 255.
         clear: how far the ground goes on above, right of, below and left of the box, as shares of the box's shorter
-            side, at most `REACH`.
+            side on the surface it is written on, at most `REACH`.
     """
 
     ground: Colour
@@ -40,8 +42,8 @@ class Surroundings(NamedTuple):
     clear: Clear
 
 
-def surroundings(rgb: NDArray[np.uint8], box: Array) -> Surroundings:
-    """Look at the ground in and around the (4, 2) box of an RGB image.
+def surroundings(rgb: NDArray[np.uint8], box: Array, size: tuple[float, float] | None = None) -> Surroundings:
+    """Look at the ground in and around the (4, 2) box of an RGB image; its width and height in metres, where known.
 
     Of the bright and the dark part of the box the larger is ground: letters cover less of a line than what they are
     written on.
@@ -53,13 +55,11 @@ def surroundings(rgb: NDArray[np.uint8], box: Array) -> Surroundings:
     larger = is_bright.ravel() == (2 * int(is_bright.sum()) >= len(bright))
     ground = np.median(colours[larger], axis=0)
     ink = np.median(colours[~larger], axis=0) if not larger.all() else ground
-    width = (np.linalg.norm(box[1] - box[0]) + np.linalg.norm(box[2] - box[3])) / 2.0
-    height = (np.linalg.norm(box[3] - box[0]) + np.linalg.norm(box[2] - box[1])) / 2.0
-    side = float(min(width, height))
+    width, height = size or (float(side[0]) for side in widths_and_heights(box[None]))
     sides = []
-    for corner, size in enumerate((height, width, height, width)):
+    for corner, length in enumerate((height, width, height, width)):
         turned = np.roll(box, -corner, axis=0)
-        sides.append(_goes_on(rgb, turned, side / max(float(size), 1e-6), ground))
+        sides.append(_goes_on(rgb, turned, min(width, height) / max(length, 1e-6), ground))
     return Surroundings(_colour(ground), _colour(ink), (sides[0], sides[1], sides[2], sides[3]))
 
 

@@ -39,8 +39,7 @@ class WorldSightings:
         """
         keyframes = np.array([each.keyframe for each in observations], dtype=np.int64)
         local = np.array(
-            [(each.place.position, each.place.normal, each.place.baseline) for each in observations],
-            dtype=np.float64,
+            [(each.place.position, each.place.normal, each.place.baseline) for each in observations], dtype=np.float64
         ).reshape(-1, 3, 3)
         world = np.empty_like(local)
         for keyframe in set(keyframes.tolist()):

@@ -5,7 +5,7 @@ another kind, and lets readings join a class that resemble it less.
 """
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from lpslam.camera import transform_points
 from lpslam.config import ReadingConfig
 from lpslam.text.reading.legibility import SeenSize
-from lpslam.text.remembering.known_names import LINE_ENDS
+from lpslam.text.remembering.known_names import LINE_ENDS, WORD_ENDS
 from lpslam.text.remembering.similarity import comparison_key, similarity
 from lpslam.text.types import Placement
 
@@ -47,6 +47,7 @@ class Spots:
         self._keys = np.zeros(0, object)
         self._positions = np.zeros((0, 3))
         self._normals = np.zeros((0, 3))
+        self._baselines = np.zeros((0, 3))
         self._sizes = np.zeros((0, 2))
         self._seen = np.zeros((0, 2))
         self._rooms = np.zeros((0, 2))
@@ -116,6 +117,22 @@ class Spots:
         alike = Counter(self._keys[here].tolist()).most_common(1)[0][1]
         return leading if alike >= sightings or counts.max() >= _PATIENCE * sightings else None
 
+    def boxes(self, is_wanted: Callable[[int], bool]) -> Iterator[tuple[int, Array, Array]]:
+        """Each class that is wanted, with the (4, 3) corners and the (3,) normal of its box, in the world.
+
+        In the median of its sightings where it was seen last, from end to end.
+        """
+        whole = (self._rooms >= WORD_ENDS).all(axis=1)
+        for identifier in filter(is_wanted, np.unique(self._classes[whole]).tolist()):
+            own = np.flatnonzero(whole & (self._classes == identifier))
+            apart = np.linalg.norm(self._positions[own] - self._positions[own[-1]], axis=1)
+            own = own[apart <= _ALONG_SHARE * self._sizes[own[-1]].max()]
+            position, normal, along = (
+                np.median(each[own], axis=0) for each in (self._positions, self._normals, self._baselines)
+            )
+            right, down = (np.median(self._sizes[own], axis=0)[:, None] / 2.0) * (along, np.cross(along, normal))
+            yield identifier, position + np.stack([-right - down, right - down, right + down, down - right]), normal
+
     def _is_better(self, here: NDArray[np.bool_], placement: Placement, seen: SeenSize, config: ReadingConfig) -> bool:
         """Whether a text is seen larger or longer than in any reading of it, so that another one may say more."""
         highest, best = self._seen[here].max(axis=0).tolist()
@@ -150,12 +167,13 @@ class Spots:
         room: tuple[float, float] | None = None,
     ) -> None:
         """Note a sighting of a class, as what it was read, how large it was seen and how far the view went on."""
-        position, _, normal = _in_world(placement, world_from_keyframe)
+        position, baseline, normal = _in_world(placement, world_from_keyframe)
         size = [placement.width, placement.height]
         self._classes = np.append(self._classes, identifier)[-_CAPACITY:]
         self._keys = np.append(self._keys, np.array([comparison_key(text)], object))[-_CAPACITY:]
         self._positions = np.vstack([self._positions, position])[-_CAPACITY:]
         self._normals = np.vstack([self._normals, normal])[-_CAPACITY:]
+        self._baselines = np.vstack([self._baselines, baseline])[-_CAPACITY:]
         self._sizes = np.vstack([self._sizes, size])[-_CAPACITY:]
         self._seen = np.vstack([self._seen, [seen.height, seen.effective]])[-_CAPACITY:]
         # Where nobody knows, nothing is looked for.

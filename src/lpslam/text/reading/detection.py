@@ -25,18 +25,17 @@ class TextDetector:
         self._network = network
         self._config = config
 
-    def detect(self, rgb: NDArray[np.uint8], share: float = 1.0) -> tuple[Boxes, NDArray[np.float64]]:
+    def detect(self, rgb: NDArray[np.uint8]) -> tuple[Boxes, NDArray[np.float64]]:
         """Find the text boxes of an image.
 
         Args:
             rgb: (h, w, 3).
-            share: of its size at which it is searched, 0 to 1.
 
         Returns:
             (n, 4, 2) raw pixels, each box ordered top left, top right, bottom right, bottom left, and (n,) scores:
             the mean text probability inside.
         """
-        probability = self._network.infer(network_input(self._resized(rgb, share)))[0, 0]
+        probability = self._network.infer(network_input(self._resized(rgb)))[0, 0]
         boxes, scores = boxes_from_probability(probability, self._config)
         height, width = rgb.shape[:2]
         scale = np.array([width / probability.shape[1], height / probability.shape[0]])
@@ -44,9 +43,9 @@ class TextDetector:
         boxes = (boxes + 0.5) * scale - 0.5
         return np.clip(boxes, 0.0, [width - 1.0, height - 1.0]), scores
 
-    def _resized(self, rgb: NDArray[np.uint8], share: float) -> NDArray[np.uint8]:
+    def _resized(self, rgb: NDArray[np.uint8]) -> NDArray[np.uint8]:
         height, width = rgb.shape[:2]
-        ratio = share * min(1.0, self._config.detection_side / max(height, width))
+        ratio = min(1.0, self._config.detection_side / max(height, width))
         # The network halves its input five times.
         size = [max(32, round(side * ratio / 32) * 32) for side in (width, height)]
         if size == [width, height]:

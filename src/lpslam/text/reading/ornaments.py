@@ -5,8 +5,6 @@ equal letters as it has in a row, and no word has five; nor does one say the sam
 seldom found as a whole: where a box holds but a piece of it, it goes on beyond the box, and text does not.
 """
 
-from collections.abc import Collection
-
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -52,16 +50,8 @@ _LONGEST = 1024
 _BEYOND = 3.0
 """Box heights beyond each end of a box in which its pattern is sought."""
 
-_OUTVOTED = 2
-"""Readings by which one view that looks like a pattern is outvoted."""
-
 _FLAT = 0.3
 """Share of the strongest contrast below which a column at an end is ground."""
-
-
-def are_ornaments(rgb: NDArray[np.uint8], boxes: Boxes) -> NDArray[np.bool_]:
-    """Tell which (n, 4, 2) boxes of an (h, w, 3) image hold a pattern and no text, whatever other views show: (n,)."""
-    return np.array([each is Likeness.IS for each in pattern_likenesses(rgb, boxes)], np.bool_)
 
 
 def pattern_likenesses(rgb: NDArray[np.uint8], boxes: Boxes) -> list[Likeness]:
@@ -80,24 +70,6 @@ def says_a_pattern(rgb: NDArray[np.uint8], box: NDArray[np.float64], text: str) 
 def says_a_text(text: str) -> bool:
     """Whether what was read is spelt as texts are and patterns are not: evenly set characters look alike, blurred."""
     return pattern_odds(text) <= -SUSPECT
-
-
-class PatternVotes:
-    """What single views cannot tell, all views of a place do: a word looks like a pattern in few of them."""
-
-    def __init__(self) -> None:
-        self._read: dict[int, int] = {}
-        self._like: dict[int, int] = {}
-
-    def read(self, text_class: int) -> None:
-        """Note a reading of a class that was not refused."""
-        self._read[text_class] = self._read.get(text_class, 0) + 1
-
-    def is_ornament(self, here: Collection[int]) -> bool:
-        """Note one that does, at a place where these classes were read, and whether it is no text."""
-        for each in here:
-            self._like[each] = self._like.get(each, 0) + 1
-        return all(self._read.get(each, 0) < _OUTVOTED * self._like[each] for each in here)
 
 
 def is_pattern(strip: Array) -> bool:

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 from functools import lru_cache
 from math import log
 
-from lpslam.language.tables.knowledge import load_words
+from lpslam.language.tables.forms import load_folder
+from lpslam.language.tables.knowledge import load_chinese_words, load_words
 from lpslam.language.tables.spelling import is_ideograph
 
 SUSPECT = 2.0
@@ -17,9 +18,10 @@ SUSPECT = 2.0
 CLEAR = 8.0
 """The same from which the spelling is enough: XOXOXO and XXXX have more, LILLI, BANANA, 0000 and 888 less."""
 
-# Logarithms of the probability of a letter, a digit, a digit again and an ideograph of a text: how much signs tell by
-# each. Telephone numbers and years repeat their digits.
-_LETTER, _DIGIT, _DIGIT_AGAIN, _IDEOGRAPH = -2.8, -2.3, -1.2, -6.0
+# Logarithms of the probability of a letter, a digit, a digit again, an ideograph and one again of a text: how much
+# signs tell by each. Telephone numbers and years repeat their digits; of 100 characters in Chinese words one or so
+# says the one before it again.
+_LETTER, _DIGIT, _DIGIT_AGAIN, _IDEOGRAPH, _IDEOGRAPH_AGAIN = -2.8, -2.3, -1.2, -6.0, -4.5
 # Of a pattern: its first motif; the same motif again, as far back as its period reaches; the same motif seen otherwise,
 # as one of about four letters of its shape; and another motif, of about a dozen.
 _FIRST, _AGAIN, _SHAPE, _OTHER, _PERIOD = log(0.08), log(0.8), log(0.03), log(0.007), 3
@@ -39,7 +41,7 @@ def shapes_of(text: str) -> frozenset[int | str]:
 def pattern_odds(text: str) -> float:
     """How much likelier, in log odds, a spelling is as a pattern's than as a text's; a known word is no pattern's."""
     letters = [ch for ch in text if not ch.isspace()]
-    if not letters or text.casefold() in load_words():
+    if not letters or _is_word(text):
         return float("-inf")
     odds = 0.0
     for at, letter in enumerate(letters):
@@ -49,10 +51,16 @@ def pattern_odds(text: str) -> float:
     return odds
 
 
+def _is_word(text: str) -> bool:
+    # A row of frames is read as a word as well: 日日, 凹凸.
+    is_framed = all(letter in _SHAPE_OF for letter in text)
+    return text.casefold() in load_words() or (not is_framed and load_folder().key(text) in load_chinese_words())
+
+
 def _as_text(letter: str, before: Sequence[str]) -> float:
     """Logarithm of the probability that a text's next letter is this one."""
     if is_ideograph(letter):
-        return _IDEOGRAPH
+        return _IDEOGRAPH_AGAIN if letter in before else _IDEOGRAPH
     if letter.isdigit():
         return _DIGIT_AGAIN if letter in before else _DIGIT
     return _LETTER

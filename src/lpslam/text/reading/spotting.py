@@ -42,15 +42,6 @@ class ReadsElsewhere(Protocol):
     seconds_elsewhere: float
 
 
-@runtime_checkable
-class SearchesSmaller(Protocol):
-    """A `TextSpotter` that can search an image at a share of its size."""
-
-    def detect_at(self, rgb: NDArray[np.uint8], share: float) -> tuple[Boxes, NDArray[np.float64]]:
-        """As `TextSpotter.detect`."""
-        ...
-
-
 class PaddleSpotter:
     """DBNet detection and CTC recognition with PaddleOCR's networks.
 
@@ -65,10 +56,6 @@ class PaddleSpotter:
     def detect(self, rgb: NDArray[np.uint8]) -> tuple[Boxes, NDArray[np.float64]]:
         """See `TextSpotter`."""
         return self._detector.detect(rgb)
-
-    def detect_at(self, rgb: NDArray[np.uint8], share: float) -> tuple[Boxes, NDArray[np.float64]]:
-        """See `SearchesSmaller`."""
-        return self._detector.detect(rgb, share)
 
     def recognise(self, rgb: NDArray[np.uint8], boxes: Boxes) -> list[Recognition]:
         """See `TextSpotter`."""

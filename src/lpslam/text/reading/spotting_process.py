@@ -75,11 +75,6 @@ class SpottingProcess:
         boxes, scores = self._asked("detect", rgb, ())
         return boxes, scores
 
-    def detect_at(self, rgb: NDArray[np.uint8], share: float) -> tuple[Boxes, NDArray[np.float64]]:
-        """See `SearchesSmaller`."""
-        boxes, scores = self._asked("detect_at", rgb, (share,))
-        return boxes, scores
-
     def recognise(self, rgb: NDArray[np.uint8], boxes: Boxes) -> list[Recognition]:
         """See `TextSpotter`."""
         return list(self._asked("recognise", rgb, (boxes,)))
@@ -147,11 +142,7 @@ def serve(channel: Connection) -> None:
         channel.send(error)
         return
     channel.send(None)
-    ways: dict[str, Callable[..., Any]] = {
-        "detect": spotter.detect,
-        "detect_at": spotter.detect_at,
-        "recognise": spotter.recognise,
-    }
+    ways: dict[str, Callable[..., Any]] = {"detect": spotter.detect, "recognise": spotter.recognise}
     while True:
         what, shape, more = channel.recv()
         rgb = np.frombuffer(channel.recv_bytes(), np.uint8).reshape(shape)

@@ -94,6 +94,20 @@ class TextClass:
         return sorted(self.variants, key=lambda text: (-self.variants[text].confidence, text))
 
     @property
+    def leading_spellings(self) -> list[str]:
+        """The spellings by which it is recognised."""
+        return self.spellings[:_LEADING_SPELLINGS]
+
+    def is_like(self, text: str, least: float) -> bool:
+        """Whether a text is so similar to one of them."""
+        return best_class(text, {self.id: self.leading_spellings}, least) is not None
+
+    def has_more_than(self, text: str) -> bool:
+        """Whether a longer spelling that was read has all of a text in it."""
+        key = comparison_key(text)
+        return any(key in longer and key != longer for longer in map(comparison_key, self.variants))
+
+    @property
     def read_again(self) -> list[str]:
         """What was read more than once, but for case and spaces: a spelling of each."""
         counts: dict[str, int] = {}
@@ -143,7 +157,7 @@ class LongShortTermMemory:
 
     def is_remembered(self, text: str) -> bool:
         """Whether a class in long-term memory is known by nearly the same spelling."""
-        known = {each.id: each.spellings[:_LEADING_SPELLINGS] for each in self.long_term.values()}
+        known = {each.id: each.leading_spellings for each in self.long_term.values()}
         return best_class(text, known, _NEARLY) is not None
 
     def classes_of(self, identifiers: Collection[int]) -> list[TextClass]:
@@ -233,7 +247,7 @@ class LongShortTermMemory:
             self._promote(text_class, timestamp)
 
     def _classify(self, text: str, here: Collection[int]) -> TextClass | None:
-        known = {each.id: each.spellings[:_LEADING_SPELLINGS] for each in self.classes}
+        known = {each.id: each.leading_spellings for each in self.classes}
         identifier = best_class(text, known, self.config.similarity)
         if identifier is None:
             known_here = {key: spellings for key, spellings in known.items() if key in here}

@@ -90,11 +90,7 @@ def _hides(
 
 
 def _nearer(
-    line: Array,
-    depth: NDArray[np.float32],
-    camera: PinholeCamera,
-    inverse_plane: Array,
-    config: PlacementConfig,
+    line: Array, depth: NDArray[np.float32], camera: PinholeCamera, inverse_plane: Array, config: PlacementConfig
 ) -> NDArray[np.bool_]:
     """Which pixels (height, width) on and about a line of text show something in front of its plane."""
     quadrilateral = grown(line, 1.0)
