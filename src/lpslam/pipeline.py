@@ -232,4 +232,4 @@ def distill(
         reader, offline = spotter or load_spotter(config.spotting, 0), OfflineModel()
         name = partial(name_class, language=offline, config=config)
         look_again(world.text, world.world_from_keyframe, world.camera, reader, name)
-    return distil(world.text, world.world_from_keyframe, language or OfflineModel(), question).landmarks
+    return distil(world.text, world.world_from_keyframe, language or OfflineModel(), question)

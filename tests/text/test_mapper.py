@@ -530,11 +530,11 @@ def test_lines_of_a_board_are_one_landmark() -> None:
 
 def test_distilling_judges_and_keeps_what_fails() -> None:
     text_map = mall()
-    landmarks = distil(text_map, identity, Namer(None), "Is this GUCCI?").landmarks  # type: ignore[arg-type]
+    landmarks = distil(text_map, identity, Namer(None), "Is this GUCCI?")  # type: ignore[arg-type]
     assert {each.name: each.is_landmark for each in landmarks} == {"GUCCI": True, "STARBUCKS": False}
     assert landmarks[0].judgements["Is this GUCCI?"].model == "namer"
     # The next question is answered beside the first.
-    again = distil(text_map, identity, Namer(None), "Is this a shop?").landmarks  # type: ignore[arg-type]
+    again = distil(text_map, identity, Namer(None), "Is this a shop?")  # type: ignore[arg-type]
     assert set(again[0].judgements) == {"Is this GUCCI?", "Is this a shop?"}
 
 

@@ -181,6 +181,9 @@ class ReadingConfig(Section):
     # Frames worth reading that may wait beside tracking; while so many do, a recording waits. With more, tracking runs
     # ahead of what decides how soon to read again.
     queue_size: int = Field(default=1, ge=1)
+    # The same of a camera, 2 MB each: the newest is read first, the others when none newer waits, and at the end, which
+    # takes two seconds where it is quick, and as many times as long as a frame takes longer.
+    live_queue_size: int = Field(default=12, ge=1)
 
 
 class PatternConfig(Section):

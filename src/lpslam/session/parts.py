@@ -26,9 +26,9 @@ def naming_beside(language: LanguageModel | None) -> NamingBeside | None:
 
 
 def reading_thread(mapper: TextMapper, config: ReadingConfig, live: bool) -> ReadingThread:
-    """Live, the newest frame is read, and tracking comes first; of a recording none is left out."""
+    """Live, the newest frame is read first, and tracking comes first; of a recording none is left out."""
     if live:
-        return ReadingThread(mapper, 1, config.live_share, READING)
+        return ReadingThread(mapper, config.live_queue_size, config.live_share, READING, newest_first=True)
     return ReadingThread(mapper, config.queue_size)
 
 

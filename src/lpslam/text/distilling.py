@@ -4,8 +4,6 @@ The paper removes texts that fail the judgement from long-term memory. They are 
 pink, and the next question may be about them.
 """
 
-from dataclasses import dataclass
-
 from lpslam.errors import UserError
 from lpslam.language.model import LanguageModel
 from lpslam.text.placing.instances import KeyframePoses
@@ -16,17 +14,9 @@ from lpslam.text.types import Landmark
 DEFAULT_QUESTION = "Is this a shop?"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Distilled:
-    """What distilling gave: the landmarks, judged, and how often the language model failed to name a class."""
-
-    landmarks: list[Landmark]
-    language_errors: int
-
-
 def distil(
     text_map: TextMap, world_from_keyframe: KeyframePoses, language: LanguageModel, question: str = DEFAULT_QUESTION
-) -> Distilled:
+) -> list[Landmark]:
     """Name every long-term class anew, cluster positions, and judge every landmark's name.
 
     The judgements are kept in the map with the model that gave them; other questions' judgements stay.
@@ -35,11 +25,11 @@ def distil(
         UserError: the model understands nothing of the question; no judgement of the map is changed.
         LpSlamError: what the language model raises when it cannot judge.
     """
-    errors = name_classes(text_map.long_term, language, text_map.config)
+    name_classes(text_map.long_term, language, text_map.config)
     boards = {each.wording: each.wording_by_line for each in text_map.landmarks(world_from_keyframe)}
     judgements = language.judge(list(boards.values()), question) if boards else []
     if judgements and not any(each.confidence for each in judgements):
         # What is not understood is not answered with no: the map keeps the judgements that it has.
         raise UserError(judgements[0].evidence)
     text_map.judge(list(zip(boards, judgements, strict=True)), question)
-    return Distilled(text_map.landmarks(world_from_keyframe), errors)
+    return text_map.landmarks(world_from_keyframe)

@@ -70,6 +70,40 @@ def test_a_full_queue_drops_the_oldest_counts_it_and_never_waits() -> None:
     assert reader.dropped == 7
 
 
+def test_of_a_camera_the_newest_is_read_first_and_others_when_none_newer_comes() -> None:
+    mapper = Mapper()
+    with ReadingThread(mapper, 4, newest_first=True) as reader:
+        reader.observe(*frame(0))
+        assert mapper.is_reading.wait(10)
+        with at_most(1.0):
+            for index in range(1, 5):
+                reader.observe(*frame(index))
+        mapper.is_reading.clear()
+        mapper.let.release()
+        assert mapper.is_reading.wait(10)
+        mapper.let.release()
+        while len(mapper.read_frames) < 2:
+            time.sleep(0.01)
+        mapper.let.release(100)
+    assert mapper.read_frames[:2] == [0, 4]
+    assert sorted(mapper.read_frames) == [0, 1, 2, 3, 4]
+    assert reader.dropped == 0
+
+
+def test_where_too_many_wait_those_stay_that_are_apart_and_all_are_read_at_the_end() -> None:
+    mapper = Mapper()
+    with ReadingThread(mapper, 4, newest_first=True) as reader:
+        reader.observe(*frame(0))
+        assert mapper.is_reading.wait(10)
+        for index in (10, 20, 21, 30, 40, 41, 50):
+            reader.observe(*frame(index))
+        reader._closing = True
+        mapper.let.release(100)
+    assert mapper.read_frames == sorted(mapper.read_frames)
+    assert (mapper.read_frames[:2], mapper.read_frames[-1], reader.dropped) == ([0, 10], 50, 3)
+    assert min(np.diff(mapper.read_frames)) >= 9
+
+
 def test_frames_that_are_not_worth_reading_take_no_place() -> None:
     mapper = Mapper()
     mapper.let.release(10)

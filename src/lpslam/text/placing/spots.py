@@ -118,10 +118,7 @@ class Spots:
         return leading if alike >= sightings or counts.max() >= _PATIENCE * sightings else None
 
     def boxes(self, is_wanted: Callable[[int], bool]) -> Iterator[tuple[int, Array, Array]]:
-        """Each class that is wanted, with the (4, 3) corners and the (3,) normal of its box, in the world.
-
-        In the median of its sightings where it was seen last, from end to end.
-        """
+        """Each class that is wanted, and the (4, 3) corners and (3,) normal of its box where it was seen last, world."""
         whole = (self._rooms >= WORD_ENDS).all(axis=1)
         for identifier in filter(is_wanted, np.unique(self._classes[whole]).tolist()):
             own = np.flatnonzero(whole & (self._classes == identifier))

@@ -38,7 +38,7 @@ class ReadingGate:
 
     def hurry(self, timestamp: float) -> None:
         """Note that a text was seen that is not settled yet: it may be gone soon."""
-        self._hurries_until = timestamp + self._config.new_text_patience
+        self._hurries_until = max(self._hurries_until, timestamp + self._config.new_text_patience)
 
     def taken(self, timestamp: float) -> None:
         """Note that a frame is read now."""

@@ -1,4 +1,8 @@
-"""Reading beside tracking: a thread of its own behind a bounded queue that drops the oldest frame."""
+"""Reading beside tracking: a thread of its own behind a bounded queue.
+
+Of a camera the newest frame is read first, and the others when none newer waits, and at the end. Where too many wait,
+one goes that has others soon before and after it.
+"""
 
 import threading
 import time
@@ -24,6 +28,7 @@ class ReadingThread:
     Args:
         mapper: reads and remembers.
         queue_size: frames that may wait.
+        newest_first: whether the newest is read first while frames come, rather than the oldest.
         share: of the time, 0 to 1, that may be spent reading.
         niceness: how far the thread stands back behind others.
 
@@ -31,12 +36,14 @@ class ReadingThread:
         dropped: frames that were worth reading but were not read for lack of time.
     """
 
-    def __init__(self, mapper: TextMapper, queue_size: int, share: float = 1.0, niceness: int = 0) -> None:
+    def __init__(
+        self, mapper: TextMapper, queue_size: int, share: float = 1.0, niceness: int = 0, newest_first: bool = False
+    ) -> None:
         self._mapper = mapper
         self._niceness = niceness
         self._share = share
         self._queue: deque[tuple[RgbdFrame, TrackedFrame]] = deque()
-        self._queue_size = queue_size
+        self._queue_size, self._newest_first = queue_size, newest_first
         self._changed = threading.Condition()
         self._closing = False
         self._error: Exception | None = None
@@ -52,7 +59,9 @@ class ReadingThread:
             return
         with self._changed:
             if len(self._queue) == self._queue_size:
-                self._queue.popleft()
+                times = [each.timestamp for each, _ in self._queue] if self._newest_first else []
+                gaps = [after - before for before, after in zip(times, times[2:], strict=False)]
+                del self._queue[1 + gaps.index(min(gaps)) if gaps else 0]
                 self.dropped += 1
             self._queue.append((frame, tracked))
             self._changed.notify_all()
@@ -92,7 +101,9 @@ class ReadingThread:
                 self._changed.wait_for(lambda: self._queue or self._closing)
                 if not self._queue:
                     return
-                frame, tracked = self._queue.popleft()
+                # At the end all that is left is read in its order.
+                is_newest = self._newest_first and not self._closing
+                frame, tracked = self._queue.pop() if is_newest else self._queue.popleft()
                 self._changed.notify_all()
             before = time.perf_counter()
             try:

@@ -235,8 +235,10 @@ class LongShortTermMemory:
         self, text_class: TextClass, confidence: float, timestamp: float, says_the_same: bool = False
     ) -> None:
         # Sightings in quick succession are one look: their misreadings repeat, so they are not independent evidence.
-        interval = timestamp - text_class.last_seen if text_class.history else self.config.full_sighting_interval
-        looks = max(0.0, interval) / self.config.full_sighting_interval
+        # A camera's frames are not always read in their order.
+        last = text_class.last_seen if timestamp >= text_class.last_seen else text_class.history[-1][0]
+        interval = abs(timestamp - last) if text_class.history else self.config.full_sighting_interval
+        looks = interval / self.config.full_sighting_interval
         weight = self.config.independent_weight if says_the_same and looks >= _APART else min(1.0, looks)
         self._record(text_class, timestamp)
         text_class.score = min(self.config.ceiling, text_class.score + confidence * weight)
