@@ -118,7 +118,7 @@ class Spots:
         return leading if alike >= sightings or counts.max() >= _PATIENCE * sightings else None
 
     def boxes(self, is_wanted: Callable[[int], bool]) -> Iterator[tuple[int, Array, Array]]:
-        """Each class that is wanted, and the (4, 3) corners and (3,) normal of its box where it was seen last, world."""
+        """Each class that is wanted, and its box where it was seen last: (4, 3) corners and (3,) normal, world."""
         whole = (self._rooms >= WORD_ENDS).all(axis=1)
         for identifier in filter(is_wanted, np.unique(self._classes[whole]).tolist()):
             own = np.flatnonzero(whole & (self._classes == identifier))
