@@ -136,6 +136,11 @@ def test_what_is_told_of_in_another_sentence_weighs_less_than_what_is_asked_for(
     assert chosen(model, question, "紀伊國屋書店", "ビックカメラ") == "ビックカメラ"
 
 
+def test_words_mean_nothing_together_with_what_is_refused(knowledge: Knowledge) -> None:
+    wish = read_question("a toilet, but not the disabled one", knowledge)
+    assert [concept for concept, weight in wish.wanted if weight >= 1.0] == ["amenity/toilets"]
+
+
 def test_a_list_goes_on_being_refused(knowledge: Knowledge) -> None:
     wish = read_question("No pizza, burgers or kebab. Where else can I eat?", knowledge)
     assert {"cuisine/pizza", "cuisine/burger", "cuisine/kebab"} <= set(wish.refused)

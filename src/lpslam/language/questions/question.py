@@ -144,13 +144,12 @@ def without_common(text: str, language: str, knowledge: Knowledge) -> str:
 class _Said:
     """What the phrases of a question say, gathered: concepts wanted and refused, by which phrases, and names."""
 
-    def __init__(self, wanted: dict[str, float]) -> None:
-        self.wanted = wanted
+    def __init__(self, wanted: dict[str, float], refusing: tuple[set[int], set[int]]) -> None:
+        self.wanted, self.refusing = wanted, refusing
         self.refused: list[str] = []
         self.wanted_by: dict[str, set[str]] = {}
         self.refused_by: dict[str, set[str]] = {}
         self.refused_with: dict[str, list[set[str]]] = {}
-        self.refusing: tuple[set[int], set[int]] = (set(), set())
         self.names: dict[str, list[str]] = {"wanted": [], "refused": [], "near": []}
 
     def refuse(self, span: Span[Meaning], concept: str) -> None:
@@ -240,7 +239,12 @@ class _Reading:
     def _gathered(self) -> _Said:
         """Go through the clauses: what is wanted, what is refused, what is only said by the way."""
         knowledge = self._knowledge
-        said = _Said({trouble.concept: MAIN for trouble in self._troubles})
+        clauses = clauses_of(self._units, self._spans, self._language, knowledge)
+        told = told_in(clauses, self._units, self._language, knowledge, asks_for_another(self._text))
+        refusing = _refusing(clauses, told)
+        # “A toilet, but not the disabled one.”
+        self._troubles = [trouble for trouble in self._troubles if trouble.units.isdisjoint(refusing[0])]
+        said = _Said({trouble.concept: MAIN for trouble in self._troubles}, refusing)
         asides = _asides(self._spans, self._units, knowledge)
         asides |= {span.start for span in self._spans if _is_part(span, self._troubles)}
         has_main = bool(self._troubles) or any(
@@ -248,9 +252,6 @@ class _Reading:
             for span in self._spans
         )
         asides |= spilled(self._spans, self._stains, self._units, knowledge)
-        clauses = clauses_of(self._units, self._spans, self._language, knowledge)
-        told = told_in(clauses, self._units, self._language, knowledge, asks_for_another(self._text))
-        said.refusing = _refusing(clauses, told)
         for span, stand in (each for clause in told for each in clause):
             is_aside = span.start in asides or stand is Stand.ASIDE
             is_refused = stand is Stand.REFUSED
