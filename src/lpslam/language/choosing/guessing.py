@@ -28,7 +28,6 @@ _MOST = 4.0  # of a lead by which guesses differ
 _AS_WELL = 0.97  # of how well tables see a place serve: another that serves as well
 _KEPT = 4  # questions of which it is kept what they say: one and its parts
 _NUMBER = re.compile(r"\d+")
-_UNSPACED = frozenset({"zh", "ja", "ko"})
 LEAST_SURE = 0.55
 """Probability of a place to be what was meant, below which the answer is none."""
 COLUMNS = (
@@ -50,8 +49,6 @@ class Heard:
         said: (groups,) share of the words that speak for each.
         cosines: (concepts,) of their meaning, less their mean.
         words: (concepts,) how much all words speak for each.
-        spread: of the cosines.
-        language: of the question.
     """
 
     ids: NDArray[np.int64]
@@ -61,8 +58,6 @@ class Heard:
     said: Floats
     cosines: Floats
     words: Floats
-    spread: float
-    language: str
 
     def best_of(self, scores: Floats) -> Floats:
         """(groups,) the best of each group's landmarks, of (landmarks,) scores."""
@@ -162,7 +157,7 @@ class Guessing:
         words[self._senses_in(language)] = evidence.said
         return Heard(
             *(self._ids, self._groups, self._starts, columns, self._support.speaking(evidence)),
-            *(cosines - middle, words[:-1], float(cosines.std()) + 1e-9, language),
+            *(cosines - middle, words[:-1]),
         )
 
     def _senses_of(self, language: str) -> NDArray[np.int64]:
@@ -215,8 +210,6 @@ class Guessing:
             "lead of words": lead(heard.columns[:, 0]),
             "alone": float(not others.any()),
             "others as well": float(np.log1p(as_well.sum())),
-            "board": own["board"] / heard.spread / 4.0,
-            "kind": own["kind"] / heard.spread / 4.0,
             "words": min(own["words"], 8.0) / 5.0,
             "words of the board": min(own["words of the board"], 6.0) / 4.0,
             "read, of the best": own["read, of the best"],
@@ -229,7 +222,6 @@ class Guessing:
             "by tables": float(is_found),
             "another by tables": float(found.best is not None and not is_found),
             "in vain": float(found.reads_more and not is_found),
-            "no spaces": float(heard.language in _UNSPACED),
         }
 
     def kind(self, heard: Heard, row: int) -> str:

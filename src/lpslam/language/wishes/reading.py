@@ -42,8 +42,6 @@ from lpslam.language.wishes.sorts import attributes_of
 _ENDS = " .。!！?？,，、;；¿¡"
 _MOST_STOPS = 6
 _OPPOSED = {Which.NEAREST.value, Which.FARTHEST.value}  # one place is hardly both
-_COUNTED = frozenset(map(str, (Relation.NEAR, Relation.BEFORE, Relation.BEHIND, Relation.LEFT_OF, Relation.RIGHT_OF)))
-"""Relations of which places come one after the other."""
 _BESIDE = frozenset(map(str, (Relation.NEAR, Relation.BEFORE, Relation.NEXT_TO, Relation.OPPOSITE)))
 """Relations to a place at which people meet."""
 _FEWEST_ALTERNATIVES = 2
@@ -266,11 +264,6 @@ def _placed(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: 
         # “Let's meet in front of the bank.”
         return Stop(text), groups["anchor"]
     rank = rules.ranks.get(groups.get("rank", "").casefold(), 1)
-    if rank == 1 and row.then["relation"] in _COUNTED and not asked_codes(what):
-        counted = rules.first("counts", what)
-        if counted is not None:
-            # “The second door after the lift.”
-            rank, what = rules.ranks.get(counted[1].group("rank").casefold(), 1), counted[1].group("what")
     is_here = len(anchors) == 1 and rules["here"].match(groups.get("anchor", ""))
     start = _anchor(groups["start"], languages, knowledge, rules, depth) if groups.get("start") else None
     stop = Stop(

@@ -19,7 +19,7 @@ _NAMED = re.compile(r"(?<!\(\?P)<(\w+)>")
 LONGEST = 400  # letters of a question
 _ENDS = " .。!！?？,，、;；¿¡"
 _CASED = "(?-i:"  # a pattern with it heeds case in part
-_TABLES = ("asks", "orders", "sequences", "relations", "exclusions", "refusals", "among", "persons", "counts", "cues")
+_TABLES = ("asks", "orders", "sequences", "relations", "exclusions", "refusals", "among", "persons", "cues")
 _WORDS = (
     *("here", "previous", "filler", "any", "spots", "meeting", "unsaid", "between", "alternative_ends", "joints"),
     "ordering",
