@@ -37,12 +37,6 @@ def test_a_complaint_about_one_place_leaves_the_want(model: OfflineModel) -> Non
     assert chosen(model, question, "Costa Coffee", "Starbucks", "KFC") == "Starbucks"
 
 
-def test_the_end_of_one_korean_word_and_the_beginning_of_the_next_make_no_third(knowledge: Knowledge) -> None:
-    # 하나 사려고 has no 나사, a screw, in it.
-    assert "diy/fixings" not in dict(read_question("하나 사려고 하는데요", knowledge).wanted)
-    assert "diy/fixings" in dict(read_question("나사 사려고 하는데요", knowledge).wanted)
-
-
 @pytest.mark.parametrize(
     ("question", "refused", "left"),
     [

@@ -183,8 +183,6 @@ class Choosing:
         all_names = _Names(PhraseTable(brands | mentioned), self._index.names, is_unsaid)
         wish = read_question(question, self._knowledge, all_names, is_plain, language)
         refused = {name for name in wish.refused_names if name.startswith(_PART)}
-        if asks_for_another(question):
-            refused |= {name for name in wish.wanted_names if name.startswith(_PART)}
         if not refused:
             # A part of a name may be any word: alone it asks for nothing.
             return read_question(question, self._knowledge, names, is_plain, language), set()

@@ -61,7 +61,7 @@ def _rows() -> Mapping[str, str]:
     numerals = "|".join(sorted(table["numerals"], key=len, reverse=True))
     lead = rf"(?<!\w)(?:{table['after']}|{table['before']}|{table['at']})"
     rows = {
-        **{name: alone(name) for name in ("all_day", "noon", "midnight", "open")},
+        **{name: alone(name) for name in ("all_day", "noon", "midnight")},
         "range": rf"(?<![\w.]){time('1')} ?(?:{table['to']}) ?{time('2')}(?!\d)",
         "until": rf"(?:{alone('until')}) ?{time('1')}(?!\d)|(?<!\d){time('2')} ?(?:{table['until_after']})",
         # 快一点 is “a bit faster”.
@@ -152,7 +152,7 @@ def asked_time(question: str) -> Asked | None:
     folded = painted.casefold()
     spelled = with_digits(folded, lambda at: _pattern("led").search(folded[:at]) is not None, lambda _: False)
     if _pattern("all_day").search(question):
-        return Asked((3 * _HOUR,), _without_open(_pattern("all_day").sub(" ", question)))
+        return Asked((3 * _HOUR,), _pattern("all_day").sub(" ", question))
     for text in dict.fromkeys((painted, spelled)):
         for found in _pattern("asked").finditer(text) if any(ch.isdigit() for ch in text) else ():
             if int(found["h"]) <= 24 and _is_time(found):
@@ -160,20 +160,16 @@ def asked_time(question: str) -> Asked | None:
                 # The other words with their capitals, which names have.
                 before = painted[: len(before)] if folded.startswith(before) else before
                 after = painted[len(painted) - len(after) :] if folded.endswith(after) else after
-                return Asked(_meant(found), _without_open(f"{before} {after}"))
+                return Asked(_meant(found), f"{before} {after}")
     for name, minute in (("noon", _NOON), ("midnight", 1)):
         if _pattern(name).search(painted):
-            return Asked((minute,), _without_open(_pattern(name).sub(" ", painted)))
+            return Asked((minute,), _pattern(name).sub(" ", painted))
     return None
 
 
 def _digits(found: re.Match[str]) -> str:
     korean = found.group(1)
     return str(_table()["numerals"][korean] if korean else number_of(found.group(2)))
-
-
-def _without_open(text: str) -> str:
-    return " ".join(_pattern("open").sub(" ", text).split()).strip(" ,.;?!，。？、")
 
 
 def _part_of_day(found: re.Match[str]) -> str:

@@ -20,8 +20,7 @@ _KEPT = 8  # texts whose words are kept: a stop and its parts
 _FEW = 8  # boards that bear a word which may tell one of them
 _FEWEST_OWN = 2  # characters of the part of such a name that is its own
 _PARTICLE = re.compile(r"$|[^가-힣]|[은는이가을를에로의도와과]|까지|으로|하고|쪽|이요")
-_SURE, _NAMED = 1.0, 0.9  # of a whole name, of a part of one
-_WHOLE = 0.95  # of a name's letters: the name itself
+_NAMED = 0.9  # of a part of a name
 _MOST_OF_IT = 0.7  # of the letters that are asked for: a name, with a particle
 _MOST_OF_A_NAME = 0.5  # of a name's letters that are asked for, where each word by itself means something else
 _NAME = re.compile(r"(?<=[a-zà-ÿ] )[A-Z][\w'’-]* (?:[A-Z&][\w'’-]* ?)+")  # “is there a Burger King”
@@ -259,12 +258,7 @@ class BoardWords:
         """Boards that bear all words, or all of those that no table knows."""
         languages = wish_languages(text, self._knowledge)
         words, proper = self._asked.asked(text)
-        if not words:
-            return {}
         whole = self._names.covered(words)
-        exact = {id_: _SURE for id_, share in whole.items() if share >= _WHOLE}
-        if exact and (proper or len(words) > 1):
-            return exact
         if not proper:
             return self._most_of_a_name(self._all_words(text, languages))
         if whole and proper:
@@ -320,12 +314,8 @@ class BoardWords:
         # “Mein Arm soll geröntgt werden” is a sentence.
         return self._all_words(text, wish_languages(text, self._knowledge)) == words
 
-    def literal(self, text: str, meaning: Meaning) -> dict[int, float]:
+    def literal(self, text: str) -> dict[int, float]:
         """Boards that bear every word, where nothing else is known to serve."""
-        if self.refuses(text, meaning):
-            return {}
         words, _ = self._asked.asked(text)
         words = words or self._all_words(text, wish_languages(text, self._knowledge))
-        if not words:
-            return {}
         return {id_: share for id_, share in self._names.covered(words).items() if share >= _LEAST_LITERAL}

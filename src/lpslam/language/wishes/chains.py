@@ -11,7 +11,6 @@ from lpslam.language.languages import CAPITALS_ARE_NAMES
 from lpslam.language.questions.question import read_question
 from lpslam.language.questions.wanted import MAIN
 from lpslam.language.tables.knowledge import Knowledge
-from lpslam.language.tables.words import is_unspaced
 from lpslam.language.wishes.codes import asked_codes
 from lpslam.language.wishes.rules import content_left, rules_of
 
@@ -20,7 +19,6 @@ _JOINED = re.compile(r" (?:and|und|et|y|e) ")
 _ANY_KIND = frozenset({"shop", "place", "business"})  # kinds that say nothing of what is wanted
 FEWEST_LISTED = 3  # things that are listed without a word for their order: “pharmacy, bank, coffee”
 _ENDS = " .。!！?？,，、;；¿¡"
-_BRIEF_WORDS, _BRIEF_LETTERS = 5, 16  # of a piece of a mere list, in scripts with and without spaces
 _MOST_LETTERS = 60  # of a piece: longer ones tell of something
 
 
@@ -34,34 +32,25 @@ def chained(text: str, languages: Sequence[str]) -> list[str]:
     return [text]
 
 
-def is_brief(piece: str) -> bool:
-    """Whether a piece is short enough to be an item of a mere list."""
-    return len(piece.split()) <= _BRIEF_WORDS and (len(piece) <= _BRIEF_LETTERS or not is_unspaced(piece))
-
-
 def pieces_of(text: str, languages: Sequence[str], knowledge: Knowledge) -> list[str]:
     """The stops that a part of a plan names, each something of its own; the part itself where it names one."""
     chain = chained(text, languages)
-    if len(chain) >= FEWEST_LISTED and all(are_things((piece,), knowledge) for piece in chain):
-        return chain
-    for pieces in (chained(text, languages), listed_in(text, knowledge)):
+    for pieces in (chain, listed_in(text, knowledge)):
         if len(pieces) > 1 and are_things(pieces, knowledge):
             return pieces
     return [text]
 
 
-def brief_pieces(text: str, language: str) -> list[str]:
+def finer_pieces(text: str, language: str) -> list[str]:
     """What a part of a plan may list: “lock up my bicycle, enrol, get lunch”; whether it does is for the map to say."""
     rules = rules_of(language)
     pieces = chained(text, (language,))
-    return pieces if all(is_brief(piece) and content_left(piece, rules) for piece in pieces) else [text]
+    return pieces if all(content_left(piece, rules) for piece in pieces) else [text]
 
 
 def says_a_place(text: str, knowledge: Knowledge) -> bool:
-    """Whether a part of a question may be a stop: it wants something or bears a name, and refuses nothing."""
+    """Whether a part of a question may be a stop: it wants something or bears a name."""
     read = read_question(text, knowledge)
-    if read.refused or read.refused_names:
-        return False
     return bool(read.wanted) or any(ch.isupper() or ch.isdigit() for ch in text)
 
 

@@ -229,9 +229,6 @@ def _number_at(
         stretch = folded[words[at].start() : words[end - 1].end()]
         if _BROKEN.search(stretch):
             continue
-        one_by_one = [_digits().get(_key(word.group())) for word in words[at:end]] if follows and end - at > 1 else []
-        if one_by_one and all(one_by_one):
-            return "".join(filter(None, one_by_one)), end
         key = _key(stretch)
         if follows and end - at > 1 and key not in _cardinals() and key not in _ordinals():
             in_groups = _in_groups([_key(word.group()) for word in words[at:end]])
@@ -260,8 +257,6 @@ def _begins_number(key: str) -> bool:
 
 def _in_groups(keys: Sequence[str]) -> str:
     """The digits of a number said in groups: “two ten” is 210, “twelve oh four” 1204; "" where it is none."""
-    if not keys:
-        return ""
     for size in range(min(len(keys), _LONGEST_GROUP), 0, -1):
         key = "".join(keys[:size])
         number = _cardinals().get(key, _HUNDRED)

@@ -14,9 +14,8 @@ from lpslam.language.tables.words import UNSPACED_RUN, is_mark
 from lpslam.language.wishes.chains import (
     FEWEST_LISTED,
     are_things,
-    brief_pieces,
     chained,
-    is_brief,
+    finer_pieces,
     lists_in,
     pieces_of,
     says_a_kind,
@@ -116,7 +115,7 @@ def _plan(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> Wish |
             spoken = next(iter(languages_of(text, knowledge)), language if is_sure else None)
             alone = None if is_sure and is_read else Wish((_stop(text, languages, knowledge),), language)
             plan = Wish(_parts(parts, languages, knowledge, spoken), language, instead=alone)
-            finer = [piece for part in parts for piece in brief_pieces(part, language)]
+            finer = [piece for part in parts for piece in finer_pieces(part, language)]
             if len(parts) < len(finer) <= _MOST_STOPS:
                 return Wish(_parts(finer, languages, knowledge, spoken), language, instead=plan)
             return plan
@@ -132,16 +131,13 @@ def _parts(
 
 
 def _unordered(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> list[str]:
-    """Things that are listed without a word for their order, three at least, each brief and something of its own.
+    """Things that are listed without a word for their order, three at least, each something of its own.
 
     Whether each is a place of its own is for the map to say.
     """
-    if read_question(text, knowledge).left_out:
-        # “Lunch, but we eat no meat, fish or eggs.”
-        return []
     chain = chained(text, languages)
     for pieces in (chain, *lists_in(text)):
-        if not FEWEST_LISTED <= len(pieces) <= _MOST_STOPS or not all(map(is_brief, pieces)):
+        if not FEWEST_LISTED <= len(pieces) <= _MOST_STOPS:
             continue
         read = sum(are_things((piece,), knowledge) for piece in pieces)
         if are_things(pieces, knowledge) or (pieces is chain and read >= len(pieces) - 1):

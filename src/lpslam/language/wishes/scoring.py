@@ -175,7 +175,7 @@ class EmbeddedScorer:
 
     def _by_words(self, stop: Stop, meaning: Meaning, ignored: tuple[str, ...]) -> Served | None:
         """The landmarks whose boards say the words themselves."""
-        literal = self._told_apart(stop, self._boards.literal(stop.what, meaning))
+        literal = self._told_apart(stop, self._boards.literal(stop.what))
         if not literal:
             return None
         scores = self._trusted(literal)
@@ -226,9 +226,6 @@ class EmbeddedScorer:
         words, _ = self._asked.asked(stop.what)
         exact = frozenset(id_ for id_, share in self._names.covered(words).items() if share >= _WHOLE and id_ in scores)
         is_named = bool(meaning.wanted_names and scores)
-        if is_named:
-            # A brand by another of its names is here: there is nothing to be doubted.
-            exact = frozenset(scores)
         why = tables.reason if supported is None else self._spoken_for(stop, tables, supported)
         serving = scores if supported is None else supported.scores
         told = Served(
