@@ -236,8 +236,13 @@ class _Reading:
         clauses = clauses_of(self._units, self._spans, self._language, knowledge)
         told = told_in(clauses, self._units, self._language, knowledge, asks_for_another(self._text))
         refusing = _refusing(clauses, told)
+        refused = [span for each in told for span, stand in each if stand is Stand.REFUSED]
         # “A toilet, but not the disabled one.”
-        self._troubles = [trouble for trouble in self._troubles if trouble.units.isdisjoint(refusing[0])]
+        self._troubles = [
+            each
+            for each in self._troubles
+            if each.units <= refusing[0] or not any(_is_part(span, [each]) for span in refused)
+        ]
         said = _Said({trouble.concept: MAIN for trouble in self._troubles}, refusing)
         asides = _asides(self._spans, self._units, knowledge)
         asides |= {span.start for span in self._spans if _is_part(span, self._troubles)}
