@@ -130,6 +130,12 @@ def test_what_is_told_of_in_another_sentence_weighs_less_than_what_is_asked_for(
     assert chosen(model, question, "紀伊國屋書店", "ビックカメラ") == "ビックカメラ"
 
 
+def test_the_end_of_one_korean_word_and_the_beginning_of_the_next_make_no_third(knowledge: Knowledge) -> None:
+    # 하나 사려고 has no 나사, a screw, in it.
+    assert "diy/fixings" not in dict(read_question("하나 사려고 하는데요", knowledge).wanted)
+    assert "diy/fixings" in dict(read_question("나사 사려고 하는데요", knowledge).wanted)
+
+
 def test_words_mean_nothing_together_with_what_is_refused(knowledge: Knowledge) -> None:
     wish = read_question("a toilet, but not the disabled one", knowledge)
     assert [concept for concept, weight in wish.wanted if weight >= 1.0] == ["amenity/toilets"]

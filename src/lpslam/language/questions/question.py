@@ -192,14 +192,20 @@ class _Reading:
     def _phrases(self, tables: tuple[Phrases[Meaning], ...]) -> tuple[list[str], list[Span[Meaning]]]:
         folder = self._knowledge.folder
         units = folder.units(self._text)
-        spans = longest_phrases(units, tables)
+        starts = folder.word_starts(self._text) if self._language == "ko" else frozenset[int]()
+
+        def is_barred(at: int, end: int, said: Meaning) -> bool:
+            # The end of one Korean word and the beginning of the next make no third.
+            return end - at == 2 and at + 1 in starts and said.role in ("means", "name")
+
+        spans = longest_phrases(units, tables, is_barred)
         kept = self._knowledge.common[self._language] | self._knowledge.states(self._language).words
         covered = {at for span in spans for at in range(span.start, span.end)}
         spoken = [
             unit if at in covered or unit in kept else known_form(unit, self._language, self._knowledge) or unit
             for at, unit in enumerate(units)
         ]
-        again = spans if spoken == units else longest_phrases(spoken, tables)
+        again = spans if spoken == units else longest_phrases(spoken, tables, is_barred)
         hidden = self._knowledge.turns_of(self._language)
         self.turned = any(span.key in hidden for span in (*spans, *again))
         return spoken, again

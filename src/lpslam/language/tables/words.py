@@ -6,7 +6,7 @@ Thai). A phrase is a run of units; its key joins them with single spaces, so one
 
 import re
 import unicodedata
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Generic, Protocol, TypeVar
@@ -182,10 +182,15 @@ def is_unspaced(text: str) -> bool:
     return text >= _FIRST_UNSPACED and _BEGINS_UNSPACED.match(text) is not None
 
 
-def longest_phrases(units: Sequence[str], tables: Iterable[Phrases[Value]], longest: int = 12) -> list[Span[Value]]:
+def longest_phrases(
+    units: Sequence[str],
+    tables: Iterable[Phrases[Value]],
+    is_barred: Callable[[int, int, Value], bool] | None = None,
+    longest: int = 12,
+) -> list[Span[Value]]:
     """Return the phrases of `tables` found in `units`, from the left, longest first; earlier tables win a tie.
 
-    Phrases do not overlap and do not reach over punctuation.
+    Phrases do not overlap and do not reach over punctuation; `is_barred` says of (start, end, value) that it is none.
     """
     chain = tuple(tables)
     found: list[Span[Value]] = []
@@ -196,7 +201,7 @@ def longest_phrases(units: Sequence[str], tables: Iterable[Phrases[Value]], long
             # Most units begin no phrase, or phrases of one table.
             if of_table := table.sizes(units, at):
                 sizes = {*sizes, *of_table} if sizes else of_table
-        span = _phrase_at(units, at, chain, sizes, longest) if sizes else None
+        span = _phrase_at(units, at, chain, sizes, is_barred, longest) if sizes else None
         if span is not None:
             found.append(span)
         at = span.end if span is not None else at + 1
@@ -208,6 +213,7 @@ def _phrase_at(
     at: int,
     chain: tuple[Phrases[Value], ...],
     sizes: Collection[int],
+    is_barred: Callable[[int, int, Value], bool] | None,
     longest: int,
 ) -> Span[Value] | None:
     """The longest phrase of one of some sizes, in units, that begins at a place."""
@@ -218,7 +224,7 @@ def _phrase_at(
         key = " ".join(units[at : at + size])
         for table in chain:
             value = table.get(key)
-            if value is not None:
+            if value is not None and not (is_barred and is_barred(at, at + size, value)):
                 return Span(at, at + size, key, value)
     return None
 
