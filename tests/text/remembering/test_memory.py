@@ -144,3 +144,18 @@ def test_what_was_read_twice_but_for_its_spaces_was_read_again() -> None:
     for index, text in enumerate(["HAMMER &LADDER", "HAMMER & LADDER", "G LADDER", "GLADDER", "LADDER"]):
         known = memory.sight(text, 0.9, 0.2 * index, here={0})
     assert sorted(each.replace(" ", "") for each in known.read_again) == ["GLADDER", "HAMMER&LADDER"]
+
+
+def test_looks_that_are_read_out_of_their_order_are_as_far_apart_as_they_were() -> None:
+    config = MemoryConfig()
+    step = config.full_sighting_interval
+
+    def score(*times: float) -> float:
+        memory = LongShortTermMemory(config)
+        memory.forget(max(times))
+        return [memory.sight("VELMO", 0.9, each) for each in times][-1].score
+
+    late, beside = 10.0, 10.0 - step / 10.0
+    assert score(late, late - step) == pytest.approx(score(late - step, late))
+    assert score(late, late - step, late - step - step / 10.0) < score(late, late - step, late - 2 * step)
+    assert score(late, beside) == pytest.approx(score(beside, late))
