@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from itertools import islice, pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,6 +18,8 @@ from lpslam.slam.association import Associator, View
 from lpslam.slam.map import SlamMap
 from lpslam.slam.state import EventKind, SlamEvent, TrackedFrame, TrackingState
 from lpslam.slam.system import RgbdSlam
+from lpslam.slam.tracking.guesses import Search
+from lpslam.slam.tracking.local_search import LocalSearch
 
 pytestmark = pytest.mark.slow
 
@@ -275,3 +278,26 @@ def test_a_view_of_elsewhere_after_a_time_without_one_gets_no_guessed_pose(clip:
     tracked = slam.process(elsewhere)
     assert tracked.world_from_camera is None
     assert tracked.state is TrackingState.LOST
+
+
+def test_a_pose_to_which_the_camera_cannot_have_come_is_not_taken(
+    clip: Clip, plain: tuple[RgbdSlam, list[TrackedFrame], list[int]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Before fronts all alike, points that look the same may hold a pose one front beside."""
+    best, calls = LocalSearch.best, iter(range(10**6))
+
+    def beside(search: LocalSearch, *asked: Any, **more: Any) -> Search | None:
+        found = best(search, *asked, **more)
+        if found is None or next(calls) != 6:
+            return found
+        pose = found.estimate.camera_from_world.copy()
+        pose[0, 3] += 1.0
+        return replace(found, estimate=replace(found.estimate, camera_from_world=pose))
+
+    monkeypatch.setattr(LocalSearch, "best", beside)
+    tracked = run(RgbdSlam(clip.camera), clip)
+    assert next(calls) > 7, "no pose was put beside: the test tests nothing"
+    for one, other in zip(tracked, plain[1], strict=True):
+        assert one.world_from_camera is not None
+        assert other.world_from_camera is not None
+        assert pose_error(one.world_from_camera, other.world_from_camera)[0] < 0.05

@@ -184,6 +184,24 @@ class Guesser:
             return told
         return self._motion.ahead(self.pose(last), timestamp - last.timestamp)
 
+    def can_have_come(
+        self, last: LastFrame, camera_from_world: _Matrix, timestamp: float, carried: _Matrix | None
+    ) -> bool:
+        """Whether a camera can have moved to a pose (4×4) since the last frame; else it must be told as a place is.
+
+        Before fronts all alike, a few points that look the same pull the pose of a quick pan to the next one.
+
+        Args:
+            last: the last frame with a pose.
+            camera_from_world: that a search has found.
+            timestamp: of the frame, in seconds.
+            carried: camera from world (4×4) where frames since the last were coasted over.
+        """
+        expected = self.predicted(last, timestamp) if carried is None else carried
+        apart = inverse_transform(camera_from_world)[:3, 3] - inverse_transform(expected)[:3, 3]
+        reach = self._config.swerve_distance + self._config.carried_speed * (timestamp - last.timestamp)
+        return float(np.linalg.norm(apart)) <= reach
+
     def prior(self, last: LastFrame | None, timestamp: float) -> PosePrior | None:
         """What pictures tell of the pose of the frame at a time in seconds, as the map has the last one now."""
         if last is None or self.step is None or not self.step.leads(last.timestamp, timestamp):
