@@ -301,3 +301,22 @@ def test_a_pose_to_which_the_camera_cannot_have_come_is_not_taken(
         assert one.world_from_camera is not None
         assert other.world_from_camera is not None
         assert pose_error(one.world_from_camera, other.world_from_camera)[0] < 0.05
+
+
+def test_a_camera_whose_motion_is_not_known_yet_may_have_come_anywhere(clip: Clip) -> None:
+    """Of one on a car the second frame is metres away; from the third on its speed is known."""
+    slam = RgbdSlam(clip.camera)
+    for frame in islice(clip, 4):
+        slam.process(frame)
+    tracker = slam._tracker
+    last = tracker._where.last
+    assert last is not None
+    pose, soon = last.camera_from_world(slam.map), last.timestamp + 0.03
+    far = pose.copy()
+    far[0, 3] += 1.0
+    assert tracker._guesser.can_have_come(last, pose, soon, None)
+    assert not tracker._guesser.can_have_come(last, far, soon, None)
+    assert tracker._guesser.can_have_come(last, far, soon + 1.0, None), "in a second"
+    tracker._where.motion.forget()
+    assert tracker._guesser.can_have_come(last, far, soon, None)
+    assert not tracker._guesser.can_have_come(last, far, soon, pose), "frames since were coasted over"

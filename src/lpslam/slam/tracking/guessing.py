@@ -196,7 +196,12 @@ class Guesser:
             camera_from_world: that a search has found.
             timestamp: of the frame, in seconds.
             carried: camera from world (4×4) where frames since the last were coasted over.
+
+        Returns:
+            True as well where nothing foretells the pose: of a camera on a car two frames must say how fast it is.
         """
+        if carried is None and not self._motion.is_known:
+            return True
         expected = self.predicted(last, timestamp) if carried is None else carried
         apart = inverse_transform(camera_from_world)[:3, 3] - inverse_transform(expected)[:3, 3]
         reach = self._config.swerve_distance + self._config.carried_speed * (timestamp - last.timestamp)
