@@ -143,6 +143,11 @@ def inverse_transform(to_from_frame: NDArray[np.float64]) -> NDArray[np.float64]
     return inverse
 
 
+def centre_distance(camera_from_world: NDArray[np.float64], other: NDArray[np.float64]) -> float:
+    """Metres between the centres of two cameras, by their poses (4×4) in one world."""
+    return float(np.linalg.norm(inverse_transform(camera_from_world)[:3, 3] - inverse_transform(other)[:3, 3]))
+
+
 def are_rigid(transforms: Points) -> bool:
     """Whether all of (n, 4, 4) turn and shift only, as numbers that were kept in a file still do.
 

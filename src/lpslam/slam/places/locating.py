@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.camera import inverse_transform
+from lpslam.camera import centre_distance
 from lpslam.config import LocatingConfig, TrackingConfig
 from lpslam.slam.advice import Anchor
 from lpslam.slam.association import Associator, Estimate, View
@@ -140,8 +140,13 @@ class Locator:
         held = self._held(features, candidate, found.camera_from_world, points, alike, will_look)
         if held is None or not is_anywhere:
             return held
-        is_one = self.fit_elsewhere(features, held, allowed) is None and self.is_unique(features, held, allowed)
-        return held if is_one else None
+        is_one = self.fit_elsewhere(features, held, allowed) is None
+        return held if is_one and self._is_unique(features, alike, held, allowed) else None
+
+    def is_unique(self, features: Features, located: Located) -> bool:
+        """Whether a place that holds for a view looks like no other of the map."""
+        alike = self._alike(features, self._group(located.keyframe, self._config.matched_keyframes, None))
+        return self._is_unique(features, alike, located, None)
 
     def _held(
         self,
@@ -298,18 +303,14 @@ class Locator:
         agrees: NDArray[np.bool_] = (z > 0) & (np.linalg.norm(off, axis=1) < self._config.trial_pixels)
         return agrees
 
-    def is_unique(self, features: Features, located: Located, allowed: NDArray[np.bool_] | None = None) -> bool:
+    def _is_unique(
+        self, features: Features, alike: _Alike, located: Located, allowed: NDArray[np.bool_] | None
+    ) -> bool:
         """Whether enough of what looks alike agrees with the place and looks so nowhere else in the map.
 
         A floor whose tiles repeat fits in many places; so much of it as agrees says nothing.
-
-        Args:
-            features: the view's keypoints.
-            located: a place that holds for it.
-            allowed: (K,) keyframes whose points may be used; all without.
         """
         config = self._config
-        alike = self._alike(features, self._group(located.keyframe, config.matched_keyframes, allowed))
         if len(alike.keypoints) < config.min_matches:
             return True
         asked = spread_over(np.arange(len(alike.keypoints)), _MOST_ASKED)
@@ -345,8 +346,7 @@ class Locator:
         )
         if found is None or len(found.rows) < config.min_trial_inliers:
             return None
-        apart = inverse_transform(located.camera_from_world)[:3, 3] - inverse_transform(found.camera_from_world)[:3, 3]
-        is_elsewhere = float(np.linalg.norm(apart)) > config.rival_distance
+        is_elsewhere = centre_distance(located.camera_from_world, found.camera_from_world) > config.rival_distance
         return replace(located, camera_from_world=found.camera_from_world) if is_elsewhere else None
 
     def _is_certain(self, features: Features, located: Located, will_look: bool = False) -> bool:

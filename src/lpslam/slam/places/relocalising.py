@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.camera import inverse_transform
+from lpslam.camera import centre_distance, inverse_transform
 from lpslam.config import LocatingConfig, TrackingConfig
 from lpslam.slam.advice import NO_ADVICE, LoopAdvisor, Recalled
 from lpslam.slam.features import Features
@@ -220,9 +220,8 @@ class Relocaliser:
         if seen is None or submaps[seen.keyframe] != submaps[located.keyframe]:
             return False
         camera_from_world = seen.camera_from_keyframe @ self._map.camera_from_world(seen.keyframe)
-        apart = inverse_transform(camera_from_world)[:3, 3] - inverse_transform(located.camera_from_world)[:3, 3]
         reach = self._config.agreement_distance + self._carried_speed * abs(timestamp - seen.timestamp)
-        return float(np.linalg.norm(apart)) <= reach
+        return centre_distance(camera_from_world, located.camera_from_world) <= reach
 
     def _is_disowned(self, located: Located) -> bool:
         submaps = self._map.submaps()
@@ -286,5 +285,4 @@ class Relocaliser:
         submaps = self._map.submaps()
         if submaps[one.keyframe] != submaps[keyframe]:
             return False
-        apart = inverse_transform(one.camera_from_world)[:3, 3] - inverse_transform(camera_from_world)[:3, 3]
-        return float(np.linalg.norm(apart)) > self._config.rival_distance
+        return centre_distance(one.camera_from_world, camera_from_world) > self._config.rival_distance

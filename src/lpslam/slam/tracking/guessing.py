@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.camera import inverse_transform
+from lpslam.camera import centre_distance, inverse_transform
 from lpslam.config import SlamConfig
 from lpslam.frames import RgbdFrame
 from lpslam.slam.association import Associator, View
@@ -185,14 +185,14 @@ class Guesser:
         return self._motion.ahead(self.pose(last), timestamp - last.timestamp)
 
     def can_have_come(
-        self, last: LastFrame, camera_from_world: _Matrix, timestamp: float, carried: _Matrix | None
+        self, last: LastFrame | None, camera_from_world: _Matrix, timestamp: float, carried: _Matrix | None
     ) -> bool:
         """Whether a camera can have moved to a pose (4×4) since the last frame; else it must be told as a place is.
 
         Before fronts all alike, a few points that look the same pull the pose of a quick pan to the next one.
 
         Args:
-            last: the last frame with a pose.
+            last: the last frame with a pose, if there is one.
             camera_from_world: that a search has found.
             timestamp: of the frame, in seconds.
             carried: camera from world (4×4) where frames since the last were coasted over.
@@ -200,12 +200,11 @@ class Guesser:
         Returns:
             True as well where nothing foretells the pose: of a camera on a car two frames must say how fast it is.
         """
-        if carried is None and not self._motion.is_known:
+        if last is None or (carried is None and not self._motion.is_known):
             return True
         expected = self.predicted(last, timestamp) if carried is None else carried
-        apart = inverse_transform(camera_from_world)[:3, 3] - inverse_transform(expected)[:3, 3]
         reach = self._config.swerve_distance + self._config.carried_speed * (timestamp - last.timestamp)
-        return float(np.linalg.norm(apart)) <= reach
+        return centre_distance(camera_from_world, expected) <= reach
 
     def prior(self, last: LastFrame | None, timestamp: float) -> PosePrior | None:
         """What pictures tell of the pose of the frame at a time in seconds, as the map has the last one now."""

@@ -180,18 +180,16 @@ class Tracker:
             starts, is_strict = self._starts(picture.frame, view, followed), picture.timestamp < self._strict_until
             prior = self._guesser.prior(where.last, picture.timestamp)
             found = self._search.best(view, starts, gap, is_strict, prior)
-            if found is not None and self._can_have_come(found, picture.timestamp):
-                return self._take(picture, found)
+            if found is not None:
+                pose, carried = found.estimate.camera_from_world, self._losing.expected(picture.timestamp)
+                if self._guesser.can_have_come(where.last, pose, picture.timestamp, carried):
+                    return self._take(picture, found)
             if followed is not None and self._holds(followed):
                 picture = replace(picture, features=followed.features, seen=followed.seen)
                 return self._accept(picture, followed.estimate, is_sure=False)
         # Nothing near where it should be: a frame is given up only after the whole map was searched.
         found = self._search.best(view, self._lost_starts(view, picture), gap, is_strict=True)
         return self._miss(picture) if found is None else self._take(picture, found, is_refound=True)
-
-    def _can_have_come(self, found: Search, timestamp: float) -> bool:
-        last, pose = self._where.last, found.estimate.camera_from_world
-        return last is None or self._guesser.can_have_come(last, pose, timestamp, self._losing.expected(timestamp))
 
     def _take(self, picture: Picture, found: Search, is_refound: bool = False) -> TrackedFrame:
         """Take the outcome of a search for the frame's."""
