@@ -1,6 +1,7 @@
-"""The ground against the true floor plan of rendered malls: free floor, walls, goal poses, ways.
+"""The ground against the true floor plan of rendered malls or worlds: free floor, walls, goal poses, ways.
 
     python benchmarks/ground.py --seeds 401-406
+    python benchmarks/ground.py --worlds 1003,1009       # sheets of glass and mirrors are walls
 
 Floor and walls are those cells that the map knows. A wall is free if no cell within ten centimetres is occupied; the
 rim of the floor, as wide, is not asked. Goal poses are asked for every sign that was readable and hangs where a person
@@ -17,11 +18,14 @@ from numpy.typing import NDArray
 
 from lpslam.camera import transform_points
 from lpslam.config import Config, WayConfig
+from lpslam.errors import UserError
 from lpslam.ground.grid import FREE, OCCUPIED, Grid
 from lpslam.navigation.walking.goals import goal_before
 from lpslam.navigation.walking.ways import NoWayError, Walkable
 from lpslam.session.session import Session
 from lpslam.simulation.source import MallSource
+from lpslam.simulation.worlds.factors import draw_world
+from lpslam.simulation.worlds.source import WorldSource
 from lpslam.sources.prefetch import Prefetched
 
 Array = NDArray[np.float64]
@@ -29,6 +33,9 @@ Array = NDArray[np.float64]
 HEIGHTS = (0.05, 1.5)  # metres between which a face is in the way
 RIM = 0.1  # metres
 PAIRS = 30
+
+
+Source = MallSource | WorldSource
 
 
 @dataclass(frozen=True)
@@ -45,25 +52,34 @@ class Score:
     ratio: float
 
 
-def true_plan(source: MallSource, low: Array, high: Array, cell: float) -> NDArray[np.bool_]:
-    """Which cells (rows, columns) between two corners a face of the mall stands in."""
-    scene = source.scene
+def standing(source: Source) -> Array:
+    """(n, 4, 3) corners of all upright faces that never move."""
+    if isinstance(source, MallSource):
+        scene, panes, walkers = source.scene, (), ()
+    else:
+        scene, panes, walkers = source.place.scene, source.place.panes, source.place.walkers
+    is_fixed = np.abs(scene.normal[:, 2]) < 0.7
+    for walker in walkers:
+        is_fixed[walker.first : walker.last] = False
+    sheets = [(each.corner, each.edge_u, each.edge_v) for each in panes]
+    faces = [*zip(scene.origin[is_fixed], scene.edge_u[is_fixed], scene.edge_v[is_fixed], strict=True), *sheets]
+    return np.array([[at, at + u, at + u + v, at + v] for at, u, v in faces])
+
+
+def true_plan(source: Source, low: Array, high: Array, cell: float) -> NDArray[np.bool_]:
+    """Which cells (rows, columns) between two corners a face stands in."""
     columns, rows = np.ceil((high - low) / cell).astype(int)
     plan = np.zeros((rows, columns), np.uint8)
-    corners = np.stack([
-        scene.origin, scene.origin + scene.edge_u, scene.origin + scene.edge_u + scene.edge_v,
-        scene.origin + scene.edge_v,
-    ], axis=1)  # fmt: skip
-    for face in corners[(np.abs(scene.normal[:, 2]) < 0.7)]:
+    for face in standing(source):
         if face[:, 2].min() < HEIGHTS[1] and face[:, 2].max() > HEIGHTS[0]:
             at = np.floor((face[:, :2] - low) / cell).astype(np.int32)
             cv2.polylines(plan, [at.reshape(-1, 1, 2)], True, 1)
     return plan > 0
 
 
-def measure(seed: int, frames: int | None) -> Score:
-    """Map a mall without reading, and compare."""
-    source, config = MallSource(seed, frames), Config()
+def measure(source: Source, seed: int) -> Score:
+    """Map a mall or a world without reading, and compare."""
+    config = Config()
     with Session(source.camera, config, text=False, name=source.name) as session:
         for frame in Prefetched(source):
             session.take(frame)
@@ -74,11 +90,11 @@ def measure(seed: int, frames: int | None) -> Score:
     truth_from_map = truth.world_from_camera[rows[first]] @ np.linalg.inv(poses.world_from_camera[first])
     grid = world.grid(config.ground)
     if grid is None:
-        raise SystemExit(f"mall {seed}: no floor was seen")
+        raise UserError(f"{source.name}: no floor was seen")
     return _score(source, grid, truth_from_map, config.ways, seed)
 
 
-def _score(source: MallSource, grid: Grid, truth_from_map: Array, ways: WayConfig, seed: int) -> Score:
+def _score(source: Source, grid: Grid, truth_from_map: Array, ways: WayConfig, seed: int) -> Score:
     cells = np.argwhere(grid.values >= 0)
     flat = np.column_stack([grid.middles(cells), np.zeros(len(cells))])
     places = transform_points(truth_from_map, flat)[:, :2]
@@ -104,7 +120,7 @@ def _score(source: MallSource, grid: Grid, truth_from_map: Array, ways: WayConfi
 
 
 def _goals(
-    source: MallSource, walkable: Walkable, true_grid: Grid, truth_from_map: Array, ways: WayConfig
+    source: Source, walkable: Walkable, true_grid: Grid, truth_from_map: Array, ways: WayConfig
 ) -> tuple[int, int, list[Array]]:
     """How many signs a person could walk up to, before how many the goal is good, and where these stand in the map."""
     true_walkable, map_from_truth = Walkable(true_grid, ways), np.linalg.inv(truth_from_map)
@@ -157,13 +173,22 @@ def main() -> None:
     """Print a table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", default="401-406", help="malls, as 401-406")
+    parser.add_argument("--worlds", help="drawn worlds instead, as 1003,1009")
     parser.add_argument("--frames", type=int, help="of the walk; all without")
     options = parser.parse_args()
     first, _, last = options.seeds.partition("-")
-    print("| Mall | Floor free | Walls free | Goals good | Ways | Over 1.1 | Through a wall | Length, median |")
+    seeds = range(int(first), int(last or first) + 1)
+    if options.worlds:
+        seeds = [int(each) for each in options.worlds.split(",")]
+    print("| Place | Floor free | Walls free | Goals good | Ways | Over 1.1 | Through a wall | Length, median |")
     print("| --- | --- | --- | --- | --- | --- | --- | --- |")
-    for seed in range(int(first), int(last or first) + 1):
-        score = measure(seed, options.frames)
+    for seed in seeds:
+        source = WorldSource(draw_world(seed)) if options.worlds else MallSource(seed, options.frames)
+        try:
+            score = measure(source, seed)
+        except UserError as error:
+            print(f"| {seed} | {error} |", flush=True)
+            continue
         print(
             f"| {seed} | {score.floor:.1%} | {score.walls:.2%} | {score.good} of {score.goals} | {score.ways} "
             f"| {score.long} | {score.through} | {score.ratio:.2f} |",

@@ -142,3 +142,23 @@ def test_a_counter_that_is_seen_more_often_than_the_floor_is_not_the_floor() -> 
     grid = grid_of([*WALLS, counter], before + aside)
     assert (values(grid, (0.75, -1.5), (1.4, 1.5)) == OCCUPIED).mean() > 0.7
     assert (values(grid, (-3.0, -0.8), (-1.5, 0.8)) == FREE).mean() > 0.9
+
+
+def test_ground_beside_a_wall_that_was_only_looked_over_is_not_free() -> None:
+    # The bench stands below the view: nobody has seen it, nor the ground there.
+    bench = Box((3.5, -0.7, 0.0), (3.95, 0.7, 0.4))
+    level = [looking((-0.2, 0.1 * at), 0.0, 1.4, 0.02) for at in range(-6, 7)]
+    nearer = [looking((-3.0, 0.2 * at), 0.0, 1.4, 0.35) for at in range(-3, 4)]
+    grid = grid_of([*WALLS, bench], nearer + level)
+    assert (values(grid, (-1.0, -0.5), (0.0, 0.5)) == FREE).mean() > 0.9
+    assert (values(grid, (2.5, -0.5), (2.9, 0.5)) == FREE).mean() > 0.9
+    assert not (values(grid, (3.55, -0.6), (3.9, 0.6)) == FREE).any()
+
+
+def test_a_thin_seat_far_away_is_in_the_way_and_ground_seen_below_it_is_none() -> None:
+    seat = Box((2.4, -0.9, 0.37), (2.8, 0.9, 0.42))
+    before = [looking((-3.4, 0.11 * at), 0.0, 1.4, 0.25) for at in range(-9, 10)]
+    grid = grid_of([*WALLS, seat], before)
+    there = values(grid, (2.4, -0.8), (2.75, 0.8))
+    assert (there == OCCUPIED).mean() > 0.3
+    assert (there == FREE).mean() < 0.15

@@ -47,28 +47,33 @@ class GroundConfig(Section):
     floor_band: float = Field(default=0.2, gt=0)
     # Metres from the camera that are looked at: always, and at most.
     nearest: float = Field(default=2.0, gt=0)
-    farthest: float = Field(default=6.0, gt=0)
+    farthest: float = Field(default=8.0, gt=0)
     # Log odds that a scan adds to a cell: in which it sees something, ground, or through which its rays pass.
     occupied_odds: float = Field(default=0.9, gt=0)
     free_odds_down: float = Field(default=0.5, gt=0)
     passed_odds_down: float = Field(default=0.15, ge=0)
-    # Metres over the ground below which rays leave no room for what they do not hit, ...
-    low_ray: float = Field(default=0.7, ge=0)
+    # Metres over the ground below which rays leave no room for what they do not hit: a step, seldom anything else, ...
+    low_ray: float = Field(default=0.15, ge=0)
     # ... and log odds from which a cell is free: at once where ground is seen, after two scans that look low over it.
     free_from_down: float = Field(default=0.3, ge=0)
+    # Metres over the ground below which rays leave room for benches and pots only, which stand beside walls; ...
+    over_furniture: float = Field(default=0.7, ge=0)
+    # ... scans of such rays that make a cell free, farther from anything in the way than so many metres.
+    looked_over: int = Field(default=2, ge=1)
+    furniture: float = Field(default=0.5, ge=0)
     # Most that is believed, so that what has changed is seen before long.
     most_odds: float = Field(default=3.5, gt=0)
     # Pixels of a scan to each side from which a surface is told, ...
     surface_reach: int = Field(default=2, ge=1, le=20)
     # ... and metres, and share of the distance, by which it may be uneven there.
-    surface_bend: tuple[PositiveFloat, PositiveFloat] = (0.005, 0.005)
+    surface_bend: tuple[PositiveFloat, PositiveFloat] = (0.005, 0.0075)
     # Metres that ground may have risen where it was not seen: more is a step.
     unseen_climb: float = Field(default=0.1, ge=0)
     # Share of the difference to a reading of ground by which the ground that is walked along follows it.
     followed_share: float = Field(default=0.3, gt=0, le=1)
     # Metres around a camera that was carried there: nothing stands.
     trodden: float = Field(default=0.2, ge=0)
-    # Readings in a cell that make something of it.
+    # Readings in a cell that make something of it; fewer in proportion: far away a thin thing has one in a scan.
     least_readings: int = Field(default=2, ge=1)
 
 

@@ -159,15 +159,27 @@ def _integrated(
     ])  # fmt: skip
     evidence = np.full((rows, columns), np.nan, np.float32)
     heights, tops = (np.full((rows, columns), np.nan, np.float32) for _ in range(2))
-    touched = np.zeros((5, rows, columns), np.int32)
+    touched = np.zeros((7, rows, columns), np.int32)
     for stamp, ((points, _), what, at, floor) in enumerate(zip(seen, shown, cameras, below, strict=True), 1):
-        ray = np.array([floor, config.low_ray])
+        ray = np.array([floor, config.low_ray, config.over_furniture])
         kernels.integrate(points, what, at, ray, corner, stamp, rates, evidence, heights, tops, touched)
     values = np.full((rows, columns), UNKNOWN, np.int8)
     values[evidence <= -config.free_from_down] = FREE
     values[evidence > 0.0] = OCCUPIED
+    _open_up(values, touched[6] >= config.looked_over, config)
     _clear_the_way(values, walked, corner, config.trodden)
     return Grid(_filled(values), (left, bottom), config.resolution, heights)
+
+
+def _open_up(values: NDArray[np.int8], looked_over: NDArray[np.bool_], config: GroundConfig) -> None:
+    """What is looked over is free as far from anything as furniture is deep: what stands low stands beside the high.
+
+    Not at the rim of what was seen: a cell there is not seen in full.
+    """
+    away = cv2.distanceTransform((values != OCCUPIED).astype(np.uint8), cv2.DIST_L2, 5) * config.resolution
+    told = (looked_over | (values == FREE)).astype(np.uint8)
+    inner = cv2.erode(told, np.ones((3, 3), np.uint8)) > 0
+    values[looked_over & inner & (values == UNKNOWN) & (away > config.furniture)] = FREE
 
 
 def _clear_the_way(values: NDArray[np.int8], walked: Array, corner: Array, trodden_metres: float) -> None:

@@ -100,6 +100,13 @@ def classify(
                 ground_at = max(away, ground_at)
             elif tolerance < above < robot:
                 shown[v, u] = OBSTACLE
+                if away < ground_at:
+                    # Ground that is seen below what hangs over it, as below a table, is none.
+                    for below in range(v + 1, height):
+                        if shown[below, u] == FLOOR:
+                            if math.hypot(points[below, u, 0] - camera[0], points[below, u, 1] - camera[1]) <= away:
+                                break
+                            shown[below, u] = NOTHING
             elif above < -(drop + tolerance + climb) and up[v, u] >= least_up:
                 shown[v, u] = DROP
     return shown
@@ -122,20 +129,21 @@ def integrate(
     """Add what one scan shows to log odds of being occupied, in place; each cell counts once a scan.
 
     Ground goes on between readings of it that are neighbours in the image. A ray that comes down on a reading shows
-    that nothing stood before it as high as it passes: that takes back what walked away, and makes a cell free that it
-    passes low enough.
+    that nothing stood before it as high as it passes: that takes back what walked away; only one that passes low
+    makes a cell free.
 
     Args:
         points, shown, camera: as in `classify`.
-        ray: metres, the height of the ground below the camera, and how far above it a ray is low.
+        ray: metres, the height of the ground below the camera, and how far above it a ray is low, and looks over
+            furniture.
         grid: x and y of the corner, and metres a cell.
         stamp: number of the scan, from 1.
         rates: log odds of an obstacle, of ground, of a ray that passes; the most that is believed; least readings.
         evidence: (rows, columns) log odds; NaN where nothing is known.
         heights: (rows, columns) metres of the ground; NaN where none was seen.
         tops: (rows, columns) metres, how high what is in the way was seen to be; NaN where nothing is.
-        touched: (5, rows, columns) scan that last saw something, how many readings of it, and the scans that last saw
-            ground, passed, and passed low.
+        touched: (7, rows, columns) scan that last saw something, how many readings of it, and the scans that last saw
+            ground, passed, passed low, looked over furniture, and how many did that.
     """
     height, width = shown.shape
     for v in range(height):
@@ -209,6 +217,9 @@ def _pass(
                 touched[3, i, j] = stamp
                 if height - ray[0] < ray[1]:
                     touched[4, i, j] = stamp
+                if height - ray[0] < ray[2] and touched[5, i, j] != stamp:
+                    touched[5, i, j] = stamp
+                    touched[6, i, j] += 1
 
 
 @njit(cache=True, nogil=True)
@@ -219,11 +230,11 @@ def _judge(stamp: int, rates: NDArray[np.float64], evidence: NDArray[np.float32]
         for j in range(evidence.shape[1]):
             known = not math.isnan(evidence[i, j])
             change = 0.0
-            if touched[0, i, j] == stamp and touched[1, i, j] >= least:
-                change = occupied
+            if touched[0, i, j] == stamp:
+                change = occupied * min(touched[1, i, j] / least, 1.0)
             elif touched[2, i, j] == stamp:
                 change = free
-            elif touched[4, i, j] == stamp or (touched[3, i, j] == stamp and known):
+            elif touched[4, i, j] == stamp or (touched[3, i, j] == stamp and evidence[i, j] > 0.0):
                 change = passed
             if change != 0.0:
                 before = evidence[i, j] if known else 0.0
