@@ -273,6 +273,8 @@ def test_where_a_text_is_expected_nothing_else_is_taken(else_read: str) -> None:
     mapper = run(TextMapper(CAMERA, spotter, CONFIG), 60)
     assert spotter.recognised > 2
     assert {each.text for known in mapper.text_map.memory.classes for each in known.observations} == {"Velmo Quills"}
+    # What goes on saying something else is given up.
+    assert spotter.recognised == 2 + CONFIG.reading.unfound_patience
 
 
 def test_frames_are_read_at_the_set_interval() -> None:

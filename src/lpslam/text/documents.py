@@ -71,7 +71,7 @@ def _observation(document: Document) -> TextObservation:
     placement = fields.pop("placement")
     # Older maps have no bearings.
     bearing = fields.pop("bearing", None)
-    fields |= {key: tuple(fields[key]) for key in ("ground", "ink", "clear", "whole") if fields.get(key)}
+    fields |= {key: tuple(fields[key]) for key in ("ground", "ink", "bare", "clear", "whole") if fields.get(key)}
     return TextObservation(
         placement=Placement(**{key: _frozen(value) for key, value in placement.items()}) if placement else None,
         bearing=Bearing(**{key: _frozen(value) for key, value in bearing.items()}) if bearing else None,

@@ -39,8 +39,7 @@ class _Stand:
 class _Sorted:
     """The (n, 4, 2) boxes of a frame, what becomes of each, where those stand that are read, and what they say.
 
-    Rows that are `refused` hold patterns; `doubtful` ones look like patterns, and what they say decides. Of `expected`
-    ones nothing was found in the image: a text of the class of that id was there in others.
+    Rows that are `refused` hold patterns; `doubtful` ones look like patterns, and what they say decides.
     """
 
     boxes: Boxes
@@ -49,7 +48,6 @@ class _Sorted:
     texts: dict[int, SpottedText] = field(default_factory=dict)
     refused: list[int] = field(default_factory=list)
     doubtful: set[int] = field(default_factory=set)
-    expected: dict[int, int] = field(default_factory=dict)
 
     def refuse(self, row: int) -> None:
         """Note that a box holds a pattern; one that is cut stays so, since what is beyond nobody saw."""
@@ -65,6 +63,12 @@ class _Sorted:
         self.placements |= {first + row: each for row, each in other.placements.items()}
         self.texts |= {first + row: each for row, each in other.texts.items()}
         self.refused += [first + row for row in other.refused]
+
+    def mark_unread(self, rows: Sequence[int]) -> list[int]:
+        """Mark those of some rows that were to be read and say nothing, and give them."""
+        unread = [row for row in rows if row not in self.texts and self.fates[row] == BoxFate.KEPT]
+        self.fates[unread] = BoxFate.UNREAD
+        return unread
 
     def said(self, fates: Sequence[BoxFate]) -> PlacedTexts:
         """Texts of boxes with one of the fates, and where they stand."""
@@ -102,6 +106,8 @@ class FrameReader:
             rows = self._without_ornaments(frame, found, stand)
             self._recognise(frame, found, rows)
             self._take_apart(frame, found, rows, stand)
+            unread = found.mark_unread(rows)
+            self._read_unfound(frame, found, stand)
             self._statistics.recognition_ms += 1000.0 * (perf_counter() - started)
         except Exception as error:
             if not self._statistics.reader_errors:
@@ -111,8 +117,6 @@ class FrameReader:
         finally:
             self._statistics.reader_processor_ms += 1000.0 * (self._processor_seconds() - processor)
         texts, parts = found.said((BoxFate.KEPT,)), found.said(CUT)
-        unread = [row for row in rows if row not in found.texts and found.fates[row] == BoxFate.KEPT]
-        found.fates[unread] = BoxFate.UNREAD
         self._statistics.count(found.fates.tolist(), sum(placement is None for placement in texts.placements))
         return FrameReading(
             frame=frame.index,
@@ -131,13 +135,7 @@ class FrameReader:
         started = perf_counter()
         boxes, _ = self._spotter.detect(frame.rgb)
         self._statistics.detection_ms += 1000.0 * (perf_counter() - started)
-        classes, more = self._sorter.expected_in(boxes, stand.keyframe_from_camera, stand.world_from_keyframe)
-        found = self._sorted(frame, np.concatenate([boxes, more]) if classes else boxes, stand)
-        found.expected = dict(enumerate(classes, len(boxes)))
-        for row in found.expected:
-            if found.fates[row] in CUT:
-                found.placements.pop(row, None)
-        return found
+        return self._sorted(frame, boxes, stand)
 
     def _sorted(self, frame: RgbdFrame, boxes: Boxes, stand: _Stand) -> _Sorted:
         started = perf_counter()
@@ -169,24 +167,35 @@ class FrameReader:
             text = read_in_colours(frame.rgb, found.boxes[row], text, self._spotter, self._config.spotting)
             if text is None or is_squeezed(text.text, found.placements[row]):
                 continue
-            if row in found.expected and not self._sorter.says_what_is_expected(found.expected[row], text.text):
-                continue
             if not says_a_pattern(frame.rgb, text.box, text.text):
                 found.texts[row] = text
             else:
                 found.refuse(row)
-        unread = [row for row in found.expected if found.fates[row] == BoxFate.KEPT and row not in found.texts]
-        found.fates[unread] = BoxFate.UNREAD
 
     def _take_apart(self, frame: RgbdFrame, found: _Sorted, rows: Sequence[int], stand: _Stand) -> None:
         """Read boxes that say nothing as one line in their columns and lines, and columns that were found as lines."""
-        kept = [row for row in rows if found.fates[row] == BoxFate.KEPT and row not in found.expected]
+        kept = [row for row in rows if found.fates[row] == BoxFate.KEPT]
         for row in kept:
             self._replace(frame, found, [row], found.boxes[row], found.texts.get(row), stand)
         lines = [row for row in kept if row in found.texts]
         for stack in stacks_of([found.texts[row] for row in lines]):
             own = [lines[at] for at in stack]
             self._replace(frame, found, own, around([found.texts[row] for row in own]), None, stand)
+
+    def _read_unfound(self, frame: RgbdFrame, found: _Sorted, stand: _Stand) -> None:
+        """Read texts of which nothing was found in this image where they stand; it counts if it is like them."""
+        classes, boxes = self._sorter.expected_in(found.boxes, stand.keyframe_from_camera, stand.world_from_keyframe)
+        if not classes:
+            return
+        own = self._sorted(frame, boxes, stand)
+        own.placements = {row: each for row, each in own.placements.items() if own.fates[row] not in CUT}
+        rows = self._without_ornaments(frame, own, stand)
+        self._recognise(frame, own, rows)
+        for row in rows:
+            if not self._sorter.says_what_is_expected(classes[row], own.texts.get(row)):
+                own.texts.pop(row, None)
+        own.mark_unread(rows)
+        found.add(own)
 
     def _replace(
         self,

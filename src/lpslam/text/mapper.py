@@ -218,6 +218,7 @@ class TextMapper:
             bearing_of(text.box, self._camera, keyframe_from_camera),
             right,
             ink=around.ink,
+            bare=around.bare,
             clear=around.clear,
         )
 

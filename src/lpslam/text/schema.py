@@ -62,6 +62,7 @@ class _Observation(TypedDict):
     bearing: NotRequired[_Bearing | None]
     right: NotRequired[Share | None]
     ink: NotRequired[_Colour | None]
+    bare: NotRequired[_Colour | None]
     clear: NotRequired[tuple[Number, Number, Number, Number] | None]
     whole: NotRequired[tuple[Share, Share] | None]
 

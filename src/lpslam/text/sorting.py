@@ -1,5 +1,6 @@
 """What becomes of detected boxes before they are read: cut off, too small, known already, a pattern, or to be read."""
 
+from collections import Counter
 from collections.abc import Callable
 from functools import partial
 
@@ -48,6 +49,7 @@ class BoxSorter:
         points_seen_by: Callable[[int], Array],
     ) -> None:
         self.directions = Directions()
+        self._in_vain: Counter[int] = Counter()
         self._camera = camera
         self._config = config
         self._memory = memory
@@ -131,17 +133,21 @@ class BoxSorter:
         return classes, expected[len(boxes) :]
 
     def _is_unsettled(self, identifier: int) -> bool:
+        if self._in_vain[identifier] >= self._config.reading.unfound_patience:
+            return False
         # What is read in any box is like a short text.
         most = self._config.reading.settled_sightings
         known = self._memory.classes_of([identifier])
         is_open = any(each.count < most and not is_short(each.spellings[0]) for each in known)
         return is_open and not self._is_sure_of_name(identifier)
 
-    def says_what_is_expected(self, identifier: int, text: str) -> bool:
-        """Whether a text is like the readings of a class, and no piece of one."""
-        least = self._config.memory.similarity_in_place
-        known = self._memory.classes_of([identifier])
-        return any(each.is_like(text, least) and not each.has_more_than(text) for each in known)
+    def says_what_is_expected(self, identifier: int, said: SpottedText | None) -> bool:
+        """Whether a text is like the readings of a class, and no piece of one; how often it is not is counted."""
+        text, least = said.text if said is not None else "", self._config.memory.similarity_in_place
+        known = self._memory.classes_of([identifier]) if text else ()
+        is_said = any(each.is_like(text, least) and not each.has_more_than(text) for each in known)
+        self._in_vain[identifier] += -1 if is_said else 1
+        return is_said
 
     def is_sure(self, placement: Placement) -> bool:
         """Whether a place is certain enough to be evidence of what stands where."""

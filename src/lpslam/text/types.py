@@ -195,7 +195,8 @@ class TextObservation:
         ground: (red, green, blue) of the surface around the letters, 0 to 255; None where it is not known.
         bearing: in the same frame; None in older maps.
         right: probability, 0 to 1, that the reading is exactly what is painted; None in maps of older programs.
-        ink: (red, green, blue) of the letters; None in maps of older programs.
+        ink, bare: (red, green, blue) of the letters, and of the ground between them where it is least like them; None
+            in maps of older programs.
         clear: how far the ground goes on above, right of, below and left of the box, as shares of its shorter side;
             None in maps of older programs.
         whole: probabilities, 0 to 1, that nothing more is painted before it, and behind it; None in maps of older
@@ -215,6 +216,7 @@ class TextObservation:
     ink: tuple[int, int, int] | None = None
     clear: tuple[float, float, float, float] | None = None
     whole: tuple[float, float] | None = None
+    bare: tuple[int, int, int] | None = None
 
     @property
     def place(self) -> Placement:

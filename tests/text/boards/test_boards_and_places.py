@@ -227,6 +227,33 @@ def test_lines_on_different_grounds_are_two_boards() -> None:
     assert len(boards(on_two, InstanceConfig())) == 2
 
 
+@pytest.mark.parametrize(
+    ("height", "name", "ink", "sheets"),
+    [
+        (0.2, "OSTERBY", (220, 220, 225), 2),
+        (0.1, "OSTERBY", (220, 220, 225), 1),  # in smaller letters, as on a stripe of another colour
+        (0.2, "+44 20 7946 0018", (220, 220, 225), 1),
+        (0.2, "OSTERBY", (75, 70, 75), 1),  # ink and ground were taken for each other
+    ],
+)
+def test_two_names_of_one_size_in_one_ink_on_unlike_grounds_are_on_two_sheets(
+    height: float, name: str, ink: tuple[int, int, int], sheets: int
+) -> None:
+    def on(each: Place, bare: tuple[int, int, int], ink: tuple[int, int, int]) -> Place:
+        # Between thick letters the ground of both is mostly blur.
+        seen = [dict.fromkeys(range(9), colour) for colour in ((150, 105, 130), ink, bare)]
+        return replace(each, grounds_by_frame=seen[0], inks_by_frame=seen[1], bare_by_frame=seen[2])
+
+    first = on(place(0, "VELMORA", 0.0, 0.0), (75, 65, 70), (225, 225, 225))
+    second = on(place(1000, name, 0.0, 0.1 + height / 2, height=height), (150, 105, 150), ink)
+    assert len(boards([first, second], CONFIG)) == sheets
+    apart = replace(second, bare_by_frame={99: (150, 105, 150)})
+    assert len(boards([first, apart], CONFIG)) == 1, "light differs from frame to frame"
+    # Below a larger name they are lines of its board.
+    name = on(place(2000, "TANSY QUILLS", 0.0, -0.3, height=0.4), (75, 65, 70), (225, 225, 225))
+    assert len(boards([name, first, second], CONFIG)) == 1
+
+
 def test_a_text_never_seen_large_enough_is_no_landmark() -> None:
     text_class = carried(0.0)
     text_class.observations = [replace(each, letter_height=12.0) for each in text_class.observations]

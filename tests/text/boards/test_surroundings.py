@@ -30,3 +30,12 @@ def test_on_a_slanted_surface_the_ground_is_measured_in_letters_of_that_surface(
     assert surroundings(image, BOX).clear == pytest.approx((0.8, 1.0, 1.0, 1.0), abs=0.1)
     # A table that lies half away from the camera: what is 50 pixels high is as large as what is 100 wide.
     assert surroundings(image, BOX, (1.45, 1.0)).clear == pytest.approx((0.8, 0.5, 1.0, 0.5), abs=0.1)
+
+
+def test_the_bare_ground_is_that_between_the_letters_and_not_another_sheet_that_the_box_takes_in() -> None:
+    image = np.full((480, 640, 3), (75, 65, 70), np.uint8)
+    cv2.putText(image, "VELMO", (200, 166), 0, 1.2, (240, 240, 240), 3)
+    for top in (100, 170):
+        cv2.rectangle(image, (100, top), (500, top + 39), (110, 80, 110), -1)
+    around = surroundings(image, BOX)
+    assert (around.ground, around.bare) == ((110, 80, 110), (75, 65, 70))

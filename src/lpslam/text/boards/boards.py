@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from lpslam.config import InstanceConfig
-from lpslam.text.boards.kinship import CONTACT_ALONE, Kinship, kinship
+from lpslam.text.boards.kinship import CONTACT_ALONE, SHEETS, Kinship, kinship
 from lpslam.text.boards.roles import Role, role_by_form
 from lpslam.text.placing.places import Place
 
 
 def boards(places: Sequence[Place], config: InstanceConfig) -> list[list[Place]]:
     """Group places into boards, in the order of their first id."""
-    kin = _Kin()
+    kin = _Kin([each.letter for each in places])
     # No pair farther apart is even looked at: it would not be linked, and a city has thousands of texts.
     for first, second in _pairs_in_reach(places, config):
         if _are_near(places[first], places[second], config):
@@ -60,24 +60,29 @@ class _Kin:
         linked: rows of places that are linked with one, by its row.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, letters: Sequence[float]) -> None:
+        self._letters = letters
         self._link: dict[tuple[int, int], float] = {}
         self._divide: dict[tuple[int, int], float] = {}
+        self._sheets: dict[tuple[int, int], float] = {}
         self.linked: dict[int, set[int]] = {}
 
     def add(self, first: int, second: int, kin: Kinship) -> None:
         """Take a pair, the later first."""
         self._link[first, second], self._divide[first, second] = kin.link, kin.divide
+        if kin.sheets:
+            self._sheets[first, second] = SHEETS * kin.sheets
         if np.isfinite(kin.link):
             self.linked.setdefault(first, set()).add(second)
             self.linked.setdefault(second, set()).add(first)
 
     def between(self, first: list[int], second: list[int]) -> float:
-        """Log odds of two groups to be one: the best link, and what divides on average."""
+        """Log odds of two groups to be one: the best link, what divides on average, and by their largest lines."""
         pairs = [[(max(a, b), min(a, b)) for b in second] for a in first]
         link = max(self._link.get(pair, -np.inf) for row in pairs for pair in row)
         divide = np.array([[self._divide.get(pair, 0.0) for pair in row] for row in pairs])
-        return float(link + divide.mean())
+        a, b = (max(group, key=self._letters.__getitem__) for group in (first, second))
+        return float(link + divide.mean() + self._sheets.get((max(a, b), min(a, b)), 0.0))
 
 
 def _pairs_in_reach(places: Sequence[Place], config: InstanceConfig) -> list[tuple[int, int]]:

@@ -11,6 +11,7 @@ from math import hypot, log
 import numpy as np
 from numpy.typing import NDArray
 
+from lpslam.text.boards.roles import role_by_form
 from lpslam.text.boards.surroundings import REACH, Colour
 from lpslam.text.placing.places import Place
 from lpslam.text.reading.legibility import ground_difference, hue_difference
@@ -27,6 +28,11 @@ _OUT, _ANGLE = 0.1, 30.0
 _ALL_CLEAR = 0.97
 # A frame that saw less than this share of a text's longer side saw a part of it.
 _WHOLE = 0.85
+# Two names of one size, by the log of the ratio of their letters: surely up to the first, and from the second on not.
+_ONE_SIZE = (0.3, 0.45)
+# Their grounds are unlike from the first difference on, and surely from the second: light and blur make less of one
+# ground. Where their inks differ more than so much, ground and ink may have been taken for each other.
+_UNLIKE, _ONE_INK = (0.40, 0.46), 0.3
 # Letter heights by which an edge must lie nearer than the other text: boxes are somewhat larger than their letters.
 _EDGE_MARGIN = 0.15
 
@@ -43,6 +49,7 @@ class Kinship:
         edge: letter heights of the gap that lie beyond an edge of the ground of both; 0 where none runs between.
         hue, shade: difference of the grounds' colours, made equally bright and as they are; 0 where not known.
         ink: difference of the letters' colours.
+        sheets: 0 to 1, how surely two names of one size and one ink stand on unlike grounds.
         out: metres between their surfaces.
         angle: degrees between their normals.
         steps: metres by which one lies right of and below the other, in the larger one's directions.
@@ -56,6 +63,7 @@ class Kinship:
     hue: float
     shade: float
     ink: float
+    sheets: float
     out: float
     angle: float
     steps: tuple[float, float]
@@ -104,6 +112,10 @@ class Divide:
 
 LINK, DIVIDE = Link(), Divide()
 
+SHEETS = -6.0
+"""Log odds for one board where the largest lines of two groups are surely names of two sheets: more than what touches
+has for it. Of 326 pairs of like size in drawn streets, photographs and the coffee bar it parts no board."""
+
 CONTACT_ALONE = 1.5
 """Log odds for one board where one of two groups is nothing but contacts, fitted to drawn streets: nobody hangs up a
 telephone number, hours or an address without a name."""
@@ -125,11 +137,12 @@ def kinship(first: Place, second: Place) -> Kinship:
         stacked=stacked,
         gap=min(gap / letter, _MOST_GAP),
         apart=min(out_of_line(*sizes) / letter, _MOST_GAP),
-        size=log(max(first.letter, second.letter) / max(min(first.letter, second.letter), 1e-6)),
+        size=abs(log(max(first.letter, 1e-6) / max(second.letter, 1e-6))),
         edge=_edge(first, second, (right, down), stacked, gap) / letter,
         hue=hue,
         shade=shade,
         ink=ink,
+        sheets=_sheets(first, second),
         out=min(abs(out), _MOST_OUT),
         angle=min(float(np.degrees(np.arccos(np.clip(_facing(first, second), -1.0, 1.0)))), _MOST_ANGLE),
         steps=(right, down),
@@ -187,6 +200,30 @@ def _colours(first: Place, second: Place) -> tuple[float, float, float]:
     if sum(swapped) < hue + shade:
         (hue, shade), ink = swapped, swapped[1]
     return hue, shade, ink
+
+
+def _sheets(first: Place, second: Place) -> float:
+    """How surely, 0 to 1, two names are those of two sheets: as large as each other, in like ink, on unlike grounds.
+
+    A board that has grounds of two colours has lines of two sizes on them, or prices and ways to reach someone. Only
+    frames that saw both tell: light, and how boxes stray, are the same in these.
+    """
+    frames = sorted(first.bare_by_frame.keys() & second.bare_by_frame.keys())
+    if not frames or role_by_form(first.name) or role_by_form(second.name):
+        return 0.0
+    both = (first, second)
+    grounds = np.array([[place.bare_by_frame[each] for each in frames] for place in both])
+    inks = np.array([[place.inks_by_frame[each] for each in frames] for place in both])
+    letters = np.array([[min(place.sizes_by_frame.get(each, (place.letter,))) for each in frames] for place in both])
+    size = abs(np.median(np.log(letters[0] / letters[1])))
+    ground, ink = (
+        np.median([ground_difference(*pair) for pair in zip(*each.tolist(), strict=True)]) for each in (grounds, inks)
+    )
+    # Of blurred letters ink and ground are taken for each other: then they differ in opposite ways.
+    is_dark = np.median((grounds - inks).sum(axis=2), axis=1) < 0.0
+    if ink > _ONE_INK or is_dark[0] != is_dark[1]:
+        return 0.0
+    return float(np.interp(ground, _UNLIKE, (0.0, 1.0)) * np.interp(size, _ONE_SIZE, (1.0, 0.0)))
 
 
 def _median(colours: dict[int, Colour]) -> Colour:

@@ -24,6 +24,8 @@ _SKIPPED = 0.1
 # Difference of a channel, 0 to 255 and as a share of the ground's brightest one, that ends a ground: noise and
 # shade are less, and letters, frames and walls are more.
 _STEP, _STEP_SHARE = 22.0, 0.16
+# Of the ground in the rows of letters, the share least like them: blurred, thick letters lighten or darken the rest.
+_BARE = 0.2
 # A ground goes on as far as it does for this share of its side: letters leave gaps, frames leave none.
 _OPEN = 0.9
 
@@ -33,12 +35,14 @@ class Surroundings(NamedTuple):
 
     Attributes:
         ground, ink: (red, green, blue), 0 to 255.
+        bare: of the ground in the rows of letters, where it is least like them.
         clear: how far the ground goes on above, right of, below and left of the box, as shares of the box's shorter
             side on the surface it is written on, at most `REACH`.
     """
 
     ground: Colour
     ink: Colour
+    bare: Colour
     clear: Clear
 
 
@@ -49,10 +53,9 @@ def surroundings(rgb: NDArray[np.uint8], box: Array, size: tuple[float, float] |
     written on.
     """
     colours = _sampled(rgb, box, np.linspace(-_BEYOND, 1.0 + _BEYOND, _ACROSS), np.linspace(0.0, 1.0, _ALONG))
-    colours = colours.reshape(-1, 3)
-    bright = colours.astype(np.float32).mean(axis=1).astype(np.uint8)
+    bright = colours.astype(np.float32).mean(axis=2).astype(np.uint8)
     _, is_bright = cv2.threshold(bright, 0, 1, cv2.THRESH_BINARY | cv2.THRESH_OTSU)
-    larger = is_bright.ravel() == (2 * int(is_bright.sum()) >= len(bright))
+    larger = np.asarray(is_bright == (2 * int(is_bright.sum()) >= bright.size))
     ground = np.median(colours[larger], axis=0)
     ink = np.median(colours[~larger], axis=0) if not larger.all() else ground
     width, height = size or (float(side[0]) for side in widths_and_heights(box[None]))
@@ -60,7 +63,18 @@ def surroundings(rgb: NDArray[np.uint8], box: Array, size: tuple[float, float] |
     for corner, length in enumerate((height, width, height, width)):
         turned = np.roll(box, -corner, axis=0)
         sides.append(_goes_on(rgb, turned, min(width, height) / max(length, 1e-6), ground))
-    return Surroundings(_colour(ground), _colour(ink), (sides[0], sides[1], sides[2], sides[3]))
+    bare = _colour(_bare(colours, larger, ink))
+    return Surroundings(_colour(ground), _colour(ink), bare, (sides[0], sides[1], sides[2], sides[3]))
+
+
+def _bare(colours: NDArray[np.uint8], is_ground: NDArray[np.bool_], ink: Array) -> Array:
+    """The ground in the rows that have half as much ink as any at least, where it is least like the ink."""
+    inked = (~is_ground).mean(axis=1)
+    rows = inked >= inked.max() / 2.0
+    between = colours[rows][is_ground[rows]].astype(np.float64)
+    unlike = np.abs(between - ink).sum(axis=1)
+    bare = between[unlike >= np.quantile(unlike, 1.0 - _BARE)] if len(between) else colours[is_ground]
+    return np.asarray(np.median(bare, axis=0), np.float64)
 
 
 def _goes_on(rgb: NDArray[np.uint8], box: Array, unit: float, ground: Array) -> float:

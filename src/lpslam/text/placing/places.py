@@ -56,7 +56,8 @@ class Place:
         observations: number of sightings.
         evidence: sum of their confidences.
         confidence: 0 to 1, how surely the name is exactly what is painted.
-        inks_by_frame: for each frame, the (red, green, blue) of its letters, where it is known.
+        inks_by_frame, bare_by_frame: for each frame, the (red, green, blue) of its letters, and of its ground where it
+            is least like them, where they are known.
         sizes_by_frame: for each frame, metres of width and height.
         clear: how far its ground goes on above, right of, below and left of it, in letter heights; None where unknown.
         is_text: whether it is likelier a whole text than a piece of one, or than none.
@@ -78,6 +79,7 @@ class Place:
     evidence: float
     confidence: float
     inks_by_frame: dict[int, tuple[int, int, int]] = field(default_factory=dict)
+    bare_by_frame: dict[int, tuple[int, int, int]] = field(default_factory=dict)
     sizes_by_frame: dict[int, tuple[float, float]] = field(default_factory=dict)
     clear: Array | None = None
     is_text: bool = True
@@ -158,6 +160,7 @@ def _place(key: int, name: str, sure: float, seen: WorldSightings, config: Insta
         evidence=sum(each.confidence for each in seen.observations),
         confidence=sure,
         inks_by_frame={each.frame: each.ink for each in seen.observations if each.ink is not None},
+        bare_by_frame={each.frame: each.bare for each in seen.observations if each.bare is not None},
         sizes_by_frame={frame: (size[0], size[1]) for frame, size in zip(frames, seen.sizes.tolist(), strict=True)},
         clear=_clear(seen.observations),
     )
