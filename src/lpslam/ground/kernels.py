@@ -129,8 +129,8 @@ def integrate(
     """Add what one scan shows to log odds of being occupied, in place; each cell counts once a scan.
 
     Ground goes on between readings of it that are neighbours in the image. A ray that comes down on a reading shows
-    that nothing stood before it as high as it passes: that takes back what walked away; only one that passes low
-    makes a cell free.
+    that nothing stood before it as high as it passes: that takes back what walked away, as ground does; only one that
+    passes low makes a cell free.
 
     Args:
         points, shown, camera: as in `classify`.
@@ -232,9 +232,9 @@ def _judge(stamp: int, rates: NDArray[np.float64], evidence: NDArray[np.float32]
             change = 0.0
             if touched[0, i, j] == stamp:
                 change = occupied * min(touched[1, i, j] / least, 1.0)
-            elif touched[2, i, j] == stamp:
+            elif touched[2, i, j] == stamp or (touched[3, i, j] == stamp and evidence[i, j] > 0.0):
                 change = free
-            elif touched[4, i, j] == stamp or (touched[3, i, j] == stamp and evidence[i, j] > 0.0):
+            elif touched[4, i, j] == stamp:
                 change = passed
             if change != 0.0:
                 before = evidence[i, j] if known else 0.0
