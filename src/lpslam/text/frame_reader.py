@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.config import TextConfig
-from lpslam.frames import RgbdFrame
 from lpslam.text.placing.by_depth.hiding import PlacementFault
 from lpslam.text.placing.by_depth.placement import is_squeezed
 from lpslam.text.reading.blocks import around, read_in_parts, stacks_of
@@ -21,18 +20,9 @@ from lpslam.text.reading.spotting import ReadsElsewhere, TextSpotter, accepted_t
 from lpslam.text.remembering.ends import is_word
 from lpslam.text.remembering.similarity import is_short
 from lpslam.text.sorting import CUT, BoxSorter
-from lpslam.text.types import BoxFate, FrameReading, PlacedTexts, Placement, SpottedText, TextStatistics
+from lpslam.text.types import BoxFate, FrameReading, PlacedTexts, Placement, Shot, SpottedText, TextStatistics
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Stand:
-    """Where a frame was taken: its pose in its keyframe, that keyframe's in the world if known, and its id."""
-
-    keyframe_from_camera: Array
-    world_from_keyframe: Array | None
-    keyframe: int
 
 
 @dataclass(slots=True, eq=False)
@@ -89,29 +79,29 @@ class FrameReader:
         self._config = config
         self._statistics = statistics
 
-    def read(
-        self, frame: RgbdFrame, keyframe_from_camera: Array, world_from_keyframe: Array | None, keyframe: int
-    ) -> FrameReading | None:
+    def read(self, shot: Shot) -> FrameReading | None:
         """Detect (III-B), drop what is cut off, too small or no text, place (III-F), recognise; None when that failed.
 
         What stands where a text was read often enough, and no less legibly, is confirmed without being read again.
         """
         self._statistics.frames_read += 1
-        stand = _Stand(keyframe_from_camera, world_from_keyframe, keyframe)
         processor = self._processor_seconds()
         # A reader may raise anything, on one image in a thousand; the map is worth more than that image.
         try:
-            found = self._detected(frame, stand)
             started = perf_counter()
-            rows = self._without_ornaments(frame, found, stand)
-            self._recognise(frame, found, rows)
-            self._take_apart(frame, found, rows, stand)
+            boxes, _ = self._spotter.detect(shot.frame.rgb)
+            self._statistics.detection_ms += 1000.0 * (perf_counter() - started)
+            found = self._sorted(shot, boxes)
+            started = perf_counter()
+            rows = self._without_ornaments(shot, found)
+            self._recognise(shot, found, rows)
+            self._take_apart(shot, found, rows)
             unread = found.mark_unread(rows)
-            self._read_unfound(frame, found, stand)
+            self._read_unfound(shot, found)
             self._statistics.recognition_ms += 1000.0 * (perf_counter() - started)
         except Exception as error:
             if not self._statistics.reader_errors:
-                self._statistics.first_reader_error = f"frame {frame.index}: {error!r}"
+                self._statistics.first_reader_error = f"frame {shot.frame.index}: {error!r}"
             self._statistics.reader_errors += 1
             return None
         finally:
@@ -119,7 +109,7 @@ class FrameReader:
         texts, parts = found.said((BoxFate.KEPT,)), found.said(CUT)
         self._statistics.count(found.fates.tolist(), sum(placement is None for placement in texts.placements))
         return FrameReading(
-            frame=frame.index,
+            frame=shot.frame.index,
             boxes=found.boxes,
             fates=tuple(found.fates),
             texts=texts,
@@ -131,88 +121,72 @@ class FrameReader:
             ),
         )
 
-    def _detected(self, frame: RgbdFrame, stand: _Stand) -> _Sorted:
+    def _sorted(self, shot: Shot, boxes: Boxes) -> _Sorted:
         started = perf_counter()
-        boxes, _ = self._spotter.detect(frame.rgb)
-        self._statistics.detection_ms += 1000.0 * (perf_counter() - started)
-        return self._sorted(frame, boxes, stand)
-
-    def _sorted(self, frame: RgbdFrame, boxes: Boxes, stand: _Stand) -> _Sorted:
-        started = perf_counter()
-        fates, placements = self._sorter.sort(
-            frame, boxes, stand.keyframe_from_camera, stand.world_from_keyframe, stand.keyframe
-        )
+        fates, placements = self._sorter.sort(shot, boxes)
         self._statistics.mapping_ms += 1000.0 * (perf_counter() - started)
         return _Sorted(boxes, fates, placements)
 
-    def _without_ornaments(self, frame: RgbdFrame, found: _Sorted, stand: _Stand) -> list[int]:
+    def _without_ornaments(self, shot: Shot, found: _Sorted) -> list[int]:
         """Rows of boxes that are worth reading; patterns among them are marked."""
         rows = sorted(found.placements)
-        for row, like in zip(rows, pattern_likenesses(frame.rgb, found.boxes[rows]), strict=True):
+        for row, like in zip(rows, pattern_likenesses(shot.frame.rgb, found.boxes[rows]), strict=True):
             if like is Likeness.IS:
                 found.refuse(row)
-            elif like is Likeness.LIKE and self._sorter.is_new(found.placements[row], stand.world_from_keyframe):
+            elif like is Likeness.LIKE and self._sorter.is_new(found.placements[row], shot.world_from_keyframe):
                 found.doubtful.add(row)
         return [row for row in rows if row not in found.refused]
 
-    def _recognise(self, frame: RgbdFrame, found: _Sorted, rows: Sequence[int]) -> None:
+    def _recognise(self, shot: Shot, found: _Sorted, rows: Sequence[int]) -> None:
         if not rows:
             return
         boxes = found.boxes[rows]
-        accepted = accepted_texts(boxes, self._spotter.recognise(frame.rgb, boxes), self._config.spotting)
+        accepted = accepted_texts(boxes, self._spotter.recognise(shot.frame.rgb, boxes), self._config.spotting)
         for row, text in zip(rows, accepted, strict=True):
             if row in found.doubtful and not (text is not None and says_a_text(text.text)):
                 found.refuse(row)
                 continue
-            text = read_in_colours(frame.rgb, found.boxes[row], text, self._spotter, self._config.spotting)
+            text = read_in_colours(shot.frame.rgb, found.boxes[row], text, self._spotter, self._config.spotting)
             if text is None or is_squeezed(text.text, found.placements[row]):
                 continue
-            if not says_a_pattern(frame.rgb, text.box, text.text):
+            if not says_a_pattern(shot.frame.rgb, text.box, text.text):
                 found.texts[row] = text
             else:
                 found.refuse(row)
 
-    def _take_apart(self, frame: RgbdFrame, found: _Sorted, rows: Sequence[int], stand: _Stand) -> None:
+    def _take_apart(self, shot: Shot, found: _Sorted, rows: Sequence[int]) -> None:
         """Read boxes that say nothing as one line in their columns and lines, and columns that were found as lines."""
         kept = [row for row in rows if found.fates[row] == BoxFate.KEPT]
         for row in kept:
-            self._replace(frame, found, [row], found.boxes[row], found.texts.get(row), stand)
+            self._replace(shot, found, [row], found.boxes[row], found.texts.get(row))
         lines = [row for row in kept if row in found.texts]
         for stack in stacks_of([found.texts[row] for row in lines]):
             own = [lines[at] for at in stack]
-            self._replace(frame, found, own, around([found.texts[row] for row in own]), None, stand)
+            self._replace(shot, found, own, around([found.texts[row] for row in own]), None)
 
-    def _read_unfound(self, frame: RgbdFrame, found: _Sorted, stand: _Stand) -> None:
+    def _read_unfound(self, shot: Shot, found: _Sorted) -> None:
         """Read texts of which nothing was found in this image where they stand; it counts if it is like them."""
-        classes, boxes = self._sorter.expected_in(found.boxes, stand.keyframe_from_camera, stand.world_from_keyframe)
+        classes, boxes = self._sorter.expected_in(shot, found.boxes)
         if not classes:
             return
-        own = self._sorted(frame, boxes, stand)
+        own = self._sorted(shot, boxes)
         own.placements = {row: each for row, each in own.placements.items() if own.fates[row] not in CUT}
-        rows = self._without_ornaments(frame, own, stand)
-        self._recognise(frame, own, rows)
+        rows = self._without_ornaments(shot, own)
+        self._recognise(shot, own, rows)
         for row in rows:
             if not self._sorter.says_what_is_expected(classes[row], own.texts.get(row)):
                 own.texts.pop(row, None)
         own.mark_unread(rows)
         found.add(own)
 
-    def _replace(
-        self,
-        frame: RgbdFrame,
-        found: _Sorted,
-        rows: Sequence[int],
-        box: Array,
-        whole: SpottedText | None,
-        stand: _Stand,
-    ) -> None:
+    def _replace(self, shot: Shot, found: _Sorted, rows: Sequence[int], box: Array, whole: SpottedText | None) -> None:
         """Put what the parts of a box say in the place of what its rows said, if they say anything."""
-        parts = read_in_parts(frame.rgb, box, whole, self._spotter, self._config.spotting)
+        parts = read_in_parts(shot.frame.rgb, box, whole, self._spotter, self._config.spotting)
         if not parts:
             return
         for row in rows:
             found.texts.pop(row, None)
-        own = self._sorted(frame, np.array([each.box for each in parts]), stand)
+        own = self._sorted(shot, np.array([each.box for each in parts]))
         own.texts = {at: text for at, text in enumerate(parts) if at in own.placements}
         found.add(own)
 

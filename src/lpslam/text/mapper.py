@@ -30,9 +30,9 @@ from lpslam.text.remembering.naming import BesideNaming, name_class, needs_name,
 from lpslam.text.remembering.similarity import comparison_key, is_fragment
 from lpslam.text.remembering.waiting import CutText, WaitingTexts
 from lpslam.text.sightings import Sighting, pictured
-from lpslam.text.sorting import NOWHERE, BoxSorter
+from lpslam.text.sorting import BoxSorter
 from lpslam.text.text_map import TextMap
-from lpslam.text.types import FrameReading, Placement, SpottedText, TextObservation, TextStatistics
+from lpslam.text.types import NOWHERE, FrameReading, Placement, Shot, SpottedText, TextObservation, TextStatistics
 
 Array = NDArray[np.float64]
 
@@ -132,13 +132,15 @@ class TextMapper:
         world_from_keyframe = None
         if tracked.world_from_camera is not None and not tracked.is_doubted:
             world_from_keyframe = tracked.world_from_camera @ inverse_transform(tracked.keyframe_from_camera)
-        reading = self._reader.read(frame, tracked.keyframe_from_camera, world_from_keyframe, tracked.keyframe)
+        shot = Shot(frame, tracked.keyframe, tracked.keyframe_from_camera, world_from_keyframe)
+        reading = self._reader.read(shot)
         if reading is None:
             return None
         if tracked.is_doubted:
             # Where a text stands would be wrong with the place: nothing is remembered until that is known.
-            for observation in self._sure(reading, frame, tracked.keyframe, tracked.keyframe_from_camera):
-                self._on_doubtful(observation)
+            for text, where in reading.texts.standing():
+                if self._sorter.is_sure(where):
+                    self._on_doubtful(self._observation(shot, text, where))
             self._tell_view(frame, [(text, None) for text, _ in reading.texts])
             self._gate.hurry(frame.timestamp)
             return reading
@@ -146,23 +148,21 @@ class TextMapper:
         observations, seen = [], []
         is_new = False
         for text, placement in reading.texts:
-            glance = self._glance(text, placement, tracked.keyframe_from_camera)
-            observation = self._observation(
-                frame, tracked.keyframe, tracked.keyframe_from_camera, text, placement, glance.right
-            )
+            glance = self._glance(shot, text, placement)
+            observation = self._observation(shot, text, placement, glance.right)
             seen.append(observation)
-            room = self._sorter.room_of(frame, text, placement, tracked.keyframe_from_camera)
+            room = self._sorter.room_of(shot, text, placement)
             text_class = self._remember(text, glance, observation, world_from_keyframe, room)
             is_new |= text_class.count < self._config.reading.settled_sightings
             if placement is not None:
-                self._keep_crop(text_class, frame, tracked.keyframe, tracked.keyframe_from_camera, text, glance)
-                self._keep_picture(text_class, frame, tracked.keyframe, text, placement, glance)
+                self._keep_crop(text_class, shot, text, glance)
+                self._keep_picture(text_class, shot, text, placement, glance)
                 if self._sorter.is_sure(placement):
                     self._on_sighting(text_class.id, observation)
                 observations.append(observation)
         if self._on_view is not None:
             self._on_view(tracked.keyframe, seen)
-        is_new |= self._wait_for_rest(reading, frame, tracked, world_from_keyframe)
+        is_new |= self._wait_for_rest(reading, shot)
         for placement in reading.patterns:
             if self._sorter.is_sure(placement):
                 self.text_map.patterns.add(tracked.keyframe, placement)
@@ -177,84 +177,56 @@ class TextMapper:
         """Tell what a lost camera sees and where before it; nothing is remembered, since it stands nowhere."""
         if self._on_view is None:
             return
-        reading = self._reader.read(frame, np.eye(4), None, NOWHERE)
+        reading = self._reader.read(Shot(frame, NOWHERE, np.eye(4), None))
         if reading is not None:
             self._tell_view(frame, reading.texts)
 
     def _tell_view(self, frame: RgbdFrame, texts: Iterable[tuple[SpottedText, Placement | None]]) -> None:
         """Tell what a camera sees, and in which directions from itself, wherever it is."""
         if self._on_view is not None:
-            self._on_view(
-                NOWHERE, [self._observation(frame, NOWHERE, np.eye(4), text, placement) for text, placement in texts]
-            )
-
-    def _sure(
-        self, reading: FrameReading, frame: RgbdFrame, keyframe: int, keyframe_from_camera: Array
-    ) -> list[TextObservation]:
-        """The texts of a frame whose places are measured and no guess."""
-        sure = [(text, where) for text, where in reading.texts.standing() if self._sorter.is_sure(where)]
-        return [self._observation(frame, keyframe, keyframe_from_camera, text, where) for text, where in sure]
+            shot = Shot(frame, NOWHERE, np.eye(4), None)
+            self._on_view(NOWHERE, [self._observation(shot, text, placement) for text, placement in texts])
 
     def _observation(
-        self,
-        frame: RgbdFrame,
-        keyframe: int,
-        keyframe_from_camera: Array,
-        text: SpottedText,
-        placement: Placement | None,
-        right: float | None = None,
+        self, shot: Shot, text: SpottedText, placement: Placement | None, right: float | None = None
     ) -> TextObservation:
         size = (placement.width, placement.height) if placement is not None else None
-        around = surroundings(frame.rgb, text.box, size)
+        around = surroundings(shot.frame.rgb, text.box, size)
         return TextObservation(
-            frame.index,
-            frame.timestamp,
-            keyframe,
+            shot.frame.index,
+            shot.frame.timestamp,
+            shot.keyframe,
             text.text,
             text.confidence,
             placement,
             text.letter_height,
             around.ground,
-            bearing_of(text.box, self._camera, keyframe_from_camera),
+            bearing_of(text.box, self._camera, shot.keyframe_from_camera),
             right,
             ink=around.ink,
             bare=around.bare,
             clear=around.clear,
         )
 
-    def _keep_crop(
-        self,
-        text_class: TextClass,
-        frame: RgbdFrame,
-        keyframe: int,
-        keyframe_from_camera: Array,
-        text: SpottedText,
-        glance: Glance,
-    ) -> None:
+    def _keep_crop(self, text_class: TextClass, shot: Shot, text: SpottedText, glance: Glance) -> None:
         """Keep what a text looks like while its name is unsure, for a second look."""
         config, text_map = self._config.again, self.text_map
         is_sure = text_class.pool is Pool.LONG_TERM and not text_map.is_unsure(text_class.id)
         if not config.enabled or is_sure:
             return
-        left, top, rgb = cut_out(frame.rgb, text.box, config.margin * text.letter_height)
+        left, top, rgb = cut_out(shot.frame.rgb, text.box, config.margin * text.letter_height)
         seen = SeenSize(glance.height, glance.frontal)
-        crop = Crop(frame.timestamp, keyframe, keyframe_from_camera.copy(), left, top, rgb, seen)
+        crop = Crop(shot.frame.timestamp, shot.keyframe, shot.keyframe_from_camera.copy(), left, top, rgb, seen)
         text_map.crops.keep(text_class.id, crop, text_map.is_unsure)
 
     def _keep_picture(
-        self,
-        text_class: TextClass,
-        frame: RgbdFrame,
-        keyframe: int,
-        text: SpottedText,
-        placement: Placement,
-        glance: Glance,
+        self, text_class: TextClass, shot: Shot, text: SpottedText, placement: Placement, glance: Glance
     ) -> None:
         """Keep what a text looks like where it is seen better than before."""
         store, seen = self.text_map.sightings, SeenSize(glance.height, glance.frontal).effective
-        if store.config.enabled and store.wants(text_class.id, keyframe, seen):
-            jpeg = pictured(frame.rgb, text.box, text.letter_height, store.config)
-            sighting = Sighting(keyframe, placement.position, seen, jpeg)
+        if store.config.enabled and store.wants(text_class.id, shot.keyframe, seen):
+            jpeg = pictured(shot.frame.rgb, text.box, text.letter_height, store.config)
+            sighting = Sighting(shot.keyframe, placement.position, seen, jpeg)
             store.keep(text_class.id, sighting, self.text_map.is_remembered)
 
     def look_again(self, world_from_keyframe: KeyframePoses, should_stop: Callable[[], bool] = lambda: False) -> None:
@@ -275,30 +247,30 @@ class TextMapper:
         self.statistics.second_readings += looked.readings
         self.statistics.second_look_ms += 1000.0 * (perf_counter() - started)
 
-    def _glance(self, text: SpottedText, placement: Placement | None, keyframe_from_camera: Array) -> Glance:
+    def _glance(self, shot: Shot, text: SpottedText, placement: Placement | None) -> Glance:
         is_placed = placement is not None and self._sorter.is_sure(placement)
-        frontal = frontal_cosine(placement, keyframe_from_camera) if placement is not None and is_placed else UNPLACED
+        frontal = (
+            frontal_cosine(placement, shot.keyframe_from_camera) if placement is not None and is_placed else UNPLACED
+        )
         right = probability_right(
             text.text, text.confidence, text.slots, text.sharpness, text.letter_height, frontal, text.has_hole
         )
         return Glance(text.letter_height, frontal, right, text.slots, is_placed)
 
-    def _wait_for_rest(
-        self, reading: FrameReading, frame: RgbdFrame, tracked: TrackedFrame, world_from_keyframe: Array | None
-    ) -> bool:
+    def _wait_for_rest(self, reading: FrameReading, shot: Shot) -> bool:
         """Keep what is cut off; whether any of it may be whole in a moment, and was not read often."""
-        pose, is_new = tracked.keyframe_from_camera, False
-        if world_from_keyframe is None or pose is None:
+        is_new, world_from_keyframe = False, shot.world_from_keyframe
+        if world_from_keyframe is None:
             return False
         for text, placement in reading.parts.standing():
-            glance = self._glance(text, placement, pose)
-            observation = self._observation(frame, tracked.keyframe, pose, text, placement, glance.right)
-            room = self._sorter.room_of(frame, text, placement, pose, is_cut=True)
+            glance = self._glance(shot, text, placement)
+            observation = self._observation(shot, text, placement, glance.right)
+            room = self._sorter.room_of(shot, text, placement, is_cut=True)
             is_known = self._says_what_is_known(text, placement, world_from_keyframe)
             if is_known or self._spots.is_as_long_at(text.text, placement, world_from_keyframe):
                 self._remember(text, glance, observation, world_from_keyframe, room)
             else:
-                self._strengthen_whole(text, placement, frame.timestamp, world_from_keyframe)
+                self._strengthen_whole(text, placement, shot.frame.timestamp, world_from_keyframe)
                 alike = self._waiting.add(CutText(text, placement, glance, observation, world_from_keyframe, room))
                 is_new |= alike < self._config.reading.settled_sightings
         return is_new

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from lpslam.camera import PinholeCamera, inverse_transform, transform_points
 from lpslam.config import TextConfig
-from lpslam.frames import RgbdFrame
 from lpslam.text.placing.by_depth.hiding import PlacementFault, hidden_pixels
 from lpslam.text.placing.by_depth.placement import place_text
 from lpslam.text.placing.directions import Directions
@@ -22,12 +21,9 @@ from lpslam.text.reading.legibility import SeenSize, frontal_cosine
 from lpslam.text.remembering.known_names import WORD_ENDS
 from lpslam.text.remembering.memory import LongShortTermMemory
 from lpslam.text.remembering.similarity import is_short
-from lpslam.text.types import Bearing, BoxFate, Placement, SpottedText
+from lpslam.text.types import NOWHERE, Bearing, BoxFate, Placement, Shot, SpottedText
 
 Array = NDArray[np.float64]
-
-NOWHERE = -1
-"""Keyframe of what was read while the camera was lost: such texts stand in the camera's own frame."""
 
 CUT = (BoxFate.BORDER, BoxFate.HIDDEN)
 """Fates of boxes whose text may go on where the view ends."""
@@ -56,16 +52,10 @@ class BoxSorter:
         self._spots = spots
         self._points_seen_by = points_seen_by
 
-    def sort(
-        self,
-        frame: RgbdFrame,
-        boxes: Boxes,
-        keyframe_from_camera: Array,
-        world_from_keyframe: Array | None,
-        keyframe: int,
-    ) -> tuple[NDArray[np.object_], dict[int, Placement | PlacementFault]]:
+    def sort(self, shot: Shot, boxes: Boxes) -> tuple[NDArray[np.object_], dict[int, Placement | PlacementFault]]:
         """What becomes of each of (n, 4, 2) boxes before it is read, and, of those that shall be, where they stand."""
-        config = self._config.spotting
+        config, frame, keyframe_from_camera = self._config.spotting, shot.frame, shot.keyframe_from_camera
+        world_from_keyframe = shot.world_from_keyframe
         fates = np.full(len(boxes), BoxFate.KEPT, dtype=object)
         heights = letter_heights(boxes)
         is_small = heights < config.min_letter_height
@@ -77,7 +67,7 @@ class BoxSorter:
             camera=self._camera,
             keyframe_from_camera=keyframe_from_camera,
             config=self._config.placement,
-            map_points=partial(self._points_in_view, keyframe, keyframe_from_camera),
+            map_points=partial(self._points_in_view, shot),
             rgb=frame.rgb,
         )
         placements: dict[int, Placement | PlacementFault] = {}
@@ -91,7 +81,7 @@ class BoxSorter:
                 is_kept = fates[row] == BoxFate.KEPT
                 if is_kept and world_from_keyframe is not None:
                     bearing = bearing_of(boxes[row], self._camera, keyframe_from_camera)
-                    if self._was_read_from(keyframe, bearing, heights[row], frame.timestamp):
+                    if self._was_read_from(shot.keyframe, bearing, heights[row], frame.timestamp):
                         fates[row] = BoxFate.KNOWN
                         continue
                 # What is cut waits for its rest where it stands, be that roughly known.
@@ -99,7 +89,7 @@ class BoxSorter:
                     placements[row] = placement
                 continue
             seen = SeenSize(heights[row], frontal_cosine(placement, keyframe_from_camera))
-            room = partial(self._room, frame, boxes[row], placement, keyframe_from_camera, False)
+            room = partial(self._room, shot, boxes[row], placement, False)
             if fates[row] == BoxFate.KEPT and self._is_known(
                 placement, seen, room, frame.timestamp, world_from_keyframe
             ):
@@ -111,16 +101,15 @@ class BoxSorter:
     def _has_sure_name(self, placement: Placement, world_from_keyframe: Array) -> bool:
         return any(map(self._is_sure_of_name, self._spots.classes_at(placement, world_from_keyframe)))
 
-    def expected_in(
-        self, boxes: Boxes, keyframe_from_camera: Array, world_from_keyframe: Array | None
-    ) -> tuple[list[int], Boxes]:
+    def expected_in(self, shot: Shot, boxes: Boxes) -> tuple[list[int], Boxes]:
         """Classes of which another reading would tell something, and their boxes, wholly in view and none of these.
 
         A detector misses most images of some texts, though what it finds in few is read in all.
         """
-        classes, expected = [], boxes
-        world_from_camera = (np.eye(4) if world_from_keyframe is None else world_from_keyframe) @ keyframe_from_camera
-        for identifier, corners, normal in () if world_from_keyframe is None else self._spots.boxes(self._is_unsettled):
+        if shot.world_from_keyframe is None:
+            return [], boxes[:0]
+        classes, expected, world_from_camera = [], boxes, shot.world_from_keyframe @ shot.keyframe_from_camera
+        for identifier, corners, normal in self._spots.boxes(self._is_unsettled):
             way = world_from_camera[:3, 3] - corners.mean(axis=0)
             corners = transform_points(inverse_transform(world_from_camera), corners)
             if normal @ way < _LEAST_COSINE * np.linalg.norm(way) or corners[:, 2].min() < _NEAREST:
@@ -161,27 +150,20 @@ class BoxSorter:
         return all(2 * each.count < self._config.reading.settled_sightings for each in here)
 
     def room_of(
-        self,
-        frame: RgbdFrame,
-        text: SpottedText,
-        placement: Placement | None,
-        keyframe_from_camera: Array,
-        is_cut: bool = False,
+        self, shot: Shot, text: SpottedText, placement: Placement | None, is_cut: bool = False
     ) -> tuple[float, float]:
         """How far the view goes on before and behind a text, in heights of its box.
 
         One that is not cut ends as words do: ground was seen beyond its last strokes.
         """
-        before, behind = self._room(frame, text.box, placement, keyframe_from_camera, may_run_down(text))
+        before, behind = self._room(shot, text.box, placement, may_run_down(text))
         least = 0.0 if is_cut else WORD_ENDS
         return max(before, least), max(behind, least)
 
-    def _room(
-        self, frame: RgbdFrame, box: Array, placement: Placement | None, keyframe_from_camera: Array, either_way: bool
-    ) -> tuple[float, float]:
-        config = self._config.placement
-        hidden = hidden_pixels(box, placement, frame.depth, self._camera, keyframe_from_camera, config)
-        return room_beyond(frame.rgb, box, hidden, either_way)
+    def _room(self, shot: Shot, box: Array, placement: Placement | None, either_way: bool) -> tuple[float, float]:
+        seen = shot.frame.depth, self._camera, shot.keyframe_from_camera
+        hidden = hidden_pixels(box, placement, *seen, self._config.placement)
+        return room_beyond(shot.frame.rgb, box, hidden, either_way)
 
     def _is_known(
         self,
@@ -213,7 +195,7 @@ class BoxSorter:
         naming = text_class.naming if text_class is not None else None
         return naming is not None and naming.confidence >= self._config.reading.settled_certainty
 
-    def _points_in_view(self, keyframe: int, keyframe_from_camera: Array) -> Array:
-        if keyframe == NOWHERE:
+    def _points_in_view(self, shot: Shot) -> Array:
+        if shot.keyframe == NOWHERE:
             return np.zeros((0, 3))
-        return transform_points(inverse_transform(keyframe_from_camera), self._points_seen_by(keyframe))
+        return transform_points(inverse_transform(shot.keyframe_from_camera), self._points_seen_by(shot.keyframe))

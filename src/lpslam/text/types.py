@@ -10,11 +10,28 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lpslam.frames import RgbdFrame
 from lpslam.language.model import LINES_APART, Judgement, Slots
 from lpslam.text.correcting.corrections import Correction
 
 Vector3 = tuple[float, float, float]
 Rows = NDArray[np.intp] | NDArray[np.bool_]
+
+NOWHERE = -1
+"""Keyframe of what was read while the camera was lost: such texts stand in the camera's own frame."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Shot:
+    """A frame and where it was taken: its reference keyframe, its 4×4 pose in that, and that one's in the world.
+
+    The last is None where it is not known, or no evidence of what stands where.
+    """
+
+    frame: RgbdFrame
+    keyframe: int
+    keyframe_from_camera: NDArray[np.float64]
+    world_from_keyframe: NDArray[np.float64] | None
 
 
 class Recognition(NamedTuple):

@@ -131,8 +131,6 @@ def test_some_rows_of_all_columns_are_those_of_the_same_sightings(rows: list[int
     some = placed[chosen]
     assert len(some) == len(numbers)
     assert some.positions[:, 0].tolist() == some.sizes[:, 0].tolist() == some.frames.tolist() == numbers
-    assert some.uncertainties.tolist() == some.letter_heights.tolist() == numbers
-    assert some.timestamps.tolist() == [0.1 * row for row in numbers]
-    assert some.texts == tuple("AB"[row % 2] for row in numbers)
+    assert [each.letter_height for each in some.observations] == numbers
     assert sum(some.variants.values()) == len(numbers)
     assert some.normals.shape == some.baselines.shape == (len(numbers), 3)

@@ -208,21 +208,18 @@ def _sheets(first: Place, second: Place) -> float:
     A board that has grounds of two colours has lines of two sizes on them, or prices and ways to reach someone. Only
     frames that saw both tell: light, and how boxes stray, are the same in these.
     """
-    frames = sorted(first.bare_by_frame.keys() & second.bare_by_frame.keys())
+    told = (first.bare_by_frame, second.bare_by_frame, first.inks_by_frame, second.inks_by_frame)
+    frames = sorted(set.intersection(*map(set, told)))
     if not frames or role_by_form(first.name) or role_by_form(second.name):
         return 0.0
-    both = (first, second)
-    grounds = np.array([[place.bare_by_frame[each] for each in frames] for place in both])
-    inks = np.array([[place.inks_by_frame[each] for each in frames] for place in both])
-    letters = np.array([[min(place.sizes_by_frame.get(each, (place.letter,))) for each in frames] for place in both])
-    size = abs(np.median(np.log(letters[0] / letters[1])))
-    ground, ink = (
-        np.median([ground_difference(*pair) for pair in zip(*each.tolist(), strict=True)]) for each in (grounds, inks)
-    )
+    seen = np.array([[colours[each] for each in frames] for colours in told])
+    ground, ink = (np.median(list(map(ground_difference, *seen[row : row + 2].tolist()))) for row in (0, 2))
     # Of blurred letters ink and ground are taken for each other: then they differ in opposite ways.
-    is_dark = np.median((grounds - inks).sum(axis=2), axis=1) < 0.0
+    is_dark = np.median((seen[:2] - seen[2:]).sum(axis=2), axis=1) < 0.0
     if ink > _ONE_INK or is_dark[0] != is_dark[1]:
         return 0.0
+    letters = [[min(place.sizes_by_frame.get(each, (place.letter,))) for each in frames] for place in (first, second)]
+    size = abs(np.median(np.diff(np.log(np.maximum(letters, 1e-6)), axis=0)))
     return float(np.interp(ground, _UNLIKE, (0.0, 1.0)) * np.interp(size, _ONE_SIZE, (1.0, 0.0)))
 
 

@@ -68,32 +68,12 @@ class WorldSightings:
         return np.array([each.frame for each in self.observations], np.int64)
 
     @cached_property
-    def timestamps(self) -> Array:
-        """(n,) seconds."""
-        return np.array([each.timestamp for each in self.observations], np.float64)
-
-    @cached_property
     def sizes(self) -> Array:
         """(n, 2) metres of width and height."""
         sizes = [(each.place.width, each.place.height) for each in self.observations]
         return np.array(sizes, np.float64).reshape(-1, 2)
 
     @cached_property
-    def uncertainties(self) -> Array:
-        """(n,) metres, standard deviations of the positions."""
-        return np.array([each.place.uncertainty for each in self.observations], np.float64)
-
-    @cached_property
-    def letter_heights(self) -> Array:
-        """(n,) pixels, as they were seen."""
-        return np.array([each.letter_height for each in self.observations], np.float64)
-
-    @cached_property
-    def texts(self) -> tuple[str, ...]:
-        """As read."""
-        return tuple(each.text for each in self.observations)
-
-    @cached_property
     def variants(self) -> dict[str, int]:
         """How often each text was read, the commonest first."""
-        return dict(Counter(self.texts).most_common())
+        return dict(Counter(each.text for each in self.observations).most_common())

@@ -172,7 +172,7 @@ def _show_all_of(name: str, sightings: WorldSightings) -> NDArray[np.bool_]:
     The middle of a part lies off that of the whole by half of what is missing.
     """
     key = paint_key(name)
-    reads = np.array([paint_key(text) == key for text in sightings.texts], np.bool_)
+    reads = np.array([paint_key(each.text) == key for each in sightings.observations], np.bool_)
     if reads.all() or not reads.any():
         return np.ones(len(sightings), np.bool_)
     width, height = np.median(sightings.sizes[reads], axis=0)
@@ -216,10 +216,10 @@ def _clear(observations: Sequence[TextObservation]) -> Array | None:
 
 def _is_large_enough(sightings: WorldSightings, config: InstanceConfig) -> bool:
     """Whether a text was once seen as large as it takes to be read right."""
-    latin = sum(any(ch.isalpha() and ch < IDEOGRAPHS for ch in text) for text in sightings.texts)
+    latin = sum(any(ch.isalpha() and ch < IDEOGRAPHS for ch in each.text) for each in sightings.observations)
     is_latin = 2 * latin >= len(sightings)
     needed = config.min_landmark_height if is_latin else config.min_landmark_height_ideographs
-    return bool(sightings.letter_heights.max() >= needed)
+    return bool(max(each.letter_height for each in sightings.observations) >= needed)
 
 
 def _is_hardly_text(name: str, sure: float, sightings: WorldSightings, text_class: TextClass) -> bool:
@@ -240,7 +240,7 @@ def _is_hardly_text(name: str, sure: float, sightings: WorldSightings, text_clas
 
 def _doubtful(sightings: WorldSightings, config: InstanceConfig) -> NDArray[np.bool_]:
     """Which sightings (n,) are much less certain than others near: those say where the text stands."""
-    uncertain = sightings.uncertainties > config.doubtful_uncertainty
+    uncertain = np.array([each.place.uncertainty for each in sightings.observations]) > config.doubtful_uncertainty
     if uncertain.all() or not uncertain.any():
         return np.zeros(len(sightings), np.bool_)
     distances, _ = KDTree(sightings.positions[~uncertain]).query(sightings.positions)
@@ -252,7 +252,7 @@ def _carried(sightings: WorldSightings, config: InstanceConfig) -> NDArray[np.bo
 
     Before they are split into places: where few are read, a walker's fall into several.
     """
-    times = sightings.timestamps
+    times = np.array([each.timestamp for each in sightings.observations])
     # Of a text that comes into view bit by bit the middle moves, and one end stays.
     halves = sightings.baselines * sightings.sizes[:, :1] / 2.0
     tracks = [sightings.positions + side * halves for side in (0.0, -1.0, 1.0)]
