@@ -98,6 +98,20 @@ def test_boards_say_the_same_when_they_were_kept(tmp_path: Path, monkeypatch: py
             ]
 
 
+def test_codes_and_sounds_are_the_same_when_they_were_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    names = ("Gate B31", "Rooms 201-212", "Halle 3", "Counter A", "Al6", "Phoenix Dental", "优衣堂")
+    marks = [Candidate(10 * at, name, (), ("2号站台",)) for at, name in enumerate(names)]
+    plain = OfflineModel().scorer(marks)
+    for module in ("names", "identities"):
+        monkeypatch.setattr(f"lpslam.language.wishes.{module}.MANY", 1)
+    for _ in range(2):
+        scorer = OfflineModel().scorer(marks)
+        assert scorer._identities._painted == plain._identities._painted
+        for said in (["feenix", "dentl"], ["youyitang"]):
+            assert scorer._names.sounding(said, True) == plain._names.sounding(said, True) != {}
+    assert {path.name.partition("-")[0] for path in written(tmp_path)} >= {"codes", "sounds"}
+
+
 def test_a_process_that_finds_tables_answers_as_the_one_that_made_them(tmp_path: Path) -> None:
     code = (
         "from lpslam.language.model import Candidate; from lpslam.language.offline import OfflineModel;"

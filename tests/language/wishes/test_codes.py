@@ -6,7 +6,8 @@ from hypothesis import strategies as st
 
 from lpslam.language.model import Candidate
 from lpslam.language.offline import OfflineModel
-from lpslam.language.wishes.codes import Code, alike_key, asked_codes, board_codes, board_keys, code_of, identities
+from lpslam.language.wishes.code import Code
+from lpslam.language.wishes.codes import alike_key, asked_codes, board_codes, board_keys, code_of, identities
 
 
 def fits(question: str, board: str) -> bool:

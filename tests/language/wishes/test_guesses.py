@@ -73,3 +73,10 @@ def test_what_is_read_and_not_here_is_answered_where_words_are_sure() -> None:
     boards = ("Cloakroom", "Canteen", "Toilets", "Lift", "Packing", "Loading Dock")
     assert found("my parka is soaked, where can I leave it", boards) == ["Cloakroom"]
     assert found("is there a swimming pool?", ("Water Dispenser", *boards)) == [None]
+
+
+def test_what_words_say_outright_is_outdone_by_a_sure_guess_alone() -> None:
+    boards = ("Information", "Left Luggage", "Café", "Restrooms", "Cloakroom")
+    assert found("drop off my suitcase", boards) == ["Left Luggage"]
+    assert found("the information desk", boards) == ["Information"]
+    assert found("I want to eat", boards) == ["Café"]

@@ -4,8 +4,7 @@ Both are spelt in Latin letters, one spelling for each sound, and compared by th
 """
 
 import re
-from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from functools import lru_cache
 
 from rapidfuzz import fuzz, process
@@ -24,6 +23,8 @@ _RUN = 4  # words that may be one name
 _CONSONANT = str.maketrans("vbplgckqzjxd", "fffrkkkksss" + "t", "aeiouhwy")
 Name = tuple[str, Sequence[str], Sequence[str]]
 """A board's name in Latin letters: all of it, its words in order, and its runs of scripts without spaces."""
+Sounds = dict[str, tuple[list[str], list[tuple[str, int, bool]]]]
+"""By their first consonant: all consonants; and beside them the sound, which name, and whether it is its own."""
 
 
 @lru_cache(maxsize=1)
@@ -55,19 +56,25 @@ def _skeleton(sound: str) -> str:
     return "".join(ch for at, ch in enumerate(kept) if not at or kept[at - 1] != ch)
 
 
-class HeardNames:
-    """The names of all boards, looked up by how they sound: whole, their runs of words, and their words."""
+def beginning(names: Iterable[Name]) -> Sounds:
+    """Return how names sound: whole, their runs of words, and their words."""
+    found: Sounds = {}
+    for at, (whole, words, runs) in enumerate(names):
+        for word in {whole, *runs, *map("".join, _runs_of(words))}:
+            sound = by_ear(word)
+            skeleton = _skeleton(sound)
+            skeletons, rows = found.setdefault(skeleton[:1], ([], []))
+            skeletons.append(skeleton)
+            # A common word of a board is heard only where all that is asked for is.
+            rows.append((sound, at, word == whole or word not in load_words()))
+    return found
 
-    def __init__(self, names: Mapping[int, Name]) -> None:
-        # Those are alike whose first consonant is the same.
-        self._beginning: dict[str, tuple[list[str], list[tuple[str, int, bool]]]] = defaultdict(lambda: ([], []))
-        for id_, (whole, words, runs) in names.items():
-            for word in {whole, *runs, *map("".join, _runs_of(words))}:
-                sound = by_ear(word)
-                skeletons, rows = self._beginning[_skeleton(sound)[:1]]
-                skeletons.append(_skeleton(sound))
-                # A common word of a board is heard only where all that is asked for is.
-                rows.append((sound, id_, word == whole or word not in load_words()))
+
+class HeardNames:
+    """The names of all boards, looked up by how they sound; `ids` of the landmarks that bear them."""
+
+    def __init__(self, ids: Sequence[int], sounds: Sounds) -> None:
+        self._ids, self._beginning = ids, sounds
 
     def sounding(self, words: Sequence[str], is_all: bool) -> dict[int, float]:
         """Return the landmark whose name sounds like words of a question, and how alike, 0 to 1; none where two do.
@@ -101,7 +108,8 @@ class HeardNames:
         cutoff = 100.0 if is_few else _SOUNDS_ALIKE
         found: dict[int, float] = {}
         for other, _, at in process.extract(sought, skeletons, scorer=fuzz.ratio, score_cutoff=cutoff, limit=None):
-            alike, (_, id_, is_own) = fuzz.ratio(sound, rows[at][0]) / 100.0, rows[at]
+            alike, (_, name, is_own) = fuzz.ratio(sound, rows[at][0]) / 100.0, rows[at]
+            id_ = self._ids[name]
             enough = _FEW_ALIKE if min(len(sought), len(other)) < _CONSONANTS else least
             if alike >= enough and (is_all or (is_own and len(other) >= _CONSONANTS)):
                 found[id_] = max(alike, found.get(id_, 0.0))

@@ -3,15 +3,18 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache, cached_property
+from typing import Any
 
+from lpslam.language.choosing.landmark_index import MANY, told_by
+from lpslam.language.kept import kept
 from lpslam.language.languages import UNSPACED
 from lpslam.language.model import Candidate
 from lpslam.language.questions.question import read_question
 from lpslam.language.questions.speaking import wish_languages
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.words import UNSPACED_RUN
+from lpslam.language.wishes.code import Code, packed, unpacked
 from lpslam.language.wishes.codes import (
-    Code,
     alike_key,
     all_numbers,
     asked_codes,
@@ -51,9 +54,27 @@ class Identities:
         return [code for text in dict.fromkeys((mark.name, *mark.lines)) for code in board_codes(text)]
 
     @cached_property
+    def _painted(self) -> tuple[dict[int, list[Code]], dict[str, set[int]]]:
+        """The codes of every board, and the boards by their codes as readers confuse them; kept where they are many."""
+        texts = [dict.fromkeys((mark.name, *mark.lines)) for mark in self._landmarks]
+
+        def made() -> dict[str, tuple[list[Any], list[str]]]:
+            every = dict.fromkeys(text for lines in texts for text in lines)
+            return {text: ([*map(packed, board_codes(text))], sorted(board_keys(text))) for text in every}
+
+        read = kept("codes", told_by(self._landmarks), made) if len(self._landmarks) >= MANY else made()
+        codes_of = {text: [*map(unpacked, codes)] for text, (codes, _) in read.items()}
+        codes, by_key = dict[int, list[Code]](), dict[str, set[int]]()
+        for mark, lines in zip(self._landmarks, texts, strict=True):
+            codes[mark.id] = [code for text in lines for code in codes_of[text]]
+            for key in {key for text in lines for key in read[text][1]}:
+                by_key.setdefault(key, set()).add(mark.id)
+        return codes, by_key
+
+    @property
     def codes(self) -> dict[int, list[Code]]:
         """The codes of every board."""
-        return {mark.id: self.codes_of(mark.id) for mark in self._landmarks}
+        return self._painted[0]
 
     @cached_property
     def _things(self) -> frozenset[str]:
@@ -179,7 +200,7 @@ class Identities:
     def _alike(self, asked: Code) -> dict[int, float]:
         """Landmarks whose code differs by letters that readers confuse."""
         key = alike_key(asked.value)
-        ids = self._by_key.get(key, set()) if len(key) >= _LONG_KEY else set()
+        ids = self._painted[1].get(key, set()) if len(key) >= _LONG_KEY else set()
         others = {
             id_ for id_ in ids if asked.of and any(code.of and not code.of & asked.of for code in self.codes_of(id_))
         }
@@ -196,14 +217,6 @@ class Identities:
         if not (asked.of and is_long) or asked.of & self._things:
             return {}
         return self._coded(replace(asked, of=frozenset()))
-
-    @cached_property
-    def _by_key(self) -> dict[str, set[int]]:
-        found: dict[str, set[int]] = {}
-        for mark in self._landmarks:
-            for key in {key for text in (mark.name, *mark.lines) for key in board_keys(text)}:
-                found.setdefault(key, set()).add(mark.id)
-        return found
 
     def numbered_as_here(self, what: str) -> dict[int, float]:
         """The landmarks that bear a number which is said in words, of whatever: “two oh seven”, “bee twelve”."""

@@ -20,7 +20,7 @@ from lpslam.language.signs.repair import Repair
 from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.lexicon import read_table
 from lpslam.language.tables.words import UNSPACED_RUN, Folder, is_mark, is_unspaced
-from lpslam.language.wishes.heard import HeardNames, sound_the_same
+from lpslam.language.wishes.heard import HeardNames, Sounds, beginning, sound_the_same
 
 _FAR = 9  # letters of a word in which two slips are forgiven
 _LONG = 5  # letters of a word in which a slip is forgiven
@@ -183,9 +183,12 @@ class Names:
     def _heard(self) -> HeardNames:
         # Of a board's lines the first is its name.
         names = {id_: lines[0] for id_, lines in self._words.items() if lines}
-        return HeardNames(
-            {id_: (line.latin, line.in_order, tuple(map(_latin, line.runs))) for id_, line in names.items()}
-        )
+
+        def made() -> Sounds:
+            return beginning((line.latin, line.in_order, tuple(map(_latin, line.runs))) for line in names.values())
+
+        texts = "\0".join(line.text for line in names.values()).encode("utf-8", "surrogatepass")
+        return HeardNames(list(names), kept("sounds", texts, made) if len(names) >= MANY else made())
 
     def persons(self, name: str) -> list[int]:
         """Landmarks whose board bears a person's name: all words of it, the surname in another script, or its sound."""

@@ -121,8 +121,14 @@ class EmbeddedScorer:
         if self._boards.is_bare_name(stop.what, meaning):
             # A name that stands on no board is hardly answered by another place.
             return served if served.sure >= LEAST_IN_SPITE else replace(served, sure=0.0)
-        if meaning.wanted_names or served.is_said or (served.scores and not clues):
+        if meaning.wanted_names or (served.scores and not clues and not served.is_said):
             return served
+        if served.is_said:
+            # Words that ask for this kind alone are outdone only by a sure guess.
+            other = self._guesses.judged(
+                served, clues or self._clues(served), meaning, language, partial(self._not_otherwise, stop)
+            )
+            return other if other.way is Way.GUESS and other.sure >= LEAST_IN_SPITE else served
         return self._guesses.judged(served, clues, meaning, language, partial(self._not_otherwise, stop))
 
     def _surest(self, served: Served, meaning: Meaning, language: str) -> tuple[Served, Mapping[str, float]]:
