@@ -250,6 +250,8 @@ def test_two_names_of_one_size_in_one_ink_on_unlike_grounds_are_on_two_sheets(
     apart = replace(second, bare_by_frame={99: (150, 105, 150)})
     assert len(boards([first, apart], CONFIG)) == 1, "light differs from frame to frame"
     assert len(boards([first, replace(second, inks_by_frame={})], CONFIG)) == 1, "nobody knows its ink"
+    lit = [on(each, (21, green, 25), (94, 251, 123)) for each, green in ((first, 64), (second, 27))]
+    assert len(boards(lit, CONFIG)) == 1, "letters glow on a dark ground"
     # Below a larger name they are lines of its board.
     name = on(place(2000, "TANSY QUILLS", 0.0, -0.3, height=0.4), (75, 65, 70), (225, 225, 225))
     assert len(boards([name, first, second], CONFIG)) == 1

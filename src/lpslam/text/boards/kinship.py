@@ -30,9 +30,8 @@ _ALL_CLEAR = 0.97
 _WHOLE = 0.85
 # Two names of one size, by the log of the ratio of their letters: surely up to the first, and from the second on not.
 _ONE_SIZE = (0.3, 0.45)
-# Their grounds are unlike from the first difference on, and surely from the second: light and blur make less of one
-# ground. Where their inks differ more than so much, ground and ink may have been taken for each other.
-_UNLIKE, _ONE_INK = (0.40, 0.46), 0.3
+# Their grounds, in shares of what is brightest: light and glow make 0.22 at most. Inks that differ more are not one.
+_UNLIKE, _ONE_INK = (0.24, 0.29), 0.3
 # Letter heights by which an edge must lie nearer than the other text: boxes are somewhat larger than their letters.
 _EDGE_MARGIN = 0.15
 
@@ -213,7 +212,8 @@ def _sheets(first: Place, second: Place) -> float:
     if not frames or role_by_form(first.name) or role_by_form(second.name):
         return 0.0
     seen = np.array([[colours[each] for each in frames] for colours in told])
-    ground, ink = (np.median(list(map(ground_difference, *seen[row : row + 2].tolist()))) for row in (0, 2))
+    differ = np.abs(seen[::2] - seen[1::2]).max(axis=2) / np.maximum(seen.max(axis=(0, 2)), 1.0)
+    ground, ink = np.median(differ, axis=1)
     # Of blurred letters ink and ground are taken for each other: then they differ in opposite ways.
     is_dark = np.median((seen[:2] - seen[2:]).sum(axis=2), axis=1) < 0.0
     if ink > _ONE_INK or is_dark[0] != is_dark[1]:
