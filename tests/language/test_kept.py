@@ -87,10 +87,12 @@ def test_boards_say_the_same_when_they_were_kept(tmp_path: Path, monkeypatch: py
     monkeypatch.setattr(landmark_index, "MANY", 1)
     monkeypatch.setattr("lpslam.language.wishes.names.MANY", 1)
     first, second = OfflineModel().scorer(marks), OfflineModel().scorer(marks)
-    assert {path.name.partition("-")[0] for path in written(tmp_path)} >= {"signs", "words"}
+    assert {path.name.partition("-")[0] for path in written(tmp_path)} >= {"signs", "called", "words"}
     for scorer in (first, second):
         assert scorer._index.signs == plain._index.signs
         assert scorer._index.groups == plain._index.groups
+        for each in ("ids_of", "ids_by_word", "phrase_of", "_initials", "_plurals"):
+            assert getattr(scorer._index, each) == getattr(plain._index, each)
         for id_, lines in scorer._names._words.items():
             own = plain._names._words[id_]
             assert [(each.text, each.units, each.runs) for each in lines] == [

@@ -40,39 +40,32 @@ class LandmarkIndex:
         self.signs: dict[int, SignMeaning] = {}
         # Questions ask for the same again and again.
         self.matches, self.alike = cache(self._matches), cache(self._alike)
-        called = _Called(signs, knowledge)
-        of_brand: dict[str, list[int]] = {}
         for landmark, sign in zip(landmarks, _signs_of(landmarks, signs), strict=True):
             self.signs[landmark.id] = sign
             self.groups.setdefault(sign.kinds, []).append(landmark.id)
-            if sign.kinds and not sign.is_place:
-                continue
-            if sign.identity:
-                of_brand.setdefault(sign.identity, []).append(landmark.id)
-            called.add_landmark(landmark, bool(sign.identity))
         self.kinds, self.members = list(self.groups), list(self.groups.values())
         self.group_of = {id_: at for at, ids in enumerate(self.members) for id_ in ids}
         people = ((at, whom_for(kinds, knowledge)) for at, kinds in enumerate(self.kinds))
         self.people = {at: whom for at, whom in people if whom}  # groups whose goods are for some alone
-        # “Family Mart” is the brand of ファミリーマート, however it is written.
-        self.phrase_of: dict[str, str] = {}
-        for identity, ids in of_brand.items():
-            for name in signs.names_of(identity):
-                phrase = called.add(name, ids, is_brand=True)
-                if phrase is not None:
-                    self.phrase_of[identity] = phrase
         unread = sum(not self.signs[mark.id].kinds and not _IS_NUMBER.search(mark.name) for mark in landmarks)
         self.unread = unread / max(len(landmarks), 1)  # share of the landmarks that no table reads
         groups = self.groups.items()
         shops = sum(len(ids) for kinds, ids in groups if likeness("business", kinds, knowledge) >= _SURELY)
         self.shops = shops / max(len(landmarks), 1)  # share of the landmarks that are shops and places to eat
-        place = {landmark.id: at for at, landmark in enumerate(landmarks)}
-        self.ids_of = {phrase: tuple(sorted(ids, key=place.__getitem__)) for phrase, ids in called.ids.items()}
-        self.names = PhraseTable((phrase, Meaning("name", ((phrase, 1.0),))) for phrase in called.ids)
-        self.ids_by_word = _ids_by_word(called.ids)
-        # McDonald's is called McDonalds too, and by some Starbucks Starbuck.
-        self._plurals = {phrase: said for phrase, said in called.plurals.items() if phrase not in called.singular}
-        self._initials = called.initials
+
+        def called() -> tuple[Any, ...]:
+            return _called([(mark, self.signs[mark.id]) for mark in landmarks], signs, knowledge)
+
+        is_kept = len(landmarks) >= MANY
+        at_of, self.phrase_of, self._initials, self._plurals = (
+            kept("called", told_by(landmarks), called) if is_kept else called()
+        )
+        ids = [landmark.id for landmark in landmarks]
+        self.ids_of: dict[str, tuple[int, ...]] = {
+            phrase: tuple([ids[at] for at in places]) for phrase, places in at_of.items()
+        }
+        self.names = PhraseTable((phrase, Meaning("name", ((phrase, 1.0),))) for phrase in self.ids_of)
+        self.ids_by_word = _ids_by_word(self.ids_of)
 
     def _matches(self, concept: str) -> Mapping[int, float]:
         """How well the groups serve a concept, by their place in `groups`: those that do."""
@@ -106,8 +99,34 @@ class LandmarkIndex:
         return len(landmarks) == len(self.landmarks) and self.landmarks == list(landmarks)
 
 
+def _called(
+    marks: Sequence[tuple[Candidate, SignMeaning]], signs: SignReader, knowledge: Knowledge
+) -> tuple[dict[str, list[int]], dict[str, str], dict[str, str], dict[str, str]]:
+    """What landmarks are called, in plain values: their places by phrase; of brands, the phrase; initials; plurals."""
+    called, of_brand = _Called(signs, knowledge), dict[str, list[int]]()
+    for at, (landmark, sign) in enumerate(marks):
+        if sign.kinds and not sign.is_place:
+            continue
+        if sign.identity:
+            of_brand.setdefault(sign.identity, []).append(at)
+        called.add_landmark(landmark, at, bool(sign.identity))
+    # “Family Mart” is the brand of ファミリーマート, however it is written.
+    phrase_of: dict[str, str] = {}
+    for identity, places in of_brand.items():
+        for name in signs.names_of(identity):
+            phrase = called.add(name, places, is_brand=True)
+            if phrase is not None:
+                phrase_of[identity] = phrase
+    # McDonald's is called McDonalds too, and by some Starbucks Starbuck.
+    plurals = {phrase: said for phrase, said in called.plurals.items() if phrase not in called.singular}
+    return {phrase: sorted(places) for phrase, places in called.ids.items()}, phrase_of, called.initials, plurals
+
+
 class _Called:
-    """What landmarks are called, by phrase: names, their parts, other lines, and brands' other names."""
+    """What landmarks are called, by phrase: names, their parts, other lines, and brands' other names.
+
+    Landmarks are told by their place among all.
+    """
 
     def __init__(self, signs: SignReader, knowledge: Knowledge) -> None:
         self._signs, self._knowledge = signs, knowledge
@@ -116,9 +135,9 @@ class _Called:
         self.plurals: dict[str, str] = {}
         self.singular: set[str] = set()
 
-    def add_landmark(self, landmark: Candidate, is_brand: bool) -> None:
-        """Add a landmark's name, its parts and its lines."""
-        own = (landmark.id,)
+    def add_landmark(self, landmark: Candidate, at: int, is_brand: bool) -> None:
+        """Add the name of the landmark at a place, its parts and its lines."""
+        own = (at,)
         self.add(landmark.name, own, is_brand)
         for part in (*_in_each_script(landmark.name), *landmark.lines):
             self.add(part, own, is_brand=False)
