@@ -17,7 +17,8 @@ from lpslam.language.model import Candidate
 from lpslam.language.offline import OfflineModel
 from lpslam.language.wishes.form import Which
 from lpslam.navigation.places import Here, Place
-from lpslam.navigation.solver import Solution, solve
+from lpslam.navigation.solution import Solution
+from lpslam.navigation.solver import solve
 from wishes import DEVELOPMENT, is_right, places_of
 
 STUFFED = (

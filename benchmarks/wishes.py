@@ -25,7 +25,8 @@ import numpy as np
 from lpslam.language.model import Candidate
 from lpslam.language.offline import OfflineModel
 from lpslam.navigation.places import Here, Place
-from lpslam.navigation.solver import Solution, solve
+from lpslam.navigation.solution import Solution
+from lpslam.navigation.solver import solve
 
 DEVELOPMENT = Path(__file__).parent / "language" / "wishes_development.json"
 SPEED = {

@@ -6,7 +6,8 @@ import pytest
 from lpslam.language.model import Candidate
 from lpslam.language.offline import OfflineModel
 from lpslam.navigation.places import Here, Place
-from lpslam.navigation.solver import Solution, solve
+from lpslam.navigation.solution import Solution
+from lpslam.navigation.solver import solve
 
 BOARDS = [
     ("Main Entrance", (0.0, 0.0, 1.0), 90.0),

@@ -6,7 +6,8 @@ import pytest
 from lpslam.language.model import Candidate
 from lpslam.language.offline import OfflineModel
 from lpslam.navigation.places import Here, Place, Point, Straight
-from lpslam.navigation.solver import Solution, solve
+from lpslam.navigation.solution import Solution
+from lpslam.navigation.solver import solve
 
 NORTH = ("Zara", "Pharmacy", "Toilets", "Café Luna", "Exit")
 SOUTH = ("Bank", "Sushi Bar", "Book Shop", "Toilets", "Café Sol")

@@ -7,7 +7,8 @@ from lpslam.language.model import Candidate
 from lpslam.language.offline import OfflineModel
 from lpslam.language.wishes.form import Relation
 from lpslam.navigation.places import Here, Place
-from lpslam.navigation.solver import Solution, solve
+from lpslam.navigation.solution import Solution
+from lpslam.navigation.solver import solve
 
 MODEL = OfflineModel()
 NAMES = ("Café Luna", "Zara", "Pharmacy", "Starbucks", "DRINKING WATER", "Toilets")

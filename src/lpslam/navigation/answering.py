@@ -9,7 +9,8 @@ from lpslam.language.wishes.model_scoring import ModelScorer
 from lpslam.language.wishes.served import Scorer
 from lpslam.navigation.directory import Directory
 from lpslam.navigation.places import Distances, Here
-from lpslam.navigation.solver import Solution, solve
+from lpslam.navigation.solution import Solution
+from lpslam.navigation.solver import solve
 from lpslam.text.types import Landmark
 
 

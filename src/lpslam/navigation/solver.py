@@ -16,48 +16,13 @@ from lpslam.navigation.columns import Near, Serving, apart_from, detours
 from lpslam.navigation.places import Distances, Here, Place, Point, Straight
 from lpslam.navigation.relations import PAIRED, Judged, Scene, between, on_the_way
 from lpslam.navigation.sites import Sites
+from lpslam.navigation.solution import Solution, Solved
 
 _OUTWARDS = frozenset({Relation.NEXT_TO, Relation.NEAR, Relation.OPPOSITE, Relation.LEFT_OF, Relation.RIGHT_OF})
 """Relations that cost at least the straight way to the anchor, ..."""
 _BY_DETOUR = frozenset({Relation.BEFORE, Relation.BEHIND, Relation.THIS_SIDE})
 """... and those that do where a detour is never negative, as along straight ways."""
 _WEAK = frozenset({Relation.NEAR, Relation.BEFORE, Relation.BEHIND})  # said of times and manners as well
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Solved:
-    """One stop answered.
-
-    Attributes:
-        stop: with what its words mean.
-        place: None where none serves; then `notes` say what is missing.
-        others: further places that serve, best first; or the next best.
-        confidence: 0 to 1.
-        evidence: why these places serve.
-        notes: what is not sure, what is missing, what was not heeded.
-        model: which model said what serves.
-    """
-
-    stop: Stop
-    place: Place | None
-    others: tuple[Place, ...]
-    confidence: float
-    evidence: str
-    notes: tuple[str, ...] = ()
-    model: str = "offline"
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Solution:
-    """A wish answered, stop by stop."""
-
-    wish: Wish
-    stops: tuple[Solved, ...]
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """All that is not sure, missing or not heeded, each once."""
-        return tuple(dict.fromkeys((*self.wish.notes, *(note for stop in self.stops for note in stop.notes))))
 
 
 def solve(

@@ -7,7 +7,8 @@ from lpslam.language.model import Candidate
 from lpslam.language.offline import OfflineModel
 from lpslam.language.wishes.form import Wish
 from lpslam.navigation.places import Here, Place
-from lpslam.navigation.solver import Solved, solve
+from lpslam.navigation.solution import Solved
+from lpslam.navigation.solver import solve
 
 NAMES = ("Reception", "Nurse Clinic", "Payments & Insurance", "Toilets")
 

@@ -6,7 +6,8 @@ import pytest
 from lpslam.language.model import Candidate
 from lpslam.language.offline import OfflineModel
 from lpslam.navigation.places import Here, Place
-from lpslam.navigation.solver import Solution, solve
+from lpslam.navigation.solution import Solution
+from lpslam.navigation.solver import solve
 
 NAMES = ("Bakery", "Pharmacy", "Bank", "Bookshop", "Hairdresser", "Jean-Claude Biguine", "Marionnaud")
 

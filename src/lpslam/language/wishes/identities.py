@@ -252,15 +252,18 @@ class Identities:
         best = [id_ for id_, score in scores.items() if score >= AS_WELL * top]
         if len(best) < _FEWEST_OF_A_SORT:
             return dict(scores)
-        numbered = [id_ for id_ in best if self.codes_of(id_)]
-        told = self._of_the_number(what, numbered) if len(numbered) > 1 else []
+        told = self._of_the_number(what, best)
         told = told or (self._names.told_by(what, best) if is_one else [])
         return {id_: score for id_, score in scores.items() if not told or id_ in told or id_ not in best}
 
     def _of_the_number(self, what: str, ids: Sequence[int]) -> list[int]:
+        """Those of some landmarks that bear a number which is said, where several bear any."""
         # “One” is seldom a number.
         said = codes_said(what) or [code for code in all_numbers(what) if code.number != 1]
-        bearing = ([id_ for id_ in ids if any(e.bears(code) for e in self.codes_of(id_))] for code in said)
+        numbered = [id_ for id_ in ids if self.codes_of(id_)] if said else []
+        if len(numbered) < _FEWEST_OF_A_SORT:
+            return []
+        bearing = ([id_ for id_ in numbered if any(e.bears(code) for e in self.codes_of(id_))] for code in said)
         return next((found for found in bearing if found), [])
 
     def _coded(self, asked: Code) -> dict[int, float]:
