@@ -20,6 +20,7 @@ _FEWEST = 3  # letters of a word that is heard
 _APART = 0.05  # by which the name that sounds likest must lead
 _SPELT_APART = 1  # letters by which surnames of one sound may differ in length
 _RUN = 4  # words that may be one name
+_KEPT = 64  # runs of words of which it is kept what sounds like them
 _CONSONANT = str.maketrans("vbplgckqzjxd", "fffrkkkksss" + "t", "aeiouhwy")
 Name = tuple[str, Sequence[str], Sequence[str]]
 """A board's name in Latin letters: all of it, its words in order, and its runs of scripts without spaces."""
@@ -75,6 +76,8 @@ class HeardNames:
 
     def __init__(self, ids: Sequence[int], sounds: Sounds) -> None:
         self._ids, self._beginning = ids, sounds
+        # A stop is listened to where no kind serves, and again where that is unsure.
+        self._alike = lru_cache(maxsize=_KEPT)(self._sounding_like)
 
     def sounding(self, words: Sequence[str], is_all: bool) -> dict[int, float]:
         """Return the landmark whose name sounds like words of a question, and how alike, 0 to 1; none where two do.
@@ -84,16 +87,16 @@ class HeardNames:
         """
         found: dict[int, float] = {}
         for run in [words] if is_all else _runs_of(words):
-            for id_, alike in self._alike(run, is_all).items():
+            for id_, alike in self._alike(tuple(run), is_all).items():
                 found[id_] = max(alike, found.get(id_, 0.0))
-        each = [self._alike([word], True) for word in words] if is_all and not found else []
+        each = [self._alike((word,), True) for word in words] if is_all and not found else []
         for id_ in set.intersection(*map(set, each)) if each else ():
             found[id_] = min(heard[id_] for heard in each)
         best = max(found.values(), default=0.0)
         near = {id_: alike for id_, alike in found.items() if alike >= best - _APART}
         return near if len(near) == 1 else {}
 
-    def _alike(self, run: Sequence[str], is_all: bool) -> dict[int, float]:
+    def _sounding_like(self, run: tuple[str, ...], is_all: bool) -> dict[int, float]:
         """The landmarks whose names sound like a run of words, and how alike; few consonants must be the same."""
         said = "".join(run)
         sound = by_ear(said)
