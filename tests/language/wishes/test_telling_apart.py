@@ -45,6 +45,11 @@ def test_what_tells_a_place_from_others_of_its_kind(question: str, expected: str
     assert answer(question) == [expected]
 
 
+def test_of_two_boards_with_the_name_that_is_said_the_number_tells() -> None:
+    studios = ("Oberon Studio 1", "Oberon Studio 2", "Café Linde")
+    assert answer("our brass band rehearses in Oberon 2", studios) == ["Oberon Studio 2"]
+
+
 @pytest.mark.parametrize("question", ["the green lounge", "l'entrée est"])
 def test_a_room_of_another_colour_or_side_is_none(question: str) -> None:
     assert answer(question) == [None]

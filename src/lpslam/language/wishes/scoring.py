@@ -201,7 +201,7 @@ class EmbeddedScorer:
             return Served(stop, self._trusted(here), "the board bears it", 0.97, ignored=ignored, way=Way.IDENTITY)
         meaning = self._read(stop)
         stop = with_meaning(stop, [kind for kind, _ in meaning.wanted], (*meaning.refused, *meaning.refused_names))
-        found = self._boards.by_name(stop.what, meaning)
+        found = self._identities.told_apart(stop.what, self._boards.by_name(stop.what, meaning))
         if found:
             scores = self._trusted(found)
             named = frozenset(scores)
