@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 from lpslam.language import kept as kept_module
-from lpslam.language.choosing import landmark_index
 from lpslam.language.kept import kept
 from lpslam.language.model import Candidate
 from lpslam.language.offline import OfflineModel
@@ -84,8 +83,7 @@ def test_the_oldest_files_make_room(tmp_path: Path, monkeypatch: pytest.MonkeyPa
 def test_boards_say_the_same_when_they_were_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     marks = [Candidate(at, name, (), ("Line 1", "coffee · 茶")) for at, name in enumerate(NAMES)]
     plain = OfflineModel().scorer(marks)
-    monkeypatch.setattr(landmark_index, "MANY", 1)
-    monkeypatch.setattr("lpslam.language.wishes.names.MANY", 1)
+    monkeypatch.setattr(kept_module, "MANY", 1)
     first, second = OfflineModel().scorer(marks), OfflineModel().scorer(marks)
     assert {path.name.partition("-")[0] for path in written(tmp_path)} >= {"signs", "called", "words"}
     for scorer in (first, second):
@@ -104,8 +102,7 @@ def test_codes_and_sounds_are_the_same_when_they_were_kept(tmp_path: Path, monke
     names = ("Gate B31", "Rooms 201-212", "Halle 3", "Counter A", "Al6", "Phoenix Dental", "优衣堂")
     marks = [Candidate(10 * at, name, (), ("2号站台",)) for at, name in enumerate(names)]
     plain = OfflineModel().scorer(marks)
-    for module in ("names", "identities"):
-        monkeypatch.setattr(f"lpslam.language.wishes.{module}.MANY", 1)
+    monkeypatch.setattr(kept_module, "MANY", 1)
     for _ in range(2):
         scorer = OfflineModel().scorer(marks)
         assert scorer._identities._painted == plain._identities._painted

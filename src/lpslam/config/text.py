@@ -166,6 +166,10 @@ class ReadingConfig(Section):
     # A text that is not found is read where it stands until so many more readings said something else than said it:
     # what fails so often goes on failing (of 49, 48 and 21 readings in a café 20, one and none said it).
     unfound_patience: int = Field(default=3, ge=1)
+    # It is so where the way to the camera makes at least this cosine with its normal, and so many metres before the
+    # camera: more aslant or nearer letters are not read.
+    unfound_cosine: float = Field(default=0.5, ge=0, le=1)
+    unfound_distance: float = Field(default=0.2, ge=0)
     # Seen better: so many times as large, in pixels of height times the cosine of the angle, until it is as large as
     # the recogniser can use; or reaching farther than any reading of it by this factor.
     better_size: float = Field(default=1.5, gt=1)

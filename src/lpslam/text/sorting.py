@@ -29,10 +29,6 @@ CUT = (BoxFate.BORDER, BoxFate.HIDDEN)
 """Fates of boxes whose text may go on where the view ends."""
 
 
-# Cosine between a text's normal and the way to the camera, and metres before it, from which it is read unfound.
-_LEAST_COSINE, _NEAREST = 0.5, 0.2
-
-
 class BoxSorter:
     """Decides which boxes are worth reading, by where they stand and what was read there."""
 
@@ -108,11 +104,14 @@ class BoxSorter:
         """
         if shot.world_from_keyframe is None:
             return [], boxes[:0]
-        classes, expected, world_from_camera = [], boxes, shot.world_from_keyframe @ shot.keyframe_from_camera
+        config, classes, expected = self._config.reading, [], boxes
+        world_from_camera = shot.world_from_keyframe @ shot.keyframe_from_camera
+        camera_from_world = inverse_transform(world_from_camera)
         for identifier, corners, normal in self._spots.boxes(self._is_unsettled):
             way = world_from_camera[:3, 3] - corners.mean(axis=0)
-            corners = transform_points(inverse_transform(world_from_camera), corners)
-            if normal @ way < _LEAST_COSINE * np.linalg.norm(way) or corners[:, 2].min() < _NEAREST:
+            corners = transform_points(camera_from_world, corners)
+            is_aslant = normal @ way < config.unfound_cosine * np.linalg.norm(way)
+            if is_aslant or corners[:, 2].min() < config.unfound_distance:
                 continue
             box = self._camera.distort(self._camera.project(corners))
             is_inside = box.min() >= 0.0 and (box.max(axis=0) < (self._camera.width, self._camera.height)).all()

@@ -46,6 +46,16 @@ def at_most(seconds: float) -> Iterator[None]:
     assert time.monotonic() - started < seconds
 
 
+@contextmanager
+def while_the_first_is_read(mapper: Mapper, size: int, newest_first: bool = False) -> Iterator[ReadingThread]:
+    """Frame 0 is being read and no longer queued; all that wait are let at the end."""
+    with ReadingThread(mapper, size, newest_first=newest_first) as reader:
+        reader.observe(*frame(0))
+        assert mapper.is_reading.wait(10)
+        yield reader
+        mapper.let.release(100)
+
+
 def test_every_frame_is_read_in_order_on_a_thread_of_its_own() -> None:
     mapper = Mapper()
     mapper.let.release(20)
@@ -59,22 +69,16 @@ def test_every_frame_is_read_in_order_on_a_thread_of_its_own() -> None:
 
 def test_a_full_queue_drops_the_oldest_counts_it_and_never_waits() -> None:
     mapper = Mapper()
-    with ReadingThread(mapper, 3) as reader:
-        reader.observe(*frame(0))
-        assert mapper.is_reading.wait(10), "frame 0 is being read and no longer queued"
-        with at_most(1.0):
-            for index in range(1, 11):
-                reader.observe(*frame(index))
-        mapper.let.release(100)
+    with while_the_first_is_read(mapper, 3) as reader, at_most(1.0):
+        for index in range(1, 11):
+            reader.observe(*frame(index))
     assert mapper.read_frames == [0, 8, 9, 10]
     assert reader.dropped == 7
 
 
 def test_of_a_camera_the_newest_is_read_first_and_others_when_none_newer_comes() -> None:
     mapper = Mapper()
-    with ReadingThread(mapper, 4, newest_first=True) as reader:
-        reader.observe(*frame(0))
-        assert mapper.is_reading.wait(10)
+    with while_the_first_is_read(mapper, 4, newest_first=True) as reader:
         with at_most(1.0):
             for index in range(1, 5):
                 reader.observe(*frame(index))
@@ -84,7 +88,6 @@ def test_of_a_camera_the_newest_is_read_first_and_others_when_none_newer_comes()
         mapper.let.release()
         while len(mapper.read_frames) < 2:
             time.sleep(0.01)
-        mapper.let.release(100)
     assert mapper.read_frames[:2] == [0, 4]
     assert sorted(mapper.read_frames) == [0, 1, 2, 3, 4]
     assert reader.dropped == 0
@@ -92,13 +95,10 @@ def test_of_a_camera_the_newest_is_read_first_and_others_when_none_newer_comes()
 
 def test_where_too_many_wait_those_stay_that_are_apart_and_all_are_read_at_the_end() -> None:
     mapper = Mapper()
-    with ReadingThread(mapper, 4, newest_first=True) as reader:
-        reader.observe(*frame(0))
-        assert mapper.is_reading.wait(10)
+    with while_the_first_is_read(mapper, 4, newest_first=True) as reader:
         for index in (10, 20, 21, 30, 40, 41, 50):
             reader.observe(*frame(index))
         reader._closing = True
-        mapper.let.release(100)
     assert mapper.read_frames == sorted(mapper.read_frames)
     assert (mapper.read_frames[:2], mapper.read_frames[-1], reader.dropped) == ([0, 10], 50, 3)
     assert min(np.diff(mapper.read_frames)) >= 9

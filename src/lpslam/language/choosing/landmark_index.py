@@ -1,13 +1,13 @@
 """Landmarks as they are looked up: by what their signs mean, and by their names and parts of them."""
 
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from typing import Any
 
 from lpslam.language.choosing.serving import Kinds, likeness, match, whom_for
-from lpslam.language.kept import kept
+from lpslam.language.kept import kept_of_boards
 from lpslam.language.model import Candidate
 from lpslam.language.questions.question import spoken_key
 from lpslam.language.signs.hours import without_hours
@@ -17,8 +17,6 @@ from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.lexicon import Meaning
 from lpslam.language.tables.words import UNSPACED_RUN, PhraseTable, is_unspaced
 
-MANY = 500
-"""Landmarks of which it is kept on disk what their boards say."""
 _NUMBERED = re.compile(r"[A-Z]?\d+(?:[.-]\d+)*(?:\s*[-–—~〜]\s*[A-Z]?\d+)?")
 _SURELY = 0.5  # a place is of a kind when its words say so at least this surely
 _IS_NUMBER = re.compile(r"^[\W\d]*\w?[\W\d]+$")
@@ -56,9 +54,8 @@ class LandmarkIndex:
         def called() -> tuple[Any, ...]:
             return _called([(mark, self.signs[mark.id]) for mark in landmarks], signs, knowledge)
 
-        is_kept = len(landmarks) >= MANY
-        at_of, self.phrase_of, self._initials, self._plurals = (
-            kept("called", told_by(landmarks), called) if is_kept else called()
+        at_of, self.phrase_of, self._initials, self._plurals = kept_of_boards(
+            "called", len(landmarks), told_by(landmarks), called
         )
         ids = [landmark.id for landmark in landmarks]
         self.ids_of: dict[str, tuple[int, ...]] = {
@@ -193,9 +190,9 @@ def _ids_by_word(ids_by_phrase: Mapping[str, Collection[int]]) -> dict[str, set[
 
 def _signs_of(landmarks: Sequence[Candidate], signs: SignReader) -> list[SignMeaning]:
     """What boards mean; as they were read before, where they are many."""
-    if len(landmarks) < MANY:
-        return [_sign_of(landmark, signs) for landmark in landmarks]
-    kinds, rows = kept("signs", told_by(landmarks), lambda: _packed([_sign_of(mark, signs) for mark in landmarks]))
+    kinds, rows = kept_of_boards(
+        "signs", len(landmarks), told_by(landmarks), lambda: _packed([_sign_of(mark, signs) for mark in landmarks])
+    )
     return [SignMeaning(kinds[at], *rest) for at, *rest in rows]
 
 
@@ -205,10 +202,9 @@ def _packed(signs: Sequence[SignMeaning]) -> tuple[list[Kinds], list[tuple[Any, 
     return list(kinds), [(kinds[each.kinds], each.evidence, each.identity, each.name_like) for each in signs]
 
 
-def told_by(landmarks: Sequence[Candidate]) -> bytes:
+def told_by(landmarks: Sequence[Candidate]) -> Iterator[str]:
     """What tells some boards from others: all that stands there."""
-    texts = (text for mark in landmarks for text in (mark.name, *mark.aliases, "", *mark.lines, ""))
-    return "\0".join(texts).encode("utf-8", "surrogatepass")
+    return (text for mark in landmarks for text in (mark.name, *mark.aliases, "", *mark.lines, ""))
 
 
 def _sign_of(landmark: Candidate, signs: SignReader) -> SignMeaning:

@@ -5,8 +5,8 @@ from dataclasses import replace
 from functools import cache, cached_property
 from typing import Any
 
-from lpslam.language.choosing.landmark_index import MANY, told_by
-from lpslam.language.kept import kept
+from lpslam.language.choosing.landmark_index import told_by
+from lpslam.language.kept import kept_of_boards
 from lpslam.language.languages import UNSPACED
 from lpslam.language.model import Candidate
 from lpslam.language.questions.question import read_question
@@ -62,7 +62,7 @@ class Identities:
             every = dict.fromkeys(text for lines in texts for text in lines)
             return {text: ([*map(packed, board_codes(text))], sorted(board_keys(text))) for text in every}
 
-        read = kept("codes", told_by(self._landmarks), made) if len(self._landmarks) >= MANY else made()
+        read = kept_of_boards("codes", len(self._landmarks), told_by(self._landmarks), made)
         codes_of = {text: [*map(unpacked, codes)] for text, (codes, _) in read.items()}
         codes, by_key = dict[int, list[Code]](), dict[str, set[int]]()
         for mark, lines in zip(self._landmarks, texts, strict=True):

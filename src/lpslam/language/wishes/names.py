@@ -13,8 +13,7 @@ from anyascii import anyascii
 from rapidfuzz import process
 from rapidfuzz.distance import OSA
 
-from lpslam.language.choosing.landmark_index import MANY
-from lpslam.language.kept import kept
+from lpslam.language.kept import kept_of_boards
 from lpslam.language.model import Candidate
 from lpslam.language.signs.repair import Repair
 from lpslam.language.tables.knowledge import Knowledge, load_words
@@ -82,7 +81,7 @@ class Names:
         def made() -> list[tuple[tuple[str, ...], tuple[str, ...]]]:
             return [self._words_of(text) for text in every]
 
-        cut = kept("words", "\0".join(every).encode("utf-8", "surrogatepass"), made) if len(every) >= MANY else made()
+        cut = kept_of_boards("words", len(every), every, made)
         folder = self._knowledge.folder
         words = {
             text: Words(text, frozenset(units), runs, folder) for text, (units, runs) in zip(every, cut, strict=True)
@@ -187,8 +186,8 @@ class Names:
         def made() -> Sounds:
             return beginning((line.latin, line.in_order, tuple(map(_latin, line.runs))) for line in names.values())
 
-        texts = "\0".join(line.text for line in names.values()).encode("utf-8", "surrogatepass")
-        return HeardNames(list(names), kept("sounds", texts, made) if len(names) >= MANY else made())
+        texts = (line.text for line in names.values())
+        return HeardNames(list(names), kept_of_boards("sounds", len(names), texts, made))
 
     def persons(self, name: str) -> list[int]:
         """Landmarks whose board bears a person's name: all words of it, the surname in another script, or its sound."""

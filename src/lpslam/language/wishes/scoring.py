@@ -124,12 +124,11 @@ class EmbeddedScorer:
         if meaning.wanted_names or (served.scores and not clues and not served.is_said):
             return served
         if served.is_said:
-            # Words that ask for this kind alone are outdone only by a sure guess.
-            other = self._guesses.judged(
-                served, clues or self._clues(served), meaning, language, partial(self._not_otherwise, stop)
-            )
-            return other if other.way is Way.GUESS and other.sure >= LEAST_IN_SPITE else served
-        return self._guesses.judged(served, clues, meaning, language, partial(self._not_otherwise, stop))
+            clues = clues or self._clues(served)
+        judged = self._guesses.judged(served, clues, meaning, language, partial(self._not_otherwise, stop))
+        # Words that ask for this kind alone are outdone only by a sure guess.
+        is_sure_guess = judged.way is Way.GUESS and judged.sure >= LEAST_IN_SPITE
+        return served if served.is_said and not is_sure_guess else judged
 
     def _surest(self, served: Served, meaning: Meaning, language: str) -> tuple[Served, Mapping[str, float]]:
         """What tables found, or boards say where that is unsure; and its clues, none where nothing is to be doubted."""
