@@ -9,16 +9,38 @@ from lpslam.config import GroundConfig
 
 Array = NDArray[np.float64]
 
-_DAMPED = 3  # steps of height over which counts are averaged
+_DAMPED = 3  # steps of height over which counts are averaged at least
+_ENOUGH = 200_000  # readings of inverse depth from which noise is told: more say nothing new
 
 
-def floor_levels(points: Array, up: Array, camera: Array, config: GroundConfig) -> Array:
+def depth_noise(depths: Sequence[NDArray[np.float32]], config: GroundConfig) -> float:
+    """1/metre: standard deviation of inverse depths, from how far readings lie beside the middle of two neighbours.
+
+    A plane's inverse depths lie on a line however it is seen. Edges and what is round are the fewer.
+
+    Args:
+        depths: of each scan, (h, w) metres, 0 where there is none.
+        config: thresholds.
+    """
+    reach, told = config.surface_reach, [np.empty(0)]
+    step = max(1, sum(each.size for each in depths) // _ENOUGH)
+    for depth in depths[::step]:
+        inverse = np.where(depth > 0, 1.0 / np.where(depth > 0, depth, 1.0), np.nan)
+        for lines in (inverse, inverse.T):
+            beside = lines[:, : -2 * reach] + lines[:, 2 * reach :] - 2.0 * lines[:, reach:-reach]
+            told.append(np.abs(beside[np.isfinite(beside)]) / np.sqrt(6.0))
+    every = np.concatenate(told)
+    return 1.4826 * float(np.median(every)) if len(every) else 0.0
+
+
+def floor_levels(points: Array, up: Array, camera: Array, stray: float, config: GroundConfig) -> Array:
     """Heights (n,) of level surfaces below a camera that may be the floor, lowest first.
 
     Args:
         points: (h, w, 3) world.
         up: (h, w) how far up surfaces look.
         camera: (3,) world.
+        stray: 1/metre by which inverse depths stray; heights are counted over as many steps as they stray by it.
         config: thresholds.
     """
     chosen = (up >= config.least_up) & (points[..., 2] < camera[2] - config.least_camera_height)
@@ -30,11 +52,13 @@ def floor_levels(points: Array, up: Array, camera: Array, config: GroundConfig) 
     low = heights.min() - 2 * config.floor_step
     bins = ((heights - low) / config.floor_step).astype(np.int64)
     # A reading stands for as much surface as its pixel covers there.
-    counts = np.convolve(np.bincount(bins, away**2, bins.max() + 3), np.ones(_DAMPED) / _DAMPED, "same")
+    heights_stray = stray * float(np.median(away * (camera[2] - heights)))
+    damped = max(_DAMPED, 2 * int(np.ceil(heights_stray / config.floor_step)) + 1)
+    counts = np.convolve(np.bincount(bins, away**2, bins.max() + 3), np.ones(damped) / damped, "same")
     inner = counts[1:-1]
     is_large = inner >= config.floor_share * counts.max()
     peaks = 1 + np.flatnonzero((inner >= counts[:-2]) & (inner > counts[2:]) & is_large)
-    return np.asarray([np.median(heights[np.abs(bins - peak) <= 1]) for peak in peaks], np.float64)
+    return np.asarray([np.median(heights[np.abs(bins - peak) <= damped // 2]) for peak in peaks], np.float64)
 
 
 def floors_below(cameras: Array, levels: Sequence[Array], config: GroundConfig) -> Array | None:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from lpslam.camera import transform_points
 from lpslam.config import GroundConfig
 from lpslam.ground import kernels
-from lpslam.ground.floor import floor_levels, floors_below, height_noise
+from lpslam.ground.floor import depth_noise, floor_levels, floors_below, height_noise
 from lpslam.ground.scans import Pose, Scans
 
 Array = NDArray[np.float64]
@@ -86,8 +86,9 @@ def build_grid(
     cameras = np.array([pose[:3, 3] for _, pose in placed])
     if not np.isfinite(cameras).all():
         return None
-    seen = [_surfaces(scans, keyframe, pose, config) for keyframe, pose in placed]
-    levels = [floor_levels(points, up, at, config) for (points, up), at in zip(seen, cameras, strict=True)]
+    stray = depth_noise([scans.depth(keyframe) for keyframe, _ in placed], config)
+    seen = [_surfaces(scans, keyframe, pose, stray, config) for keyframe, pose in placed]
+    levels = [floor_levels(points, up, at, stray, config) for (points, up), at in zip(seen, cameras, strict=True)]
     floors = floors_below(cameras, levels, config)
     if floors is None:
         return None
@@ -103,11 +104,11 @@ def build_grid(
     return _integrated(seen, shown, cameras, floors, walked, extent, config)
 
 
-def _surfaces(scans: Scans, keyframe: int, pose: Array, config: GroundConfig) -> tuple[Array, Array]:
+def _surfaces(scans: Scans, keyframe: int, pose: Array, stray: float, config: GroundConfig) -> tuple[Array, Array]:
     """World points (h, w, 3) of a scan, and how far up surfaces look there (h, w)."""
     points = scans.points(keyframe)
     world = np.ascontiguousarray(transform_points(pose, points.reshape(-1, 3)).reshape(points.shape))
-    return world, kernels.upness(world, pose[:3, 3], config.surface_reach, np.array(config.surface_bend))
+    return world, kernels.upness(world, pose[:3, 3], config.surface_reach, np.array(config.surface_bend), stray)
 
 
 def _noise(seen: list[tuple[Array, Array]], cameras: Array, floors: Array, config: GroundConfig) -> Array:

@@ -16,7 +16,7 @@ NOTHING, FLOOR, OBSTACLE, DROP = 0, 1, 2, 3
 
 @njit(cache=True, nogil=True)
 def upness(
-    points: NDArray[np.float64], camera: NDArray[np.float64], reach: int, bend: NDArray[np.float64]
+    points: NDArray[np.float64], camera: NDArray[np.float64], reach: int, bend: NDArray[np.float64], noise: float
 ) -> NDArray[np.float64]:
     """(h, w) how far up (0 to 1) the surface at each of (h, w, 3) world points looks; NaN where it is not one surface.
 
@@ -26,6 +26,8 @@ def upness(
         reach: pixels to the neighbours from which a surface is told.
         bend: (2,) metres, and share of the distance, by which a point of one surface may lie beside the line between
             its neighbours: at an edge of depth it lies far from it, however slantwise a floor is seen.
+        noise: 1/metre by which inverse depths stray, so that points of a level surface may lie as far beside it as
+            two sigma of that, if this is more.
     """
     height, width, _ = points.shape
     up = np.full((height, width), np.nan)
@@ -40,7 +42,9 @@ def upness(
             nx, ny, nz = cy * dz - cz * dy, cz * dx - cx * dz, cx * dy - cy * dx
             size = math.sqrt(nx * nx + ny * ny + nz * nz)
             away = math.sqrt((x - camera[0]) ** 2 + (y - camera[1]) ** 2 + (z - camera[2]) ** 2)
-            most = bend[0] + bend[1] * away
+            # A level surface is seen slantwise, so that depths that stray move its points little off it. The middle of
+            # two others strays, too.
+            most = max(bend[0] + bend[1] * away, 2.0 * math.sqrt(1.5) * noise * away * (camera[2] - z))
             beside = max(_beside(x - ax, y - ay, z - az, cx, cy, cz), _beside(x - bx, y - by, z - bz, dx, dy, dz))
             if size > 1e-12 and beside < most:
                 up[v, u] = abs(nz) / size
