@@ -10,6 +10,7 @@ from lpslam.config import GroundConfig
 Array = NDArray[np.float64]
 
 _DAMPED = 3  # steps of height over which counts are averaged at least
+_ROUNDS = 4  # of fitting, each with less weight for what lay beside
 _ENOUGH = 200_000  # readings of inverse depth from which noise is told: more say nothing new
 
 
@@ -86,6 +87,33 @@ def floors_below(cameras: Array, levels: Sequence[Array], config: GroundConfig) 
         return None
     nearest = known[np.abs(known[None] - np.arange(len(cameras))[:, None]).argmin(axis=1)]
     return np.asarray(floors[nearest], np.float64)
+
+
+def tilt(seen: Sequence[tuple[Array, Array]], cameras: Array, floors: Array, config: GroundConfig) -> Array:
+    """(2,) metres a metre along x and y by which the floor rises all over the map: maps are not quite level.
+
+    Args:
+        seen: of each scan, world points (h, w, 3) and how far up surfaces look (h, w).
+        cameras: (n, 3) world.
+        floors: (n,) height of the floor below each.
+        config: thresholds.
+    """
+    rows = [np.empty((0, 4))]
+    for (points, up), at, floor in zip(seen, cameras, floors, strict=True):
+        told = points[(up >= config.least_up) & (np.abs(points[..., 2] - floor) < config.floor_band)]
+        if len(told) >= config.min_floor_readings:
+            away = np.linalg.norm(told - at, axis=1, keepdims=True)
+            rows.append(np.hstack([told - np.median(told, axis=0), config.usual_noise[0] + config.usual_noise[1] * away**2]))
+    every = np.concatenate(rows)
+    rise = np.zeros(2)
+    if len(every) < config.min_floor_readings:
+        return rise
+    for _ in range(_ROUNDS):
+        beside = np.abs(every[:, 2] - every[:, :2] @ rise) / every[:, 3]
+        weight = 1.0 / (every[:, 3] * np.maximum(1.0, beside / max(float(np.median(beside)), 1e-9)) ** 0.5)
+        rise = np.linalg.lstsq(every[:, :2] * weight[:, None], every[:, 2] * weight, rcond=None)[0]
+    steep = float(np.linalg.norm(rise)) / np.tan(np.radians(config.steepest))
+    return np.asarray(rise / max(steep, 1.0), np.float64)
 
 
 def _usual_height(below: Sequence[Array], config: GroundConfig) -> float | None:

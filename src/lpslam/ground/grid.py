@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from lpslam.camera import transform_points
 from lpslam.config import GroundConfig
 from lpslam.ground import kernels
-from lpslam.ground.floor import depth_noise, floor_levels, floors_below, height_noise
+from lpslam.ground.floor import depth_noise, floor_levels, floors_below, height_noise, tilt
 from lpslam.ground.scans import Pose, Scans
 
 Array = NDArray[np.float64]
@@ -88,8 +88,14 @@ def build_grid(
         return None
     stray = depth_noise([scans.depth(keyframe) for keyframe, _ in placed], config)
     seen = [_surfaces(scans, keyframe, pose, stray, config) for keyframe, pose in placed]
-    levels = [floor_levels(points, up, at, stray, config) for (points, up), at in zip(seen, cameras, strict=True)]
-    floors = floors_below(cameras, levels, config)
+    floors = _floors(seen, cameras, stray, config)
+    if floors is None:
+        return None
+    rise = tilt(seen, cameras, floors, config)
+    for points, _ in seen:
+        points[..., 2] -= points[..., :2] @ rise
+    cameras[:, 2] -= cameras[:, :2] @ rise
+    floors = _floors(seen, cameras, stray, config)
     if floors is None:
         return None
     noise = _noise(seen, cameras, floors, config)
@@ -101,7 +107,11 @@ def build_grid(
     if extent is None:
         return None
     walked = cameras if walked is None else walked[np.isfinite(walked).all(axis=1)]
-    return _integrated(seen, shown, cameras, floors, walked, extent, config)
+    grid = _integrated(seen, shown, cameras, floors, walked, extent, config)
+    rows, columns = grid.shape
+    middles = grid.middles(np.argwhere(np.ones(grid.shape, np.bool_)))
+    grid.heights[:] += (middles @ rise).reshape(rows, columns)
+    return grid
 
 
 def _surfaces(scans: Scans, keyframe: int, pose: Array, stray: float, config: GroundConfig) -> tuple[Array, Array]:
@@ -109,6 +119,11 @@ def _surfaces(scans: Scans, keyframe: int, pose: Array, stray: float, config: Gr
     points = scans.points(keyframe)
     world = np.ascontiguousarray(transform_points(pose, points.reshape(-1, 3)).reshape(points.shape))
     return world, kernels.upness(world, pose[:3, 3], config.surface_reach, np.array(config.surface_bend), stray)
+
+
+def _floors(seen: list[tuple[Array, Array]], cameras: Array, stray: float, config: GroundConfig) -> Array | None:
+    levels = [floor_levels(points, up, at, stray, config) for (points, up), at in zip(seen, cameras, strict=True)]
+    return floors_below(cameras, levels, config)
 
 
 def _noise(seen: list[tuple[Array, Array]], cameras: Array, floors: Array, config: GroundConfig) -> Array:
