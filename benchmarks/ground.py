@@ -4,12 +4,15 @@
     python benchmarks/ground.py --worlds 1003,1009       # sheets of glass and mirrors are walls
 
 Floor and walls are those cells that the map knows. A wall is free if no cell within ten centimetres is occupied; the
-rim of the floor, as wide, is not asked. Goal poses are asked for every sign that was readable and hangs where a person
-could stand before it; ways between pairs of them are compared with the shortest on the true plan for the same robot.
+rim of the floor, as wide, is not asked. Of worlds with people the floor is told a second time without the half metre
+around where somebody was when a scan was taken: who stood there last is in the way, and rightly so. Goal poses are
+asked for every sign that was readable and hangs where a person could stand before it; ways between pairs of them are
+compared with the shortest on the true plan for the same robot.
 """
 
 import argparse
-from dataclasses import dataclass
+import time
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import cv2
@@ -20,18 +23,21 @@ from lpslam.camera import transform_points
 from lpslam.config import Config, WayConfig
 from lpslam.errors import UserError
 from lpslam.ground.grid import FREE, OCCUPIED, Grid
+from lpslam.mapfile.language_map import LanguageMap
 from lpslam.navigation.walking.goals import goal_before
 from lpslam.navigation.walking.ways import NoWayError, Walkable
 from lpslam.session.session import Session
 from lpslam.simulation.source import MallSource
 from lpslam.simulation.worlds.factors import draw_world
 from lpslam.simulation.worlds.source import WorldSource
+from lpslam.simulation.worlds.walking import walked
 from lpslam.sources.prefetch import Prefetched
 
 Array = NDArray[np.float64]
 
 HEIGHTS = (0.05, 1.5)  # metres between which a face is in the way
 RIM = 0.1  # metres
+PERSON = 0.5  # metres around somebody's middle
 PAIRS = 30
 
 
@@ -40,9 +46,10 @@ Source = MallSource | WorldSource
 
 @dataclass(frozen=True)
 class Score:
-    """Of one mall: shares of floor that is free and of walls that are; goals; ways."""
+    """Of one place: shares of floor that is free, also where nobody was, and of walls; goals; ways; straying; cost."""
 
     floor: float
+    empty_floor: float
     walls: float
     goals: int
     good: int
@@ -50,6 +57,8 @@ class Score:
     long: int
     through: int
     ratio: float
+    strays: float
+    cost: float
 
 
 def standing(source: Source) -> Array:
@@ -77,24 +86,45 @@ def true_plan(source: Source, low: Array, high: Array, cell: float) -> NDArray[n
     return plan > 0
 
 
-def measure(source: Source, seed: int) -> Score:
-    """Map a mall or a world without reading, and compare."""
-    config = Config()
+def people(source: Source, times: Array) -> Array:
+    """(n, 2) metres where somebody was at any of some times."""
+    if isinstance(source, MallSource):
+        return np.empty((0, 2))
+    place = source.place
+    scenes = [walked(place.scene, place.walkers, float(time)) for time in times]
+    return np.array([
+        scene.origin[who.first : who.last, :2].mean(axis=0) for scene in scenes for who in place.walkers
+    ]).reshape(-1, 2)  # fmt: skip
+
+
+def mapped(source: Source, config: Config) -> LanguageMap:
+    """The map of a place, without reading."""
     with Session(source.camera, config, text=False, name=source.name) as session:
         for frame in Prefetched(source):
             session.take(frame)
-        world = session.close()
+        return session.close()
+
+
+def measure(source: Source, seed: int) -> Score:
+    """Map a mall or a world without reading, and compare."""
+    config = Config()
+    world = mapped(source, config)
     poses, truth = world.frame_poses(), source.ground_truth
     rows = np.searchsorted(truth.timestamps, poses.timestamps).clip(max=len(truth.timestamps) - 1)
     first = len(rows) // 2
     truth_from_map = truth.world_from_camera[rows[first]] @ np.linalg.inv(poses.world_from_camera[first])
+    off = (truth_from_map @ poses.world_from_camera)[:, :2, 3] - truth.world_from_camera[rows, :2, 3]
+    began = time.process_time()
     grid = world.grid(config.ground)
-    if grid is None:
+    if grid is None or world.scans is None:
         raise UserError(f"{source.name}: no floor was seen")
-    return _score(source, grid, truth_from_map, config.ways, seed)
+    cost = (time.process_time() - began) / len(world.scans)
+    stood = people(source, np.array([world.slam.frame_of(each)[1] for each in world.scans.keyframes]))
+    score = _score(source, grid, truth_from_map, stood, config.ways, seed)
+    return replace(score, strays=float(np.linalg.norm(off, axis=1).max()), cost=cost)
 
 
-def _score(source: Source, grid: Grid, truth_from_map: Array, ways: WayConfig, seed: int) -> Score:
+def _score(source: Source, grid: Grid, truth_from_map: Array, stood: Array, ways: WayConfig, seed: int) -> Score:
     cells = np.argwhere(grid.values >= 0)
     flat = np.column_stack([grid.middles(cells), np.zeros(len(cells))])
     places = transform_points(truth_from_map, flat)[:, :2]
@@ -107,6 +137,7 @@ def _score(source: Source, grid: Grid, truth_from_map: Array, ways: WayConfig, s
     inside = np.isin(regions, np.unique(regions[walked[:, 0], walked[:, 1]])) & ~plan
     values = grid.values[cells[:, 0], cells[:, 1]]
     is_floor = inside[at[:, 0], at[:, 1]] & (away[at[:, 0], at[:, 1]] > RIM)
+    about = np.linalg.norm(places[:, None] - stood[None], axis=2).min(axis=1, initial=np.inf)
     near = cv2.dilate((grid.values == OCCUPIED).astype(np.uint8), np.ones((5, 5), np.uint8)) > 0
     is_wall = plan[at[:, 0], at[:, 1]]
     wrong = (values == FREE) & ~near[cells[:, 0], cells[:, 1]]
@@ -114,8 +145,9 @@ def _score(source: Source, grid: Grid, truth_from_map: Array, ways: WayConfig, s
     true_grid = Grid(np.where(plan, OCCUPIED, np.where(inside, FREE, -1)).astype(np.int8), (low[0], low[1]), cell)
     goals, good, stands = _goals(source, walkable, true_grid, truth_from_map, ways)
     return Score(
-        float((values[is_floor] == FREE).mean()), float(wrong[is_wall].mean()), goals, good,
-        *_ways(stands, walkable, Walkable(true_grid, ways), truth_from_map, seed),
+        float((values[is_floor] == FREE).mean()), float((values[is_floor & (about > PERSON)] == FREE).mean()),
+        float(np.mean(wrong[is_wall])) if is_wall.any() else 0.0, goals, good,
+        *_ways(stands, walkable, Walkable(true_grid, ways), truth_from_map, seed), 0.0, 0.0,
     )  # fmt: skip
 
 
@@ -180,8 +212,10 @@ def main() -> None:
     seeds = range(int(first), int(last or first) + 1)
     if options.worlds:
         seeds = [int(each) for each in options.worlds.split(",")]
-    print("| Place | Floor free | Walls free | Goals good | Ways | Over 1.1 | Through a wall | Length, median |")
-    print("| --- | --- | --- | --- | --- | --- | --- | --- |")
+    print(
+        "| Place | Floor free | Nobody there | Walls free | Strays | Goals | Ways | Over 1.1 | Through | Ratio | Scan |"
+    )
+    print("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |")
     for seed in seeds:
         source = WorldSource(draw_world(seed)) if options.worlds else MallSource(seed, options.frames)
         try:
@@ -190,8 +224,9 @@ def main() -> None:
             print(f"| {seed} | {error} |", flush=True)
             continue
         print(
-            f"| {seed} | {score.floor:.1%} | {score.walls:.2%} | {score.good} of {score.goals} | {score.ways} "
-            f"| {score.long} | {score.through} | {score.ratio:.2f} |",
+            f"| {seed} | {score.floor:.1%} | {score.empty_floor:.1%} | {score.walls:.2%} | {score.strays:.2f} m "
+            f"| {score.good} of {score.goals} | {score.ways} | {score.long} | {score.through} | {score.ratio:.2f} "
+            f"| {1000 * score.cost:.1f} ms |",
             flush=True,
         )
 

@@ -5,6 +5,7 @@ import pytest
 from rooms import CAMERA, FLOOR, Box, depth_of, looking
 
 from lpslam.config import GroundConfig
+from lpslam.ground.floor import depth_noise
 from lpslam.ground.grid import FREE, OCCUPIED, UNKNOWN, Grid, build_grid
 from lpslam.ground.scans import Scans
 
@@ -162,3 +163,48 @@ def test_a_thin_seat_far_away_is_in_the_way_and_ground_seen_below_it_is_none() -
     there = values(grid, (2.4, -0.8), (2.75, 0.8))
     assert (there == OCCUPIED).mean() > 0.3
     assert (there == FREE).mean() < 0.15
+
+
+def patchy(boxes: list[Box], pose: np.ndarray, noise: float, seed: int) -> np.ndarray:
+    """Depth of stereo: inverse depths stray alike over some pixels."""
+    depth = depth_of(boxes, pose)
+    drawn = np.random.default_rng(seed).normal(size=(depth.shape[0] // 4, depth.shape[1] // 4))
+    stray = noise * np.kron(drawn, np.ones((4, 4)))
+    with np.errstate(divide="ignore"):
+        return np.where(depth > 0, 1.0 / np.maximum(1.0 / depth + stray, 0.05), 0.0).astype(np.float32)
+
+
+def test_depth_as_noisy_as_of_stereo_shows_ground_and_walls() -> None:
+    scans = Scans(CAMERA, CONFIG.width)
+    for at, pose in enumerate(POSES):
+        scans.take(at, RGB, patchy([FLOOR, *WALLS], pose, 0.012, at))
+    grid = build_grid(scans, lambda keyframe: POSES[keyframe], CONFIG)
+    assert grid is not None
+    for low, high in (((-3.2, -2.0), (-1.8, 2.0)), ((1.8, -2.0), (3.2, 2.0))):
+        there = values(grid, low, high)
+        assert (there != UNKNOWN).mean() > 0.9
+        assert (there == FREE).sum() > 0.97 * (there != UNKNOWN).sum()
+    assert not (values(grid, (4.4, -2.0), (4.6, 2.0)) == FREE).any()
+    assert (values(grid, (3.9, -3.0), (4.2, 3.0)) == OCCUPIED).any(axis=1).mean() > 0.95
+
+
+def test_noise_of_depth_is_told_from_planes() -> None:
+    depths = [patchy([FLOOR, *WALLS], pose, 0.012, at)[::4, ::4] for at, pose in enumerate(POSES[:6])]
+    assert depth_noise(depths, CONFIG) == pytest.approx(0.012, rel=0.15)
+    assert depth_noise([np.zeros((20, 20), np.float32)], CONFIG) == 0.0
+
+
+@pytest.mark.parametrize("degrees", [2.5, 5.0])
+def test_a_map_that_is_not_level_has_the_same_ground(degrees: float) -> None:
+    tilted = np.eye(4)
+    turn = np.radians(degrees)
+    tilted[[0, 0, 2, 2], [0, 2, 0, 2]] = np.cos(turn), -np.sin(turn), np.sin(turn), np.cos(turn)
+    scans = Scans(CAMERA, CONFIG.width)
+    for at, pose in enumerate(POSES):
+        scans.take(at, RGB, depth_of([FLOOR, *WALLS], pose, 0.001, at))
+    grid = build_grid(scans, lambda keyframe: tilted @ POSES[keyframe], CONFIG)
+    assert grid is not None
+    for low, high in (((-3.8, -3.6), (-1.6, 3.6)), ((1.6, -3.6), (3.8, 3.6))):
+        assert (values(grid, low, high) == FREE).mean() > 0.98
+    rise = grid.heights[grid.cell(np.array([3.0, 0.0]))] - grid.heights[grid.cell(np.array([-3.0, 0.0]))]
+    assert rise == pytest.approx(6.0 * np.tan(turn), abs=0.03)

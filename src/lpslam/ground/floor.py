@@ -11,7 +11,8 @@ Array = NDArray[np.float64]
 
 _DAMPED = 3  # steps of height over which counts are averaged at least
 _ROUNDS = 4  # of fitting, each with less weight for what lay beside
-_ENOUGH = 200_000  # readings of inverse depth from which noise is told: more say nothing new
+_ENOUGH = 100_000  # readings from which noise is told: more say nothing new
+_OF_A_SCAN = 400  # readings from which the floor's tilt is told
 
 
 def depth_noise(depths: Sequence[NDArray[np.float32]], config: GroundConfig) -> float:
@@ -102,16 +103,19 @@ def tilt(seen: Sequence[tuple[Array, Array]], cameras: Array, floors: Array, con
     for (points, up), at, floor in zip(seen, cameras, floors, strict=True):
         told = points[(up >= config.least_up) & (np.abs(points[..., 2] - floor) < config.floor_band)]
         if len(told) >= config.min_floor_readings:
-            away = np.linalg.norm(told - at, axis=1, keepdims=True)
-            rows.append(np.hstack([told - np.median(told, axis=0), config.usual_noise[0] + config.usual_noise[1] * away**2]))
+            told = told[:: max(1, len(told) // _OF_A_SCAN)]
+            noise = config.usual_noise[0] + config.usual_noise[1] * np.square(told - at).sum(axis=1, keepdims=True)
+            rows.append(np.hstack([told - np.median(told, axis=0), noise]))
     every = np.concatenate(rows)
-    rise = np.zeros(2)
+    rise: Array = np.zeros(2)
     if len(every) < config.min_floor_readings:
         return rise
     for _ in range(_ROUNDS):
         beside = np.abs(every[:, 2] - every[:, :2] @ rise) / every[:, 3]
         weight = 1.0 / (every[:, 3] * np.maximum(1.0, beside / max(float(np.median(beside)), 1e-9)) ** 0.5)
-        rise = np.linalg.lstsq(every[:, :2] * weight[:, None], every[:, 2] * weight, rcond=None)[0]
+        rise = np.asarray(
+            np.linalg.lstsq(every[:, :2] * weight[:, None], every[:, 2] * weight, rcond=None)[0], np.float64
+        )
     steep = float(np.linalg.norm(rise)) / np.tan(np.radians(config.steepest))
     return np.asarray(rise / max(steep, 1.0), np.float64)
 

@@ -88,16 +88,10 @@ def build_grid(
         return None
     stray = depth_noise([scans.depth(keyframe) for keyframe, _ in placed], config)
     seen = [_surfaces(scans, keyframe, pose, stray, config) for keyframe, pose in placed]
-    floors = _floors(seen, cameras, stray, config)
-    if floors is None:
+    levelled = _levelled(seen, cameras, stray, config)
+    if levelled is None:
         return None
-    rise = tilt(seen, cameras, floors, config)
-    for points, _ in seen:
-        points[..., 2] -= points[..., :2] @ rise
-    cameras[:, 2] -= cameras[:, :2] @ rise
-    floors = _floors(seen, cameras, stray, config)
-    if floors is None:
-        return None
+    floors, rise = levelled
     noise = _noise(seen, cameras, floors, config)
     shown = [
         kernels.classify(points, up, at, float(floor), noise, _limits(config, noise))
@@ -108,9 +102,7 @@ def build_grid(
         return None
     walked = cameras if walked is None else walked[np.isfinite(walked).all(axis=1)]
     grid = _integrated(seen, shown, cameras, floors, walked, extent, config)
-    rows, columns = grid.shape
-    middles = grid.middles(np.argwhere(np.ones(grid.shape, np.bool_)))
-    grid.heights[:] += (middles @ rise).reshape(rows, columns)
+    grid.heights[:] += (grid.middles(np.argwhere(grid.values > -2)) @ rise).reshape(grid.shape)
     return grid
 
 
@@ -119,6 +111,21 @@ def _surfaces(scans: Scans, keyframe: int, pose: Array, stray: float, config: Gr
     points = scans.points(keyframe)
     world = np.ascontiguousarray(transform_points(pose, points.reshape(-1, 3)).reshape(points.shape))
     return world, kernels.upness(world, pose[:3, 3], config.surface_reach, np.array(config.surface_bend), stray)
+
+
+def _levelled(
+    seen: list[tuple[Array, Array]], cameras: Array, stray: float, config: GroundConfig
+) -> tuple[Array, Array] | None:
+    """The floor below each camera, and the rise (2,) that was taken off points and cameras in place; None without."""
+    floors = _floors(seen, cameras, stray, config)
+    if floors is None:
+        return None
+    rise = tilt(seen, cameras, floors, config)
+    for points, _ in seen:
+        points[..., 2] -= points[..., :2] @ rise
+    cameras[:, 2] -= cameras[:, :2] @ rise
+    floors = _floors(seen, cameras, stray, config)
+    return None if floors is None else (floors, rise)
 
 
 def _floors(seen: list[tuple[Array, Array]], cameras: Array, stray: float, config: GroundConfig) -> Array | None:
@@ -175,14 +182,14 @@ def _integrated(
     ])  # fmt: skip
     evidence = np.full((rows, columns), np.nan, np.float32)
     heights, tops = (np.full((rows, columns), np.nan, np.float32) for _ in range(2))
-    touched = np.zeros((7, rows, columns), np.int32)
+    touched = np.zeros((rows, columns, 7), np.int32)
     for stamp, ((points, _), what, at, floor) in enumerate(zip(seen, shown, cameras, below, strict=True), 1):
         ray = np.array([floor, config.low_ray, config.over_furniture])
         kernels.integrate(points, what, at, ray, corner, stamp, rates, evidence, heights, tops, touched)
     values = np.full((rows, columns), UNKNOWN, np.int8)
     values[evidence <= -config.free_from_down] = FREE
     values[evidence > 0.0] = OCCUPIED
-    _open_up(values, touched[6] >= config.looked_over, config)
+    _open_up(values, touched[..., 6] >= config.looked_over, config)
     _clear_the_way(values, walked, corner, config.trodden)
     return Grid(_filled(values), (left, bottom), config.resolution, heights)
 

@@ -104,16 +104,23 @@ def classify(
                 ground_at = max(away, ground_at)
             elif tolerance < above < robot:
                 shown[v, u] = OBSTACLE
-                if away < ground_at:
-                    # Ground that is seen below what hangs over it, as below a table, is none.
-                    for below in range(v + 1, height):
-                        if shown[below, u] == FLOOR:
-                            if math.hypot(points[below, u, 0] - camera[0], points[below, u, 1] - camera[1]) <= away:
-                                break
-                            shown[below, u] = NOTHING
             elif above < -(drop + tolerance + climb) and up[v, u] >= least_up:
                 shown[v, u] = DROP
+        _forget_below(points, camera, u, shown)
     return shown
+
+
+@njit(cache=True, nogil=True)
+def _forget_below(points: NDArray[np.float64], camera: NDArray[np.float64], u: int, shown: NDArray[np.int8]) -> None:
+    """Ground of a column that is seen below what hangs over it, as below a table, is none."""
+    over = np.inf
+    for v in range(shown.shape[0]):
+        if shown[v, u] == OBSTACLE or (shown[v, u] == FLOOR and over < np.inf):
+            away = math.hypot(points[v, u, 0] - camera[0], points[v, u, 1] - camera[1])
+            if shown[v, u] == OBSTACLE:
+                over = min(over, away)
+            elif away > over:
+                shown[v, u] = NOTHING
 
 
 @njit(cache=True, nogil=True)
@@ -146,16 +153,18 @@ def integrate(
         evidence: (rows, columns) log odds; NaN where nothing is known.
         heights: (rows, columns) metres of the ground; NaN where none was seen.
         tops: (rows, columns) metres, how high what is in the way was seen to be; NaN where nothing is.
-        touched: (7, rows, columns) scan that last saw something, how many readings of it, and the scans that last saw
+        touched: (rows, columns, 7) scan that last saw something, how many readings of it, and the scans that last saw
             ground, passed, passed low, looked over furniture, and how many did that.
     """
     height, width = shown.shape
+    low_x, high_x, low_y, high_y = camera[0], camera[0], camera[1], camera[1]
     for v in range(height):
         for u in range(width):
             what = shown[v, u]
             if what == NOTHING:
                 continue
             x, y, z = points[v, u, 0], points[v, u, 1], points[v, u, 2]
+            low_x, high_x, low_y, high_y = min(low_x, x), max(high_x, x), min(low_y, y), max(high_y, y)
             _mark(x, y, z, what, stamp, grid, heights, tops, touched)
             if what == FLOOR:
                 for dv, du in ((1, 0), (0, 1)):
@@ -167,7 +176,9 @@ def integrate(
                             p, q, r = x + at * (a - x), y + at * (b - y), z + at * (c - z)
                             _mark(p, q, r, FLOOR, stamp, grid, heights, tops, touched)
             _pass(x, y, z, camera, ray, stamp, grid, tops, touched)
-    _judge(stamp, rates, evidence, touched)
+    top, left = int((low_y - grid[1]) / grid[2]), int((low_x - grid[0]) / grid[2])
+    bottom, right = int((high_y - grid[1]) / grid[2]) + 1, int((high_x - grid[0]) / grid[2]) + 1
+    _judge(stamp, rates, evidence[top:bottom, left:right], touched[top:bottom, left:right])
 
 
 @njit(cache=True, nogil=True)
@@ -184,15 +195,15 @@ def _mark(
 ) -> None:
     """Note what was seen in the cell at x and y."""
     i, j = int((y - grid[1]) / grid[2]), int((x - grid[0]) / grid[2])
-    if i < 0 or j < 0 or i >= touched.shape[1] or j >= touched.shape[2]:
+    if i < 0 or j < 0 or i >= touched.shape[0] or j >= touched.shape[1]:
         return
     if what == FLOOR:
-        touched[2, i, j] = stamp
+        touched[i, j, 2] = stamp
         heights[i, j] = z if math.isnan(heights[i, j]) else heights[i, j] + 0.2 * (z - heights[i, j])
         return
-    if touched[0, i, j] != stamp:
-        touched[0, i, j], touched[1, i, j] = stamp, 0
-    touched[1, i, j] += 1
+    if touched[i, j, 0] != stamp:
+        touched[i, j, 0], touched[i, j, 1] = stamp, 0
+    touched[i, j, 1] += 1
     if math.isnan(tops[i, j]) or tops[i, j] < z:
         tops[i, j] = z
 
@@ -211,34 +222,36 @@ def _pass(
 ) -> None:
     """Note the cells that a ray passes on its way from the camera, all but the last."""
     steps = int(max(abs(x - camera[0]), abs(y - camera[1])) / grid[2])
+    row, column = (camera[1] - grid[1]) / grid[2], (camera[0] - grid[0]) / grid[2]
+    count = max(steps, 1)
+    rows_on, columns_on = (y - camera[1]) / grid[2] / count, (x - camera[0]) / grid[2] / count
+    height_on = (z - camera[2]) / count
     for step in range(1, steps - 1):
-        share = step / steps
-        i = int((camera[1] + share * (y - camera[1]) - grid[1]) / grid[2])
-        j = int((camera[0] + share * (x - camera[0]) - grid[0]) / grid[2])
-        if 0 <= i < touched.shape[1] and 0 <= j < touched.shape[2]:
-            height = camera[2] + share * (z - camera[2])
+        i, j = int(row + step * rows_on), int(column + step * columns_on)
+        if 0 <= i < touched.shape[0] and 0 <= j < touched.shape[1]:
+            height = camera[2] + step * height_on
             if math.isnan(tops[i, j]) or height < tops[i, j]:
-                touched[3, i, j] = stamp
+                touched[i, j, 3] = stamp
                 if height - ray[0] < ray[1]:
-                    touched[4, i, j] = stamp
-                if height - ray[0] < ray[2] and touched[5, i, j] != stamp:
-                    touched[5, i, j] = stamp
-                    touched[6, i, j] += 1
+                    touched[i, j, 4] = stamp
+                if height - ray[0] < ray[2] and touched[i, j, 5] != stamp:
+                    touched[i, j, 5] = stamp
+                    touched[i, j, 6] += 1
 
 
 @njit(cache=True, nogil=True)
 def _judge(stamp: int, rates: NDArray[np.float64], evidence: NDArray[np.float32], touched: NDArray[np.int32]) -> None:
-    """Add to the log odds of every cell that a scan has touched."""
+    """Add to the log odds of every cell that a scan has touched, of the part of the grid that it may have touched."""
     occupied, free, passed, most, least = rates
     for i in range(evidence.shape[0]):
         for j in range(evidence.shape[1]):
             known = not math.isnan(evidence[i, j])
             change = 0.0
-            if touched[0, i, j] == stamp:
-                change = occupied * min(touched[1, i, j] / least, 1.0)
-            elif touched[2, i, j] == stamp or (touched[3, i, j] == stamp and evidence[i, j] > 0.0):
+            if touched[i, j, 0] == stamp:
+                change = occupied * min(touched[i, j, 1] / least, 1.0)
+            elif touched[i, j, 2] == stamp or (touched[i, j, 3] == stamp and evidence[i, j] > 0.0):
                 change = free
-            elif touched[4, i, j] == stamp:
+            elif touched[i, j, 4] == stamp:
                 change = passed
             if change != 0.0:
                 before = evidence[i, j] if known else 0.0
