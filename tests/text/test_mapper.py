@@ -33,10 +33,22 @@ class ScriptedSpotter:
     def __init__(self, *seen: tuple[NDArray[np.float64], str, float]) -> None:
         self.seen = list(seen)
         self.recognised = 0
+        self.searched: list[float] = []
 
     def detect(self, rgb: NDArray[np.uint8]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        boxes = np.array([each[0] for each in self.seen]).reshape(-1, 4, 2)
-        return boxes, np.ones(len(boxes))
+        corner, size = self.corner_of(rgb), np.array(rgb.shape[1::-1])
+        self.searched.append(rgb.shape[0] * rgb.shape[1] / (CAMERA.width * CAMERA.height))
+        boxes = np.array([each[0] for each in self.seen]).reshape(-1, 4, 2) - corner
+        is_in = (boxes.max(axis=1) >= 0).all(axis=1) & (boxes.min(axis=1) < size).all(axis=1)
+        return np.clip(boxes[is_in], 0.0, size - 1.0), np.ones(int(is_in.sum()))
+
+    @staticmethod
+    def corner_of(rgb: NDArray[np.uint8]) -> NDArray[np.int64]:
+        """Where in its image, which is as large as the camera's, a window of it begins: (x, y)."""
+        whole = rgb if rgb.shape[:2] == (CAMERA.height, CAMERA.width) or rgb.base is None else rgb.base
+        ends = (each.__array_interface__["data"][0] for each in (rgb, whole))
+        row, column = divmod(next(ends) - next(ends), 3 * CAMERA.width)
+        return np.array([column // 3, row])
 
     def recognise(self, rgb: NDArray[np.uint8], boxes: NDArray[np.float64]) -> list[Recognition]:
         self.recognised += len(boxes)
@@ -217,6 +229,52 @@ def test_new_text_is_read_at_a_quicker_pace_than_none() -> None:
     assert new.statistics.frames_read >= 2 * none.statistics.frames_read
 
 
+def test_between_two_whole_searches_only_what_is_not_settled_is_searched() -> None:
+    spotter = ScriptedSpotter((box(100, 200), "GUCCI", 0.98))
+    mapper = run(TextMapper(CAMERA, spotter, CONFIG), 15)
+    parts = [share for share in spotter.searched if share < 1.0]
+    assert len(parts) >= len(spotter.searched) / 2
+    assert max(parts) < 0.5
+    assert spotter.recognised == len(spotter.searched), "it is found in each of them where it stands"
+    assert mapper.text_map.landmarks(identity)[0].position[0] == pytest.approx((160 - 320) / 570 * 2, abs=1e-6)
+
+
+def test_a_box_that_a_window_cuts_waits_for_a_whole_search() -> None:
+    """A piece that ends where the window does would be taken for a word."""
+    spotter = ScriptedSpotter((box(100, 200, 60), "GUCCI", 0.98))
+    mapper = TextMapper(CAMERA, spotter, CONFIG)
+    mapper.observe(frame(0), tracked(0))
+    spotter.seen.append((box(180, 200, 300), "STARBUCKS COFFEE", 0.98))
+    reading = mapper.observe(frame(2), tracked(2))
+    assert reading is not None
+    assert spotter.searched[-1] < 1.0
+    assert list(reading.texts.spellings) == ["GUCCI"]
+    for index in range(3, 8):
+        reading = mapper.observe(frame(index), tracked(index)) or reading
+    assert list(reading.texts.spellings) == ["GUCCI", "STARBUCKS COFFEE"]
+
+
+def test_while_nothing_unsettled_is_in_view_only_the_set_interval_counts() -> None:
+    spotter = ScriptedSpotter((box(100, 200), "GUCCI", 0.98))
+    mapper = TextMapper(CAMERA, spotter, CONFIG)
+    assert mapper.observe(frame(0), tracked(0)) is not None
+    away = tracked(2)
+    turned = np.diag([-1.0, 1.0, -1.0, 1.0])
+    assert mapper.observe(frame(2), replace(away, world_from_camera=turned, keyframe_from_camera=turned)) is None
+    assert len(spotter.searched) == 1
+
+
+def test_where_nothing_was_ever_read_nothing_is_read_until_it_is_seen_larger() -> None:
+    spotter = ScriptedSpotter((box(100, 200), "smudge", 0.3))
+    run(TextMapper(CAMERA, spotter, CONFIG), 60)
+    in_vain = spotter.recognised
+    assert in_vain == CONFIG.reading.settled_sightings // 2
+    mapper = run(TextMapper(CAMERA, spotter, CONFIG), 60)
+    spotter.seen = [(box(100, 200, 160, 40), "GUCCI", 0.98)]
+    reading = next(filter(None, (mapper.observe(frame(index), tracked(index)) for index in range(60, 70))))
+    assert list(reading.texts.spellings) == ["GUCCI"]
+
+
 def test_what_is_cut_off_is_read_at_a_quicker_pace_until_it_was_read_often() -> None:
     """It may be whole in a moment, and gone in the next."""
     cut = box(2, 200, 100)
@@ -246,12 +304,11 @@ class OftenMissing(ScriptedSpotter):
 
     def __init__(self, sign: NDArray[np.float64], *texts: str) -> None:
         super().__init__((sign, texts[0], 0.9))
-        self.texts, self.searched = list(texts), 0
+        self.texts = list(texts)
 
     def detect(self, rgb: NDArray[np.uint8]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        self.searched += 1
         boxes, scores = super().detect(rgb)
-        return (boxes, scores) if self.searched <= 2 else (boxes[:0], scores[:0])
+        return (boxes, scores) if len(self.searched) <= 2 else (boxes[:0], scores[:0])
 
     def recognise(self, rgb: NDArray[np.uint8], boxes: NDArray[np.float64]) -> list[Recognition]:
         assert boxes == pytest.approx(np.array([self.seen[0][0]]), abs=1e-6)

@@ -159,10 +159,14 @@ class ReadingConfig(Section):
     # The same after a text was seen that was read fewer times than follows, for so many seconds: it may be gone soon.
     new_text_interval: float = Field(default=0.06, ge=0)
     new_text_patience: float = Field(default=0.5, ge=0)
+    # In between only the part of the image is searched where such texts are, unless that is more than this share of it.
+    window_share: float = Field(default=0.7, ge=0, le=1)
     # Readings of a text at its place after which it is only read again when it is seen better than before; half of
     # them where its name is this sure already.
     settled_sightings: int = Field(default=8, ge=1)
     settled_certainty: float = Field(default=0.97, ge=0, le=1)
+    # What said nothing in half as many views at its place is read again from so many times the size on: ...
+    vain_better: float = Field(default=1.25, gt=1)
     # A text that is not found is read where it stands until so many more readings said something else than said it:
     # what fails so often goes on failing (of 49, 48 and 21 readings in a café 20, one and none said it).
     unfound_patience: int = Field(default=3, ge=1)

@@ -17,6 +17,7 @@ from lpslam.text.reading.neighbours import are_among_marks
 from lpslam.text.reading.ornaments import pattern_likenesses, says_a_pattern, says_a_text
 from lpslam.text.reading.patterns import Likeness
 from lpslam.text.reading.spotting import ReadsElsewhere, TextSpotter, accepted_texts
+from lpslam.text.reading.windows import Window, boxes_within
 from lpslam.text.remembering.ends import is_word
 from lpslam.text.remembering.similarity import is_short
 from lpslam.text.sorting import CUT, BoxSorter
@@ -79,9 +80,10 @@ class FrameReader:
         self._config = config
         self._statistics = statistics
 
-    def read(self, shot: Shot) -> FrameReading | None:
-        """Detect (III-B), drop what is cut off, too small or no text, place (III-F), recognise; None when that failed.
+    def read(self, shot: Shot, window: Window | None = None) -> FrameReading | None:
+        """Read a frame, found in a window of it or in all of it; None when that failed.
 
+        Detect (III-B), drop what is cut off, too small or no text, place (III-F), recognise.
         What stands where a text was read often enough, and no less legibly, is confirmed without being read again.
         """
         self._statistics.frames_read += 1
@@ -89,14 +91,16 @@ class FrameReader:
         # A reader may raise anything, on one image in a thousand; the map is worth more than that image.
         try:
             started = perf_counter()
-            boxes, _ = self._spotter.detect(shot.frame.rgb)
+            boxes = boxes_within(self._spotter, shot.frame.rgb, window)
             self._statistics.detection_ms += 1000.0 * (perf_counter() - started)
             found = self._sorted(shot, boxes)
             started = perf_counter()
             rows = self._without_ornaments(shot, found)
             self._recognise(shot, found, rows)
             self._take_apart(shot, found, rows)
-            unread = found.mark_unread(rows)
+            for row in found.mark_unread(rows):
+                self._sorter.note_vain(shot, found.boxes[row], found.placements[row])
+            unread = np.flatnonzero(found.fates == BoxFate.UNREAD).tolist()
             self._read_unfound(shot, found)
             self._statistics.recognition_ms += 1000.0 * (perf_counter() - started)
         except Exception as error:

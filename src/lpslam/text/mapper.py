@@ -23,6 +23,7 @@ from lpslam.text.reading.certainty import probability_right
 from lpslam.text.reading.gate import ReadingGate
 from lpslam.text.reading.legibility import UNPLACED, SeenSize, frontal_cosine
 from lpslam.text.reading.spotting import TextSpotter
+from lpslam.text.reading.windows import Window, Windows
 from lpslam.text.remembering.evidence import Glance
 from lpslam.text.remembering.known_names import ends_are_there
 from lpslam.text.remembering.memory import Pool, TextClass
@@ -72,6 +73,8 @@ class TextMapper:
         self._on_view = on_view
         self._named_beside: set[int] = set()
         self._gate = ReadingGate(config.reading)
+        self._windows = Windows(camera, config)
+        self._images_searched = 0.0
         self._spots = Spots()
         self._sorter = BoxSorter(camera, config, self.text_map.memory, self._spots, points_seen_by)
         self._reader = FrameReader(spotter, self._sorter, config, self.statistics)
@@ -133,7 +136,12 @@ class TextMapper:
         if tracked.world_from_camera is not None and not tracked.is_doubted:
             world_from_keyframe = tracked.world_from_camera @ inverse_transform(tracked.keyframe_from_camera)
         shot = Shot(frame, tracked.keyframe, tracked.keyframe_from_camera, world_from_keyframe)
-        reading = self._reader.read(shot)
+        window = None
+        if world_from_keyframe is not None and not self._gate.searches_whole(frame.timestamp):
+            window = self._windows.window(shot, self._sorter.expected_in(shot, np.zeros((0, 4, 2)))[1])
+            if window is None:
+                return None
+        reading = self._reader.read(shot, self._taken(window, frame.timestamp))
         if reading is None:
             return None
         if tracked.is_doubted:
@@ -153,7 +161,9 @@ class TextMapper:
             seen.append(observation)
             room = self._sorter.room_of(shot, text, placement)
             text_class = self._remember(text, glance, observation, world_from_keyframe, room)
-            is_new |= text_class.count < self._config.reading.settled_sightings
+            if text_class.count < self._config.reading.settled_sightings:
+                is_new = True
+                self._windows.hold(shot, text.box, placement)
             if placement is not None:
                 self._keep_crop(text_class, shot, text, glance)
                 self._keep_picture(text_class, shot, text, placement, glance)
@@ -172,6 +182,15 @@ class TextMapper:
         self.statistics.observations += len(observations)
         self.statistics.mapping_ms += 1000.0 * (perf_counter() - started)
         return replace(reading, observations=tuple(observations))
+
+    def _taken(self, window: Window | None, timestamp: float) -> Window | None:
+        """The window that is searched, None for all of the image: so it is where the window would be most of it."""
+        share = 1.0 if window is None else self._windows.share(window)
+        if share > self._config.reading.window_share:
+            window, share = None, 1.0
+            self._gate.searched_whole(timestamp)
+        self._images_searched += share
+        return window
 
     def _read_lost(self, frame: RgbdFrame) -> None:
         """Tell what a lost camera sees and where before it; nothing is remembered, since it stands nowhere."""
@@ -233,7 +252,7 @@ class TextMapper:
         """Look once more at texts whose names are unsure, for a set share of what reading has searched."""
         if not self._config.again.enabled or not len(self.text_map.crops):
             return
-        pixels = self._config.again.share * self.statistics.frames_read * self._camera.width * self._camera.height
+        pixels = self._config.again.share * self._images_searched * self._camera.width * self._camera.height
         started = perf_counter()
         try:
             looked = look_again(
@@ -272,7 +291,9 @@ class TextMapper:
             else:
                 self._strengthen_whole(text, placement, shot.frame.timestamp, world_from_keyframe)
                 alike = self._waiting.add(CutText(text, placement, glance, observation, world_from_keyframe, room))
-                is_new |= alike < self._config.reading.settled_sightings
+                if alike < self._config.reading.settled_sightings:
+                    is_new = True
+                    self._windows.hold(shot, text.box, placement)
         return is_new
 
     def _says_what_is_known(self, text: SpottedText, placement: Placement, world_from_keyframe: Array) -> bool:

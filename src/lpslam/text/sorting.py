@@ -45,7 +45,7 @@ class BoxSorter:
         self._camera = camera
         self._config = config
         self._memory = memory
-        self._spots = spots
+        self._spots, self._vain = spots, Spots()
         self._points_seen_by = points_seen_by
 
     def sort(self, shot: Shot, boxes: Boxes) -> tuple[NDArray[np.object_], dict[int, Placement | PlacementFault]]:
@@ -90,9 +90,25 @@ class BoxSorter:
                 placement, seen, room, frame.timestamp, world_from_keyframe
             ):
                 fates[row] = BoxFate.KNOWN
+            elif self._says_nothing(placement, seen, world_from_keyframe):
+                fates[row] = BoxFate.UNREAD
             elif fates[row] == BoxFate.KEPT or not self._has_sure_name(placement, world_from_keyframe):
                 placements[row] = placement
         return fates, placements
+
+    def note_vain(self, shot: Shot, box: Array, placement: Placement | PlacementFault) -> None:
+        """Note that what was read in a box (4, 2) was no text."""
+        if isinstance(placement, Placement) and shot.world_from_keyframe is not None:
+            height = float(letter_heights(box[None])[0])
+            seen = SeenSize(height, frontal_cosine(placement, shot.keyframe_from_camera))
+            self._vain.add(0, "", placement, shot.world_from_keyframe, seen)
+
+    def _says_nothing(self, placement: Placement, seen: SeenSize, world_from_keyframe: Array) -> bool:
+        """Whether nothing was ever read here, in as many views as settle a name, and nearly as good ones."""
+        if self._spots.classes_at(placement, world_from_keyframe):
+            return False
+        vain = self._config.reading.model_copy(update={"better_size": self._config.reading.vain_better})
+        return self._vain.settled_at(placement, world_from_keyframe, seen, lambda _: True, vain) is not None
 
     def _has_sure_name(self, placement: Placement, world_from_keyframe: Array) -> bool:
         return any(map(self._is_sure_of_name, self._spots.classes_at(placement, world_from_keyframe)))

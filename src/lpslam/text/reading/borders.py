@@ -142,11 +142,10 @@ def view_of(rgb: Image) -> tuple[Pixel, Pixel]:
 
 def _blank_lines(image: Image) -> int:
     """How many lines at the top of a grey image (h, w) are white, or black, throughout."""
-    most = int(_WIDEST_FRAME * image.shape[0])
+    most, width = int(_WIDEST_FRAME * image.shape[0]), image.shape[1]
     for depth in range(most):
-        # Compression leaves traces of the image near the ends of a line.
-        low, high = np.percentile(image[depth], (2, 98))
-        if high > _BLACK and low < _WHITE:
+        line = image[depth]
+        if min(np.count_nonzero(line > _BLACK), np.count_nonzero(line < _WHITE)) > _TRACES * width:
             return depth
     return most
 
@@ -159,6 +158,9 @@ _UNEVEN = 4
 
 _BLACK, _WHITE = 10, 245
 """Levels of 255 that a blank line stays within, compressed as it is."""
+
+_TRACES = 0.02
+"""Share of a blank line that may be otherwise: compression leaves traces of the image near its ends."""
 
 
 def _grown(lines: Boxes, heights: NDArray[np.float64], ends: float, sides: float) -> Boxes:

@@ -94,30 +94,38 @@ def neighbours_alike(strip: Array, lag: int, faint: float) -> Array:
     """For each column (width - lag,) how like the motif around it is the one a period on; 0 where there is none."""
     slack = max(1, round(_SLACK_ALONG * lag))
     width = strip.shape[1] - lag
-    here = np.asarray(strip[:, :width], np.float32)
+    here = strip[:, :width]
+    mean, deviation = _moments(here.mean(axis=0), (here * here).mean(axis=0), lag)
+    wide = np.pad(strip, ((_SLACK_ACROSS, _SLACK_ACROSS), (slack, slack)), mode="edge")
     best = np.zeros(width)
-    wide = np.pad(strip, ((_SLACK_ACROSS, _SLACK_ACROSS), (slack, slack)), mode="edge").astype(np.float32)
-    mean, deviation = _moments(here, lag)
     for down in range(2 * _SLACK_ACROSS + 1):
-        for right in range(2 * slack + 1):
-            there = wide[down : down + strip.shape[0], lag + right : lag + right + width]
-            other, spread = _moments(there, lag)
-            product = _over_motif(here * there, lag) - mean * other
-            clear = (deviation > faint) & (spread > faint)
-            best = np.maximum(best, np.where(clear, product / np.maximum(deviation * spread, 1e-6), 0.0))
+        # One row each way that the next motif may stand along the strip: (ways, width).
+        there = wide[down : down + strip.shape[0], lag:]
+        means, squares = (_moved(each.mean(axis=0), width) for each in (there, there * there))
+        other, spread = _moments(means, squares, lag)
+        products = np.einsum("hc,hwc->wc", here, _moved(there, width)) / len(strip)
+        covariance = _over_motif(products, lag) - mean * other
+        clear = (deviation > faint) & (spread > faint)
+        alike = np.where(clear, covariance / np.maximum(deviation * spread, 1e-6), 0.0)
+        best = np.maximum(best, alike.max(axis=0))
     return best
 
 
-def _moments(strip: NDArray[np.float32], lag: int) -> tuple[Array, Array]:
-    mean = _over_motif(strip, lag)
-    return mean, np.sqrt(np.maximum(_over_motif(strip * strip, lag) - mean * mean, 0.0))
+def _moved(columns: Array, width: int) -> Array:
+    """Columns (..., m) from each start that leaves so many of them: (..., ways, width)."""
+    return np.lib.stride_tricks.sliding_window_view(columns, width, axis=-1)
 
 
-def _over_motif(strip: NDArray[np.float32], lag: int) -> Array:
-    """Means (width,) over all rows and one period about each column."""
-    columns = strip.mean(axis=0, dtype=np.float64)[None]
-    means = cv2.blur(columns, (lag | 1, 1), borderType=cv2.BORDER_REPLICATE)
-    return np.asarray(means[0], np.float64)
+def _moments(means: Array, squares: Array, lag: int) -> tuple[Array, Array]:
+    """Mean and deviation over one period about each column of what has such means and squares in columns."""
+    mean = _over_motif(means, lag)
+    return mean, np.sqrt(np.maximum(_over_motif(squares, lag) - mean * mean, 0.0))
+
+
+def _over_motif(columns: Array, lag: int) -> Array:
+    """Means over one period about each of the last axis."""
+    means = cv2.blur(np.ascontiguousarray(np.atleast_2d(columns)), (lag | 1, 1), borderType=cv2.BORDER_REPLICATE)
+    return np.asarray(means, np.float64).reshape(columns.shape)
 
 
 def runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
