@@ -25,6 +25,7 @@ import numpy as np
 from lpslam.language.model import Candidate
 from lpslam.language.offline import OfflineModel
 from lpslam.navigation.places import Here, Place
+from lpslam.navigation.sites import Sites
 from lpslam.navigation.solution import Solution
 from lpslam.navigation.solver import solve
 
@@ -116,14 +117,17 @@ def time_answers(landmarks: int) -> None:
     tree = json.loads((DEVELOPMENT.parent / "development.json").read_text(encoding="utf-8"))
     names = [name for case in tree["judging"] for name in case["expected"]]
     points = np.random.default_rng(0).uniform(0.0, 1000.0, (landmarks, 2))
-    marks = [Candidate(at, f"{names[at % len(names)]} {at // len(names) or ''}".strip()) for at in range(landmarks)]
+    marks = tuple(
+        Candidate(at, f"{names[at % len(names)]} {at // len(names) or ''}".strip()) for at in range(landmarks)
+    )
     south = np.array([0.0, -1.0, 0.0])
-    places = [Place(mark.id, mark.name, np.array([*points[mark.id], 0.0]), south) for mark in marks]
+    # As a `Directory` holds them: made once, however often is asked.
+    sites = Sites([Place(mark.id, mark.name, np.array([*points[mark.id], 0.0]), south) for mark in marks])
     model = OfflineModel()
 
     def milliseconds(question: str) -> float:
         start = time.process_time()
-        solve(model.read_wish(question), places, model.scorer(marks), Here(np.zeros(3)))
+        solve(model.read_wish(question), sites, model.scorer(marks), Here(np.zeros(3)))
         return 1000.0 * (time.process_time() - start)
 
     milliseconds("Where is the toilet?")

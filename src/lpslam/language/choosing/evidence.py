@@ -268,11 +268,12 @@ class Support:
 
     def by_group(self, read: Mapping[int, float]) -> Floats:
         """(groups,) how well each serves what the tables read."""
-        found = np.zeros(len(self.ids))
+        found, group_of = [0.0] * len(self.ids), self.group_of
         for id_, score in read.items():
-            if id_ in self.group_of:
-                found[self.group_of[id_]] = max(score, found[self.group_of[id_]])
-        return found
+            at = group_of.get(id_)
+            if at is not None and score > found[at]:
+                found[at] = score
+        return np.array(found)
 
     def speaking(self, evidence: Evidence) -> Floats:
         """(groups,) the share of the words that speak for each."""

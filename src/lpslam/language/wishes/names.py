@@ -61,6 +61,7 @@ class Names:
         self._knowledge = knowledge
         self._repair = repair
         self._words = self._all_words(landmarks)
+        self._words_of_names: dict[int, tuple[frozenset[str], tuple[str, ...]]] = {}
         self._rows = [(id_, line) for id_, lines in self._words.items() for line in lines]
         self._rows_of: dict[str, set[int]] = {}
         for row, (_, line) in enumerate(self._rows):
@@ -113,14 +114,26 @@ class Names:
 
     def told_by(self, text: str, ids: Sequence[int]) -> list[int]:
         """The one of some landmarks of whose name a word stands in a text that no other's name has."""
-        folder, names = self._knowledge.folder, {id_: set[str]() for id_ in ids}
-        for id_, name in names.items():
-            name |= {*self._words[id_][0].units, *filter(is_unspaced, folder.fold(self.name_of(id_)).split())}
-        every, said = Counter(word for name in names.values() for word in name), folder.fold(text)
-        units = set(folder.units(text)).difference(*self._knowledge.common.values())
-        own = {word for word, n in every.items() if n == 1 and (word in said if is_unspaced(word) else word in units)}
-        told = [id_ for id_, name in names.items() if name & own]
-        return told if len(told) == 1 else []
+        folder = self._knowledge.folder
+        said, units = folder.fold(text), set(folder.units(text)).difference(*self._knowledge.common.values())
+        names = ((id_, *self._name_words(id_)) for id_ in ids)
+        told = {
+            id_: (spaced & units) | {word for word in unspaced if word in said}
+            for id_, spaced, unspaced in names
+            if unspaced or not units.isdisjoint(spaced)
+        }
+        every = Counter(word for words in told.values() for word in words)
+        found = [id_ for id_, words in told.items() if any(every[word] == 1 for word in words)]
+        return found if len(found) == 1 else []
+
+    def _name_words(self, id_: int) -> tuple[frozenset[str], tuple[str, ...]]:
+        """The words of a board's name in spaced scripts, and those in others; kept: many boards are asked at once."""
+        found = self._words_of_names.get(id_)
+        if found is None:
+            spaced = self._words[id_][0].units
+            folded = self._knowledge.folder.fold(self.name_of(id_)).split()
+            found = self._words_of_names[id_] = spaced, tuple(word for word in folded if is_unspaced(word))
+        return found
 
     def akin(self, word: str) -> set[int]:
         """Landmarks whose boards bear another word that begins alike: adoptieren, Adoption."""

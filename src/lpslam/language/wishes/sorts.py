@@ -47,6 +47,7 @@ def attributes_of(text: str) -> frozenset[tuple[str, str]]:
     return frozenset(value for value, pattern in _patterns().items() if pattern.search(folded))
 
 
+@lru_cache(maxsize=1 << 12)
 def told_apart(asked: frozenset[tuple[str, str]], board: frozenset[tuple[str, str]]) -> int:
     """Return how much of what is asked a board says, 0 where it is silent, -1 where it says something else of it."""
     values = dict(board)
