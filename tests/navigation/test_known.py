@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 
 from lpslam.cli_runs import keep
+from lpslam.config import NavigationConfig
 from lpslam.errors import UserError
 from lpslam.language.model import Judgement
 from lpslam.mapfile.container import identity_of
 from lpslam.mapfile.language_map import LanguageMap
-from lpslam.navigation.known import known_in, known_of
+from lpslam.navigation.asking import ask
+from lpslam.navigation.known import directory_of, known_in, known_of
 from lpslam.text.correcting.corrections import Anchor, Correction, Corrections, Kind
 from small_maps import small_map
 
@@ -100,3 +102,42 @@ def test_what_is_no_map_is_refused_as_ever(tmp_path: Path, map_file: Path) -> No
     map_file.write_bytes(map_file.read_bytes()[:-200])
     with pytest.raises(UserError, match="damaged"):
         known_in(map_file)
+
+
+def test_a_map_at_hand_is_made_ready_once_until_it_changes(monkeypatch: pytest.MonkeyPatch) -> None:
+    world = small_map()
+    first, *_ = world.landmarks()
+    directory, view = directory_of(world)
+    assert directory_of(world)[0] is directory
+    assert plain(view) == plain(known_of(world).view)
+
+    changed = []
+    judged = Judgement("Is this a shop?", True, 0.9, "a café", "test")
+    world.text.judge([(first.wording, judged)], judged.question)
+    changed.append(directory_of(world)[0])
+    said = Correction(1, Kind.RENAME, Anchor(first.id, first.name, 0, (-0.0, -1.0, 0.0)), "Starbucks Reserve")
+    world.text.corrections = world.text.corrections.with_one(said)
+    changed.append(directory_of(world)[0])
+    del world.text.memory.long_term[3]
+    changed.append(directory_of(world)[0])
+    moved = np.eye(4)
+    moved[0, 3] = 5.0
+    monkeypatch.setattr(type(world), "world_from_keyframe", lambda self, keyframe: moved)
+    monkeypatch.setattr(type(world.slam), "world_from_keyframe", lambda self, keyframe: moved)
+    changed.append(directory_of(world)[0])
+
+    assert len({id(each) for each in (directory, *changed)}) == 5
+    assert changed[0].by_id[first.id].is_landmark
+    assert changed[1].by_id[first.id].name == "Starbucks Reserve"
+    assert 3 not in changed[2].by_id
+    assert [plain(mark) for mark in changed[3].landmarks] == [plain(mark) for mark in world.landmarks()]
+    assert directory_of(world, NavigationConfig(listed=3))[0].config.listed == 3
+
+
+def test_asking_a_map_again_derives_no_landmarks(monkeypatch: pytest.MonkeyPatch) -> None:
+    world = small_map()
+    assert ask(world, "Where is KFC?").landmark is not None
+    monkeypatch.setattr(LanguageMap, "landmarks", lambda self: pytest.fail("derived once more"))
+    answer = ask(world, "Where is the toilet?")
+    assert answer.landmark is not None
+    assert answer.landmark.name == "Toilets"

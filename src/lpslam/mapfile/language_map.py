@@ -27,7 +27,7 @@ from lpslam.text.text_map import TextMap
 from lpslam.text.types import Landmark
 
 
-@dataclass(slots=True, eq=False)
+@dataclass(slots=True, eq=False, weakref_slot=True)
 class LanguageMap:
     """A map whose landmarks are the words in the scene.
 

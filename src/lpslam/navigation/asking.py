@@ -15,7 +15,7 @@ from lpslam.language.sanitise import clean_text
 from lpslam.language.wishes.form import Wish
 from lpslam.navigation.answering import answer_wish
 from lpslam.navigation.directory import Directory
-from lpslam.navigation.known import known_of
+from lpslam.navigation.known import directory_of
 from lpslam.navigation.places import Here
 from lpslam.text.types import Landmark
 
@@ -89,9 +89,8 @@ def ask(
     Raises:
         UserError: the question is empty.
     """
-    known = known_of(world)
-    directory = Directory(known.landmarks, config.navigation if config is not None else None)
-    return answer(question, directory, known.view, language, position, heading, excluded, history)
+    directory, view = directory_of(world, config.navigation if config is not None else None)
+    return answer(question, directory, view, language, position, heading, excluded, history)
 
 
 def answer(

@@ -8,14 +8,17 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
 import lpslam
+from lpslam.config import NavigationConfig
 from lpslam.language.kept import kept
 from lpslam.language.model import Judgement
 from lpslam.mapfile.container import identity_of
+from lpslam.navigation.directory import Directory
 from lpslam.text.correcting.corrections import Corrections
 from lpslam.text.types import Landmark, LandmarkLine
 
@@ -23,6 +26,9 @@ if TYPE_CHECKING:
     from lpslam.mapfile.language_map import LanguageMap
 
 _PACKAGE = Path(lpslam.__file__).parent
+
+View = tuple[NDArray[np.float64], float]
+"""Where a camera was last, (3,) map frame, and its heading in radians."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,7 +41,7 @@ class Known:
     """
 
     landmarks: tuple[Landmark, ...]
-    view: tuple[NDArray[np.float64], float]
+    view: View
 
 
 def known_of(world: "LanguageMap", landmarks: Sequence[Landmark] | None = None) -> Known:
@@ -44,7 +50,29 @@ def known_of(world: "LanguageMap", landmarks: Sequence[Landmark] | None = None) 
     return Known(tuple(marks), last_view(world.frame_poses().world_from_camera))
 
 
-def last_view(poses: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
+def directory_of(world: "LanguageMap", config: NavigationConfig | None = None) -> tuple[Directory, View]:
+    """The landmarks of a map at hand, made ready for questions, and its last view; kept for as long as it is the same.
+
+    Deriving landmarks takes a millisecond each, and to see that the map is still the same a thousandth of that.
+    """
+    poses = world.keyframe_poses()
+    state = (world.text.state(), poses.timestamps.tobytes(), poses.world_from_camera.tobytes(), len(world.trajectory))
+    before = _asked.get(world)
+    if before is None or before[0] != state:
+        known = known_of(world)
+        before = _asked[world] = state, known.view, Directory(known.landmarks, config)
+    _, view, directory = before
+    if directory.config != (config or NavigationConfig()):
+        directory = Directory(directory.landmarks, config)
+        _asked[world] = state, view, directory
+    return directory, view
+
+
+_asked: "WeakKeyDictionary[LanguageMap, tuple[object, View, Directory]]" = WeakKeyDictionary()
+"""Maps that were asked: their state then, and what was made of it."""
+
+
+def last_view(poses: NDArray[np.float64]) -> View:
     """Where the camera was last, (3,) map frame, and its heading in radians; the origin before any of (n, 4, 4)."""
     if not len(poses):
         return np.zeros(3), 0.0

@@ -85,6 +85,26 @@ class TextMap:
         marks = corrected(self.as_read(world_from_keyframe), self.corrections, world_from_keyframe)
         return [self._judged(mark) for mark in marks]
 
+    def state(self) -> tuple[Any, ...]:
+        """What landmarks follow from beside poses: as long as it equals an older one, so do they.
+
+        What is only added to is told by how much there is of it; what is replaced, by what it is.
+        """
+        read = [
+            (each, each.naming, each.named_at_count, each.count, len(each.looks), len(each.observations))
+            for each in self.long_term
+        ]
+        judged = {name: dict(by_question) for name, by_question in self.judgements.items()}
+        return (
+            self.config,
+            self.question,
+            self.corrections,
+            self.patterns,
+            sum(each.count for each in self.patterns.seen),
+            read,
+            judged,
+        )
+
     def as_read(self, world_from_keyframe: KeyframePoses) -> list[Landmark]:
         """The same as nobody has corrected or judged them."""
         instances = self.config.instances
