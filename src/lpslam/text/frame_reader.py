@@ -17,7 +17,7 @@ from lpslam.text.reading.neighbours import are_among_marks
 from lpslam.text.reading.ornaments import pattern_likenesses, says_a_pattern, says_a_text
 from lpslam.text.reading.patterns import Likeness
 from lpslam.text.reading.spotting import ReadsElsewhere, TextSpotter, accepted_texts
-from lpslam.text.reading.windows import Window, boxes_within
+from lpslam.text.reading.windows import WHOLE, Window, boxes_within
 from lpslam.text.remembering.ends import is_word
 from lpslam.text.remembering.similarity import is_short
 from lpslam.text.sorting import CUT, BoxSorter
@@ -80,8 +80,8 @@ class FrameReader:
         self._config = config
         self._statistics = statistics
 
-    def read(self, shot: Shot, window: Window | None = None) -> FrameReading | None:
-        """Read a frame, found in a window of it or in all of it; None when that failed.
+    def read(self, shot: Shot, window: Window = WHOLE) -> FrameReading | None:
+        """Read a window of a frame; None when that failed.
 
         Detect (III-B), drop what is cut off, too small or no text, place (III-F), recognise.
         What stands where a text was read often enough, and no less legibly, is confirmed without being read again.

@@ -23,7 +23,7 @@ from lpslam.text.reading.certainty import probability_right
 from lpslam.text.reading.gate import ReadingGate
 from lpslam.text.reading.legibility import UNPLACED, SeenSize, frontal_cosine
 from lpslam.text.reading.spotting import TextSpotter
-from lpslam.text.reading.windows import Window, Windows
+from lpslam.text.reading.windows import Windows
 from lpslam.text.remembering.evidence import Glance
 from lpslam.text.remembering.known_names import ends_are_there
 from lpslam.text.remembering.memory import Pool, TextClass
@@ -74,7 +74,6 @@ class TextMapper:
         self._named_beside: set[int] = set()
         self._gate = ReadingGate(config.reading)
         self._windows = Windows(camera, config)
-        self._images_searched = 0.0
         self._spots = Spots()
         self._sorter = BoxSorter(camera, config, self.text_map.memory, self._spots, points_seen_by)
         self._reader = FrameReader(spotter, self._sorter, config, self.statistics)
@@ -122,7 +121,7 @@ class TextMapper:
         return True
 
     def read(self, frame: RgbdFrame, tracked: TrackedFrame) -> FrameReading | None:
-        """Read a frame and remember what it says; None when it has no pose or the reader failed."""
+        """Read a frame and remember what it says; None without a pose or a cause to search, or when it failed."""
         if tracked.is_coasted:
             # Where it was taken is a guess: what is written there will be read when it is known.
             return None
@@ -136,12 +135,8 @@ class TextMapper:
         if tracked.world_from_camera is not None and not tracked.is_doubted:
             world_from_keyframe = tracked.world_from_camera @ inverse_transform(tracked.keyframe_from_camera)
         shot = Shot(frame, tracked.keyframe, tracked.keyframe_from_camera, world_from_keyframe)
-        window = None
-        if world_from_keyframe is not None and not self._gate.searches_whole(frame.timestamp):
-            window = self._windows.window(shot, self._sorter.expected_in(shot, np.zeros((0, 4, 2)))[1])
-            if window is None:
-                return None
-        reading = self._reader.read(shot, self._taken(window, frame.timestamp))
+        window = self._windows.next(shot, lambda: self._sorter.expected_in(shot, np.zeros((0, 4, 2)))[1])
+        reading = self._reader.read(shot, window) if window is not None else None
         if reading is None:
             return None
         if tracked.is_doubted:
@@ -182,15 +177,6 @@ class TextMapper:
         self.statistics.observations += len(observations)
         self.statistics.mapping_ms += 1000.0 * (perf_counter() - started)
         return replace(reading, observations=tuple(observations))
-
-    def _taken(self, window: Window | None, timestamp: float) -> Window | None:
-        """The window that is searched, None for all of the image: so it is where the window would be most of it."""
-        share = 1.0 if window is None else self._windows.share(window)
-        if share > self._config.reading.window_share:
-            window, share = None, 1.0
-            self._gate.searched_whole(timestamp)
-        self._images_searched += share
-        return window
 
     def _read_lost(self, frame: RgbdFrame) -> None:
         """Tell what a lost camera sees and where before it; nothing is remembered, since it stands nowhere."""
@@ -252,7 +238,7 @@ class TextMapper:
         """Look once more at texts whose names are unsure, for a set share of what reading has searched."""
         if not self._config.again.enabled or not len(self.text_map.crops):
             return
-        pixels = self._config.again.share * self._images_searched * self._camera.width * self._camera.height
+        pixels = self._config.again.share * self._windows.searched * self._camera.width * self._camera.height
         started = perf_counter()
         try:
             looked = look_again(

@@ -121,7 +121,7 @@ class BoxSorter:
         if shot.world_from_keyframe is None:
             return [], boxes[:0]
         config, classes, expected = self._config.reading, [], boxes
-        world_from_camera = shot.world_from_keyframe @ shot.keyframe_from_camera
+        world_from_camera = shot.world_from_camera
         camera_from_world = inverse_transform(world_from_camera)
         for identifier, corners, normal in self._spots.boxes(self._is_unsettled):
             way = world_from_camera[:3, 3] - corners.mean(axis=0)

@@ -33,6 +33,12 @@ class Shot:
     keyframe_from_camera: NDArray[np.float64]
     world_from_keyframe: NDArray[np.float64] | None
 
+    @property
+    def world_from_camera(self) -> NDArray[np.float64]:
+        """Where it was taken in the world, which must be known."""
+        assert self.world_from_keyframe is not None
+        return self.world_from_keyframe @ self.keyframe_from_camera
+
 
 class Recognition(NamedTuple):
     """What a recogniser makes of one box.

@@ -16,7 +16,6 @@ class ReadingGate:
         self._config = config
         self._hurries_until = -np.inf
         self._last_read: float | None = None
-        self._last_whole = -np.inf
         self._sharpness: deque[float] = deque(maxlen=config.blur_window)
 
     def is_due(self, timestamp: float) -> bool:
@@ -25,14 +24,6 @@ class ReadingGate:
         interval = self._config.new_text_interval if hurries else self._config.interval
         # Half a millisecond of grace: timestamps are rounded.
         return self._last_read is None or timestamp - self._last_read >= interval - 5e-4
-
-    def searches_whole(self, timestamp: float) -> bool:
-        """Whether no image so near in time was searched whole; frames need not come in their order."""
-        return abs(timestamp - self._last_whole) >= self._config.interval - 5e-4
-
-    def searched_whole(self, timestamp: float) -> None:
-        """Note that an image is searched whole."""
-        self._last_whole = timestamp
 
     def is_sharp(self, frame: RgbdFrame) -> bool:
         """Whether a frame is not blurred against those before it, or no sharper one has come for too long."""
