@@ -39,6 +39,8 @@ class Guide:
                         "y": round(float(leg.goal.position[1]), 3),
                         "yaw": round(leg.goal.yaw, 4),
                         "is_before_the_sign": leg.goal.is_before,
+                        "missing_m": round(leg.goal.missing, 2),
+                        "why_short": leg.goal.why or None,
                     },
                     "length_m": round(leg.way.length, 2),
                     "seconds": round(leg.way.seconds, 1),
@@ -65,8 +67,11 @@ class Guide:
         language, lines = answer_language(answer.question), []
         for leg, steps in zip(legs, self._steps(answer, legs), strict=True):
             x, y = leg.goal.position
-            beside = "" if leg.goal.is_before else f", {leg.goal.missing:.1f} m"
-            lines.append(f"  → ({x:.2f}, {y:.2f}, {leg.goal.yaw:.2f} rad{beside}); {length_told(leg.way, language)}")
+            lines.append(f"  → ({x:.2f}, {y:.2f}, {leg.goal.yaw:.2f} rad); {length_told(leg.way, language)}")
+            if not leg.goal.is_before:
+                lines.append(
+                    f"    {leg.goal.missing:.1f} m short of it, the nearest that can be reached: {leg.goal.why}"
+                )
             lines += [f"    {number}. {printable(step)}" for number, step in enumerate(steps, 1)]
         return "\n".join(lines)
 

@@ -128,7 +128,7 @@ def answer(
     by_id = known.by_id
     last = solution.stops[-1]
     chosen = by_id[last.place.id] if last.place is not None else None
-    evidence = "; ".join(dict.fromkeys((last.evidence, *solution.notes)))
+    evidence = "; ".join(filter(None, dict.fromkeys((last.evidence, *solution.notes))))
     others = tuple(by_id[place.id] for place in last.others)
     choice = Choice(
         None if chosen is None else chosen.id, last.confidence, evidence, last.model, tuple(mark.id for mark in others)

@@ -113,6 +113,8 @@ class _Solver:
         missing = [each.what for each, found in zip(stop.anchor, anchors, strict=True) if not found]
         if missing:
             notes.append(f"{' and '.join(missing)}: not on this map, so “{stop.relation.value}” cannot be decided")
+            # That any place would do says nothing of what is missing.
+            served = served if stop.what else replace(served, evidence="")
             return self._none(served, notes, self._listed(served))
         return self._related(served, anchors, previous, notes)
 

@@ -178,3 +178,25 @@ def test_no_ground_is_said() -> None:
     empty = Walkable(Grid(np.full((10, 10), UNKNOWN, np.int8), (0.0, 0.0), 0.05), CONFIG)
     with pytest.raises(NoWayError, match="no ground with room"):
         goal_before(np.zeros(3), np.array([1.0, 0.0, 0.0]), empty)
+
+
+@pytest.mark.parametrize(
+    ("far_half", "radius", "why"),
+    [(UNKNOWN, 0.25, "no ground was seen before it"), (FREE, 0.25, "no way was seen to the ground"),
+     (OCCUPIED, 0.25, "no ground was seen before it"), (FREE, 1.7, "no room before it for a robot of 1.7 m")],
+)  # fmt: skip
+def test_why_a_robot_stops_short_of_a_sign_is_said(far_half: int, radius: float, why: str) -> None:
+    values = hall(door=7.95).values.copy()
+    values[:, 76:80] = OCCUPIED
+    values[1:-1, 80:-1] = far_half
+    if radius > 1.0:
+        values[1:-1:10, 82:-1:10] = OCCUPIED
+    walkable = Walkable(Grid(values, (0.0, 0.0), 0.05), WayConfig(robot_radius=radius))
+    goal = goal_before(np.array([7.0, 4.0, 2.2]), np.array([-1.0, 0.0, 0.0]), walkable, np.array([1.9, 4.0]))
+    assert not goal.is_before
+    assert goal.why.startswith(("there is " + why, why))
+
+
+def test_a_sign_of_unknown_place_is_refused_in_words() -> None:
+    with pytest.raises(NoWayError, match="where the sign hangs is not known"):
+        goal_before(np.array([np.nan, 0.0, 1.0]), None, Walkable(hall(), CONFIG))

@@ -8,6 +8,7 @@ from functools import cached_property, lru_cache
 from lpslam.language.choosing.landmark_index import LandmarkIndex
 from lpslam.language.languages import LATIN
 from lpslam.language.model import Candidate
+from lpslam.language.questions.phrasing import phrases_in
 from lpslam.language.signs.distrust import commands
 from lpslam.language.signs.hours import Hours, board_hours, told_hours
 from lpslam.language.tables.lexicon import read_table
@@ -44,7 +45,12 @@ class Trust:
             return Served(stop, dict.fromkeys(sorted(self._warning), 1.0), "what warns or forbids", 0.9)
         if stop.ask is Ask.BARRED:
             return Served(stop, dict.fromkeys(sorted(barred(self._landmarks)), 1.0), "its board keeps people out", 0.9)
-        return Served(stop, self._places, "any place", 0.9)
+        return Served(
+            stop,
+            self._places,
+            "any place" if self._landmarks else phrases_in(stop.language or "en").say("empty_map"),
+            0.9,
+        )
 
     @cached_property
     def _warning(self) -> frozenset[int]:

@@ -1,11 +1,11 @@
 """Where a robot stands before a sign: on free ground that it can reach, facing it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.ground.grid import OCCUPIED
+from lpslam.ground.grid import FREE, OCCUPIED
 from lpslam.navigation.walking.ways import NoWayError, Walkable
 
 Array = NDArray[np.float64]
@@ -20,12 +20,14 @@ class Goal:
         yaw: radians counter-clockwise from the map's x axis: which way the robot faces.
         is_before: whether it stands before the sign; else it is the nearest place that can be reached.
         missing: metres to the sign, seen from above.
+        why: what keeps the robot from standing before the sign; empty where it does.
     """
 
     position: Array
     yaw: float
     is_before: bool
     missing: float
+    why: str = ""
 
 
 def goal_before(position: Array, normal: Array | None, walkable: Walkable, start: Array | None = None) -> Goal:
@@ -41,10 +43,11 @@ def goal_before(position: Array, normal: Array | None, walkable: Walkable, start
         NoWayError: there is no ground, or none to start from.
     """
     grid, config = walkable.grid, walkable.config
-    sizes = np.bincount(walkable.regions.ravel())[1:]
-    if not len(sizes):
+    if not walkable.largest:
         raise NoWayError("the map has no ground with room for the robot; map more of the floor")
-    region = int(sizes.argmax()) + 1 if start is None else int(walkable.regions[walkable.start(start)])
+    if not np.isfinite(position).all():
+        raise NoWayError("where the sign hangs is not known; map it once more, from nearer by")
+    region = walkable.largest if start is None else int(walkable.regions[walkable.start(start)])
     sign = np.asarray(position[:2], np.float64)
     cells = _around(sign, walkable, region)
     middles = grid.middles(cells)
@@ -59,15 +62,33 @@ def goal_before(position: Array, normal: Array | None, walkable: Walkable, start
     nearest = walkable.nearest(sign, np.inf, region)
     if nearest is None:
         raise NoWayError("no ground can be reached from there; map more of the floor")
-    return _facing(grid.middles(np.array([nearest]))[0], sign, False)
+    return replace(_facing(grid.middles(np.array([nearest]))[0], sign, False), why=_why_short(sign, walkable, region))
+
+
+def _why_short(sign: Array, walkable: Walkable, region: int) -> str:
+    """What keeps the robot from standing before a sign, in words."""
+    config, (top, left), (bottom, right) = walkable.config, *_window(sign, walkable)
+    regions, free = walkable.regions[top:bottom, left:right], walkable.grid.values[top:bottom, left:right] == FREE
+    if not free.any():
+        return "no ground was seen before it; map it from nearer by"
+    if not (regions > 0).any():
+        return f"there is no room before it for a robot of {config.robot_radius:g} m radius"
+    if not (regions == region).any():
+        return "no way was seen to the ground before it; map the way between"
+    return "something stands before it"
+
+
+def _window(sign: Array, walkable: Walkable) -> tuple[tuple[int, int], tuple[int, int]]:
+    """The first row and column of what lies near a sign, and those after the last."""
+    reach = int(np.ceil(walkable.config.goal_far / walkable.grid.resolution)) + 1
+    row, column = walkable.grid.cell(sign)
+    return (max(row - reach, 0), max(column - reach, 0)), (max(row + reach + 1, 0), max(column + reach + 1, 0))
 
 
 def _around(sign: Array, walkable: Walkable, region: int) -> NDArray[np.int64]:
     """Cells (n, 2) of a region near a sign."""
-    reach = int(np.ceil(walkable.config.goal_far / walkable.grid.resolution)) + 1
-    row, column = walkable.grid.cell(sign)
-    top, left = max(row - reach, 0), max(column - reach, 0)
-    part = walkable.regions[top : max(row + reach + 1, 0), left : max(column + reach + 1, 0)] == region
+    (top, left), (bottom, right) = _window(sign, walkable)
+    part = walkable.regions[top:bottom, left:right] == region
     return np.asarray(np.argwhere(part) + np.array([top, left]), np.int64)
 
 

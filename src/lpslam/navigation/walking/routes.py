@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.config import Config
+from lpslam.language.sanitise import clean_text
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.navigation.asking import Answer
 from lpslam.navigation.walking.goals import Goal, goal_before
@@ -59,7 +60,9 @@ def route(answer: Answer, walkable: Walkable) -> list[Leg]:
     """
     stops = [stop for stop in (answer.stops or (answer.landmark,)) if stop is not None]
     if not stops:
-        raise NoWayError("nothing on the map serves, so there is no way to it")
+        others = ", ".join(clean_text(mark.name) for mark in answer.alternatives[:_TOLD])
+        next_best = f"; next best: {others}" if others else ""
+        raise NoWayError(f"nothing on the map serves, so there is no way to it: {answer.choice.evidence}{next_best}")
     return route_through(answer.here, stops, walkable)
 
 
@@ -137,6 +140,8 @@ def _nearest_next(lengths: Array) -> list[int]:
         order.append(at)
     return order
 
+
+_TOLD = 3  # places that are told as next best
 
 _MOST_ORDERED = 7
 """Stops of which all orders are compared."""

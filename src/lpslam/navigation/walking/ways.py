@@ -53,6 +53,7 @@ class Walkable:
         clearance: (rows, columns) metres to the next thing in the way.
         cost: (rows, columns) of a step into each cell; infinite where the robot has no room.
         regions: (rows, columns) numbers of parts between which there is no way; 0 where there is no room.
+        largest: the number of the largest of them; 0 where there is none.
     """
 
     def __init__(self, grid: Grid, config: WayConfig) -> None:
@@ -72,6 +73,8 @@ class Walkable:
         self._blocks = Blocks.of(self.cost, side) if side > 1 else None
         _, regions = cv2.connectedComponents(has_room.astype(np.uint8), connectivity=4)
         self.regions = np.asarray(regions, np.int32)
+        sizes = np.bincount(self.regions.ravel())[1:]
+        self.largest = int(sizes.argmax()) + 1 if len(sizes) else 0
 
     def nearest(self, point: Array, reach: float, region: int = 0) -> tuple[int, int] | None:
         """The cell with room that is nearest to a point (2,) within so many metres; of a region only, if not 0."""
