@@ -208,3 +208,46 @@ def test_a_map_that_is_not_level_has_the_same_ground(degrees: float) -> None:
         assert (values(grid, low, high) == FREE).mean() > 0.98
     rise = grid.heights[grid.cell(np.array([3.0, 0.0]))] - grid.heights[grid.cell(np.array([-3.0, 0.0]))]
     assert rise == pytest.approx(6.0 * np.tan(turn), abs=0.03)
+
+
+UPPER = Box((-20.0, -20.0, 2.9), (20.0, 20.0, 3.0))
+
+
+def of_two_storeys(height: float | None = None) -> Grid:
+    """Walls at 4 m below, at 3 m above; the upper floor was mapped last."""
+    above = [Box((x0 * 0.75, y0 * 0.75, 3.0), (x1 * 0.75, y1 * 0.75, 6.0)) for (x0, y0, _), (x1, y1, _) in (
+        (wall.low, wall.high) for wall in WALLS)]  # fmt: skip
+    poses, scans = [*POSES], Scans(CAMERA, CONFIG.width)
+    for pose in POSES:
+        poses.append(pose.copy())
+        poses[-1][2, 3] += 3.0
+    for at, pose in enumerate(poses):
+        scans.take(at, RGB, depth_of([FLOOR, UPPER, *WALLS, *above], pose, 0.001, at))
+    grid = build_grid(scans, lambda keyframe: poses[keyframe], CONFIG, None, height)
+    assert grid is not None
+    return grid
+
+
+@pytest.mark.parametrize(("height", "wall", "storey"), [(None, 3.0, 1), (4.0, 3.0, 1), (1.3, 4.0, 0)])
+def test_of_storeys_above_one_another_one_is_kept(height: float | None, wall: float, storey: int) -> None:
+    grid = of_two_storeys(height)
+    assert grid.storey == storey
+    assert grid.storeys == pytest.approx([0.0, 3.0], abs=0.03)
+    assert (values(grid, (wall - 0.05, -1.5), (wall + 0.1, 1.5)) == OCCUPIED).any(axis=1).mean() > 0.9
+    other = 7.0 - wall
+    assert not (values(grid, (other - 0.05, -1.5), (other + 0.1, 1.5)) == OCCUPIED).any()
+    assert np.nanmedian(grid.heights) == pytest.approx(3.0 * storey, abs=0.03)
+    assert [grid.storeys_to(each) for each in (1.5, 4.5)] == [-storey, 1 - storey]
+
+
+def test_a_way_that_climbs_without_passing_below_itself_is_one_storey() -> None:
+    steps = [Box((0.1 * step, -2.0, -1.0), (0.1 * step + 0.12, 2.0, 0.01 * step)) for step in range(300)]
+    poses = [looking((at, 0.0), 0.0, 1.3 + 0.1 * at) for at in np.arange(0.5, 26.0, 0.8)]
+    scans = Scans(CAMERA, CONFIG.width)
+    for at, pose in enumerate(poses):
+        near = steps[max(0, int(10 * pose[0, 3]) - 5) : int(10 * pose[0, 3]) + 80]
+        scans.take(at, RGB, depth_of(near, pose, 0.001, at))
+    grid = build_grid(scans, lambda keyframe: poses[keyframe], CONFIG)
+    assert grid is not None
+    assert grid.storeys == ()
+    assert (values(grid, (2.5, -0.8), (26.0, 0.8)) == FREE).mean() > 0.9

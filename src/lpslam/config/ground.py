@@ -42,6 +42,10 @@ class GroundConfig(Section):
     min_floor_share: float = Field(default=0.08, ge=0, le=1)
     # Metres by which a camera's height over the floor changes while it is carried.
     height_change: float = Field(default=0.6, gt=0)
+    # Metres between storeys that lie above one another at least: nobody stands upright in less.
+    storey_height: float = Field(default=2.0, gt=0)
+    # Share of the smaller one's ground below or above which the other's lies; at a ramp's ends they meet only.
+    storey_overlap: float = Field(default=0.1, ge=0, le=1)
     # Metres around the floor in which readings of level surfaces tell its noise; noise of three sigma beyond it is not
     # told from things in the way.
     floor_band: float = Field(default=0.2, gt=0)

@@ -1,6 +1,6 @@
 """The occupancy grid: what is ground, what stands in the way, and what nobody has seen."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import cv2
 import numpy as np
@@ -11,11 +11,15 @@ from lpslam.config import GroundConfig
 from lpslam.ground import kernels
 from lpslam.ground.floor import depth_noise, floor_levels, floors_below, height_noise, tilt
 from lpslam.ground.scans import Pose, Scans
+from lpslam.ground.storeys import storeys_of
 
 Array = NDArray[np.float64]
 
 UNKNOWN, FREE, OCCUPIED = -1, 0, 100
 """Values of cells, as in ROS's nav_msgs/OccupancyGrid."""
+
+_BELOW_FLOOR = 0.3
+"""Metres by which what hangs on a storey may seem to lie below its floor: maps are not quite level."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,12 +31,16 @@ class Grid:
         origin: x and y of the corner of cell (0, 0), metres, map frame.
         resolution: metres a cell.
         heights: (rows, columns) metres, of the ground; NaN where none was seen.
+        storeys: metres, heights of the storeys of the map, lowest first, where several lie above one another.
+        storey: which of these the grid is of.
     """
 
     values: NDArray[np.int8]
     origin: tuple[float, float]
     resolution: float
     heights: NDArray[np.float32] = field(default_factory=lambda: np.empty((0, 0), np.float32))
+    storeys: tuple[float, ...] = ()
+    storey: int = 0
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -54,6 +62,11 @@ class Grid:
         cell = self.cell(point)
         return int(self.values[cell]) if self.has(cell) else UNKNOWN
 
+    def storeys_to(self, height: float) -> int:
+        """How many storeys higher than the grid's something is that hangs at a height, metres; 0 where it has one."""
+        below = sum(each <= height + _BELOW_FLOOR for each in self.storeys)
+        return max(below - 1, 0) - self.storey if self.storeys else 0
+
     def middles(self, cells: NDArray[np.int64]) -> Array:
         """(n, 2) metres, of cells (n, 2) row and column."""
         return (np.asarray(cells, np.float64)[:, ::-1] + 0.5) * self.resolution + self.origin
@@ -67,7 +80,11 @@ def trinary(values: NDArray[np.int8]) -> NDArray[np.uint8]:
 
 
 def build_grid(
-    scans: Scans, world_from_keyframe: Pose, config: GroundConfig, walked: Array | None = None
+    scans: Scans,
+    world_from_keyframe: Pose,
+    config: GroundConfig,
+    walked: Array | None = None,
+    height: float | None = None,
 ) -> Grid | None:
     """The ground as all keyframes saw it, by their present poses.
 
@@ -76,15 +93,59 @@ def build_grid(
         world_from_keyframe: 4×4, z up; None for keyframes without a place in the map.
         config: thresholds.
         walked: (n, 3) where the camera was carried; where its keyframes were, without.
+        height: metres, at which somebody is on the storey that is wanted, of those that lie above one another; that on
+            which the last scan was taken, without.
 
     Returns:
         The grid, or None where no floor was seen.
     """
     placed = [(each, pose) for each in scans.keyframes if (pose := world_from_keyframe(each)) is not None]
-    if not placed:
+    told = _told(scans, placed, config)
+    if told is None:
         return None
+    storeys, of = storeys_of(told.floors, told.ground, config)
+    own = int(of[-1] if height is None else of[np.abs(told.cameras[:, 2] - height).argmin()])
+    told = told.only(np.flatnonzero(of == own))
+    extent = _extent(told.seen, told.shown, told.cameras, config)
+    if extent is None:
+        return None
+    walked = told.cameras if walked is None else _walked_near(walked, told, config)
+    grid = _integrated(told.seen, told.shown, told.cameras, told.floors, walked, extent, config)
+    grid.heights[:] += (grid.middles(np.argwhere(grid.values > -2)) @ told.rise).reshape(grid.shape)
+    return replace(grid, storeys=tuple(storeys.tolist()) if len(storeys) > 1 else (), storey=own)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Told:
+    """What scans say of the ground.
+
+    Attributes:
+        seen: of each, world points (h, w, 3), levelled, and how far up surfaces look (h, w).
+        shown: of each, what its readings show (h, w).
+        cameras, floors: (n, 3), (n,) where each was taken, and the height of the floor there, levelled.
+        rise: (2,) metres a metre along x and y that levelling took off.
+    """
+
+    seen: list[tuple[Array, Array]]
+    shown: list[NDArray[np.int8]]
+    cameras: Array
+    floors: Array
+    rise: Array
+
+    def ground(self, at: int) -> Array:
+        """(m, 3) the readings of a scan that are of the ground."""
+        return self.seen[at][0][self.shown[at] == kernels.FLOOR]
+
+    def only(self, kept: NDArray[np.int64]) -> "_Told":
+        """Of some scans."""
+        seen, shown = [self.seen[at] for at in kept], [self.shown[at] for at in kept]
+        return _Told(seen, shown, self.cameras[kept], self.floors[kept], self.rise)
+
+
+def _told(scans: Scans, placed: list[tuple[int, Array]], config: GroundConfig) -> _Told | None:
+    """What scans at their poses say of the ground; None where no floor was seen."""
     cameras = np.array([pose[:3, 3] for _, pose in placed])
-    if not np.isfinite(cameras).all():
+    if not placed or not np.isfinite(cameras).all():
         return None
     stray = depth_noise([scans.depth(keyframe) for keyframe, _ in placed], config)
     seen = [_surfaces(scans, keyframe, pose, stray, config) for keyframe, pose in placed]
@@ -97,13 +158,15 @@ def build_grid(
         kernels.classify(points, up, at, float(floor), noise, _limits(config, noise))
         for (points, up), at, floor in zip(seen, cameras, floors, strict=True)
     ]
-    extent = _extent(seen, shown, cameras, config)
-    if extent is None:
-        return None
-    walked = cameras if walked is None else walked[np.isfinite(walked).all(axis=1)]
-    grid = _integrated(seen, shown, cameras, floors, walked, extent, config)
-    grid.heights[:] += (grid.middles(np.argwhere(grid.values > -2)) @ rise).reshape(grid.shape)
-    return grid
+    return _Told(seen, shown, cameras, floors, rise)
+
+
+def _walked_near(walked: Array, told: _Told, config: GroundConfig) -> Array:
+    """Where the camera was carried (n, 3) on the storey of some scans."""
+    walked = walked[np.isfinite(walked).all(axis=1)]
+    low, high = told.cameras[:, 2].min() - config.height_change, told.cameras[:, 2].max() + config.height_change
+    own = walked[:, 2] - walked[:, :2] @ told.rise
+    return np.asarray(walked[(own > low) & (own < high)])
 
 
 def _surfaces(scans: Scans, keyframe: int, pose: Array, stray: float, config: GroundConfig) -> tuple[Array, Array]:

@@ -76,12 +76,18 @@ class LanguageMap:
         """(n, 3) positions of the map points, metres, map frame."""
         return self.slam.point_positions()
 
-    def grid(self, config: GroundConfig | None = None) -> Grid | None:
-        """Ground to walk on and what stands in the way; None where no floor was seen, or nothing was kept of it."""
+    def grid(self, config: GroundConfig | None = None, height: float | None = None) -> Grid | None:
+        """Ground to walk on and what stands in the way; None where no floor was seen, or nothing was kept of it.
+
+        Args:
+            config: thresholds; the defaults without.
+            height: metres, at which somebody is on the storey that is wanted, of those that lie above one another; that
+                on which the map ends, without.
+        """
         if self.scans is None or not len(self.scans):
             return None
         _, poses = self.trajectory.world_from_camera(self.slam)
-        return build_grid(self.scans, self.pose_of_scan, config or GroundConfig(), poses[:, :3, 3])
+        return build_grid(self.scans, self.pose_of_scan, config or GroundConfig(), poses[:, :3, 3], height)
 
     def coloured_cloud(self) -> tuple[NDArray[np.float64], NDArray[np.uint8]]:
         """(n, 3) points of all scans, metres, map frame, and their (n, 3) red, green, blue."""

@@ -1,5 +1,6 @@
 """Ways over grids: short, with room to the sides, and said plainly where there is none."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -200,3 +201,14 @@ def test_why_a_robot_stops_short_of_a_sign_is_said(far_half: int, radius: float,
 def test_a_sign_of_unknown_place_is_refused_in_words() -> None:
     with pytest.raises(NoWayError, match="where the sign hangs is not known"):
         goal_before(np.array([np.nan, 0.0, 1.0]), None, Walkable(hall(), CONFIG))
+
+
+@pytest.mark.parametrize(("height", "said"), [(4.4, "1 storey higher"), (7.5, "2 storeys higher"), (1.4, None)])
+def test_there_is_no_way_to_a_sign_on_another_storey(height: float, said: str | None) -> None:
+    grid = replace(hall(), storeys=(0.0, 3.0, 6.1), storey=0)
+    sign, normal = np.array([0.05, 3.0, height]), np.array([1.0, 0.0, 0.0])
+    if said is None:
+        assert goal_before(sign, normal, Walkable(grid, CONFIG)).is_before
+        return
+    with pytest.raises(NoWayError, match=said):
+        goal_before(sign, normal, Walkable(grid, CONFIG))

@@ -47,6 +47,12 @@ def goal_before(position: Array, normal: Array | None, walkable: Walkable, start
         raise NoWayError("the map has no ground with room for the robot; map more of the floor")
     if not np.isfinite(position).all():
         raise NoWayError("where the sign hangs is not known; map it once more, from nearer by")
+    storeys = grid.storeys_to(float(position[2])) if len(position) > 2 else 0
+    if storeys:
+        apart = f"{abs(storeys)} storey{'s' * (abs(storeys) > 1)} {'higher' if storeys > 0 else 'lower'}"
+        raise NoWayError(
+            f"the sign hangs {apart}, and ways lead over one storey: ask for stairs or a lift, and again from there"
+        )
     region = walkable.largest if start is None else int(walkable.regions[walkable.start(start)])
     sign = np.asarray(position[:2], np.float64)
     cells = _around(sign, walkable, region)
