@@ -134,7 +134,7 @@ class _Told:
 
     def ground(self, at: int) -> Array:
         """(m, 3) the readings of a scan that are of the ground."""
-        return self.seen[at][0][self.shown[at] == kernels.FLOOR]
+        return np.asarray(self.seen[at][0][self.shown[at] == kernels.FLOOR])
 
     def only(self, kept: NDArray[np.int64]) -> "_Told":
         """Of some scans."""

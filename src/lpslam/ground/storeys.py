@@ -26,7 +26,9 @@ def storeys_of(
     of = np.asarray(np.abs(floors[:, None] - levels).argmin(axis=1), np.int64)
     if len(levels) == 1:
         return levels, of
-    cells = [_cells([ground_of(at) for at in np.flatnonzero(of == level)], config) for level in range(len(levels))]
+    cells = [
+        _cells([ground_of(at) for at in np.flatnonzero(of == level).tolist()], config) for level in range(len(levels))
+    ]
     apart: list[int] = []
     one = np.arange(len(levels))
     for level, own in enumerate(cells):
