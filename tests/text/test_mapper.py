@@ -16,8 +16,9 @@ from lpslam.slam.state import TrackedFrame, TrackingState
 from lpslam.text.distilling import distil
 from lpslam.text.mapper import TextMapper
 from lpslam.text.reading.patterns import Likeness
+from lpslam.text.reading.windows import WHOLE, Windows
 from lpslam.text.text_map import TextMap
-from lpslam.text.types import BoxFate, PlacedTexts, Recognition, TextObservation
+from lpslam.text.types import BoxFate, PlacedTexts, Recognition, Shot, TextObservation
 
 CAMERA = PinholeCamera(640, 480, 570.0, 570.0, 320.0, 240.0)
 CONFIG = TextConfig()
@@ -237,6 +238,15 @@ def test_between_two_whole_searches_only_what_is_not_settled_is_searched() -> No
     assert max(parts) < 0.5
     assert spotter.recognised == len(spotter.searched), "it is found in each of them where it stands"
     assert mapper.text_map.landmarks(identity)[0].position[0] == pytest.approx((160 - 320) / 570 * 2, abs=1e-6)
+
+
+def test_a_window_of_a_large_image_costs_as_much_as_the_detector_sees_of_it() -> None:
+    windows = Windows(PinholeCamera(1920, 1440, 1710.0, 1710.0, 960.0, 720.0), CONFIG)
+    first, second = (Shot(frame(index), 0, np.eye(4), np.eye(4)) for index in (0, 2))
+    assert windows.next(first, lambda: np.zeros((0, 4, 2))) == WHOLE
+    windows.hold(first, box(60, 60, 800.0, 300.0), None)
+    # 1,280 by 800 pixels are a third of the image, but of what the detector sees, 960 at most, four fifths.
+    assert windows.next(second, lambda: np.zeros((0, 4, 2))) == WHOLE
 
 
 def test_a_box_that_a_window_cuts_waits_for_a_whole_search() -> None:

@@ -68,11 +68,15 @@ class Windows:
             if around is None:
                 return None
             sides = [side.stop - side.start for side in around]
-            window, share = around, sides[0] * sides[1] / (self._camera.width * self._camera.height)
+            window, share = around, self._pixels(*sides) / self._pixels(self._camera.width, self._camera.height)
         if share > self._config.reading.window_share:
             window, share, self._last_whole = WHOLE, 1.0, timestamp
         self.searched += share
         return window
+
+    def _pixels(self, width: int, height: int) -> float:
+        """Pixels that the detector sees of an image: larger ones are shrunk first."""
+        return width * height * min(1.0, self._config.spotting.detection_side / max(width, height)) ** 2
 
     def _around(
         self, timestamp: float, camera_from_world: NDArray[np.float64], expected: Callable[[], Boxes]
