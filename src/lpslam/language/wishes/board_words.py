@@ -13,6 +13,7 @@ from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.words import UNSPACED_RUN, is_mark, is_unspaced, longest_phrases
 from lpslam.language.wishes.heard import sound_the_same
 from lpslam.language.wishes.names import Names, pairs_of
+from lpslam.language.wishes.polarity import parted_by_clauses
 from lpslam.language.wishes.rules import content_of, parted, rules_of
 
 SHORTEST = 3  # letters of a word that is a name by itself
@@ -224,6 +225,9 @@ class BoardWords:
 
     def parted(self, text: str, meaning: Meaning, language: str) -> tuple[str, list[str]] | None:
         """Return what a text wants, and each thing that it refuses, as its turns of phrase or its words part them."""
+        by_clauses = parted_by_clauses(text, language)
+        if by_clauses is not None:
+            return by_clauses
         if not content_of(meaning.rest, wish_languages(text, self._knowledge)):
             return parted(text, language)
         what, more = parted(meaning.rest, language) or (meaning.rest, [])
@@ -234,7 +238,8 @@ class BoardWords:
         units = self._knowledge.folder.units(text)
         said = f" {' '.join(units)} "
         turns = any(f" {word} " in said or (is_unspaced(word) and word in text) for word in self._knowledge.turning)
-        return turns or asks_for_another(text) or parted(text, language) is not None
+        parts = parted_by_clauses(text, language) or parted(text, language)
+        return turns or asks_for_another(text) or parts is not None
 
     def said_on(self, text: str) -> dict[int, float]:
         """The landmarks whose boards bear all words of a text."""

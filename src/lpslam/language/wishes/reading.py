@@ -35,6 +35,7 @@ from lpslam.language.wishes.form import (
     Which,
     Wish,
 )
+from lpslam.language.wishes.polarity import parted_by_clauses
 from lpslam.language.wishes.rules import LONGEST, Row, Rules, content_left, person_of, rules_of
 from lpslam.language.wishes.sorts import attributes_of
 
@@ -71,7 +72,8 @@ def read_wish(question: str, knowledge: Knowledge) -> Wish:
         return plan
     alone = _stop(text, languages, knowledge)
     is_plain = alone.relation is None and not alone.without and not alone.contradiction
-    listed = _unordered(text, languages, knowledge) if is_plain else []
+    is_list = is_plain and parted_by_clauses(text, languages[0]) is None
+    listed = _unordered(text, languages, knowledge) if is_list else []
     if listed:
         return Wish(_parts(listed, languages, knowledge, language), language, instead=Wish((alone,), language))
     cued = _cued(text, languages, knowledge) if is_plain and alone.ask not in LISTED else None

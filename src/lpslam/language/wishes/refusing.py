@@ -1,6 +1,6 @@
 """What is left of what serves a stop that refuses something: what serves the one part, less what serves the other."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import cache
 
@@ -14,8 +14,10 @@ from lpslam.language.wishes.guesses import LEAST_IN_SPITE
 from lpslam.language.wishes.identities import Identities
 from lpslam.language.wishes.rules import ALIKE, ALL_REFUSED, LEAST_REFUSED
 from lpslam.language.wishes.served import Served, Way
+from lpslam.language.wishes.sorts import attributes_of
 
 _LEAST_READ = 0.4  # probability of what tables read beside what they read as refused
+_LEAST_CONFIRMED = 0.25  # probability of what serves the rest, where what is refused is some of that
 _AS_WANTED = 0.5  # of the best score: what may be wanted where the best is refused
 _HAS = 0.7  # of how well a place serves what it has of its own
 
@@ -43,6 +45,7 @@ class Refusing:
         for each in parts[1]:
             borne = set(self._boards.said_on(each))
             borne |= self._identities.bearing(each, lambda: (*served.scores, *rest_of().scores))
+            borne |= self._told_by(each, (*served.scores, *rest_of().scores))
             named |= borne
             # What no table reads as refused is left out where it stands on a board, and not by what is like it.
             alike |= self._best_of(each, stop) if meaning.refused and not borne else set()
@@ -54,6 +57,9 @@ class Refusing:
             return replace(served, scores=read)
         rest = rest_of()
         least = LEAST_IN_SPITE if rest.way is Way.GUESS else LEAST_SURE
+        # What is refused is of what is wanted: so that was understood.
+        if self._is_confirmed(rest, out):
+            rest = replace(rest, sure=max(rest.sure, least))
         if not rest.scores or rest.sure < least:
             # Tables that read what is refused as well as what is wanted are right more often than their words tell.
             is_surer = bool(read and meaning.refused) and max(served.sure, rest.sure) >= _LEAST_READ
@@ -66,12 +72,23 @@ class Refusing:
         if not left and not self._boards.leaves_out(served.stop.what, language):
             # “The computer won't take my password” only tells of something.
             return replace(rest, stop=served.stop)
-        if not left and named and read and served.sure >= _LEAST_READ:
+        if not left and named and read and served.sure >= _LEAST_READ and rest.way is not Way.NAME:
             # A brand that is refused serves so much better than all else that nothing else was near it.
             return replace(served, scores=read, sure=max(served.sure, LEAST_SURE))
         left = {id_: score for id_, score in left.items() if id_ in read} or left
         said = rest.evidence if left else ALL_REFUSED
         return replace(rest, stop=served.stop, scores=left, exact=rest.exact & left.keys(), evidence=said)
+
+    def _told_by(self, text: str, ids: Iterable[int]) -> set[int]:
+        """Of some landmarks, those whose boards bear the colour, the age or what else a text says of a place."""
+        asked = attributes_of(text)
+        return {id_ for id_ in ids if asked & attributes_of(self._index.name_of[id_])} if asked else set()
+
+    def _is_confirmed(self, rest: Served, out: set[int]) -> bool:
+        """Whether what serves the rest, though unsure, is partly refused, and partly not."""
+        near = _AS_WANTED * max(rest.scores.values(), default=0.0)
+        best = {id_ for id_, score in rest.scores.items() if score >= near}
+        return rest.sure >= _LEAST_CONFIRMED and bool(best & out) and bool(best - out)
 
     def _best_of(self, text: str, stop: Stop) -> set[int]:
         """The landmarks that serve a text as well as any."""

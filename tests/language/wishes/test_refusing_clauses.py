@@ -1,0 +1,73 @@
+"""Refusals told as clauses of their own, before or after what is wanted, in seven languages."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from lpslam.language.model import Candidate
+from lpslam.language.offline import OfflineModel
+from lpslam.language.wishes.polarity import parted_by_clauses
+from lpslam.navigation.places import Here, Place
+from lpslam.navigation.solver import solve
+
+MODEL = OfflineModel()
+
+
+def found(question: str, boards: Sequence[str]) -> str | None:
+    places = [Place(at, name, np.array([4.0 * at, 0.0, 0.0]), None) for at, name in enumerate(boards)]
+    marks = [Candidate(at, name) for at, name in enumerate(boards)]
+    stop = solve(MODEL.read_wish(question), places, MODEL.scorer(marks), Here(np.zeros(3))).stops[-1]
+    return None if stop.place is None else stop.place.name
+
+
+@pytest.mark.parametrize(
+    ("language", "text", "wanted", "refused"),
+    [
+        ("en", "Tea? No. Juice? No. I want a coffee.", "I want a coffee", ["Tea", "Juice"]),
+        ("en", "a bench, not the wet one, my coat is new", "a bench", ["wet one"]),
+        ("en", "a gym yes, swimming no", "a gym", ["swimming"]),
+        ("de", "Musik ja, aber bitte nicht vom Orchester, das ist mir zu laut", "Musik", ["Orchester"]),
+        ("de", "ein Bad – nicht das im Keller und nicht bei den Gästen", "ein Bad", ["Keller", "Gästen"]),
+        ("fr", "un cours, pas pour les enfants", "un cours", ["enfants"]),
+        ("es", "Bailar sí, cantar no", "Bailar", ["cantar"]),
+        ("zh", "想喝点东西，不要酒，也不要咖啡", "想喝点东西", ["酒", "咖啡"]),
+        ("ja", "休める場所がほしいです。喫茶店以外で", "休める場所がほしいです", ["喫茶店"]),
+        ("ko", "공항에 가야 해요. 택시는 싫어요", "공항에 가야 해요", ["택시"]),
+    ],
+)
+def test_clauses_that_refuse_are_parted(language: str, text: str, wanted: str, refused: list[str]) -> None:
+    assert parted_by_clauses(text, language) == (wanted, refused)
+
+
+@pytest.mark.parametrize(
+    ("language", "text"),
+    [
+        ("en", "my car won't start, where is a garage"),
+        ("en", "somewhere not far"),
+        ("de", "ich kann die Kasse nicht finden"),
+        ("fr", "je ne trouve pas la sortie"),
+        ("es", "no encuentro mi maleta"),
+        ("zh", "拉链坏了，拉不上去"),
+    ],
+)
+def test_what_only_tells_refuses_nothing(language: str, text: str) -> None:
+    assert parted_by_clauses(text, language) is None
+
+
+@pytest.mark.parametrize(
+    ("question", "boards", "board"),
+    [
+        # What is refused is of what is wanted: so the rest was understood.
+        (
+            "Je veux apprendre un instrument, mais ni la flûte ni la harpe",
+            ("Flûte", "Harpe", "Violoncelle", "Accueil"),
+            "Violoncelle",
+        ),
+        ("a library, not the one for kids", ("Library for Children", "Library", "Café"), "Library"),
+        # All that serves is refused by its name.
+        ("Etwas zu trinken, Hauptsache nicht bei Seeblick", ("Café Seeblick", "Buchladen"), None),
+    ],
+)
+def test_what_is_left_serves(question: str, boards: Sequence[str], board: str | None) -> None:
+    assert found(question, boards) == board
