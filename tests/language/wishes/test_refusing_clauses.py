@@ -71,3 +71,14 @@ def test_what_only_tells_refuses_nothing(language: str, text: str) -> None:
 )
 def test_what_is_left_serves(question: str, boards: Sequence[str], board: str | None) -> None:
     assert found(question, boards) == board
+
+
+@pytest.mark.parametrize(
+    ("question", "boards", "board"),
+    [
+        ("a meeting room, not B12, the other one", ("Meeting Room B12", "Meeting Room B14"), "Meeting Room B14"),
+        ("a locker, not 1 to 40, those are full", ("Lockers 1–40", "Lockers 41–80"), "Lockers 41–80"),
+    ],
+)
+def test_numbers_and_kinds_are_left_out(question: str, boards: Sequence[str], board: str) -> None:
+    assert found(question, boards) == board

@@ -72,8 +72,7 @@ def read_wish(question: str, knowledge: Knowledge) -> Wish:
         return plan
     alone = _stop(text, languages, knowledge)
     is_plain = alone.relation is None and not alone.without and not alone.contradiction
-    is_list = is_plain and parted_by_clauses(text, languages[0]) is None
-    listed = _unordered(text, languages, knowledge) if is_list else []
+    listed = _unordered(text, languages, knowledge) if is_plain and not parted_by_clauses(text, languages[0]) else []
     if listed:
         return Wish(_parts(listed, languages, knowledge, language), language, instead=Wish((alone,), language))
     cued = _cued(text, languages, knowledge) if is_plain and alone.ask not in LISTED else None
@@ -307,6 +306,11 @@ def _without(
                 # “The lounge that isn't the blue one.”
                 return what, (replace(stop, what=f"{what} {out}"),), ""
             return what, (replace(stop, what=what) if is_one and not left and not stop.identity else stop,), ""
+    parts = parted_by_clauses(text, languages[0]) if depth == 0 and languages else None
+    told = [_told_alike(parts[0], each, languages) for each in parts[1]] if parts else []
+    if parts is not None and all(told) and not asked_codes(parts[0]):
+        # “A lecture theatre, not G01, the other one”; “the doctor, not Dr Lee”.
+        return parts[0], tuple(stop for each in told for stop in each), ""
     return text, (), ""
 
 
@@ -329,6 +333,13 @@ def _numbered_alike(what: str, out: str) -> tuple[Stop, ...]:
     asked = asked_codes(what)
     codes = [code for code in asked_codes(f"{what} {out}") if code not in asked]
     return tuple(Stop(f"{what} {out}", identity=(identity,), whole=out) for identity in identities(codes))
+
+
+def _told_alike(what: str, out: str, languages: tuple[str, ...]) -> tuple[Stop, ...]:
+    """What is left out by its number, or by the person whom it names."""
+    if person_of(out, languages) is not None:
+        return (Stop(out, identity=_identity(out, languages), whole=out),)
+    return _numbered_alike(what, out) if any(ch.isdigit() for ch in out) else ()
 
 
 def _uncommon(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> str:

@@ -17,7 +17,7 @@ from lpslam.language.wishes.served import Served, Way
 from lpslam.language.wishes.sorts import attributes_of
 
 _LEAST_READ = 0.4  # probability of what tables read beside what they read as refused
-_LEAST_CONFIRMED = 0.25  # probability of what serves the rest, where what is refused is some of that
+_LEAST_CONFIRMED = 0.1  # probability of what serves the rest, where what is refused is some of that
 _AS_WANTED = 0.5  # of the best score: what may be wanted where the best is refused
 _HAS = 0.7  # of how well a place serves what it has of its own
 
@@ -50,7 +50,8 @@ class Refusing:
             # What no table reads as refused is left out where it stands on a board, and not by what is like it.
             alike |= self._best_of(each, stop) if meaning.refused and not borne else set()
         out = named | alike or self._serving(meaning.refused) - served.scores.keys()
-        read = {id_: score for id_, score in served.scores.items() if id_ not in out}
+        most = _AS_WANTED * max(served.scores.values(), default=0.0)
+        read = {id_: score for id_, score in served.scores.items() if id_ not in out and score >= most}
         # What is refused by what its board says is that board alone; tables read a kind.
         is_read = bool(meaning.rest and read) and len(parts[1]) == 1 and not named and served.sure >= LEAST_SURE
         if is_read:
