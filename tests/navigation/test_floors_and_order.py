@@ -23,6 +23,7 @@ BOARDS = [
     ("Meeting Room 201", (24.0, 6.0, 6.0), -90.0),
     ("Meeting Room 202", (32.0, 6.0, 6.0), -90.0),
     ("Night Bar 18:00-03:00", (16.0, 6.0, 6.0), -90.0),
+    ("Lift", (28.0, 3.0, 1.0), 180.0),
 ]
 
 
@@ -55,6 +56,9 @@ def answered(model: OfflineModel, question: str) -> Solution:
         ("pharmacy, bank, bookshop", [2, 4, 5]),
         ("first the pharmacy, then the bank and finally the bookshop", [2, 4, 5]),
         ("the toilets on the ninth floor", [None]),
+        # A lift is on every floor that it leads to.
+        ("mit dem Rollstuhl in den ersten Stock", [13]),
+        ("mi madre va en silla de ruedas y tenemos que subir a la primera planta", [13]),
     ],
 )
 def test_answers(model: OfflineModel, question: str, expected: list[int | None]) -> None:

@@ -166,6 +166,9 @@ class _Solver:
     def _within(self, served: Served, within: set[int]) -> Served:
         """Of what serves, the places of a floor."""
         scores = {id_: score for id_, score in served.scores.items() if id_ in within}
+        if within and not scores:
+            # Who wants a lift to a floor may stand on another.
+            scores = {id_: score for id_, score in served.scores.items() if id_ in served.on_any_floor}
         served = replace(served, exact=served.exact & scores.keys())
         if scores or not served.scores:
             return replace(served, scores=scores)

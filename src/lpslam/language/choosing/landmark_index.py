@@ -11,7 +11,7 @@ from lpslam.language.kept import kept_of_boards
 from lpslam.language.model import Candidate
 from lpslam.language.questions.question import spoken_key
 from lpslam.language.signs.hours import without_hours
-from lpslam.language.signs.meaning import SignMeaning, joined
+from lpslam.language.signs.meaning import SignMeaning, for_whom, joined
 from lpslam.language.signs.reader import SignReader
 from lpslam.language.tables.knowledge import Knowledge, load_words
 from lpslam.language.tables.lexicon import Meaning
@@ -237,6 +237,8 @@ def _told_by(line: str, signs: SignReader) -> SignMeaning | None:
 
 def _with_lines(sign: SignMeaning, lines: Sequence[SignMeaning]) -> SignMeaning:
     kinds = dict(sign.kinds)
-    for kind, weight in (each for line in lines for each in line.kinds):
+    # Below the name of a trade “Gents only” says whom it is for.
+    read = (for_whom(dict(line.kinds)) if sign.kinds else dict(line.kinds) for line in lines)
+    for kind, weight in (each for line in read for each in line.items()):
         kinds.setdefault(kind, _OF_LINE * weight)
     return replace(sign, kinds=tuple(kinds.items()))

@@ -87,6 +87,8 @@ class EmbeddedScorer:
         if stop.what and is_unsure and not (stop.identity or served.settled):
             held = self._trusted(self._identities.held(stop.what))
             served = Served(stop, held, "the board bears it", 0.8, way=Way.IDENTITY) if held else served
+        if stop.floor is not None:
+            served = replace(served, on_any_floor=frozenset(filter(self._sorts.joins_floors, served.scores)))
         return self._opening.open(served) if stop.at else served
 
     def _heeding(self, served: Served) -> Served:

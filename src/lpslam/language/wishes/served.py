@@ -51,6 +51,7 @@ class Served:
         doubt: why none is the answer where that is not sure.
         is_said: whether all that is asked, in a word or two, asks for what was found.
         settled: whether it is known that what is asked for is not here.
+        on_any_floor: of those, the landmarks that join floors, where a floor is named.
         strictness: times the probability that else is enough, which the best must have to be the answer.
         sees_all: whether every landmark that serves has its score; a model names a few only.
     """
@@ -72,6 +73,7 @@ class Served:
     doubt: str = NOT_SURE
     is_said: bool = False
     settled: bool = False
+    on_any_floor: frozenset[int] = field(default=frozenset())
     strictness: float = 1.0
     why: Callable[[int], str] | None = None
 

@@ -47,7 +47,6 @@ def attributes_of(text: str) -> frozenset[tuple[str, str]]:
     return frozenset(value for value, pattern in _patterns().items() if pattern.search(folded))
 
 
-@lru_cache(maxsize=1 << 12)
 def told_apart(asked: frozenset[tuple[str, str]], board: frozenset[tuple[str, str]]) -> int:
     """Return how much of what is asked a board says, 0 where it is silent, -1 where it says something else of it."""
     values = dict(board)
@@ -129,6 +128,10 @@ class Sorts:
     def is_a_room(self, id_: int) -> bool:
         """Whether a landmark is of a kind of which a building has several, told apart by names."""
         return self._is_first_of_all(id_, _kinds("rooms"))
+
+    def joins_floors(self, id_: int) -> bool:
+        """Whether a landmark is on every floor that it leads to: a lift, stairs."""
+        return self._is_first_of_all(id_, _kinds("joins floors"))
 
     def _is_first_of_all(self, id_: int, kinds: tuple[str, ...]) -> bool:
         # What the further lines of a shop's board list makes no room of it.
