@@ -182,6 +182,7 @@ class SurfaceConfig(Section):
     shade_doubt: float = Field(default=2.8, ge=1)  # of their sigma: noise of shades is smoothed over eight pixels
     first_shade: float = Field(default=5.0, gt=0)  # grey values; sigma of the shades before they are compared
     untold_metres: float = Field(default=0.2, ge=0)  # of the way to where the map goes on: less than a loop mends
+    untold_seconds: float = Field(default=0.05, ge=0)  # of its turn, the same: a turn hardly changes in so short a time
     held_seconds: float = Field(default=10.0, ge=0)  # for which images alone tell the way; they drift by a twentieth
 
 

@@ -171,17 +171,24 @@ def test_a_turn_is_believed_until_the_position_may_be_too_far_off() -> None:
 
 @pytest.mark.parametrize(
     ("doubtful", "is_told"),
-    [(Doubtful(), True), (Doubtful(0.15), True), (Doubtful(0.25), False), (Doubtful(0.15, 0.03), False)],
-    ids=["told", "a few turns alone", "many turns alone", "not even the turn"],
+    [
+        (Doubtful(), True),
+        (Doubtful(0.15), True),
+        (Doubtful(0.25), False),
+        (Doubtful(0.15, 0.03), True),
+        (Doubtful(0.15, 0.07), False),
+    ],
+    ids=["told", "a few turns alone", "many turns alone", "one turn less", "not even the turn"],
 )
 def test_a_way_is_told_though_a_few_frames_told_their_turn_alone(doubtful: Doubtful, is_told: bool) -> None:
     config = SlamConfig()
     surfaces = Surfaces(CAMERA, SensorModel.of(CAMERA, config), config.surfaces)
     carrying_on = CarryingOn(surfaces, Turning(CAMERA, config.turning, config.surfaces), ConstantVelocity(), 0.5)
     carrying_on.told, carrying_on.doubtful = Told.WAY, doubtful
-    assert carrying_on.is_told(config.surfaces.untold_metres) == is_told
+    untold = Doubtful(config.surfaces.untold_metres, config.surfaces.untold_seconds)
+    assert carrying_on.is_told(untold) == is_told
     carrying_on.told = Told.TURN
-    assert not carrying_on.is_told(config.surfaces.untold_metres)
+    assert not carrying_on.is_told(untold)
 
 
 def test_a_turn_that_is_told_for_long_stays_a_rotation() -> None:

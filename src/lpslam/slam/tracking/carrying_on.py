@@ -76,9 +76,13 @@ class CarryingOn:
         self.told = Told.NOTHING
         self.doubtful = Doubtful()
 
-    def is_told(self, metres: float) -> bool:
-        """Whether the way since the last frame with a place is told, to so many metres."""
-        return self.told is Told.WAY and self.doubtful.seconds == 0.0 and self.doubtful.metres <= metres
+    def is_told(self, within: Doubtful) -> bool:
+        """Whether the way since the last frame with a place is told, all but so much of it."""
+        return self.told is Told.WAY and self.is_turn_told(within) and self.doubtful.metres <= within.metres
+
+    def is_turn_told(self, within: Doubtful) -> bool:
+        """Whether the turn since then is told, all but so much of it."""
+        return self.doubtful.seconds <= within.seconds
 
     def follow(self, last: LastFrame, picture: Picture) -> _Matrix:
         """The pose of the next frame (4×4, camera from the reference keyframe of `last`, the last with a place).

@@ -10,7 +10,7 @@ from lpslam.config import KeyframeConfig, SlamConfig
 from lpslam.slam.state import EventKind, TrackedFrame, TrackingState
 from lpslam.slam.tracking.anchoring import Anchoring
 from lpslam.slam.tracking.backtracking import Placed
-from lpslam.slam.tracking.carrying_on import CarryingOn, Told
+from lpslam.slam.tracking.carrying_on import CarryingOn, Doubtful, Told
 from lpslam.slam.tracking.coasting import Coasting
 from lpslam.slam.tracking.guesses import LastFrame
 from lpslam.slam.tracking.picture import Picture
@@ -79,7 +79,7 @@ class Losing:
         self._anchoring = anchoring
         self._quality = quality
         self._submap_after = config.tracking.submap_after
-        self._untold_metres = config.surfaces.untold_metres
+        self._untold = Doubtful(config.surfaces.untold_metres, config.surfaces.untold_seconds)
         self._beginnings = config.keyframes
         self._grows = grows
         self._coasting = Coasting(
@@ -191,7 +191,7 @@ class Losing:
         It does where surfaces tell the way, all but a little, and what is in view has been unknown for long.
         """
         last, since = self._where.last, self._unknown_since
-        if last is None or since is None or not self._grows or not self._carrying_on.is_told(self._untold_metres):
+        if last is None or since is None or not self._grows or not self._carrying_on.is_told(self._untold):
             return None
         if not self._may_begin(picture, since):
             return None
@@ -203,7 +203,7 @@ class Losing:
         since = self._unknown_since
         if since is None or not self._grows or picture.depths < self._beginnings.min_start_depths:
             return False
-        return self._carrying_on.doubtful.seconds > 0.0 and self._may_begin(picture, since)
+        return not self._carrying_on.is_turn_told(self._untold) and self._may_begin(picture, since)
 
     def _shows_enough(self, picture: Picture) -> bool:
         """Whether a frame shows as much as a patient camera begins a map with."""
