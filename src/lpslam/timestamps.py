@@ -40,6 +40,19 @@ def associate(first: Times, second: Times, tolerance: float = 0.02) -> tuple[Ind
     return rows[order], columns[order]
 
 
+def usual_tolerance(first: Times, second: Times, least: float, most: float) -> float:
+    """Seconds within which pictures of two streams belong together: half of what lies between those of the faster one.
+
+    Args:
+        first, second: (n,), (m,) seconds, in any order.
+        least, most: seconds; what is less than `least`, or not known yet, counts as `least`.
+    """
+    intervals = [np.diff(np.unique(times)) for times in (first, second)]
+    if not all(map(len, intervals)):
+        return least
+    return max(least, min(most, min(float(np.median(each)) for each in intervals) / 2.0))
+
+
 def _nearest(queries: Times, sorted_times: Times) -> Indices:
     """For each query the row of the nearest of `sorted_times`; the earlier of two equally near."""
     after = np.clip(np.searchsorted(sorted_times, queries), 1, max(len(sorted_times) - 1, 1))

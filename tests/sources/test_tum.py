@@ -231,3 +231,16 @@ def test_what_comes_before_depth_begins_is_a_fault(tmp_path: Path) -> None:
     source = open_source(folder)
     assert [frame.index for frame in source] == list(range(12, 30))
     assert len(source.faults) == 12
+
+
+@pytest.mark.parametrize(("rate", "late", "pairs"), [(15, 0.03, 5), (5, 0.045, 5), (5, 0.08, 0), (30, 0.025, 4)])
+def test_slow_cameras_may_have_depth_that_comes_later(tmp_path: Path, rate: int, late: float, pairs: int) -> None:
+    folder = write_tum(tmp_path / "walk")
+    for name, after in (("rgb", 0.0), ("depth", late)):
+        lines = [f"{100 + i / rate + after:.6f} {name}/{i}.png" for i in range(5)]
+        (folder / f"{name}.txt").write_text("\n".join(lines) + "\n")
+    if not pairs:
+        with pytest.raises(UserError, match=r"within 50 ms; .*pairing\.tolerance_s"):
+            open_source(folder)
+        return
+    assert len(list(open_source(folder))) == pairs

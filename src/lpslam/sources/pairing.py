@@ -1,6 +1,7 @@
 """Colour and depth paired as they come, within a bounded buffer."""
 
 from bisect import insort
+from collections import deque
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Generic, TypeVar
@@ -8,7 +9,7 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from lpslam.config import PairingConfig
-from lpslam.timestamps import associate
+from lpslam.timestamps import associate, usual_tolerance
 
 Payload = TypeVar("Payload")
 
@@ -54,11 +55,13 @@ def paired(pictures: Iterable[Stamped[Payload]], config: PairingConfig) -> Itera
         pictures: of both kinds, roughly in order.
         config: how far apart in time the two of a pair may be, and how many wait.
     """
-    tolerance, pause, buffer = config.tolerance_s, config.pause_s, config.buffer
+    pause, buffer = config.pause_s, config.buffer
+    tolerance = config.tolerance_s
     colours: list[Stamped[Payload]] = []
     depths: list[Stamped[Payload]] = []
     unpaired: list[Stamped[Payload]] = []
     last_paired, last_time = -np.inf, -np.inf
+    seen: tuple[deque[float], deque[float]] = (deque(maxlen=buffer), deque(maxlen=buffer))
 
     def decide() -> Iterator[Paired[Payload]]:
         """Settle the earliest colour picture."""
@@ -88,8 +91,11 @@ def paired(pictures: Iterable[Stamped[Payload]], config: PairingConfig) -> Itera
             depths.pop(0)
 
     for picture in pictures:
+        seen[picture.is_depth].append(picture.timestamp)
+        colour_times, depth_times = (np.array(each) for each in seen)
+        tolerance = usual_tolerance(colour_times, depth_times, config.tolerance_s, config.slow_tolerance_s)
         insort(depths if picture.is_depth else colours, picture, key=lambda each: each.timestamp)
-        while colours and _is_settled(colours, depths, config):
+        while colours and _is_settled(colours, depths, tolerance, buffer):
             yield from decide()
         if len(depths) > buffer:
             depths.pop(0)
@@ -98,11 +104,11 @@ def paired(pictures: Iterable[Stamped[Payload]], config: PairingConfig) -> Itera
     yield from (_alone(each, False, tolerance) for each in unpaired)
 
 
-def _is_settled(colours: list[Stamped[Payload]], depths: list[Stamped[Payload]], config: PairingConfig) -> bool:
+def _is_settled(colours: list[Stamped[Payload]], depths: list[Stamped[Payload]], tolerance: float, buffer: int) -> bool:
     """Whether nothing that may still come can change what the earliest colour picture is paired with."""
-    if len(colours) > config.buffer:
+    if len(colours) > buffer:
         return True
-    due = colours[0].timestamp + 2 * config.tolerance_s
+    due = colours[0].timestamp + 2 * tolerance
     return colours[-1].timestamp > due and bool(depths) and depths[-1].timestamp > due
 
 

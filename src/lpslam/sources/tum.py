@@ -12,7 +12,7 @@ from lpslam.regular_files import text_of
 from lpslam.sources.calibration import Calibration, read_calibration
 from lpslam.sources.clocks import in_seconds
 from lpslam.sources.image_pairs import ImagePair, ImagePairSource, first_image_size, in_depth_pauses
-from lpslam.timestamps import associate
+from lpslam.timestamps import associate, usual_tolerance
 
 CAMERA_FILES = ("camera.yaml", "camera.yml", "calibration.yaml", "calibration.yml")
 DEPTH_SCALE = 5000.0
@@ -53,17 +53,18 @@ def open_tum(
         UserError: a list is missing, empty or malformed, no images belong together, or no calibration is known.
     """
     pairing = pairing or PairingConfig()
-    tolerance = pairing.tolerance_s
     colours, note = _read_list(folder / "rgb.txt")
     depths, depth_note = _read_list(folder / "depth.txt")
     # A repeated timestamp is one moment: its first image takes the depth, the others are faults.
     colour_times, depth_times = _times(colours), _times(depths)
     times, firsts = np.unique(colour_times, return_index=True)
+    tolerance = usual_tolerance(times, depth_times, pairing.tolerance_s, pairing.slow_tolerance_s)
     rows, columns = associate(times, depth_times, tolerance)
     if not len(rows):
         raise UserError(
             f"{folder}: no image of rgb.txt has one in depth.txt within {tolerance * 1000:g} ms; "
-            f"they begin {abs(depth_times[0] - times[0]):.3f} s apart and must use the same clock"
+            f"they begin {abs(depth_times[0] - times[0]):.3f} s apart and must use the same clock; if they do, allow "
+            "more with pairing.tolerance_s in a configuration"
         )
     depth_of = dict(zip(firsts[rows].tolist(), columns.tolist(), strict=True))
     pauses = in_depth_pauses(colour_times, times[rows], pairing.pause_s)
