@@ -7,10 +7,10 @@ from corner_room import CAMERA, CORNER, WALL, Planes, shot
 from hypothesis import given, settings
 from slam_scenes import pose_error, rigid, twists
 
-from lpslam.camera import PinholeCamera
+from lpslam.camera import PinholeCamera, inverse_transform
 from lpslam.config import SlamConfig, SurfaceConfig
 from lpslam.slam.kernels.dense import align_terms
-from lpslam.slam.kernels.geometry import exponential
+from lpslam.slam.kernels.geometry import exponential, logarithm
 from lpslam.slam.sensor import SensorModel
 from lpslam.slam.tracking.surfaces import SmallImages, Surfaces, sloped, without_holes
 
@@ -88,6 +88,23 @@ def test_a_wall_alone_without_shades_holds_nothing_and_leaves_the_guess_along_it
     metres, radians = pose_error(aligned.image_from_reference, guess)
     assert metres < 0.01
     assert np.degrees(radians) < 0.4
+
+
+def test_a_wall_with_a_spot_of_light_tells_how_the_camera_turns_away_from_it() -> None:
+    """The spot is like itself and round: it says nothing of a roll, and takes nothing of what the wall says."""
+    fx, fy, cx, cy = SURFACES.images.intrinsics
+    moved = rigid([0.0, 0.0, 0.0], [0.0, 0.03, 0.0])
+    images = small(WALL, np.eye(4), 0.0, noise=0.3), small(WALL, moved, 0.0, noise=0.3)
+    rows, columns = np.indices(images[0][0].shape)
+    for image, across in zip(images, (cx, cx + fx * np.tan(0.03)), strict=True):
+        image[0] = 3.0 * np.exp(-0.5 * ((columns - across) ** 2 + (rows - cy) ** 2) / 6.0**2)
+    aligned = SURFACES.align(*images, np.eye(4), 1 / 10)
+    assert aligned is not None
+    assert aligned.likeness > CONFIG.least_likeness
+    assert aligned.tells_turn
+    assert not aligned.holds
+    astray = logarithm(aligned.image_from_reference @ inverse_transform(moved))
+    assert np.abs(astray[:5]).max() < 0.005  # all but the roll
 
 
 def test_a_wall_with_shades_holds() -> None:

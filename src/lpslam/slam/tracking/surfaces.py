@@ -293,7 +293,7 @@ class Surfaces:
         information = told
         told = told * np.outer(sigmas, sigmas) * config.told_share**2
         is_firm = bool(np.linalg.eigvalsh(told)[0] > 1.0)
-        is_blank = not is_like and (self._is_blank(level.reference[0]) or self._is_blank(level.shades))
+        is_blank = self._is_blank(level.reference[0]) or self._is_blank(level.shades)
         # A wall tells how the camera turns away from it; where nothing is on it, nothing tells how it rolls before it.
         is_turn_firm = is_firm or bool(np.linalg.eigvalsh(_of_turn(told))[1 if is_blank else 0] > 1.0)
         least = config.proven_agreement if is_like else config.least_agreement
