@@ -92,7 +92,7 @@ def test_a_wall_alone_without_shades_holds_nothing_and_leaves_the_guess_along_it
 
 def test_a_wall_with_a_spot_of_light_tells_how_the_camera_turns_away_from_it() -> None:
     """The spot is like itself and round: it says nothing of a roll, and takes nothing of what the wall says."""
-    fx, fy, cx, cy = SURFACES.images.intrinsics
+    fx, _, cx, cy = SURFACES.images.intrinsics
     moved = rigid([0.0, 0.0, 0.0], [0.0, 0.03, 0.0])
     images = small(WALL, np.eye(4), 0.0, noise=0.3), small(WALL, moved, 0.0, noise=0.3)
     rows, columns = np.indices(images[0][0].shape)
