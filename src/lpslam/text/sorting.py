@@ -46,6 +46,7 @@ class BoxSorter:
         self._config = config
         self._memory = memory
         self._spots, self._vain = spots, Spots()
+        self._said_nothing = config.reading.model_copy(update={"better_size": config.reading.vain_better})
         self._points_seen_by = points_seen_by
 
     def sort(self, shot: Shot, boxes: Boxes) -> tuple[NDArray[np.object_], dict[int, Placement | PlacementFault]]:
@@ -107,8 +108,9 @@ class BoxSorter:
         """Whether nothing was ever read here, in as many views as settle a name, and nearly as good ones."""
         if self._spots.classes_at(placement, world_from_keyframe):
             return False
-        vain = self._config.reading.model_copy(update={"better_size": self._config.reading.vain_better})
-        return self._vain.settled_at(placement, world_from_keyframe, seen, lambda _: True, vain) is not None
+        return (
+            self._vain.settled_at(placement, world_from_keyframe, seen, lambda _: True, self._said_nothing) is not None
+        )
 
     def _has_sure_name(self, placement: Placement, world_from_keyframe: Array) -> bool:
         return any(map(self._is_sure_of_name, self._spots.classes_at(placement, world_from_keyframe)))

@@ -2,23 +2,17 @@
 
 from collections.abc import Sequence
 
-import numpy as np
 import pytest
 
-from lpslam.language.model import Candidate
+from language.asking import solved
 from lpslam.language.offline import OfflineModel
 from lpslam.language.wishes.rules import parted
-from lpslam.navigation.places import Here, Place
-from lpslam.navigation.solver import solve
 
 MODEL = OfflineModel()
 
 
 def found(question: str, boards: Sequence[str]) -> str | None:
-    places = [Place(at, name, np.array([4.0 * at, 0.0, 0.0]), None) for at, name in enumerate(boards)]
-    marks = [Candidate(at, name) for at, name in enumerate(boards)]
-    stop = solve(MODEL.read_wish(question), places, MODEL.scorer(marks), Here(np.zeros(3))).stops[-1]
-    return None if stop.place is None else stop.place.name
+    return solved(MODEL, question, [(name,) for name in boards])[-1]
 
 
 @pytest.mark.parametrize(
