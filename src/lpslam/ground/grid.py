@@ -147,8 +147,12 @@ def _told(scans: Scans, placed: list[tuple[int, Array]], config: GroundConfig) -
     cameras = np.array([pose[:3, 3] for _, pose in placed])
     if not placed or not np.isfinite(cameras).all():
         return None
-    stray = depth_noise([scans.depth(keyframe) for keyframe, _ in placed], config)
-    seen = [_surfaces(scans, keyframe, pose, stray, config) for keyframe, pose in placed]
+    depths = [scans.depth(keyframe) for keyframe, _ in placed]
+    stray = depth_noise(depths, config)
+    seen = [
+        _surfaces(scans.back_projected(depth), pose, stray, config)
+        for depth, (_, pose) in zip(depths, placed, strict=True)
+    ]
     levelled = _levelled(seen, cameras, stray, config)
     if levelled is None:
         return None
@@ -169,9 +173,8 @@ def _walked_near(walked: Array, told: _Told, config: GroundConfig) -> Array:
     return np.asarray(walked[(own > low) & (own < high)])
 
 
-def _surfaces(scans: Scans, keyframe: int, pose: Array, stray: float, config: GroundConfig) -> tuple[Array, Array]:
-    """World points (h, w, 3) of a scan, and how far up surfaces look there (h, w)."""
-    points = scans.points(keyframe)
+def _surfaces(points: Array, pose: Array, stray: float, config: GroundConfig) -> tuple[Array, Array]:
+    """World points (h, w, 3) of a scan's points in its camera's frame, and how far up surfaces look there (h, w)."""
     world = np.ascontiguousarray(transform_points(pose, points.reshape(-1, 3)).reshape(points.shape))
     return world, kernels.upness(world, pose[:3, 3], config.surface_reach, np.array(config.surface_bend), stray)
 

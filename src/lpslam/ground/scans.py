@@ -87,7 +87,11 @@ class Scans:
 
     def points(self, keyframe: int) -> Array:
         """(h, w, 3) metres in the camera's frame; NaN where there is no depth."""
-        depth = self.depth(keyframe).astype(np.float64)
+        return self.back_projected(self.depth(keyframe))
+
+    def back_projected(self, metres: NDArray[np.float32]) -> Array:
+        """(h, w, 3) metres in the camera's frame, of what `depth` gives; NaN where there is none."""
+        depth = metres.astype(np.float64)
         depth[depth == 0] = np.nan
         fx, fy, cx, cy = self.intrinsics
         rows, columns = np.mgrid[: self.size[1], : self.size[0]]
