@@ -7,7 +7,8 @@ from typing import Any
 from lpslam.config import Config
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.navigation.asking import Answer
-from lpslam.navigation.walking.ways import NoWayError, Walkable
+from lpslam.navigation.walking.storeys import Building
+from lpslam.navigation.walking.ways import NoWayError
 
 
 class Guide:
@@ -20,7 +21,7 @@ class Guide:
 
     def __init__(self, world: LanguageMap, config: Config) -> None:
         self._world, self._config = world, config
-        self._walkable: Walkable | None = None
+        self._building: Building | None = None
 
     def record(self, answer: Answer) -> dict[str, Any]:
         """The way as JSON can hold it, or why there is none."""
@@ -45,6 +46,7 @@ class Guide:
                     "length_m": round(leg.way.length, 2),
                     "seconds": round(leg.way.seconds, 1),
                     "points": [[round(float(x), 3), round(float(y), 3)] for x, y in leg.way.points],
+                    "climbs": [[climb.first, climb.last, climb.storeys] for climb in leg.way.climbs],
                     "steps": steps,
                 }
                 for leg, steps in zip(legs, self._steps(answer, legs), strict=True)
@@ -84,14 +86,17 @@ class Guide:
         """
         from lpslam.language.offline import embedded_model
         from lpslam.navigation.asking import ask
-        from lpslam.navigation.walking.exporting import export_ground
+        from lpslam.navigation.walking.exporting import export_storeys
         from lpslam.navigation.walking.routes import route
 
-        ground, landmarks = self._ground(), self._world.landmarks()
-        legs = () if question is None else route(ask(self._world, question), ground)
+        building, landmarks, legs = self._ground(), self._world.landmarks(), []
+        if question is not None:
+            answer = ask(self._world, question)
+            # A robot is not sent over stairs.
+            legs = route(answer, building.ground_at(answer.here))
         judged = embedded_model().judge([mark.name for mark in landmarks], _WARNING)
         warnings = [mark for mark, judgement in zip(landmarks, judged, strict=True) if judgement.answer]
-        return lambda folder: export_ground(folder, ground, landmarks, warnings, legs)
+        return lambda folder: export_storeys(folder, building, landmarks, warnings, legs)
 
     def _steps(self, answer: Answer, legs: Any) -> list[list[str]]:
         from lpslam.language.questions.phrasing import answer_language
@@ -99,14 +104,14 @@ class Guide:
 
         return told_legs(legs, self._world.landmarks(), answer_language(answer.question), answer.heading)
 
-    def _ground(self) -> Walkable:
-        from lpslam.navigation.walking.routes import walkable_of
+    def _ground(self) -> Building:
+        from lpslam.navigation.walking.routes import building_of
         from lpslam.views.run_progress import saying_what_is_compiled
 
-        if self._walkable is None:
+        if self._building is None:
             with saying_what_is_compiled():
-                self._walkable = walkable_of(self._world, self._config)
-        return self._walkable
+                self._building = building_of(self._world, self._config)
+        return self._building
 
 
 _WARNING = "Is this a warning?"

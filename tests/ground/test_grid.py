@@ -6,7 +6,7 @@ from rooms import CAMERA, FLOOR, Box, depth_of, looking
 
 from lpslam.config import GroundConfig
 from lpslam.ground.floor import depth_noise
-from lpslam.ground.grid import FREE, OCCUPIED, UNKNOWN, Grid, build_grid
+from lpslam.ground.grid import FREE, OCCUPIED, UNKNOWN, Grid, build_grid, build_grids
 from lpslam.ground.scans import Scans
 
 RGB = np.zeros((CAMERA.height, CAMERA.width, 3), np.uint8)
@@ -213,7 +213,7 @@ def test_a_map_that_is_not_level_has_the_same_ground(degrees: float) -> None:
 UPPER = Box((-20.0, -20.0, 2.9), (20.0, 20.0, 3.0))
 
 
-def of_two_storeys(height: float | None = None) -> Grid:
+def two_storeys() -> tuple[Scans, list[np.ndarray]]:
     """Walls at 4 m below, at 3 m above; the upper floor was mapped last."""
     above = [Box((x0 * 0.75, y0 * 0.75, 3.0), (x1 * 0.75, y1 * 0.75, 6.0)) for (x0, y0, _), (x1, y1, _) in (
         (wall.low, wall.high) for wall in WALLS)]  # fmt: skip
@@ -223,14 +223,14 @@ def of_two_storeys(height: float | None = None) -> Grid:
         poses[-1][2, 3] += 3.0
     for at, pose in enumerate(poses):
         scans.take(at, RGB, depth_of([FLOOR, UPPER, *WALLS, *above], pose, 0.001, at))
-    grid = build_grid(scans, lambda keyframe: poses[keyframe], CONFIG, None, height)
-    assert grid is not None
-    return grid
+    return scans, poses
 
 
 @pytest.mark.parametrize(("height", "wall", "storey"), [(None, 3.0, 1), (4.0, 3.0, 1), (1.3, 4.0, 0)])
 def test_of_storeys_above_one_another_one_is_kept(height: float | None, wall: float, storey: int) -> None:
-    grid = of_two_storeys(height)
+    scans, poses = two_storeys()
+    grid = build_grid(scans, lambda keyframe: poses[keyframe], CONFIG, None, height)
+    assert grid is not None
     assert grid.storey == storey
     assert grid.storeys == pytest.approx([0.0, 3.0], abs=0.03)
     assert (values(grid, (wall - 0.05, -1.5), (wall + 0.1, 1.5)) == OCCUPIED).any(axis=1).mean() > 0.9
@@ -238,6 +238,18 @@ def test_of_storeys_above_one_another_one_is_kept(height: float | None, wall: fl
     assert not (values(grid, (other - 0.05, -1.5), (other + 0.1, 1.5)) == OCCUPIED).any()
     assert np.nanmedian(grid.heights) == pytest.approx(3.0 * storey, abs=0.03)
     assert [grid.storeys_to(each) for each in (1.5, 4.5)] == [-storey, 1 - storey]
+
+
+def test_every_storey_has_the_grid_that_it_has_alone() -> None:
+    scans, poses = two_storeys()
+    both = build_grids(scans, lambda keyframe: poses[keyframe], CONFIG)
+    assert [grid.storey for grid in both] == [0, 1]
+    for grid, height in zip(both, (1.3, 4.3), strict=True):
+        alone = build_grid(scans, lambda keyframe: poses[keyframe], CONFIG, None, height)
+        assert alone is not None
+        assert (grid.values == alone.values).all()
+        assert (grid.origin, grid.storeys) == (alone.origin, alone.storeys)
+    assert build_grids(Scans(CAMERA, CONFIG.width), lambda keyframe: None, CONFIG) == []
 
 
 def test_a_way_that_climbs_without_passing_below_itself_is_one_storey() -> None:

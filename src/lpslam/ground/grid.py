@@ -64,8 +64,12 @@ class Grid:
 
     def storeys_to(self, height: float) -> int:
         """How many storeys higher than the grid's something is that hangs at a height, metres; 0 where it has one."""
-        below = sum(each <= height + _BELOW_FLOOR for each in self.storeys)
-        return max(below - 1, 0) - self.storey if self.storeys else 0
+        return int(self.storeys_at(np.array([height]))[0]) - self.storey if self.storeys else 0
+
+    def storeys_at(self, heights: Array) -> NDArray[np.int64]:
+        """(n,) on which storeys of the map things are that hang at heights (n,), metres."""
+        below = np.searchsorted(np.array(self.storeys), heights + _BELOW_FLOOR, side="right")
+        return np.maximum(below - 1, 0).astype(np.int64)
 
     def middles(self, cells: NDArray[np.int64]) -> Array:
         """(n, 2) metres, of cells (n, 2) row and column."""
@@ -99,20 +103,30 @@ def build_grid(
     Returns:
         The grid, or None where no floor was seen.
     """
-    placed = [(each, pose) for each in scans.keyframes if (pose := world_from_keyframe(each)) is not None]
-    told = _told(scans, placed, config)
-    if told is None:
+    parted = _parted(scans, world_from_keyframe, config)
+    if parted is None:
         return None
-    storeys, of = storeys_of(told.floors, told.ground, config)
+    told, storeys, of = parted
     own = int(of[-1] if height is None else of[np.abs(told.cameras[:, 2] - height).argmin()])
-    told = told.only(np.flatnonzero(of == own))
-    extent = _extent(told.seen, told.shown, told.cameras, config)
-    if extent is None:
-        return None
-    walked = told.cameras if walked is None else _walked_near(walked, told, config)
-    grid = _integrated(told.seen, told.shown, told.cameras, told.floors, walked, extent, config)
-    grid.heights[:] += (grid.middles(np.argwhere(grid.values > -2)) @ told.rise).reshape(grid.shape)
-    return replace(grid, storeys=tuple(storeys.tolist()) if len(storeys) > 1 else (), storey=own)
+    return _storey(told.only(np.flatnonzero(of == own)), storeys, own, config, walked)
+
+
+def build_grids(
+    scans: Scans, world_from_keyframe: Pose, config: GroundConfig, walked: Array | None = None
+) -> list[Grid]:
+    """The ground of every storey, lowest first, of those that lie above one another; none where no floor was seen.
+
+    Args:
+        scans, world_from_keyframe, config, walked: as in `build_grid`.
+    """
+    parted = _parted(scans, world_from_keyframe, config)
+    if parted is None:
+        return []
+    told, storeys, of = parted
+    grids = [
+        _storey(told.only(np.flatnonzero(of == own)), storeys, own, config, walked) for own in np.unique(of).tolist()
+    ]
+    return [grid for grid in grids if grid is not None]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -140,6 +154,26 @@ class _Told:
         """Of some scans."""
         seen, shown = [self.seen[at] for at in kept], [self.shown[at] for at in kept]
         return _Told(seen, shown, self.cameras[kept], self.floors[kept], self.rise)
+
+
+def _parted(
+    scans: Scans, world_from_keyframe: Pose, config: GroundConfig
+) -> tuple[_Told, Array, NDArray[np.int64]] | None:
+    """What scans say of the ground, the heights of storeys, and which of them each scan is of; None without a floor."""
+    placed = [(each, pose) for each in scans.keyframes if (pose := world_from_keyframe(each)) is not None]
+    told = _told(scans, placed, config)
+    return None if told is None else (told, *storeys_of(told.floors, told.ground, config))
+
+
+def _storey(told: _Told, storeys: Array, own: int, config: GroundConfig, walked: Array | None) -> Grid | None:
+    """The grid of one storey by its scans; None where it would be larger than is believed."""
+    extent = _extent(told.seen, told.shown, told.cameras, config)
+    if extent is None:
+        return None
+    walked = told.cameras if walked is None else _walked_near(walked, told, config)
+    grid = _integrated(told.seen, told.shown, told.cameras, told.floors, walked, extent, config)
+    grid.heights[:] += (grid.middles(np.argwhere(grid.values > -2)) @ told.rise).reshape(grid.shape)
+    return replace(grid, storeys=tuple(storeys.tolist()) if len(storeys) > 1 else (), storey=own)
 
 
 def _told(scans: Scans, placed: list[tuple[int, Array]], config: GroundConfig) -> _Told | None:

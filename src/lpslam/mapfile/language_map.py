@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from lpslam.camera import PinholeCamera
 from lpslam.config import GroundConfig, RoomConfig
 from lpslam.errors import UserError
-from lpslam.ground.grid import Grid, build_grid
+from lpslam.ground.grid import Grid, build_grid, build_grids
 from lpslam.ground.scans import Scans, room_from_above
 from lpslam.mapfile.container import read_map_file, write_map_file
 from lpslam.mapfile.schema import refuse_other_camera_or_run, refuse_strangers
@@ -88,6 +88,13 @@ class LanguageMap:
             return None
         _, poses = self.trajectory.world_from_camera(self.slam)
         return build_grid(self.scans, self.pose_of_scan, config or GroundConfig(), poses[:, :3, 3], height)
+
+    def grids(self, config: GroundConfig | None = None) -> list[Grid]:
+        """The ground of every storey, lowest first; none where no floor was seen, or nothing was kept of it."""
+        if self.scans is None or not len(self.scans):
+            return []
+        _, poses = self.trajectory.world_from_camera(self.slam)
+        return build_grids(self.scans, self.pose_of_scan, config or GroundConfig(), poses[:, :3, 3])
 
     def coloured_cloud(self) -> tuple[NDArray[np.float64], NDArray[np.uint8]]:
         """(n, 3) points of all scans, metres, map frame, and their (n, 3) red, green, blue."""

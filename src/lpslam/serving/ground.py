@@ -10,9 +10,10 @@ import numpy as np
 from lpslam.config import Config
 from lpslam.errors import UserError
 from lpslam.ground.grid import FREE, OCCUPIED, Grid, trinary
-from lpslam.navigation.walking.goals import Goal, goal_before
+from lpslam.navigation.walking.goals import Goal
 from lpslam.navigation.walking.routes import Leg, route_through, told_legs
-from lpslam.navigation.walking.ways import NoWayError, Walkable
+from lpslam.navigation.walking.storeys import Building
+from lpslam.navigation.walking.ways import NoWayError
 from lpslam.serving.atlas import ServedMap
 from lpslam.text.types import Landmark
 
@@ -34,7 +35,7 @@ class Grounds:
     def __init__(self, config: Config) -> None:
         self._config = config
         self._making = threading.Lock()
-        self._made: dict[str, tuple[str, Walkable | None]] = {}
+        self._made: dict[str, tuple[str, Building | None]] = {}
 
     @staticmethod
     def has(served: ServedMap) -> bool:
@@ -50,7 +51,8 @@ class Grounds:
             NoWayError: nothing can be reached from there.
         """
         here, _ = _start(served, start)
-        return _goal_record(served, mark, goal_before(mark.position, mark.normal, self._walkable(served), here))
+        goal, _ = self._building(served).to_sign(here, mark.position, mark.normal)
+        return _goal_record(served, mark, goal)
 
     def path(
         self, served: ServedMap, marks: Sequence[Landmark], start: Start | None, language: str = "en"
@@ -61,7 +63,7 @@ class Grounds:
             NoGroundError, NoWayError: as `goal`.
         """
         here, heading = _start(served, start)
-        legs = route_through(here, marks, self._walkable(served))
+        legs = route_through(here, marks, self._building(served))
         told = told_legs(legs, served.directory.landmarks, language, heading)
         parts = [_leg_record(served, leg, steps) for leg, steps in zip(legs, told, strict=True)]
         return parts[-1] | {
@@ -73,7 +75,10 @@ class Grounds:
         }
 
     def facts(self, served: ServedMap) -> dict[str, Any]:
-        """Where the occupancy grid lies, as `records.GridRecord` has it; raises as `goal`."""
+        """Where the occupancy grid lies, as `records.GridRecord` has it; raises as `goal`.
+
+        Of several storeys it is of that on which the map ends.
+        """
         grid = self._grid(served)
         rows, columns = grid.shape
         return {
@@ -93,23 +98,24 @@ class Grounds:
         return encoded.tobytes()
 
     def _grid(self, served: ServedMap) -> Grid:
-        return self._walkable(served).grid
+        return self._building(served).ground_at(served.view[0]).grid
 
-    def _walkable(self, served: ServedMap) -> Walkable:
+    def _building(self, served: ServedMap) -> Building:
         if not self.has(served):
             raise NoGroundError(
                 f"map {served.name} has no ground: where one can go is not known; /ask gives the place and its distance"
             )
         # One at a time: a flood must not have it made more than once.
         with self._making:
-            version, walkable = self._made.get(served.name, ("", None))
+            version, building = self._made.get(served.name, ("", None))
             if version != served.version:
-                grid = served.world.grid(self._config.ground)
-                walkable = None if grid is None else Walkable(grid, self._config.ways)
-                self._made[served.name] = served.version, walkable
-        if walkable is None:
+                grids = served.world.grids(self._config.ground)
+                carried = served.world.frame_poses().positions
+                building = Building(grids, carried, self._config) if grids else None
+                self._made[served.name] = served.version, building
+        if building is None:
             raise NoGroundError(f"map {served.name} has no ground: no floor was seen when it was made")
-        return walkable
+        return building
 
 
 def _start(served: ServedMap, start: Start | None) -> tuple[np.ndarray[Any, np.dtype[np.float64]], float | None]:
@@ -117,7 +123,8 @@ def _start(served: ServedMap, start: Start | None) -> tuple[np.ndarray[Any, np.d
     if start is None:
         return served.view[0], served.view[1]
     place, heading = start
-    return np.array(place, dtype=np.float64), None if heading is None else float(np.radians(heading))
+    here = np.array([*place, *served.view[0][len(place) :]], dtype=np.float64)
+    return here, None if heading is None else float(np.radians(heading))
 
 
 def _goal_record(served: ServedMap, mark: Landmark, goal: Goal) -> dict[str, Any]:

@@ -22,6 +22,7 @@ from lpslam.language.sanitise import clean_text
 from lpslam.mapfile.export import write_whole
 from lpslam.navigation.walking.goals import goal_before
 from lpslam.navigation.walking.routes import Leg
+from lpslam.navigation.walking.storeys import Building
 from lpslam.navigation.walking.ways import NoWayError, Walkable
 from lpslam.text.types import Landmark
 
@@ -66,6 +67,37 @@ def export_ground(
     contents = {name: _pgm(trinary(values)) for name, values in pictures.items()}
     contents |= {name: text.encode("utf-8") for name, text in texts.items()}
     return write_whole(folder, {name: partial(_write, content) for name, content in contents.items()})
+
+
+def export_storeys(
+    folder: Path,
+    building: Building,
+    landmarks: Sequence[Landmark],
+    warnings: Sequence[Landmark] = (),
+    legs: Sequence[Leg] = (),
+) -> list[Path]:
+    """As `export_ground`; of several storeys, the ground and the signs of each in a folder `storey_0` and so on.
+
+    Args:
+        folder, landmarks, warnings: as in `export_ground`.
+        building: the ground of all storeys.
+        legs: of a route over one storey.
+
+    Raises:
+        UserError: the folder cannot be written.
+    """
+    if len(building.grounds) == 1:
+        (ground,) = building.grounds.values()
+        return export_ground(folder, ground, landmarks, warnings, legs)
+    routed = {building.storey_of(leg.landmark) for leg in legs}
+    written = []
+    for storey, ground in building.grounds.items():
+        own, warned = (
+            [mark for mark in marks if building.storey_of(mark) == storey] for marks in (landmarks, warnings)
+        )
+        there = legs if storey in routed else ()
+        written += export_ground(folder / f"storey_{storey}", ground, own, warned, there)
+    return written
 
 
 def _write(content: bytes, path: Path) -> None:

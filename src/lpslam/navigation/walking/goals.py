@@ -51,7 +51,7 @@ def goal_before(position: Array, normal: Array | None, walkable: Walkable, start
     if storeys:
         apart = f"{abs(storeys)} storey{'s' * (abs(storeys) > 1)} {'higher' if storeys > 0 else 'lower'}"
         raise NoWayError(
-            f"the sign hangs {apart}, and ways lead over one storey: ask for stairs or a lift, and again from there"
+            f"the sign hangs {apart}, and no way there is known: ask for stairs or a lift, and again from there"
         )
     region = walkable.largest if start is None else int(walkable.regions[walkable.start(start)])
     sign = np.asarray(position[:2], np.float64)

@@ -11,6 +11,7 @@ from lpslam.language.sanitise import clean_text
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.navigation.asking import Answer
 from lpslam.navigation.walking.goals import Goal, goal_before
+from lpslam.navigation.walking.storeys import Building
 from lpslam.navigation.walking.telling import Sign, told
 from lpslam.navigation.walking.ways import NoWayError, Walkable, Way
 from lpslam.text.types import Landmark
@@ -34,25 +35,41 @@ class Leg:
 
 
 def walkable_of(world: LanguageMap, config: Config | None = None) -> Walkable:
-    """The ground of a map on which a robot has room.
+    """The ground of a map on which a robot has room; of several storeys, of that on which the map ends.
 
     Raises:
         NoWayError: the map has none.
     """
     config = config or Config()
+    _refuse_no_scans(world)
+    grid = world.grid(config.ground)
+    if grid is None:
+        raise NoWayError(_NO_FLOOR)
+    return Walkable(grid, config.ways)
+
+
+def building_of(world: LanguageMap, config: Config | None = None) -> Building:
+    """The ground of all storeys of a map, and the ways between them.
+
+    Raises:
+        NoWayError: the map has none.
+    """
+    config = config or Config()
+    _refuse_no_scans(world)
+    grids = world.grids(config.ground)
+    if not grids:
+        raise NoWayError(_NO_FLOOR)
+    return Building(grids, world.frame_poses().positions, config)
+
+
+def _refuse_no_scans(world: LanguageMap) -> None:
     if world.scans is None or not len(world.scans):
         raise NoWayError(
             "the map keeps nothing of the ground: it was made by an older version; map the recording again"
         )
-    grid = world.grid(config.ground)
-    if grid is None:
-        raise NoWayError(
-            "the map has no floor: none was seen; point the camera so that the floor is in view, and map again"
-        )
-    return Walkable(grid, config.ways)
 
 
-def route(answer: Answer, walkable: Walkable) -> list[Leg]:
+def route(answer: Answer, ground: Walkable | Building) -> list[Leg]:
     """The legs of the way to the answer's stops, one after the other, from where the question was asked.
 
     Raises:
@@ -63,20 +80,30 @@ def route(answer: Answer, walkable: Walkable) -> list[Leg]:
         others = ", ".join(clean_text(mark.name) for mark in answer.alternatives[:_TOLD])
         next_best = f"; next best: {others}" if others else ""
         raise NoWayError(f"nothing on the map serves, so there is no way to it: {answer.choice.evidence}{next_best}")
-    return route_through(answer.here, stops, walkable)
+    return route_through(answer.here, stops, ground)
 
 
-def route_through(here: Array, stops: Sequence[Landmark], walkable: Walkable) -> list[Leg]:
+def route_through(here: Array, stops: Sequence[Landmark], ground: Walkable | Building) -> list[Leg]:
     """The legs of the way through landmarks in their order.
+
+    Args:
+        here: (2 or 3,) metres, map frame; in a building with its height.
+        stops: to go to.
+        ground: of one storey, or of a building, in which ways lead over stairs and ramps that were walked.
 
     Raises:
         NoWayError: there is none to one of them.
     """
-    legs, at = [], np.asarray(here[:2], np.float64)
+    legs, at = [], np.asarray(here, np.float64)
     for stop in stops:
-        goal = goal_before(stop.position, stop.normal, walkable, at)
-        legs.append(Leg(stop, goal, walkable.way(at, goal.position)))
-        at = goal.position
+        if isinstance(ground, Building):
+            goal, way = ground.to_sign(at, stop.position, stop.normal)
+        else:
+            goal = goal_before(stop.position, stop.normal, ground, at)
+            way = ground.way(at, goal.position)
+        legs.append(Leg(stop, goal, way))
+        # From before a sign one goes on at the sign's storey.
+        at = np.array([*goal.position, stop.position[2]])
     return legs
 
 
@@ -140,6 +167,8 @@ def _nearest_next(lengths: Array) -> list[int]:
         order.append(at)
     return order
 
+
+_NO_FLOOR = "the map has no floor: none was seen; point the camera so that the floor is in view, and map again"
 
 _TOLD = 3  # places that are told as next best
 

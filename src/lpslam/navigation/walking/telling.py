@@ -42,11 +42,31 @@ def told(way: Way, signs: Sequence[Sign], goal: Sign, language: str = "en", head
         heading: radians counter-clockwise from the map's x axis, which way one looks at first; if known, the first
             step says how to turn.
     """
-    words, points = _words(language), _legs(way.points)
+    words = _words(language)
     # Where one goes is no mark of a turn before it: one is not there yet.
     signs = [each for each in signs if each.name != goal.name or not np.array_equal(each.position, goal.position)]
+    steps, faced, at = [], heading, 0
+    for climb in way.climbs:
+        walked, faced = _walked(way.points[at : climb.first + 1], signs, words, faced)
+        up = words["up" if climb.storeys > 0 else "down"]
+        steps += [*walked, *[up] * abs(climb.storeys)]
+        arriving = way.points[climb.last] - way.points[max(climb.last - 1, climb.first)]
+        faced, at = float(np.arctan2(arriving[1], arriving[0])), climb.last
+    walked, faced = _walked(way.points[at:], signs, words, faced)
+    steps += walked
+    offset = np.asarray(goal.position[:2], np.float64) - way.points[-1]
+    side = "ahead" if faced is None else _side(_difference(float(np.arctan2(offset[1], offset[0])), faced))
+    away = float(np.linalg.norm(offset))
+    arrival = words["arrive_far" if away > _FAR else "arrive"]
+    return [*steps, _filled(arrival, name=goal.name, side=words[side], metres=f"{away:.0f}")]
+
+
+def _walked(
+    way: Array, signs: Sequence[Sign], words: dict[str, str], faced: float | None
+) -> tuple[list[str], float | None]:
+    """The steps of a way (n, 2) on one storey, and which way one looks at its end; `faced` at its begin."""
     steps: list[str] = []
-    faced = heading
+    points = _legs(way)
     for start, end in pairwise(points):
         step = end - start
         if np.linalg.norm(step) < 0.5:
@@ -58,11 +78,7 @@ def told(way: Way, signs: Sequence[Sign], goal: Sign, language: str = "en", head
             steps.append(words[turn] if mark is None else _filled(words["at"], name=mark.name, turn=words[turn]))
         steps.append(_filled(words["go"], metres=f"{np.linalg.norm(step):.0f}"))
         faced = towards
-    offset = np.asarray(goal.position[:2], np.float64) - points[-1]
-    side = "ahead" if faced is None else _side(_difference(float(np.arctan2(offset[1], offset[0])), faced))
-    away = float(np.linalg.norm(offset))
-    arrival = words["arrive_far" if away > _FAR else "arrive"]
-    return [*steps, _filled(arrival, name=goal.name, side=words[side], metres=f"{away:.0f}")]
+    return steps, faced
 
 
 def length_told(way: Way, language: str = "en") -> str:

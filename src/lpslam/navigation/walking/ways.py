@@ -19,6 +19,20 @@ class NoWayError(UserError):
     """There is no such way; the message says what is missing, and what would be next best."""
 
 
+@dataclass(frozen=True, slots=True)
+class Climb:
+    """The part of a way that leads to another storey.
+
+    Attributes:
+        first, last: of the way's points, where it begins and ends.
+        storeys: how many it leads up; down, where negative.
+    """
+
+    first: int
+    last: int
+    storeys: int
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Way:
     """A way over the ground.
@@ -26,10 +40,12 @@ class Way:
     Attributes:
         points: (n, 2) metres, map frame, from where it begins to where it ends.
         speed: metres a second at which it is gone.
+        climbs: where it leads to other storeys, in its order.
     """
 
     points: Array
     speed: float
+    climbs: tuple[Climb, ...] = ()
 
     @property
     def length(self) -> float:
