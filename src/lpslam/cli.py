@@ -242,8 +242,9 @@ def draw(
     from lpslam.views.pictures import draw_language_map, draw_score_histories
 
     world = LanguageMap.load(map_file)
-    (draw_score_histories if memory else draw_language_map)(world, output)
-    print_written([output], as_json)
+    if memory:
+        draw_score_histories(world, output)
+    print_written([output] if memory else draw_language_map(world, output), as_json)
 
 
 @app.command(name="eval")

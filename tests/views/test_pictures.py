@@ -1,5 +1,7 @@
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,15 +12,19 @@ from PIL import Image
 from lpslam.config import MemoryConfig
 from lpslam.errors import UserError
 from lpslam.evaluation.trajectory import absolute_trajectory_error
+from lpslam.ground.grid import FREE, Grid
+from lpslam.mapfile.language_map import LanguageMap
 from lpslam.poses import StampedPoses
 from lpslam.text.remembering.histories import ScoreHistory, score_histories
 from lpslam.text.remembering.memory import LongShortTermMemory
 from lpslam.text.types import BoxFate, FrameReading, PlacedTexts, SpottedText
+from lpslam.views import pictures
 from lpslam.views.labels import place_labels
 from lpslam.views.map_picture import draw_map
 from lpslam.views.memory_plot import draw_memory
 from lpslam.views.overlay import draw_boxes, draw_reading
 from lpslam.views.trajectory_plot import draw_trajectories
+from small_maps import small_map, with_floor
 
 
 @dataclass
@@ -77,6 +83,32 @@ def test_hostile_names_and_numbers_are_drawn(tmp_path: Path) -> None:
 def test_maps_of_nothing_are_drawn(tmp_path: Path, points: int) -> None:
     draw_map(tmp_path / "map.png", np.zeros((points, 3)), np.zeros((points, 3)), [])
     assert (tmp_path / "map.png").stat().st_size > 0
+
+
+def test_each_storey_has_a_picture_with_what_is_on_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    world, shown = with_floor(small_map(["Below", "Above"])), dict[str, Any]()
+    free = np.full((80, 80), FREE, np.int8)
+    grids = [Grid(free, (0.0, 0.0), 0.1, storeys=(-1.2, 2.0), storey=storey) for storey in (0, 1)]
+    below, above = world.landmarks()
+    above = replace(above, position=above.position + np.array([0.0, 0.0, 3.0]))
+    walked = np.array([[0.0, 0.0, 0.0], [np.nan] * 3, [1.0, 0.0, 3.2]])
+    monkeypatch.setattr(LanguageMap, "grids", lambda self: grids)
+    monkeypatch.setattr(LanguageMap, "frame_poses", lambda self: SimpleNamespace(positions=walked))
+    monkeypatch.setattr(LanguageMap, "landmarks", lambda self: [below, above])
+
+    def draw(out: Path, *what: Any, ground: Grid, **more: Any) -> None:
+        shown[out.name] = *what, ground
+
+    monkeypatch.setattr(pictures, "draw_map", draw)
+    paths = pictures.draw_language_map(world, tmp_path / "map.png")
+    assert [path.name for path in paths] == ["map-storey_0.png", "map.png"]
+    for path, mark, row, grid in zip(paths, (below, above), (0, 2), grids, strict=True):
+        cloud, camera, marks, ground = shown[path.name]
+        assert marks == [mark]
+        assert np.flatnonzero(np.isfinite(camera).all(axis=1)).tolist() == [row]
+        assert ground is grid
+        # The floor that is seen lies below.
+        assert (len(cloud) > 0) == (grid.storey == 0)
 
 
 def test_unwritable_pictures_are_clear_errors(tmp_path: Path) -> None:
