@@ -139,7 +139,8 @@ class _Lexicon:
             self._glued[(verb + thing).replace(" ", "")].add("order")
         self._glued_sizes = sorted({len(word) for word in self._glued})
         # Signs share their words.
-        self._inside = lru_cache(maxsize=1 << 16)(self._groups_inside)
+        self._of_word = lru_cache(maxsize=1 << 16)(self._groups_of_word)
+        self._first_words = {entry.partition(" ")[0] for entry in (*self._whole, *self._stems) if " " in entry}
         self._most_words = max(word.count(" ") for word in self._whole) + 1
         self._most_letters = max(map(len, self._unspaced))
         self._longest_stem = max(map(len, self._stems))
@@ -147,21 +148,21 @@ class _Lexicon:
     def groups_in(self, words: Sequence[str]) -> set[str]:
         """Return the groups of which a text holds a word."""
         found: set[str] = set()
-        for at in range(len(words)):
-            for size in range(1, min(self._most_words, len(words) - at) + 1):
-                found |= self._whole.get(" ".join(words[at : at + size]), _NO_GROUP)
-                found |= self._starting(" ".join(words[at : at + size]))
-        for word in words:
-            found |= self._inside(word)
+        for at, word in enumerate(words):
+            found |= self._of_word(word)
+            if word in self._first_words:
+                for size in range(2, min(self._most_words, len(words) - at) + 1):
+                    phrase = " ".join(words[at : at + size])
+                    found |= self._whole.get(phrase, _NO_GROUP) | self._starting(phrase)
         glued = "".join(words)
         if not glued.isascii():
             for at, size in product(range(len(glued)), range(1, self._most_letters + 1)):
                 found |= self._unspaced.get(glued[at : at + size], _NO_GROUP)
         return found
 
-    def _groups_inside(self, word: str) -> frozenset[str]:
-        """The groups of which a word holds another, or is one but for a slip."""
-        found: set[str] = set()
+    def _groups_of_word(self, word: str) -> frozenset[str]:
+        """The groups of which a word is or begins as one, holds another, or is one but for a slip."""
+        found = self._whole.get(word, _NO_GROUP) | self._starting(word)
         for at, size in product(range(len(word)), self._glued_sizes):
             if at + size <= len(word):
                 found |= self._glued.get(word[at : at + size], _NO_GROUP)
