@@ -34,6 +34,15 @@ projection_matrix: {rows: 3, cols: 4, data: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0]
 depth_scale: 0.0002
 fps: 25
 """,
+    "json, indented by tabs": """{
+\t"width": 640,
+\t"height": 480,
+\t"fx": 535.4, "fy": 539.2, "cx": 320.1, "cy": 247.6,
+\t"distortion": [0.1, -0.2, 0.001, 0.002, 0.3],
+\t"depth_scale": 5000, "fps": 25
+}""",
+    "open3d": """{"width": 640, "height": 480, "depth_scale": 5000, "fps": 25,
+"intrinsic_matrix": [535.4, 0, 0, 0, 539.2, 0, 320.1, 247.6, 1], "distortion": [0.1, -0.2, 0.001, 0.002, 0.3]}""",
     "kalibr": """
 cam0:
   camera_model: pinhole

@@ -1,8 +1,10 @@
+import json
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
+import yaml
 from recordings import CAMERA_YAML, picture, raw_depth, write_tum
 
 from lpslam.errors import UserError
@@ -187,6 +189,13 @@ def test_freiburg_calibrations_are_known_by_the_folders_name(
     assert source.camera.is_distorted is distorted
     assert source.camera.depth_scale == 5000
     assert len(source.notes) == 1
+
+
+@pytest.mark.parametrize("name", ["camera.json", "calibration.json", "camera_info.yaml", "intrinsics.json"])
+def test_a_calibration_beside_the_lists_is_found_by_any_usual_name(tmp_path: Path, name: str) -> None:
+    folder = write_tum(tmp_path / "walk", camera=None)
+    (folder / name).write_text(json.dumps(yaml.safe_load(CAMERA_YAML)))
+    assert open_source(folder).camera.fx == 50.0
 
 
 def test_an_unknown_camera_is_asked_for_and_can_be_given(tmp_path: Path) -> None:

@@ -1,8 +1,8 @@
-"""Reading a camera calibration from YAML, in any of the forms in which people write one.
+"""Reading a camera calibration from YAML or JSON, in any of the forms in which people write one.
 
 Understood: flat keys (fx, fy, cx, cy, width, height, depth_scale, distortion, fps), the same nested under a camera's
-name, a matrix K, ROS camera_info, Kalibr's camchain, and dotted keys (Camera.fx, Camera1.fx, DepthMapFactor) under
-OpenCV's `%YAML:1.0`.
+name, a matrix K, ROS camera_info, Kalibr's camchain, Open3D's intrinsics, and dotted keys (Camera.fx, Camera1.fx,
+DepthMapFactor) under OpenCV's `%YAML:1.0`.
 """
 
 from collections.abc import Iterator
@@ -157,7 +157,9 @@ def _intrinsics(section: Tree, path: Path) -> tuple[float, float, float, float]:
         if len(matrix) == 4:
             return matrix[0], matrix[1], matrix[2], matrix[3]
         if len(matrix) == 9:
-            return matrix[0], matrix[4], matrix[2], matrix[5]
+            # Open3D writes its matrix column by column.
+            cx, cy = (matrix[6], matrix[7]) if matrix[2] == matrix[5] == 0.0 else (matrix[2], matrix[5])
+            return matrix[0], matrix[4], cx, cy
         raise UserError(
             f"calibration {path}: the intrinsics have {len(matrix)} numbers; they must be 4 or a 3×3 matrix"
         )

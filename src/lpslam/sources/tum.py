@@ -14,7 +14,11 @@ from lpslam.sources.clocks import in_seconds
 from lpslam.sources.image_pairs import ImagePair, ImagePairSource, first_image_size, in_depth_pauses
 from lpslam.timestamps import associate, usual_tolerance
 
-CAMERA_FILES = ("camera.yaml", "camera.yml", "calibration.yaml", "calibration.yml")
+CAMERA_FILES = tuple(
+    f"{name}.{ending}"
+    for name in ("camera", "calibration", "camera_info", "intrinsics", "intrinsic", "camera_intrinsic")
+    for ending in ("yaml", "yml", "json")
+)
 DEPTH_SCALE = 5000.0
 _NOMINAL_FOCAL = 0.87  # of the width: 60 degrees across, as most RGB-D cameras have it
 

@@ -1,5 +1,6 @@
-"""YAML as a tree of lower-case keys, whoever wrote it: OpenCV's dialect and dotted keys included."""
+"""YAML or JSON as a tree of lower-case keys, whoever wrote it: OpenCV's dialect and dotted keys included."""
 
+import json
 import re
 from pathlib import Path
 from typing import Any
@@ -29,7 +30,7 @@ _LenientLoader.add_multi_constructor("", _construct_untagged)
 
 
 def read_yaml_tree(path: Path, what: str) -> Tree:
-    """Read a YAML file whose top is a mapping; `Camera.fx` becomes fx under camera.
+    """Read a YAML or JSON file whose top is a mapping; `Camera.fx` becomes fx under camera.
 
     Args:
         path: the file.
@@ -39,6 +40,8 @@ def read_yaml_tree(path: Path, what: str) -> Tree:
         UserError: the file cannot be read or is no YAML mapping.
     """
     text = text_of(path, what)
+    if (tree := _json_of(text)) is not None:
+        return _lower(tree)
     # OpenCV writes "%YAML:1.0", which is not YAML, and reads "key:1" without a space.
     text = re.sub(r"\A\s*%YAML.*\n(?:---.*\n)?", "", text)
     text = re.sub(r"(?m)^(\s*[A-Za-z_][\w.]*):(?=[-+.\d\[\"])", r"\1: ", text)
@@ -49,6 +52,15 @@ def read_yaml_tree(path: Path, what: str) -> Tree:
     except (ValueError, RecursionError) as error:
         raise UserError(f"{what} {path} is not YAML: {' '.join(str(error).split())[:200]}") from error
     raise UserError(f"{what} {path} holds no keys; write one `key: value` a line")
+
+
+def _json_of(text: str) -> Tree | None:
+    """The mapping of a JSON text, indented by tabs too, as YAML may not be; None of any other text."""
+    try:
+        tree = json.loads(text)
+    except (ValueError, RecursionError):
+        return None
+    return tree if isinstance(tree, dict) else None
 
 
 def _lower(tree: dict[Any, Any]) -> Tree:

@@ -3,19 +3,16 @@
 Open3D's layout: http://www.open3d.org/docs/release/tutorial/reconstruction_system/capture_your_own_dataset.html
 """
 
-import json
 from pathlib import Path
 
 from lpslam.camera import PinholeCamera
 from lpslam.errors import UserError
-from lpslam.regular_files import text_of
 from lpslam.sources.calibration import Calibration, read_calibration
 from lpslam.sources.captures.common import RATE, numbered
 from lpslam.sources.image_pairs import ImagePair, ImagePairSource, first_image_size
 from lpslam.sources.tum import CAMERA_FILES
 
 _COLOURS, _DEPTHS = (".jpg", ".jpeg", ".png"), (".png", ".tif", ".tiff")
-_INTRINSICS = ("camera_intrinsic.json", "intrinsic.json", "camera.json")
 _MILLIMETRES = 1000.0
 
 
@@ -57,9 +54,6 @@ def _calibration(folder: Path, camera_file: Path | None, size: tuple[int, int] |
     own = camera_file or next((folder / name for name in CAMERA_FILES if (folder / name).is_file()), None)
     if own is not None:
         return read_calibration(own, image_size=size, default_depth_scale=_MILLIMETRES)
-    stated = next((folder / name for name in _INTRINSICS if (folder / name).is_file()), None)
-    if stated is not None:
-        return Calibration(open3d_camera(stated), ("depth is taken for millimetres",))
     width, height = size or (640, 480)
     if folder.joinpath("color").is_dir() or nominal:
         # Redwood's recordings state none: PrimeSense's factory values, as Open3D takes them too.
@@ -67,18 +61,3 @@ def _calibration(folder: Path, camera_file: Path | None, size: tuple[int, int] |
         middle = (width - 1) / 2, (height - 1) / 2
         return Calibration(PinholeCamera(width, height, focal, focal, *middle, depth_scale=_MILLIMETRES), (note,))
     raise UserError(f"{folder} has no {CAMERA_FILES[0]}; give its calibration with --camera FILE")
-
-
-def open3d_camera(path: Path) -> PinholeCamera:
-    """Open3D's PinholeCameraIntrinsic: width, height and a matrix column by column.
-
-    Raises:
-        UserError: it is something else.
-    """
-    try:
-        tree = json.loads(text_of(path))
-        matrix = [float(value) for value in tree["intrinsic_matrix"]]
-        fx, fy, cx, cy = matrix[0], matrix[4], matrix[6], matrix[7]
-        return PinholeCamera(int(tree["width"]), int(tree["height"]), fx, fy, cx, cy, depth_scale=_MILLIMETRES)
-    except (ValueError, OverflowError, KeyError, TypeError, IndexError, RecursionError) as error:
-        raise UserError(f"{path} is no calibration of Open3D (width, height, intrinsic_matrix)") from error
