@@ -15,6 +15,7 @@ from lpslam.slam.kernels import graph
 from lpslam.slam.kernels.graph import MapColumns
 from lpslam.slam.mapping.relative_poses import RelativePoses
 from lpslam.slam.ranges.curve import DepthCurve
+from lpslam.slam.state import Beginning
 
 _FEATURE_COLUMNS: dict[str, tuple[tuple[int, ...], Any, float]] = {
     "pixels": ((2,), np.float32, 0),
@@ -69,6 +70,7 @@ class SlamMap:
         depth_curve: by which readings of depth were corrected.
         relative_poses: what pictures say of pairs of keyframes; not saved.
         blurred: keyframes that may have moved while they were exposed; not saved.
+        beginnings: by the first keyframe of a sub-map that a seeing camera began, where it was last; not saved.
     """
 
     def __init__(self, features_per_keyframe: int, scales: NDArray[np.float64]) -> None:
@@ -82,6 +84,7 @@ class SlamMap:
         self.depth_curve = DepthCurve.straight()
         self.relative_poses = RelativePoses(PictureConfig())
         self.blurred: set[int] = set()
+        self.beginnings: dict[int, Beginning] = {}
         self._capacity = features_per_keyframe
         self._arrays: dict[str, NDArray[Any]] = {}
         for table, rows in ((_KEYFRAME_COLUMNS, 64), (_POINT_COLUMNS, 8192)):

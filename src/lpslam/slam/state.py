@@ -81,3 +81,17 @@ class TrackedFrame:
     def is_tracked(self) -> bool:
         """Whether the frame has a pose, if only in a sub-map."""
         return self.keyframe_from_camera is not None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Beginning:
+    """Where a camera was last before it began a sub-map, though it saw all the time.
+
+    Attributes:
+        keyframe, keyframe_from_camera: its last pose (4×4).
+        metres: that it may have moved from there until the sub-map began.
+    """
+
+    keyframe: int
+    keyframe_from_camera: NDArray[np.float64]
+    metres: float

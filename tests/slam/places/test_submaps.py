@@ -44,12 +44,12 @@ class Story:
         return [frame for frame in self.tracked if frame.is_tracked and submaps[frame.keyframe] == 1]
 
 
-def carried_away(clip: Clip, first: int = 0, config: SlamConfig | None = None) -> Story:
+def carried_away(clip: Clip, first: int = 0, config: SlamConfig | None = None, hidden: int = HIDDEN) -> Story:
     """`first` is the recording's frame at which the story begins."""
 
     def disturbance(frames: Iterator[RgbdFrame]) -> Iterator[RgbdFrame]:
         taken = [frame for frame in frames if first <= frame.index < LEFT or ARRIVED <= frame.index < LAST]
-        return hand_over_lens(LEFT - first, LEFT - first + HIDDEN)(iter(taken))
+        return hand_over_lens(LEFT - first, LEFT - first + hidden)(iter(taken))
 
     slam = RgbdSlam(clip.camera, config or LOST_AT_ONCE)
     tracked = [slam.process(frame) for frame in Disturbed(clip, disturbance)]
@@ -82,6 +82,19 @@ def test_unknown_views_begin_a_submap_after_a_while_and_not_before(story: Story)
     assert all(frame.state is TrackingState.LOST and not frame.is_tracked for frame in waiting)
     assert story.slam.map.is_root(root.keyframe)
     check_graph(story.slam.map)
+
+
+@pytest.mark.slow
+def test_where_a_submap_begins_is_known_unless_the_camera_was_blind(clip: Clip, story: Story) -> None:
+    assert story.slam.map.beginnings == {}
+    seeing = carried_away(clip, hidden=0)
+    slam, last = seeing.slam, seeing.tracked[LEFT - 1].timestamp
+    begun = next(event for event in slam.events if event.kind is EventKind.NEW_SUBMAP)
+    root = int(np.flatnonzero(slam.map.submaps() == 1)[0])
+    [(first, beginning)] = slam.map.beginnings.items()
+    assert first == root
+    assert slam.map.submaps()[beginning.keyframe] == 0
+    assert beginning.metres == pytest.approx(TrackingConfig().carried_speed * (begun.timestamp - last), rel=0.05)
 
 
 @pytest.mark.slow

@@ -143,30 +143,39 @@ def test_it_is_not_where_that_is_not_wanted(frames: list[RgbdFrame], config: Sla
 
 def test_what_is_told_is_believed_for_longer_than_the_motion_alone() -> None:
     coasting = Coasting(0.5, 10.0, 0.4)
-    assert coasting.goes_on(0.0, Told.NOTHING, Doubtful())
+    assert coasting.goes_on(0.0, 0.0, Told.NOTHING, Doubtful())
     for index in range(3):
         coasting.pass_over(index, float(index), np.eye(4), Told.WAY)
         assert coasting.guessed_since is None
-    assert coasting.goes_on(9.9, Told.WAY, Doubtful())
-    assert not coasting.goes_on(10.1, Told.WAY, Doubtful())
+    assert coasting.goes_on(9.9, 0.0, Told.WAY, Doubtful())
+    assert not coasting.goes_on(10.1, 0.0, Told.WAY, Doubtful())
     for timestamp in (5.0, 5.2):
         coasting.pass_over(5, timestamp, np.eye(4), Told.NOTHING)
         assert coasting.guessed_since == 5.0
-    assert coasting.goes_on(5.4, Told.NOTHING, Doubtful(9.0, 0.4))
-    assert not coasting.goes_on(5.6, Told.NOTHING, Doubtful(0.0, 0.6))
+    assert coasting.goes_on(5.4, 0.0, Told.NOTHING, Doubtful(9.0, 0.4))
+    assert not coasting.goes_on(5.6, 0.0, Told.NOTHING, Doubtful(0.0, 0.6))
     coasting.pass_over(6, 5.7, np.eye(4), Told.WAY)
     assert coasting.guessed_since is None
     coasting.end()
     assert coasting.since is None
-    assert not Coasting(0.0, 10.0, 0.4).goes_on(0.0, Told.WAY, Doubtful())
+    assert not Coasting(0.0, 10.0, 0.4).goes_on(0.0, 0.0, Told.WAY, Doubtful())
 
 
 def test_a_turn_is_believed_until_the_position_may_be_too_far_off() -> None:
     coasting = Coasting(0.5, 10.0, 0.4)
     coasting.pass_over(0, 0.0, np.eye(4), Told.TURN)
     assert coasting.guessed_since is None
-    assert coasting.goes_on(3.0, Told.TURN, Doubtful(0.39))
-    assert not coasting.goes_on(3.0, Told.TURN, Doubtful(0.41))
+    assert coasting.goes_on(3.0, 0.0, Told.TURN, Doubtful(0.39))
+    assert not coasting.goes_on(3.0, 0.0, Told.TURN, Doubtful(0.41))
+
+
+@pytest.mark.parametrize(
+    ("gap", "told", "is_passed"), [(0.4, Told.NOTHING, True), (2.0, Told.NOTHING, False), (2.0, Told.TURN, True)]
+)
+def test_over_frames_that_are_missing_the_motion_is_not_believed_for_longer(
+    gap: float, told: Told, is_passed: bool
+) -> None:
+    assert Coasting(0.5, 10.0, 0.4).goes_on(7.0 + gap, 7.0, told, Doubtful()) is is_passed
 
 
 @pytest.mark.parametrize(

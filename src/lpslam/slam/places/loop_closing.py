@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from lpslam.config import SlamConfig
 from lpslam.slam.advice import NO_ADVICE, LoopAdvisor, Recalled
 from lpslam.slam.map import SlamMap
+from lpslam.slam.places.drift import Drift
 from lpslam.slam.places.index import PlaceIndex, group_candidates
 from lpslam.slam.places.locating import Located, Locator
 from lpslam.slam.places.loop_correction import LoopCorrector
@@ -84,6 +85,7 @@ class LoopCloser:
         self._locator = locator
         self._config = config.loops
         self._advisor = advisor
+        self._drift = Drift(slam_map, config.loops)
         self._corrector = LoopCorrector(slam_map, sensor, config.loops, config.mapping)
         self._voting = Voting(slam_map, locator, config.loops, self._locate, self._reject)
         self._stop = np.zeros(1, np.bool_)
@@ -244,7 +246,7 @@ class LoopCloser:
             located = self._locate(keyframe, candidate, keyframe)
             if located is None:
                 self._reject("does not fit")
-            elif not self._is_possible(keyframe, located):
+            elif not self._drift.allows(keyframe, located):
                 self._reject("more than drift")
             elif (reason := self._objection(keyframe, located)) is not None:
                 self._reject(reason)
@@ -266,25 +268,6 @@ class LoopCloser:
             if not self._map.is_alive(keyframe):
                 return "removed"
             return self._advisor.vetoes(self._map, keyframe, located.keyframe, located.camera_from_world)
-
-    def _is_possible(self, keyframe: int, located: Located) -> bool:
-        """Whether the way since can have drifted so far; between sub-maps nothing is known."""
-        slam_map, config = self._map, self._config
-        with slam_map.lock:
-            submaps = slam_map.submaps()
-            if submaps[keyframe] != submaps[located.keyframe]:
-                return True
-            first, last = sorted((keyframe, located.keyframe))
-            living = slam_map.living_keyframes()
-            way = living[(living >= first) & (living <= last) & (submaps[living] == submaps[keyframe])]
-            poses = slam_map.columns.camera_from_world[way]
-            metres, degrees = apart(slam_map.camera_from_world(keyframe), located.camera_from_world)
-        centres = -np.einsum("nji,nj->ni", poses[:, :3, :3], poses[:, :3, 3])
-        length = float(np.linalg.norm(np.diff(centres, axis=0), axis=1).sum())
-        return (
-            metres <= config.drift_allowance + config.drift_share * length
-            and degrees <= config.turn_allowance + config.turn_rate * length
-        )
 
     def _miss(self) -> None:
         if self._hypothesis is not None:

@@ -43,10 +43,16 @@ class Coasting:
     guessed_since: float | None = None
     _frames: list[_Passed] = field(default_factory=list)
 
-    def goes_on(self, timestamp: float, told: Told, doubtful: Doubtful) -> bool:
-        """Whether a frame that shows too little may be passed over, as doubtful as its way is."""
+    def goes_on(self, timestamp: float, last: float, told: Told, doubtful: Doubtful) -> bool:
+        """Whether a frame that shows too little may be passed over, as doubtful as its way is.
+
+        Args:
+            timestamp, last: of the frame and of the last one with a place, seconds.
+            told, doubtful: what is known of the way between them.
+        """
         if self.since is None:
-            return self.seconds > 0.0
+            # Frames may be missing from the recording: the motion is not believed for longer over those.
+            return self.seconds > 0.0 and (told is not Told.NOTHING or timestamp - last <= self.seconds)
         if doubtful.seconds > self.seconds:
             return False
         # For a moment the motion is believed whatever its pace.

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from lpslam.camera import inverse_transform
 from lpslam.config import KeyframeConfig, SlamConfig
-from lpslam.slam.state import EventKind, TrackedFrame, TrackingState
+from lpslam.slam.state import Beginning, EventKind, TrackedFrame, TrackingState
 from lpslam.slam.tracking.anchoring import Anchoring
 from lpslam.slam.tracking.backtracking import Placed
 from lpslam.slam.tracking.carrying_on import CarryingOn, Doubtful, Told
@@ -86,6 +86,8 @@ class Losing:
             config.tracking.coast_seconds, config.surfaces.held_seconds, config.tracking.coast_metres
         )
         self._unknown_since: float | None = None
+        self._was_blind = False
+        self._carried_speed = config.tracking.carried_speed
         self.hindsight = Hindsight()
 
     @property
@@ -102,6 +104,15 @@ class Losing:
     def seen(self) -> None:
         """A frame has a pose of its own: what is in view is known."""
         self._unknown_since = None
+        self._was_blind = False
+
+    def beginning(self, timestamp: float) -> Beginning | None:
+        """Whence the camera came to a view at a time in seconds, if it saw all the way; a blind one may be anywhere."""
+        seen = self._where.seen()
+        if seen is None or self._was_blind:
+            return None
+        metres = self._carried_speed * max(timestamp - seen.timestamp, 0.0)
+        return Beginning(seen.keyframe, inverse_transform(seen.camera_from_keyframe), metres)
 
     def coast(self, picture: Picture) -> TrackedFrame | None:
         """Give a frame that fits nothing a pose by surfaces, its keypoints or the motion; None if none is believed."""
@@ -111,11 +122,12 @@ class Losing:
             return None
         camera_from_keyframe = self._carrying_on.follow(last, picture)
         told = self._carrying_on.told
-        if not self._coasting.goes_on(frame.timestamp, told, self._carrying_on.doubtful):
+        if not self._coasting.goes_on(frame.timestamp, last.timestamp, told, self._carrying_on.doubtful):
             return None
         if told is Told.NOTHING and self._shows_enough(picture) and self._coasting.is_guess(frame.timestamp):
             # After a time without a view, one that fits nothing is of elsewhere.
             return None
+        self._was_blind |= not self._shows_enough(picture)
         self._coasting.pass_over(frame.index, frame.timestamp, camera_from_keyframe, told)
         if self._unknown_since is None and self._shows_enough(picture):
             self._unknown_since = frame.timestamp
@@ -150,6 +162,7 @@ class Losing:
             where.tell(EventKind.LOST, frame, reason)
         where.state = TrackingState.LOST
         where.forget()
+        self._was_blind |= not self._shows_enough(picture)
         if not self._shows_enough(picture) or not self._grows:
             self._unknown_since = None
         elif self._unknown_since is None:

@@ -288,11 +288,14 @@ class Tracker:
 
     def _found(self, picture: Picture, camera_from_world: _Matrix) -> TrackedFrame:
         """Begin a map or sub-map: every keypoint with depth is a point."""
+        begun = self._losing.beginning(picture.timestamp)
         self._where.state, self._where.reference = TrackingState.TRACKING, -1
         self._losing.seen()
         self._relocaliser.forget()
         self._quality.begin(picture)
         tracked = self._make_keyframe(picture, camera_from_world)
+        if begun is not None:
+            self._map.beginnings[tracked.keyframe] = begun
         self._go_back()
         return tracked
 
