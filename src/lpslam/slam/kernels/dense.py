@@ -183,9 +183,7 @@ def descend(
     depth_noise: tuple[float, float],
     every: int,
     limits: tuple[int, float, float, float],
-    hessian: NDArray[np.float64],
-    gradient: NDArray[np.float64],
-    residuals: NDArray[np.float64],
+    terms: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]],
 ) -> tuple[int, int, int]:
     """Gauss-Newton from a pose between two images, until a step is a small part of what they can tell.
 
@@ -198,7 +196,8 @@ def descend(
         depth_noise, every: as of `align_terms`.
         limits: steps at most; how many pixels must fall into the image, and have depth in both; and the squared sigmas
             of a step that is the last one.
-        hessian, gradient, residuals: as of `align_terms`, of the last step, but for the lower half of the hessian.
+        terms: hessian, gradient and residuals, as of `align_terms`, of the last step, but for the lower half of the
+            hessian.
 
     Returns:
         The counts of `align_terms` in the last step; -1 first where too few pixels were compared, or tell no step.
@@ -206,6 +205,7 @@ def descend(
     steps, least_inside, least_measured, settled = limits
     offset, sigma, doubt, least_sigma = shades
     reference, image, intrinsics = images
+    hessian, gradient, residuals = terms
     sizes, system, step = np.empty(residuals.shape[1]), np.empty((6, 6)), np.empty(6)
     inside = measured = agreeing = 0
     for _ in range(steps):

@@ -259,9 +259,7 @@ class Surfaces:
                 config.least_measured * reference[0].size / every,
                 config.settled**2,
             ),
-            hessian,
-            gradient,
-            residuals,
+            (hessian, gradient, residuals),
         )
         if counts[0] < 0:
             return None
