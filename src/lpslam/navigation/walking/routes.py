@@ -34,39 +34,23 @@ class Leg:
     way: Way
 
 
-def walkable_of(world: LanguageMap, config: Config | None = None) -> Walkable:
-    """The ground of a map on which a robot has room; of several storeys, of that on which the map ends.
-
-    Raises:
-        NoWayError: the map has none.
-    """
-    config = config or Config()
-    _refuse_no_scans(world)
-    grid = world.grid(config.ground)
-    if grid is None:
-        raise NoWayError(_NO_FLOOR)
-    return Walkable(grid, config.ways)
-
-
 def building_of(world: LanguageMap, config: Config | None = None) -> Building:
-    """The ground of all storeys of a map, and the ways between them.
+    """The ground of all storeys of a map on which a robot has room, and the ways between them.
 
     Raises:
         NoWayError: the map has none.
     """
     config = config or Config()
-    _refuse_no_scans(world)
-    grids = world.grids(config.ground)
-    if not grids:
-        raise NoWayError(_NO_FLOOR)
-    return Building(grids, world.frame_poses().positions, config)
-
-
-def _refuse_no_scans(world: LanguageMap) -> None:
     if world.scans is None or not len(world.scans):
         raise NoWayError(
             "the map keeps nothing of the ground: it was made by an older version; map the recording again"
         )
+    grids = world.grids(config.ground)
+    if not grids:
+        raise NoWayError(
+            "the map has no floor: none was seen; point the camera so that the floor is in view, and map again"
+        )
+    return Building(grids, world.frame_poses().positions, config)
 
 
 def route(answer: Answer, ground: Walkable | Building) -> list[Leg]:
@@ -167,8 +151,6 @@ def _nearest_next(lengths: Array) -> list[int]:
         order.append(at)
     return order
 
-
-_NO_FLOOR = "the map has no floor: none was seen; point the camera so that the floor is in view, and map again"
 
 _TOLD = 3  # places that are told as next best
 
