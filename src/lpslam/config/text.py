@@ -192,9 +192,11 @@ class ReadingConfig(Section):
     # Frames worth reading that may wait beside tracking; while so many do, a recording waits. With more, tracking runs
     # ahead of what decides how soon to read again.
     queue_size: int = Field(default=1, ge=1)
-    # The same of a camera, 2 MB each: the newest is read first, the others when none newer waits, and at the end, which
-    # takes three seconds where it is quick, and as many times as long as a frame takes longer.
-    live_queue_size: int = Field(default=24, ge=1)
+    # The same of a camera: the newest is read first, the others when none newer waits, and at the end, which takes ten
+    # seconds where it is quick, and as many times as long as a frame takes longer. So many are worth reading in 13 s.
+    live_queue_size: int = Field(default=96, ge=1)
+    # Bytes that they may take: 24 frames as they are, or, packed as all but the newest soon are, two hundred.
+    live_queue_bytes: int = Field(default=50_000_000, ge=1)
 
 
 class PatternConfig(Section):

@@ -28,7 +28,8 @@ def naming_beside(language: LanguageModel | None) -> NamingBeside | None:
 def reading_thread(mapper: TextMapper, config: ReadingConfig, live: bool) -> ReadingThread:
     """Live, the newest frame is read first, and tracking comes first; of a recording none is left out."""
     if live:
-        return ReadingThread(mapper, config.live_queue_size, config.live_share, READING, newest_first=True)
+        size, most = config.live_queue_size, config.live_queue_bytes
+        return ReadingThread(mapper, size, config.live_share, READING, newest_first=True, queue_bytes=most)
     return ReadingThread(mapper, config.queue_size)
 
 

@@ -8,6 +8,7 @@ import pytest
 
 from lpslam.frames import RgbdFrame
 from lpslam.slam.state import TrackedFrame, TrackingState
+from lpslam.text.reading.packing import PackedFrame
 from lpslam.text.reading.reading_thread import ReadingThread
 
 
@@ -16,6 +17,7 @@ class Mapper:
 
     def __init__(self, fails_at: int = -1) -> None:
         self.read_frames: list[int] = []
+        self.frames: list[RgbdFrame] = []
         self.threads: set[str] = set()
         self.let = threading.Semaphore(0)
         self.is_reading = threading.Event()
@@ -31,6 +33,7 @@ class Mapper:
         if frame.index == self._fails_at:
             raise ValueError("broken reader")
         self.read_frames.append(frame.index)
+        self.frames.append(frame)
 
 
 def frame(index: int, is_tracked: bool = True) -> tuple[RgbdFrame, TrackedFrame]:
@@ -102,6 +105,35 @@ def test_where_too_many_wait_those_stay_that_are_apart_and_all_are_read_at_the_e
     assert mapper.read_frames == sorted(mapper.read_frames)
     assert (mapper.read_frames[:2], mapper.read_frames[-1], reader.dropped) == ([0, 10], 50, 3)
     assert min(np.diff(mapper.read_frames)) >= 9
+
+
+def test_all_but_the_newest_wait_packed_and_are_read_as_they_were() -> None:
+    mapper = Mapper()
+    with while_the_first_is_read(mapper, 20, newest_first=True) as reader:
+        for index in range(1, 11):
+            reader.observe(*frame(index))
+        mapper.is_reading.clear()
+        mapper.let.release()
+        # The next one is being read: what waited beside it has been packed.
+        assert mapper.is_reading.wait(10)
+        kinds = [type(each) for each, _ in reader._queue]
+    assert kinds == [PackedFrame] * 6 + [RgbdFrame] * 3
+    assert sorted(mapper.read_frames) == list(range(11))
+    assert {each.rgb.shape for each in mapper.frames} == {(2, 2, 3)}
+
+
+def test_what_waits_takes_no_more_than_it_may() -> None:
+    mapper = Mapper()
+    seen, _ = frame(0)
+    three = 3 * (seen.rgb.nbytes + seen.depth.nbytes)
+    with ReadingThread(mapper, 100, newest_first=True, queue_bytes=three) as reader:
+        reader.observe(*frame(0))
+        assert mapper.is_reading.wait(10)
+        for index in range(1, 11):
+            reader.observe(*frame(index))
+        assert len(reader._queue) == 3
+        assert reader.dropped == 7
+        mapper.let.release(100)
 
 
 def test_frames_that_are_not_worth_reading_take_no_place() -> None:

@@ -1,12 +1,13 @@
 """Reading beside tracking: a thread of its own behind a bounded queue.
 
 Of a camera the newest frame is read first, and the others when none newer waits, and at the end. Where too many wait,
-one goes that has others soon before and after it.
+one goes that has others soon before and after it. All but the newest wait packed.
 """
 
 import threading
 import time
 from collections import deque
+from math import inf
 from types import TracebackType
 from typing import Self
 
@@ -14,9 +15,15 @@ from lpslam.frames import RgbdFrame
 from lpslam.priority import yield_to_others
 from lpslam.slam.state import TrackedFrame
 from lpslam.text.mapper import TextMapper
+from lpslam.text.reading.packing import PackedFrame
 
 _PATIENCE = 1.0
 """Seconds that an exception on its way waits for the frame that is being read."""
+
+_UNPACKED = 4
+"""Of the newest that wait, so many as they are: they are read next."""
+
+Waiting = tuple[RgbdFrame | PackedFrame, TrackedFrame]
 
 
 class ReadingThread:
@@ -28,6 +35,7 @@ class ReadingThread:
     Args:
         mapper: reads and remembers.
         queue_size: frames that may wait.
+        queue_bytes: that they may take.
         newest_first: whether the newest is read first while frames come, rather than the oldest.
         share: of the time, 0 to 1, that may be spent reading.
         niceness: how far the thread stands back behind others.
@@ -37,13 +45,19 @@ class ReadingThread:
     """
 
     def __init__(
-        self, mapper: TextMapper, queue_size: int, share: float = 1.0, niceness: int = 0, newest_first: bool = False
+        self,
+        mapper: TextMapper,
+        queue_size: int,
+        share: float = 1.0,
+        niceness: int = 0,
+        newest_first: bool = False,
+        queue_bytes: float = inf,
     ) -> None:
         self._mapper = mapper
         self._niceness = niceness
         self._share = share
-        self._queue: deque[tuple[RgbdFrame, TrackedFrame]] = deque()
-        self._queue_size, self._newest_first = queue_size, newest_first
+        self._queue: deque[Waiting] = deque()
+        self._queue_size, self._queue_bytes, self._newest_first = queue_size, queue_bytes, newest_first
         self._changed = threading.Condition()
         self._closing = False
         self._error: Exception | None = None
@@ -58,13 +72,19 @@ class ReadingThread:
         if not self._mapper.wants(frame, tracked):
             return
         with self._changed:
-            if len(self._queue) == self._queue_size:
+            while self._is_full(frame):
                 times = [each.timestamp for each, _ in self._queue] if self._newest_first else []
                 gaps = [after - before for before, after in zip(times, times[2:], strict=False)]
                 del self._queue[1 + gaps.index(min(gaps)) if gaps else 0]
                 self.dropped += 1
             self._queue.append((frame, tracked))
             self._changed.notify_all()
+
+    def _is_full(self, frame: RgbdFrame) -> bool:
+        taken = sum(_bytes_of(each) for each, _ in self._queue)
+        return bool(self._queue) and (
+            len(self._queue) >= self._queue_size or taken + _bytes_of(frame) > self._queue_bytes
+        )
 
     def wait_for_place(self) -> None:
         """Wait until one frame more would drop none: a recording can wait, a camera cannot."""
@@ -107,7 +127,9 @@ class ReadingThread:
                 self._changed.notify_all()
             before = time.perf_counter()
             try:
-                self._mapper.read(frame, tracked)
+                self._mapper.read(frame.unpacked() if isinstance(frame, PackedFrame) else frame, tracked)
+                if self._newest_first:
+                    self._pack()
             except Exception as error:
                 with self._changed:
                     self._error = error
@@ -116,3 +138,22 @@ class ReadingThread:
             taken = time.perf_counter() - before
             with self._changed:
                 self._changed.wait_for(lambda: self._closing, taken * (1.0 / self._share - 1.0))
+
+    def _pack(self) -> None:
+        """Pack what waits but for the newest; while one is packed, others may come and go."""
+        while True:
+            with self._changed:
+                older = list(self._queue)[:-_UNPACKED]
+            frame = next((each for each, _ in older if isinstance(each, RgbdFrame)), None)
+            if frame is None:
+                return
+            packed = PackedFrame.of(frame)
+            with self._changed:
+                for row, (each, tracked) in enumerate(self._queue):
+                    if each is frame:
+                        self._queue[row] = packed, tracked
+                        break
+
+
+def _bytes_of(frame: RgbdFrame | PackedFrame) -> int:
+    return frame.nbytes if isinstance(frame, PackedFrame) else frame.rgb.nbytes + frame.depth.nbytes
