@@ -112,7 +112,7 @@ class TextMap:
         poses = cache(world_from_keyframe)
         places = [place for each in self.long_term for place in read_places(each, poses, instances, memory)]
         places = without_patterned(places, self.patterns.standing(poses), self.config.patterns)
-        groups = boards(without_overlaps(places, instances), instances)
+        groups = boards(without_overlaps(places, instances, memory), instances)
         ahead = script_ahead(groups)
         return [
             self._landmark(in_one_script(group, self._slots_of, around))

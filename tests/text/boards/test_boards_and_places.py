@@ -114,7 +114,7 @@ def test_fragments_and_misreadings_yield_to_the_text_that_stands_there() -> None
     fragment = place(1000, "STARB", -0.2, 0.0, width=0.6, count=25)
     misreading = place(2000, "5TPREJGE5", 0.0, 0.02, count=3)
     below = place(3000, "COFFEE", 0.0, 0.4)
-    assert [each.name for each in without_overlaps([fragment, misreading, below, whole], CONFIG)] == [
+    assert [each.name for each in without_overlaps([fragment, misreading, below, whole], CONFIG, MemoryConfig())] == [
         "STARBUCKS",
         "COFFEE",
     ]
@@ -122,7 +122,7 @@ def test_fragments_and_misreadings_yield_to_the_text_that_stands_there() -> None
 
 def test_a_longer_text_read_once_in_a_while_does_not_replace_a_sure_one() -> None:
     sure, odd = place(0, "KFC", 0.0, 0.0, count=30), place(1000, "KFC lll", 0.05, 0.0, count=2)
-    assert [each.name for each in without_overlaps([sure, odd], CONFIG)] == ["KFC"]
+    assert [each.name for each in without_overlaps([sure, odd], CONFIG, MemoryConfig())] == ["KFC"]
 
 
 def observations(text: str, x: float, count: int, first: int = 0, right: float = 0.9) -> list[TextObservation]:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lpslam.config import InstanceConfig
+from lpslam.config import InstanceConfig, MemoryConfig
 from lpslam.text.boards import boards as module
 from lpslam.text.boards import overlaps
 from lpslam.text.placing.places import Place
@@ -63,7 +63,7 @@ def test_places_far_apart_are_not_compared(monkeypatch: pytest.MonkeyPatch) -> N
     places = many_places(2_000)
     compared = []
     monkeypatch.setattr(overlaps, "overlap", lambda *pair: compared.append(pair) or 0.0)
-    assert overlaps.without_overlaps(places, InstanceConfig()) == places
+    assert overlaps.without_overlaps(places, InstanceConfig(), MemoryConfig()) == places
     assert len(compared) < 2 * len(places)
     tracemalloc.start()
     assert [[each] for each in places] == module.boards(places, InstanceConfig())

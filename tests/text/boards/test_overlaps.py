@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from lpslam.config import InstanceConfig
+from lpslam.config import InstanceConfig, MemoryConfig
 from lpslam.text.boards.overlaps import without_overlaps
 from lpslam.text.placing.places import Place
+from lpslam.text.types import TextObservation
 
 CONFIG = InstanceConfig()
 
@@ -31,7 +32,7 @@ def seen_in(place: Place, frame: int, x: float, y: float) -> Place:
 
 
 def kept(*places: Place) -> set[str]:
-    return {each.name for each in without_overlaps(list(places), CONFIG)}
+    return {each.name for each in without_overlaps(list(places), CONFIG, MemoryConfig())}
 
 
 def test_a_small_line_within_the_width_of_a_large_one_stands() -> None:
@@ -67,3 +68,33 @@ def test_of_a_block_of_columns_the_lines_across_go_whose_characters_stand_farthe
     assert kept(*columns, *across) == {"烏龍茶", "豆花湯", "芋圓冰"}
     lines = [replace(each, height=0.50) for each in columns]
     assert kept(*lines, *across) == {"芋豆烏", "冰湯茶"}
+
+
+def read_as(place: Place, sure: float, *texts: str) -> Place:
+    """The place as it was read, once a second, each reading as likely right as not."""
+    seen = [TextObservation(10 * at, float(at), 0, text, 0.9, None, 20.0, right=0.5) for at, text in enumerate(texts)]
+    return replace(place, confidence=sure, seen=tuple(seen))
+
+
+def test_readings_that_joined_the_class_of_an_equal_text_say_what_it_is_called() -> None:
+    slips = read_as(place(0, "COLONIA", 0, 0, 0.7, 0.15, 20), 0.88, "COLONIA", "COLONBA", "COLONSIA", "COLONIA")
+    sure = read_as(place(1000, "COLOMBIA", 0.02, 0, 0.7, 0.15, 10), 0.98, "COLOMBIA", "COLONBIA", "COLOMBIA")
+    below = place(1001, "COLOMBIA", 0, 0.5, 0.7, 0.15, 30)
+    assert kept(slips, sure, below) == {"COLOMBIA"}
+    # What stands nowhere else was named by readings of this text alone, and by fewer.
+    assert kept(slips, sure) == {"COLONIA"}
+
+
+def test_a_name_that_stands_elsewhere_renames_nothing_that_is_read_well() -> None:
+    often = replace(place(0, "LUMINA", 0, 0, 0.7, 0.15, 20), confidence=0.9)
+    often = replace(often, seen=tuple(replace(each, right=0.95) for each in read_as(often, 0.9, *["LUMINA"] * 8).seen))
+    once = read_as(place(1000, "LAMINA", 0.02, 0, 0.7, 0.15, 2), 0.98, "LAMINA")
+    below = place(1001, "LAMINA", 0, 0.5, 0.7, 0.15, 30)
+    assert kept(often, once, below) == {"LUMINA", "LAMINA"}
+
+
+def test_a_name_of_other_letters_in_the_same_box_renames_nothing() -> None:
+    often = read_as(place(0, "LUMO", 0, 0, 0.7, 0.15, 20), 0.5, *["LUMO"] * 4)
+    other = read_as(place(1000, "OPEN", 0.02, 0, 0.7, 0.15, 3), 0.98, *["OPEN"] * 3)
+    below = place(1001, "OPEN", 0, 0.5, 0.7, 0.15, 30)
+    assert kept(often, other, below) == {"LUMO", "OPEN"}

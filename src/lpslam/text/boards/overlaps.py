@@ -5,15 +5,16 @@ read at the spot says nothing: a small line may stand within the width of a larg
 showed apart are two paints, whatever their places seem to be.
 """
 
+from collections import Counter, defaultdict
 from collections.abc import Sequence
 
 import numpy as np
 from rapidfuzz import fuzz
 from scipy.spatial import KDTree
 
-from lpslam.config import InstanceConfig
-from lpslam.text.placing.places import Place
-from lpslam.text.remembering.similarity import IDEOGRAPHS, comparison_key, is_fragment
+from lpslam.config import InstanceConfig, MemoryConfig
+from lpslam.text.placing.places import PLACES_OF_A_CLASS, Place, named_together
+from lpslam.text.remembering.similarity import IDEOGRAPHS, comparison_key, is_fragment, similarity
 
 # Metres within which two texts are on one surface: a text that was read wrongly is often placed worse too.
 _SURFACE = 0.25
@@ -31,18 +32,38 @@ _ROW_HEIGHT, _ROW_SHIFT = 1.4, 0.35
 _LONG = 1.3
 
 
-def without_overlaps(places: Sequence[Place], config: InstanceConfig) -> list[Place]:
-    """Of places that are one paint, keep the best founded: whole texts over their fragments, else the most evidence."""
+def without_overlaps(places: Sequence[Place], config: InstanceConfig, memory: MemoryConfig) -> list[Place]:
+    """Of places that are one paint, keep the best founded: whole texts over their fragments, else the most evidence.
+
+    Where some readings of a text have joined the class of another one that says the same, that says what it is called.
+    """
+    stand = Counter(each.id // PLACES_OF_A_CLASS for each in places)
     ordered = sorted(places, key=lambda each: (-each.evidence * len(comparison_key(each.name)), each.id))
     standing: dict[int, Place] = {}
+    slips: dict[int, list[Place]] = defaultdict(list)
     for row, (place, near) in enumerate(zip(ordered, _in_reach(ordered), strict=True)):
         rivals = [each for each in near if each in standing and _are_one_paint(standing[each], place, config)]
-        if any(not _outranks(place, standing[each]) for each in rivals):
+        if stronger := [each for each in rivals if not _outranks(place, standing[each])]:
+            for each in stronger:
+                slips[each] += [place] if _are_alike(standing[each], place, memory) else []
             continue
         for each in rivals:
+            slips[row] += [standing[each]] if _are_alike(place, standing[each], memory) else []
             del standing[each]
         standing[row] = place
+    for row, others in slips.items():
+        # What stands nowhere else was named by what was read here, and less often.
+        elsewhere = [each for each in others if stand[each.id // PLACES_OF_A_CLASS] > 1]
+        if row in standing and elsewhere:
+            standing[row] = named_together(standing[row], elsewhere, memory)
     return sorted(standing.values(), key=lambda each: each.id)
+
+
+def _are_alike(first: Place, second: Place, config: MemoryConfig) -> bool:
+    """Whether two places have all but the same box, and names that are slips of one another, neither a piece."""
+    if is_fragment(first.name, second.name) or is_fragment(second.name, first.name):
+        return False
+    return _have_one_box(first, second) and similarity(first.name, second.name) >= config.similarity
 
 
 def _in_reach(places: Sequence[Place]) -> list[list[int]]:
@@ -66,11 +87,15 @@ def _are_one_paint(first: Place, second: Place, config: InstanceConfig) -> bool:
         return True
     if _seen_apart(first, second):
         return False
-    areas = sorted(each.width * each.height for each in (first, second))
-    if shared >= _SAME_BOX and shared * areas[0] >= _SAME_BOX * areas[1]:
+    if _have_one_box(first, second):
         return True
     alike = fuzz.partial_ratio(comparison_key(part.name), comparison_key(whole.name))
     return _in_one_row(first, second) and alike >= _PIECE
+
+
+def _have_one_box(first: Place, second: Place) -> bool:
+    shared, areas = overlap(first, second), sorted(each.width * each.height for each in (first, second))
+    return shared >= _SAME_BOX and shared * areas[0] >= _SAME_BOX * areas[1]
 
 
 def _cross(first: Place, second: Place) -> bool:

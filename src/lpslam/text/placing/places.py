@@ -1,5 +1,6 @@
 """The places of long-term texts: where each class stands (III-H), and what it says there."""
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import exp
@@ -61,6 +62,7 @@ class Place:
         sizes_by_frame: for each frame, metres of width and height.
         clear: how far its ground goes on above, right of, below and left of it, in letter heights; None where unknown.
         is_text: whether it is likelier a whole text than a piece of one, or than none.
+        seen: the sightings.
     """
 
     id: int
@@ -83,6 +85,7 @@ class Place:
     sizes_by_frame: dict[int, tuple[float, float]] = field(default_factory=dict)
     clear: Array | None = None
     is_text: bool = True
+    seen: tuple[TextObservation, ...] = ()
 
     @property
     def letter(self) -> float:
@@ -163,6 +166,7 @@ def _place(key: int, name: str, sure: float, seen: WorldSightings, config: Insta
         bare_by_frame={each.frame: each.bare for each in seen.observations if each.bare is not None},
         sizes_by_frame={frame: (size[0], size[1]) for frame, size in zip(frames, seen.sizes.tolist(), strict=True)},
         clear=_clear(seen.observations),
+        seen=tuple(seen.observations),
     )
 
 
@@ -305,12 +309,24 @@ def _name_here(
     """
     naming = text_class.naming
     name, sure = (naming.name, naming.confidence) if naming is not None else (text_class.name, 0.5)
+    return _held_to(sightings.observations, name, sure, config) if stands_elsewhere else (name, sure)
+
+
+def named_together(place: Place, others: Sequence[Place], config: MemoryConfig) -> Place:
+    """A place of which some readings are of other classes: it has the surest of their names that all readings bear."""
+    surest = max((place, *others), key=lambda each: each.confidence)
+    if surest is place:
+        return place
+    seen = sorted((each for some in (place, *others) for each in some.seen), key=lambda each: each.timestamp)
+    name, sure = _held_to(seen, surest.name, surest.confidence, config)
+    return replace(place, name=name, confidence=sure)
+
+
+def _held_to(seen: Sequence[TextObservation], name: str, sure: float, config: MemoryConfig) -> tuple[str, float]:
+    """A name that was found elsewhere, or another that explains some sightings better; and how sure it is."""
     key = paint_key(name)
-    if not stands_elsewhere or not key:
-        return name, sure
-    own_sightings = sightings.observations
-    here = evidence_of(readings_of(looks_of(own_sightings), config, wholes_of(own_sightings)))
-    if not here:
+    here = evidence_of(readings_of(looks_of(seen), config, wholes_of(seen)))
+    if not here or not key:
         return name, sure
     by_class = log_likelihood(key, here, _looks)
     # That another name is just this one is as improbable as a slip of an unsure reader would be. Which of them it is,
@@ -328,7 +344,7 @@ def _name_here(
         # What other places say is of other doors: if they contradict the name, what was read here does not.
         said = next((each.right for each in here if each.key == key), 0.0)
         return name, max(sure, said / (1.0 + exp(max(most, -_SUREST))))
-    spelling = next(text for text in sightings.variants if paint_key(text) == best.key)
+    spelling = Counter(each.text for each in seen if paint_key(each.text) == best.key).most_common(1)[0][0]
     return spelling, best.right / (1.0 + exp(-min(most, _SUREST)))
 
 
