@@ -18,6 +18,8 @@ from lpslam.frames import RgbdFrame
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.session import listeners
 from lpslam.sources.open import open_source
+from lpslam.text.mapper import TextMapper
+from lpslam.text.reading.spotting_process import SpottingProcess
 
 FRAMES = 45
 
@@ -96,6 +98,23 @@ def test_it_answers_from_another_thread_while_it_maps(
     assert not failures
     assert snapshots
     assert len(session.close().trajectory) == 30
+
+
+def test_a_live_session_looks_again_before_its_reader_ends_unless_in_a_hurry(
+    camera: lpslam.PinholeCamera, frames: list[RgbdFrame], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    readers: list[bool] = []
+    monkeypatch.setattr(SpottingProcess, "_end", lambda self: readers.append(False))
+    monkeypatch.setattr(SpottingProcess, "_start", lambda self: readers.append(True))
+    monkeypatch.setattr(TextMapper, "wants", lambda self, frame, tracked: False)
+    monkeypatch.setattr(TextMapper, "look_again", lambda self, poses: looked.append(readers[-1]))
+    for hurry, expected in ((False, [True]), (True, [])):
+        looked: list[bool] = []
+        session = lpslam.Session(camera, live=True)
+        session.step(frames[0].rgb, frames[0].depth, frames[0].timestamp)
+        session.close(hurry=hurry)
+        assert looked == expected
+        assert readers[-1] is False
 
 
 def test_a_snapshot_stays_as_it_was(session: lpslam.Session, frames: list[RgbdFrame], tmp_path: Path) -> None:

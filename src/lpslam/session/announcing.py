@@ -7,6 +7,7 @@ from typing import Any
 from lpslam.frames import RgbdFrame
 from lpslam.slam.state import TrackedFrame
 from lpslam.text.mapper import TextMapper
+from lpslam.text.placing.instances import KeyframePoses
 from lpslam.text.types import FrameReading
 
 
@@ -43,6 +44,17 @@ class AnnouncingMapper(TextMapper):
                 self._on_reading(reading)
             self._announce()
             return reading
+
+    def finish(self, poses: Callable[[], KeyframePoses] | None) -> None:
+        """Remember what is cut off for good, and, unless somebody waits, look once more at what is unsure.
+
+        Args:
+            poses: gives those of the keyframes; None where somebody waits.
+        """
+        with self.lock:
+            self.take_waiting()
+            if poses is not None:
+                self.look_again(poses())
 
     def take_last_names(self) -> None:
         """Take the names that a slow model found, at the end, and call once more."""

@@ -115,7 +115,7 @@ class Session:
         self._beside = naming_beside(language) if text else None
         self._mapper: AnnouncingMapper | None = None
         self._reader: ReadingThread | None = None
-        self._first_index = 0
+        self._first_index, self._hurries = 0, True
         self._resources = ExitStack()
         with ExitStack() as opened:
             # Whatever goes wrong in between, its threads end.
@@ -149,6 +149,9 @@ class Session:
         if base is not None:
             self._mapper.resume(base.world_from_keyframe)
             self._news.begin(base.landmarks())
+        if live:
+            # After all that waits is read, and before its process ends.
+            opened.callback(self._end_reading)
         if live or not sequential:
             self._reader = opened.enter_context(reading_thread(self._mapper, config.text.reading, live))
 
@@ -341,12 +344,10 @@ class Session:
         if hurry and self._reader is not None:
             self._reader.abandon()
         try:
+            self._hurries = hurry
             self._resources.close()
-            # A live reader has ended with its process: `distill` looks at what was kept.
-            if self._mapper is not None:
-                self._mapper.take_waiting()
-                if not hurry and not self._live:
-                    self._mapper.look_again(self._whole().world_from_keyframe)
+            if not self._live:
+                self._end_reading()
             if self._beside is not None:
                 self._beside.finish(0.0 if hurry else self._config.language.patience_s)
             if self._mapper is not None:
@@ -356,6 +357,10 @@ class Session:
             self._listeners.tell(None)
         self._news.tell(*self._news.take(self._slam.events)[:3])
         return self._result
+
+    def _end_reading(self) -> None:
+        if self._mapper is not None:
+            self._mapper.finish(None if self._hurries else self._keyframe_poses)
 
     def __enter__(self) -> Self:
         return self
