@@ -142,6 +142,28 @@ def score_landmarks(
         truth_from_map, np.array([landmark.position for landmark in landmarks], dtype=np.float64).reshape(-1, 3)
     )
     normals = [truth_from_map[:3, :3] @ landmark.normal for landmark in landmarks]
+    likeness, distances = _compared(landmarks, positions, signs, thresholds)
+    possible = (likeness >= thresholds.name_similarity) & (distances <= thresholds.landmark_distance)
+    # As many matches as can be; among those, the likest names and the nearest places.
+    benefit = np.where(possible, 10.0 + likeness - distances / thresholds.landmark_distance, 0.0)
+    rows, columns = linear_sum_assignment(benefit, maximize=True)
+    sign_of = {int(row): int(column) for row, column in zip(rows, columns, strict=True) if possible[row, column]}
+    matches = tuple(
+        _matched(landmarks[row], signs[column], likeness[row, column], distances[row, column], normals[row], thresholds)
+        for row, column in sign_of.items()
+    )
+    strays = tuple(
+        _stray(landmarks[row], positions[row], signs, likeness[row], distances[row], possible[row])
+        for row in range(len(landmarks))
+        if row not in sign_of
+    )
+    return _counted(matches, strays, signs, set(sign_of.values()), thresholds)
+
+
+def _compared(
+    landmarks: Sequence[NamedPlace], positions: Array, signs: Sequence[TrueSign], thresholds: EvaluationConfig
+) -> tuple[Array, Array]:
+    """(landmarks, signs) how like their names are, and how far apart they are, metres."""
     shape = (len(landmarks), len(signs))
     said = [[_name_said(mark.name, sign) for sign in signs] for mark in landmarks]
     likeness = np.array([[like for _, like in row] for row in said]).reshape(shape)
@@ -154,34 +176,34 @@ def score_landmarks(
             for mark, row, position in zip(landmarks, said, positions, strict=True)
         ]
     ).reshape(shape)
-    possible = (likeness >= thresholds.name_similarity) & (distances <= thresholds.landmark_distance)
+    return likeness, distances
 
-    # As many matches as can be; among those, the likest names and the nearest places.
-    benefit = np.where(possible, 10.0 + likeness - distances / thresholds.landmark_distance, 0.0)
-    rows, columns = linear_sum_assignment(benefit, maximize=True)
-    sign_of = {int(row): int(column) for row, column in zip(rows, columns, strict=True) if possible[row, column]}
-    taken = set(sign_of.values())
+
+def _matched(
+    landmark: NamedPlace, sign: TrueSign, likeness: float, distance: float, normal: Array, thresholds: EvaluationConfig
+) -> Match:
+    return Match(
+        landmark=landmark.id,
+        name=landmark.name,
+        sign=sign.id,
+        text=sign.text,
+        similarity=float(likeness),
+        distance=float(distance),
+        exact=bool(likeness == 1.0),
+        angle=sign.angle(normal),
+        whole=_is_whole(landmark, sign, thresholds),
+    )
+
+
+def _counted(
+    matches: tuple[Match, ...],
+    strays: tuple[Stray, ...],
+    signs: Sequence[TrueSign],
+    taken: set[int],
+    thresholds: EvaluationConfig,
+) -> LandmarkScore:
+    """The score, where some of the signs have a landmark (`taken`)."""
     expected = [column for column, sign in enumerate(signs) if _is_expected(sign, thresholds.readable_frames)]
-
-    matches = tuple(
-        Match(
-            landmark=landmarks[row].id,
-            name=landmarks[row].name,
-            sign=signs[column].id,
-            text=signs[column].text,
-            similarity=float(likeness[row, column]),
-            distance=float(distances[row, column]),
-            exact=bool(likeness[row, column] == 1.0),
-            angle=signs[column].angle(normals[row]),
-            whole=_is_whole(landmarks[row], signs[column], thresholds),
-        )
-        for row, column in sign_of.items()
-    )
-    strays = tuple(
-        _stray(landmarks[row], positions[row], signs, likeness[row], distances[row], possible[row])
-        for row in range(len(landmarks))
-        if row not in sign_of
-    )
     angles = [match.angle for match in matches if match.angle is not None]
     wholes = [match.whole for match in matches if match.whole is not None]
     twins = [
@@ -191,7 +213,7 @@ def score_landmarks(
     ]
     return LandmarkScore(
         recall=_share(sum(column in taken for column in expected), len(expected)),
-        precision=_share(len(matches), len(landmarks)),
+        precision=_share(len(matches), len(matches) + len(strays)),
         median_position_error=float(np.median([match.distance for match in matches])) if matches else None,
         facing_share=_share(sum(angle <= thresholds.facing_angle for angle in angles), len(angles)),
         exact_name_share=_share(sum(match.exact for match in matches), len(matches)),
@@ -199,7 +221,7 @@ def score_landmarks(
         duplicates=len(twins),
         duplicates_apart=sum(first in taken and second in taken for first, second in twins),
         readable_signs=len(expected),
-        landmarks=len(landmarks),
+        landmarks=len(matches) + len(strays),
         matches=matches,
         misses=tuple(signs[column] for column in expected if column not in taken),
         strays=strays,
