@@ -5,6 +5,8 @@ from pathlib import Path
 
 import matplotlib
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from lpslam.text.remembering.histories import ScoreHistory
 from lpslam.views.figure import GREY, label, new_figure, plain_axes, save_figure, text_style
@@ -30,7 +32,7 @@ def draw_memory(out: Path, histories: Sequence[ScoreHistory], promotion: float, 
     axes = figure.add_axes((0.07, 0.1, 0.9, 0.82))
     plain_axes(axes)
     palette = matplotlib.colormaps["tab10"].colors  # type: ignore[attr-defined]
-    peaks: list[tuple[float, float, str, tuple[float, float, float]]] = []
+    peaks: list[_Peak] = []
     promoted = 0
     for history in sorted(histories, key=lambda history: history.is_long_term):
         if not history.samples:
@@ -56,15 +58,23 @@ def draw_memory(out: Path, histories: Sequence[ScoreHistory], promotion: float, 
     if title:
         axes.set_title(label(title), **text_style(12))
     if peaks:
-        texts = [
-            axes.text(x, y, name, **text_style(8, color=colour, ha="center", va="center", bbox=_HALO))
-            for x, y, name, colour in peaks
-        ]
-        figure.draw_without_rendering()
-        extents = [text.get_window_extent() for text in texts]
-        anchors = axes.transData.transform(np.array([(x, y) for x, y, _, _ in peaks]))
-        sizes = np.array([(extent.width, extent.height) for extent in extents])
-        centres = place_labels(anchors, sizes, (figure.bbox.width, figure.bbox.height), gap=4)
-        for text, centre in zip(texts, axes.transData.inverted().transform(centres), strict=True):
-            text.set_position(tuple(centre))
+        _name_peaks(figure, axes, peaks)
     save_figure(figure, out)
+
+
+_Peak = tuple[float, float, str, tuple[float, float, float]]
+"""Seconds and score of a class's highest point, its name as it is drawn, and its colour."""
+
+
+def _name_peaks(figure: Figure, axes: Axes, peaks: Sequence[_Peak]) -> None:
+    texts = [
+        axes.text(x, y, name, **text_style(8, color=colour, ha="center", va="center", bbox=_HALO))
+        for x, y, name, colour in peaks
+    ]
+    figure.draw_without_rendering()
+    extents = [text.get_window_extent() for text in texts]
+    anchors = axes.transData.transform(np.array([(x, y) for x, y, _, _ in peaks]))
+    sizes = np.array([(extent.width, extent.height) for extent in extents])
+    centres = place_labels(anchors, sizes, (figure.bbox.width, figure.bbox.height), gap=4)
+    for text, centre in zip(texts, axes.transData.inverted().transform(centres), strict=True):
+        text.set_position(tuple(centre))
