@@ -93,10 +93,13 @@ def _minute(found: re.Match[str], at: str, half: str = "") -> int:
     return min(hour, 24) * _HOUR + min(int(minutes), 59)
 
 
-def _says_time(found: re.Match[str], at: str) -> bool:
+def _is_code(found: re.Match[str], at: str) -> bool:
+    """Whether a number with a point is no time: its minutes are no quarter."""
     is_dotted = found[f"m{at}"] and f"{found[f'h{at}']}.{found[f'm{at}']}" in found.group()
-    if is_dotted and found[f"m{at}"] not in _QUARTERS:
-        return False
+    return bool(is_dotted) and found[f"m{at}"] not in _QUARTERS
+
+
+def _says_time(found: re.Match[str], at: str) -> bool:
     return any(found[f"{each}{at}"] for each in ("m", "n", "half", "unit"))
 
 
@@ -121,12 +124,14 @@ def _read(text: str) -> tuple[tuple[Hours, ...], str]:
     if _pattern("all_day").search(text):
         return (ALL_DAY,), " ".join(_pattern("all_day").sub(" ", text).split())
     for found in _pattern("range").finditer(text):
-        if _says_time(found, "1") or _says_time(found, "2"):
+        # “Rooms 2.01–2.15” are rooms.
+        is_range_of_codes = _is_code(found, "1") or _is_code(found, "2")
+        if not is_range_of_codes and (_says_time(found, "1") or _says_time(found, "2")):
             hours.append(_between(_minute(found, "1", found["half2"] or ""), _minute(found, "2")))
             bare = bare.replace(found.group(), " ")
     for found in _pattern("until").finditer(text) if not hours else ():
         at = "1" if found["h1"] else "2"
-        if _says_time(found, at):
+        if _says_time(found, at) and not _is_code(found, at):
             hours.append(_between(_OPENS, _minute(found, at)))
             bare = bare.replace(found.group(), " ")
     return tuple(hours), " ".join(bare.split())

@@ -54,11 +54,11 @@ def says_a_place(text: str, knowledge: Knowledge) -> bool:
     return bool(read.wanted) or any(ch.isupper() or ch.isdigit() for ch in text)
 
 
-def says_a_kind(text: str, languages: Sequence[str], knowledge: Knowledge) -> bool:
+def says_a_kind(text: str, languages: Sequence[str], knowledge: Knowledge, least: float = MAIN) -> bool:
     """Whether a text says which kind or name of place, and more than “which shop”, “what is straight”."""
     wanted = read_question(text, knowledge).wanted
     is_name = languages[0] in CAPITALS_ARE_NAMES and any(word[0].isupper() for word in text.split()[1:])
-    return is_name or any(weight >= MAIN and kind not in _ANY_KIND for kind, weight in wanted)
+    return is_name or any(weight >= least and kind not in _ANY_KIND for kind, weight in wanted)
 
 
 def listed_in(text: str, knowledge: Knowledge) -> list[str]:

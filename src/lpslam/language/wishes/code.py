@@ -26,7 +26,9 @@ class Code:
         if self.of and asked.of and self.of.isdisjoint(asked.of):
             return False
         if self.until is not None and self.number is None:
-            is_alike = len(asked.letters) == len(self.letters) and asked.number is None and not asked.rest
+            # “Lockers G–M” hold locker H12.
+            is_bare = asked.number is None and not asked.rest
+            is_alike = len(asked.letters) == len(self.letters) and (is_bare or bool(self.of & asked.of))
             return is_alike and self.letters <= asked.letters <= self.until.letters
         if self.number is None:
             return asked.letters == self.letters and not asked.rest and bool(self.of or asked.number is None)

@@ -210,7 +210,7 @@ class Names:
         # Schneider is no Schneiderei.
         rows = [set().union(*(self._bearing(form, 1) for form in each)) for each in forms]
         found = sorted(self._ids(set.intersection(*rows))) if rows else []
-        return found or self._in_another_script(words) or self._surnames_heard(_latin(words[-1]) if words else "")
+        return found or self._in_another_script(words) or (self._surnames_heard(words[-1]) if words else [])
 
     def _in_another_script(self, words: Sequence[str]) -> list[int]:
         """Landmarks whose boards bear a surname as another script writes it: 田辺 and Tanabe."""
@@ -221,12 +221,14 @@ class Names:
         return list(bearing) if written else []
 
     def _surnames_heard(self, surname: str) -> list[int]:
-        """Landmarks whose boards bear the one surname that sounds so; none where two do."""
-        if len(surname) < _SHORTEST:
+        """Landmarks whose boards bear the one surname that sounds so; none where two do.
+
+        In another script a surname may be any word (솔로몬), in its own only what is no word of a language.
+        """
+        sound, words = _latin(surname), frozenset[str]() if is_unspaced(surname) else load_words()
+        if len(sound) < _SHORTEST:
             return []
-        heard = [
-            rows for word, rows in self._rows_of.items() if word not in load_words() and sound_the_same(surname, word)
-        ]
+        heard = [rows for word, rows in self._rows_of.items() if word not in words and sound_the_same(sound, word)]
         return sorted(self._ids(heard[0])) if len(heard) == 1 else []
 
 

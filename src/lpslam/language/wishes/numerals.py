@@ -180,7 +180,7 @@ def _unspaced_letters() -> tuple[re.Pattern[str], Mapping[str, str]]:
     joined = _tables()["letters of unspaced scripts"]
     named = {name: letter for letter, names in joined.items() for name in names.split("|")}
     names = "|".join(sorted(named, key=len, reverse=True))
-    return re.compile(rf"(?<= )(?:{names})(?=$|[^가-힣ァ-ヴー]|[은는이가을를에로]|으로|까지)"), named
+    return re.compile(rf"(?<=[가-힣ァ-ヴー一-龥] )(?:{names})(?=$|[^가-힣ァ-ヴー]|[은는이가을를에로]|으로|까지)"), named
 
 
 def with_unspaced_letters(folded: str, follows: Callable[[str, int], bool]) -> str:
@@ -214,11 +214,13 @@ def with_digits(folded: str, follows: Callable[[int], bool], leads: Callable[[in
 
 def with_points(folded: str) -> str:
     """Return a text in which points that are said between numbers are points: “one point oh seven” → “one.oh seven”."""
-    return _POINT.sub(lambda hit: f"{hit[1]}." if all(map(_is_number, hit.groups())) else hit.group(), folded)
+    return _POINT.sub(lambda hit: f"{_digits_of(hit[1])}." if all(map(_digits_of, hit.groups())) else hit[0], folded)
 
 
-def _is_number(word: str) -> bool:
-    return word.isdigit() or _key(word) in _cardinals() or _key(word) in _digits()
+def _digits_of(word: str) -> str:
+    """A word of a number as digits; "" where it is none."""
+    key = _key(word)
+    return word if word.isdigit() else _digits().get(key, "") or str(_cardinals().get(key, ""))
 
 
 def _number_at(

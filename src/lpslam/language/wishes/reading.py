@@ -211,7 +211,9 @@ def _stop(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: in
         # Its place tells which: “the room next to …”; “what is that next to …” has common words only.
         left = content_left(rules["any"].sub(" ", what), rules)
     if is_placed:
-        left = _uncommon(left, languages, knowledge)
+        # “Where does one eat at noon?” says what is wanted in common words.
+        is_kind = asked is not None and says_a_kind(what, languages, knowledge, 0.0)
+        left = left if is_kind else _uncommon(left, languages, knowledge)
         if ask is Ask.WHICH and stop.relation is not None and not says_a_kind(what, languages, knowledge):
             left = ""
     is_any = ask in OF_ANY_PLACE or (not left and (is_placed or ask is Ask.LIST))
