@@ -58,8 +58,12 @@ def _in_order(solver: "_Solver", wish: Wish) -> list[Solved]:
         sure = LEAST_SURE if len(wish.stops) == 1 else least
         solved.append(solver.stop(stop, solved[-1].place if solved else None, bool(solved), sure))
     is_apart = len({each.place.id for each in solved if each.place is not None}) == len(solved)
-    if is_apart or wish.instead is None:
+    if is_apart:
         return solved
+    if wish.instead is None:
+        # “To the optician's, and fetch my glasses”: one place is gone to once.
+        before = (None, *(each.place and each.place.id for each in solved))
+        return [each for each, last in zip(solved, before, strict=False) if each.place is None or each.place.id != last]
     otherwise = _in_order(solver, wish.instead)
     # Where neither reading finds a place, the first says what is missing: “KFC beside the station”, of no station.
     return otherwise if len(solved) > 1 or any(each.place is not None for each in otherwise) else solved

@@ -18,6 +18,7 @@ _LISTED = re.compile(r"[,，;；、] ?(?:(?:and|und|et|y) )?")
 _JOINED = re.compile(r" (?:and|und|et|y|e) ")
 _ANY_KIND = frozenset({"shop", "place", "business"})  # kinds that say nothing of what is wanted
 FEWEST_LISTED = 3  # things that are listed without a word for their order: “pharmacy, bank, coffee”
+_NUMBER = re.compile(r"[A-Za-z]?\d{1,4}[A-Za-z]?")
 _ENDS = " .。!！?？,，、;；¿¡"
 _MOST_LETTERS = 60  # of a piece: longer ones tell of something
 
@@ -26,10 +27,22 @@ def chained(text: str, languages: Sequence[str]) -> list[str]:
     """Return the pieces of a text between the joints of the first language that has any; one without."""
     for language in languages[:1]:
         rules = rules_of(language)
-        pieces = [piece for each in rules["joints"].split(text) if (piece := each.strip(_ENDS))]
+        pieces = _with_codes([piece for each in rules["joints"].split(text) if (piece := each.strip(_ENDS))])
         if len(pieces) > 1 and all(len(piece) <= _MOST_LETTERS for piece in pieces):
             return pieces
     return [text]
+
+
+def _with_codes(pieces: Sequence[str]) -> list[str]:
+    """Pieces of which none is but the number of what the one before says: “to my room, 212”."""
+    joined: list[str] = []
+    for piece in pieces:
+        is_number = bool(joined) and _NUMBER.fullmatch(piece) is not None and not asked_codes(joined[-1])
+        if is_number and any(code.of for code in asked_codes(f"{joined[-1]} {piece}")):
+            joined[-1] += f" {piece}"
+        else:
+            joined.append(piece)
+    return joined
 
 
 def pieces_of(text: str, languages: Sequence[str], knowledge: Knowledge) -> list[str]:
@@ -69,7 +82,7 @@ def listed_in(text: str, knowledge: Knowledge) -> list[str]:
 
 def lists_in(text: str) -> tuple[list[str], ...]:
     """How a text may be parted: by marks and a last “and”, by marks, and by “and” between words."""
-    marked = [each for each in _LISTED.split(text) if each.strip(_ENDS)]
+    marked = _with_codes([each for each in _LISTED.split(text) if each.strip(_ENDS)])
     last = [each for each in _JOINED.split(marked[-1]) if each.strip(_ENDS)] if len(marked) > 1 else []
     joined = [each for each in _JOINED.split(text) if len(each.split()) > 1]
     return ([*marked[:-1], *last], marked, joined)

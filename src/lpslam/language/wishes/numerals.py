@@ -19,6 +19,8 @@ from lpslam.language.tables.lexicon import read_table
 
 _ARTICLES = frozenset({"un", "una", "une", "ein", "eine", "einen", "einer"})
 """Numbers that are articles wherever more follows."""
+_AT_FIRST = frozenset({"first", "erst", "primero"})
+"""Ordinals that say when behind what is numbered: “the school office first”."""
 _LONGEST = 6  # words of a number below a thousand: "quatre cent quatre vingt dix neuf"
 _LONGEST_GROUP = 3  # words of a number below a hundred: "vingt et un"
 _MOST_DIGITS = 4  # of a number that is said in groups
@@ -238,7 +240,7 @@ def _number_at(
                 return in_groups, end
         if follows and key in _cardinals() and not (key in _ARTICLES and folded[words[end - 1].end() :].strip(" .?!")):
             return str(_cardinals()[key]), end
-        if key in _ordinals() and (follows or leads(words[end - 1].end())):
+        if key in _ordinals() and ((follows and key not in _AT_FIRST) or leads(words[end - 1].end())):
             return str(_ordinals()[key]), end
     return None, at + 1
 
