@@ -44,6 +44,10 @@ def fits(question: str, board: str) -> bool:
         ("room 2d", "Räume 2A–F"),
         ("Zimmer 2.07", "Räume 2.01–2.12"),
         ("room one point oh seven", "Room 1.07"),
+        ("two point oh four", "2.04 Computer Lab"),
+        ("got a tutorial in 2.08", "Rooms 2.01–2.15"),
+        ("my locker is H12", "Lockers G–M"),
+        ("C 개찰구로 오래요", "개찰구 C"),
         ("Stimmraum 6", "Stimmräume 5–8"),
         ("screen 7", "Salas 6–9"),
         ("Schrank 42", "Garderobenschränke 1–60"),
@@ -69,6 +73,7 @@ def test_a_board_bears_what_is_asked(question: str, board: str) -> None:
         ("Zimmer 2.07", "Räume 1–6"),
         ("Zimmer 2.07", "Räume 3.01–3.12"),
         ("room 2g", "Conference Rooms 2A–2F"),
+        ("my locker is N12", "Lockers G–M"),
         ("Stimmraum 6", "Tor 4–6"),
         ("Terminal 5", "Gepäckausgabe 5–8"),
         ("aisle 14", "Express checkouts 13-20"),
@@ -90,6 +95,8 @@ def test_another_board_does_not(question: str, board: str) -> None:
         "one coffee",
         "8キロの荷物",
         "I am lost",
+        "at the school office first",
+        "Lorena Casillas 씨를 만나러 왔습니다",
     ],
 )
 def test_hours_prices_and_people_are_no_codes(question: str) -> None:

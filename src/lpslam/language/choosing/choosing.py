@@ -105,9 +105,8 @@ class Choosing:
         wish = self._as_in_this_building(wish)
         phrases = phrases_in("en" if wish.language is None else said_in)
         if not self._index.landmarks or wish.language is None:
-            return Ranked(
-                Choice(None, float(not self._index.landmarks), phrases.say(_why_unread(self._index)), self._model)
-            )
+            why = "unread" if self._index.landmarks else "empty_map"
+            return Ranked(Choice(None, float(not self._index.landmarks), phrases.say(why), self._model))
         wish, refused = self._without_refused(wish, refused, question)
         named = [id_ for name in wish.wanted_names for id_ in self._index.ids_of.get(name, ()) if id_ not in refused]
         if named:
@@ -266,10 +265,6 @@ def _asks(question: str, language: str | None, knowledge: Knowledge) -> bool:
     spans = longest_phrases(units, (knowledge.spoken(language),))
     is_refusal = any(span.value.role.startswith("refuse") and len(span.key) > _BARE_NO for span in spans)
     return is_refusal or bool(places_of(knowledge.wishing[language], units))
-
-
-def _why_unread(index: LandmarkIndex) -> str:
-    return "unread" if index.landmarks else "empty_map"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -293,7 +293,11 @@ class ChatModel:
         proposed = [by_id[id_] for id_ in (first.landmark, None if before else own.landmark) if id_ is not None]
         if first.landmark == own.landmark or (len(proposed) == 2 and _is_same(*proposed)):
             return first
-        proposed.sort(key=lambda landmark: not _is_plainly_a_place(landmark.name))
+        reader = load_sign_reader()
+        # A sign that is known for a place and says little else goes first.
+        proposed.sort(
+            key=lambda mark: is_sentence(mark.name, _FEW_WORDS, _FEW_UNSPACED) or not reader.read(mark.name).is_place
+        )
         refused = first.evidence
         for landmark in proposed:
             serves = self._serves(asked, landmark, before)
@@ -345,16 +349,8 @@ def _may_be_shown(name: str) -> bool:
     if not clean_text(name) or commands(name) is not None or is_sentence(name):
         return False
     knowledge = load_knowledge()
-    return not _warns(name) or knowledge.folder.key(clean_text(name)) in knowledge.doors
-
-
-def _is_plainly_a_place(name: str) -> bool:
-    """Whether a sign is known for a place and says little else."""
-    return load_sign_reader().read(name).is_place and not is_sentence(name, _FEW_WORDS, _FEW_UNSPACED)
-
-
-def _warns(name: str) -> bool:
-    return any(kind == "sign/warning" for kind, _ in load_sign_reader().read(name).kinds)
+    warns = any(kind == "sign/warning" for kind, _ in load_sign_reader().read(name).kinds)
+    return not warns or knowledge.folder.key(clean_text(name)) in knowledge.doors
 
 
 def _is_same(first: Candidate, second: Candidate) -> bool:

@@ -218,7 +218,7 @@ class Exchange:
             except exceptions.ModelHTTPError as error:
                 failure = self._judge_status(error.status_code, str(error.body))
                 pause = _asked_wait(error)
-                if pause > self._config.longest_wait_s or _is_out_of_credit(error.body):
+                if pause > self._config.longest_wait_s or "insufficient_quota" in str(error.body):
                     break
             except exceptions.ModelAPIError as error:
                 failure = f"{self.endpoint.base_url} cannot be reached ({_reason(error)})"
@@ -284,10 +284,6 @@ def _asked_wait(error: Exception) -> float:
     except (ValueError, TypeError, AttributeError):
         return 0.0
     return wait if wait >= 0.0 else 0.0
-
-
-def _is_out_of_credit(body: object) -> bool:
-    return "insufficient_quota" in str(body)
 
 
 def _reason(error: BaseException) -> str:

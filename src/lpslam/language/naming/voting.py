@@ -39,7 +39,8 @@ def vote(readings: Sequence[Reading]) -> Vote:
         weights = dict.fromkeys(weights, 1.0)
         total = float(len(weights))
     ranked = sorted(weights.items(), key=lambda item: (-item[1], item[0]))
-    pivot = max(ranked, key=lambda item: _centrality(item[0], ranked))[0]
+    nearness = Levenshtein.normalized_similarity
+    pivot = max(ranked, key=lambda item: sum(weight * nearness(item[0], other) for other, weight in ranked))[0]
     columns, gaps = _columns(pivot, ranked)
     letters: list[str] = []
     shares: list[float] = []
@@ -56,10 +57,6 @@ def vote(readings: Sequence[Reading]) -> Vote:
             letters.append(letter[0])
             shares.append(letter[1] / total)
     return Vote(clean_text("".join(letters)), sum(shares) / len(shares), tuple(ranked))
-
-
-def _centrality(text: str, ranked: Sequence[tuple[str, float]]) -> float:
-    return sum(weight * Levenshtein.normalized_similarity(text, other) for other, weight in ranked)
 
 
 def _columns(pivot: str, ranked: Sequence[tuple[str, float]]) -> tuple[list[dict[str, float]], list[dict[str, float]]]:

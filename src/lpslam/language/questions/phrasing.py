@@ -114,7 +114,8 @@ def follow_up(text: str, before: str | None) -> FollowUp:
     knowledge = load_knowledge()
     language = _language_of_more(text, knowledge)
     if language is not None:
-        return FollowUp(before, True, _in_script(language, own.language))
+        is_same = own.language.partition("-")[0] == language
+        return FollowUp(before, True, own.language if is_same else language)
     wish = read_question(text, knowledge)
     has_own = wish.wanted or wish.wanted_names
     if not has_own and (wish.refused or wish.refused_names):
@@ -131,10 +132,6 @@ def _language_of_more(text: str, knowledge: Knowledge) -> str | None:
         if is_all and any(span.value == _MORE for span in spans):
             return language
     return None
-
-
-def _in_script(language: str, detected: str) -> str:
-    return detected if detected.partition("-")[0] == language else language
 
 
 @lru_cache(maxsize=1)

@@ -210,15 +210,21 @@ class Names:
         # Schneider is no Schneiderei.
         rows = [set().union(*(self._bearing(form, 1) for form in each)) for each in forms]
         found = sorted(self._ids(set.intersection(*rows))) if rows else []
-        return found or self._in_another_script(words) or (self._surnames_heard(words[-1]) if words else [])
+        found = found or self._in_another_script(words) or (self._surnames_heard(words[-1]) if words else [])
+        return found or (list(self.sounding(words)) if words and is_unspaced(words[0]) else [])
 
     def _in_another_script(self, words: Sequence[str]) -> list[int]:
         """Landmarks whose boards bear a surname as another script writes it: 田辺 and Tanabe."""
         whole = "".join(words)
         written = {form for each, forms in _surnames() if whole.startswith(each) for form in forms}
         written |= {each for each, forms in _surnames() if not forms.isdisjoint(words)}
-        bearing = (id_ for id_, lines in self._words.items() if any(_begins_with(line, written) for line in lines))
-        return list(bearing) if written else []
+        starts = tuple(written)
+        bearing = (
+            id_
+            for id_, line in self._rows
+            if not line.units.isdisjoint(written) or any(run.startswith(starts) for run in line.runs)
+        )
+        return list(dict.fromkeys(bearing)) if written else []
 
     def _surnames_heard(self, surname: str) -> list[int]:
         """Landmarks whose boards bear the one surname that sounds so; none where two do.
@@ -238,10 +244,6 @@ def _surnames() -> tuple[tuple[str, frozenset[str]], ...]:
     tree: Mapping[str, Mapping[str, str]] = read_table("wishes/surnames.json")
     rows = ((name, frozenset(joined.split("|"))) for names in tree.values() for name, joined in names.items())
     return tuple(sorted(rows, key=lambda row: -len(row[0])))
-
-
-def _begins_with(line: Words, written: set[str]) -> bool:
-    return not line.units.isdisjoint(written) or any(run.startswith(tuple(written)) for run in line.runs)
 
 
 def pairs_of(runs: Sequence[str]) -> list[str]:

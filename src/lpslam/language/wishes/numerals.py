@@ -25,7 +25,6 @@ _LONGEST = 6  # words of a number below a thousand: "quatre cent quatre vingt di
 _LONGEST_GROUP = 3  # words of a number below a hundred: "vingt et un"
 _MOST_DIGITS = 4  # of a number that is said in groups
 _HUNDRED = 100
-_SHORTEST_LETTER = 3  # letters of the name of a letter that stands without a number: “bee”, not “be”
 _WORD = re.compile(r"[a-zß-ÿœ]+")
 _BROKEN = re.compile(r"[^\w\s-]|_|\d")  # what does not stand within a number
 _HAN = {ch: at for at, ch in enumerate("〇一二三四五六七八九")} | {"零": 0, "两": 2, "兩": 2}
@@ -168,12 +167,11 @@ def with_letters(folded: str, follows: Callable[[str, int], bool]) -> str:
     folded = pattern.sub(lambda hit: named[hit.group()], folded)
     doubtful, letters = _letters("letters of things")
     folded = doubtful.sub(lambda hit: letters[hit.group()] if follows(hit.string, hit.start()) else hit.group(), folded)
-    # “Hall bee” has no number.
-    return _WORD.sub(lambda hit: named[hit.group()] if _is_letter_of(hit, named, follows) else hit.group(), folded)
-
-
-def _is_letter_of(hit: re.Match[str], named: Mapping[str, str], follows: Callable[[str, int], bool]) -> bool:
-    return len(hit.group()) >= _SHORTEST_LETTER and hit.group() in named and follows(hit.string, hit.start())
+    # “Hall bee” has no number; “be” and “té” are words.
+    longer = {name: letter for name, letter in named.items() if len(name) > 2}
+    return _WORD.sub(
+        lambda hit: longer[hit[0]] if hit[0] in longer and follows(folded, hit.start()) else hit[0], folded
+    )
 
 
 @lru_cache(maxsize=1)

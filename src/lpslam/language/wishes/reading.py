@@ -127,8 +127,7 @@ def _parts(
     parts: Sequence[str], languages: tuple[str, ...], knowledge: Knowledge, language: str | None
 ) -> tuple[Stop, ...]:
     """Read parts of a text as stops, each in the language of the whole: “pay” alone is French as well."""
-    stops = (_stop(part, languages, knowledge) for part in parts[:_MOST_STOPS])
-    return tuple(replace(stop, language=language) for stop in stops)
+    return tuple(replace(_stop(part, languages, knowledge), language=language) for part in parts[:_MOST_STOPS])
 
 
 def _unordered(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> list[str]:
@@ -210,12 +209,11 @@ def _stop(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: in
     if is_placed or ask in (Ask.LIST, Ask.WHICH):
         # Its place tells which: “the room next to …”; “what is that next to …” has common words only.
         left = content_left(rules["any"].sub(" ", what), rules)
-    if is_placed:
-        # “Where does one eat at noon?” says what is wanted in common words.
-        is_kind = asked is not None and says_a_kind(what, languages, knowledge, 0.0)
-        left = left if is_kind else _uncommon(left, languages, knowledge)
-        if ask is Ask.WHICH and stop.relation is not None and not says_a_kind(what, languages, knowledge):
-            left = ""
+    # “Where does one eat at noon?” says what is wanted in common words.
+    if is_placed and (asked is None or not says_a_kind(what, languages, knowledge, 0.0)):
+        left = _uncommon(left, languages, knowledge)
+    if ask is Ask.WHICH and stop.relation is not None and not says_a_kind(what, languages, knowledge):
+        left = ""
     is_any = ask in OF_ANY_PLACE or (not left and (is_placed or ask is Ask.LIST))
     which = stop.which
     opposed = sorted({each.value for each, _ in _orders(what, languages)} & _OPPOSED)

@@ -218,9 +218,9 @@ class EmbeddedScorer:
         scores = self._sorts.of_the_family(meaning, self._trusted(tables.scores))
         is_one = not is_told(stop) and not self._boards.refuses(stop.what, meaning)
         scores = self._identities.told_apart(stop.what, self._told_apart(stop, scores), is_one)
-        otherwise = None if scores else self._by_the_board(stop, meaning, ignored)
-        if otherwise is not None:
-            return otherwise
+        by_board = None if scores else self._by_words(stop, meaning, ignored) or self._by_ear(stop, meaning, ignored)
+        if by_board is not None:
+            return by_board
         is_missing = self._is_another(stop, meaning, scores) if scores else self._is_missing_brand(stop, meaning)
         supported = None if is_missing else self._supported(stop, meaning, scores)
         best = _best(scores if supported is None else supported.scores)
@@ -270,10 +270,6 @@ class EmbeddedScorer:
             return False
         best = _best(scores)
         return all(self._sorts.is_a_room(id_) and self._asked.of(self._by_id[id_].name, languages)[1] for id_ in best)
-
-    def _by_the_board(self, stop: Stop, meaning: Meaning, ignored: tuple[str, ...]) -> Served | None:
-        """What the words of a board say where no kind serves: themselves, or their sound."""
-        return self._by_words(stop, meaning, ignored) or self._by_ear(stop, meaning, ignored)
 
     def _by_ear(self, stop: Stop, meaning: Meaning, ignored: tuple[str, ...]) -> Served | None:
         """The one landmark whose name sounds like what is asked for."""

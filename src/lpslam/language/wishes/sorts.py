@@ -32,12 +32,9 @@ def _pattern(joined: str) -> re.Pattern[str]:
     words = re.split(r"\|(?![^()]*\))", joined)
     spaced = "|".join(word for word in words if not is_unspaced(word))
     unspaced = "|".join(word for word in words if is_unspaced(word))
+    prefixes = "|".join([word for word in words if word.endswith(r"(?=\w)")] or ["(?!)"])
     # It is looked for in texts without capitals. “Haupt-” and “Süd-” begin words.
-    return re.compile(rf"(?<!\w)(?:{spaced})(?!(?<=\w)[^\W_])|(?<!\w)(?:{_prefixes(words)})|{unspaced}")
-
-
-def _prefixes(words: list[str]) -> str:
-    return "|".join([word for word in words if word.endswith(r"(?=\w)")] or ["(?!)"])
+    return re.compile(rf"(?<!\w)(?:{spaced})(?!(?<=\w)[^\W_])|(?<!\w)(?:{prefixes})|{unspaced}")
 
 
 @lru_cache(maxsize=1 << 14)
