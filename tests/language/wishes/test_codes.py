@@ -96,6 +96,7 @@ def test_another_board_does_not(question: str, board: str) -> None:
         "8キロの荷物",
         "I am lost",
         "at the school office first",
+        "busco una sentencia de 1987",
         "Lorena Casillas 씨를 만나러 왔습니다",
     ],
 )

@@ -32,6 +32,10 @@ def test_a_name_is_found_as_it_is_heard(question: str, board: str) -> None:
     assert found(question) == board
 
 
+def test_a_sentence_is_not_heard_as_a_shorter_name() -> None:
+    assert found("촬영한 영상을 잘라 붙여야 해요", ("촬영장비 대여", "식당", "주차장")) is None
+
+
 def test_a_long_name_with_a_slip_goes_before_what_its_words_mean() -> None:
     assert found("Grundsicherungsamt", ("Grundsicherugsamt", "Sozialamt", "Bauamt")) == "Grundsicherugsamt"
 

@@ -36,7 +36,8 @@ _CODE = re.compile(rf"(?<![a-zà-ÿ0-9'’])({_ONE})(?![^\W_\u2e80-\uffff])(?!['
 _END = r"([a-z]{0,2}[-.]?\d{1,4}(?:\.\d{1,3})?[a-z]?|[a-z]{1,2})"
 _RANGE = re.compile(rf"(?<![a-zà-ÿ0-9])(?<!\d\.){_END} ?(?:{_AMOUNTS['to']}) ?{_END}(?![a-z0-9])")
 _QUANTITY = re.compile(
-    rf"\d+(?:[.,:h]\d+)? ?(?:{_AMOUNTS['times']}|{_AMOUNTS['measures']})(?![a-z])|\d{{1,2}}:\d{{2}}|[$€£¥]\d+",
+    rf"\d+(?:[.,:h]\d+)? ?(?:{_AMOUNTS['times']}|{_AMOUNTS['measures']})(?![a-z])|\d{{1,2}}:\d{{2}}|[$€£¥]\d+"
+    rf"|(?<!\w)(?:{_AMOUNTS['years']}) (?:1[5-9]|20)\d\d(?!\w)",
     re.IGNORECASE,
 )
 _PLURAL = "es|s|x"

@@ -17,6 +17,7 @@ _SOUNDS_ALIKE, _SPELT_ALIKE = 80.0, 0.55  # of many consonants, and of all lette
 _WORDS_ALIKE = 0.72  # of all letters of what is heard in common words
 _FEW_ALIKE = 0.8  # of all letters of names of fewer consonants, which must be the same
 _FEWEST = 3  # letters of a word that is heard
+_LEAST_LONG = 0.8  # of all letters that are asked for: a name is no part of a sentence
 _APART = 0.05  # by which the name that sounds likest must lead
 _SPELT_APART = 1  # letters by which surnames of one sound may differ in length
 _RUN = 4  # words that may be one name
@@ -114,6 +115,7 @@ class HeardNames:
             alike, (_, name, is_own) = fuzz.ratio(sound, rows[at][0]) / 100.0, rows[at]
             id_ = self._ids[name]
             enough = _FEW_ALIKE if min(len(sought), len(other)) < _CONSONANTS else least
+            enough = enough if len(rows[at][0]) >= _LEAST_LONG * len(sound) else 1.0
             if alike >= enough and (is_all or (is_own and len(other) >= _CONSONANTS)):
                 found[id_] = max(alike, found.get(id_, 0.0))
         return found

@@ -227,10 +227,7 @@ class Names:
         return list(dict.fromkeys(bearing)) if written else []
 
     def _surnames_heard(self, surname: str) -> list[int]:
-        """Landmarks whose boards bear the one surname that sounds so; none where two do.
-
-        In another script a surname may be any word (솔로몬), in its own only what is no word of a language.
-        """
+        """Landmarks whose boards bear the one surname that sounds so; in its own script it is no word of a language."""
         sound, words = _latin(surname), frozenset[str]() if is_unspaced(surname) else load_words()
         if len(sound) < _SHORTEST:
             return []

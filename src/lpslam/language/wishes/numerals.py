@@ -19,8 +19,7 @@ from lpslam.language.tables.lexicon import read_table
 
 _ARTICLES = frozenset({"un", "una", "une", "ein", "eine", "einen", "einer"})
 """Numbers that are articles wherever more follows."""
-_AT_FIRST = frozenset({"first", "erst", "primero"})
-"""Ordinals that say when behind what is numbered: “the school office first”."""
+_AT_FIRST = frozenset({"first", "erst", "primero"})  # they say when behind a thing: “the school office first”
 _LONGEST = 6  # words of a number below a thousand: "quatre cent quatre vingt dix neuf"
 _LONGEST_GROUP = 3  # words of a number below a hundred: "vingt et un"
 _MOST_DIGITS = 4  # of a number that is said in groups
@@ -219,8 +218,7 @@ def with_points(folded: str) -> str:
 
 def _digits_of(word: str) -> str:
     """A word of a number as digits; "" where it is none."""
-    key = _key(word)
-    return word if word.isdigit() else _digits().get(key, "") or str(_cardinals().get(key, ""))
+    return word if word.isdigit() else _digits().get(_key(word), "") or str(_cardinals().get(_key(word), ""))
 
 
 def _number_at(
