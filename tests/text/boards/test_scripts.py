@@ -3,6 +3,7 @@ from dataclasses import replace
 import pytest
 
 from lpslam.language.model import Slots
+from lpslam.language.tables.forms import load_folder
 from lpslam.text.boards.scripts import in_one_script, script_ahead
 from lpslam.text.placing.places import Place, places_of_class
 from small_maps import small_map
@@ -41,6 +42,20 @@ def test_a_form_that_is_clearly_painted_stays() -> None:
     painted = ["石橋麵館", "點心", "正宗粤菜"]
     assert names(board(*painted), ()) == painted
     assert names(board(*painted), read_as("粤", "奥", 0.3)) == painted
+
+
+@pytest.mark.parametrize(
+    ("painted", "taken", "other"),
+    [("恒興銀樓", "恒", "恆"), ("周記麵館", "周", "週"), ("姜記藥局", "姜", "薑"), ("沈氏診所", "沈", "瀋")],
+)
+def test_a_form_that_traditional_texts_have_as_well_is_not_exchanged(painted: str, taken: str, other: str) -> None:
+    assert names(board(painted, "訂餐熱線"), read_as(taken, other, 0.1))[0] == painted
+
+
+@pytest.mark.parametrize("painted", ["恒興銀樓", "老家餐廳", "酸辣湯麵", "梁氏藥局", "余記麵館"])
+def test_traditional_texts_with_such_forms_do_not_mix_scripts(painted: str) -> None:
+    assert load_folder().is_traditional(painted)
+    assert not load_folder().is_mixed(painted)
 
 
 def test_a_traditional_name_stays_on_a_simplified_board() -> None:
