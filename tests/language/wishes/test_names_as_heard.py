@@ -32,6 +32,10 @@ def test_a_name_is_found_as_it_is_heard(question: str, board: str) -> None:
     assert found(question) == board
 
 
+def test_a_name_is_heard_beside_a_call() -> None:
+    assert found("ねえ鶴の間ってどこ", ("宴会場 鶴の間", "宴会場 亀の間", "フロント")) == "宴会場 鶴の間"
+
+
 def test_a_sentence_is_not_heard_as_a_shorter_name() -> None:
     assert found("촬영한 영상을 잘라 붙여야 해요", ("촬영장비 대여", "식당", "주차장")) is None
 
