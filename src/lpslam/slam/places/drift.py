@@ -51,12 +51,12 @@ class Drift:
             if here is None or there is None or here == there:
                 continue
             centres = {
-                first: slam_map.world_from_keyframe(first)[:3, 3],
+                first: slam_map.world_from_keyframe(first)[:, 3],
                 begun.keyframe: slam_map.world_from_keyframe(begun.keyframe) @ begun.keyframe_from_camera[:, 3],
             }
-            moved = there_from_here @ np.append(centres[here][:3], 1.0) - np.append(centres[there][:3], 1.0)
+            moved = there_from_here @ centres[here] - centres[there]
             length = self._way(keyframe, here) + self._way(located.keyframe, there)
-            if float(np.linalg.norm(moved[:3])) > begun.metres + self._allowance(length):
+            if float(np.linalg.norm(moved)) > begun.metres + self._allowance(length):
                 return False
         return True
 

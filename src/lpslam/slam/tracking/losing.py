@@ -118,6 +118,8 @@ class Losing:
         """Give a frame that fits nothing a pose by surfaces, its keypoints or the motion; None if none is believed."""
         where, frame = self._where, picture.frame
         last = where.last
+        # Asked of every frame that fits nothing, whatever becomes of it.
+        self._was_blind |= not self._shows_enough(picture)
         if last is None or where.state is TrackingState.LOST or not self._coasting.seconds:
             return None
         camera_from_keyframe = self._carrying_on.follow(last, picture)
@@ -127,7 +129,6 @@ class Losing:
         if told is Told.NOTHING and self._shows_enough(picture) and self._coasting.is_guess(frame.timestamp):
             # After a time without a view, one that fits nothing is of elsewhere.
             return None
-        self._was_blind |= not self._shows_enough(picture)
         self._coasting.pass_over(frame.index, frame.timestamp, camera_from_keyframe, told)
         if self._unknown_since is None and self._shows_enough(picture):
             self._unknown_since = frame.timestamp
@@ -162,7 +163,6 @@ class Losing:
             where.tell(EventKind.LOST, frame, reason)
         where.state = TrackingState.LOST
         where.forget()
-        self._was_blind |= not self._shows_enough(picture)
         if not self._shows_enough(picture) or not self._grows:
             self._unknown_since = None
         elif self._unknown_since is None:
