@@ -48,3 +48,15 @@ def test_a_menu_is_a_list_called_by_its_first_entry_that_can_be_read() -> None:
 def test_a_number_beside_an_unsure_name_is_not_the_name() -> None:
     lines = [line("411", 0.25, 0, 0, sure=0.6), line("OSTER LANE", 0.25, 0, 0.3, sure=0.1)]
     assert roles_of(lines)[0] == 1
+
+
+@pytest.mark.parametrize("measure", ["MAX 2500 RPM", "120 kg net", "40% more", "載重630公斤"])
+def test_a_measure_is_not_the_name_though_it_is_longer(measure: str) -> None:
+    lines = [line("OSTER 4", 0.1, 0, 0), line(measure, 0.11, 0, 0.2)]
+    assert roles_of(lines) == (0, [Role.PRIMARY, Role.SECONDARY])
+    assert roles_of(lines[1:]) == (0, [Role.PRIMARY]), "where nothing else stands there it is"
+
+
+@pytest.mark.parametrize("name", ["3M", "GATE 2 A", "STUDIO 54"])
+def test_a_number_before_a_letter_is_part_of_a_name(name: str) -> None:
+    assert roles_of([line(name, 0.2, 0, 0), line("quills", 0.1, 0, 0.3)])[0] == 0

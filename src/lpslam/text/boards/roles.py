@@ -65,6 +65,12 @@ _NETWORK = re.compile(r"https?:|www\.|\w@\w|\b[a-z0-9-]{2,}\.[a-z]{2,4}(\b|/)(?!
 _CURRENCY = r"(?:元|円|圆|圓|원|[€$£¥₩₫฿₹₽]|\b(?:eur|usd|kr|zł|ft|lei|rm|rp)\b)"
 _PRICE = re.compile(rf"\d\s*{_CURRENCY}|{_CURRENCY}\s*\d|\s\d{{1,3}}[.,]\d{{2}}$", re.IGNORECASE)
 _NUMBERED = re.compile(r"\d\s*(號|号|番地|丁目|巷|弄|번지)|(路|街|道|巷|로|길)\s*\d")
+# Units of two letters and more: with one letter numbers are parts of names as often (3M, Gate 2 A).
+_MEASURE = re.compile(
+    r"\d\s*(?:%|°\s*[cf]\b|(?:rpm|kg|lbs?|tons?|km/?h|mph|k?va|kw|hp|k?hz|k?pa|mpa|bar|psi|mm|cm|ft|km|ml|min|sec)\b)"
+    r"|\d\s*(?:公斤|公尺|公里|千瓦|伏特|馬力|马力)",
+    re.IGNORECASE,
+)
 _STREET = re.compile(
     r"(?:stra(?:ß|ss)e|str\.|gasse|weg|platz|allee|straat|gatan|vej|gade|utca)\b|\b(?:road|rd|street|st|lane|ln|avenue|"
     r"ave|boulevard|blvd|drive|row|walk|square|way|court|rue|quai|place|via|viale|piazza|corso|calle|avenida|plaza|rua|"
@@ -89,7 +95,10 @@ def roles_of(lines: Sequence[LineShape]) -> tuple[int, list[Role]]:
     """Which line a board is called by, and every line's role; a menu is called by its first entry."""
     forms = [role_by_form(line.text) for line in lines]
     worded = [row for row, line in enumerate(lines) if any(ch.isalpha() for ch in line.text)]
-    named = [row for row in worded if forms[row] is None] or worded or list(range(len(lines)))
+    formless = [row for row in worded if forms[row] is None]
+    # A measure says how much of something there is: what that is called stands beside it.
+    named = [row for row in formless if not _MEASURE.search(lines[row].text)] or formless or worded
+    named = named or list(range(len(lines)))
     main = max(named, key=lambda row: (lines[row].prominence, -row))
     roles = [form or Role.SECONDARY for form in forms]
     if forms[main] is None:
