@@ -1,4 +1,6 @@
-"""Build the lists of common words by which the embedded model spells: `words.txt.xz`, `words_zh.txt.xz`, one a line.
+"""Build the lists of common words by which the embedded model spells, one a line.
+
+They are `words.txt.xz`, `words_short.txt.xz` and `words_zh.txt.xz`.
 
     pip install wordfreq==3.1.1 opencc-python-reimplemented==0.1.7
     python tools/build_words.py
@@ -20,6 +22,7 @@ from lpslam.language.tables.spelling import is_ideograph
 DATA = Path(__file__).parents[1] / "src" / "lpslam" / "language" / "data"
 COMMONEST = {"en": 20_000, "es": 6_000, "de": 6_000, "fr": 6_000}
 SHORTEST = 4  # letters; shorter words are near to too much else
+SHORT, SHORT_COMMON = range(2, SHORTEST), 10.0**-3.7  # commoner shorter words, which tell where a space is one
 CHINESE, CHINESE_LETTERS = 50_000, range(2, 5)  # commonest words of so many ideographs
 
 
@@ -34,7 +37,15 @@ def main() -> None:
     words = {bare(word) for language, count in COMMONEST.items() for word in top_n_list(language, count)}
     kept = sorted(word for word in words if len(word) >= SHORTEST and word.isascii() and word.isalpha())
     write("words.txt.xz", kept)
+    write("words_short.txt.xz", short())
     write("words_zh.txt.xz", chinese())
+
+
+def short() -> list[str]:
+    """The commonest of the words that are too short to be spelt by."""
+    counted = [(bare(word), share) for each in COMMONEST for word, share in get_frequency_dict(each, "large").items()]
+    common = {word for word, share in counted if share >= SHORT_COMMON}
+    return sorted(word for word in common if len(word) in SHORT and word.isascii() and word.isalpha())
 
 
 def chinese() -> list[str]:

@@ -79,13 +79,22 @@ class Seen:
     whole: tuple[float, float] = (1.0, 1.0)
 
 
+def _none(_: str) -> Sequence[int]:
+    return ()
+
+
 def paint_key(text: str) -> str:
     """What of a text is compared: letters and digits in their own script and form, without case."""
     return "".join(filter(str.isalnum, text.casefold()))
 
 
-def evidence_of(readings: Iterable[Reading]) -> list[Seen]:
-    """Take readings as evidence, the weightiest first; equal keys with equal marks are one; none without a letter."""
+def evidence_of(readings: Iterable[Reading], lost_letters: Callable[[str], Sequence[int]] = _none) -> list[Seen]:
+    """Take readings as evidence, the weightiest first; equal keys with equal marks are one; none without a letter.
+
+    Args:
+        readings: what was read.
+        lost_letters: where in a text spaces stand for letters that cannot be seen.
+    """
     grouped: dict[tuple[str, frozenset[int], frozenset[int]], list[Seen]] = {}
     for each in readings:
         key = paint_key(each.text)
@@ -96,7 +105,7 @@ def evidence_of(readings: Iterable[Reading]) -> list[Seen]:
         weight = each.count**_REPETITION if each.looks is None else each.looks
         letters, gaps = _aligned(key, each.slots)
         right, marks = min(max(right, _LEAST_RIGHT), _MOST_RIGHT), _before(each.text, _marks(each.text))
-        odd = _before(each.text, misread_letters(each.text))
+        odd = _before(each.text, [*misread_letters(each.text), *lost_letters(each.text)])
         own = Seen(key, right, weight, letters, gaps, marks, odd, doubts_of(key, letters), each.whole)
         grouped.setdefault((key, marks, odd), []).append(own)
     seen = _humbled(_one_look_at_least([_together(same) for same in grouped.values()]))

@@ -9,14 +9,15 @@ from rapidfuzz.distance import Levenshtein
 
 from lpslam.language.model import Naming, Reading
 from lpslam.language.naming.channel import Seen, evidence_of, paint_key
+from lpslam.language.naming.lost_letters import LostLetters
 from lpslam.language.naming.marks import ODD_MARK, is_in_a_word, odd_marks, with_gaps, words_in
 from lpslam.language.naming.posterior import ELSE, doubted, posterior, put_together
 from lpslam.language.naming.voting import cased_like, painted_like, vote
 from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.reader import SignReader
-from lpslam.language.tables.knowledge import Knowledge, load_words
+from lpslam.language.tables.knowledge import Knowledge, load_short_words, load_words
 from lpslam.language.tables.painted import Known
-from lpslam.language.tables.spelling import is_ideograph, respelled, words_of
+from lpslam.language.tables.spelling import LEAST_RESPELLED, is_ideograph, respelled, words_of
 from lpslam.language.tables.words import is_unspaced
 
 # What a known name is ahead of an unknown one, in logarithms of odds: a letter, and a letter of a word in any name;
@@ -67,6 +68,10 @@ class Namer:
     def __init__(self, knowledge: Knowledge, signs: SignReader) -> None:
         self._fold = knowledge.folder
         self._signs = signs
+        of_signs = _words_of_signs(knowledge)
+        self._vocabulary = load_words() | {word for word in of_signs if len(word) >= LEAST_RESPELLED}
+        names = [known.painted for known in knowledge.known.values()]
+        self._lost = LostLetters(self._vocabulary, load_short_words() | of_signs, names)
 
     def name(self, readings: Sequence[Reading], model: str) -> Naming:
         """Name a class; where nothing with a letter in it was read, without any certainty."""
@@ -78,7 +83,7 @@ class Namer:
 
     def most_certain(self, readings: Sequence[Reading]) -> Certain:
         """Take the string that is most probable, all readings being given; known names are likelier than others."""
-        seen = evidence_of(readings)
+        seen = evidence_of(readings, self._lost.spaces)
         doubtful = list(doubted(seen, self._makes_a_word))
         forms = self._candidates(seen, readings, doubtful)
         read_words = {word for each in readings for word in self._words(each.text)}
@@ -123,9 +128,11 @@ class Namer:
             for _, known in self._signs.nearest(self._fold.key(key)) if key else []:
                 self._add_known(forms, known.painted, forms[key])
         for near in [voted, *(forms[each.key] for each in seen[:_READINGS_RESPELLED])]:
-            for text in respelled(self._fold.fold(near), load_words()):
+            for text in respelled(self._fold.fold(near), self._vocabulary):
                 if paint_key(text) not in read:
                     forms[paint_key(text)] = cased_like(text, near)
+            for text in self._lost.filled(near):
+                forms.setdefault(paint_key(text), text)
         forms.pop(ELSE, None)
         return forms
 
@@ -144,10 +151,10 @@ class Namer:
         )
 
     def _words(self, text: str) -> Iterator[str]:
-        return words_of(self._fold.fold(text), load_words())
+        return words_of(self._fold.fold(text), self._vocabulary)
 
     def _words_ahead(self, text: str, read: Set[str]) -> float:
-        known = [word for word in self._words(text) if word in load_words()]
+        known = [word for word in self._words(text) if word in self._vocabulary]
         return sum(
             max(_ADVANCE_WORD * len(word) - _CHOICE_OF_WORDS, 0.0) * (1.0 if word in read else _ADVANCE_UNREAD)
             for word in known
@@ -192,7 +199,7 @@ class Namer:
         if not is_read:
             return form, f"the readings are nearest to {known.painted}" if known else "the readings are a slip away"
         same = [each for each in readings if paint_key(each.text) == key]
-        text = with_gaps(vote(same).text, load_words())
+        text = with_gaps(vote(same).text, self._vocabulary)
         if known is None:
             return text, "most of what was read well says so"
         # Only spaces and punctuation may differ: a warning's words are set apart, a brand stays as it is painted; a
@@ -205,6 +212,15 @@ class Namer:
             return text if is_marked_more or not marked else marked[0], evidence
         is_same_form = paint_key(known.painted) == key
         return painted_like(known.painted, text) if is_same_form else text, evidence
+
+
+def _words_of_signs(knowledge: Knowledge) -> frozenset[str]:
+    """Words that signs are painted with by themselves, rarer than common ones: florist, optician, haberdashery."""
+    return frozenset(
+        key
+        for key, known in knowledge.known.items()
+        if known.source != "brand" and key.isascii() and " " not in known.painted
+    )
 
 
 def respaced(key: str, text: str) -> str:

@@ -290,6 +290,12 @@ def load_words() -> frozenset[str]:
 
 
 @lru_cache(maxsize=1)
+def load_short_words() -> frozenset[str]:
+    """Very common words of two and three letters (to, der, las), which are too short to be spelt by."""
+    return _listed("words_short.txt.xz")
+
+
+@lru_cache(maxsize=1)
 def load_chinese_words() -> frozenset[str]:
     """Common Chinese words of two to four characters, as `Folder.key` gives them (about 20 ms, once a process)."""
     return _listed("words_zh.txt.xz")

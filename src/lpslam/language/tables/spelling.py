@@ -11,7 +11,7 @@ from rapidfuzz.distance import Levenshtein
 from lpslam.language.tables.words import is_unspaced
 
 # Letters of the shortest word that is replaced by a known one: shorter ones have too many neighbours.
-_LEAST_RESPELLED = 4
+LEAST_RESPELLED = 4
 _MARKS = re.compile(r"([\W_]+)")
 
 
@@ -46,7 +46,7 @@ def respelled(text: str, words: frozenset[str]) -> list[str]:
     return [
         "".join([*parts[:at], known, *parts[at + 1 :]])
         for at, word in enumerate(parts)
-        if len(word) >= _LEAST_RESPELLED and word.isascii() and word.isalpha() and word in unknown
+        if len(word) >= LEAST_RESPELLED and word.isascii() and word.isalpha() and word in unknown
         for known in sorted(_one_slip_from(word) & words)
     ]
 
