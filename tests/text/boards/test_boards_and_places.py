@@ -428,3 +428,21 @@ def test_a_text_that_comes_into_view_bit_by_bit_is_not_carried() -> None:
         text_class.observations.append(TextObservation(at, 0.1 * at, 0, text, 0.9, placement, 44.0))
         text_class.variants[text] = Variant(1, 0.9)
     assert places_of_class(text_class, lambda _: np.eye(4), InstanceConfig(), MEMORY)
+
+
+@pytest.mark.parametrize("lean", [0.0, 8.0, 15.0])
+def test_words_of_an_arc_that_lean_apart_are_one_line(lean: float) -> None:
+    """Each has a box of its own; the larger one's direction leads past the other."""
+    cos, sin = np.cos(np.radians(lean)), np.sin(np.radians(lean))
+    first = replace(place(0, "Vornal", 0.0, 0.0, width=1.1), baseline=np.array([cos, -sin, 0.0]))
+    second = replace(place(1000, "Sarter", 1.15, 0.0), baseline=np.array([cos, sin, 0.0]))
+    slogan = place(2000, "fine quills", 0.6, 0.35, height=0.1)
+    named, lines = lines_of([first, second, slogan])
+    assert named.text == "Vornal Sarter"
+    assert [line.text for line in lines] == ["Vornal Sarter", "fine quills"]
+
+
+def test_a_word_that_leans_past_its_neighbour_is_no_word_of_its_line() -> None:
+    first = place(0, "Vornal", 0.0, 0.0, width=1.1)
+    second = replace(place(1000, "Sarter", 1.15, 0.22), baseline=np.array([0.94, -0.34, 0.0]))
+    assert {line.text for line in lines_of([first, second])[1]} == {"Vornal", "Sarter"}

@@ -1,6 +1,7 @@
 """The lines of a board: pieces of one line side by side are joined, and each line gets its role."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,13 +21,15 @@ _WORDS, _UNSPACED = (1.35, 0.3, 0.9), (1.15, 0.12, 0.45)
 # What stands in a column is of the size of what is above or below it, so many letter heights away at most, and has an
 # edge or the middle in common with it to this share of a letter; what is beside it differs by more than the factor.
 _COLUMN_SIZE, _COLUMN_STEP, _COLUMN_SHIFT = 1.15, 2.0, 0.3
+# Cosine between the directions of texts that run the same way: two words of an arc lean by half of the angle each.
+_LEANS = 0.8
 # Width of a box over its height from which its line runs across: one that runs down has nothing beside it.
 _ACROSS = 0.8
 
 
 def lines_of(board: Sequence[Place]) -> tuple[LandmarkLine, list[LandmarkLine]]:
     """The line that a board is called by, and all its lines in the order of reading, top to bottom."""
-    reference = max(board, key=lambda each: (each.width * each.height, -each.id))
+    reference = _levelled(max(board, key=lambda each: (each.width * each.height, -each.id)), board)
     rows = _in_reading_order(board, reference)
     joined = [piece for row in rows for piece in _pieces(row, board, reference)]
     shapes = [_shape(pieces, reference) for pieces in joined]
@@ -47,6 +50,14 @@ def lines_of(board: Sequence[Place]) -> tuple[LandmarkLine, list[LandmarkLine]]:
         for pieces, shape, role in zip(joined, shapes, roles, strict=True)
     ]
     return lines[main], lines
+
+
+def _levelled(reference: Place, board: Sequence[Place]) -> Place:
+    """The reference with the direction that its board's lines have in the mean: on an arc each leans its own way."""
+    alike = [each for each in board if float(each.baseline @ reference.baseline) >= _LEANS]
+    mean = np.sum([each.width * each.baseline for each in alike], axis=0)
+    mean = mean - reference.normal * float(mean @ reference.normal)
+    return replace(reference, baseline=mean / np.linalg.norm(mean))
 
 
 def _in_reading_order(board: Sequence[Place], reference: Place) -> list[list[Place]]:
@@ -91,16 +102,20 @@ def _ratio(first: Place, second: Place) -> float:
 
 
 def _go_on(first: Place, second: Place, reference: Place) -> bool:
+    """Whether a piece goes on with the one before it: as all lines run, or, on an arc, as these two do in the mean."""
     is_unspaced = max(first.name[-1:], second.name[:1]) >= IDEOGRAPHS
     ratio, shift, space = _UNSPACED if is_unspaced else _WORDS
     letter = max(first.letter, second.letter)
     offset = second.position - first.position
     gap = float(offset @ reference.baseline) - (first.width + second.width) / 2.0
+    leaning = first.down + second.down
+    shifted = min(abs(float(offset @ down)) for down in (reference.down, leaning / np.linalg.norm(leaning)))
     is_across = first.width > _ACROSS * first.height and second.width > _ACROSS * second.height
     return (
         is_across
         and _ratio(first, second) <= ratio
-        and abs(float(offset @ reference.down)) <= shift * letter
+        and float(first.baseline @ second.baseline) >= _LEANS
+        and shifted <= shift * letter
         and gap <= space * letter
     )
 
