@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass
+from functools import cached_property
 from math import exp, log
 
 from rapidfuzz.distance import Levenshtein
@@ -68,10 +69,17 @@ class Namer:
     def __init__(self, knowledge: Knowledge, signs: SignReader) -> None:
         self._fold = knowledge.folder
         self._signs = signs
-        of_signs = _words_of_signs(knowledge)
-        self._vocabulary = load_words() | {word for word in of_signs if len(word) >= LEAST_RESPELLED}
-        names = [known.painted for known in knowledge.known.values()]
-        self._lost = LostLetters(self._vocabulary, load_short_words() | of_signs, names)
+        self._knowledge = knowledge
+
+    @cached_property
+    def _vocabulary(self) -> frozenset[str]:
+        """Common words, and rarer ones of signs: an answer that names nothing does not wait for them."""
+        return load_words() | {word for word in _words_of_signs(self._knowledge) if len(word) >= LEAST_RESPELLED}
+
+    @cached_property
+    def _lost(self) -> LostLetters:
+        names = [known.painted for known in self._knowledge.known.values()]
+        return LostLetters(self._vocabulary, load_short_words() | _words_of_signs(self._knowledge), names)
 
     def name(self, readings: Sequence[Reading], model: str) -> Naming:
         """Name a class; where nothing with a letter in it was read, without any certainty."""
