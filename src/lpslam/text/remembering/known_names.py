@@ -27,7 +27,7 @@ _WEIGHT = 3.0
 _LETTERS = 30.0
 """As one of so many letters, each as likely as any other, a pattern is read."""
 
-_SPELT = 0.33
+_SPELT = 0.32
 """Mean log odds of a letter, given the two before it, from which a text is spelt as names are: nine of ten known names
 and words of signs have more when they are left out, four of five brands alone; runes and loops mostly less."""
 
