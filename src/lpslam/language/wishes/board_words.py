@@ -249,7 +249,19 @@ class BoardWords:
         """Landmarks whose board bears every word that is asked for and means nothing else."""
         if self.refuses(text, meaning):
             return {}
-        return self._by_words(text) or dict.fromkeys(self._said.own(text), _NAMED) or self._by_some(text, meaning)
+        return (
+            self._by_words(text)
+            or dict.fromkeys(self._said.own(text), _NAMED)
+            or self._by_letters(text)
+            or self._by_some(text, meaning)
+        )
+
+    def _by_letters(self, text: str) -> dict[int, float]:
+        """The one board whose name a text is but for spaces and slips, where a word of it is of no language."""
+        content = content_of(text, wish_languages(text, self._knowledge))
+        words = self._knowledge.folder.units(content.replace("-", " "))
+        is_misspelt = any(word.isalpha() and not is_unspaced(word) and word not in load_words() for word in words)
+        return self._names.spelt(content) if is_misspelt else {}
 
     def _by_some(self, text: str, meaning: Meaning) -> dict[int, float]:
         """Boards that bear the names among the words that no table knows: “zu Ebert, weil ich etwas abgeben muss”.

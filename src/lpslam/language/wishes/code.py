@@ -5,6 +5,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
+_HUNDREDS = 100  # from which ranges hold what has a point
+
 
 @dataclass(frozen=True, slots=True)
 class Code:
@@ -43,7 +45,9 @@ class Code:
             return asked.number == self.number and _between(self.rest, asked.rest, self.until.rest)
         # M1-4 lies in M1 to M8, and 3.05 not in 1 to 6.
         last = int(asked.rest[1:]) if re.fullmatch(r"-\d+", asked.rest) else asked.number
-        is_one = not asked.rest or asked.rest.isalpha() or last > asked.number
+        # A book's 641.5 stands among 400–699.
+        is_shelf = self.until.number >= _HUNDREDS and re.fullmatch(r"\.\d+", asked.rest) is not None
+        is_one = not asked.rest or asked.rest.isalpha() or last > asked.number or is_shelf
         return is_one and self.number <= asked.number <= last <= self.until.number
 
 

@@ -9,6 +9,7 @@ from functools import lru_cache
 
 from lpslam.language.sanitise import clean_text
 from lpslam.language.signs.hours import without_hours
+from lpslam.language.tables.knowledge import load_chinese_words
 from lpslam.language.tables.lexicon import read_table
 from lpslam.language.tables.words import is_unspaced
 from lpslam.language.wishes.code import Code, code_in, range_of
@@ -117,8 +118,11 @@ def _of_board_code(text: str, start: int, end: int) -> frozenset[str]:
 
 def _starting(text: str) -> frozenset[str]:
     """What is numbered by the longest word with which a text begins."""
-    found = _classes()[0].match(text.strip())
-    return _named(found.group()) if found is not None else frozenset()
+    text = text.strip()
+    found = _classes()[0].match(text)
+    # 第二排练厅 is no row: 排练 is one word.
+    is_part = found is not None and len(found.group()) == 1 and text[:2] in load_chinese_words()
+    return _named(found.group()) if found is not None and not is_part else frozenset()
 
 
 def _last_words(text: str) -> list[tuple[re.Match[str], frozenset[str]]]:

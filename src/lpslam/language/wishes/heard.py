@@ -42,14 +42,18 @@ def by_ear(latin: str) -> str:
     return latin
 
 
-def sound_the_same(word: str, other: str) -> bool:
-    """Whether two surnames in Latin letters sound the same: Nair and Nayr, Brzezinski and Bresinski."""
+def sound_the_same(word: str, other: str, is_across: bool = False) -> bool:
+    """Whether two surnames in Latin letters sound the same: Nair and Nayr, Brzezinski and Bresinski.
+
+    `is_across` says that one was written in another script, which has other vowels: アルブラント, Albrand.
+    """
     first, second = by_ear(word), by_ear(other)
-    if abs(len(word) - len(other)) > _SPELT_APART:
+    if not is_across and abs(len(word) - len(other)) > _SPELT_APART:
         return False  # Schneider is no Schneiderei
     own = _skeleton(first)
     is_long = len(own) >= _CONSONANTS and own == _skeleton(second)
-    return first == second or (is_long and fuzz.ratio(first, second) >= 100.0 * _WORDS_ALIKE)
+    least = _SPELT_ALIKE if is_across else _WORDS_ALIKE
+    return first == second or (is_long and fuzz.ratio(first, second) >= 100.0 * least)
 
 
 def _skeleton(sound: str) -> str:
@@ -115,7 +119,10 @@ class HeardNames:
             alike, (_, name, is_own) = fuzz.ratio(sound, rows[at][0]) / 100.0, rows[at]
             id_ = self._ids[name]
             enough = _FEW_ALIKE if min(len(sought), len(other)) < _CONSONANTS else least
-            enough = enough if len(rows[at][0]) >= _LEAST_LONG * len(sound) else 1.0
+            # Other scripts spell the same consonants with vowels of their own.
+            is_same = other == sought and not is_few and load_words().isdisjoint(run)
+            is_long = len(rows[at][0]) >= _LEAST_LONG * len(sound)
+            enough = min(enough, _SPELT_ALIKE) if is_same else enough if is_long else 1.0
             if alike >= enough and (is_all or (is_own and len(other) >= _CONSONANTS)):
                 found[id_] = max(alike, found.get(id_, 0.0))
         return found

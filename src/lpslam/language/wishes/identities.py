@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache, cached_property
+from itertools import pairwise
 from typing import Any
 
 from lpslam.language.choosing.landmark_index import told_by
@@ -12,7 +13,7 @@ from lpslam.language.model import Candidate
 from lpslam.language.questions.question import read_question
 from lpslam.language.questions.speaking import wish_languages
 from lpslam.language.tables.knowledge import Knowledge
-from lpslam.language.tables.words import UNSPACED_RUN
+from lpslam.language.tables.words import UNSPACED_RUN, is_mark
 from lpslam.language.wishes.code import Code, packed, unpacked
 from lpslam.language.wishes.codes import (
     alike_key,
@@ -255,6 +256,18 @@ class Identities:
         told = self._of_the_number(what, best)
         told = told or (self._names.told_by(what, best) if is_one else [])
         return {id_: score for id_, score in scores.items() if not told or id_ in told or id_ not in best}
+
+    def is_another_number(self, what: str, ids: Iterable[int]) -> bool:
+        """Whether a number stands beside a word of some boards that are all numbered otherwise: tank 40, Tanks 1–16."""
+        numbers = [code for code in codes_said(what) if code.number is not None]
+        units = [unit for unit in self._knowledge.folder.units(what) if not is_mark(unit)] if numbers else []
+        pairs = [pair for pair in pairwise(units) if any(map(str.isdigit, pair))]
+        beside = set[int]().union(*(self._names.bearing(unit) for pair in pairs for unit in pair if unit.isalpha()))
+        named = {id_: board_codes(self._by_id[id_].name) for id_ in ids} if beside else {}
+        return bool(named) and all(
+            id_ in beside and codes and not any(each.bears(code) for each in codes for code in numbers)
+            for id_, codes in named.items()
+        )
 
     def _of_the_number(self, what: str, ids: Sequence[int]) -> list[int]:
         """Those of some landmarks that bear a number which is said, where several bear any."""

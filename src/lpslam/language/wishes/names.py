@@ -24,6 +24,8 @@ from lpslam.language.wishes.heard import HeardNames, Sounds, beginning, sound_th
 _FAR = 9  # letters of a word in which two slips are forgiven
 _LONG = 5  # letters of a word in which a slip is forgiven
 _STEM, _STEM_SHARE = 5, 0.6  # letters with which words begin alike, at least, and their share of the shorter one
+_LETTERS_A_SLIP = 6  # of a whole name, for each slip that is forgiven in it
+_DIGITS = re.compile(r"\d").findall
 _KEPT = 256  # words of which it is kept who bears them
 _SHORTEST = 4  # letters of a surname that is known by its sound
 
@@ -184,6 +186,20 @@ class Names:
         whole = len(line.key) if len(asked_in) > 1 else in_runs if True in asked_in else min(in_units, len(line.key))
         return min(1.0, sum(map(len, content)) / max(whole, 1))
 
+    def spelt(self, text: str) -> dict[int, float]:
+        """Return the one landmark whose name a text is, spaces and a slip or two aside: Faakersee, Faaker See."""
+        key = self._knowledge.folder.key(text)
+        slips = min(2, len(key) // _LETTERS_A_SLIP)
+        near = process.extract(key, self._keys, scorer=OSA.distance, score_cutoff=slips, limit=None) if slips else []
+        best = min((slip for _, slip, _ in near), default=0)
+        ids = [id_ for found, slip, id_ in near if slip == best and _DIGITS(found) == _DIGITS(key)]
+        return dict.fromkeys(ids, 1.0 - best / max(len(key), 1)) if len(ids) == 1 else {}
+
+    @cached_property
+    def _keys(self) -> dict[int, str]:
+        """The letters and digits of each name."""
+        return {id_: lines[0].key for id_, lines in self._words.items() if lines}
+
     def sounding(self, words: Sequence[str], is_all: bool = False) -> dict[int, float]:
         """Return the landmark whose name sounds like some words, in whatever script; none where two do.
 
@@ -211,7 +227,7 @@ class Names:
         rows = [set().union(*(self._bearing(form, 1) for form in each)) for each in forms]
         found = sorted(self._ids(set.intersection(*rows))) if rows else []
         found = found or self._in_another_script(words) or (self._surnames_heard(words[-1]) if words else [])
-        return found or (list(self.sounding(words)) if words and is_unspaced(words[0]) else [])
+        return found or (list(self.sounding(words, is_all=True)) if words and is_unspaced(words[0]) else [])
 
     def _in_another_script(self, words: Sequence[str]) -> list[int]:
         """Landmarks whose boards bear a surname as another script writes it: 田辺 and Tanabe."""
@@ -231,7 +247,9 @@ class Names:
         sound, words = _latin(surname), frozenset[str]() if is_unspaced(surname) else load_words()
         if len(sound) < _SHORTEST:
             return []
-        heard = [rows for word, rows in self._rows_of.items() if word not in words and sound_the_same(sound, word)]
+        is_across = is_unspaced(surname)
+        alike = (word for word in self._rows_of if word not in words and sound_the_same(sound, word, is_across))
+        heard = [self._rows_of[word] for word in alike]
         return sorted(self._ids(heard[0])) if len(heard) == 1 else []
 
 

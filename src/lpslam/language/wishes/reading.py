@@ -65,9 +65,7 @@ def read_wish(question: str, knowledge: Knowledge) -> Wish:
     languages = wish_languages(text, knowledge)
     language = next(iter(languages_of(text, knowledge)), None)
     alternatives = _among(text, languages, knowledge)
-    if alternatives is not None:
-        return Wish((alternatives,), language)
-    plan = _plan(text, languages, knowledge)
+    plan = _plan(text, languages, knowledge) if alternatives is None else Wish((alternatives,), language)
     if plan is not None:
         return plan
     alone = _stop(text, languages, knowledge)
@@ -78,12 +76,15 @@ def read_wish(question: str, knowledge: Knowledge) -> Wish:
     cued = _cued(text, languages, knowledge) if is_plain and alone.ask not in LISTED else None
     if cued is not None:
         return Wish((cued,), language, instead=Wish((alone,), language))
-    if alone.relation in _STANDING and alone.what and not alone.identity:
-        # “Remind me what they call the stall next to it”: words that are no place tell of whatever stands there.
-        told = rules_of(languages[0])["spots"].sub(" ", alone.what)
-        if not says_a_kind(told, languages, knowledge):
-            return Wish((alone,), language, instead=Wish((replace(alone, what=""),), language))
-    return Wish((alone,), language)
+    # “Remind me what they call the stall next to it”: words that are no place tell of whatever stands there.
+    told = rules_of(languages[0])["spots"].sub(" ", alone.what)
+    is_told = alone.relation in _STANDING and alone.what and not alone.identity
+    if is_told and not says_a_kind(told, languages, knowledge):
+        return Wish((alone,), language, instead=Wish((replace(alone, what=""),), language))
+    # “Is there a chemist's inside the hospital?”: that is where the map is of.
+    bare = rules_of(languages[0])["inside"].sub(" ", text) if alone.what else text
+    other = None if bare == text else Wish((_stop(bare, languages, knowledge),), language)
+    return Wish((alone,), language, instead=other)
 
 
 def _cued(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> Stop | None:
@@ -150,7 +151,7 @@ def _among(text: str, languages: tuple[str, ...], knowledge: Knowledge) -> Stop 
     for language in languages:
         rules = rules_of(language)
         found = rules.first("among", text)
-        order, rank = (None, 1) if found is None else _ordered(text, (language,))
+        order, rank = (None, 1) if found is None else next(iter(_orders(text, (language,))), (None, 1))
         if found is None or (order is None and "which" not in found[0].then):
             continue
         order = order or Which(found[0].then["which"])  # “离药房近的是A还是B”
@@ -201,7 +202,7 @@ def _stop(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: in
     stop, what = placed if placed is not None else (Stop(text), what)
     floor, bare, is_torn = floor_of(what, languages[0] if languages else None)
     unplaced, what = (what, bare) if floor is not None else ("", what)
-    order, place = _ordered(what, languages)
+    order, place = next(iter(_orders(what, languages)), (None, 1))
     if order is not None and (stop.which is Which.ANY or place > 1):
         stop = replace(stop, which=order, rank=place)
     left = content_left(what, rules)
@@ -257,8 +258,11 @@ def _placed(text: str, languages: tuple[str, ...], knowledge: Knowledge, depth: 
     if row.then["relation"] == Relation.ON_THE_WAY and not what and len(anchors) == 1:
         # “On the way to the bank” and no more.
         return Stop(text), groups["anchor"]
-    if is_beside and rules["meeting"].search(said) and not says_a_kind(what, languages, knowledge):
-        # “Let's meet in front of the bank.”
+    is_met = rules["meeting"].search(said) is not None
+    if row.then["relation"] == Relation.BEFORE and is_beside:
+        is_met = is_met or any(each.sort is Sort.PERSON for each in anchors[0].identity)
+    if is_beside and is_met and not says_a_kind(what, languages, knowledge):
+        # “Let's meet in front of the bank”, “I am to appear before Mrs Kessab”.
         return Stop(text), groups["anchor"]
     rank = rules.ranks.get(groups.get("rank", "").casefold(), 1)
     is_here = len(anchors) == 1 and rules["here"].match(groups.get("anchor", ""))
@@ -297,13 +301,13 @@ def _without(
         whole = read_question(text, knowledge)
         # “Not in a large chain” tells no place from another.
         is_told = bool(attributes_of(out)) and all("/" in each or each in asked for each in whole.refused)
-        is_one = stop.which is not Which.ANY or stop.relation is not None or bool(stop.identity) or is_told
-        is_one = is_one or stop.floor is not None
+        is_ordered = stop.which is not Which.ANY or stop.relation is not None or stop.floor is not None
+        is_one = is_ordered or bool(stop.identity) or is_told
         is_read = bool(whole.wanted and whole.refused) and not is_one
         is_unread = bool(whole.wanted and left) and not whole.refused
         if (asked or is_told) and not is_read and (is_one or asked.keys() & left.keys() or is_unread):
-            if is_told and not left:
-                # “The lounge that isn't the blue one.”
+            if is_told and not (stop.identity or is_ordered):
+                # “The lounge that isn't the blue one”, “changing rooms, but not those for women”.
                 return what, (replace(stop, what=f"{what} {out}"),), ""
             return what, (replace(stop, what=what) if is_one and not left and not stop.identity else stop,), ""
     parts = parted_by_clauses(text, languages[0]) if depth == 0 and languages else None
@@ -319,7 +323,7 @@ def _is_the_same(what: str, out: str, languages: tuple[str, ...], knowledge: Kno
     asked, left = (
         set(_uncommon(content_left(each, rules_of(languages[0])), languages, knowledge).split()) for each in (what, out)
     )
-    is_ordered = _ordered(out, languages)[0] is not None or _related(out, languages) is not None
+    is_ordered = bool(_orders(out, languages)) or _related(out, languages) is not None
     return (
         bool(left)
         and left <= asked
@@ -374,10 +378,6 @@ def _orders(text: str, languages: tuple[str, ...]) -> list[tuple[Which, int]]:
         if found:
             return found
     return []
-
-
-def _ordered(text: str, languages: tuple[str, ...]) -> tuple[Which | None, int]:
-    return next(iter(_orders(text, languages)), (None, 1))
 
 
 def _related(text: str, languages: tuple[str, ...]) -> tuple[Row, re.Match[str], Rules] | None:

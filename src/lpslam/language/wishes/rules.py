@@ -21,8 +21,8 @@ _ENDS = " .。!！?？,，、;；¿¡"
 _CASED = "(?-i:"  # a pattern with it heeds case in part
 _TABLES = ("asks", "orders", "sequences", "relations", "exclusions", "refusals", "among", "persons", "cues")
 _WORDS = (
-    *("here", "previous", "filler", "any", "spots", "meeting", "unsaid", "between", "alternative_ends", "joints"),
-    "ordering",
+    *("here", "previous", "filler", "any", "spots", "meeting", "inside", "unsaid", "between", "alternative_ends"),
+    *("joints", "ordering"),
 )
 _DEEPEST = 3  # parts within parts
 ALIKE = 0.9  # of the best score: what serves what is refused, or what is left of what is wanted, as well

@@ -83,6 +83,8 @@ class EmbeddedScorer:
         """Return the landmarks that serve a stop: by identity, by name, else by what they are."""
         served = self._judged(self._found(stop)) if stop.what else self._trust.any_place(stop)
         served = self._heeding(served) if stop.identity and served.way is not Way.IDENTITY else served
+        if stop.what and not stop.identity and self._identities.is_another_number(stop.what, _best(served.scores)):
+            served = replace(served, scores={}, evidence="no board bears this number")
         is_unsure = not served.scores or served.sure < LEAST_SURE * served.strictness
         if stop.what and is_unsure and not (stop.identity or served.settled):
             held = self._trusted(self._identities.held(stop.what))
