@@ -11,6 +11,7 @@ from lpslam.config.ground import GroundConfig, WayConfig
 from lpslam.config.navigation import NavigationConfig
 from lpslam.config.page import PageConfig, RoomConfig
 from lpslam.config.pairing import PairingConfig
+from lpslam.config.places import FittingConfig, LocatingConfig, LoopConfig, PlacesConfig
 from lpslam.config.registering import RegistrationCheckConfig
 from lpslam.config.robots import RobotConfig
 from lpslam.config.section import Field, PositiveFloat, Section
@@ -22,11 +23,8 @@ from lpslam.config.slam import (
     FeatureConfig,
     KeyframeConfig,
     LevellingConfig,
-    LocatingConfig,
-    LoopConfig,
     MappingConfig,
     PictureConfig,
-    PlacesConfig,
     SensorNoiseConfig,
     ShutterConfig,
     SlamConfig,
@@ -59,6 +57,7 @@ __all__ = [
     "EvaluationConfig",
     "FarPointConfig",
     "FeatureConfig",
+    "FittingConfig",
     "FocalCheckConfig",
     "GroundConfig",
     "InstanceConfig",

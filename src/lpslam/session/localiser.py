@@ -26,7 +26,8 @@ from lpslam.text.reading.spotting import TextSpotter
 class Localiser:
     """Finds each frame in a saved map.
 
-    Frames are read while the camera is lost, and when it was found among signs, until they have been compared. `step`
+    Frames are read while the camera is lost or its pose is guessed, and when it was found among signs, until they have
+    been compared. `step`
     is called from one thread at a time.
 
     Args:
@@ -101,7 +102,7 @@ class Localiser:
         self.seconds_tracking += time.perf_counter() - before
         self.frames += 1
         self._latest = frame.timestamp
-        if self._reads and (tracked.is_doubted or tracked.state is TrackingState.LOST):
+        if self._reads and (tracked.is_doubted or tracked.is_coasted or tracked.state is TrackingState.LOST):
             self._read(frame, tracked)
         events = self._slam.events
         fresh, self._events_told = tuple(events[self._events_told :]), len(events)

@@ -35,10 +35,12 @@ class Anchor:
     Attributes:
         corners: (n, 4, 3) metres, world frame: top left, top right, bottom right, bottom left of each.
         directions: (n, 4, 3) of the corners, in the camera's frame.
+        timestamp: seconds at which they were seen so.
     """
 
     corners: NDArray[np.float64]
     directions: NDArray[np.float64]
+    timestamp: float = -np.inf
 
     @property
     def middles(self) -> NDArray[np.float64]:

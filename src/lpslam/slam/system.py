@@ -74,7 +74,7 @@ class RgbdSlam:
         self.map = base if base is not None else SlamMap(extractor.capacity, self.sensor.scales)
         self._is_new = base is None
         places = PlaceIndex.of(self.map)
-        locator = Locator(self.map, self.sensor, config.tracking, config.locating)
+        locator = Locator(self.map, self.sensor, config.tracking, config.locating, config.fitting)
         relocaliser = Relocaliser(self.map, places, locator, config.tracking, config.locating, advisor)
         shutter = RollingShutter(self.sensor, self.map, config.tracking, config.shutter)
         far_points = FarPoints(self.map, self.sensor, config.far_points)

@@ -122,10 +122,8 @@ class TextMapper:
 
     def read(self, frame: RgbdFrame, tracked: TrackedFrame) -> FrameReading | None:
         """Read a frame and remember what it says; None without a pose or a cause to search, or when it failed."""
-        if tracked.is_coasted:
-            # Where it was taken is a guess: what is written there will be read when it is known.
-            return None
-        if tracked.keyframe_from_camera is None:
+        if tracked.is_coasted or tracked.keyframe_from_camera is None:
+            # Where it was taken is a guess, or not known: what is written there is not remembered, but may tell it.
             self._read_lost(frame)
             return None
         self.text_map.memory.forget(frame.timestamp)

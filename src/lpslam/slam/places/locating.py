@@ -1,6 +1,6 @@
 """Where in the map a view could have been taken: for relocalising, closing loops and merging (ORB-SLAM, V-E, VII-B)."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.camera import centre_distance
-from lpslam.config import LocatingConfig, TrackingConfig
+from lpslam.config import FittingConfig, LocatingConfig, TrackingConfig
 from lpslam.slam.advice import Anchor
 from lpslam.slam.association import Associator, Estimate, View
 from lpslam.slam.consensus import largest_consensus
@@ -16,6 +16,7 @@ from lpslam.slam.features import Features
 from lpslam.slam.kernels import graph, matching
 from lpslam.slam.map import SlamMap
 from lpslam.slam.places.anchored import anchored_pose
+from lpslam.slam.places.fitting import Fitted
 from lpslam.slam.places.parts import Parts
 from lpslam.slam.places.twins import spread_over, twins
 from lpslam.slam.rays import is_unsure
@@ -23,6 +24,9 @@ from lpslam.slam.sensor import SensorModel
 
 _Matrix = NDArray[np.float64]
 _Rows = NDArray[np.int32]
+
+Fit = Callable[[Anchor | None, _Matrix | None, _Matrix], Fitted | None]
+"""From the signs in a view, or a first pose (4×4), and map points (n, 3) around, to where its depth has it."""
 
 
 class Expected(NamedTuple):
@@ -54,6 +58,7 @@ class Located:
         alike_agreement: share of the keypoints that look like one point of the place, and like no other, that see it:
             so much at least, with 95 %.
         is_told: something else than appearance said where to look.
+        is_fitted: that, and what the view's depth shows lies where the map has it.
     """
 
     keyframe: int
@@ -65,6 +70,7 @@ class Located:
     depth_agreement: float
     alike_agreement: float
     is_told: bool = False
+    is_fitted: bool = False
 
     @property
     def missing_share(self) -> float:
@@ -89,11 +95,17 @@ class Locator:
     """Finds the pose of a view from appearance alone, and accepts it only where much of the map agrees."""
 
     def __init__(
-        self, slam_map: SlamMap, sensor: SensorModel, tracking: TrackingConfig, config: LocatingConfig
+        self,
+        slam_map: SlamMap,
+        sensor: SensorModel,
+        tracking: TrackingConfig,
+        config: LocatingConfig,
+        fitting: FittingConfig | None = None,
     ) -> None:
         self._map = slam_map
         self._sensor = sensor
         self._config = config
+        self._fitting = fitting or FittingConfig()
         self._hamming, self._ratio = tracking.hamming_strict, tracking.ratio_brute_force
         self._associator = Associator(slam_map, sensor, tracking)
 
@@ -106,6 +118,7 @@ class Locator:
         anchor: Anchor | None = None,
         is_anywhere: bool = True,
         will_look: bool = False,
+        fit: Fit | None = None,
     ) -> Located | None:
         """Match by appearance, PnP RANSAC, then guided matching in windows that narrow.
 
@@ -117,6 +130,7 @@ class Locator:
             anchor: ... or, better, what is seen and stands so nowhere else in the map.
             is_anywhere: nothing else says in which part of the map it was taken: the place must look like no other.
             will_look: the picture will be asked for what should be seen; how much of it was found as corners says less.
+            fit: where the view's depth has it, if something else than appearance says where to begin.
         """
         config = self._config
         alike = self._alike(features, self._group(candidate, config.matched_keyframes, allowed))
@@ -134,6 +148,11 @@ class Locator:
                 located = replace(self._judge(features, candidate, estimate, points, alike), is_told=True)
                 if self._is_certain(features, located):
                     return located
+        if fit is not None and (anchor is not None or guess is not None):
+            fitted = fit(anchor, guess, self._map.columns.position[points])
+            laid = None if fitted is None else self._fitted(features, candidate, fitted, points, alike)
+            if laid is not None:
+                return laid
         found = self._from_appearance(features, alike)
         if found is None:
             return None
@@ -165,10 +184,29 @@ class Locator:
         agrees = will_look or located.alike_agreement >= self._config.min_alike_agreement
         return located if agrees and self._is_certain(features, located, will_look) else None
 
+    def _fitted(
+        self, features: Features, keyframe: int, fitted: Fitted, points: _Rows, alike: _Alike
+    ) -> Located | None:
+        """The place where a view's depth has it, if keypoints have it there as well: in another light they are few."""
+        fitting = self._fitting
+        estimate = self._guided(features, fitted.camera_from_world, points, (1.0,), fitting.min_inliers)
+        if estimate is None:
+            return None
+        if centre_distance(estimate.camera_from_world, fitted.camera_from_world) > fitting.strays:
+            return None
+        located = self._judge(features, keyframe, estimate, points, alike)
+        located = replace(located, is_told=True, is_fitted=True)
+        return located if self._is_certain(features, located) else None
+
     def _guided(
-        self, features: Features, camera_from_world: _Matrix, points: _Rows, widenings: Sequence[float]
+        self,
+        features: Features,
+        camera_from_world: _Matrix,
+        points: _Rows,
+        widenings: Sequence[float],
+        least: int | None = None,
     ) -> Estimate | None:
-        """The pose that points seen around a first one ask for, in windows that narrow."""
+        """The pose that so many points seen around a first one ask for at least, in windows that narrow."""
         view, pose, estimate = View.of(features, self._sensor), camera_from_world, None
         for widening in widenings:
             predicted = self._associator.predict(points, pose)
@@ -177,7 +215,7 @@ class Locator:
             if estimate is None:
                 return None
             pose = estimate.camera_from_world
-        return estimate if estimate is not None and estimate.matches >= self._config.min_inliers else None
+        return estimate if estimate is not None and estimate.matches >= (least or self._config.min_inliers) else None
 
     def _group(self, candidate: int, size: int, allowed: NDArray[np.bool_] | None) -> _Rows:
         covisible = self._map.covisible(candidate, 1)
@@ -358,7 +396,7 @@ class Locator:
         is_held = located.depth_agreement >= config.min_depth_agreement and spread >= config.min_spread
         least = config.min_told_share if located.is_told else config.min_seen_share
         is_seen = located.seen_share >= least and located.missing_share <= config.max_missing_share
-        return is_held and (will_look or is_seen)
+        return is_held and (will_look or located.is_fitted or is_seen)
 
 
 def at_least(seen: int, of: int) -> float:

@@ -12,7 +12,7 @@ from lpslam.slam.advice import NO_ADVICE, LoopAdvisor, Recalled
 from lpslam.slam.features import Features
 from lpslam.slam.map import SlamMap
 from lpslam.slam.places.index import PlaceIndex, group_candidates
-from lpslam.slam.places.locating import Located, Locator
+from lpslam.slam.places.locating import Fit, Located, Locator
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,6 +70,7 @@ class Relocaliser:
         last_seen: LastSeen | None,
         timestamp: float,
         there: Callable[[Located], float] | None = None,
+        fit: Fit | None = None,
     ) -> Located | None:
         """The place of a view: one that little tells only if the camera can have come there since it was last seen.
 
@@ -82,6 +83,7 @@ class Relocaliser:
             last_seen: where it was then, if that is known.
             timestamp: of the view, in seconds.
             there: the share of what a place has in view that the picture shows; without, only corners tell.
+            fit: as `Locator.locate` takes it.
         """
         config = self._config
         before, self._unconfirmed = self._unconfirmed, None
@@ -91,7 +93,7 @@ class Relocaliser:
         def may_be_at(other: Located) -> bool:
             return not is_recent or self._is_within_reach(other, last_seen, timestamp)
 
-        located = self.find(features, last_reference, likely, may_be_at, there)
+        located = self.find(features, last_reference, likely, may_be_at, there, fit)
         is_sure = located is not None and (
             located.inliers >= config.sure_inliers and located.alike_agreement >= config.sure_alike_agreement
         )
@@ -120,6 +122,7 @@ class Relocaliser:
         likely: Sequence[Recalled] = (),
         may_be_at: Callable[[Located], bool] = lambda located: True,
         there: Callable[[Located], float] | None = None,
+        fit: Fit | None = None,
     ) -> Located | None:
         """The place of a view, or None; the caller holds the map's lock.
 
@@ -128,12 +131,12 @@ class Relocaliser:
             last_reference: the keyframe by which the camera was last seen, tried first.
             likely: keyframes tried next.
             may_be_at: where the camera cannot be is no rival of where it can.
-            there: as `confirm` takes it.
+            there, fit: as `confirm` takes them.
         """
         found = [
             located
             for candidate in self._likely(features, last_reference, likely)
-            if (located := self._locate(features, candidate, there is not None)) is not None
+            if (located := self._locate(features, candidate, there is not None, fit)) is not None
             and not self._is_disowned(located)
         ]
         if there is not None:
@@ -232,10 +235,12 @@ class Relocaliser:
             for keyframe, other in self._disowned
         )
 
-    def _locate(self, features: Features, candidate: Recalled, will_look: bool = False) -> Located | None:
+    def _locate(
+        self, features: Features, candidate: Recalled, will_look: bool = False, fit: Fit | None = None
+    ) -> Located | None:
         guess, anchor = candidate.camera_from_world, candidate.anchor
         return self._locator.locate(
-            features, candidate.keyframe, guess=guess, anchor=anchor, is_anywhere=False, will_look=will_look
+            features, candidate.keyframe, guess=guess, anchor=anchor, is_anywhere=False, will_look=will_look, fit=fit
         )
 
     def _likely(self, features: Features, last_reference: int, likely: Sequence[Recalled]) -> Iterator[Recalled]:

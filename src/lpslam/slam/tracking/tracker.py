@@ -8,7 +8,6 @@ looked for in the whole map, and after a while a new sub-map is begun.
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +21,7 @@ from lpslam.slam.delay import DepthDelay
 from lpslam.slam.features import FeatureExtractor, gray_of
 from lpslam.slam.map import SlamMap
 from lpslam.slam.mapping.far_points import FarPoints
-from lpslam.slam.places.looking import Looking
+from lpslam.slam.places.locating import Located
 from lpslam.slam.places.relocalising import Relocaliser
 from lpslam.slam.sensor import SensorModel
 from lpslam.slam.shutter.revising import EarlyFrames
@@ -41,6 +40,7 @@ from lpslam.slam.tracking.losing import Hindsight, Losing, start_depths
 from lpslam.slam.tracking.moving_on import MovingOn
 from lpslam.slam.tracking.picture import Picture
 from lpslam.slam.tracking.quality import Quality
+from lpslam.slam.tracking.refinding import Refinding
 from lpslam.slam.tracking.stepping import Stepping
 from lpslam.slam.tracking.surfaces import Surfaces
 from lpslam.slam.tracking.turning import Turning
@@ -86,14 +86,13 @@ class Tracker:
         self._waiting_since: float | None = None
         self._extractor = extractor
         self._shutter = shutter
-        self._relocaliser = relocaliser
-        self._looking = Looking(slam_map, extractor, config.locating)
         self._grows = grows
         self._is_mapping_idle = is_mapping_idle
         founds = grows and slam_map.keyframe_count == 0
         state = TrackingState.INITIALISING if founds else TrackingState.LOST
         self._where = where = Whereabouts(slam_map, on_event, state, slam_map.keyframe_count - 1)
         self._associator = associator = Associator(slam_map, sensor, config.tracking)
+        self._refinding = Refinding(relocaliser, associator, extractor, where, config)
         self._search = LocalSearch(slam_map, associator, config.tracking)
         self._keyframes = Keyframes(slam_map, sensor, far_points, config.keyframes)
         self._guesser = Guesser(extractor, sensor, slam_map, associator, where.motion, shutter, config)
@@ -174,7 +173,11 @@ class Tracker:
         """Search the local map from the best first guess that leads to enough matches."""
         where, view = self._where, View.of(picture.features, self._sensor)
         gap = 0.0 if where.last is None else picture.timestamp - where.last.timestamp
-        if self._doubt.is_open and where.last is not None and self._is_told_elsewhere(view, where.last):
+        if (
+            self._doubt.is_open
+            and where.last is not None
+            and self._refinding.is_told_elsewhere(view.features, self._guesser.pose(where.last))
+        ):
             self._give_up_place(picture.frame, where.last)
         if where.state is not TrackingState.LOST:
             starts, is_strict = self._starts(picture.frame, view, followed), picture.timestamp < self._strict_until
@@ -188,20 +191,25 @@ class Tracker:
                 picture = replace(picture, features=followed.features, seen=followed.seen)
                 return self._accept(picture, followed.estimate, is_sure=False)
         # Nothing near where it should be: a frame is given up only after the whole map was searched.
-        found = self._search.best(view, self._lost_starts(view, picture), gap, is_strict=True)
-        return self._miss(picture) if found is None else self._take(picture, found, is_refound=True)
+        located = self._refinding.located(view.features, picture)
+        if located is None:
+            return self._miss(picture)
+        # What a sign and the depth tell needs fewer keypoints beside them.
+        start, is_strict = FirstGuess(located.camera_from_world, located.points, located.points), not located.is_fitted
+        found = self._search.best(view, iter([start]), gap if is_strict else 0.0, is_strict)
+        return self._miss(picture) if found is None else self._take(picture, found, located)
 
-    def _take(self, picture: Picture, found: Search, is_refound: bool = False) -> TrackedFrame:
-        """Take the outcome of a search for the frame's."""
+    def _take(self, picture: Picture, found: Search, located: Located | None = None) -> TrackedFrame:
+        """Take the outcome of a search for the frame's, of a lost one where it was `located`."""
         where, before, coasted_since = self._where, self._where.last, self._losing.coasted_since
         if self._grows:
             self._search.count(found)
         where.reference = found.reference
-        if is_refound:
+        if located is not None:
             where.forget()
         picture, estimate = self._straightened(picture, found.estimate)
-        if is_refound:
-            self._strict_until = picture.timestamp + self._config.strict_seconds
+        if located is not None:
+            self._strict_until = picture.timestamp + (0.0 if located.is_fitted else self._config.strict_seconds)
             where.tell(EventKind.RELOCALISED, picture.frame, f"{found.estimate.matches} map points matched")
             self._doubt.begin(where.reference, picture.timestamp)
         if found.is_sure:
@@ -213,7 +221,7 @@ class Tracker:
             placed_since = coasted_since
         else:
             placed_since = self._go_back()
-        if is_refound:
+        if located is not None:
             self._doubt.reach_back(placed_since)
         return tracked
 
@@ -254,12 +262,10 @@ class Tracker:
             yield from self._guesser.from_motion(last, frame.timestamp, view)
         # Asked for only if that led nowhere: it compares every descriptor with every other.
         yield from self._guesser.from_reference(last, view, self._where.reference)
-
-    def _lost_starts(self, view: View, picture: Picture) -> Iterator[FirstGuess]:
-        where, there = self._where, partial(self._looking.share, picture.gray)
-        seen = where.seen()
-        if located := self._relocaliser.confirm(view.features, where.reference, seen, picture.timestamp, there):
-            yield FirstGuess(located.camera_from_world, located.points, located.points)
+        if last is not None:
+            # In another light, or in none, what is in view is shaped as before.
+            guess = self._guesser.predicted(last, frame.timestamp) if carried is None else carried
+            yield from self._refinding.by_depth(frame, view.features.rows, guess)
 
     # What becomes of the frame ----------------------------------------------------------------------------------
 
@@ -291,7 +297,7 @@ class Tracker:
         begun = self._losing.beginning(picture.timestamp)
         self._where.state, self._where.reference = TrackingState.TRACKING, -1
         self._losing.seen()
-        self._relocaliser.forget()
+        self._refinding.forget()
         self._quality.begin(picture)
         tracked = self._make_keyframe(picture, camera_from_world)
         if begun is not None:
@@ -326,18 +332,15 @@ class Tracker:
         with self._map.lock:
             is_right = self._doubt.settle(self._where.reference, frame.timestamp)
             if is_right:
-                self._relocaliser.forget()
+                self._refinding.forget()
             if is_right is False:
                 self._give_up_place(frame, last)
-
-    def _is_told_elsewhere(self, view: View, last: LastFrame) -> bool:
-        return self._relocaliser.is_told_elsewhere(view.features, self._where.reference, self._guesser.pose(last))
 
     def _give_up_place(self, frame: RgbdFrame, last: LastFrame) -> None:
         """The camera is not where it was found: forget what followed from that; the caller holds the map's lock."""
         where, since, placed_since = self._where, self._doubt.since, self._doubt.placed_since
         where.tell(EventKind.LOST, frame, f"the signs read since {since:.2f} s are not those of the place")
-        self._relocaliser.disown(where.reference, self._guesser.pose(last))
+        self._refinding.disown(self._guesser.pose(last))
         where.reference = self._doubt.take_back(where.reference)
         self._doubt.end()
         where.state = TrackingState.LOST

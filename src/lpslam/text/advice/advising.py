@@ -8,6 +8,7 @@ located among signs that say something else than those it sees, loop closing is 
 import threading
 from collections import defaultdict, deque
 from collections.abc import Collection, Iterable, Sequence
+from dataclasses import replace
 from itertools import count
 
 import numpy as np
@@ -197,7 +198,8 @@ class TextAdvisor:
             for place in standpoints(sightlines, self._config):
                 view = self._nearest(keyframes, old[submaps[old] == submap], inverse_transform(place.camera_from_world))
                 if view is not None:
-                    found.append((place.rarity, Recalled(view, place.camera_from_world, place.anchor)))
+                    anchor = replace(place.anchor, timestamp=texts[0].timestamp)
+                    found.append((place.rarity, Recalled(view, place.camera_from_world, anchor)))
         if not found and len(seen) == 1:
             # Of two that do not stand to one another as before, neither is believed.
             text, bearing, keys = seen[0]
@@ -228,7 +230,7 @@ class TextAdvisor:
         ]
         if not alike or not is_ahead(corners):
             return [], None
-        return [Recalled(min(alike)[1], anchor=anchor_of([(corners, signs[0])]))], signs[0]
+        return [Recalled(min(alike)[1], anchor=anchor_of([(corners, signs[0])], text.timestamp))], signs[0]
 
     def vetoes(self, keyframes: KeyframeMap, keyframe: int, candidate: int, camera_from_world: Array) -> str | None:
         """Refuse a pose among signs that say something else than those that were read lately."""

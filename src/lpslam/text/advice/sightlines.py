@@ -119,9 +119,10 @@ def is_ahead(corners: Array) -> bool:
     return bool((corners[:, 2] > _LEAST_AHEAD).all())
 
 
-def anchor_of(matches: Sequence[tuple[Array, Seen]]) -> Anchor:
-    """Signs, each seen in directions (4, 3)."""
-    return Anchor(np.array([corners_of(sign) for _, sign in matches]), np.array([corners for corners, _ in matches]))
+def anchor_of(matches: Sequence[tuple[Array, Seen]], timestamp: float = -np.inf) -> Anchor:
+    """Signs, each seen in directions (4, 3) at a time in seconds."""
+    corners, directions = [corners_of(sign) for _, sign in matches], [seen for seen, _ in matches]
+    return Anchor(np.array(corners), np.array(directions), timestamp)
 
 
 def corners_of(sign: Seen) -> Array:

@@ -1,0 +1,108 @@
+"""Where a lost camera is: what its picture shows, its depth and the signs in view are asked for it."""
+
+from collections.abc import Iterator
+from functools import cached_property, partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lpslam.config import SlamConfig
+from lpslam.frames import RgbdFrame
+from lpslam.slam.advice import Anchor
+from lpslam.slam.association import Associator
+from lpslam.slam.features import FeatureExtractor, Features
+from lpslam.slam.kernels import graph
+from lpslam.slam.places.fitting import Fitted, Fitting, Surfaces
+from lpslam.slam.places.locating import Located
+from lpslam.slam.places.looking import Looking
+from lpslam.slam.places.relocalising import Relocaliser
+from lpslam.slam.tracking.guesses import FirstGuess
+from lpslam.slam.tracking.picture import Picture
+from lpslam.slam.tracking.whereabouts import Whereabouts
+
+_Matrix = NDArray[np.float64]
+
+
+class Refinding:
+    """Finds lost frames in the whole map.
+
+    Args:
+        relocaliser: tries places.
+        associator: knows which map points are in view.
+        extractor: of the camera.
+        where: the camera was last; the lock of its map is held by whoever calls.
+        config: thresholds.
+    """
+
+    def __init__(
+        self,
+        relocaliser: Relocaliser,
+        associator: Associator,
+        extractor: FeatureExtractor,
+        where: Whereabouts,
+        config: SlamConfig,
+    ) -> None:
+        self._relocaliser = relocaliser
+        self._looking = Looking(where.map, extractor, config.locating)
+        self._fitting = Fitting(extractor.camera, config.fitting)
+        self._fresh_seconds = config.fitting.fresh_seconds
+        self._associator = associator
+        self._where = where
+
+    def located(self, features: Features, picture: Picture) -> Located | None:
+        """The place of a frame, by its keypoints first of all."""
+        where = self._where
+        return self._relocaliser.confirm(
+            features,
+            where.reference,
+            where.seen(),
+            picture.timestamp,
+            partial(self._looking.share, picture.gray),
+            _Depth(self._fitting, picture.frame.depth, picture.timestamp, self._fresh_seconds).fit,
+        )
+
+    def by_depth(self, frame: RgbdFrame, rows: int, camera_from_world: _Matrix) -> Iterator[FirstGuess]:
+        """Where a view of so many keypoints was taken by its depth, near a pose (4×4) in the world of the reference."""
+        slam_map = self._where.map
+        submaps, living = slam_map.submaps(), slam_map.living_keyframes()
+        here = living[submaps[living] == submaps[self._where.reference]]
+        points = graph.points_of(slam_map.columns, here, slam_map.point_count)
+        in_view = self._associator.predict(points, camera_from_world).points
+        surfaces = self._fitting.surfaces(frame.depth)
+        fitted = self._fitting.near(surfaces, camera_from_world, slam_map.columns.position[in_view])
+        if fitted is not None:
+            pose = fitted.camera_from_world
+            yield FirstGuess.at(pose, rows, self._associator.predict(points, pose).points)
+
+    def is_told_elsewhere(self, features: Features, camera_from_world: _Matrix) -> bool:
+        """Whether a sign in view tells another place than that in which the camera was found, at a pose (4×4)."""
+        return self._relocaliser.is_told_elsewhere(features, self._where.reference, camera_from_world)
+
+    def disown(self, camera_from_world: _Matrix) -> None:
+        """Believe no place around a pose (4×4) any more, until `forget`."""
+        self._relocaliser.disown(self._where.reference, camera_from_world)
+
+    def forget(self) -> None:
+        """Believe every place again."""
+        self._relocaliser.forget()
+
+
+class _Depth:
+    """A frame's depth (h, w), metres, and time; its surfaces are worked out when they are first asked for."""
+
+    def __init__(self, fitting: Fitting, depth: NDArray[np.float32], timestamp: float, fresh_seconds: float) -> None:
+        self._fitting = fitting
+        self._depth = depth
+        self._seen_since = timestamp - fresh_seconds
+
+    @cached_property
+    def _surfaces(self) -> Surfaces:
+        return self._fitting.surfaces(self._depth)
+
+    def fit(self, anchor: Anchor | None, camera_from_world: _Matrix | None, points: _Matrix) -> Fitted | None:
+        """Where the frame was taken, as `Fit` says."""
+        if anchor is not None and anchor.timestamp >= self._seen_since:
+            return self._fitting.by_signs(self._surfaces, anchor, points)
+        if anchor is None and camera_from_world is not None:
+            return self._fitting.near(self._surfaces, camera_from_world, points)
+        return None
