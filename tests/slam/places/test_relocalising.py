@@ -13,7 +13,7 @@ from lpslam.slam.advice import NO_ADVICE, Anchor, KeyframeMap, LoopAdvisor, Reca
 from lpslam.slam.features import Features
 from lpslam.slam.map import SlamMap
 from lpslam.slam.places.index import PlaceIndex
-from lpslam.slam.places.locating import Expected, Located, Locator
+from lpslam.slam.places.locating import Expected, Fit, Located, Locator
 from lpslam.slam.places.parts import Parts
 from lpslam.slam.places.relocalising import LastSeen, Relocaliser
 
@@ -57,6 +57,7 @@ class Holding:
         anchor: Anchor | None = None,
         is_anywhere: bool = True,
         will_look: bool = False,
+        fit: Fit | None = None,
     ) -> Located | None:
         self.asked.append(candidate)
         if anchor is not None:

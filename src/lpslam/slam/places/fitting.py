@@ -106,13 +106,13 @@ class Fitting:
 
     def _posed(self, surfaces: Surfaces, anchor: Anchor, row: int) -> tuple[int, _Matrix] | None:
         """Camera from world by the place, the normal and the direction of one sign of an anchor, with its row."""
-        pixels = anchor.pixels(self._small.intrinsics)[row]
+        pixels, sign = anchor.pixels(self._small.intrinsics)[row], _normal(anchor.corners[row])
         about = np.ceil(np.maximum(np.ptp(pixels, axis=0) / 2, self._config.sign_pixels))
         first = np.maximum(np.rint(pixels.mean(axis=0) - about), 0).astype(int)
         last = np.maximum(np.rint(pixels.mean(axis=0) + about), 0).astype(int) + 1
         part = np.s_[first[1] : last[1], first[0] : last[0]]
         known = np.isfinite(surfaces.normals[part]).all(axis=2)
-        if np.count_nonzero(known) < _LEAST_OF_SIGN:
+        if sign is None or np.count_nonzero(known) < _LEAST_OF_SIGN:
             return None
         normal = np.median(surfaces.normals[part][known], axis=0)
         normal /= np.linalg.norm(normal)
@@ -120,7 +120,7 @@ class Fitting:
         away = float(np.median(surfaces.points[part][known] @ normal))
         rays = anchor.directions[row]
         corners = rays * (away / np.minimum(rays @ normal, -_GRAZING))[:, None]
-        turn = _axes(corners, normal) @ _axes(anchor.corners[row], _normal(anchor.corners[row])).T
+        turn = _axes(corners, normal) @ _axes(anchor.corners[row], sign).T
         pose = np.eye(4)
         pose[:3, :3], pose[:3, 3] = turn, corners.mean(axis=0) - turn @ anchor.corners[row].mean(axis=0)
         return (row, pose) if np.isfinite(pose).all() else None
@@ -188,11 +188,11 @@ def _axes(corners: _Matrix, normal: _Matrix) -> _Matrix:
     return np.column_stack([along, np.cross(normal, along), normal])
 
 
-def _normal(corners: _Matrix) -> _Matrix:
-    """(3,) of a sign whose corners (4, 3) are top left, top right, bottom right, bottom left."""
+def _normal(corners: _Matrix) -> _Matrix | None:
+    """(3,) of a sign with corners (4, 3) top left, top right, bottom right, bottom left; None if it has no size."""
     normal = np.cross(corners[3] - corners[0], corners[1] - corners[0])
-    unit: _Matrix = normal / np.linalg.norm(normal)
-    return unit
+    size = float(np.linalg.norm(normal))
+    return normal / size if size > 0.0 else None
 
 
 def _cross(point: _Matrix) -> _Matrix:
