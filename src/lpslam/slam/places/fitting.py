@@ -10,10 +10,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.camera import PinholeCamera, transform_points
+from lpslam.camera import PinholeCamera, inverse_transform, transform_points
 from lpslam.config import FittingConfig
 from lpslam.slam.advice import Anchor
-from lpslam.slam.kernels.geometry import exponential
+from lpslam.slam.kernels.geometry import exponential, logarithm, orthonormalise
 from lpslam.small_depth import SmallDepth
 
 _Matrix = NDArray[np.float64]
@@ -49,10 +49,16 @@ class Fitted:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Held:
-    """Middles of signs, (n, 3) each, in the camera and in the world, metres."""
+    """What a pose is held by beside surfaces.
+
+    Attributes:
+        in_camera, in_world: (n, 3) metres, middles of signs.
+        pose: 4×4, near which it is.
+    """
 
     in_camera: _Matrix
     in_world: _Matrix
+    pose: _Matrix | None = None
 
 
 class Fitting:
@@ -101,8 +107,9 @@ class Fitting:
         return self._fitted(surfaces, poses[0], points, _Held(in_camera, middles))
 
     def near(self, surfaces: Surfaces, camera_from_world: _Matrix, points: _Matrix) -> Fitted | None:
-        """The same from a first pose (4×4) alone, that of the frame before."""
-        return self._fitted(surfaces, camera_from_world, points, _Held(np.empty((0, 3)), np.empty((0, 3))))
+        """The same from a first pose (4×4) alone, which stays in directions that nothing on surfaces tells."""
+        held = _Held(np.empty((0, 3)), np.empty((0, 3)), camera_from_world)
+        return self._fitted(surfaces, camera_from_world, points, held)
 
     def _posed(self, surfaces: Surfaces, anchor: Anchor, row: int) -> tuple[int, _Matrix] | None:
         """Camera from world by the place, the normal and the direction of one sign of an anchor, with its row."""
@@ -128,6 +135,7 @@ class Fitting:
     def _fitted(self, surfaces: Surfaces, pose: _Matrix, points: _Matrix, held: _Held) -> Fitted | None:
         """Gauss-Newton over distances of points from surfaces, whose reach narrows."""
         config, reach = self._config, self._config.first_metres
+        information = np.repeat([config.start_metres, config.start_radians], 3) ** -2
         for step in range(config.steps):
             reach = max(reach * config.narrowing, config.least_metres)
             seen = self._seen(surfaces, pose, points)
@@ -143,8 +151,12 @@ class Fitting:
                 lever = np.hstack([np.eye(3), -_cross(middle)])
                 hessian += lever.T @ lever / sigma**2
                 gradient += lever.T @ (kept - middle) / sigma**2
+            if held.pose is not None:
+                hessian += np.diag(information)
+                gradient += information * logarithm(held.pose @ inverse_transform(pose))
             twist = np.linalg.solve(hessian + _DAMPING * np.eye(6), gradient)
             pose = exponential(np.asarray(twist, np.float64)) @ pose
+            orthonormalise(pose)
         return self._judged(surfaces, pose, points)
 
     def _judged(self, surfaces: Surfaces, pose: _Matrix, points: _Matrix) -> Fitted | None:

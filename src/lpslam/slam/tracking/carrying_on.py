@@ -72,6 +72,7 @@ class CarryingOn:
         self._reference = self._newest = _Sight(_NOTHING, np.eye(4), Doubtful())
         self._reference_from_keyframe = np.eye(4)
         self._image_from_reference = np.eye(4)
+        self._newest_image = _NOTHING
         self._twist = np.zeros(6)
         self.told = Told.NOTHING
         self.doubtful = Doubtful()
@@ -117,7 +118,7 @@ class CarryingOn:
             # What nothing tells comes to rest.
             self._twist *= np.exp(-seconds / _COMING_TO_REST)
         self._image_from_reference, self._timestamp = pose, picture.timestamp
-        self._before = glance
+        self._before, self._newest_image = glance, image
         self._doubt(seconds, is_aligned)
         if self.told:
             self._newest, self._told_at = _Sight(image, pose, self.doubtful), picture.timestamp
@@ -125,6 +126,15 @@ class CarryingOn:
                 self._renew()
         camera_from_keyframe: _Matrix = self._image_from_reference @ self._reference_from_keyframe
         return camera_from_keyframe
+
+    def mend(self, camera_from_keyframe: _Matrix) -> None:
+        """Take another pose (4×4) for the newest frame's, by which the map has it where its depth shows."""
+        orthonormalise(self._reference_from_keyframe)
+        pose = camera_from_keyframe @ inverse_transform(self._reference_from_keyframe)
+        orthonormalise(pose)
+        self._newest = _Sight(self._newest_image, pose, self.doubtful)
+        self._image_from_reference, self._told_at = pose, self._timestamp
+        self._renew()
 
     def _aligned(self, image: NDArray[np.float32], step: _Matrix, timestamp: float) -> tuple[_Matrix, Aligned | None]:
         """Where an image is expected (4×4, image from reference), and how it lies there if that tells its turn."""
@@ -172,7 +182,7 @@ class CarryingOn:
         self._before, self.doubtful = self._turning.glance(last.gray, last.depth), Doubtful()
         image = self._surfaces.images.reference(last.gray, last.depth)
         self._reference = self._newest = _Sight(image, np.eye(4), self.doubtful)
-        self._reference_from_keyframe, self._image_from_reference = last.camera_from_reference, np.eye(4)
+        self._reference_from_keyframe, self._image_from_reference = last.camera_from_reference.copy(), np.eye(4)
         self._twist = np.zeros(6) if self._motion.twist is None else self._motion.twist.copy()
 
 

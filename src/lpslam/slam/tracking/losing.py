@@ -15,6 +15,7 @@ from lpslam.slam.tracking.coasting import Coasting
 from lpslam.slam.tracking.guesses import LastFrame
 from lpslam.slam.tracking.picture import Picture
 from lpslam.slam.tracking.quality import Quality
+from lpslam.slam.tracking.refinding import Refinding
 from lpslam.slam.tracking.whereabouts import Whereabouts
 from lpslam.slam.trajectory import Trajectory
 
@@ -61,6 +62,7 @@ class Losing:
         anchoring: knows how far the picture moves.
         quality: says what a frame shows.
         carrying_on: follows the camera where the map does not tell its way.
+        refinding: lays what a frame shows on the map.
         config: thresholds.
         grows: whether new places are mapped.
     """
@@ -71,10 +73,12 @@ class Losing:
         anchoring: Anchoring,
         quality: Quality,
         carrying_on: CarryingOn,
+        refinding: Refinding,
         config: SlamConfig,
         grows: bool,
     ) -> None:
         self._carrying_on = carrying_on
+        self._refinding = refinding
         self._where = where
         self._anchoring = anchoring
         self._quality = quality
@@ -124,6 +128,8 @@ class Losing:
             return None
         camera_from_keyframe = self._carrying_on.follow(last, picture)
         told = self._carrying_on.told
+        if told is Told.WAY:
+            camera_from_keyframe = self._mended(last, picture, camera_from_keyframe)
         if not self._coasting.goes_on(frame.timestamp, last.timestamp, told, self._carrying_on.doubtful):
             return None
         if told is Told.NOTHING and self._shows_enough(picture) and self._coasting.is_guess(frame.timestamp):
@@ -150,6 +156,17 @@ class Losing:
             reason,
             is_coasted=True,
         )
+
+    def _mended(self, last: LastFrame, picture: Picture, camera_from_keyframe: _Matrix) -> _Matrix:
+        """The pose (4×4) of a frame that was carried along, with what it shows laid on the map: else it drifts."""
+        slam_map = self._where.map
+        camera_from_world = camera_from_keyframe @ slam_map.camera_from_world(last.reference)
+        laid = self._refinding.mended(picture.frame, camera_from_world)
+        if laid is None:
+            return camera_from_keyframe
+        mended = laid @ slam_map.world_from_keyframe(last.reference)
+        self._carrying_on.mend(mended)
+        return mended
 
     def lose(self, picture: Picture) -> TrackedFrame | None:
         """Say why a frame is lost; None if usable views were unknown for so long that a sub-map begins with it."""

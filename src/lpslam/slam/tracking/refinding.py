@@ -63,16 +63,27 @@ class Refinding:
 
     def by_depth(self, frame: RgbdFrame, rows: int, camera_from_world: _Matrix) -> Iterator[FirstGuess]:
         """Where a view of so many keypoints was taken by its depth, near a pose (4×4) in the world of the reference."""
+        points = self._points_here()
+        pose = self._laid(frame, camera_from_world, points)
+        if pose is not None:
+            yield FirstGuess.at(pose, rows, self._associator.predict(points, pose).points)
+
+    def mended(self, frame: RgbdFrame, camera_from_world: _Matrix) -> _Matrix | None:
+        """A pose (4×4) in the world of the reference, moved to where a frame's depth has it; None if it has none."""
+        return self._laid(frame, camera_from_world, self._points_here())
+
+    def _points_here(self) -> NDArray[np.int32]:
+        """Map points (ids) of the world of the reference."""
         slam_map = self._where.map
         submaps, living = slam_map.submaps(), slam_map.living_keyframes()
         here = living[submaps[living] == submaps[self._where.reference]]
-        points = graph.points_of(slam_map.columns, here, slam_map.point_count)
+        return graph.points_of(slam_map.columns, here, slam_map.point_count)
+
+    def _laid(self, frame: RgbdFrame, camera_from_world: _Matrix, points: NDArray[np.int32]) -> _Matrix | None:
         in_view = self._associator.predict(points, camera_from_world).points
-        surfaces = self._fitting.surfaces(frame.depth)
-        fitted = self._fitting.near(surfaces, camera_from_world, slam_map.columns.position[in_view])
-        if fitted is not None:
-            pose = fitted.camera_from_world
-            yield FirstGuess.at(pose, rows, self._associator.predict(points, pose).points)
+        positions = self._where.map.columns.position[in_view]
+        fitted = self._fitting.near(self._fitting.surfaces(frame.depth), camera_from_world, positions)
+        return None if fitted is None else fitted.camera_from_world
 
     def is_told_elsewhere(self, features: Features, camera_from_world: _Matrix) -> bool:
         """Whether a sign in view tells another place than that in which the camera was found, at a pose (4×4)."""

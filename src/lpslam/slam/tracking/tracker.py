@@ -104,7 +104,7 @@ class Tracker:
         self._stepping = Stepping(slam_map, surfaces, config.pictures)
         turning = Turning(extractor.camera, config.turning, config.surfaces)
         carrying_on = CarryingOn(surfaces, turning, where.motion, config.surfaces.renewed_share)
-        self._losing = Losing(where, self._anchoring, self._quality, carrying_on, config, grows)
+        self._losing = Losing(where, self._anchoring, self._quality, carrying_on, self._refinding, config, grows)
         self.early_frames = EarlyFrames(
             slam_map, associator, shutter, config.shutter.revised_frames, config.shutter.longest_gap
         )
