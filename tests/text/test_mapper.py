@@ -522,6 +522,20 @@ def test_lost_frames_are_not_read() -> None:
     assert mapper.statistics.frames_read == 0
 
 
+def test_a_frame_whose_place_is_guessed_tells_what_it_shows_and_nothing_is_remembered() -> None:
+    told: list[tuple[int, list[str]]] = []
+    mapper = TextMapper(
+        CAMERA,
+        ScriptedSpotter((box(100, 200), "GUCCI", 0.98)),
+        CONFIG,
+        on_view=lambda keyframe, seen: told.append((keyframe, [each.text for each in seen])),
+    )
+    for index in range(10):
+        assert mapper.observe(frame(index), replace(tracked(index), is_coasted=True)) is None
+    assert told and all(keyframe < 0 and texts == ["GUCCI"] for keyframe, texts in told)
+    assert not mapper.text_map.memory.classes
+
+
 def test_a_blurred_frame_is_passed_over_for_the_next_sharp_one() -> None:
     mapper = TextMapper(CAMERA, ScriptedSpotter(), CONFIG)
     # Frames 0 and 5 are sharp; 10 and 11, when the next is due, are not.

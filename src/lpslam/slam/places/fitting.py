@@ -146,14 +146,16 @@ class Fitting:
             weights = (1.0 + (off / scale) ** 2) ** -2 / scale**2
             slopes = np.hstack([normals, np.cross(local, normals)])
             hessian, gradient = (slopes * weights[:, None]).T @ slopes, slopes.T @ (weights * off)
-            sigma = config.sign_metres if step < config.steps // 2 else config.moved_metres
+            # What tells where to begin is loosened once surfaces hold the pose.
+            loosened = 1.0 if step < config.steps // 2 else config.loosening
+            sigma = loosened * config.sign_metres
             for kept, middle in zip(held.in_camera, transform_points(pose, held.in_world), strict=True):
                 lever = np.hstack([np.eye(3), -_cross(middle)])
                 hessian += lever.T @ lever / sigma**2
                 gradient += lever.T @ (kept - middle) / sigma**2
             if held.pose is not None:
-                hessian += np.diag(information)
-                gradient += information * logarithm(held.pose @ inverse_transform(pose))
+                hessian += np.diag(information) / loosened**2
+                gradient += information / loosened**2 * logarithm(held.pose @ inverse_transform(pose))
             twist = np.linalg.solve(hessian + _DAMPING * np.eye(6), gradient)
             pose = exponential(np.asarray(twist, np.float64)) @ pose
             orthonormalise(pose)

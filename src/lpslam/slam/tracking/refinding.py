@@ -58,7 +58,7 @@ class Refinding:
             where.seen(),
             picture.timestamp,
             partial(self._looking.share, picture.gray),
-            _Depth(self._fitting, picture.frame.depth, picture.timestamp, self._fresh_seconds).fit,
+            FrameDepth(self._fitting, picture.frame.depth, picture.timestamp, self._fresh_seconds).fit,
         )
 
     def by_depth(self, frame: RgbdFrame, rows: int, camera_from_world: _Matrix) -> Iterator[FirstGuess]:
@@ -98,7 +98,7 @@ class Refinding:
         self._relocaliser.forget()
 
 
-class _Depth:
+class FrameDepth:
     """A frame's depth (h, w), metres, and time; its surfaces are worked out when they are first asked for."""
 
     def __init__(self, fitting: Fitting, depth: NDArray[np.float32], timestamp: float, fresh_seconds: float) -> None:
