@@ -532,7 +532,8 @@ def test_a_frame_whose_place_is_guessed_tells_what_it_shows_and_nothing_is_remem
     )
     for index in range(10):
         assert mapper.observe(frame(index), replace(tracked(index), is_coasted=True)) is None
-    assert told and all(keyframe < 0 and texts == ["GUCCI"] for keyframe, texts in told)
+    assert told
+    assert all(keyframe < 0 and texts == ["GUCCI"] for keyframe, texts in told)
     assert not mapper.text_map.memory.classes
 
 

@@ -14,6 +14,9 @@ class FittingConfig(Section):
     loosening: float = Field(default=6.0, ge=1)  # ... times so much in the second half: it is read late
     start_metres: float = Field(default=0.15, gt=0)  # sigma of a pose without a sign, the same, ...
     start_radians: float = Field(default=0.05, gt=0)  # ... and of its turn: the drift of some frames without the map
+    looks_doubt: float = Field(
+        default=4.0, ge=1
+    )  # times these, of a pose by what looks alike: far walls tell no better
     fresh_seconds: float = Field(default=0.5, ge=0)  # for which a sign is where it was seen in the picture, about
     steps: int = Field(default=30, ge=1)  # of Gauss-Newton
     first_metres: float = Field(default=0.4, gt=0)  # at 3 m, by which a point may lie off its surface first, ...

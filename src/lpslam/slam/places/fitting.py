@@ -53,12 +53,14 @@ class _Held:
 
     Attributes:
         in_camera, in_world: (n, 3) metres, middles of signs.
-        pose: 4×4, near which it is.
+        pose: 4×4, near which it is, ...
+        doubt: ... times the usual sigmas.
     """
 
     in_camera: _Matrix
     in_world: _Matrix
     pose: _Matrix | None = None
+    doubt: float = 1.0
 
 
 class Fitting:
@@ -106,9 +108,14 @@ class Fitting:
         in_camera = np.array([transform_points(pose, middles[i : i + 1])[0] for i, pose in enumerate(poses)])
         return self._fitted(surfaces, poses[0], points, _Held(in_camera, middles))
 
-    def near(self, surfaces: Surfaces, camera_from_world: _Matrix, points: _Matrix) -> Fitted | None:
-        """The same from a first pose (4×4) alone, which stays in directions that nothing on surfaces tells."""
-        held = _Held(np.empty((0, 3)), np.empty((0, 3)), camera_from_world)
+    def near(
+        self, surfaces: Surfaces, camera_from_world: _Matrix, points: _Matrix, doubt: float = 1.0
+    ) -> Fitted | None:
+        """The same from a first pose (4×4) alone, which stays in directions that nothing on surfaces tells.
+
+        It may be off by `doubt` times what a frame's drift without the map is.
+        """
+        held = _Held(np.empty((0, 3)), np.empty((0, 3)), camera_from_world, doubt)
         return self._fitted(surfaces, camera_from_world, points, held)
 
     def _posed(self, surfaces: Surfaces, anchor: Anchor, row: int) -> tuple[int, _Matrix] | None:
@@ -135,7 +142,7 @@ class Fitting:
     def _fitted(self, surfaces: Surfaces, pose: _Matrix, points: _Matrix, held: _Held) -> Fitted | None:
         """Gauss-Newton over distances of points from surfaces, whose reach narrows."""
         config, reach = self._config, self._config.first_metres
-        information = np.repeat([config.start_metres, config.start_radians], 3) ** -2
+        information = (held.doubt * np.repeat([config.start_metres, config.start_radians], 3)) ** -2
         for step in range(config.steps):
             reach = max(reach * config.narrowing, config.least_metres)
             seen = self._seen(surfaces, pose, points)

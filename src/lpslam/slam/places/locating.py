@@ -1,8 +1,8 @@
 """Where in the map a view could have been taken: for relocalising, closing loops and merging (ORB-SLAM, V-E, VII-B)."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,8 +25,15 @@ from lpslam.slam.sensor import SensorModel
 _Matrix = NDArray[np.float64]
 _Rows = NDArray[np.int32]
 
-Fit = Callable[[Anchor | None, _Matrix | None, _Matrix], Fitted | None]
-"""From the signs in a view, or a first pose (4×4), and map points (n, 3) around, to where its depth has it."""
+
+class Fit(Protocol):
+    """Where a view was taken by its depth."""
+
+    def __call__(
+        self, anchor: Anchor | None, camera_from_world: _Matrix | None, points: _Matrix, doubt: float = 1.0
+    ) -> Fitted | None:
+        """From the signs in a view, or a first pose (4×4), doubtful by so many sigmas, and map points (n, 3) around."""
+        ...
 
 
 class Expected(NamedTuple):
@@ -157,6 +164,11 @@ class Locator:
         if found is None:
             return None
         held = self._held(features, candidate, found.camera_from_world, points, alike, will_look)
+        doubt, positions = self._fitting.looks_doubt, self._map.columns.position[points]
+        if fit is not None and (fitted := fit(None, found.camera_from_world, positions, doubt)):
+            # A far wall tells a pose to half a metre, whatever stands before it, if that looks like other things.
+            again = self._held(features, candidate, fitted.camera_from_world, points, alike, will_look)
+            held = max(held, again, key=lambda each: 0 if each is None else each.inliers)
         if held is None or not is_anywhere:
             return held
         is_one = self.fit_elsewhere(features, held, allowed) is None

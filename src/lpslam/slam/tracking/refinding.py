@@ -110,10 +110,12 @@ class FrameDepth:
     def _surfaces(self) -> Surfaces:
         return self._fitting.surfaces(self._depth)
 
-    def fit(self, anchor: Anchor | None, camera_from_world: _Matrix | None, points: _Matrix) -> Fitted | None:
+    def fit(
+        self, anchor: Anchor | None, camera_from_world: _Matrix | None, points: _Matrix, doubt: float = 1.0
+    ) -> Fitted | None:
         """Where the frame was taken, as `Fit` says."""
         if anchor is not None and anchor.timestamp >= self._seen_since:
             return self._fitting.by_signs(self._surfaces, anchor, points)
         if anchor is None and camera_from_world is not None:
-            return self._fitting.near(self._surfaces, camera_from_world, points)
+            return self._fitting.near(self._surfaces, camera_from_world, points, doubt)
         return None
