@@ -24,7 +24,6 @@ class FittingConfig(Section):
     least_metres: float = Field(default=0.06, gt=0)  # ... down to so much: points of a map are no better known
     least_points: int = Field(default=40, ge=6)  # on surfaces; fewer lie on some anywhere
     least_agreement: float = Field(default=0.8, ge=0, le=1)  # of the points on surfaces or before them, share on them
-    min_inliers: int = Field(default=25, ge=10)  # points that look as they did; beside signs and shapes few do
     strays: float = Field(default=0.15, gt=0)  # metres by which the pose by keypoints may differ from that by surfaces
 
 

@@ -14,7 +14,7 @@ from lpslam.camera import inverse_transform
 from lpslam.config import SlamConfig, TrackingConfig
 from lpslam.slam.advice import NO_ADVICE, KeyframeMap, LoopAdvisor, Recalled
 from lpslam.slam.features import Features
-from lpslam.slam.places.locating import Located
+from lpslam.slam.places.locating import Fit, Located
 from lpslam.slam.places.relocalising import Relocaliser
 from lpslam.slam.state import EventKind, TrackingState
 from lpslam.slam.system import RgbdSlam
@@ -77,10 +77,11 @@ def tell(clip: Clip, monkeypatch: pytest.MonkeyPatch) -> Tell:
             likely: Sequence[Recalled],
             may_be_at: Callable[[Located], bool],
             there: Callable[[Located], float] | None,
+            fit: Fit | None,
         ) -> Located | None:
             nonlocal calls
             calls += 1
-            return None if calls <= in_vain else find(relocaliser, features, reference, likely, may_be_at, there)
+            return None if calls <= in_vain else find(relocaliser, features, reference, likely, may_be_at, there, fit)
 
         monkeypatch.setattr(Relocaliser, "find", late)
         config = SlamConfig(tracking=TrackingConfig.model_validate({"coast_seconds": 0.0, **tracking}))

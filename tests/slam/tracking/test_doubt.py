@@ -119,7 +119,7 @@ def test_a_doubt_ends_with_an_answer_or_with_time() -> None:
     for verdict, at, is_open in ((None, 11.0, True), (None, 13.5, False), (True, 11.0, False), (False, 11.0, False)):
         witness = Witness(verdict)
         witness.is_asked = 2
-        doubt = Doubt(slam_map, witness, 3.0)
+        doubt = Doubt(slam_map, witness, 3.0, 100)
         assert not doubt.is_open
         doubt.begin(0, 10.0)
         assert doubt.is_open
@@ -128,7 +128,7 @@ def test_a_doubt_ends_with_an_answer_or_with_time() -> None:
 
 
 def test_a_doubt_reaches_back_to_frames_that_came_before() -> None:
-    doubt = Doubt(SlamMap(4, np.array([1.0])), Witness(None), 3.0)
+    doubt = Doubt(SlamMap(4, np.array([1.0])), Witness(None), 3.0, 100)
     doubt.begin(0, 10.0)
     assert doubt.placed_since == 10.0
     for placed, since in ((np.inf, 10.0), (9.2, 9.2), (9.7, 9.2)):
@@ -136,3 +136,19 @@ def test_a_doubt_reaches_back_to_frames_that_came_before() -> None:
         assert doubt.placed_since == since
     doubt.begin(0, 20.0)
     assert doubt.placed_since == 20.0, "an earlier doubt is settled"
+
+
+def test_a_place_that_rests_on_one_sign_is_doubted_until_more_tells_it() -> None:
+    slam_map = SlamMap(4, np.array([1.0]))
+    for points, ends in ((99, False), (100, True)):
+        doubt = Doubt(slam_map, Witness(None), 3.0, 100)
+        doubt.begin(0, 10.0, rests_on_one_sign=True)
+        doubt.matched(points)
+        assert doubt.settle(0, 12.9) is None
+        assert doubt.is_open
+        assert doubt.settle(0, 13.1) is None
+        assert doubt.is_open != ends
+    doubt = Doubt(slam_map, Witness(True), 3.0, 100)
+    doubt.begin(0, 10.0, rests_on_one_sign=True)
+    assert [doubt.settle(0, 11.0 + second) for second in range(3)] == [None, None, True]
+    assert not doubt.is_open

@@ -157,7 +157,7 @@ class Locator:
                     return located
         if fit is not None and (anchor is not None or guess is not None):
             fitted = fit(anchor, guess, self._map.columns.position[points])
-            laid = None if fitted is None else self._fitted(features, candidate, fitted, points, alike)
+            laid = None if fitted is None else self._fitted(features, candidate, fitted, allowed)
             if laid is not None:
                 return laid
         found = self._from_appearance(features, alike)
@@ -197,18 +197,38 @@ class Locator:
         return located if agrees and self._is_certain(features, located, will_look) else None
 
     def _fitted(
-        self, features: Features, keyframe: int, fitted: Fitted, points: _Rows, alike: _Alike
+        self, features: Features, candidate: int, fitted: Fitted, allowed: NDArray[np.bool_] | None
     ) -> Located | None:
-        """The place where a view's depth has it, if keypoints have it there as well: in another light they are few."""
-        fitting = self._fitting
-        estimate = self._guided(features, fitted.camera_from_world, points, (1.0,), fitting.min_inliers)
+        """The place where a view's depth has it, if as many keypoints as of any place are there.
+
+        How much of the place is seen again is not asked: in another light, or from another side, it is little. Before
+        pillars and doors that are all alike as many are there anyway, so the place is doubted until more tells it.
+        """
+        near = self._nearest(candidate, fitted.camera_from_world, allowed)
+        points = graph.points_of(
+            self._map.columns, self._group(near, self._config.guided_keyframes, allowed), self._map.point_count
+        )
+        estimate = self._guided(features, fitted.camera_from_world, points, (1.0,))
         if estimate is None:
             return None
-        if centre_distance(estimate.camera_from_world, fitted.camera_from_world) > fitting.strays:
+        if centre_distance(estimate.camera_from_world, fitted.camera_from_world) > self._fitting.strays:
             return None
-        located = self._judge(features, keyframe, estimate, points, alike)
-        located = replace(located, is_told=True, is_fitted=True)
+        alike = self._alike(features, self._group(near, self._config.matched_keyframes, allowed))
+        located = replace(self._judge(features, near, estimate, points, alike), is_told=True, is_fitted=True)
         return located if self._is_certain(features, located) else None
+
+    def _nearest(self, candidate: int, camera_from_world: _Matrix, allowed: NDArray[np.bool_] | None) -> int:
+        """The keyframe nearest to a pose (4×4) in the world of a candidate that looks its way, or the candidate."""
+        submaps, living = self._map.submaps(), self._map.living_keyframes()
+        here = living[(submaps[living] == submaps[candidate]) & (True if allowed is None else allowed[living])]
+        poses = np.array([self._map.camera_from_world(keyframe) for keyframe in here.tolist()]).reshape(-1, 4, 4)
+        facing = poses[:, 2, :3] @ camera_from_world[2, :3]
+        here, poses = here[facing > _SAME_WAY], poses[facing > _SAME_WAY]
+        if not len(here):
+            return candidate
+        centres = -np.einsum("kji,kj->ki", poses[:, :3, :3], poses[:, :3, 3])
+        centre = -camera_from_world[:3, :3].T @ camera_from_world[:3, 3]
+        return int(here[np.linalg.norm(centres - centre, axis=1).argmin()])
 
     def _guided(
         self,
@@ -216,9 +236,8 @@ class Locator:
         camera_from_world: _Matrix,
         points: _Rows,
         widenings: Sequence[float],
-        least: int | None = None,
     ) -> Estimate | None:
-        """The pose that so many points seen around a first one ask for at least, in windows that narrow."""
+        """The pose that points seen around a first one ask for, in windows that narrow."""
         view, pose, estimate = View.of(features, self._sensor), camera_from_world, None
         for widening in widenings:
             predicted = self._associator.predict(points, pose)
@@ -227,7 +246,7 @@ class Locator:
             if estimate is None:
                 return None
             pose = estimate.camera_from_world
-        return estimate if estimate is not None and estimate.matches >= (least or self._config.min_inliers) else None
+        return estimate if estimate is not None and estimate.matches >= self._config.min_inliers else None
 
     def _group(self, candidate: int, size: int, allowed: NDArray[np.bool_] | None) -> _Rows:
         covisible = self._map.covisible(candidate, 1)
@@ -416,6 +435,9 @@ def at_least(seen: int, of: int) -> float:
     share, spread = seen / of, _SIGMAS**2 / of
     return (share + spread / 2 - float(np.sqrt(share * (1 - share) * spread + spread**2 / 4))) / (1 + spread)
 
+
+_SAME_WAY = 0.87
+"""Cosine between the axes of cameras that look the same way: 30 degrees."""
 
 _MOST_ASKED = 100
 """Keypoints that are looked for in the whole map: a share is known well enough by so many."""

@@ -15,16 +15,19 @@ class Doubt:
         slam_map: in which the camera was found; its lock is held by whoever calls.
         advisor: judges the place.
         seconds: after which an advisor that says nothing is not waited for any more.
+        enough: map points that tell a place by themselves.
 
     Attributes:
         since: time in seconds at which the camera was found again; infinite while nothing is doubted.
         placed_since: time of the first frame whose pose rests on that place: it may have come before.
     """
 
-    def __init__(self, slam_map: SlamMap, advisor: LoopAdvisor, seconds: float) -> None:
+    def __init__(self, slam_map: SlamMap, advisor: LoopAdvisor, seconds: float, enough: int) -> None:
         self._map = slam_map
         self._advisor = advisor
         self._seconds = seconds
+        self._enough = enough
+        self._rests_on_one_sign = False
         self._held: list[int] = []
         self.since = self.placed_since = np.inf
 
@@ -33,8 +36,12 @@ class Doubt:
         """Whether the place is not believed yet."""
         return bool(np.isfinite(self.since))
 
-    def begin(self, keyframe: int, timestamp: float) -> None:
-        """Doubt that the camera is near a keyframe, if there is anything to judge that by."""
+    def begin(self, keyframe: int, timestamp: float, rests_on_one_sign: bool = False) -> None:
+        """Doubt that the camera is near a keyframe, if there is anything to judge that by.
+
+        A place that rests on one sign, and on shapes as there are many, is doubted until another sign or looks tell it.
+        """
+        self._rests_on_one_sign = rests_on_one_sign
         if self._advisor.knows(self._map, keyframe):
             self.since = self.placed_since = timestamp
 
@@ -50,9 +57,14 @@ class Doubt:
             timestamp: of the frame, in seconds.
         """
         is_right = self._advisor.judges(self._map, keyframe, self.since)
-        if is_right is not None or timestamp - self.since > self._seconds:
+        has_waited = timestamp - self.since > self._seconds and not self._rests_on_one_sign
+        if is_right is not None or has_waited:
             self.end()
         return is_right
+
+    def matched(self, points: int) -> None:
+        """So many map points were matched with a frame."""
+        self._rests_on_one_sign &= points < self._enough
 
     def end(self) -> None:
         """Doubt no more."""

@@ -99,7 +99,7 @@ class Tracker:
         self._backtracking = Backtracking(extractor, sensor, slam_map, associator, self._search, shutter, config)
         self._anchoring = Anchoring(sensor, config.tracking)
         self._quality = Quality(config.tracking)
-        self._doubt = Doubt(slam_map, advisor, config.tracking.doubt_seconds)
+        self._doubt = Doubt(slam_map, advisor, config.tracking.doubt_seconds, config.locating.sure_inliers)
         surfaces = Surfaces(extractor.camera, sensor, config.surfaces)
         self._stepping = Stepping(slam_map, surfaces, config.pictures)
         turning = Turning(extractor.camera, config.turning, config.surfaces)
@@ -211,7 +211,7 @@ class Tracker:
         if located is not None:
             self._strict_until = picture.timestamp + (0.0 if located.is_fitted else self._config.strict_seconds)
             where.tell(EventKind.RELOCALISED, picture.frame, f"{found.estimate.matches} map points matched")
-            self._doubt.begin(where.reference, picture.timestamp)
+            self._doubt.begin(where.reference, picture.timestamp, located.is_fitted)
         if found.is_sure:
             self._anchoring.matched(picture.timestamp)
             self._anchoring.saw(picture.features)
@@ -352,6 +352,7 @@ class Tracker:
     ) -> TrackedFrame:
         """Take a pose for the frame's; a keyframe is made only of one that was matched with the map, and is sure."""
         where, reason = self._where, self._quality.weakness(picture, estimate, is_sure)
+        self._doubt.matched(estimate.matches)
         state = TrackingState.WEAK if reason else TrackingState.TRACKING
         if (state is TrackingState.WEAK) != (where.state is TrackingState.WEAK):
             kind = EventKind.WEAK if reason else EventKind.TRACKING
