@@ -42,9 +42,9 @@ def through_a_lens(recording: Path, folder: Path, camera: PinholeCamera, stated:
 
 @pytest.fixture
 def lighter(tmp_path: Path) -> Path:
-    """A configuration of fewer views and points than usual, which tell this short walk's lens as well."""
+    """A configuration of fewer views, points and contours than usual, which tell this short walk's lens as well."""
     path = tmp_path / "lighter.yaml"
-    path.write_text("calibrating: {views: 40, points: 2000}\n")
+    path.write_text("calibrating: {views: 40, points: 2000}\ncalibration: {registration: {estimating_frames: 8}}\n")
     return path
 
 

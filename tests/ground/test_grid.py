@@ -253,11 +253,11 @@ def test_every_storey_has_the_grid_that_it_has_alone() -> None:
 
 
 def test_a_way_that_climbs_without_passing_below_itself_is_one_storey() -> None:
-    steps = [Box((0.1 * step, -2.0, -1.0), (0.1 * step + 0.12, 2.0, 0.01 * step)) for step in range(300)]
-    poses = [looking((at, 0.0), 0.0, 1.3 + 0.1 * at) for at in np.arange(0.5, 26.0, 0.8)]
+    steps = [Box((0.2 * step, -2.0, -1.0), (0.2 * step + 0.22, 2.0, 0.02 * step)) for step in range(150)]
+    poses = [looking((at, 0.0), 0.0, 1.3 + 0.1 * at) for at in np.arange(0.5, 26.0, 1.0)]
     scans = Scans(CAMERA, CONFIG.width)
     for at, pose in enumerate(poses):
-        near = steps[max(0, int(10 * pose[0, 3]) - 5) : int(10 * pose[0, 3]) + 80]
+        near = steps[max(0, int(5 * pose[0, 3]) - 3) : int(5 * pose[0, 3]) + 40]
         scans.take(at, RGB, depth_of(near, pose, 0.001, at))
     grid = build_grid(scans, lambda keyframe: poses[keyframe], CONFIG)
     assert grid is not None
