@@ -6,7 +6,7 @@ from lpslam.camera import inverse_transform
 from lpslam.config import LoopConfig
 from lpslam.slam.map import SlamMap
 from lpslam.slam.places.drift import Drift
-from lpslam.slam.places.locating import Expected, Located
+from lpslam.slam.places.located import Expected, Located
 from lpslam.slam.places.parts import Parts
 from lpslam.slam.state import Beginning
 

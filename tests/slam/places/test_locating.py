@@ -17,7 +17,8 @@ from lpslam.simulation.source import MallSource
 from lpslam.slam.features import FeatureExtractor, Features, gray_of
 from lpslam.slam.kernels.geometry import exponential
 from lpslam.slam.places.index import PlaceIndex
-from lpslam.slam.places.locating import Expected, Located, Locator
+from lpslam.slam.places.located import Expected, Located
+from lpslam.slam.places.locating import Locator
 from lpslam.slam.places.looking import Looking
 from lpslam.slam.places.relocalising import Relocaliser
 from lpslam.slam.system import RgbdSlam

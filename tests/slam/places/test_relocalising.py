@@ -13,7 +13,8 @@ from lpslam.slam.advice import NO_ADVICE, Anchor, KeyframeMap, LoopAdvisor, Reca
 from lpslam.slam.features import Features
 from lpslam.slam.map import SlamMap
 from lpslam.slam.places.index import PlaceIndex
-from lpslam.slam.places.locating import Expected, Fit, Located, Locator
+from lpslam.slam.places.located import Expected, Fit, Located
+from lpslam.slam.places.locating import Locator
 from lpslam.slam.places.parts import Parts
 from lpslam.slam.places.relocalising import LastSeen, Relocaliser
 

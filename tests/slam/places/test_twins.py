@@ -8,7 +8,8 @@ from lpslam.camera import inverse_transform
 from lpslam.config import LocatingConfig, TrackingConfig
 from lpslam.slam.features import Features
 from lpslam.slam.map import SlamMap
-from lpslam.slam.places.locating import Expected, Located, Locator
+from lpslam.slam.places.located import Expected, Located
+from lpslam.slam.places.locating import Locator
 from lpslam.slam.places.parts import Parts
 
 FRONT, FRONTS, POINTS = 2.5, 4, 160

@@ -14,7 +14,7 @@ from lpslam.camera import inverse_transform
 from lpslam.config import SlamConfig, TrackingConfig
 from lpslam.slam.advice import NO_ADVICE, KeyframeMap, LoopAdvisor, Recalled
 from lpslam.slam.features import Features
-from lpslam.slam.places.locating import Fit, Located
+from lpslam.slam.places.located import Fit, Located
 from lpslam.slam.places.relocalising import Relocaliser
 from lpslam.slam.state import EventKind, TrackingState
 from lpslam.slam.system import RgbdSlam

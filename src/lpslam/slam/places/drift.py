@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from lpslam.camera import inverse_transform
 from lpslam.config import LoopConfig
 from lpslam.slam.map import SlamMap
-from lpslam.slam.places.locating import Located
+from lpslam.slam.places.located import Located
 from lpslam.slam.places.voting import apart
 
 _Matrix = NDArray[np.float64]

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +16,7 @@ from lpslam.slam.kernels import graph, matching
 from lpslam.slam.map import SlamMap
 from lpslam.slam.places.anchored import anchored_pose
 from lpslam.slam.places.fitting import Fitted
+from lpslam.slam.places.located import Expected, Fit, Located, at_least
 from lpslam.slam.places.parts import Parts
 from lpslam.slam.places.twins import spread_over, twins
 from lpslam.slam.rays import is_unsure
@@ -24,70 +24,6 @@ from lpslam.slam.sensor import SensorModel
 
 _Matrix = NDArray[np.float64]
 _Rows = NDArray[np.int32]
-
-
-class Fit(Protocol):
-    """Where a view was taken by its depth."""
-
-    def __call__(
-        self, anchor: Anchor | None, camera_from_world: _Matrix | None, points: _Matrix, doubt: float = 1.0
-    ) -> Fitted | None:
-        """From the signs in a view, or a first pose (4×4), doubtful by so many sigmas, and map points (n, 3) around."""
-        ...
-
-
-class Expected(NamedTuple):
-    """Map points that should be seen from a place, where nothing hides them.
-
-    Attributes:
-        points: (m,) ids.
-        pixels: (m, 2) undistorted u, v.
-        levels: (m,) the pyramid level at which each should be found.
-    """
-
-    points: _Rows
-    pixels: NDArray[np.float32]
-    levels: _Rows
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Located:
-    """A place in the map that explains a view.
-
-    Attributes:
-        keyframe: the candidate that was looked at.
-        camera_from_world: 4×4 of the view, in the world frame of the candidate's sub-map.
-        points: (n,) the map point that each keypoint sees, or -1.
-        inliers: how many do.
-        expected: which map points should be seen from there.
-        parts: of these, in every part of the image.
-        depth_agreement: share of the inliers with a depth whose depth agrees with the map.
-        alike_agreement: share of the keypoints that look like one point of the place, and like no other, that see it:
-            so much at least, with 95 %.
-        is_told: something else than appearance said where to look.
-        is_fitted: that, and what the view's depth shows lies where the map has it.
-    """
-
-    keyframe: int
-    camera_from_world: _Matrix
-    points: _Rows
-    inliers: int
-    expected: Expected
-    parts: Parts
-    depth_agreement: float
-    alike_agreement: float
-    is_told: bool = False
-    is_fitted: bool = False
-
-    @property
-    def missing_share(self) -> float:
-        """Share of what should be seen in parts of the image where none of it is, beyond what chance explains."""
-        return self.parts.missing_share
-
-    @property
-    def seen_share(self) -> float:
-        """Share of the map points that should be seen and are."""
-        return self.inliers / max(len(self.expected.points), 1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -156,7 +92,7 @@ class Locator:
                 if self._is_certain(features, located):
                     return located
         if fit is not None and (anchor is not None or guess is not None):
-            fitted = fit(anchor, guess, self._map.columns.position[points])
+            fitted = fit(anchor, guess, self._placed(points))
             laid = None if fitted is None else self._fitted(features, candidate, fitted, allowed)
             if laid is not None:
                 return laid
@@ -164,8 +100,8 @@ class Locator:
         if found is None:
             return None
         held = self._held(features, candidate, found.camera_from_world, points, alike, will_look)
-        doubt, positions = self._fitting.looks_doubt, self._map.columns.position[points]
-        if fit is not None and (fitted := fit(None, found.camera_from_world, positions, doubt)):
+        doubt = self._fitting.looks_doubt
+        if fit is not None and (fitted := fit(None, found.camera_from_world, self._placed(points), doubt)):
             # A far wall tells a pose to half a metre, whatever stands before it, if that looks like other things.
             again = self._held(features, candidate, fitted.camera_from_world, points, alike, will_look)
             held = max(held, again, key=lambda each: 0 if each is None else each.inliers)
@@ -216,6 +152,11 @@ class Locator:
         alike = self._alike(features, self._group(near, self._config.matched_keyframes, allowed))
         located = replace(self._judge(features, near, estimate, points, alike), is_told=True, is_fitted=True)
         return located if self._is_certain(features, located) else None
+
+    def _placed(self, points: _Rows) -> _Matrix:
+        """(m, 3) where those of some points (ids) are of which more than the direction is known."""
+        positions: _Matrix = self._map.columns.position[points[~is_unsure(self._map, points)]]
+        return positions
 
     def _nearest(self, candidate: int, camera_from_world: _Matrix, allowed: NDArray[np.bool_] | None) -> int:
         """The keyframe nearest to a pose (4×4) in the world of a candidate that looks its way, or the candidate."""
@@ -430,20 +371,11 @@ class Locator:
         return is_held and (will_look or located.is_fitted or is_seen)
 
 
-def at_least(seen: int, of: int) -> float:
-    """The share of which so many are a sample, at least: the lower end of Wilson's interval (1927)."""
-    share, spread = seen / of, _SIGMAS**2 / of
-    return (share + spread / 2 - float(np.sqrt(share * (1 - share) * spread + spread**2 / 4))) / (1 + spread)
-
-
 _SAME_WAY = 0.87
 """Cosine between the axes of cameras that look the same way: 30 degrees."""
 
 _MOST_ASKED = 100
 """Keypoints that are looked for in the whole map: a share is known well enough by so many."""
-
-_SIGMAS = 1.64
-"""Of a share's lower end: one in twenty lies below."""
 
 
 def _nearest_depth(features: Features, pixels: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -7,7 +7,7 @@ from lpslam.config import LocatingConfig
 from lpslam.slam.features import FeatureExtractor
 from lpslam.slam.kernels.looking import NOWHERE
 from lpslam.slam.map import SlamMap
-from lpslam.slam.places.locating import Located, at_least
+from lpslam.slam.places.located import Located, at_least
 from lpslam.slam.places.twins import spread_over
 
 

@@ -17,7 +17,8 @@ from lpslam.slam.advice import NO_ADVICE, LoopAdvisor, Recalled
 from lpslam.slam.map import SlamMap
 from lpslam.slam.places.drift import Drift
 from lpslam.slam.places.index import PlaceIndex, group_candidates
-from lpslam.slam.places.locating import Located, Locator
+from lpslam.slam.places.located import Located
+from lpslam.slam.places.locating import Locator
 from lpslam.slam.places.loop_correction import LoopCorrector
 from lpslam.slam.places.voting import Hypothesis, Voting, apart
 from lpslam.slam.sensor import SensorModel

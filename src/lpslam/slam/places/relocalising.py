@@ -12,7 +12,8 @@ from lpslam.slam.advice import NO_ADVICE, LoopAdvisor, Recalled
 from lpslam.slam.features import Features
 from lpslam.slam.map import SlamMap
 from lpslam.slam.places.index import PlaceIndex, group_candidates
-from lpslam.slam.places.locating import Fit, Located, Locator
+from lpslam.slam.places.located import Fit, Located
+from lpslam.slam.places.locating import Locator
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -10,7 +10,8 @@ from lpslam.camera import inverse_transform
 from lpslam.config import LoopConfig
 from lpslam.slam.advice import Recalled
 from lpslam.slam.map import SlamMap
-from lpslam.slam.places.locating import Located, Locator
+from lpslam.slam.places.located import Located
+from lpslam.slam.places.locating import Locator
 from lpslam.slam.places.loop_correction import Tie
 
 _Matrix = NDArray[np.float64]

@@ -13,9 +13,10 @@ from lpslam.slam.association import Associator
 from lpslam.slam.features import FeatureExtractor, Features
 from lpslam.slam.kernels import graph
 from lpslam.slam.places.fitting import Fitted, Fitting, Surfaces
-from lpslam.slam.places.locating import Located
+from lpslam.slam.places.located import Located
 from lpslam.slam.places.looking import Looking
 from lpslam.slam.places.relocalising import Relocaliser
+from lpslam.slam.rays import is_unsure
 from lpslam.slam.tracking.guesses import FirstGuess
 from lpslam.slam.tracking.picture import Picture
 from lpslam.slam.tracking.whereabouts import Whereabouts
@@ -81,6 +82,8 @@ class Refinding:
 
     def _laid(self, frame: RgbdFrame, camera_from_world: _Matrix, points: NDArray[np.int32]) -> _Matrix | None:
         in_view = self._associator.predict(points, camera_from_world).points
+        # Points of which only the direction is known lie on no surface.
+        in_view = in_view[~is_unsure(self._where.map, in_view)]
         positions = self._where.map.columns.position[in_view]
         fitted = self._fitting.near(self._fitting.surfaces(frame.depth), camera_from_world, positions)
         return None if fitted is None else fitted.camera_from_world

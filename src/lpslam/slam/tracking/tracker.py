@@ -21,7 +21,7 @@ from lpslam.slam.delay import DepthDelay
 from lpslam.slam.features import FeatureExtractor, gray_of
 from lpslam.slam.map import SlamMap
 from lpslam.slam.mapping.far_points import FarPoints
-from lpslam.slam.places.locating import Located
+from lpslam.slam.places.located import Located
 from lpslam.slam.places.relocalising import Relocaliser
 from lpslam.slam.sensor import SensorModel
 from lpslam.slam.shutter.revising import EarlyFrames
