@@ -17,6 +17,8 @@ _LONGEST = 8  # units of a state
 _FARTHEST_WORDS, _FARTHEST_LETTERS = 9, 16  # between a thing and its state
 _TOGETHER_WORDS, _TOGETHER_LETTERS = 14, 24  # from the first of words that mean something together to the last
 
+_BEGINNING = 4  # letters by which words that mean something together are looked up, the space before them among these
+
 Names = tuple[str, ...]
 
 
@@ -40,6 +42,20 @@ class StateTables:
     at_home: PhraseTable[Names]
     together: Mapping[tuple[str, str], str]
     apart: Sequence[tuple[tuple[str, ...], str]]
+
+    def apart_in(self, text: str) -> list[tuple[tuple[str, ...], str]]:
+        """The rows of `apart` whose first part may stand in a text, by how it begins, in their order."""
+        lengths = range(1, _BEGINNING + 1)
+        begun = {text[at : at + length] for length in lengths for at in range(len(text) - length + 1)}
+        known = begun & self._apart_by_beginning.keys()
+        return [self.apart[row] for row in sorted(row for each in known for row in self._apart_by_beginning[each])]
+
+    @cached_property
+    def _apart_by_beginning(self) -> dict[str, list[int]]:
+        rows: dict[str, list[int]] = {}
+        for row, (parts, _) in enumerate(self.apart):
+            rows.setdefault(parts[0][:_BEGINNING], []).append(row)
+        return rows
 
     @cached_property
     def words(self) -> frozenset[str]:
@@ -74,7 +90,7 @@ def together_in(units: Sequence[str], tables: StateTables) -> list[Trouble]:
     pieces = [f" {unit}" if is_spaced else unit for unit in units]
     text, ends = "".join(pieces) + " ", list(accumulate(map(len, pieces)))
     found: dict[str, set[int]] = {}
-    for parts, concept in tables.apart:
+    for parts, concept in tables.apart_in(text):
         if all(part in text for part in parts):
             starts = [text.index(part) + is_spaced for part in parts]
             stops = [start + len(part.strip()) - 1 for start, part in zip(starts, parts, strict=True)]
