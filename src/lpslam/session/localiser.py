@@ -27,8 +27,7 @@ class Localiser:
     """Finds each frame in a saved map.
 
     Frames are read while the camera is lost or its pose is guessed, and when it was found among signs, until they have
-    been compared. `step`
-    is called from one thread at a time.
+    been compared. `step` is called from one thread at a time.
 
     Args:
         camera: of the frames; the camera that made the map.

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from lpslam.camera import centre_distance
+from lpslam.camera import centre_distance, inverse_transform
 from lpslam.config import FittingConfig, LocatingConfig, TrackingConfig
 from lpslam.slam.advice import Anchor
 from lpslam.slam.association import Associator, Estimate, View
@@ -162,21 +162,16 @@ class Locator:
         """The keyframe nearest to a pose (4×4) in the world of a candidate that looks its way, or the candidate."""
         submaps, living = self._map.submaps(), self._map.living_keyframes()
         here = living[(submaps[living] == submaps[candidate]) & (True if allowed is None else allowed[living])]
-        poses = np.array([self._map.camera_from_world(keyframe) for keyframe in here.tolist()]).reshape(-1, 4, 4)
-        facing = poses[:, 2, :3] @ camera_from_world[2, :3]
-        here, poses = here[facing > _SAME_WAY], poses[facing > _SAME_WAY]
-        if not len(here):
+        poses = np.array([self._map.world_from_keyframe(keyframe) for keyframe in here.tolist()]).reshape(-1, 4, 4)
+        world_from_camera = inverse_transform(camera_from_world)
+        looks_there = poses[:, :3, 2] @ world_from_camera[:3, 2] > _SAME_WAY
+        if not looks_there.any():
             return candidate
-        centres = -np.einsum("kji,kj->ki", poses[:, :3, :3], poses[:, :3, 3])
-        centre = -camera_from_world[:3, :3].T @ camera_from_world[:3, 3]
-        return int(here[np.linalg.norm(centres - centre, axis=1).argmin()])
+        away = np.linalg.norm(poses[looks_there, :3, 3] - world_from_camera[:3, 3], axis=1)
+        return int(here[looks_there][away.argmin()])
 
     def _guided(
-        self,
-        features: Features,
-        camera_from_world: _Matrix,
-        points: _Rows,
-        widenings: Sequence[float],
+        self, features: Features, camera_from_world: _Matrix, points: _Rows, widenings: Sequence[float]
     ) -> Estimate | None:
         """The pose that points seen around a first one ask for, in windows that narrow."""
         view, pose, estimate = View.of(features, self._sensor), camera_from_world, None
