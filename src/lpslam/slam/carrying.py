@@ -14,6 +14,13 @@ def inverses(transforms: _Matrix) -> _Matrix:
     return result
 
 
+def skew(vectors: _Matrix) -> _Matrix:
+    """(n, 3, 3) matrices that take the cross product with vectors (n, 3) from the left."""
+    x, y, z = vectors.T
+    nought = np.zeros_like(x)
+    return np.stack([nought, -z, y, z, nought, -x, -y, x, nought], axis=1).reshape(-1, 3, 3)
+
+
 def corrections(
     camera_from_world: _Matrix, parent: NDArray[np.int32], keyframes: NDArray[np.int32], new_camera_from_world: _Matrix
 ) -> _Matrix:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from lpslam.camera import PinholeCamera, inverse_transform, transform_points
 from lpslam.config import FittingConfig
 from lpslam.slam.advice import Anchor
+from lpslam.slam.carrying import skew
 from lpslam.slam.kernels.geometry import exponential, logarithm, orthonormalise
 from lpslam.small_depth import SmallDepth
 
@@ -156,8 +157,9 @@ class Fitting:
             # What tells where to begin is loosened once surfaces hold the pose.
             loosened = 1.0 if step < config.steps // 2 else config.loosening
             sigma = loosened * config.sign_metres
-            for kept, middle in zip(held.in_camera, transform_points(pose, held.in_world), strict=True):
-                lever = np.hstack([np.eye(3), -_cross(middle)])
+            middles = transform_points(pose, held.in_world)
+            for kept, middle, turned in zip(held.in_camera, middles, skew(middles), strict=True):
+                lever = np.hstack([np.eye(3), -turned])
                 hessian += lever.T @ lever / sigma**2
                 gradient += lever.T @ (kept - middle) / sigma**2
             if held.pose is not None:
@@ -214,12 +216,6 @@ def _normal(corners: _Matrix) -> _Matrix | None:
     normal = np.cross(corners[3] - corners[0], corners[1] - corners[0])
     size = float(np.linalg.norm(normal))
     return normal / size if size > 0.0 else None
-
-
-def _cross(point: _Matrix) -> _Matrix:
-    """(3, 3) that multiplies from the left as the cross product does."""
-    x, y, z = point
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
 _REACH_AT = 3.0

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.sparse import bsr_array, csc_array
 from scipy.sparse.linalg import splu
 
-from lpslam.slam.carrying import inverses
+from lpslam.slam.carrying import inverses, skew
 from lpslam.slam.kernels.geometry import exponential, orthonormalise
 
 _Matrix = NDArray[np.float64]
@@ -53,29 +53,22 @@ def logarithms(transforms: _Matrix) -> _Matrix:
     return np.column_stack([t - 0.5 * once + rest[:, None] * np.cross(omega, once), omega])
 
 
-def _skew(vectors: _Matrix) -> _Matrix:
-    """(n, 3, 3) matrices that take the cross product with vectors (n, 3) from the left."""
-    x, y, z = vectors.T
-    nought = np.zeros_like(x)
-    return np.stack([nought, -z, y, z, nought, -x, -y, x, nought], axis=1).reshape(-1, 3, 3)
-
-
 def _adjoints(transforms: _Matrix) -> _Matrix:
     """(n, 6, 6) matrices that carry twists over transforms."""
     result = np.zeros((len(transforms), 6, 6))
     turns = transforms[:, :3, :3]
     result[:, :3, :3] = result[:, 3:, 3:] = turns
-    result[:, :3, 3:] = _skew(transforms[:, :3, 3]) @ turns
+    result[:, :3, 3:] = skew(transforms[:, :3, 3]) @ turns
     return result
 
 
 def _inverse_jacobians(twists: _Matrix) -> _Matrix:
     """(n, 6, 6) inverse left Jacobians of SE(3) to first order: one minus half the bracket with each twist."""
     result = np.tile(np.eye(6), (len(twists), 1, 1))
-    turns = 0.5 * _skew(twists[:, 3:])
+    turns = 0.5 * skew(twists[:, 3:])
     result[:, :3, :3] -= turns
     result[:, 3:, 3:] -= turns
-    result[:, :3, 3:] -= 0.5 * _skew(twists[:, :3])
+    result[:, :3, 3:] -= 0.5 * skew(twists[:, :3])
     return result
 
 
