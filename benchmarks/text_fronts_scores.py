@@ -14,7 +14,8 @@ from lpslam.config import EvaluationConfig
 from lpslam.evaluation.signs import TrueLine, TrueSign
 from lpslam.simulation.boards.street import Distractor
 from lpslam.text.remembering.similarity import comparison_key, similarity
-from lpslam.text.types import Landmark
+from lpslam.text.types import Landmark, LandmarkLine
+from text_rows import RowLine, likenesses
 
 Array = NDArray[np.float64]
 BESIDE = 0.35  # metres beside a board's ink at which a landmark is still its own: half of a shop's margin and more
@@ -129,13 +130,23 @@ def judge(
 def stated_and_exact(
     marks: Sequence[Landmark], signs: Sequence[TrueSign], truth_from_map: Array
 ) -> list[tuple[float, bool]]:
-    """How surely every line is said to be exact, and whether a line of its board is just so."""
+    """How surely every line is said to be exact, and whether a line, or a row, of its board is just so."""
     stated = []
-    for line in (line for mark in marks for line in mark.lines):
-        place = transform_points(truth_from_map, line.position[None])[0]
-        painted = {comparison_key(true.text) for sign in signs if _is_on(sign, place) for true in sign.lines}
-        stated.append((line.confidence, comparison_key(line.text) in painted))
+    for mark in marks:
+        places = [transform_points(truth_from_map, line.position[None])[0] for line in mark.lines]
+        exact = [False] * len(places)
+        for sign in signs:
+            on = [row for row, place in enumerate(places) if _is_on(sign, place)]
+            said = [_row_line(sign, mark.lines[row], places[row]) for row in on]
+            painted = [_row_line(sign, true, np.array(true.centre)) for true in sign.lines]
+            for row, like in zip(on, likenesses(said, painted, np.inf), strict=True):
+                exact[row] |= like >= 1.0
+        stated += [(line.confidence, one) for line, one in zip(mark.lines, exact, strict=True)]
     return stated
+
+
+def _row_line(sign: TrueSign, line: TrueLine | LandmarkLine, place: Array) -> RowLine:
+    return RowLine(line.text, _local(sign, place), min(line.width, line.height))
 
 
 def pictures_of(marks: Sequence[Landmark], signs: Sequence[TrueSign], truth_from_map: Array) -> list[str]:

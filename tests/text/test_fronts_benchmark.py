@@ -92,6 +92,21 @@ def test_a_line_is_exact_where_its_board_says_just_that() -> None:
     assert stated == [(0.97, True), (0.4, False), (0.9, False)]
 
 
+def test_goods_and_price_of_a_row_are_exact_together_however_they_are_parted() -> None:
+    from text_rows import RowLine, likenesses
+
+    def at(text: str, x: float, y: float, letter: float = 0.1) -> RowLine:
+        return RowLine(text, np.array([x, y, 0.0]), letter)
+
+    whole, parted = [at("桑茶 2元", 0.3, 0.0)], [at("2元", 0.6, 0.01), at("桑茶", 0.0, 0.0)]
+    assert likenesses(parted, whole, 0.5) == likenesses(whole, parted, 0.5) * 2 == [1.0, 1.0]
+    assert likenesses(parted[:1], whole, 0.5)[0] < 1.0, "a price without its goods is not the row"
+    assert likenesses([at("2元", 0.6, 0.3), at("桑茶", 0.0, 0.0)], whole, 0.5)[0] < 1.0, "nor is one of another row"
+    assert likenesses([at("2元", 0.6, 0.0, 0.3), at("桑茶", 0.0, 0.0)], whole, 0.5)[0] < 1.0, "or of another size"
+    assert likenesses([at("☎ Bob’s", 0.0, 0.0)], [at("Bob's", 0.0, 0.0)], 0.5) == [1.0]
+    assert likenesses(whole, [at("桑茶 2元", 3.0, 0.0)], 0.5) == [0.0]
+
+
 def test_few_lines_have_a_calibration_error_by_chance() -> None:
     from text_calibration import error_by_chance
 

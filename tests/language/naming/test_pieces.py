@@ -55,3 +55,13 @@ def test_what_is_read_before_a_name_that_ends_with_what_it_is_is_kept_whatever_i
     assert OfflineModel().name(gates).name == "3号登机口"
     teas = [Reading("HEYTEA", 2, 1.0), Reading("茶HEYTEA", 1, 1.0), Reading("高条HEYTEA", 1, 0.85)]
     assert not OfflineModel().name([*teas, Reading("8HEYTEA", 1, 0.85)]).name.startswith("茶")
+
+
+def test_poor_readings_that_take_in_a_neighbour_do_not_rename_a_text_that_was_read_well_again_and_again() -> None:
+    """From afar two lines side by side are in one box, and the second of them is read otherwise each time."""
+    read = [Reading("桑田茶社", 22, 0.99, 0.99, 8.4)]
+    others = ("山水画院", "山水画完", "山水面院", "山氷画院", "山水画陷")
+    read += [Reading(f"桑田茶社 {other}", 1, 0.8, 0.1, 1.0) for other in others]
+    assert OfflineModel().name(read).name == "桑田茶社"
+    well = [Reading("candle", 3, 1.0, 0.97, 1.5), Reading("candle shop", 3, 1.0, 0.97, 1.5)]
+    assert OfflineModel().name(well).name == "candle shop", "what is read well as a whole is no neighbour's"

@@ -11,7 +11,7 @@ from lpslam.text.boards.lines import lines_of
 from lpslam.text.boards.overlaps import overlap, without_overlaps
 from lpslam.text.placing.places import Place, places_of_class
 from lpslam.text.remembering.memory import Pool, TextClass, Variant
-from lpslam.text.types import Placement, TextObservation
+from lpslam.text.types import Bearing, Placement, TextObservation
 
 CONFIG, MEMORY = InstanceConfig(), MemoryConfig()
 
@@ -446,3 +446,29 @@ def test_a_word_that_leans_past_its_neighbour_is_no_word_of_its_line() -> None:
     first = place(0, "Vornal", 0.0, 0.0, width=1.1)
     second = replace(place(1000, "Sarter", 1.15, 0.22), baseline=np.array([0.94, -0.34, 0.0]))
     assert {line.text for line in lines_of([first, second])[1]} == {"Vornal", "Sarter"}
+
+
+def test_a_price_in_a_column_of_its_own_is_in_one_line_with_its_goods() -> None:
+    menu = [place(0, "BRAMBLE TEA", 0.0, 0.0), place(1000, "2.50", 1.6, 0.01, width=0.3)]
+    menu += [place(2000, "桑茶", 0.0, 0.35, width=0.4), place(3000, "3元", 1.6, 0.36, width=0.3)]
+    assert names([menu]) == [["BRAMBLE TEA 2.50", "桑茶 3元"]]
+    beside = [place(0, "BRAMBLE TEA", 0.0, 0.0), place(1000, "VELMORA", 1.9, 0.0)]
+    assert names([beside]) == [["BRAMBLE TEA", "VELMORA"]], "what is no price stays apart"
+    larger = [place(0, "BRAMBLE", 0.0, 0.0, height=0.4), place(1000, "2.50", 1.6, 0.01, width=0.3)]
+    assert names([larger]) == [["BRAMBLE", "2.50"]], "as does a price in other letters"
+
+
+@pytest.mark.parametrize(("sideways", "stands"), [(0.0, 1), (1.5, 2)])
+def test_a_text_on_glass_does_not_stand_behind_it(sideways: float, stands: int) -> None:
+    """Depth through the pane puts some sightings a metre behind it; a second sign there is seen beside the first."""
+
+    def seen(first: int, count: int, x: float, z: float) -> list[TextObservation]:
+        origin = (0.0, 0.0, 0.0)
+        on = Placement((x, 0.0, z), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0), 0.6, 0.2, 0.01)
+        bearing, frames = Bearing(origin, (origin,) * 4), range(first, first + count)
+        return [TextObservation(each, 0.1 * each, 0, "OPEN", 0.9, on, 30.0, bearing=bearing) for each in frames]
+
+    both = seen(0, 10, 0.1, 2.0) + seen(20, 3, 0.15 + sideways, 3.2)
+    found = places_of_class(text_class(both, "OPEN"), world, CONFIG, MEMORY)
+    assert len(found) == stands
+    assert found[0].position[2] == pytest.approx(2.0)

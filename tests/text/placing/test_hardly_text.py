@@ -126,3 +126,15 @@ def test_a_slip_with_as_many_letters_shows_that_nothing_stands_before_them() -> 
     for observations, expected in ((cut, 0), (cut + shorter, 0), (cut + whole, 1)):
         text_class.observations = observations
         assert count(text_class) == expected
+
+
+def test_a_piece_that_shows_an_end_tells_that_the_text_ends_there() -> None:
+    """From one side the wall goes on beyond the first letter, from the other beyond the last; no view shows both."""
+    text_class = read("SHOE LAB", [0.99] * 3)
+    text_class.naming = Naming("SHOE LAB", 0.99, "", "offline")
+    text_class.observations = [replace(each, whole=(1.0, 0.3)) for each in text_class.observations]
+    assert count(text_class) == 0
+    cut = text_class.observations[0]
+    for text, expected in (("E LAB", 1), ("SHOE", 0), ("B", 0)):
+        piece = replace(cut, frame=9, text=text, whole=(0.2, 1.0))
+        assert count(replace(text_class, observations=[*text_class.observations, piece])) == expected, text

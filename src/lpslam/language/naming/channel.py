@@ -34,6 +34,9 @@ _OWN_ODDS = 0.7
 _AGAIN = 0.7
 # A slip that another reading of the same sign shows as well, or the same hidden end: what hides it is still there.
 KNOWN = 1.5
+# The same neighbour once more, in a reading that is likelier wrong than right: such boxes are seen from afar, where
+# they take in both, and each fails in its own way.
+_JOINED_AGAIN = 3.0
 # A thin letter for which a mark was read, 1 as : or ]; of any other a mark says nothing but where signs have none.
 _MARKED, _THIN = 0.7, frozenset("1lijtı")
 # A reading of something else altogether.
@@ -225,9 +228,11 @@ def _costs(painted: str, seen: Seen, looks: Callable[[str], str], known: set[_Sl
         for end, at, whole in zip(cut, (0, len(read)), seen.whole, strict=True)
         if end
     )
-    for end in joined:
+    for side, end in enumerate(joined):
         slips = sum(added_cost(painted, seen, at) for at in end)
-        ends += min(_JOINED_END + _JOINED_LETTER * len(end), slips) if end else 0.0
+        cost = min(_JOINED_END + _JOINED_LETTER * len(end), slips)
+        again = _JOINED_AGAIN if seen.right < 0.5 else cost
+        ends += _once(("joined", side, ""), cost, known, again) if end else 0.0
     ends_lost, ends_added = cut[0] | cut[1], joined[0] | joined[1]
     ends += _odd_cost(seen.odd - {step.dest_pos for step in steps if step.tag == "delete"}, known)
     cost = 0.0
@@ -250,10 +255,10 @@ def _odd_cost(odd: Iterable[int], known: set[_Slip]) -> float:
     return sum(_once(("mark", at, ""), ODD_MARK, known) for at in odd)
 
 
-def _once(slip: _Slip, cost: float, known: set[_Slip]) -> float:
+def _once(slip: _Slip, cost: float, known: set[_Slip], again: float = KNOWN) -> float:
     """What a slip costs, which is known of this sign from then on."""
     if slip in known:
-        return min(cost, KNOWN)
+        return min(cost, again)
     known.add(slip)
     return cost
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lpslam.text.boards.kinship import out_of_line
-from lpslam.text.boards.roles import LineShape, roles_of
+from lpslam.text.boards.roles import LineShape, is_bare_price, role_by_form, roles_of
 from lpslam.text.placing.places import Place
 from lpslam.text.remembering.similarity import IDEOGRAPHS
 from lpslam.text.types import LandmarkLine
@@ -80,11 +80,17 @@ def _pieces(row: Sequence[Place], board: Sequence[Place], reference: Place) -> l
     for place in row:
         last = lines[-1][-1] if lines else place
         is_entry = _is_entry(place, last, board, reference) or _is_entry(last, place, board, reference)
-        if lines and not is_entry and _go_on(last, place, reference):
+        is_price = bool(lines) and _is_price_of(last, place)
+        if lines and (is_price or (not is_entry and _go_on(last, place, reference))):
             lines[-1].append(place)
         else:
             lines.append([place])
     return lines
+
+
+def _is_price_of(goods: Place, price: Place) -> bool:
+    """Whether a text is the price, in a column of its own, of the goods that stand left of it in its row."""
+    return _ratio(goods, price) <= _WORDS[0] and is_bare_price(price.name) and role_by_form(goods.name) is None
 
 
 def _is_entry(place: Place, beside: Place, board: Sequence[Place], reference: Place) -> bool:

@@ -64,6 +64,7 @@ _HOURS = re.compile(
 _NETWORK = re.compile(r"https?:|www\.|\w@\w|\b[a-z0-9-]{2,}\.[a-z]{2,4}(\b|/)(?!\s*\d)", re.IGNORECASE)
 _CURRENCY = r"(?:元|円|圆|圓|원|[€$£¥₩₫฿₹₽]|\b(?:eur|usd|kr|zł|ft|lei|rm|rp)\b)"
 _PRICE = re.compile(rf"\d\s*{_CURRENCY}|{_CURRENCY}\s*\d|\s\d{{1,3}}[.,]\d{{2}}$", re.IGNORECASE)
+_BARE_PRICE = re.compile(rf"\W*{_CURRENCY}?\s*\d+(?:[.,:]\d+)?\s*{_CURRENCY}?(?:\s*/?\s*\w)?\W*", re.IGNORECASE)
 _NUMBERED = re.compile(r"\d\s*(號|号|番地|丁目|巷|弄|번지)|(路|街|道|巷|로|길)\s*\d")
 # Units of two letters and more: with one letter numbers are parts of names as often (3M, Gate 2 A).
 _MEASURE = re.compile(
@@ -89,6 +90,11 @@ def role_by_form(text: str) -> Role | None:
     if digits >= _FEWEST_DIGITS or _NUMBERED.search(text) or (digits and _STREET.search(text)):
         return Role.CONTACT
     return None
+
+
+def is_bare_price(text: str) -> bool:
+    """Whether a text is a price and does not say of what."""
+    return role_by_form(f"x {text}") is Role.LIST and _BARE_PRICE.fullmatch(text) is not None
 
 
 def roles_of(lines: Sequence[LineShape]) -> tuple[int, list[Role]]:

@@ -14,6 +14,7 @@ from lpslam.language.naming.channel import evidence_of, log_likelihood, paint_ke
 from lpslam.text.placing.bearings import placed
 from lpslam.text.placing.columns import WorldSightings
 from lpslam.text.placing.instances import KeyframePoses, split_places, trimmed_position
+from lpslam.text.placing.seen_through import without_seen_through
 from lpslam.text.remembering.ends import is_lone_character, is_of_rings, says_a_word, says_little
 from lpslam.text.remembering.evidence import looks_of, readings_of, wholes_of
 from lpslam.text.remembering.known_names import is_spelt_as_names
@@ -34,6 +35,8 @@ _UNSURE = 0.35
 _INDEPENDENT = 2.0
 # Share of its letters, each in its place, that a slip of a name has at least.
 _SAME_LETTERS = 0.75
+# Fewest letters of a piece that tells of an end.
+_FEWEST = 2
 # Letter heights by which the middle of a part may lie beside that of the whole: boxes are drawn as loosely.
 _SAME_MIDDLE = 0.5
 # Most log odds by which one name is ahead of another that are believed.
@@ -120,15 +123,15 @@ def read_places(
         sightings = sightings[~leave_out(sightings, config)]
     if not len(sightings):
         return []
-    groups = list(enumerate(split_places(sightings.positions, sightings.normals, sightings.frames, config)))
-    enough = min(config.min_observations, max(len(rows) for _, rows in groups))
+    groups = split_places(sightings.positions, sightings.normals, sightings.frames, config)
+    seen_at = without_seen_through([sightings[rows] for rows in groups], world_from_keyframe)
+    enough = min(config.min_observations, max(map(len, seen_at)))
 
     places = []
-    for number, rows in groups:
-        seen = sightings[rows]
+    for number, seen in enumerate(seen_at):
         if len(seen) < enough or not _is_large_enough(seen, config):
             continue
-        name, sure = _name_here(text_class, seen, len(groups) > 1, memory)
+        name, sure = _name_here(text_class, seen, len(seen_at) > 1, memory)
         sure, whole = min(sure, _most_sure(name, text_class)), _probability_whole(name, seen)
         place = _place(text_class.id * PLACES_OF_A_CLASS + number, name, sure * whole, seen, config)
         is_text = whole >= config.least_whole and not _is_hardly_text(name, sure, seen, text_class)
@@ -199,13 +202,19 @@ def _most_sure(name: str, text_class: TextClass) -> float:
 def _probability_whole(name: str, sightings: WorldSightings) -> float:
     """The probability, 0 to 1, that nothing more is painted before or behind a name, by the readings that say it.
 
-    So do slips of it with as many letters. Where an older map does not tell, or nothing that was read is just as long,
-    nothing is held against it.
+    So do slips of it with as many letters, and pieces of it of the end that they have. Where an older map does not
+    tell, or nothing that was read is just as long, nothing is held against it.
     """
     key = paint_key(name)
-    told = [each.whole for each in sightings.observations if _is_as_long(paint_key(each.text), key)]
-    known = [each for each in told if each is not None]
-    return float(np.array(known).max(axis=0).prod()) if known and len(known) == len(told) else 1.0
+    told = [(paint_key(each.text), each.whole) for each in sightings.observations]
+    known = [whole for read, whole in told if _is_as_long(read, key)]
+    if not known or None in known:
+        return 1.0
+    pieces = [(read, whole) for read, whole in told if whole is not None and _FEWEST <= len(read) < len(key)]
+    before = [whole[0] for read, whole in pieces if key.startswith(read)]
+    behind = [whole[1] for read, whole in pieces if key.endswith(read)]
+    first, last = zip(*(each for each in known if each is not None), strict=True)
+    return float(max([*first, *before]) * max([*last, *behind]))
 
 
 def _is_as_long(key: str, name: str) -> bool:
