@@ -50,13 +50,29 @@ def call_to_its_end(work: Callable[[], object]) -> None:
         raise SystemExit(2) from None
 
 
+class _AsItStands:
+    """Takes a text, a path or a switch as it stands: typer's own way loads pydantic for it, a tenth of an answer."""
+
+    def __init__(self, kind: type) -> None:
+        self._kind = kind
+
+    def coerce(self, value: Any, param: Any, ctx: Any) -> Any:
+        return value if value is None or isinstance(value, self._kind) else self._kind(value)
+
+
 def parse_and_call(app: typer.Typer) -> None:
     """Call what the words of the command line say.
 
     Raises:
         UserError: they say nothing that there is.
     """
-    command = typer.main.get_command(app)
+    command: Any = typer.main.get_command(app)
+    for each in (
+        param for one in (command, *command.commands.values()) for param in one.get_params(typer.Context(one))
+    ):
+        kind = getattr(getattr(each, "type_descriptor", None), "annotation", None)
+        if kind in (str, Path, bool) and each.nargs == 1 and not each.multiple:
+            each._runtime_param = _AsItStands(kind)
     try:
         # `app()` would print a mistake as a box of five lines, and end the process by itself.
         with command.make_context("lpslam", sys.argv[1:]) as context:

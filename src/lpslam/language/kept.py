@@ -100,9 +100,9 @@ def kept_of_boards(name: str, count: int, texts: Iterable[str], make: Callable[[
 @lru_cache
 def _program(folder: Path) -> bytes:
     """What tells this version of a part of the program, its tables and Python from others."""
-    files = sorted(path for path in folder.rglob("*") if path.suffix not in (".pyc", ".md") and path.is_file())
-    stats = ((path.relative_to(folder), path.stat()) for path in files)
-    told = [f"{path} {about.st_size} {about.st_mtime_ns}" for path, about in stats]
+    files = sorted(os.path.join(each, name) for each, _, names in os.walk(folder) for name in names)
+    stats = ((path, os.stat(path)) for path in files if not path.endswith((".pyc", ".md")))
+    told = [f"{os.path.relpath(path, folder)} {about.st_size} {about.st_mtime_ns}" for path, about in stats]
     return "\n".join([str(sys.implementation.cache_tag), sys.version, *told]).encode()
 
 

@@ -26,7 +26,7 @@ from lpslam.language.tables.lexicon import (
     split,
     unpacked,
 )
-from lpslam.language.tables.painted import Known, add_brands, add_kinds, add_painted, add_venues
+from lpslam.language.tables.painted import Known, KnownNames, add_brands, add_kinds, add_painted, add_venues
 from lpslam.language.tables.states import StateTables
 from lpslam.language.tables.words import Folder, PhraseTable
 
@@ -178,7 +178,7 @@ def load_knowledge() -> Knowledge:
     return Knowledge(
         folder=load_folder(),
         painted=PhraseTable(unpacked(made.pop("painted"))),
-        known={key: Known._make(each) for key, each in made.pop("known").items()},
+        known=KnownNames(made.pop("known")),
         relatives={language: PhraseTable(each) for language, each in made.pop("relatives").items()},
         _tables=SpokenTables(load_folder()),
         **made,

@@ -153,12 +153,15 @@ class SpokenTables:
             self._names(tree["states"], language),
             PhraseTable((phrase, ()) for phrase in phrases_of(self._folder, tree["at_home"][language])),
             {(pair.split("+")[0], pair.split("+")[1]): want for pair, want in tree["together"].items()},
-            [
-                (tuple(self._part(part, language) for part in parts), entry.name)
-                for entry in load_buildings().concepts
-                for parts in entry.apart.get(language, ())
-            ],
+            kept(f"apart-{language}", b"", lambda: self._apart(language)),
         )
+
+    def _apart(self, language: str) -> list[tuple[tuple[str, ...], str]]:
+        return [
+            (tuple(self._part(part, language) for part in parts), entry.name)
+            for entry in load_buildings().concepts
+            for parts in entry.apart.get(language, ())
+        ]
 
     def _part(self, part: str, language: str) -> str:
         """The beginning of a word as the units of a question are joined; a short one is a whole word."""

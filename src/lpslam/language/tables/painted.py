@@ -1,6 +1,6 @@
 """What signs are painted with: brands, words for kinds of place, warnings and slogans, gathered from all tables."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from lpslam.language.tables.lexicon import BY_HAND, BY_NAME, Meaning, add_beside, split, with_cuisine
@@ -22,6 +22,25 @@ class Known(NamedTuple):
     source: str
     kinds: tuple[tuple[str, float], ...]
     identity: str
+
+
+class KnownNames(Mapping[str, Known]):
+    """Names as they are kept, each made when it is looked up: few of 60,000 are."""
+
+    def __init__(self, made: Mapping[str, tuple[Any, ...]]) -> None:
+        self._made = made
+
+    def __getitem__(self, key: str) -> Known:
+        return Known._make(self._made[key])
+
+    def __contains__(self, key: object) -> bool:
+        return key in self._made
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._made)
+
+    def __len__(self) -> int:
+        return len(self._made)
 
 
 def add_painted(

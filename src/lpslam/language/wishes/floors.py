@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 from functools import lru_cache
 
 from lpslam.language.tables.lexicon import read_table
+from lpslam.language.tables.patterns import keep_ready, ready
 from lpslam.language.tables.words import is_unspaced
 from lpslam.language.wishes.codes import in_digits
 from lpslam.language.wishes.form import Counting, Floor
@@ -18,9 +19,6 @@ _MOST = 60  # floors of a building: a larger number is none
 def _patterns() -> Mapping[str, re.Pattern[str]]:
     table: Mapping[str, str] = read_table("wishes/floors.json")
 
-    def compiled(words: str) -> re.Pattern[str]:
-        return re.compile(f"{table['lead']}(?:{words}){table['tail']}", re.IGNORECASE)
-
     numbered = (
         rf"(?<!\w)(?:{table['before']})[ ](?:no\.? ?)?(?P<one>-?\d{{1,2}})(?![\w.])"
         rf"|(?<![a-zA-Z\d.-])(?P<two>-?\d{{1,2}})(?:{table['ordinal']})? ?"
@@ -30,11 +28,13 @@ def _patterns() -> Mapping[str, re.Pattern[str]]:
         rf"(?<!\w)(?:{table['below']}) ?(?P<three>\d)? ?(?:(?:{table['after']})(?!\w)|{table['after_unspaced']})?(?!\w)"
         rf"|(?:地下|지하 ?|负|負|(?<!\w)b)(?P<four>\d) ?(?:{table['after_unspaced']})"
     )
-    return {
-        "below": compiled(below),
-        **{name: compiled(_alone(table[name])) for name in ("ground", "same", "top", "up", "down")},
-        "numbered": compiled(numbered),
+    alone = {name: _alone(table[name]) for name in ("ground", "same", "top", "up", "down")}
+    said = {
+        name: f"{table['lead']}(?:{words}){table['tail']}"
+        for name, words in {"below": below, **alone, "numbered": numbered}.items()
     }
+    keep_ready("floors", ((pattern, re.IGNORECASE) for pattern in said.values()))
+    return {name: ready(pattern, re.IGNORECASE) for name, pattern in said.items()}
 
 
 def _alone(joined: str) -> str:

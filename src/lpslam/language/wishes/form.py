@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, field, replace
 from enum import StrEnum
 from typing import Annotated, Any
 
-from pydantic import Field, TypeAdapter, ValidationError
+from annotated_types import Ge, Lt
 
 _DEEPEST = 15  # levels of a document; an anchor is two below its stop
 
@@ -138,14 +138,14 @@ class Stop:
     without: tuple["Stop", ...] = ()
     identity: tuple[Identity, ...] = ()
     which: Which = Which.ANY
-    rank: Annotated[int, Field(ge=1)] = 1
+    rank: Annotated[int, Ge(1)] = 1
     relation: Relation | None = None
     anchor: tuple["Stop", ...] = ()
     start: "Stop | None" = None
     ask: Ask = Ask.WHERE
     whole: str = ""
     contradiction: str = ""
-    at: tuple[Annotated[int, Field(ge=0, lt=24 * 60)], ...] = ()
+    at: tuple[Annotated[int, Ge(0), Lt(24 * 60)], ...] = ()
     floor: Floor | None = None
     unplaced: str = ""
     same_side: bool = False
@@ -186,6 +186,9 @@ class Wish:
         """
         if not _ends_within(tree, _DEEPEST):
             raise ValueError("this is no wish: anchors of anchors of anchors")
+        # Loaded only here: it takes as long as many an answer.
+        from pydantic import TypeAdapter, ValidationError
+
         try:
             return TypeAdapter(cls).validate_python(tree)
         except ValidationError as error:

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from functools import cache
 
 from lpslam.language.tables.lexicon import read_table
+from lpslam.language.tables.patterns import ready
 from lpslam.language.wishes.rules import content_left, each_of, letter_of, rules_of
 
 _ENDS = " .。!！?？,，、;；:¿¡…"
@@ -17,7 +18,7 @@ _ENDS = " .。!！?？,，、;；:¿¡…"
 
 @cache
 def _pattern(language: str, name: str) -> re.Pattern[str]:
-    return re.compile(read_table(f"wishes/{language}.json")["polarity"][name], re.IGNORECASE)
+    return ready(read_table(f"wishes/{language}.json")["polarity"][name], re.IGNORECASE)
 
 
 def parted_by_clauses(text: str, language: str) -> tuple[str, list[str]] | None:

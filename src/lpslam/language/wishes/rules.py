@@ -7,12 +7,13 @@ pattern is the part of that name; `<ordinal>` is every ordinal number of the lan
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, lru_cache
+from functools import lru_cache
 from itertools import chain
 from typing import Any
 
 from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.lexicon import read_table
+from lpslam.language.tables.patterns import keep_ready, ready
 from lpslam.language.wishes.numerals import ordinals
 
 _NAMED = re.compile(r"(?<!\(\?P)<(\w+)>")
@@ -24,6 +25,7 @@ _WORDS = (
     *("here", "previous", "filler", "any", "spots", "meeting", "inside", "unsaid", "between", "alternative_ends"),
     *("joints", "ordering"),
 )
+_ANY_CASE = re.IGNORECASE
 _DEEPEST = 3  # parts within parts
 ALIKE = 0.9  # of the best score: what serves what is refused, or what is left of what is wanted, as well
 LEAST_REFUSED = 0.4  # probability that a place is what is refused, from which it is left out
@@ -50,27 +52,18 @@ class Row:
     def match(self, text: str) -> re.Match[str] | None:
         """Return where the row's pattern is, if the row holds."""
         lowered = text.lower()
-        if _CASED not in self.when and _compiled(self.when).search(lowered) is None:
+        if _CASED not in self.when and ready(self.when).search(lowered) is None:
             return None
         # Few rows are found: what they have beside is looked for last.
-        if self.unless is not None and _compiled(self.unless).search(lowered):
+        if self.unless is not None and ready(self.unless).search(lowered):
             return None
-        return _compiled(self.when, re.IGNORECASE).search(text)
+        return ready(self.when, _ANY_CASE).search(text)
 
     def prepare(self) -> None:
         """Make its patterns ready, so that no text has to wait for that."""
         for pattern in (self.when, self.unless):
             if pattern is not None:
-                _compiled(pattern)
-
-
-@cache
-def _compiled(pattern: str, flags: int = 0) -> re.Pattern[str]:
-    """A pattern, ready to be looked for: when it is first, since few of a thousand ever are.
-
-    One that does not heed case takes three times as long to make ready as one for a text without capitals.
-    """
-    return re.compile(pattern, flags)
+                ready(pattern)
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +76,7 @@ class Rules:
 
     def __getitem__(self, name: str) -> re.Pattern[str]:
         """Return the pattern of some words, made ready when it is first asked for."""
-        return _compiled(self.words[name], re.IGNORECASE)
+        return ready(self.words[name], _ANY_CASE)
 
     @property
     def rows(self) -> Iterator[Row]:
@@ -119,7 +112,10 @@ def rules_of(language: str) -> Rules:
             for when in ([row["when"]] if "when" in row else [_said(shape, row["said"]) for shape in tree["shapes"]])
         )
 
-    return Rules({name: rows(name) for name in _TABLES}, {name: filled(tree[name]) for name in _WORDS}, ranks)
+    rules = Rules({name: rows(name) for name in _TABLES}, {name: filled(tree[name]) for name in _WORDS}, ranks)
+    said = [(each, flags) for row in rules.rows for each in (row.when, row.unless) if each for flags in (0, _ANY_CASE)]
+    keep_ready(language, (*said, *((each, _ANY_CASE) for each in (*rules.words.values(), *tree["polarity"].values()))))
+    return rules
 
 
 def _said(shape: str, words: str) -> str:

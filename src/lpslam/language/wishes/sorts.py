@@ -12,6 +12,7 @@ from lpslam.language.questions.wanted import Wish as Meaning
 from lpslam.language.sanitise import clean_text
 from lpslam.language.tables.knowledge import Knowledge
 from lpslam.language.tables.lexicon import read_table
+from lpslam.language.tables.patterns import keep_ready, ready
 from lpslam.language.tables.words import is_unspaced
 from lpslam.language.wishes.form import Ask, Stop, Which
 
@@ -25,16 +26,18 @@ _FIRST_OF_ALL = 0.9  # of a kind that a place is, not one that is had there as w
 def _patterns() -> Mapping[tuple[str, str], re.Pattern[str]]:
     """Groups and what each may be, and how that is said; of a group a place has one."""
     tree: Mapping[str, Mapping[str, str]] = read_table("wishes/attributes.json")
-    return {(group, value): _pattern(joined) for group, values in tree.items() for value, joined in values.items()}
+    said = {(group, value): _pattern(joined) for group, values in tree.items() for value, joined in values.items()}
+    keep_ready("attributes", ((pattern, 0) for pattern in said.values()))
+    return {value: ready(pattern) for value, pattern in said.items()}
 
 
-def _pattern(joined: str) -> re.Pattern[str]:
+def _pattern(joined: str) -> str:
     words = re.split(r"\|(?![^()]*\))", joined)
     spaced = "|".join(word for word in words if not is_unspaced(word))
     unspaced = "|".join(word for word in words if is_unspaced(word))
     prefixes = "|".join([word for word in words if word.endswith(r"(?=\w)")] or ["(?!)"])
     # It is looked for in texts without capitals. “Haupt-” and “Süd-” begin words.
-    return re.compile(rf"(?<!\w)(?:{spaced})(?!(?<=\w)[^\W_])|(?<!\w)(?:{prefixes})|{unspaced}")
+    return rf"(?<!\w)(?:{spaced})(?!(?<=\w)[^\W_])|(?<!\w)(?:{prefixes})|{unspaced}"
 
 
 @lru_cache(maxsize=1 << 14)
