@@ -12,6 +12,7 @@ from lpslam.config import NavigationConfig
 from lpslam.language.choosing.guessing import LEAST_SURE
 from lpslam.language.wishes.form import PREVIOUS, Counting, Relation, Stop, Which, Wish
 from lpslam.language.wishes.served import Scorer, Served, Way
+from lpslam.language.wishes.sorts import others_alike
 from lpslam.navigation.columns import Near, Serving, apart_from, detours
 from lpslam.navigation.places import Distances, Here, Place, Point, Straight
 from lpslam.navigation.relations import PAIRED, Judged, Scene, between, on_the_way
@@ -98,7 +99,7 @@ class _Solver:
             served = self._within(served, within)
         left_out = {id_ for each in stop.without for id_ in self._left_out(each, served, previous)}
         if left_out:
-            served = replace(served, scores={id_: each for id_, each in served.scores.items() if id_ not in left_out})
+            served = self._left(served, left_out)
         notes = [f"not heeded: {each}" for each in (*ignored, *served.ignored)]
         notes += [note] if note else []
         stop = served.stop
@@ -178,6 +179,13 @@ class _Solver:
             return replace(served, scores=scores)
         others = tuple(sorted(served.scores, key=lambda id_: (-served.scores[id_], id_))[: self.config.alternatives])
         return replace(served, scores={}, evidence=f"nothing that serves is on {served.stop.floor}", others=others)
+
+    def _left(self, served: Served, out: set[int]) -> Served:
+        """What serves without what is left out; of its sort where there are others: a room, not room 201."""
+        left = {id_: score for id_, score in served.scores.items() if id_ not in out}
+        names = self._scene.sites.by_id
+        alike = others_alike((names[id_].name for id_ in out), {id_: names[id_].name for id_ in left})
+        return replace(served, scores={id_: left[id_] for id_ in alike} or left)
 
     def _left_out(self, stop: Stop, served: Served, previous: Place | None) -> set[int]:
         """The places that are left out; where they would be all that serve, those whose boards say just that."""

@@ -78,3 +78,25 @@ def test_what_is_like_a_refused_brand_is_left_though_the_brand_serves_far_better
     question: str, boards: Sequence[str], expected: str
 ) -> None:
     assert found(question, boards) == expected
+
+
+@pytest.mark.parametrize(
+    ("question", "boards", "expected"),
+    [
+        (
+            "a meeting room please, but not 12, that one is taken",
+            ("Conference Hall", "Meeting Room 12", "Meeting Room 14"),
+            "Meeting Room 14",
+        ),
+        ("会议室，除了305", ("多功能厅", "305 会议室", "307 会议室"), "307 会议室"),
+        (
+            "une salle de réunion, mais pas la 4",
+            ("Amphi", "Salle de réunion 4", "Salle de réunion 6"),
+            "Salle de réunion 6",
+        ),
+    ],
+)
+def test_of_what_is_refused_by_its_number_another_one_is_meant(
+    question: str, boards: tuple[str, ...], expected: str
+) -> None:
+    assert found(question, boards) == expected

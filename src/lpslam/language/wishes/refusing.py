@@ -14,7 +14,7 @@ from lpslam.language.wishes.guesses import LEAST_IN_SPITE
 from lpslam.language.wishes.identities import Identities
 from lpslam.language.wishes.rules import ALIKE, ALL_REFUSED, LEAST_REFUSED
 from lpslam.language.wishes.served import Served, Way
-from lpslam.language.wishes.sorts import attributes_of
+from lpslam.language.wishes.sorts import attributes_of, others_alike
 
 _LEAST_READ = 0.4  # probability of what tables read beside what they read as refused
 _LEAST_CONFIRMED = 0.1  # probability of what serves the rest, where what is refused is some of that
@@ -77,6 +77,9 @@ class Refusing:
             # A brand that is refused serves so much better than all else that nothing else was near it.
             return replace(served, scores=read, sure=max(served.sure, LEAST_SURE))
         left = {id_: score for id_, score in left.items() if id_ in read} or left
+        name_of = self._index.name_of
+        alike = others_alike((name_of[id_] for id_ in named), {id_: name_of[id_] for id_ in left})
+        left = {id_: left[id_] for id_ in alike} or left
         said = rest.evidence if left else ALL_REFUSED
         return replace(rest, stop=served.stop, scores=left, exact=rest.exact & left.keys(), evidence=said)
 

@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 
 from lpslam.language.choosing.landmark_index import LandmarkIndex
@@ -18,6 +18,7 @@ from lpslam.language.wishes.form import Ask, Stop, Which
 
 _ANY_SORT = frozenset({"shop", "business", "place"})
 _FEW_OF_A_FAMILY = 3  # rooms of one sort of building that make the map one of it, at least
+_NUMBERED = re.compile(r"[\d.,–~-]*\d[\d.,–~-]*|(?<![^\W\d_])[A-Za-z](?![^\W\d_])")
 _MUCH_OF_A_FAMILY = 0.25  # of all landmarks: fewer aisles of goods are shops of a mall
 _FIRST_OF_ALL = 0.9  # of a kind that a place is, not one that is had there as well
 
@@ -52,6 +53,13 @@ def told_apart(asked: frozenset[tuple[str, str]], board: frozenset[tuple[str, st
     values = dict(board)
     is_another = any(group in values and (group, value) not in board for group, value in asked)
     return -1 if is_another else len(asked & board)
+
+
+def others_alike(out: Iterable[str], names: Mapping[int, str]) -> set[int]:
+    """Return the landmarks whose boards are those of what is left out but for numbers: another room than room 201."""
+    sorts = {_NUMBERED.sub("", name).replace(" ", "") for name in out if _NUMBERED.search(name)} - {""}
+    numbered = ((id_, name) for id_, name in names.items() if _NUMBERED.search(name))
+    return {id_ for id_, name in numbered if _NUMBERED.sub("", name).replace(" ", "") in sorts}
 
 
 @lru_cache(maxsize=2)
