@@ -1,3 +1,4 @@
+import json
 from pathlib import Path
 
 import pytest
@@ -236,3 +237,65 @@ def test_a_binary_file_is_refused(tmp_path: Path) -> None:
         read_calibration(tmp_path / "camera.yaml")
     with pytest.raises(UserError, match="cannot be read"):
         read_calibration(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("stated", "units"),
+    [
+        ("depth_units_per_metre: 1000", 1000.0),
+        ("units_per_metre_of_depth: 4000", 4000.0),
+        ("depth_scale_factor: 5000", 5000.0),
+        ("DepthMapFactor: 6553.5", 6553.5),
+        ("depth: {scale_factor: 2000}", 2000.0),
+        ("depth: {units: mm}", 1000.0),
+        ("depth_unit: 0.1 mm", 10000.0),
+        ("depth_unit: metres", 1.0),
+        ("depth_unit: micrometres", 1e6),
+        ("depth_units: 0.00025", 4000.0),
+        ("depth_scale: 1000 per metre", 1000.0),
+        ("{depth_scale_spread: 0.02, depth_scale: 1000}", 1000.0),
+    ],
+)
+def test_raw_depth_units_are_known_by_what_their_key_says(tmp_path: Path, stated: str, units: float) -> None:
+    file = tmp_path / "camera.yaml"
+    tree = {"fx": 500, "fy": 500, "cx": 320, "cy": 240, "width": 640, "height": 480, **yaml.safe_load(stated)}
+    file.write_text(yaml.safe_dump(tree))
+    calibration = read_calibration(file, default_depth_scale=77.0)
+    assert calibration.camera.depth_scale == pytest.approx(units)
+    assert not calibration.is_scale_assumed
+
+
+@pytest.mark.parametrize(
+    "silent", ["{}", "max_depth: 6.5", "depth_displacement: {scale: 1, shift: [0, 0], parallax: [0, 0]}"]
+)
+def test_a_scale_that_nothing_states_is_assumed_and_said(tmp_path: Path, silent: str) -> None:
+    file = tmp_path / "camera.yaml"
+    tree = {"fx": 500, "fy": 500, "cx": 320, "cy": 240, "width": 640, "height": 480, **yaml.safe_load(silent)}
+    file.write_text(yaml.safe_dump(tree))
+    calibration = read_calibration(file, default_depth_scale=77.0)
+    assert calibration.camera.depth_scale == 77.0
+    assert calibration.is_scale_assumed
+    assert "states no depth_scale" in calibration.notes[0]
+
+
+@pytest.mark.parametrize(
+    "stated",
+    [
+        {"focal_length": [535.4, 539.2], "principal_point": [320.1, 247.6]},
+        {"focal_length": {"x": 535.4, "y": 539.2}, "principal_point": {"x": 320.1, "y": 247.6}},
+        {"intrinsics": {"focal": [535.4, 539.2], "center": [320.1, 247.6]}},
+        {"f": [535.4, 539.2], "cx": 320.1, "cy": 247.6},
+    ],
+)
+def test_both_axes_may_stand_under_one_key(tmp_path: Path, stated: dict[str, object]) -> None:
+    file = tmp_path / "camera.json"
+    file.write_text(json.dumps({"image_size": [640, 480], "depth_scale": 5000, **stated}))
+    camera = read_calibration(file).camera
+    assert (camera.fx, camera.fy, camera.cx, camera.cy) == (535.4, 539.2, 320.1, 247.6)
+
+
+def test_one_focal_length_is_that_of_both_axes(tmp_path: Path) -> None:
+    file = tmp_path / "camera.yaml"
+    file.write_text("{focal_length: 500, cx: 320, cy: 240, width: 640, height: 480}")
+    camera = read_calibration(file).camera
+    assert (camera.fx, camera.fy) == (500.0, 500.0)

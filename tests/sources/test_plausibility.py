@@ -16,7 +16,13 @@ from lpslam.camera import PinholeCamera
 from lpslam.config import CalibrationCheckConfig
 from lpslam.errors import UserError
 from lpslam.sources.open import open_source
-from lpslam.sources.plausibility import Doubt, doubts_about_depth, doubts_about_intrinsics, doubts_about_timing
+from lpslam.sources.plausibility import (
+    Doubt,
+    doubts_about_depth,
+    doubts_about_intrinsics,
+    doubts_about_timing,
+    fitting_depth_scale,
+)
 
 KITCHEN = Path(__file__).parents[3] / "shared" / "data" / "redkitchen"
 CHECKS = CalibrationCheckConfig()
@@ -245,3 +251,47 @@ def test_a_real_recording_is_not_doubted_and_found_out_with_a_wrong_scale(
         calibration.write_text(text + scale)
         open_source(KITCHEN, calibration)
         assert "depth_scale 1000 in the calibration would make it" in caplog.text
+
+
+@pytest.mark.parametrize(
+    ("true_scale", "assumed", "told"),
+    [
+        (5000.0, 5000.0, 5000.0),
+        (1000.0, 5000.0, 1000.0),
+        (1000.0, 1000.0, 1000.0),
+        (5000.0, 1000.0, 5000.0),
+        (1.0, 1000.0, 1.0),
+    ],
+)
+@given(median=st.floats(1.2, 3.5))
+def test_where_no_scale_is_stated_the_depth_tells_it(
+    true_scale: float, assumed: float, told: float, median: float
+) -> None:
+    camera = replace(KINECT, depth_scale=assumed)
+    assert fitting_depth_scale(room(true_scale / assumed, median), camera, CHECKS) == told
+
+
+def test_without_depth_the_assumed_scale_stays() -> None:
+    assert fitting_depth_scale([np.zeros((4, 4), np.float32)], KINECT, CHECKS) == KINECT.depth_scale
+
+
+def test_a_recording_that_states_no_scale_is_opened_with_that_of_its_depth(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    folder = tmp_path / "corridor"
+    for name in ("rgb", "depth"):
+        (folder / name).mkdir(parents=True)
+        lines = [f"{0.1 * index:.1f} {name}/{index}.png" for index in range(4)]
+        (folder / f"{name}.txt").write_text("\n".join(lines))
+    ramp = np.linspace(1000, 6000, 48 * 64).reshape(48, 64).astype(np.uint16)
+    for index in range(4):
+        cv2.imwrite(str(folder / "rgb" / f"{index}.png"), np.zeros((48, 64, 3), np.uint8))
+        cv2.imwrite(str(folder / "depth" / f"{index}.png"), ramp)
+    (folder / "camera.yaml").write_text("{fx: 60, fy: 60, cx: 31.5, cy: 23.5}")
+    source = open_source(folder)
+    assert source.camera.depth_scale == 1000.0
+    assert "1000 raw units in a metre are taken" in caplog.text
+    first = next(iter(source))
+    assert first.depth.max() == pytest.approx(6.0)
+    (folder / "camera.yaml").write_text("{fx: 60, fy: 60, cx: 31.5, cy: 23.5, depth_scale: 5000}")
+    assert open_source(folder).camera.depth_scale == 5000.0

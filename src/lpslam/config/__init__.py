@@ -250,6 +250,8 @@ class CalibrationCheckConfig(Section):
     possible_median_depth: tuple[float, float] = (0.1, 40.0)
     # Metres beyond which a twentieth of the readings must not lie: consumer sensors end at 10.
     usual_far_depth: float = Field(default=12.0, gt=0)
+    # Metres at which a twentieth of the readings begins, in the frame that sees farthest, where no scale is stated.
+    usual_farthest: tuple[float, float] = (2.0, 10.0)
     # Median depth, metres, that makes another depth scale worth proposing.
     room_depth: tuple[float, float] = (0.7, 7.0)
     # Frames, spread over the recording, whose depth is looked at: 50 ms in all.

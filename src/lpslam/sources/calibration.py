@@ -5,6 +5,7 @@ name, a matrix K, ROS camera_info, Kalibr's camchain, Open3D's intrinsics, and d
 DepthMapFactor) under OpenCV's `%YAML:1.0`.
 """
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -25,20 +26,19 @@ _FOCAL = {
     "cx": ("cx", "c_x", "ppx", "pu", "principal_point_x"),
     "cy": ("cy", "c_y", "ppy", "pv", "principal_point_y"),
 }
+_PAIRS = {
+    ("fx", "fy"): ("focal_length", "focal_lengths", "focal", "f"),
+    ("cx", "cy"): ("principal_point", "principal", "center", "centre", "pp", "c"),
+}
 _WIDTH = ("width", "image_width", "w")
 _HEIGHT = ("height", "image_height", "h")
 _RESOLUTION = ("resolution", "image_size", "size")
 _DISTORTION = ("distortion", "distortion_coefficients", "distortion_coeffs", "dist_coeffs", "coeffs", "dist", "d")
 _DISTORTION_MODEL = ("distortion_model", "distortion_type", "camera_model", "model", "type")
-_DEPTH_SCALE = (
-    "depth_scale",
-    "depthscale",
-    "depthmapfactor",
-    "depth_map_factor",
-    "depth_factor",
-    "png_depth_scale",
-    "depth_units",
-)
+_DEPTH_SCALE = "depth_scale"
+# What a key says that states the raw units of depth: `depth_scale`, `DepthMapFactor`, `depth_units_per_metre`.
+_OF_DEPTH, _OF_UNITS = "depth", ("scale", "scaling", "factor", "unit", "permet", "divisor")
+_IN_METRES = {"mm": 1e3, "milli": 1e3, "cm": 1e2, "centi": 1e2, "um": 1e6, "micro": 1e6, "m": 1.0}
 _DISPLACEMENT = "depth_displacement"
 _LARGEST_RATIO, _LARGEST_SHIFT = 10.0, 10_000.0  # of focal lengths, and pixels: beyond it, nothing is in view
 _FPS = ("fps", "frame_rate", "framerate", "rate")
@@ -50,11 +50,18 @@ _PREFERRED, _DEFERRED = ("camera", "cam0", "rgb", "color", "colour", "left"), ("
 
 @dataclass(frozen=True, slots=True)
 class Calibration:
-    """A camera, what had to be assumed about it, one sentence each, and how depth lies beside colour, if not on it."""
+    """A camera and what was made of the words about it.
+
+    Attributes:
+        notes: what had to be assumed, one sentence each.
+        displacement: how depth lies beside colour, if not on it.
+        is_scale_assumed: whether no depth scale is stated.
+    """
 
     camera: PinholeCamera
     notes: tuple[str, ...]
     displacement: DepthDisplacement | None = None
+    is_scale_assumed: bool = False
 
 
 def read_calibration(
@@ -84,6 +91,7 @@ def read_calibration(
     if not width:
         raise UserError(f"calibration {path}: width is missing; add width and height in pixels")
     scale = _depth_scale(tree, scopes, path)
+    is_scale_assumed = scale is None
     if scale is None:
         scale = default_depth_scale
         notes.append(f"{path.name} states no depth_scale: {scale:g} raw units in a metre are assumed")
@@ -105,14 +113,14 @@ def read_calibration(
         )
     except UserError as error:
         raise error if str(path) in str(error) else UserError(f"{path}: {error}") from error
-    return Calibration(camera, tuple(notes), _displacement(scopes, path))
+    return Calibration(camera, tuple(notes), _displacement(scopes, path), is_scale_assumed)
 
 
 def _misspelt(scopes: tuple[Tree, ...], path: Path) -> list[str]:
     """A note of every key that is nearly one that is understood."""
     understood = _understood()
     words = [word for word in sorted(understood) if len(word) > 3]
-    keys = [key for scope in scopes for key in scope if key not in understood]
+    keys = [key for scope in scopes for key in scope if key not in understood and not _states_depth_scale(key)]
     near = [(key, get_close_matches(key, words, 1, _NEARLY)) for key in keys]
     return [f"{path.name} states {key}, which is not understood; is it {said[0]}?" for key, said in near if said]
 
@@ -120,10 +128,10 @@ def _misspelt(scopes: tuple[Tree, ...], path: Path) -> list[str]:
 def _understood() -> set[str]:
     keys = (
         *_FOCAL.values(),
-        (_DISPLACEMENT,),
+        *_PAIRS.values(),
+        (_DISPLACEMENT, _DEPTH_SCALE),
         _RESOLUTION,
         _DISTORTION,
-        _DEPTH_SCALE,
         _FPS,
         _WIDTH,
         _HEIGHT,
@@ -148,7 +156,8 @@ def _rank(name: str) -> int:
 
 
 def _has_intrinsics(section: Tree) -> bool:
-    return any(key in section for keys in _FOCAL.values() for key in keys) or _matrix(section) is not None
+    names = (*(key for keys in _FOCAL.values() for key in keys), *_PAIRS[("fx", "fy")])
+    return any(key in section for key in names) or _matrix(section) is not None
 
 
 def _intrinsics(section: Tree, path: Path) -> tuple[float, float, float, float]:
@@ -164,12 +173,27 @@ def _intrinsics(section: Tree, path: Path) -> tuple[float, float, float, float]:
             f"calibration {path}: the intrinsics have {len(matrix)} numbers; they must be 4 or a 3×3 matrix"
         )
     values: list[float] = []
+    paired = _paired(section)
     for name, keys in _FOCAL.items():
-        value = _find((section,), keys)
+        value = _find((section, paired), keys)
         if value is None:
             raise UserError(f"calibration {path}: {name} is missing; it needs fx, fy, cx and cy in pixels")
         values.append(_number(value, name, path))
     return values[0], values[1], values[2], values[3]
+
+
+def _paired(section: Tree) -> Tree:
+    """What is stated of both axes under one key: as two numbers, by x and y, or one focal length for both."""
+    values: Tree = {}
+    for names, keys in _PAIRS.items():
+        value = _find((section,), keys)
+        if isinstance(value, dict):
+            values |= {name: value.get(name[1], value.get(name)) for name in names}
+        elif isinstance(value, list) and len(value) == 2:
+            values |= dict(zip(names, value, strict=True))
+        elif not isinstance(value, list) and names[0] == "fx":
+            values |= dict.fromkeys(names, value)
+    return values
 
 
 def _matrix(section: Tree) -> list[float] | None:
@@ -237,15 +261,34 @@ def _displacement(scopes: tuple[Tree, ...], path: Path) -> DepthDisplacement | N
 
 
 def _depth_scale(tree: Tree, scopes: tuple[Tree, ...], path: Path) -> float | None:
-    value = _find((*scopes, *(found[0] for found in _sections(tree))), _DEPTH_SCALE)
+    """Raw units in a metre, or metres in a raw unit where they are below 1, by whichever key says so."""
+    everywhere = (*scopes, *(found[0] for found in _sections(tree)))
+    stated = {
+        key: scope[key] for scope in reversed(everywhere) for key in scope if _states_depth_scale(key, scope[key])
+    }
     depth = tree.get("depth")
-    if value is None and isinstance(depth, dict):
-        value = _find((depth,), ("scale", "factor", "units", "unit"))
-    if value is None:
-        return None
-    if isinstance(value, str) and value.strip().lower() in ("mm", "millimetre", "millimetres", "millimeters"):
-        return 1000.0
-    return _number(value, "depth_scale", path)
+    if not stated and isinstance(depth, dict):
+        stated = {key: depth[key] for key in depth if _states_units(key) and not isinstance(depth[key], dict)}
+    # The plainest name says it: others may be its spread or its age.
+    value = stated[min(stated, key=len)] if stated else None
+    if not isinstance(value, str):
+        return None if value is None else _number(value, _DEPTH_SCALE, path)
+    words = re.findall(r"[a-z]+|[-+.\d]+(?:e[-+]?\d+)?", value.lower())
+    if not words or words[0][0].isalpha() or len(words) == 1:
+        unit = next((_IN_METRES[name] for name in _IN_METRES if words and words[0].startswith(name)), None)
+        return _number(value, _DEPTH_SCALE, path) if unit is None else unit
+    # “1 mm”: so long is a raw unit.
+    unit = next((_IN_METRES[name] for name in _IN_METRES if words[1].startswith(name)), None)
+    number = _number(words[0], _DEPTH_SCALE, path)
+    return number if unit is None or not number else unit / number
+
+
+def _states_depth_scale(key: str, value: object = None) -> bool:
+    return _OF_DEPTH in key and key != _DISPLACEMENT and _states_units(key) and not isinstance(value, (dict, list))
+
+
+def _states_units(key: str) -> bool:
+    return any(word in key.replace("_", "").replace("-", "").replace(" ", "") for word in _OF_UNITS)
 
 
 def _find(scopes: tuple[Tree, ...], keys: tuple[str, ...]) -> Any:

@@ -2,7 +2,7 @@
 
 import logging
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -50,6 +50,7 @@ class ImagePairSource:
         listed_times: seconds of all colour and of all depth images, rising, where each kind has times of its own.
         displacement: how depth lies beside colour; it is registered then. Without, it is taken to be registered.
         may_displace: depth may have another size than colour, since how it lies is still to be found.
+        is_scale_assumed: nothing states the camera's depth scale.
         max_frames: use only so many frames, from the first.
 
     Raises:
@@ -67,6 +68,7 @@ class ImagePairSource:
         listed_times: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None,
         displacement: DepthDisplacement | None = None,
         may_displace: bool = False,
+        is_scale_assumed: bool = False,
         max_frames: int | None = None,
     ) -> None:
         if max_frames is not None and max_frames < 1:
@@ -82,6 +84,7 @@ class ImagePairSource:
         self.listed_times = listed_times
         self.displacement = displacement
         self._may_displace = may_displace
+        self.is_scale_assumed = is_scale_assumed
         self._registrations: dict[tuple[int, ...], DepthRegistration] = {}
         _refuse_other_size(name, camera, self._pairs, is_registered=displacement is None and not may_displace)
         for note in notes:
@@ -145,24 +148,33 @@ class ImagePairSource:
         if not kept:
             length = self._pairs[-1].timestamp - first
             raise UserError(f"{self._name}: no frame lies between --from and --to; it lasts {length:.1f} s")
-        return self._again(kept, self.displacement, max_frames)
+        return self._again(self._camera, kept, self.displacement, max_frames)
 
     def registered(self, displacement: DepthDisplacement) -> "ImagePairSource":
         """The same recording, its depth registered by where it was found to lie."""
-        return self._again(self._pairs, displacement, None)
+        return self._again(self._camera, self._pairs, displacement, None)
+
+    def rescaled(self, depth_scale: float) -> "ImagePairSource":
+        """The same recording with so many raw depth units in a metre."""
+        return self._again(replace(self._camera, depth_scale=depth_scale), self._pairs, self.displacement, None)
 
     def _again(
-        self, pairs: Sequence[ImagePair], displacement: DepthDisplacement | None, max_frames: int | None
+        self,
+        camera: PinholeCamera,
+        pairs: Sequence[ImagePair],
+        displacement: DepthDisplacement | None,
+        max_frames: int | None,
     ) -> "ImagePairSource":
         """Some of the frames, without the notes, which were said."""
         return ImagePairSource(
             self._name,
-            self._camera,
+            camera,
             pairs,
             invalid_depths=self._invalid_depths,
             listed_times=self.listed_times,
             displacement=displacement,
             may_displace=self._may_displace,
+            is_scale_assumed=self.is_scale_assumed,
             max_frames=max_frames,
         )
 

@@ -15,7 +15,13 @@ from lpslam.sources.focal_check import doubts_about_focal
 from lpslam.sources.followed_pairs import pairs_of
 from lpslam.sources.image_pairs import ImagePairSource
 from lpslam.sources.live.opening import addresses, is_camera, open_camera
-from lpslam.sources.plausibility import Doubt, doubts_about_depth, doubts_about_intrinsics, doubts_about_timing
+from lpslam.sources.plausibility import (
+    Doubt,
+    doubts_about_depth,
+    doubts_about_intrinsics,
+    doubts_about_timing,
+    fitting_depth_scale,
+)
 from lpslam.sources.recorded import RecordedSource
 from lpslam.sources.registering.by_contours import find_displacement, looks_displaced
 from lpslam.sources.sevenscenes import looks_like_seven_scenes, open_seven_scenes
@@ -130,8 +136,8 @@ def open_source(
     """
     if is_camera(path):
         return _opened_camera(path, camera_file, max_frames, options or SourceOptions())
-    source = _opened(path, camera_file, max_frames, options or SourceOptions(), nominal=False)
     checks = checks or CalibrationCheckConfig()
+    source = _scaled(_opened(path, camera_file, max_frames, options or SourceOptions(), nominal=False), checks)
     doubts = doubts_about_intrinsics(source.camera, checks)
     if not any(doubt.is_fatal for doubt in doubts):
         pairs = pairs_of(source.frame, source.timestamps, checks.focal)
@@ -161,8 +167,9 @@ def open_uncalibrated(
     Raises:
         UserError: nothing is there, the layout is not known, the recording is malformed, or its depth is of no room.
     """
-    source = _opened(path, None, max_frames, SourceOptions(), nominal=True)
-    _say(source, _other_doubts(source, checks or CalibrationCheckConfig()))
+    checks = checks or CalibrationCheckConfig()
+    source = _scaled(_opened(path, None, max_frames, SourceOptions(), nominal=True), checks)
+    _say(source, _other_doubts(source, checks))
     return source
 
 
@@ -200,6 +207,21 @@ def _opened(
         return whole.part(options.start, options.end, max_frames)  # type: ignore[no-any-return]
     except OSError as error:
         raise UserError(f"{error.filename or place} cannot be read ({error.strerror or error})") from error
+
+
+def _scaled(source: RecordedSource, checks: CalibrationCheckConfig) -> RecordedSource:
+    """The recording with the depth scale that its depth tells, where nothing states another."""
+    if not isinstance(source, ImagePairSource) or not source.is_scale_assumed:
+        return source
+    scale = fitting_depth_scale(source.sample_depths(checks.depth_frames), source.camera, checks)
+    if scale == source.camera.depth_scale:
+        return source
+    logger.warning(
+        "%s: its depth tells otherwise: %g raw units in a metre are taken; state depth_scale in the calibration",
+        source.name,
+        scale,
+    )
+    return source.rescaled(scale)
 
 
 def _refuse_span(options: SourceOptions) -> None:

@@ -147,6 +147,27 @@ def doubts_about_depth(
     return [Doubt(f"{stated}; depth_scale {fitting[0]:g} in the calibration would make it {room:.2g} m", is_fatal)]
 
 
+def fitting_depth_scale(
+    depths: Iterable[NDArray[np.float32]], camera: PinholeCamera, config: CalibrationCheckConfig
+) -> float:
+    """Raw units in a metre, where nothing states them: the camera's if what is far then lies as far as rooms are wide.
+
+    Else the most usual ones with which it does. What is far tells it better than the median: a hand or a desk may fill
+    half of the view.
+
+    Args:
+        depths, config: as above.
+        camera: its depth scale, which was applied, is the one assumed.
+    """
+    readings = [depth[np.isfinite(depth) & (depth > 0)] for depth in depths]
+    farthest = [float(np.percentile(reading, 95)) for reading in readings if len(reading)]
+    if not farthest:
+        return camera.depth_scale
+    raw, (nearest, remotest) = max(farthest) * camera.depth_scale, config.usual_farthest
+    scales = (camera.depth_scale, *_USUAL_SCALES)
+    return next((scale for scale in scales if nearest <= raw / scale <= remotest), camera.depth_scale)
+
+
 def doubts_about_timing(
     colour_times: NDArray[np.float64], depth_times: NDArray[np.float64], config: CalibrationCheckConfig
 ) -> list[Doubt]:

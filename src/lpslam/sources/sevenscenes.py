@@ -70,6 +70,7 @@ def open_seven_scenes(
         notes=calibration.notes,
         displacement=calibration.displacement,
         may_displace=nominal,
+        is_scale_assumed=calibration.is_scale_assumed,
         max_frames=max_frames,
     )
 

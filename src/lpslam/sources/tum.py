@@ -98,6 +98,7 @@ def open_tum(
         listed_times=(colour_times, depth_times),
         displacement=calibration.displacement,
         may_displace=nominal,
+        is_scale_assumed=calibration.is_scale_assumed,
         max_frames=max_frames,
     )
 
@@ -112,7 +113,8 @@ def _find_calibration(folder: Path, camera_file: Path | None, colours: list[Path
         width, height = size or (640, 480)
         focal, note = _NOMINAL_FOCAL * width, f"no {CAMERA_FILES[0]}: depth is taken for {DEPTH_SCALE:g} units a metre"
         middle = ((width - 1) / 2, (height - 1) / 2)
-        return Calibration(PinholeCamera(width, height, focal, focal, *middle, depth_scale=DEPTH_SCALE), (note,))
+        camera = PinholeCamera(width, height, focal, focal, *middle, depth_scale=DEPTH_SCALE)
+        return Calibration(camera, (note,), is_scale_assumed=True)
     if sensor is None:
         raise UserError(
             f"{folder} has no {CAMERA_FILES[0]} and is not named after freiburg1, 2 or 3; "
