@@ -49,6 +49,7 @@ class Refinding:
         self._fresh_seconds = config.fitting.fresh_seconds
         self._associator = associator
         self._where = where
+        self._newest: FrameDepth | None = None
 
     def located(self, features: Features, picture: Picture) -> Located | None:
         """The place of a frame, by its keypoints first of all."""
@@ -59,7 +60,7 @@ class Refinding:
             where.seen(),
             picture.timestamp,
             partial(self._looking.share, picture.gray),
-            FrameDepth(self._fitting, picture.frame.depth, picture.timestamp, self._fresh_seconds).fit,
+            self._depth_of(picture.frame).fit,
         )
 
     def by_depth(self, frame: RgbdFrame, rows: int, camera_from_world: _Matrix) -> Iterator[FirstGuess]:
@@ -85,8 +86,14 @@ class Refinding:
         # Points of which only the direction is known lie on no surface.
         in_view = in_view[~is_unsure(self._where.map, in_view)]
         positions = self._where.map.columns.position[in_view]
-        fitted = self._fitting.near(self._fitting.surfaces(frame.depth), camera_from_world, positions)
+        fitted = self._fitting.near(self._depth_of(frame).surfaces, camera_from_world, positions)
         return None if fitted is None else fitted.camera_from_world
+
+    def _depth_of(self, frame: RgbdFrame) -> "FrameDepth":
+        """A frame is asked several times in a row for what its depth shows."""
+        if self._newest is None or self._newest.depth is not frame.depth:
+            self._newest = FrameDepth(self._fitting, frame.depth, frame.timestamp, self._fresh_seconds)
+        return self._newest
 
     def is_told_elsewhere(self, features: Features, camera_from_world: _Matrix) -> bool:
         """Whether a sign in view tells another place than that in which the camera was found, at a pose (4×4)."""
@@ -106,19 +113,20 @@ class FrameDepth:
 
     def __init__(self, fitting: Fitting, depth: NDArray[np.float32], timestamp: float, fresh_seconds: float) -> None:
         self._fitting = fitting
-        self._depth = depth
+        self.depth = depth
         self._seen_since = timestamp - fresh_seconds
 
     @cached_property
-    def _surfaces(self) -> Surfaces:
-        return self._fitting.surfaces(self._depth)
+    def surfaces(self) -> Surfaces:
+        """What the depth shows."""
+        return self._fitting.surfaces(self.depth)
 
     def fit(
         self, anchor: Anchor | None, camera_from_world: _Matrix | None, points: _Matrix, doubt: float = 1.0
     ) -> Fitted | None:
         """Where the frame was taken, as `Fit` says."""
         if anchor is not None and anchor.timestamp >= self._seen_since:
-            return self._fitting.by_signs(self._surfaces, anchor, points)
+            return self._fitting.by_signs(self.surfaces, anchor, points)
         if anchor is None and camera_from_world is not None:
-            return self._fitting.near(self._surfaces, camera_from_world, points, doubt)
+            return self._fitting.near(self.surfaces, camera_from_world, points, doubt)
         return None
