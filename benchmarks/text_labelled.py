@@ -1,6 +1,6 @@
 """Recordings by other authors, whose signs are listed line by line: what the map says of them.
 
-    python benchmarks/text_labelled.py FOLDER [--signs FILE] [--map FILE] [--out FILE]
+    python benchmarks/text_labelled.py FOLDER [--signs FILE] [--seen KEY] [--map FILE] [--out FILE]
 
 `signs.json` is a list of lines: board, text, role (main or primary: what a person calls the board), position (world of
 the ground truth), normal, height_m and seen (frames in which it can be read). A line is said where a line of the map,
@@ -46,7 +46,7 @@ class Painted:
     to_board: Array
 
     @classmethod
-    def of(cls, name: str, listed: Sequence[Mapping[str, Any]]) -> "Painted":
+    def of(cls, name: str, listed: Sequence[Mapping[str, Any]], seen: str) -> "Painted":
         """From the entries of `signs.json`."""
         normal = np.array(listed[0]["normal"], np.float64)
         right = np.cross([0.0, 0.0, 1.0], normal)
@@ -56,7 +56,7 @@ class Painted:
             RowLine(each["text"], to_board @ np.array(each["position"]), float(each.get("height_m") or 0.0))
             for each in listed
         ]
-        return cls(name, lines, [each["role"] for each in listed], [each.get("seen") or 0 for each in listed], to_board)
+        return cls(name, lines, [each["role"] for each in listed], [each.get(seen) or 0 for each in listed], to_board)
 
     def said(self, mark: Landmark, truth_from_map: Array) -> list[RowLine]:
         """A landmark's name and its lines as they stand on this board."""
@@ -130,18 +130,19 @@ def _count(found: dict[str, int], board: Painted, likest: Sequence[float], calle
             print("MISSED " if most < LIKE else "inexact", role, board.name, repr(line.text), f"seen {seen}")
 
 
-def boards_of(file: Path) -> list[Painted]:
+def boards_of(file: Path, seen: str = "seen") -> list[Painted]:
     """The boards that a list of lines has."""
     by_board: dict[str, list[Mapping[str, Any]]] = {}
     for each in json.loads(file.read_text()):
         by_board.setdefault(str(each["board"]), []).append(each)
-    return [Painted.of(name, listed) for name, listed in sorted(by_board.items())]
+    return [Painted.of(name, listed, seen) for name, listed in sorted(by_board.items())]
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--signs", type=Path, help="default: signs.json in the folder")
+    parser.add_argument("--seen", default="seen", help="which count of the list tells how often a line can be read")
     parser.add_argument("--map", type=Path, help="a map of the recording that is there already")
     parser.add_argument("--out", type=Path, help="where its map is kept")
     given = parser.parse_args()
@@ -156,7 +157,7 @@ def main() -> None:
             world.save(given.out)
     result = evaluate(world, recording.truth, [], len(recording.truth), config.evaluation)
     print(f"ATE {result.ate.rmse:.4f} m, {result.frames_tracked} of {len(recording.truth)} frames tracked")
-    boards = boards_of(given.signs or given.folder / "signs.json")
+    boards = boards_of(given.signs or given.folder / "signs.json", given.seen)
     print(json.dumps(score(boards, world.landmarks(), result.ate.truth_from_estimate)))
 
 

@@ -17,7 +17,7 @@ from lpslam.text.remembering.similarity import comparison_key, similarity
 
 ROW_SHIFT, ROW_HEIGHT = 0.5, 1.5  # letters between the middles of a row, and the ratio of its letters' heights, at most
 LONGEST = 6  # lines of a row that are one
-QUOTES = str.maketrans("‘’‛′“”„″", "''''\"\"\"\"")
+MARKS = str.maketrans("‘’‛′“”„″‐‑‒–—−", "''''" + '"' * 4 + "-" * 6)
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class RowLine:
 
 def key_of(text: str) -> str:
     """What of a text is compared: no case, spaces or pictures; marks in one form."""
-    plain = unicodedata.normalize("NFKC", text).translate(QUOTES)
+    plain = unicodedata.normalize("NFKC", text).translate(MARKS)
     return comparison_key("".join(ch for ch in plain if unicodedata.category(ch) not in ("So", "Cf", "Mn")))
 
 

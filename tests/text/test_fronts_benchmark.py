@@ -103,7 +103,7 @@ def test_goods_and_price_of_a_row_are_exact_together_however_they_are_parted() -
     assert likenesses(parted[:1], whole, 0.5)[0] < 1.0, "a price without its goods is not the row"
     assert likenesses([at("2元", 0.6, 0.3), at("桑茶", 0.0, 0.0)], whole, 0.5)[0] < 1.0, "nor is one of another row"
     assert likenesses([at("2元", 0.6, 0.0, 0.3), at("桑茶", 0.0, 0.0)], whole, 0.5)[0] < 1.0, "or of another size"
-    assert likenesses([at("☎ Bob’s", 0.0, 0.0)], [at("Bob's", 0.0, 0.0)], 0.5) == [1.0]
+    assert likenesses([at("☎ Bob’s 8–12", 0.0, 0.0)], [at("Bob's 8-12", 0.0, 0.0)], 0.5) == [1.0]
     assert likenesses(whole, [at("桑茶 2元", 3.0, 0.0)], 0.5) == [0.0]
 
 

@@ -205,6 +205,25 @@ def test_ideographs_with_room_for_one_more_between_two_have_a_hole(places: list[
     assert not latin.has_hole
 
 
+@pytest.mark.parametrize(
+    ("read", "text"),
+    [("コ一ヒ一", "コーヒー"), ("コ一", "コー"), ("の一番", "の一番"), ("一の", "一の"), ("番一番", "番一番")],
+)
+def test_a_stroke_behind_kana_is_a_long_vowel(read: str, text: str) -> None:
+    """Before an ideograph it is one: the first of something."""
+    alphabet = np.array(["", "コ", "ヒ", "一", "番", "の", "ー"])
+    steps = np.zeros((2 * len(read), len(alphabet)), np.float32)
+    for at, letter in enumerate(read):
+        steps[2 * at, alphabet.tolist().index(letter)] = 0.8
+        steps[2 * at, -1] += 0.2
+        steps[2 * at + 1, 0] = 1.0
+    found = decode_ctc(steps, alphabet)
+    assert found.text == text
+    assert "".join(slot[0][0] for slot in found.slots) == text
+    assert all(slot[0][1] == pytest.approx(0.8) for slot in found.slots)
+    assert all([letter for letter, _ in slot].count("ー") == 1 for slot in found.slots)
+
+
 def test_letters_on_an_arc_are_a_box_though_most_of_it_is_empty() -> None:
     probability = np.zeros((240, 320), np.uint8)
     cv2.ellipse(probability, (160, 200), (130, 130), 0, 210, 330, 200, 16)

@@ -1,5 +1,6 @@
 """Scene text recognition (paper, III-B): four-point rectification, a convolutional network, CTC decoding."""
 
+import re
 from collections.abc import Iterator, Sequence
 
 import cv2
@@ -125,12 +126,25 @@ def decode_ctc(probabilities: NDArray[np.float32], alphabet: NDArray[np.str_]) -
     if not len(kept):
         return Recognition("", 0.0)
     text = "".join(alphabet[best[kept]].tolist())
+    mended = _LONG_VOWEL.sub("ー", text)
+    slots = _slots(probabilities, best, starts, alphabet)
     return Recognition(
-        text,
+        mended,
         float(probabilities[kept, best[kept]].mean()),
-        _slots(probabilities, best, starts, alphabet),
+        slots if mended == text else _respelt(slots, mended),
         has_hole=_has_hole(text, probabilities, best, starts),
     )
+
+
+def _respelt(slots: Slots, text: str) -> Slots:
+    """The slots with the letters of a text of as many taken instead."""
+    letters = iter(text)
+    taken = [(slot, next(letters) if slot[0][0] else "") for slot in slots]
+    return tuple(((letter, slot[0][1]), *(each for each in slot[1:] if each[0] != letter)) for slot, letter in taken)
+
+
+_LONG_VOWEL = re.compile("(?<=[ぁ-ゖァ-ヺ])一(?![一-鿿])")
+"""A stroke right behind kana and before no ideograph: the long vowel's mark, which looks like the ideograph for one."""
 
 
 def _has_hole(text: str, probabilities: NDArray[np.float32], best: NDArray[np.intp], starts: NDArray[np.intp]) -> bool:
