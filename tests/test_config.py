@@ -3,6 +3,7 @@ import pickle
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import FrozenInstanceError
 from pathlib import Path
 from typing import Any
@@ -75,22 +76,28 @@ def test_a_file_changes_what_it_names_and_nothing_else(tmp_path: Path) -> None:
     }
 
 
-@pytest.mark.parametrize("path", NUMBERS, ids=".".join)
-def test_what_is_no_number_is_refused_by_its_full_name(tmp_path: Path, path: tuple[str, ...]) -> None:
-    file = written(tmp_path, yaml.safe_dump(nested(path, "plenty")))
-    with pytest.raises(UserError) as refusal:
-        Config.from_yaml(file)
-    message = str(refusal.value)
-    assert ".".join(path) in message
-    assert str(file) in message
-    assert "\n" not in message
+def test_what_is_no_number_is_refused_by_its_full_name(tmp_path: Path) -> None:
+    taken, unclear = [], []
+    for path in NUMBERS:
+        file = written(tmp_path, yaml.safe_dump(nested(path, "plenty")))
+        try:
+            Config.from_yaml(file)
+            taken.append(".".join(path))
+        except UserError as refusal:
+            message = str(refusal)
+            if not (".".join(path) in message and str(file) in message and "\n" not in message):
+                unclear.append(message)
+    assert (taken, unclear) == ([], [])
 
 
-@pytest.mark.parametrize("path", NUMBERS, ids=".".join)
 @pytest.mark.parametrize("value", [-1, float("nan"), float("inf")])
-def test_no_threshold_may_be_negative_or_endless(path: tuple[str, ...], value: float) -> None:
-    with pytest.raises(ValidationError):
-        Config.model_validate(nested(path, value))
+def test_no_threshold_may_be_negative_or_endless(value: float) -> None:
+    taken = []
+    for path in NUMBERS:
+        with suppress(ValidationError):
+            Config.model_validate(nested(path, value))
+            taken.append(".".join(path))
+    assert taken == []
 
 
 @pytest.mark.parametrize(

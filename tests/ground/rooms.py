@@ -46,12 +46,18 @@ def depth_of(boxes: list[Box], world_from_camera: Array, noise: float = 0.0, see
 @lru_cache(maxsize=128)
 def _entered(box: Box, pose: bytes) -> Array:
     """Where the rays of all pixels enter a box: the same walls are seen from the same places again and again."""
-    world_from_camera = np.frombuffer(pose).reshape(4, 4)
-    directions = _rays() @ world_from_camera[:3, :3].T
+    origin = np.frombuffer(pose).reshape(4, 4)[:3, 3]
+    directions = _directions(pose)
     with np.errstate(divide="ignore", invalid="ignore"):
-        first, second = ((np.array(corner) - world_from_camera[:3, 3]) / directions for corner in (box.low, box.high))
-    enter, leave = np.minimum(first, second).max(axis=1), np.maximum(first, second).min(axis=1)
+        first, second = ((np.array(corner) - origin)[:, None] / directions for corner in (box.low, box.high))
+    enter, leave = np.minimum(first, second).max(axis=0), np.maximum(first, second).min(axis=0)
     return np.where((enter < leave) & (enter > 0.05), enter, np.inf)
+
+
+@lru_cache(maxsize=64)
+def _directions(pose: bytes) -> Array:
+    """(3, n) in the world, one row a coordinate: numpy goes through long rows quickly."""
+    return np.ascontiguousarray((_rays() @ np.frombuffer(pose).reshape(4, 4)[:3, :3].T).T)
 
 
 @cache

@@ -42,15 +42,15 @@ BODIES = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("body", BODIES, ids=lambda body: repr(body[:40]))
 @pytest.mark.parametrize("route", ["/ask", "/goal"])
-def test_a_malformed_body_is_one_line(client: TestClient, route: str, body: bytes) -> None:
-    response = client.post(route, content=body, headers=JSON)
-    assert response.status_code in (400, 404, 422, 501), response.text
-    said = records.Problem.model_validate(response.json())
-    assert "\n" not in said.detail
-    assert "Traceback" not in response.text
-    assert is_fine(client)
+def test_a_malformed_body_is_one_line(client: TestClient, route: str) -> None:
+    for body in BODIES:
+        response = client.post(route, content=body, headers=JSON)
+        assert response.status_code in (400, 404, 422, 501), (body[:40], response.text)
+        said = records.Problem.model_validate(response.json())
+        assert "\n" not in said.detail, body[:40]
+        assert "Traceback" not in response.text, body[:40]
+        assert is_fine(client), body[:40]
 
 
 def test_ten_megabytes_of_question_are_not_read(client: TestClient) -> None:
@@ -83,21 +83,22 @@ def test_a_body_that_says_it_is_no_json_is_none(client: TestClient, kind: str) -
     assert response.status_code in (415, 422)
 
 
-@pytest.mark.parametrize(
-    "headers",
-    [{"host": "evil.example"}, {"host": "evil.example:8765"}, {"host": ""}, {"host": "[::1"}, {"host": "a" * 300},
-     {"host": "127.0.0.1@evil.example"}, {"host": "127.0.0.1.evil.example"}, {"origin": "http://evil.example"},
-     {"origin": "null"}, {"origin": "http://127.0.0.1:9999"}, {"origin": "http://127.0.0.1:8765.evil.example"},
-     {"origin": "http://["}, {"sec-fetch-site": "cross-site"}, {"sec-fetch-site": "same-site"}],
-    ids=str,
-)  # fmt: skip
-def test_other_names_and_other_origins_are_refused(client: TestClient, headers: dict[str, str]) -> None:
-    for response in (
-        client.get("/maps", headers=headers),
-        client.post("/ask", json={"question": "pizza"}, headers=headers),
-    ):
-        assert response.status_code in (400, 403, 421)
-    assert is_fine(client)
+OTHERS: list[dict[str, str]] = [
+    {"host": "evil.example"}, {"host": "evil.example:8765"}, {"host": ""}, {"host": "[::1"}, {"host": "a" * 300},
+    {"host": "127.0.0.1@evil.example"}, {"host": "127.0.0.1.evil.example"}, {"origin": "http://evil.example"},
+    {"origin": "null"}, {"origin": "http://127.0.0.1:9999"}, {"origin": "http://127.0.0.1:8765.evil.example"},
+    {"origin": "http://["}, {"sec-fetch-site": "cross-site"}, {"sec-fetch-site": "same-site"},
+]  # fmt: skip
+
+
+def test_other_names_and_other_origins_are_refused(client: TestClient) -> None:
+    for headers in OTHERS:
+        for response in (
+            client.get("/maps", headers=headers),
+            client.post("/ask", json={"question": "pizza"}, headers=headers),
+        ):
+            assert response.status_code in (400, 403, 421), headers
+        assert is_fine(client), headers
 
 
 def test_the_own_origin_and_names_are_answered(client: TestClient) -> None:
@@ -107,18 +108,20 @@ def test_the_own_origin_and_names_are_answered(client: TestClient) -> None:
         assert client.get("/maps", headers={"host": host}).status_code == 200
 
 
-@pytest.mark.parametrize(
-    "path",
-    ["/maps/../../etc/passwd", "/maps/..%2f..%2fetc%2fpasswd", "/maps/%00", "/maps/%ff%fe", "/maps/" + "a" * 8000,
-     "/maps/mall%0d%0aset-cookie:a=b", "/landmarks/1;drop", "/landmarks/0x10", "/landmarks/1e3", "/landmarks/NaN",
-     "/landmarks/%F0%9D%9F%99", "//maps", "/maps//", "/jobs/%2e%2e", "/.git/config", "/%252e%252e/"],
-)  # fmt: skip
-def test_a_path_is_never_a_place_on_the_disk(client: TestClient, path: str) -> None:
-    response = client.get(path, follow_redirects=False)
-    assert response.status_code in (400, 404, 422)
-    assert "root:" not in response.text
-    assert "set-cookie" not in response.headers
-    assert is_fine(client)
+PATHS = [
+    "/maps/../../etc/passwd", "/maps/..%2f..%2fetc%2fpasswd", "/maps/%00", "/maps/%ff%fe", "/maps/" + "a" * 8000,
+    "/maps/mall%0d%0aset-cookie:a=b", "/landmarks/1;drop", "/landmarks/0x10", "/landmarks/1e3", "/landmarks/NaN",
+    "/landmarks/%F0%9D%9F%99", "//maps", "/maps//", "/jobs/%2e%2e", "/.git/config", "/%252e%252e/",
+]  # fmt: skip
+
+
+def test_a_path_is_never_a_place_on_the_disk(client: TestClient) -> None:
+    for path in PATHS:
+        response = client.get(path, follow_redirects=False)
+        assert response.status_code in (400, 404, 422), path
+        assert "root:" not in response.text, path
+        assert "set-cookie" not in response.headers, path
+        assert is_fine(client), path
 
 
 @pytest.mark.parametrize("method", ["PUT", "PATCH", "DELETE", "TRACE", "PROPFIND", "OPTIONS"])
