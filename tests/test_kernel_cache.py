@@ -1,8 +1,11 @@
+import json
 import os
 import shutil
 import stat
 import subprocess
 import sys
+import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -39,21 +42,60 @@ WITH_KERNELS = (
 )
 
 
+# Python and numba, which has compiled once, are there already: what is tested is what lpslam makes of them. Nothing of
+# lpslam is loaded before the fork.
+FORKED = """
+import json, os, sys, tempfile
+import cv2, numba, scipy.ndimage
+numba.njit(lambda each: each + 1.0)(1.0)
+assert not [name for name in sys.modules if name.startswith("lpslam")]
+for line in sys.stdin:
+    order = json.loads(line)
+    child = os.fork()
+    if child == 0:
+        os.chdir(order["folder"])
+        os.environ.clear()
+        os.environ.update(order["environment"])
+        tempfile.tempdir = None
+        for number, name in enumerate(("/dev/null", "out", "err")):
+            opened = os.open(os.path.join(order["streams"], name), os.O_RDWR | os.O_CREAT)
+            os.dup2(opened, number)
+            os.close(opened)
+        sys.argv = ["-c", *order["words"]]
+        exec(order["code"], {"__name__": "__main__"})
+        sys.exit()
+    print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
+"""
+
+
 class Started:
     """A Python with the read-only package, and without a home."""
 
-    def __init__(self, packages: Path, temporary: Path, current: Path) -> None:
-        self.temporary, self.current = temporary, current
-        self.environment = {
-            **{name: value for name, value in os.environ.items() if not name.startswith(("NUMBA_", "XDG_"))},
-            "PYTHONPATH": str(packages),
-            "HOME": "/dev/null/nowhere",
-            "TMPDIR": str(temporary),
-        }
+    def __init__(self, packages: Path, temporary: Path, current: Path, forking: subprocess.Popen[str]) -> None:
+        self.temporary, self.current, self._forking = temporary, current, forking
+        self.environment = without_home(packages) | {"TMPDIR": str(temporary)}
 
-    def __call__(self, code: str, *arguments: object, **more: str) -> subprocess.CompletedProcess[str]:
+    def __call__(self, code: str, *words: object, **more: str) -> subprocess.CompletedProcess[str]:
+        """As `anew`, in a process that is forked where Python and its libraries are there."""
+        assert self._forking.stdin is not None
+        assert self._forking.stdout is not None
+        streams = Path(tempfile.mkdtemp(dir=self.current.parent))
+        order = {
+            "code": code,
+            "words": [*map(str, words)],
+            "environment": self.environment | more,
+            "folder": str(self.current),
+            "streams": str(streams),
+        }
+        print(json.dumps(order), file=self._forking.stdin, flush=True)
+        ended = int(self._forking.stdout.readline())
+        out, err = ((streams / name).read_text() for name in ("out", "err"))
+        return subprocess.CompletedProcess([code], ended, out, err)
+
+    def anew(self, code: str, **more: str) -> subprocess.CompletedProcess[str]:
+        """Run code in a new process."""
         return subprocess.run(
-            [sys.executable, "-P", "-c", code, *map(str, arguments)],
+            [sys.executable, "-P", "-c", code],
             cwd=self.current,
             env=self.environment | more,
             capture_output=True,
@@ -62,11 +104,30 @@ class Started:
         )
 
 
+def without_home(packages: Path) -> dict[str, str]:
+    return {
+        **{name: value for name, value in os.environ.items() if not name.startswith(("NUMBA_", "XDG_"))},
+        "PYTHONPATH": str(packages),
+        "HOME": "/dev/null/nowhere",
+    }
+
+
+@pytest.fixture(scope="module")
+def forking(read_only: Path) -> Iterator[subprocess.Popen[str]]:
+    words = [sys.executable, "-P", "-c", FORKED]
+    with subprocess.Popen(
+        words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=without_home(read_only), text=True
+    ) as process:
+        yield process
+        assert process.stdin is not None
+        process.stdin.close()
+
+
 @pytest.fixture
-def started(read_only: Path, tmp_path: Path) -> Started:
+def started(read_only: Path, tmp_path: Path, forking: subprocess.Popen[str]) -> Started:
     for name in ("temporary", "current"):
         (tmp_path / name).mkdir()
-    return Started(read_only, tmp_path / "temporary", tmp_path / "current")
+    return Started(read_only, tmp_path / "temporary", tmp_path / "current", forking)
 
 
 def test_without_a_place_kernels_are_kept_in_a_private_folder_until_the_end(started: Started) -> None:
@@ -147,7 +208,7 @@ def test_a_file_in_the_current_folder_names_no_place(started: Started) -> None:
     planted = started.current / "planted"
     (started.current / ".numba_config.yaml").write_text("cache_dir: planted\ncache_locator_classes: random.Random\n")
     for home in (started.current.with_name("home"), "/dev/null/nowhere"):
-        done = started(COMPILE, HOME=str(home))
+        done = started.anew(COMPILE, HOME=str(home))
         assert done.returncode == 0, done.stderr
         assert not planted.exists()
 
@@ -218,20 +279,8 @@ def test_a_full_disk_is_one_line() -> None:
     assert done.stderr == "lpslam: writing: No space left on device\n"
 
 
-def test_whatever_comes_first_has_a_place_for_its_kernels(started: Started) -> None:
-    """Each comes first in a process of its own, which is forked when Python and its libraries are there."""
-    code = (
-        "import os\n"
-        "import cv2, numba, scipy.ndimage\n"
-        f"for module in {(*WITH_KERNELS, 'simulation.render')!r}:\n"
-        "    if os.fork() == 0:\n"
-        "        assert not [name for name in sys.modules if name.startswith('lpslam.')]\n"
-        "        importlib.import_module(f'lpslam.{module}')\n"
-        "        print(module, flush=True)\n"
-        "        sys.exit()\n"
-        "    assert os.wait()[1] == 0, module\n"
-    )
-    done = started("import importlib, sys\n" + code)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout.split() == [*WITH_KERNELS, "simulation.render"]
+@pytest.mark.parametrize("module", [*WITH_KERNELS, "simulation.render"])
+def test_whatever_comes_first_has_a_place_for_its_kernels(started: Started, module: str) -> None:
+    done = started(f"import lpslam.{module}")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
     assert not list(started.temporary.iterdir()), "removed"
