@@ -21,6 +21,7 @@ from in_chromium import chromium
 from lpslam import pipeline
 from lpslam.config import SimulationConfig
 from lpslam.frames import RgbdFrame
+from lpslam.language.offline import OfflineModel
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.session import parts
 from lpslam.simulation.source import GroundTruth, MallSource
@@ -111,6 +112,20 @@ def networks_compiled_once() -> Iterator[None]:
     networks.compiled_model = cache(compiled_model)
     yield
     networks.compiled_model = compiled_model
+
+
+@pytest.fixture(scope="session", autouse=True)
+def words_of_signs_listed_once() -> Iterator[None]:
+    """Embedded models of this process, of which each command makes one, share what names are compared with."""
+    begin, namer = OfflineModel.__init__, OfflineModel().namer
+
+    def begin_with_the_same_namer(self: OfflineModel) -> None:
+        begin(self)
+        self.namer = namer
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(OfflineModel, "__init__", begin_with_the_same_namer)
+        yield
 
 
 @pytest.fixture(scope="session", autouse=True)

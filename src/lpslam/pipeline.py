@@ -10,7 +10,7 @@ from lpslam.config import Config
 from lpslam.errors import UserError
 from lpslam.frames import FrameSource, RgbdFrame
 from lpslam.language.model import LanguageModel
-from lpslam.language.offline import OfflineModel
+from lpslam.language.offline import embedded_model
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.navigation.asking import Answer, ask
 from lpslam.poses import StampedPoses
@@ -229,7 +229,7 @@ def distill(
         raise UserError("the question is empty; ask what makes a text a landmark, as in: Is this a shop?")
     if any(map(world.text.is_unsure, world.text.crops.by_class)):
         config = world.text.config
-        reader, offline = spotter or load_spotter(config.spotting, 0), OfflineModel()
+        reader, offline = spotter or load_spotter(config.spotting, 0), embedded_model()
         name = partial(name_class, language=offline, config=config)
         look_again(world.text, world.world_from_keyframe, world.camera, reader, name)
-    return distil(world.text, world.world_from_keyframe, language or OfflineModel(), question)
+    return distil(world.text, world.world_from_keyframe, language or embedded_model(), question)

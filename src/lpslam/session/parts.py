@@ -9,7 +9,7 @@ from lpslam.config import GroundConfig, ReadingConfig, SpottingConfig
 from lpslam.ground.scans import Scans
 from lpslam.language.model import LanguageModel
 from lpslam.language.naming.beside import NamingBeside
-from lpslam.language.offline import OfflineModel
+from lpslam.language.offline import OfflineModel, embedded_model
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.priority import READING, yield_to_others
 from lpslam.text.mapper import TextMapper
@@ -22,7 +22,7 @@ def naming_beside(language: LanguageModel | None) -> NamingBeside | None:
     """Mapping waits for no model but the embedded one; another's names come when they come."""
     if language is None or isinstance(language, OfflineModel):
         return None
-    return NamingBeside(language, OfflineModel())
+    return NamingBeside(language, embedded_model())
 
 
 def reading_thread(mapper: TextMapper, config: ReadingConfig, live: bool) -> ReadingThread:

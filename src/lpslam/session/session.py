@@ -16,7 +16,7 @@ from lpslam.config import Config
 from lpslam.errors import UserError
 from lpslam.frames import RgbdFrame
 from lpslam.language.model import LanguageModel
-from lpslam.language.offline import OfflineModel
+from lpslam.language.offline import embedded_model
 from lpslam.mapfile.compatibility import refuse_other_camera
 from lpslam.mapfile.language_map import LanguageMap
 from lpslam.navigation.asking import Answer, answer
@@ -136,7 +136,7 @@ class Session:
             self.camera,
             spotter or opened_spotter(opened, config.text.spotting, live),
             config.text,
-            OfflineModel(),
+            embedded_model(),
             self._text,
             self._beside,
             on_sighting=self._words.note,
@@ -280,7 +280,7 @@ class Session:
             ConflictError, NoSuchCorrectionError, UserError: as `text.correcting.changing.correct`.
         """
         with self._text_lock():
-            correct(self._text, self._keyframe_poses(), change, OfflineModel(), revision)
+            correct(self._text, self._keyframe_poses(), change, embedded_model(), revision)
 
     def take_back(self, number: int, revision: int | None = None) -> None:
         """Take a correction back, by its number; raises as `correct`."""

@@ -5,7 +5,7 @@ import random
 import pytest
 
 from lpslam.language.model import Reading
-from lpslam.language.offline import OfflineModel
+from lpslam.language.offline import embedded_model
 
 LETTERS = "abcdefghiklmnoprstuvwxyz"
 
@@ -25,7 +25,7 @@ def poor_views(painted: str, count: int, slips: int, seed: int) -> list[Reading]
 @pytest.mark.parametrize("painted", ["vornby kelwat", "do not lean", "mellowick taper", "grand street"])
 @pytest.mark.parametrize("seed", range(3))
 def test_poor_views_around_one_spelling_do_not_make_it_unsure(painted: str, seed: int) -> None:
-    model = OfflineModel()
+    model = embedded_model()
     read = [Reading(painted, 3, 0.95, 0.6, 1.5)]
     alone = model.name(read)
     among = model.name(read + poor_views(painted, 30, 3, seed))
@@ -34,7 +34,7 @@ def test_poor_views_around_one_spelling_do_not_make_it_unsure(painted: str, seed
 
 
 def test_confidence_rises_with_views_that_agree() -> None:
-    model = OfflineModel()
+    model = embedded_model()
     painted = "vornby kelwat"
     sure = []
     for count in (1, 3, 8):
@@ -48,4 +48,4 @@ def test_confidence_rises_with_views_that_agree() -> None:
 def test_poor_views_without_a_middle_stay_unsure(seed: int) -> None:
     rng = random.Random(seed)
     strangers = ["".join(rng.choices(LETTERS, k=7)) for _ in range(20)]
-    assert OfflineModel().name([Reading(text, 1, 0.75, 0.1, 1.0) for text in strangers]).confidence < 0.5
+    assert embedded_model().name([Reading(text, 1, 0.75, 0.1, 1.0) for text in strangers]).confidence < 0.5

@@ -3,7 +3,7 @@
 import pytest
 
 from lpslam.language.model import Reading
-from lpslam.language.offline import OfflineModel
+from lpslam.language.offline import embedded_model
 
 
 @pytest.mark.parametrize(
@@ -17,4 +17,4 @@ from lpslam.language.offline import OfflineModel
 )
 def test_marks_that_most_readings_have_stay_and_a_brands_own_need_but_one(often: str, once: str, name: str) -> None:
     read = [Reading(often, 5, 0.99, 0.99, 3.5), Reading(once, 1, 0.99, 0.99, 1.0)]
-    assert OfflineModel().name(read).name == name
+    assert embedded_model().name(read).name == name

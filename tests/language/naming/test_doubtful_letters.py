@@ -5,7 +5,7 @@ import pytest
 from lpslam.language.model import Reading, Slots
 from lpslam.language.naming.channel import evidence_of, log_likelihood, slip_of
 from lpslam.language.naming.posterior import log_odds_against
-from lpslam.language.offline import OfflineModel
+from lpslam.language.offline import embedded_model
 
 
 def slots(text: str, sure: dict[int, float]) -> Slots:
@@ -38,7 +38,7 @@ def test_readings_that_doubt_their_tail_alone_agree_on_the_head() -> None:
 
 
 def test_a_name_of_which_the_last_letter_is_doubtful_and_contradicted_is_less_sure() -> None:
-    namer = OfflineModel()
+    namer = embedded_model()
     said = (("vornet du r", 8, 0.41, 4.3), ("vornet du l", 4, 0.24, 1.3), ("vornet du k", 3, 0.14, 1.3))
     told, evenly = (
         namer.name([Reading(text, count, 0.9, right, looks, own(text)) for text, count, right, looks in said])
@@ -58,4 +58,4 @@ def test_a_letter_that_the_reader_held_for_possible_looks_alike() -> None:
         Reading("Comouter", 3, 0.96, 0.61, 2.3, slots("Comouter", 0.05)),
         Reading("Comauter", 3, 0.96, 0.56, 1.8, slots("Comauter", 0.03)),
     ]
-    assert OfflineModel().name(readings).name == "Computer"
+    assert embedded_model().name(readings).name == "Computer"

@@ -4,7 +4,7 @@ import pytest
 
 from lpslam.language.model import Reading
 from lpslam.language.naming.lost_letters import LostLetters
-from lpslam.language.offline import OfflineModel
+from lpslam.language.offline import embedded_model
 
 LOST = LostLetters({"velour", "quilts", "hotspot", "toilet", "moor"}, {"to", "let"}, ["Happy Hot Pot", "Hot Pot House"])
 
@@ -29,7 +29,7 @@ def test_a_space_is_a_lost_letter_if_the_word_is_known_with_it_alone(text: str, 
 
 
 def test_a_dead_tube_in_a_word_of_signs_is_read_as_its_letter() -> None:
-    model = OfflineModel()
+    model = embedded_model()
     assert model.name([Reading("Orsol Haberdash ry", 9, 0.97, 0.95, 3.0)]).name == "Orsol Haberdashery"
     assert model.name([Reading("Orsol Ta lor", 9, 0.97, 0.95, 3.0)]).name == "Orsol Tailor"
     assert model.name([Reading("Orsol To Let", 9, 0.97, 0.95, 3.0)]).name == "Orsol To Let"
@@ -37,7 +37,7 @@ def test_a_dead_tube_in_a_word_of_signs_is_read_as_its_letter() -> None:
 
 
 def test_a_rare_word_that_signs_bear_makes_a_name_surer_than_none() -> None:
-    model = OfflineModel()
+    model = embedded_model()
     known, unknown = (
         model.name([Reading(text, 3, 0.9, 0.6, 1.0)]).confidence for text in ("Orsol Haberdashery", "Orsol Habqrdashry")
     )

@@ -9,7 +9,7 @@ import pytest
 from lpslam.evaluation.language import read_cases
 from lpslam.language.model import Reading
 from lpslam.language.naming.voting import vote
-from lpslam.language.offline import OfflineModel
+from lpslam.language.offline import embedded_model
 
 SETS = Path(__file__).parents[3] / "benchmarks" / "language"
 ALIKE = {
@@ -49,7 +49,7 @@ def signs() -> list[str]:
 
 @pytest.mark.parametrize(("rate", "count", "floor"), [(0.05, 8, 0.97), (0.1, 8, 0.93), (0.1, 3, 0.8)])
 def test_most_signs_are_named_as_painted(signs: list[str], rate: float, count: int, floor: float) -> None:
-    model = OfflineModel()
+    model = embedded_model()
     rng = random.Random(7)
     right = frequent = 0
     for sign in signs:
@@ -79,9 +79,10 @@ def test_agreement_falls_with_disagreement() -> None:
 
 def test_a_logo_read_as_a_letter_and_a_brand_at_the_head_of_a_name() -> None:
     counts = {"C心胜客欢乐餐厅": 4, "必胜客欢乐餐厅": 3, "心胜客欢乐餐厅": 2, "C必胜客欢乐餐厅": 2}
-    assert OfflineModel().name([Reading(text, count, 0.85) for text, count in counts.items()]).name == "必胜客欢乐餐厅"
-    assert OfflineModel().name([Reading("C绿手指", 5, 0.9), Reading("绿手指", 4, 0.9)]).name == "绿手指"
+    readings = [Reading(text, count, 0.85) for text, count in counts.items()]
+    assert embedded_model().name(readings).name == "必胜客欢乐餐厅"
+    assert embedded_model().name([Reading("C绿手指", 5, 0.9), Reading("绿手指", 4, 0.9)]).name == "绿手指"
     # Where nearly every reading has the letter, it is painted.
-    assert OfflineModel().name([Reading("K歌之王", 5, 0.95), Reading("歌之王", 1, 0.9)]).name == "K歌之王"
+    assert embedded_model().name([Reading("K歌之王", 5, 0.95), Reading("歌之王", 1, 0.9)]).name == "K歌之王"
     # A slogan read cut off more often than whole.
-    assert OfflineModel().name([Reading("买一送", 8, 0.95), Reading("买一送一", 3, 0.97)]).name == "买一送一"
+    assert embedded_model().name([Reading("买一送", 8, 0.95), Reading("买一送一", 3, 0.97)]).name == "买一送一"

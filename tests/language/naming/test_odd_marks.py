@@ -4,7 +4,7 @@ import pytest
 
 from lpslam.language.model import Reading
 from lpslam.language.naming.marks import odd_marks, with_gaps
-from lpslam.language.offline import OfflineModel
+from lpslam.language.offline import embedded_model
 from lpslam.language.tables.knowledge import load_knowledge
 
 
@@ -33,7 +33,7 @@ def test_an_odd_mark_between_two_words_is_their_gap() -> None:
 
 
 def test_a_name_with_an_odd_mark_is_unsure_and_one_whose_gap_was_told_is_not() -> None:
-    namer = OfflineModel()
+    namer = embedded_model()
     odd, mended, plain = (
         namer.name([Reading(text, 6, 0.99, 0.95, 3.0)]) for text in ("牛肉7.元", "Harbour,Road", "牛肉72元")
     )
@@ -42,7 +42,7 @@ def test_a_name_with_an_odd_mark_is_unsure_and_one_whose_gap_was_told_is_not() -
 
 
 def test_an_odd_mark_stands_for_a_letter() -> None:
-    namer = OfflineModel()
+    namer = embedded_model()
     ladder = namer.name(
         [Reading("SCARLET LADD :R", 16, 0.97, 0.7, 2.6), Reading("SCARLET LADDER", 5, 0.96, 0.58, 0.45)]
     )
@@ -57,4 +57,4 @@ def test_an_odd_mark_stands_for_a_letter() -> None:
 def test_dashes_at_the_ends_of_a_name_are_edges(text: str, name: str) -> None:
     assert with_gaps(text, {"choose", "farm"}) == name
     if name != "-":
-        assert OfflineModel().name([Reading(text, 6, 0.99, 0.95, 3.0)]).name == name
+        assert embedded_model().name([Reading(text, 6, 0.99, 0.95, 3.0)]).name == name

@@ -4,7 +4,7 @@ import pytest
 
 from lpslam.language.model import Reading
 from lpslam.language.naming.channel import Seen, log_likelihood, steps_between
-from lpslam.language.offline import OfflineModel
+from lpslam.language.offline import embedded_model
 
 
 @pytest.mark.parametrize(("painted", "piece"), [("candycane", "cane"), ("abaca", "aca"), ("abaca", "aba"), ("xa", "a")])
@@ -24,7 +24,7 @@ def test_a_second_look_that_lacks_the_beginning_does_not_win_over_the_whole() ->
         Reading("y candle", 1, 0.94, 0.4, 1.0),
         Reading("cosy candle", 1, 1.0, 0.97, 0.4),
     ]
-    assert OfflineModel().name(read).name == "cosy candle"
+    assert embedded_model().name(read).name == "cosy candle"
 
 
 def test_an_end_that_is_hidden_again_says_less_than_one_that_is_hidden_elsewhere() -> None:
@@ -38,7 +38,7 @@ def test_an_end_that_is_hidden_again_says_less_than_one_that_is_hidden_elsewhere
 def test_what_the_view_cut_says_little_against_a_longer_text_however_well_it_is_known() -> None:
     """Read seven times as a whole, and once where the image's border cuts its begin off."""
     whole = Reading("鸿达茶餐厅", 7, 0.99, 0.98, 1.4)
-    assert OfflineModel().name([whole, Reading("茶餐厅", 1, 0.99, 0.98, 0.2, whole=(0.3, 1.0))]).name == "鸿达茶餐厅"
+    assert embedded_model().name([whole, Reading("茶餐厅", 1, 0.99, 0.98, 0.2, whole=(0.3, 1.0))]).name == "鸿达茶餐厅"
     cut, seen = (Seen("茶餐厅", 0.98, 1.0, whole=ends) for ends in ((0.3, 1.0), (1.0, 1.0)))
     assert log_likelihood("鸿达茶餐厅", [cut], str) > log_likelihood("鸿达茶餐厅", [seen], str) + 1.0
 
@@ -46,15 +46,15 @@ def test_what_the_view_cut_says_little_against_a_longer_text_however_well_it_is_
 def test_a_name_that_ends_with_what_it_is_is_likelier_than_one_that_ends_with_nothing_known() -> None:
     """The reader holds both for possible, and one of them is an inn."""
     slots = ((("寶", 0.99),), (("利", 0.99),), (("空", 0.5), ("賓", 0.4)), (("館", 0.99),))
-    assert OfflineModel().name([Reading("寶利空館", 8, 0.87, 0.4, 1.6, slots)]).name == "寶利賓館"
+    assert embedded_model().name([Reading("寶利空館", 8, 0.87, 0.4, 1.6, slots)]).name == "寶利賓館"
 
 
 def test_what_is_read_before_a_name_that_ends_with_what_it_is_is_kept_whatever_its_script() -> None:
     """A number stands before a gate as Chinese does; a brand in Latin letters after Chinese is no end of one name."""
     gates = [Reading("3号登机口", 3, 0.9), Reading("号登机口", 1, 0.99), Reading("号壁机口", 1, 0.78)]
-    assert OfflineModel().name(gates).name == "3号登机口"
+    assert embedded_model().name(gates).name == "3号登机口"
     teas = [Reading("HEYTEA", 2, 1.0), Reading("茶HEYTEA", 1, 1.0), Reading("高条HEYTEA", 1, 0.85)]
-    assert not OfflineModel().name([*teas, Reading("8HEYTEA", 1, 0.85)]).name.startswith("茶")
+    assert not embedded_model().name([*teas, Reading("8HEYTEA", 1, 0.85)]).name.startswith("茶")
 
 
 def test_poor_readings_that_take_in_a_neighbour_do_not_rename_a_text_that_was_read_well_again_and_again() -> None:
@@ -62,6 +62,6 @@ def test_poor_readings_that_take_in_a_neighbour_do_not_rename_a_text_that_was_re
     read = [Reading("桑田茶社", 22, 0.99, 0.99, 8.4)]
     others = ("山水画院", "山水画完", "山水面院", "山氷画院", "山水画陷")
     read += [Reading(f"桑田茶社 {other}", 1, 0.8, 0.1, 1.0) for other in others]
-    assert OfflineModel().name(read).name == "桑田茶社"
+    assert embedded_model().name(read).name == "桑田茶社"
     well = [Reading("candle", 3, 1.0, 0.97, 1.5), Reading("candle shop", 3, 1.0, 0.97, 1.5)]
-    assert OfflineModel().name(well).name == "candle shop", "what is read well as a whole is no neighbour's"
+    assert embedded_model().name(well).name == "candle shop", "what is read well as a whole is no neighbour's"

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from lpslam.language.model import Reading, Slots
 from lpslam.language.naming.channel import Seen, evidence_of, log_likelihood, paint_key
-from lpslam.language.offline import OfflineModel
+from lpslam.language.offline import embedded_model
 
 letters = st.text("abcdefgmnorst必胜客", min_size=1, max_size=10)
 
@@ -99,7 +99,7 @@ def test_a_key_keeps_the_form_of_its_letters() -> None:
     ],
 )
 def test_names(readings: list[tuple[str, int, float]], name: str) -> None:
-    assert OfflineModel().name([Reading(*each) for each in readings]).name == name
+    assert embedded_model().name([Reading(*each) for each in readings]).name == name
 
 
 @pytest.mark.parametrize(
@@ -128,7 +128,7 @@ def test_names(readings: list[tuple[str, int, float]], name: str) -> None:
 )  # fmt: skip
 def test_names_by_the_quality_of_readings(readings: list[tuple[str, int, float, float]], name: str) -> None:
     given = [Reading(text, count, 0.9, right, looks) for text, count, right, looks in readings]
-    assert OfflineModel().name(given).name == name
+    assert embedded_model().name(given).name == name
 
 
 def test_a_letter_is_decided_by_the_sum_of_views_and_not_by_the_first_of_each() -> None:
@@ -137,12 +137,12 @@ def test_a_letter_is_decided_by_the_sum_of_views_and_not_by_the_first_of_each() 
 
     slips = Reading("鵝勒仔", 13, 0.8, 0.5, 3.0, slots((("勒", 0.5), ("動", 0.45))))
     right = Reading("鵝動仔", 5, 0.9, 0.85, 1.6, slots((("動", 0.97), ("勒", 0.02))))
-    assert OfflineModel().name([slips, right]).name == "鵝動仔"
+    assert embedded_model().name([slips, right]).name == "鵝動仔"
 
 
 @given(st.permutations(["abcde", "abcdx", "abde", "zabcde"]), st.floats(0.3, 0.99))
 def test_a_name_does_not_depend_on_the_order_of_readings(texts: list[str], right: float) -> None:
-    model = OfflineModel()
+    model = embedded_model()
     given = {text: Reading(text, 2, 0.9, right, 1.0) for text in texts}
     first = model.name(list(given.values()))
     assert model.name([given[text] for text in sorted(given)]).name == first.name
@@ -156,4 +156,4 @@ def test_letters_that_look_alike_from_afar_are_cheap_to_confuse(one: str, other:
 
 def test_a_mark_of_a_brand_that_was_read_once_is_kept() -> None:
     readings = [Reading("WENDYS", 5, 0.95), Reading("WENDY'S", 1, 0.9)]
-    assert OfflineModel().name(readings).name == "WENDY'S"
+    assert embedded_model().name(readings).name == "WENDY'S"
