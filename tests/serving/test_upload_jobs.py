@@ -69,11 +69,11 @@ def test_a_recording_that_is_sent_becomes_a_map_that_is_served(
 ) -> None:
     folder = tmp_path / "uploads"
     client = serve(uploads=folder)
-    sent = send(client, archive_of(clip(12), tmp_path / "clip.zip"))
+    sent = send(client, archive_of(clip(4), tmp_path / "clip.zip"))
     assert sent.status_code == 202, sent.text
     job = wait(client, sent.json()["id"], is_over, 600)
-    assert (job["state"], job["message"], job["frames"], job["frames_total"]) == ("done", "", 12, 12)
-    assert client.get("/maps/new").json()["frames"] == 12
+    assert (job["state"], job["message"], job["frames"], job["frames_total"]) == ("done", "", 4, 4)
+    assert client.get("/maps/new").json()["frames"] == 4
     assert is_cleared(tmp_path)
     assert send(client, b"x", "new").status_code == 409
     again = serve(uploads=folder)

@@ -108,7 +108,7 @@ def held_run(walk: Path, tmp_path: Path) -> Iterator[Run]:
 @pytest.fixture
 def short_run(walk: Path, tmp_path: Path) -> Iterator[Run]:
     """The same of the walk's beginning."""
-    with held(Run(walk, tmp_path, 30)) as run:
+    with held(Run(walk, tmp_path, 24)) as run:
         yield run
 
 
