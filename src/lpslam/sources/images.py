@@ -3,6 +3,7 @@
 import io
 import stat
 import warnings
+import zipfile
 import zlib
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -50,6 +51,8 @@ def read_depth(path: Path, depth_scale: float, invalid: tuple[int, ...] = ()) ->
         BadImageError: missing, truncated, or no depth image.
     """
     raw = read_raw(path)
+    if raw.dtype in (np.float64, np.float16, np.int32, np.uint32, np.int16):
+        raw = raw.astype(np.float32)
     if raw.ndim != 2 or raw.dtype not in (np.uint16, np.float32):
         channels = 1 if raw.ndim == 2 else raw.shape[2]
         raise BadImageError(f"{path.name} has {channels} channel(s) of {raw.dtype}; depth is one channel of 16 bits")
@@ -71,6 +74,19 @@ def read_raw(path: Path) -> NDArray[Any]:
     return _decode(path, cv2.IMREAD_UNCHANGED)
 
 
+def _array_in(data: bytes, name: str) -> NDArray[Any]:
+    """A picture that numpy has written: of several arrays in a file the first that is one."""
+    try:
+        found = np.load(io.BytesIO(data), allow_pickle=False)
+        arrays = [found] if isinstance(found, np.ndarray) else [found[key] for key in found.files]
+    except (OSError, ValueError, EOFError, zlib.error, zipfile.BadZipFile, KeyError) as error:
+        raise BadImageError(f"{name} is no array that numpy can read") from error
+    picture = next((np.squeeze(each) for each in arrays if np.squeeze(each).ndim in (2, 3)), None)
+    if picture is None or picture.size > MOST_PIXELS or picture.dtype.kind not in "uif":
+        raise BadImageError(f"{name} holds no picture")
+    return picture
+
+
 def image_size(path: Path) -> tuple[int, int] | None:
     """Read width and height from the image's header alone; None where there is no such image."""
     try:
@@ -90,6 +106,8 @@ def _decode(path: Path, flags: int) -> NDArray[Any]:
         raise BadImageError(f"{path.name} cannot be read ({error.strerror})") from error
     except ValueError as error:
         raise BadImageError(f"{path.name!r} is no name of a file") from error
+    if path.suffix.lower() in (".npy", ".npz") and data:
+        return _array_in(data, path.name)
     defect = image_defect(data)
     if defect:
         raise BadImageError(f"{path.name} is {defect}")

@@ -111,6 +111,7 @@ FORMATS = (
     Format("7-Scenes", "frame-NNNNNN.color.jpg", looks_like_seven_scenes, open_seven_scenes),
     *(Format(each.name, each.sign, each.is_at, each.open) for each in CAPTURES),
 )
+_ARCHIVES = frozenset((".zip", ".tar", ".gz", ".tgz", ".bz2", ".xz", ".zst", ".7z", ".rar"))
 BAGS = "a ROS bag (.bag, .db3, .mcap)"
 
 
@@ -194,6 +195,8 @@ def _opened(
         found = next((layout for layout in FORMATS if layout.is_at(place)), None)
         if found is None and (_is_bag(place) or (place.is_file() and not place.stat().st_size)):
             return _open_bag(place, calibration, max_frames, options)
+        if found is None and place.suffix.lower() in _ARCHIVES:
+            raise UserError(f"{place} is an archive; unpack it, and give the folder that holds the pictures")
         if found is None and place.is_file():
             raise UserError(f"{place} is a file; give the folder of a recording ({_signs()}), or {BAGS}")
         if found is None:

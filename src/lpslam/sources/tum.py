@@ -10,6 +10,7 @@ from lpslam.config import PairingConfig
 from lpslam.errors import UserError
 from lpslam.regular_files import text_of
 from lpslam.sources.calibration import Calibration, read_calibration
+from lpslam.sources.captures.stated import calibration_among
 from lpslam.sources.clocks import in_seconds
 from lpslam.sources.image_pairs import ImagePair, ImagePairSource, first_image_size, in_depth_pauses
 from lpslam.timestamps import associate, usual_tolerance
@@ -20,6 +21,7 @@ CAMERA_FILES = tuple(
     for ending in ("yaml", "yml", "json")
 )
 DEPTH_SCALE = 5000.0
+_LISTS = ("rgb.txt", "depth.txt", "groundtruth.txt", "accelerometer.txt", "associations.txt")
 _NOMINAL_FOCAL = 0.87  # of the width: 60 degrees across, as most RGB-D cameras have it
 
 # The benchmark's published calibrations of its three Kinects: fx, fy, cx, cy and distortion.
@@ -104,10 +106,14 @@ def open_tum(
 
 
 def _find_calibration(folder: Path, camera_file: Path | None, colours: list[Path], nominal: bool) -> Calibration:
-    own = next((folder / name for name in CAMERA_FILES if (folder / name).is_file()), None)
+    own = [folder / name for name in CAMERA_FILES if (folder / name).is_file()]
     size = first_image_size(colours)
-    if camera_file is not None or own is not None:
-        return read_calibration(camera_file or own or folder, image_size=size, default_depth_scale=DEPTH_SCALE)
+    if camera_file is not None or len(own) == 1:
+        return read_calibration(camera_file or own[0], image_size=size, default_depth_scale=DEPTH_SCALE)
+    others = [path for path in sorted(folder.iterdir()) if path.is_file() and path.name not in _LISTS]
+    found = calibration_among(folder, own or others, size, DEPTH_SCALE)
+    if found is not None:
+        return found
     sensor = re.search(r"(?:freiburg|fr)([123])(?!\d)", folder.resolve().name, re.IGNORECASE)
     if sensor is None and nominal:
         width, height = size or (640, 480)

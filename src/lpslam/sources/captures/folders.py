@@ -1,63 +1,144 @@
-"""Folders of colour and depth images: Redwood's and Open3D's color/ and depth/, or rgb/ and depth/ of equal names.
+"""Folders of colour and depth pictures in whatever way somebody has laid them: what is there tells the layout.
 
-Open3D's layout: http://www.open3d.org/docs/release/tutorial/reconstruction_system/capture_your_own_dataset.html
+Which pictures are colour and which depth their contents tell, their times a list, a file of times or their names, and
+what belongs together a list, the times, the numbers or the order. Redwood's and Open3D's color/ and depth/ are such
+folders: http://www.open3d.org/docs/release/tutorial/reconstruction_system/capture_your_own_dataset.html
 """
 
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
 from lpslam.camera import PinholeCamera
+from lpslam.config import PairingConfig
 from lpslam.errors import UserError
 from lpslam.sources.calibration import Calibration, read_calibration
-from lpslam.sources.captures.common import RATE, numbered
-from lpslam.sources.image_pairs import ImagePair, ImagePairSource, first_image_size
-from lpslam.sources.tum import CAMERA_FILES
+from lpslam.sources.captures.series import Pictures, Series, number_of
+from lpslam.sources.captures.stated import calibration_among
+from lpslam.sources.captures.tables import Listing, listing_of, times_in_names
+from lpslam.sources.image_pairs import ImagePair, ImagePairSource, first_image_size, in_depth_pauses
+from lpslam.timestamps import associate, usual_tolerance
 
-_COLOURS, _DEPTHS = (".jpg", ".jpeg", ".png"), (".png", ".tif", ".tiff")
+_Times = NDArray[np.float64]
 _MILLIMETRES = 1000.0
 
 
+def holds_pictures(folder: Path) -> bool:
+    """Whether a folder, or those within it, hold a series of colour and one of depth."""
+    if not folder.is_dir():
+        return False
+    pictures = Pictures(folder)
+    return pictures.colour is not None and pictures.depth is not None
+
+
 def open_capture(folder: Path, camera_file: Path | None, max_frames: int | None, *, nominal: bool) -> ImagePairSource:
-    """Open the pair of folders; images of equal number belong together, the n-th is taken at n / 30 s.
+    """Open a folder of pictures.
 
     Raises:
-        UserError: there are no pairs, or no calibration.
+        UserError: there are no pairs, or no calibration, or two that contradict each other.
     """
-    colours = numbered(next(path for path in (folder / "color", folder / "rgb") if path.is_dir()), _COLOURS)
-    depths = numbered(folder / "depth", _DEPTHS)
-    if not colours or not depths:
-        raise UserError(f"{folder}: its folders hold no images with numbers in their names")
-    if not colours.keys() & depths.keys():
-        raise UserError(f"{folder}: no image of depth/ has the number of one of {colours[min(colours)].parent.name}/")
-    pairs = [
-        ImagePair(
-            (number - min(colours)) / RATE,
-            path,
-            depths.get(number),
-            "" if number in depths else f"{path.name} has no depth image of its number",
-        )
-        for number, path in sorted(colours.items())
-    ]
-    size = first_image_size(list(colours.values()))
-    calibration = _calibration(folder, camera_file, size, nominal)
+    pictures = Pictures(folder)
+    colour, depth = pictures.colour, pictures.depth
+    if colour is None or depth is None:
+        missing = "colour" if colour is None else "depth"
+        raise UserError(f"{folder}: no two {missing} pictures of one kind lie there; depth has one channel of 16 bits")
+    listing = listing_of(pictures.files, [colour.paths, depth.paths])
+    size = first_image_size(list(colour.paths))
+    calibration = _calibration(folder, camera_file, pictures.files, size, nominal)
+    pairs, notes, times = _paired(folder, colour, depth, listing, calibration.camera.fps)
+    if depth.is_float:
+        # Fractions are metres; a scale that is stated is that of whole numbers.
+        camera = replace(calibration.camera, depth_scale=1.0)
+        kept = tuple(note for note in calibration.notes if "depth_scale" not in note)
+        calibration = replace(calibration, camera=camera, notes=kept, is_scale_assumed=True)
     return ImagePairSource(
         folder.resolve().name,
         calibration.camera,
         pairs,
-        notes=(*calibration.notes, f"its images carry no times: {RATE:g} a second are taken"),
+        notes=(*calibration.notes, *notes),
+        listed_times=times,
         displacement=calibration.displacement,
         may_displace=nominal,
+        is_scale_assumed=calibration.is_scale_assumed,
         max_frames=max_frames,
     )
 
 
-def _calibration(folder: Path, camera_file: Path | None, size: tuple[int, int] | None, nominal: bool) -> Calibration:
-    own = camera_file or next((folder / name for name in CAMERA_FILES if (folder / name).is_file()), None)
-    if own is not None:
-        return read_calibration(own, image_size=size, default_depth_scale=_MILLIMETRES)
+def _paired(
+    folder: Path, colour: Series, depth: Series, listing: Listing, rate: float
+) -> tuple[list[ImagePair], list[str], tuple[_Times, _Times] | None]:
+    """The pairs, what was assumed of their times, and the times of both where each has its own."""
+    colour_times, note = _stamps(colour, listing)
+    depth_times, _ = _stamps(depth, listing)
+    notes = [*sorted(listing.notes), *([note] if note else [])]
+    listed = None
+    pauses = np.zeros(len(colour.paths), np.bool_)
+    if listing.pairs:
+        found = listing.pairs
+    elif colour_times is not None and depth_times is not None and _share_a_clock(colour_times, depth_times):
+        pairing = PairingConfig()
+        tolerance = usual_tolerance(colour_times, depth_times, pairing.tolerance_s, pairing.slow_tolerance_s)
+        rows, columns = associate(colour_times, depth_times, tolerance)
+        found = {colour.paths[row]: depth.paths[column] for row, column in zip(rows, columns, strict=True)}
+        listed = np.sort(colour_times), np.sort(depth_times)
+        pauses = in_depth_pauses(colour_times, np.sort(colour_times[rows]), pairing.pause_s)
+    else:
+        found = _by_number(colour.paths, depth.paths)
+    if not found:
+        raise UserError(
+            f"{folder}: nothing says which depth picture belongs to which colour picture; give both the same numbers "
+            "or times in their names, or a list with a line for each pair"
+        )
+    if colour_times is None:
+        numbers = [number_of(path) for path in colour.paths]
+        counted = [index if number is None else number for index, number in enumerate(numbers)]
+        colour_times = (np.array(counted, np.float64) - min(counted)) / rate
+        notes.append(f"its images carry no times: {rate:g} a second are taken")
+    pairs = []
+    for row, (path, time) in enumerate(zip(colour.paths, colour_times, strict=True)):
+        other = found.get(path)
+        fault = "" if other is not None or pauses[row] else f"{path.name} has no depth image of its own"
+        pairs.append(ImagePair(float(time), path, other, fault))
+    return pairs, notes, listed
+
+
+def _stamps(series: Series, listing: Listing) -> tuple[_Times | None, str]:
+    """Seconds of a series (n,), as a list or the names say; None where nothing does."""
+    listed = [listing.times.get(path) for path in series.paths]
+    if all(time is not None for time in listed):
+        return np.array(listed, np.float64), ""
+    return times_in_names(series.paths)
+
+
+def _share_a_clock(one: _Times, other: _Times) -> bool:
+    """Whether two series overlap in time."""
+    return bool(one.min() <= other.max() and other.min() <= one.max())
+
+
+def _by_number(colours: Sequence[Path], depths: Sequence[Path]) -> dict[Path, Path]:
+    """Pictures of equal numbers; of as many without numbers, those in the same place in order."""
+    by_number = {number_of(path): path for path in depths if number_of(path) is not None}
+    if not by_number and len(colours) == len(depths):
+        return dict(zip(colours, depths, strict=True))
+    return {path: by_number[number_of(path)] for path in colours if number_of(path) in by_number}
+
+
+def _calibration(
+    folder: Path, camera_file: Path | None, files: Sequence[Path], size: tuple[int, int] | None, nominal: bool
+) -> Calibration:
+    if camera_file is not None:
+        return read_calibration(camera_file, image_size=size, default_depth_scale=_MILLIMETRES)
+    found = calibration_among(folder, files, size, _MILLIMETRES)
+    if found is not None:
+        return found
     width, height = size or (640, 480)
     if folder.joinpath("color").is_dir() or nominal:
         # Redwood's recordings state none: PrimeSense's factory values, as Open3D takes them too.
         focal, note = 525.0 * width / 640, "no calibration: PrimeSense's focal length 525 at 640 pixels is used"
         middle = (width - 1) / 2, (height - 1) / 2
-        return Calibration(PinholeCamera(width, height, focal, focal, *middle, depth_scale=_MILLIMETRES), (note,))
-    raise UserError(f"{folder} has no {CAMERA_FILES[0]}; give its calibration with --camera FILE")
+        camera = PinholeCamera(width, height, focal, focal, *middle, depth_scale=_MILLIMETRES)
+        return Calibration(camera, (note,), is_scale_assumed=True)
+    raise UserError(f"{folder} has no calibration; give one with --camera FILE, or estimate it with 'lpslam calibrate'")

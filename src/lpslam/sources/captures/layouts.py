@@ -60,6 +60,11 @@ def _is_replica(path: Path) -> bool:
     return path.is_dir() and any((path / "results").glob("frame*.jpg")) and any((path / "results").glob("depth*.png"))
 
 
+def _holds_pictures(path: Path) -> bool:
+    reader = importlib.import_module("lpslam.sources.captures.folders")
+    return path.is_dir() and bool(reader.holds_pictures(path))
+
+
 CAPTURES = (
     Capture("Record3D", "NAME.r3d", _ends(".r3d"), "record3d"),
     Capture("Stray Scanner", "rgb.mp4 and depth/", _has("rgb.mp4", "depth/", "camera_matrix.csv"), "stray"),
@@ -67,5 +72,5 @@ CAPTURES = (
     Capture("ScanNet", "NAME.sens", _ends(".sens"), "scannet"),
     Capture("Replica", "results/frame*.jpg and depth*.png", _is_replica, "replica", True),
     Capture("Redwood, Open3D", "color/ and depth/", _has("color/", "depth/"), "folders", True),
-    Capture("folders", "rgb/ and depth/ of equal names", _has("rgb/", "depth/"), "folders", True),
+    Capture("folders", "pictures of colour and of depth", _holds_pictures, "folders", True),
 )
