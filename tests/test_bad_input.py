@@ -51,11 +51,12 @@ def test_lists_and_calibrations(lpslam: Command, clip: Clip) -> None:
     camera.unlink()
     assert "--camera FILE" in refused(lpslam, recording)
     assert "nowhere.yaml cannot be read" in refused(lpslam, recording, "--camera", recording / "nowhere.yaml")
-    (recording / "other.yaml").write_text(calibration)
+    other = recording.parent / "other.yaml"
+    other.write_text(calibration)
     output = recording.parent / "good.lpmap"
-    assert lpslam("run", recording, "-o", output, "--no-text", "--camera", recording / "other.yaml").code == 0
+    assert lpslam("run", recording, "-o", output, "--no-text", "--camera", other).code == 0
     assert "--camera FILE" in lpslam("eval", output, recording).complaint
-    assert lpslam("eval", output, recording, "--camera", recording / "other.yaml").code == 0
+    assert lpslam("eval", output, recording, "--camera", other).code == 0
 
 
 def test_bad_frames_are_skipped_counted_and_shown(lpslam: Command, clip: Clip, tmp_path: Path) -> None:
