@@ -111,6 +111,8 @@ FORMATS = (
     Format("7-Scenes", "frame-NNNNNN.color.jpg", looks_like_seven_scenes, open_seven_scenes),
     *(Format(each.name, each.sign, each.is_at, each.open) for each in CAPTURES),
 )
+_ANY_FOLDER = FORMATS[-1]
+"""What is tried last, where no layout is known."""
 _ARCHIVES = frozenset((".zip", ".tar", ".gz", ".tgz", ".bz2", ".xz", ".zst", ".7z", ".rar"))
 BAGS = "a ROS bag (.bag, .db3, .mcap)"
 
@@ -193,6 +195,9 @@ def _opened(
         if not place.is_dir() and not is_regular(place):
             raise UserError(f"{place} is a device or a pipe, which cannot be read twice; give a file or a folder")
         found = next((layout for layout in FORMATS if layout.is_at(place)), None)
+        if found is _ANY_FOLDER and _hint(place):
+            # A folder of recordings is none itself.
+            found = None
         if found is None and (_is_bag(place) or (place.is_file() and not place.stat().st_size)):
             return _open_bag(place, calibration, max_frames, options)
         if found is None and place.suffix.lower() in _ARCHIVES:
@@ -276,6 +281,6 @@ def _signs() -> str:
 def _hint(folder: Path) -> str:
     """Name a subfolder that is a recording, if there is one: archives often unpack to one folder more."""
     for child in sorted(child for child in folder.iterdir() if child.is_dir())[:100]:
-        if any(layout.is_at(child) for layout in FORMATS):
+        if any(layout.is_at(child) for layout in FORMATS[:-1]):
             return f"; did you mean {child}?"
     return ""
