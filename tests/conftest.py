@@ -75,8 +75,6 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 def pytest_collection_finish() -> None:
     """What is loaded and collected stays: the collector need not go through it again and again."""
     gc.freeze()
-    # To count it would go through all of it: 30 ms each time that the language layer has built something.
-    setattr(gc, "get_freeze_count", lambda: 1)  # noqa: B010
     gc.enable()
 
 
