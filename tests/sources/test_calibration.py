@@ -1,6 +1,7 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
 from hypothesis import HealthCheck, given, settings
@@ -253,6 +254,8 @@ def test_a_binary_file_is_refused(tmp_path: Path) -> None:
         ("depth_unit: micrometres", 1e6),
         ("depth_units: 0.00025", 4000.0),
         ("depth_scale: 1000 per metre", 1000.0),
+        ("depth_millimetres_per_step: 0.25", 4000.0),
+        ("depth: {metres_per_unit: 0.0002}", 5000.0),
         ("{depth_scale_spread: 0.02, depth_scale: 1000}", 1000.0),
     ],
 )
@@ -299,3 +302,100 @@ def test_one_focal_length_is_that_of_both_axes(tmp_path: Path) -> None:
     file.write_text("{focal_length: 500, cx: 320, cy: 240, width: 640, height: 480}")
     camera = read_calibration(file).camera
     assert (camera.fx, camera.fy) == (500.0, 500.0)
+
+
+PLAIN = """Kitchen, 5 March. The camera sees 640 x 480 pixels.
+Focal lengths 535.4 and 539.2 pixels, principal point 320.1, 247.6.
+Distortion k1 k2 p1 p2 k3 = 0.1 -0.2 0.001 0.002 0.3. Depth: 5000 units = 1 metre. 25 pictures a second.
+"""
+
+FORMS = {
+    "notes.txt": PLAIN,
+    "README": PLAIN,
+    "camera.ini": "[image]\nwidth=640\nheight=480\n[lens]\nfx = 535.4\nfy = 539.2 ; px\ncx=320.1\ncy=247.6\n"
+    "[distortion]\nk1=0.1\nk2=-0.2\np1=0.001\np2=0.002\nk3=0.3\n[depth]\nunits_per_metre=5000\n",
+    "specs.md": "# Camera\n\n| | |\n|---|---|\n| width | 640 |\n| height | 480 |\n| fx | 535.4 |\n| fy | 539.2 |\n"
+    "| cx | 320.1 |\n| cy | 247.6 |\n| k1, k2, p1, p2, k3 | 0.1, -0.2, 0.001, 0.002, 0.3 |\n\n"
+    "Depth: one unit is 0.2 mm.\n",
+    "storage.xml": '<?xml version="1.0"?><opencv_storage><image_width>640</image_width><image_height>480</image_height>'
+    '<camera_matrix type_id="opencv-matrix"><rows>3</rows><cols>3</cols><dt>d</dt><data>535.4 0. 320.1 0. 539.2 247.6'
+    " 0. 0. 1.</data></camera_matrix><distortion_coefficients><rows>1</rows><cols>5</cols><data>0.1 -0.2 0.001 0.002"
+    " 0.3</data></distortion_coefficients><depth_factor>5000</depth_factor></opencv_storage>",
+    "parts.json": '{"lens": {"focal_length": {"x": 535.4, "y": 539.2}, "principal_point": [320.1, 247.6], "distortion":'
+    ' {"radial": [0.1, -0.2, 0.3], "tangential": [0.001, 0.002]}}, "size": [640, 480], "depth_units": "0.2 mm"}',
+}
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_a_calibration_in_words_tables_and_other_forms_is_the_same(tmp_path: Path, name: str) -> None:
+    file = tmp_path / name
+    file.write_text(FORMS[name])
+    camera = read_calibration(file, image_size=(640, 480)).camera
+    assert (camera.fx, camera.fy, camera.cx, camera.cy) == (535.4, 539.2, 320.1, 247.6)
+    assert (camera.width, camera.height) == (640, 480)
+    assert camera.distortion == (0.1, -0.2, 0.001, 0.002, 0.3)
+    assert camera.depth_scale == pytest.approx(5000.0)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "535.4 0 320.1\n0 539.2 247.6\n0 0 1\n",
+        "# rows\n535.4, 0, 320.1, 0\n0, 539.2, 247.6, 0\n0, 0, 1, 0\n0, 0, 0, 1\n",
+        "535.4 539.2 320.1 247.6",
+        "640 480 535.4 539.2 320.1 247.6",
+        "# CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n1 PINHOLE 640 480 535.4 539.2 320.1 247.6\n",
+    ],
+)
+def test_a_calibration_may_be_numbers_alone(tmp_path: Path, text: str) -> None:
+    file = tmp_path / "K.txt"
+    file.write_text(text)
+    camera = read_calibration(file, image_size=(640, 480)).camera
+    assert (camera.fx, camera.fy, camera.cx, camera.cy) == (535.4, 539.2, 320.1, 247.6)
+
+
+@pytest.mark.parametrize(
+    "stated", ["hfov: 60", "horizontal_fov_deg: 60", "{fov_x: 60 deg, fov_y: 46.8265}", "dfov: 71.6355"]
+)
+def test_a_field_of_view_is_a_focal_length(tmp_path: Path, stated: str) -> None:
+    file = tmp_path / "camera.yaml"
+    file.write_text(yaml.safe_dump({"width": 640, "height": 480, **yaml.safe_load(stated)}))
+    calibration = read_calibration(file)
+    assert calibration.camera.fx == pytest.approx(320 / np.tan(np.radians(30)), rel=1e-3)
+    assert calibration.camera.fy == pytest.approx(calibration.camera.fx, rel=1e-3)
+    assert (calibration.camera.cx, calibration.camera.cy) == (319.5, 239.5)
+    assert any("principal point" in note for note in calibration.notes)
+
+
+def test_a_calibration_of_larger_images_is_scaled_and_that_is_said(tmp_path: Path) -> None:
+    file = tmp_path / "camera.yaml"
+    file.write_text("{fx: 600, fy: 604, cx: 319.5, cy: 241.5, width: 640, height: 480}")
+    calibration = read_calibration(file, image_size=(320, 240))
+    camera = calibration.camera
+    assert (camera.fx, camera.fy, camera.cx, camera.cy) == (300.0, 302.0, 159.5, 120.5)
+    assert (camera.width, camera.height) == (320, 240)
+    assert any("is scaled to 320×240" in note for note in calibration.notes)
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("notes.txt", "fx 500 fy 500 cx 320 cy 240, and later fx 600"),
+        ("camera.xml", "<!DOCTYPE x [<!ENTITY a 'aaaa'>]><x><fx>&a;</fx></x>"),
+        ("camera.xml", "<a>" * 5000),
+        ("camera.txt", "1 0 0\n0 1 0\n0 0 1\n"),
+        ("camera.txt", "9" * 5000),
+        ("camera.txt", "fx" * 50_000),
+        ("camera.txt", "(" * 20_000 + "fx 5"),
+        ("camera.md", "| " * 50_000),
+        ("camera.yaml", "hfov: 190\nwidth: 64\nheight: 48"),
+        ("camera.yaml", "hfov: wide\nwidth: 64\nheight: 48"),
+    ],
+)
+def test_what_states_no_one_camera_is_refused_in_one_line(tmp_path: Path, name: str, text: str) -> None:
+    file = tmp_path / name
+    file.write_text(text)
+    with pytest.raises(UserError) as refusal:
+        read_calibration(file, image_size=(640, 480))
+    assert "\n" not in str(refusal.value)
+    assert len(str(refusal.value)) < 600

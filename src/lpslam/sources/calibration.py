@@ -5,7 +5,6 @@ name, a matrix K, ROS camera_info, Kalibr's camchain, Open3D's intrinsics, and d
 DepthMapFactor) under OpenCV's `%YAML:1.0`.
 """
 
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -16,13 +15,15 @@ import numpy as np
 
 from lpslam.camera import PinholeCamera
 from lpslam.errors import UserError
+from lpslam.sources.calibrations.depth_units import DEPTH_DISPLACEMENT, DEPTH_SCALE, depth_unit, states_depth_unit
+from lpslam.sources.calibrations.forms import read_tree
 from lpslam.sources.registering.displacement import DepthDisplacement
-from lpslam.sources.yaml_tree import Tree, read_yaml_tree
+from lpslam.sources.yaml_tree import Tree
 
 _MATRICES = ("k", "camera_matrix", "intrinsic_matrix", "intrinsics", "intrinsic", "matrix")
 _FOCAL = {
-    "fx": ("fx", "f_x", "fu", "focal_x", "focal_length_x"),
-    "fy": ("fy", "f_y", "fv", "focal_y", "focal_length_y"),
+    "fx": ("fx", "f_x", "fl_x", "fu", "focal_x", "focal_length_x"),
+    "fy": ("fy", "f_y", "fl_y", "fv", "focal_y", "focal_length_y"),
     "cx": ("cx", "c_x", "ppx", "pu", "principal_point_x"),
     "cy": ("cy", "c_y", "ppy", "pv", "principal_point_y"),
 }
@@ -34,15 +35,13 @@ _WIDTH = ("width", "image_width", "w")
 _HEIGHT = ("height", "image_height", "h")
 _RESOLUTION = ("resolution", "image_size", "size")
 _DISTORTION = ("distortion", "distortion_coefficients", "distortion_coeffs", "dist_coeffs", "coeffs", "dist", "d")
+_KINDS = ("radial", "tangential")
 _DISTORTION_MODEL = ("distortion_model", "distortion_type", "camera_model", "model", "type")
-_DEPTH_SCALE = "depth_scale"
-# What a key says that states the raw units of depth: `depth_scale`, `DepthMapFactor`, `depth_units_per_metre`.
-_OF_DEPTH, _OF_UNITS = "depth", ("scale", "scaling", "factor", "unit", "permet", "divisor")
-_IN_METRES = {"mm": 1e3, "milli": 1e3, "cm": 1e2, "centi": 1e2, "um": 1e6, "micro": 1e6, "m": 1.0}
-_DISPLACEMENT = "depth_displacement"
 _LARGEST_RATIO, _LARGEST_SHIFT = 10.0, 10_000.0  # of focal lengths, and pixels: beyond it, nothing is in view
 _FPS = ("fps", "frame_rate", "framerate", "rate")
 _MODELS_NOT_SUPPORTED = ("equi", "fisheye", "kannala", "omni", "fov", "eucm", "double_sphere", "ds-", "mei")
+_VIEW = ("fov", "view", "hfov", "vfov", "dfov")
+_RESIZINGS, _CENTRAL = (2, 3, 4, 1.5), 0.3  # of images; the principal point lies in the middle of the calibration's own
 _NEARLY = 0.85  # share of letters in common, of words that are one mistyped
 # Sections are tried in this order of what their names begin with; all others come between.
 _PREFERRED, _DEFERRED = ("camera", "cam0", "rgb", "color", "colour", "left"), ("depth", "ir", "infra", "imu", "right")
@@ -77,17 +76,24 @@ def read_calibration(
     Raises:
         UserError: the file cannot be read, or a value is missing, ill-typed or not supported; names key and file.
     """
-    tree = read_yaml_tree(path, "calibration")
+    tree, is_worded = read_tree(path, image_size, states_camera)
     sections = list(_sections(tree))
     section, *around = next((scopes for scopes in sections if _has_intrinsics(scopes[0])), (tree,))
     # What the camera's own section leaves out may stand around it, or in a section that several cameras share.
     shared = [scopes[0] for scopes in sections if len(scopes) == 2 and not _has_intrinsics(scopes[0])]
     scopes = (section, *around, *shared)
-    fx, fy, cx, cy = _intrinsics(section, path)
+    notes = [f"{path.name} is read from its words"] if is_worded else []
+    stated = _size(scopes, path)
+    fx, fy, cx, cy = _intrinsics(section, stated or image_size, path, notes)
     if any(scope.get(key) is True for scope in scopes for key in _MODELS_NOT_SUPPORTED):
         raise UserError(f"calibration {path}: a fisheye lens is not supported; rectify the images to a pinhole")
-    notes = _misspelt(scopes, path)
-    width, height = _size(scopes, path) or image_size or (0, 0)
+    notes += _misspelt(scopes, path)
+    width, height = stated or image_size or (0, 0)
+    share = _scaling((width, height), image_size, (cx, cy))
+    if share != 1.0 and image_size is not None:
+        notes.append(f"{path.name} is for {width}×{height} and is scaled to {image_size[0]}×{image_size[1]}")
+        fx, fy, cx, cy = fx * share, fy * share, (cx + 0.5) * share - 0.5, (cy + 0.5) * share - 0.5
+        width, height = image_size
     if not width:
         raise UserError(f"calibration {path}: width is missing; add width and height in pixels")
     scale = _depth_scale(tree, scopes, path)
@@ -116,11 +122,26 @@ def read_calibration(
     return Calibration(camera, tuple(notes), _displacement(scopes, path), is_scale_assumed)
 
 
+def states_camera(tree: Tree) -> bool:
+    """Whether a tree of keys states focal lengths, or a field of view."""
+    return any(_has_intrinsics(scopes[0]) for scopes in _sections(tree))
+
+
+def _scaling(stated: tuple[int, int], images: tuple[int, int] | None, middle: tuple[float, float]) -> float:
+    """By how much images are larger than those that a calibration states, where it is for those and for no others."""
+    if images is None or not stated[0] or stated == images:
+        return 1.0
+    across, down = images[0] / stated[0], images[1] / stated[1]
+    is_whole = any(abs(across * k - 1) < 1e-9 or abs(across / k - 1) < 1e-9 for k in _RESIZINGS)
+    is_own = all(_CENTRAL < at / size < 1 - _CENTRAL for at, size in zip(middle, stated, strict=True))
+    return across if across == down and is_whole and is_own else 1.0
+
+
 def _misspelt(scopes: tuple[Tree, ...], path: Path) -> list[str]:
     """A note of every key that is nearly one that is understood."""
     understood = _understood()
     words = [word for word in sorted(understood) if len(word) > 3]
-    keys = [key for scope in scopes for key in scope if key not in understood and not _states_depth_scale(key)]
+    keys = [key for scope in scopes for key in scope if key not in understood and not states_depth_unit(key)]
     near = [(key, get_close_matches(key, words, 1, _NEARLY)) for key in keys]
     return [f"{path.name} states {key}, which is not understood; is it {said[0]}?" for key, said in near if said]
 
@@ -129,7 +150,7 @@ def _understood() -> set[str]:
     keys = (
         *_FOCAL.values(),
         *_PAIRS.values(),
-        (_DISPLACEMENT, _DEPTH_SCALE),
+        (DEPTH_DISPLACEMENT, DEPTH_SCALE),
         _RESOLUTION,
         _DISTORTION,
         _FPS,
@@ -157,10 +178,12 @@ def _rank(name: str) -> int:
 
 def _has_intrinsics(section: Tree) -> bool:
     names = (*(key for keys in _FOCAL.values() for key in keys), *_PAIRS[("fx", "fy")])
-    return any(key in section for key in names) or _matrix(section) is not None
+    return any(key in section for key in names) or _matrix(section) is not None or bool(_views(section))
 
 
-def _intrinsics(section: Tree, path: Path) -> tuple[float, float, float, float]:
+def _intrinsics(
+    section: Tree, size: tuple[int, int] | None, path: Path, notes: list[str]
+) -> tuple[float, float, float, float]:
     matrix = _matrix(section)
     if matrix is not None:
         if len(matrix) == 4:
@@ -174,12 +197,46 @@ def _intrinsics(section: Tree, path: Path) -> tuple[float, float, float, float]:
         )
     values: list[float] = []
     paired = _paired(section)
+    if size is not None and _find((section, paired), _FOCAL["fx"]) is None:
+        paired |= _of_views(section, size, path)
+    if size is not None and all(_find((section, paired), _FOCAL[name]) is None for name in ("cx", "cy")):
+        middles = {"cx": (size[0] - 1) / 2, "cy": (size[1] - 1) / 2}
+        if _views(section):
+            notes.append(f"{path.name} states no principal point: the image's middle is taken")
+            paired |= middles
     for name, keys in _FOCAL.items():
         value = _find((section, paired), keys)
         if value is None:
             raise UserError(f"calibration {path}: {name} is missing; it needs fx, fy, cx and cy in pixels")
         values.append(_number(value, name, path))
     return values[0], values[1], values[2], values[3]
+
+
+def _views(section: Tree) -> dict[str, object]:
+    """Fields of view by h, v or d: across, down or from corner to corner."""
+    found: dict[str, object] = {}
+    for key, value in section.items():
+        words = key.replace("-", "_").split("_")
+        if not any(word in _VIEW for word in (*words, words[0][1:])) or isinstance(value, (dict, list)):
+            continue
+        way = "d" if key.startswith("d") else "v" if key.startswith(("v", "y")) or words[-1] in ("v", "y") else "h"
+        found[way] = value
+    return found
+
+
+def _of_views(section: Tree, size: tuple[int, int], path: Path) -> Tree:
+    """Focal lengths that fields of view in degrees make of an image's size; pixels are square where one is missing."""
+    lengths = {"h": float(size[0]), "v": float(size[1]), "d": float(np.hypot(*size))}
+    focal = {}
+    for way, value in _views(section).items():
+        angle = _number(str(value).lower().replace("deg", "").replace("rees", "").strip(" °"), "field of view", path)
+        if not 0 < angle < 180:
+            raise UserError(f"calibration {path}: a field of view is {angle:g}; it must be degrees between 0 and 180")
+        focal[way] = lengths[way] / 2 / float(np.tan(np.radians(angle / 2)))
+    if not focal:
+        return {}
+    across = focal.get("h", focal.get("d", focal.get("v")))
+    return {"fx": across, "fy": focal.get("v", across)}
 
 
 def _paired(section: Tree) -> Tree:
@@ -219,7 +276,10 @@ def _distortion(scopes: tuple[Tree, ...], path: Path) -> tuple[float, float, flo
     value = _find(scopes, _DISTORTION)
     names = ("k1", "k2", "p1", "p2", "k3")
     listed = next((scope for scope in (value, *scopes) if isinstance(scope, dict) and "k1" in scope), None)
-    if listed is not None:
+    parted = _terms_by_kind(value)
+    if parted is not None:
+        coefficients = parted
+    elif listed is not None:
         coefficients = [_number(listed.get(name) or 0.0, name, path) for name in names]
     elif value is None or isinstance(value, str) or value is False:
         coefficients = []
@@ -243,14 +303,23 @@ def _distortion(scopes: tuple[Tree, ...], path: Path) -> tuple[float, float, flo
     return padded[0], padded[1], padded[2], padded[3], padded[4]
 
 
+def _terms_by_kind(value: object) -> list[float] | None:
+    """k1, k2, p1, p2, k3 of radial and tangential terms."""
+    radial, tangential = (_numbers(value.get(kind)) for kind in _KINDS) if isinstance(value, dict) else (None, None)
+    if radial is None:
+        return None
+    k1, k2, *rest = [*radial, 0.0, 0.0]
+    return [k1, k2, *[*(tangential or []), 0.0, 0.0][:2], *rest[: max(len(radial) - 2, 0)]]
+
+
 def _displacement(scopes: tuple[Tree, ...], path: Path) -> DepthDisplacement | None:
-    stated = _find(scopes, (_DISPLACEMENT,))
+    stated = _find(scopes, (DEPTH_DISPLACEMENT,))
     if stated is None:
         return None
-    of = f"calibration {path}: {_DISPLACEMENT}"
+    of = f"calibration {path}: {DEPTH_DISPLACEMENT}"
     if not isinstance(stated, dict):
         raise UserError(f"{of} must have scale, shift and parallax, as 'lpslam calibrate' writes them")
-    scale = _number(stated.get("scale"), f"scale of {_DISPLACEMENT}", path)
+    scale = _number(stated.get("scale"), f"scale of {DEPTH_DISPLACEMENT}", path)
     shift, parallax = (_numbers(stated.get(name)) for name in ("shift", "parallax"))
     if shift is None or parallax is None or len(shift) != 2 or len(parallax) != 2:
         raise UserError(f"{of} needs a shift and a parallax of two numbers each, x and y")
@@ -262,33 +331,8 @@ def _displacement(scopes: tuple[Tree, ...], path: Path) -> DepthDisplacement | N
 
 def _depth_scale(tree: Tree, scopes: tuple[Tree, ...], path: Path) -> float | None:
     """Raw units in a metre, or metres in a raw unit where they are below 1, by whichever key says so."""
-    everywhere = (*scopes, *(found[0] for found in _sections(tree)))
-    stated = {
-        key: scope[key] for scope in reversed(everywhere) for key in scope if _states_depth_scale(key, scope[key])
-    }
-    depth = tree.get("depth")
-    if not stated and isinstance(depth, dict):
-        stated = {key: depth[key] for key in depth if _states_units(key) and not isinstance(depth[key], dict)}
-    # The plainest name says it: others may be its spread or its age.
-    value = stated[min(stated, key=len)] if stated else None
-    if not isinstance(value, str):
-        return None if value is None else _number(value, _DEPTH_SCALE, path)
-    words = re.findall(r"[a-z]+|[-+.\d]+(?:e[-+]?\d+)?", value.lower())
-    if not words or words[0][0].isalpha() or len(words) == 1:
-        unit = next((_IN_METRES[name] for name in _IN_METRES if words and words[0].startswith(name)), None)
-        return _number(value, _DEPTH_SCALE, path) if unit is None else unit
-    # “1 mm”: so long is a raw unit.
-    unit = next((_IN_METRES[name] for name in _IN_METRES if words[1].startswith(name)), None)
-    number = _number(words[0], _DEPTH_SCALE, path)
-    return number if unit is None or not number else unit / number
-
-
-def _states_depth_scale(key: str, value: object = None) -> bool:
-    return _OF_DEPTH in key and key != _DISPLACEMENT and _states_units(key) and not isinstance(value, (dict, list))
-
-
-def _states_units(key: str) -> bool:
-    return any(word in key.replace("_", "").replace("-", "").replace(" ", "") for word in _OF_UNITS)
+    found = depth_unit([*scopes, *(each[0] for each in _sections(tree))], tree.get("depth"))
+    return None if found is None else _number(found, DEPTH_SCALE, path)
 
 
 def _find(scopes: tuple[Tree, ...], keys: tuple[str, ...]) -> Any:

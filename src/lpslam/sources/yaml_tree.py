@@ -39,7 +39,11 @@ def read_yaml_tree(path: Path, what: str) -> Tree:
     Raises:
         UserError: the file cannot be read or is no YAML mapping.
     """
-    text = text_of(path, what)
+    return yaml_tree_of(text_of(path, what), path, what)
+
+
+def yaml_tree_of(text: str, path: Path, what: str) -> Tree:
+    """The tree of a text that was read already; arguments and errors as of `read_yaml_tree`."""
     if (tree := _json_of(text)) is not None:
         return _lower(tree)
     # OpenCV writes "%YAML:1.0", which is not YAML, and reads "key:1" without a space.

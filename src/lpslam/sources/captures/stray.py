@@ -31,8 +31,8 @@ def open_capture(folder: Path, camera_file: Path | None, max_frames: int | None,
     """
     video = _Video(folder / "rgb.mp4")
     try:
-        rows = [[float(word) for word in line.split(",")] for line in text_of(folder / "camera_matrix.csv").split()]
-        matrix = np.array(rows, np.float64).reshape(3, 3)
+        words = text_of(folder / "camera_matrix.csv").replace(",", " ").split()
+        matrix = np.array([float(word) for word in words], np.float64).reshape(3, 3)
     except ValueError as error:
         raise UserError(f"{folder / 'camera_matrix.csv'}: expected the nine numbers of a 3×3 matrix") from error
     width, height = video.size
