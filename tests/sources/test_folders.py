@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 from lpslam.errors import UserError
+from lpslam.sources.calibration import read_calibration
+from lpslam.sources.captures import stated
 from lpslam.sources.image_pairs import ImagePairSource
 from lpslam.sources.open import open_source
 
@@ -133,6 +135,19 @@ def test_what_is_no_view_is_left_out(tmp_path: Path) -> None:
             (tmp_path / name).mkdir(exist_ok=True)
             cv2.imwrite(str(tmp_path / name / f"{number:04d}.png"), np.zeros((48, 64), np.uint16))
     is_what_was_written(tmp_path, np.arange(FRAMES) / 30)
+
+
+def test_of_many_texts_of_one_kind_one_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write(tmp_path, *NUMBERED)
+    (tmp_path / "labels").mkdir()
+    for number in range(200):
+        (tmp_path / "labels" / f"{number:04d}.txt").write_text("3 0.5 0.5 0.1 0.1\n7 0.2 0.3 0.1 0.1\n")
+    read: list[Path] = []
+    monkeypatch.setattr(
+        stated, "read_calibration", lambda path, **how: read.append(path) or read_calibration(path, **how)
+    )
+    is_what_was_written(tmp_path, np.arange(FRAMES) / 30)
+    assert len(read) < 5
 
 
 def test_a_missing_depth_picture_is_one_fault(tmp_path: Path) -> None:

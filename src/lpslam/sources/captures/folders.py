@@ -45,9 +45,9 @@ def open_capture(folder: Path, camera_file: Path | None, max_frames: int | None,
     if colour is None or depth is None:
         missing = "colour" if colour is None else "depth"
         raise UserError(f"{folder}: no two {missing} pictures of one kind lie there; depth has one channel of 16 bits")
-    listing = listing_of(pictures.files, [colour.paths, depth.paths])
+    listing = listing_of(pictures.texts, [colour.paths, depth.paths])
     size = first_image_size(list(colour.paths))
-    calibration = _calibration(folder, camera_file, pictures.files, size, nominal)
+    calibration = _calibration(folder, camera_file, pictures.texts, size, nominal)
     pairs, notes, times = _paired(folder, colour, depth, listing, calibration.camera.fps)
     if depth.is_float:
         # Fractions are metres; a scale that is stated is that of whole numbers.

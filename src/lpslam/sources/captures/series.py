@@ -30,7 +30,7 @@ _COLOUR, _DEPTH = (
     ("depth", "distance", "range", "disp"),
 )
 _REGISTERED = ("align", "regist", "_to_")
-_DEEPEST, _MOST_FILES = 3, 400_000
+_DEEPEST, _MOST_FILES, _MOST_ALIKE = 3, 400_000, 20
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +71,15 @@ class Pictures:
             for paths in groups.values()
             if len(paths) > 1 and not _says(paths[0], self.folder, _NO_PICTURE_OF_A_VIEW)
         ]
+
+    @cached_property
+    def texts(self) -> list[Path]:
+        """What may be a list or a calibration; of many files of one kind, as of labels for each picture, the first."""
+        groups: dict[tuple[Path, str, str], list[Path]] = {}
+        for path in self.files:
+            if path.suffix.lower() not in _PICTURES:
+                groups.setdefault((path.parent, path.suffix.lower(), _letters(path.stem)), []).append(path)
+        return [path for paths in groups.values() for path in (paths if len(paths) <= _MOST_ALIKE else paths[:1])]
 
     @property
     def colour(self) -> Series | None:
