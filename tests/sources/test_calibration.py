@@ -399,3 +399,20 @@ def test_what_states_no_one_camera_is_refused_in_one_line(tmp_path: Path, name: 
         read_calibration(file, image_size=(640, 480))
     assert "\n" not in str(refusal.value)
     assert len(str(refusal.value)) < 600
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "words"),
+    [
+        ("cameras.txt", "1 OPENCV_FISHEYE 640 480 500 500 320 240 0.1 0 0 0\n", "opencv_fisheye is not supported"),
+        ("cameras.txt", "1 THIN_PRISM_FISHEYE 640 480 500 500 320 240 0 0 0 0 0 0 0 0\n", "not supported"),
+        ("cameras.txt", "1 SOME_OTHER 640 480 500 500 320 240\n", "cameras.txt"),
+        ("camera.json", json.dumps(VALID | {"camera_model": "OPENCV_FISHEYE", "k1": 0.1}), "not supported"),
+        ("camera.json", json.dumps(VALID | {"k1": 0.1, "k4": 0.4}), "8 terms"),
+    ],
+)
+def test_a_lens_that_five_terms_do_not_describe_is_refused(tmp_path: Path, name: str, text: str, words: str) -> None:
+    file = tmp_path / name
+    file.write_text(text)
+    with pytest.raises(UserError, match=words):
+        read_calibration(file, image_size=(640, 480))

@@ -280,7 +280,7 @@ def _distortion(scopes: tuple[Tree, ...], path: Path) -> tuple[float, float, flo
     if parted is not None:
         coefficients = parted
     elif listed is not None:
-        coefficients = [_number(listed.get(name) or 0.0, name, path) for name in names]
+        coefficients = [_number(listed.get(name) or 0.0, name, path) for name in (*names, "k4", "k5", "k6")]
     elif value is None or isinstance(value, str) or value is False:
         coefficients = []
     else:
@@ -290,7 +290,8 @@ def _distortion(scopes: tuple[Tree, ...], path: Path) -> tuple[float, float, flo
         coefficients = numbers
     if any(coefficients):
         models = [str(scope[key]).lower() for scope in scopes for key in _DISTORTION_MODEL if key in scope]
-        model = next((model for model in models if model.startswith(_MODELS_NOT_SUPPORTED)), None)
+        of_others = (model for model in models if model.startswith(_MODELS_NOT_SUPPORTED) or "fisheye" in model)
+        model = next(of_others, None)
         if model is not None:
             raise UserError(f"calibration {path}: the model {model} is not supported; rectify the images to a pinhole")
         if any(coefficients[5:]):

@@ -17,6 +17,7 @@ _COLMAP = {
     "OPENCV": ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2"),
     "FULL_OPENCV": ("fx", "fy", "cx", "cy", *_TERMS),
 }
+_NO_PINHOLES = ("OPENCV_FISHEYE", "FOV", "SIMPLE_RADIAL_FISHEYE", "RADIAL_FISHEYE", "THIN_PRISM_FISHEYE")
 _COLMAP_LINE = re.compile(r"\s*\d+\s+([A-Z][A-Z_]+)\s+(\d+)\s+(\d+)((?:\s+[-+.\deE]+)+)\s*")
 
 
@@ -69,9 +70,10 @@ def tree_of_colmap(text: str, image_size: tuple[int, int] | None) -> Tree | None
         model, width, height, values = line.groups()
         names, numbers = _COLMAP.get(model), _floats(values)
         tree: Tree = {"width": int(width), "height": int(height)}
-        if names is None:
+        if names is None and model.startswith(_NO_PINHOLES):
+            # Whoever reads the tree refuses it by its model.
             tree |= {"camera_model": model.lower(), "k1": 1.0, "fx": 1.0, "fy": 1.0, "cx": 1.0, "cy": 1.0}
-        elif numbers is None or len(numbers) != len(names):
+        elif names is None or numbers is None or len(numbers) != len(names):
             return None
         else:
             tree |= dict(zip(names, numbers, strict=True))
