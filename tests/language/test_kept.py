@@ -125,3 +125,17 @@ def test_a_process_that_finds_tables_answers_as_the_one_that_made_them(tmp_path:
     ]
     assert said[0] == said[1] != b""
     assert {path.name.partition("-")[0] for path in written(tmp_path)} >= {"tables", "spoken", "heard"}
+
+
+def test_what_is_compiled_beside_the_program_makes_nothing_anew(tmp_path: Path) -> None:
+    program = tmp_path / "program"
+    (program / "__pycache__").mkdir(parents=True)
+    (program / "rules.py").write_text("A = 1\n")
+    before = kept_module._program(program)
+    for name in ("rules.cpython-311.pyc", "kernels.loop-12.py311.nbi", "kernels.loop-12.py311.1.nbc"):
+        (program / "__pycache__" / name).write_bytes(b"\0")
+    kept_module._program.cache_clear()
+    assert kept_module._program(program) == before
+    (program / "rules.py").write_text("A = 12\n")
+    kept_module._program.cache_clear()
+    assert kept_module._program(program) != before

@@ -102,8 +102,10 @@ def kept_of_boards(name: str, count: int, texts: Iterable[str], make: Callable[[
 @lru_cache
 def _program(folder: Path) -> bytes:
     """What tells this version of a part of the program, its tables and Python from others."""
-    files = sorted(os.path.join(each, name) for each, _, names in os.walk(folder) for name in names)
-    stats = ((path, os.stat(path)) for path in files if not path.endswith((".pyc", ".md")))
+    # What is compiled beside the program (bytecode, kernels) comes at any time, and changes nothing that it says.
+    written = ((each, names) for each, _, names in os.walk(folder) if os.path.basename(each) != "__pycache__")
+    files = sorted(os.path.join(each, name) for each, names in written for name in names)
+    stats = ((path, os.stat(path)) for path in files if not path.endswith(".md"))
     told = [f"{os.path.relpath(path, folder)} {about.st_size} {about.st_mtime_ns}" for path, about in stats]
     return "\n".join([str(sys.implementation.cache_tag), sys.version, *told]).encode()
 
