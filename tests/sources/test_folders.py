@@ -8,11 +8,12 @@ import cv2
 import numpy as np
 import pytest
 
+from lpslam.config import PairingConfig
 from lpslam.errors import UserError
 from lpslam.sources.calibration import read_calibration
 from lpslam.sources.captures import stated
 from lpslam.sources.image_pairs import ImagePairSource
-from lpslam.sources.open import open_source
+from lpslam.sources.open import SourceOptions, open_source
 
 FRAMES, STEP, START = 6, 0.125, 1_700_000_000.0
 TIMES = START + STEP * np.arange(FRAMES)
@@ -121,6 +122,14 @@ def test_a_tree_of_json_lists_frames(tmp_path: Path) -> None:
 def test_names_are_times(tmp_path: Path, stem: Callable[[int], str], suffix: str) -> None:
     write(tmp_path, lambda n: f"pics/{stem(n)}.png", lambda n: f"far/{stem(n)}.{suffix}")
     is_what_was_written(tmp_path)
+
+
+def test_pictures_with_times_of_their_own_are_paired_as_configured(tmp_path: Path) -> None:
+    write(tmp_path, lambda n: f"pics/{TIMES[n]:.6f}.png", lambda n: f"far/{TIMES[n] + 0.01:.6f}.png")
+    is_what_was_written(tmp_path)
+    strict = SourceOptions(pairing=PairingConfig(tolerance_s=0.001, slow_tolerance_s=0.001))
+    with pytest.raises(UserError, match="nothing says which depth picture"):
+        open_source(tmp_path, options=strict)
 
 
 def test_both_kinds_lie_in_one_folder(tmp_path: Path) -> None:

@@ -69,7 +69,7 @@ def read_calibration(
     """Read a calibration file.
 
     Args:
-        path: the YAML file.
+        path: the file, in any of the forms of `calibrations`.
         image_size: width and height of the images in pixels, used where the file states none.
         default_depth_scale: raw depth units in a metre, used where the file states none.
 
@@ -196,14 +196,13 @@ def _intrinsics(
             f"calibration {path}: the intrinsics have {len(matrix)} numbers; they must be 4 or a 3×3 matrix"
         )
     values: list[float] = []
-    paired = _paired(section)
-    if size is not None and _find((section, paired), _FOCAL["fx"]) is None:
-        paired |= _of_views(section, size, path)
-    if size is not None and all(_find((section, paired), _FOCAL[name]) is None for name in ("cx", "cy")):
-        middles = {"cx": (size[0] - 1) / 2, "cy": (size[1] - 1) / 2}
-        if _views(section):
+    paired, views = _paired(section), _views(section)
+    if views and size is not None:
+        if _find((section, paired), _FOCAL["fx"]) is None:
+            paired |= _of_views(views, size, path)
+        if all(_find((section, paired), _FOCAL[name]) is None for name in ("cx", "cy")):
             notes.append(f"{path.name} states no principal point: the image's middle is taken")
-            paired |= middles
+            paired |= {"cx": (size[0] - 1) / 2, "cy": (size[1] - 1) / 2}
     for name, keys in _FOCAL.items():
         value = _find((section, paired), keys)
         if value is None:
@@ -224,17 +223,15 @@ def _views(section: Tree) -> dict[str, object]:
     return found
 
 
-def _of_views(section: Tree, size: tuple[int, int], path: Path) -> Tree:
+def _of_views(views: dict[str, object], size: tuple[int, int], path: Path) -> Tree:
     """Focal lengths that fields of view in degrees make of an image's size; pixels are square where one is missing."""
     lengths = {"h": float(size[0]), "v": float(size[1]), "d": float(np.hypot(*size))}
     focal = {}
-    for way, value in _views(section).items():
+    for way, value in views.items():
         angle = _number(str(value).lower().replace("deg", "").replace("rees", "").strip(" °"), "field of view", path)
         if not 0 < angle < 180:
             raise UserError(f"calibration {path}: a field of view is {angle:g}; it must be degrees between 0 and 180")
         focal[way] = lengths[way] / 2 / float(np.tan(np.radians(angle / 2)))
-    if not focal:
-        return {}
     across = focal.get("h", focal.get("d", focal.get("v")))
     return {"fx": across, "fy": focal.get("v", across)}
 

@@ -126,8 +126,7 @@ def doubts_about_depth(
         camera: its depth scale is what was applied.
         config: thresholds.
     """
-    readings = [depth[np.isfinite(depth) & (depth > 0)] for depth in depths]
-    readings = [reading for reading in readings if len(reading)]
+    readings = _readings(depths)
     if not readings:
         return []
     median = float(np.median([np.median(reading) for reading in readings]))
@@ -147,6 +146,12 @@ def doubts_about_depth(
     return [Doubt(f"{stated}; depth_scale {fitting[0]:g} in the calibration would make it {room:.2g} m", is_fatal)]
 
 
+def _readings(depths: Iterable[NDArray[np.float32]]) -> list[NDArray[np.float32]]:
+    """What frames measure, metres, frame by frame; without those that measure nothing."""
+    found = (depth[np.isfinite(depth) & (depth > 0)] for depth in depths)
+    return [reading for reading in found if len(reading)]
+
+
 def fitting_depth_scale(
     depths: Iterable[NDArray[np.float32]], camera: PinholeCamera, config: CalibrationCheckConfig
 ) -> float:
@@ -159,8 +164,7 @@ def fitting_depth_scale(
         depths, config: as above.
         camera: its depth scale, which was applied, is the one assumed.
     """
-    readings = [depth[np.isfinite(depth) & (depth > 0)] for depth in depths]
-    farthest = [float(np.percentile(reading, 95)) for reading in readings if len(reading)]
+    farthest = [float(np.percentile(reading, 95)) for reading in _readings(depths)]
     if not farthest:
         return camera.depth_scale
     raw, (nearest, remotest) = max(farthest) * camera.depth_scale, config.usual_farthest

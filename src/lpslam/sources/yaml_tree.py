@@ -9,7 +9,6 @@ import yaml
 
 from lpslam.config.hostile_yaml import yaml_of
 from lpslam.errors import UserError
-from lpslam.regular_files import text_of
 
 Tree = dict[str, Any]
 
@@ -29,21 +28,17 @@ def _construct_untagged(loader: _LenientLoader, _: str, node: yaml.Node) -> Any:
 _LenientLoader.add_multi_constructor("", _construct_untagged)
 
 
-def read_yaml_tree(path: Path, what: str) -> Tree:
-    """Read a YAML or JSON file whose top is a mapping; `Camera.fx` becomes fx under camera.
+def yaml_tree_of(text: str, path: Path, what: str) -> Tree:
+    """The tree of a YAML or JSON text whose top is a mapping; `Camera.fx` becomes fx under camera.
 
     Args:
+        text: what the file holds.
         path: the file.
         what: what the file is, as it stands in errors ("calibration").
 
     Raises:
-        UserError: the file cannot be read or is no YAML mapping.
+        UserError: the text is no YAML mapping.
     """
-    return yaml_tree_of(text_of(path, what), path, what)
-
-
-def yaml_tree_of(text: str, path: Path, what: str) -> Tree:
-    """The tree of a text that was read already; arguments and errors as of `read_yaml_tree`."""
     if (tree := _json_of(text)) is not None:
         return _lower(tree)
     # OpenCV writes "%YAML:1.0", which is not YAML, and reads "key:1" without a space.

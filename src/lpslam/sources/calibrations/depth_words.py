@@ -2,10 +2,10 @@
 
 import re
 
+from lpslam.sources.calibrations.depth_units import DEPTH_SCALE, in_a_metre, states_units
 from lpslam.sources.yaml_tree import Tree
 
 _KEY = re.compile(r"[\s|*-]{0,20}([A-Za-z][\w .()-]{0,60}?)[\s|]{0,20}[=:|\t][\s|=:]{0,20}([^|]{1,80}?)[\s|]*")
-_UNITS = ("scale", "scaling", "factor", "unit", "per_met", "divisor")
 _A_NUMBER = r"(\d{1,12}(?:\.\d{1,12})?(?:e[-+]?\d{1,2})?)"
 _A_UNIT = r"(?:raw |depth )?(?:units?|steps?|counts?|values?|levels?|increments?|lsb|ticks?|digits?)"
 _METRE = r"(?:1 |one |a |the )?(?:metres?|meters?|m)\b"
@@ -14,7 +14,6 @@ _PER_METRE = (
     rf"(?:divided?|division|/) (?:by )?{_A_NUMBER}[^.\n]{{0,30}}\b(?:metres?|meters?)\b",
     rf"\b(?:metres?|meters?|m) = [a-z_ ]{{0,30}} ?/ ?{_A_NUMBER}",
 )
-_LENGTHS = {"mm": 1e3, "milli": 1e3, "cm": 1e2, "centi": 1e2, "um": 1e6, "µm": 1e6, "micro": 1e6, "m": 1.0}
 _LENGTH = r"(millimet\w{1,4}|mm|centimet\w{1,4}|cm|micromet\w{1,4}|um|µm|met(?:re|er)s?|m)\b"
 _ONE_UNIT = (
     rf"\b(?:1|one|a|each|every) {_A_UNIT} (?:is|=|equals?|means|of|stands for) (?:{_A_NUMBER}|one|a)? ?{_LENGTH}"
@@ -36,12 +35,12 @@ def depth_of_lines(sections: list[tuple[str, list[str]]], text: str) -> Tree:
             if found is None:
                 continue
             key, value = re.sub(r"[\W_]+", "_", found.group(1).strip().lower()).strip("_"), found.group(2).strip()
-            if any(word in key for word in _UNITS) and ("depth" in key or "depth" in section):
-                tree.setdefault("depth", {})[key if "depth" in key else f"depth_{key}"] = value
+            if states_units(key) and ("depth" in key or "depth" in section):
+                tree[key if "depth" in key else f"depth_{key}"] = value
     if tree:
-        return {key: value for inner in tree.values() for key, value in inner.items()}
+        return tree
     scale = units_in_words(text)
-    return {} if scale is None else {"depth_scale": scale}
+    return {} if scale is None else {DEPTH_SCALE: scale}
 
 
 def units_in_words(text: str) -> float | None:
@@ -49,9 +48,8 @@ def units_in_words(text: str) -> float | None:
     plain = " ".join(text.lower().split())
     scales = {float(number) for form in _PER_METRE for number in re.findall(form, plain)}
     for number, unit in re.findall(_ONE_UNIT, plain):
-        length = next(_LENGTHS[name] for name in _LENGTHS if unit.startswith(name))
-        size = float(number) if number else 1.0
-        scales |= {length / size} if size else set()
+        length, size = in_a_metre(unit), float(number) if number else 1.0
+        scales |= {length / size} if length and size else set()
     if not scales and re.search(_IN_MILLIMETRES, plain):
         scales = {1000.0}
     scale = scales.pop() if len(scales) == 1 else 0.0

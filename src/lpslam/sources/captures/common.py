@@ -34,13 +34,19 @@ def decoded_colour(data: bytes, name: str) -> NDArray[np.uint8]:
     return np.asarray(picture, np.uint8)
 
 
+def number_of(path: Path) -> int | None:
+    """The last number in a picture's name."""
+    digits = re.findall(r"\d{1,30}", path.stem)
+    return int(digits[-1]) if digits else None
+
+
 def numbered(folder: Path, suffixes: tuple[str, ...]) -> dict[int, Path]:
     """The images of a folder by the last number in their names."""
     found: dict[int, Path] = {}
     for path in sorted(folder.iterdir()):
-        digits = re.findall(r"\d+", path.stem)
-        if digits and path.suffix.lower() in suffixes:
-            found[int(digits[-1])] = path
+        number = number_of(path)
+        if number is not None and path.suffix.lower() in suffixes:
+            found[number] = path
     return found
 
 

@@ -16,7 +16,8 @@ from lpslam.camera import PinholeCamera
 from lpslam.config import PairingConfig
 from lpslam.errors import UserError
 from lpslam.sources.calibration import Calibration, read_calibration
-from lpslam.sources.captures.series import Pictures, Series, number_of
+from lpslam.sources.captures.common import number_of
+from lpslam.sources.captures.series import Pictures, Series
 from lpslam.sources.captures.stated import calibration_among
 from lpslam.sources.captures.tables import Listing, listing_of, times_in_names
 from lpslam.sources.image_pairs import ImagePair, ImagePairSource, first_image_size, in_depth_pauses
@@ -34,8 +35,15 @@ def holds_pictures(folder: Path) -> bool:
     return pictures.colour is not None and pictures.depth is not None
 
 
-def open_capture(folder: Path, camera_file: Path | None, max_frames: int | None, *, nominal: bool) -> ImagePairSource:
-    """Open a folder of pictures.
+def open_capture(
+    folder: Path,
+    camera_file: Path | None,
+    max_frames: int | None,
+    *,
+    nominal: bool,
+    pairing: PairingConfig | None = None,
+) -> ImagePairSource:
+    """Open a folder of pictures; those with times of their own are paired as `pairing` says.
 
     Raises:
         UserError: there are no pairs, or no calibration, or two that contradict each other.
@@ -48,7 +56,7 @@ def open_capture(folder: Path, camera_file: Path | None, max_frames: int | None,
     listing = listing_of(pictures.texts, [colour.paths, depth.paths])
     size = first_image_size(list(colour.paths))
     calibration = _calibration(folder, camera_file, pictures.texts, size, nominal)
-    pairs, notes, times = _paired(folder, colour, depth, listing, calibration.camera.fps)
+    pairs, notes, times = _paired(folder, colour, depth, listing, calibration.camera.fps, pairing or PairingConfig())
     if depth.is_float:
         # Fractions are metres; a scale that is stated is that of whole numbers.
         camera = replace(calibration.camera, depth_scale=1.0)
@@ -68,7 +76,7 @@ def open_capture(folder: Path, camera_file: Path | None, max_frames: int | None,
 
 
 def _paired(
-    folder: Path, colour: Series, depth: Series, listing: Listing, rate: float
+    folder: Path, colour: Series, depth: Series, listing: Listing, rate: float, pairing: PairingConfig
 ) -> tuple[list[ImagePair], list[str], tuple[_Times, _Times] | None]:
     """The pairs, what was assumed of their times, and the times of both where each has its own."""
     colour_times, note = _stamps(colour, listing)
@@ -79,7 +87,6 @@ def _paired(
     if listing.pairs:
         found = listing.pairs
     elif colour_times is not None and depth_times is not None and _share_a_clock(colour_times, depth_times):
-        pairing = PairingConfig()
         tolerance = usual_tolerance(colour_times, depth_times, pairing.tolerance_s, pairing.slow_tolerance_s)
         rows, columns = associate(colour_times, depth_times, tolerance)
         found = {colour.paths[row]: depth.paths[column] for row, column in zip(rows, columns, strict=True)}

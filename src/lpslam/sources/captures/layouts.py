@@ -20,6 +20,7 @@ class Capture:
         is_at: whether it is there.
         module: the reader's module in this room, which has `open_capture`.
         takes_camera: whether a calibration may be given; else the recording's own is bound to its pictures.
+        is_paired: whether its reader pairs colour and depth by their times; else these come in pairs.
     """
 
     name: str
@@ -27,6 +28,7 @@ class Capture:
     is_at: Callable[[Path], bool]
     module: str
     takes_camera: bool = False
+    is_paired: bool = False
 
     def open(
         self,
@@ -35,13 +37,14 @@ class Capture:
         max_frames: int | None,
         *,
         nominal: bool,
-        pairing: PairingConfig | None = None,  # makes no difference: these come in pairs
+        pairing: PairingConfig | None = None,
     ) -> Any:
         """Open the recording with the layout's reader."""
         if camera_file is not None and not self.takes_camera:
             raise UserError(f"{folder} has its own calibration ({self.name}); leave --camera out")
         reader = importlib.import_module(f"lpslam.sources.captures.{self.module}")
-        return reader.open_capture(folder, camera_file, max_frames, nominal=nominal)
+        by_time = {"pairing": pairing} if self.is_paired else {}
+        return reader.open_capture(folder, camera_file, max_frames, nominal=nominal, **by_time)
 
 
 def _has(*names: str) -> Callable[[Path], bool]:
@@ -71,6 +74,6 @@ CAPTURES = (
     Capture("Azure Kinect", "NAME.mkv", _ends(".mkv"), "azure"),
     Capture("ScanNet", "NAME.sens", _ends(".sens"), "scannet"),
     Capture("Replica", "results/frame*.jpg and depth*.png", _is_replica, "replica", True),
-    Capture("Redwood, Open3D", "color/ and depth/", _has("color/", "depth/"), "folders", True),
-    Capture("folders", "pictures of colour and of depth", _holds_pictures, "folders", True),
+    Capture("Redwood, Open3D", "color/ and depth/", _has("color/", "depth/"), "folders", True, True),
+    Capture("folders", "pictures of colour and of depth", _holds_pictures, "folders", True, True),
 )

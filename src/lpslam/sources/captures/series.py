@@ -2,7 +2,7 @@
 
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import islice
@@ -13,22 +13,9 @@ import numpy as np
 from lpslam.sources.images import BadImageError, read_raw
 
 _PICTURES = frozenset((".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff", ".pgm", ".ppm", ".npy", ".npz"))
-_NO_PICTURE_OF_A_VIEW = (
-    "confidence",
-    "conf",
-    "mask",
-    "label",
-    "seg",
-    "semantic",
-    "instance",
-    "normal",
-    "preview",
-    "thumb",
-)
-_COLOUR, _DEPTH = (
-    ("color", "colour", "rgb", "image", "img", "picture", "left", "cam"),
-    ("depth", "distance", "range", "disp"),
-)
+_NO_PICTURE_OF_A_VIEW = ("conf", "mask", "label", "seg", "semantic", "instance", "normal", "preview", "thumb")
+_COLOUR = ("color", "colour", "rgb", "image", "img", "picture", "left", "cam")
+_DEPTH = ("depth", "distance", "range", "disp")
 _REGISTERED = ("align", "regist", "_to_")
 _DEEPEST, _MOST_FILES, _MOST_ALIKE = 3, 400_000, 20
 
@@ -62,24 +49,17 @@ class Pictures:
     @cached_property
     def series(self) -> list[Series]:
         """All series of two pictures and more."""
-        groups: dict[tuple[Path, str, str], list[Path]] = {}
-        for path in self.files:
-            if path.suffix.lower() in _PICTURES:
-                groups.setdefault((path.parent, path.suffix.lower(), _letters(path.stem)), []).append(path)
         return [
             _series(paths)
-            for paths in groups.values()
+            for paths in _of_one_kind(path for path in self.files if path.suffix.lower() in _PICTURES)
             if len(paths) > 1 and not _says(paths[0], self.folder, _NO_PICTURE_OF_A_VIEW)
         ]
 
     @cached_property
     def texts(self) -> list[Path]:
         """What may be a list or a calibration; of many files of one kind, as of labels for each picture, the first."""
-        groups: dict[tuple[Path, str, str], list[Path]] = {}
-        for path in self.files:
-            if path.suffix.lower() not in _PICTURES:
-                groups.setdefault((path.parent, path.suffix.lower(), _letters(path.stem)), []).append(path)
-        return [path for paths in groups.values() for path in (paths if len(paths) <= _MOST_ALIKE else paths[:1])]
+        groups = _of_one_kind(path for path in self.files if path.suffix.lower() not in _PICTURES)
+        return [path for paths in groups for path in (paths if len(paths) <= _MOST_ALIKE else paths[:1])]
 
     @property
     def colour(self) -> Series | None:
@@ -89,17 +69,11 @@ class Pictures:
     @property
     def depth(self) -> Series | None:
         """Of several the one registered to colour, and then the longest."""
-        return self._best(True, (*_REGISTERED,))
+        return self._best(True, _REGISTERED)
 
     def _best(self, is_depth: bool, words: tuple[str, ...]) -> Series | None:
         of_kind = [each for each in self.series if each.is_depth == is_depth]
         return max(of_kind, key=lambda each: (_says(each.paths[0], self.folder, words), len(each.paths)), default=None)
-
-
-def number_of(path: Path) -> int | None:
-    """The last number in a picture's name."""
-    digits = re.findall(r"\d{1,30}", path.stem)
-    return int(digits[-1]) if digits else None
 
 
 def _walk(folder: Path, levels: int) -> Iterator[Path]:
@@ -116,8 +90,13 @@ def _walk(folder: Path, levels: int) -> Iterator[Path]:
         yield from _walk(each, levels - 1)
 
 
-def _letters(stem: str) -> str:
-    return re.sub(r"[\d.\-_:T]+", "#", stem)
+def _of_one_kind(paths: Iterable[Path]) -> list[list[Path]]:
+    """Files that lie together and are called alike but for their numbers."""
+    groups: dict[tuple[Path, str, str], list[Path]] = {}
+    for path in paths:
+        letters = re.sub(r"[\d.\-_:T]+", "#", path.stem)
+        groups.setdefault((path.parent, path.suffix.lower(), letters), []).append(path)
+    return list(groups.values())
 
 
 def _says(path: Path, folder: Path, words: tuple[str, ...]) -> bool:

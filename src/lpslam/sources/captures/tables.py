@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from lpslam.errors import UserError
 from lpslam.regular_files import text_of
-from lpslam.sources.captures.series import number_of
+from lpslam.sources.captures.common import number_of
 from lpslam.sources.clocks import in_seconds
 
 Times = NDArray[np.float64]
@@ -93,7 +93,8 @@ def _take(table: Table, columns: dict[int, list[Path | None]], found: Listing) -
 def _take_in_order(tables: Sequence[Table], pictures: tuple[Path, ...], found: Listing) -> None:
     """Times without names belong to pictures by their numbers, where a column has these, or in order."""
     for table in tables:
-        if len(table.rows) < len(pictures) or not (stamps := _times(table)) is not None:
+        stamps = _times(table)
+        if stamps is None or len(stamps) < len(pictures):
             continue
         seconds, note = in_seconds(stamps)
         found.notes |= {note} - {""}
