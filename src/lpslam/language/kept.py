@@ -23,7 +23,7 @@ _HERE = Path(__file__).parent
 MANY = 50
 """Texts of boards of which it is kept what they say: fewer are read in a twentieth of a second."""
 _MOST_BYTES = 200 << 20  # of all files: tables of a few versions, and boards of a few million signs
-_MANY = 50_000  # objects made since the last collection: of tables; what a question builds is far less
+_MUCH_BUILT = 50_000  # objects made since the last collection: of tables; what a question builds is far less
 _SUM = 4  # bytes of a checksum: what is torn is made anew
 
 
@@ -38,7 +38,7 @@ def building() -> Iterator[None]:
         if was_enabled:
             # All that there is counts as old now, so that the next collections do not go through it three times. To
             # count what is frozen goes through it, too, as long as a question takes.
-            if gc.get_count()[0] > _MANY and not gc.get_freeze_count():
+            if gc.get_count()[0] > _MUCH_BUILT and not gc.get_freeze_count():
                 gc.freeze()
                 gc.unfreeze()
             gc.enable()
