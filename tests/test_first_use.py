@@ -247,6 +247,27 @@ def test_ctrl_c_at_any_moment_is_one_line(delays: list[float], walked: Path) -> 
         assert (process.wait(30), told) == (130, "lpslam: interrupted\n")
 
 
+PRESSED_AT_THE_END = """
+import os, signal, sys
+from lpslam import interruption
+signal.signal(signal.SIGINT, signal.default_int_handler)
+class Terminal:
+    def write(self, text):
+        os.write(2, text.encode())
+        os.kill(os.getpid(), signal.SIGINT)
+    def flush(self):
+        pass
+sys.stderr = Terminal()
+interruption.watch()
+interruption.end()
+"""
+
+
+def test_ctrl_c_while_the_last_line_is_said_does_not_say_it_again() -> None:
+    done = subprocess.run([sys.executable, "-c", PRESSED_AT_THE_END], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (130, "lpslam: interrupted\n")
+
+
 @pytest.mark.parametrize("moment", ["time.sleep(0.3)", "while len(os.listdir(FOLDER)) < 2: time.sleep(0.001)"])
 def test_a_polite_kill_is_as_ctrl_c(moment: str, clip: Callable[[int], Path], tmp_path: Path) -> None:
     """By default it would end the process at once, and leave the part of a recording that nobody finds.

@@ -2,6 +2,7 @@
 closed.
 """
 
+import contextlib
 import os
 import signal
 import sys
@@ -36,6 +37,7 @@ def was_pressed() -> bool:
 
 def end(is_said: bool = False) -> NoReturn:
     """End at once: the reading engine may be at work in its thread, and tearing it down meanwhile would crash."""
+    _close_ears()
     remove: Callable[[], None] | None = getattr(sys.modules.get("lpslam.kernel_cache"), "remove_temporary", None)
     if remove is not None:
         remove()
@@ -45,6 +47,17 @@ def end(is_said: bool = False) -> NoReturn:
     except (OSError, ValueError):
         pass
     os._exit(INTERRUPTED)
+
+
+def _close_ears() -> None:
+    """Hear no key and no kill from now on: one that falls into the end would say the same line again.
+
+    A handler of Python takes their place, since a signal that has come already and is then ignored is told of on
+    standard error. Only the main thread hears signals, and only there can this be set.
+    """
+    with contextlib.suppress(ValueError):
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, lambda *_: None)
 
 
 def hold_streams() -> None:

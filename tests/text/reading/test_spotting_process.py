@@ -1,4 +1,7 @@
+import subprocess
 from collections.abc import Iterator
+from multiprocessing.connection import Connection
+from typing import Any
 
 import cv2
 import numpy as np
@@ -84,6 +87,32 @@ def test_it_counts_its_processor_time_and_ends_with_its_block(image: NDArray[np.
         running = process._process
         assert running is not None
     assert running.poll() is not None
+
+
+def test_who_still_reads_when_the_block_is_left_starts_no_process(image: NDArray[np.uint8]) -> None:
+    with SpottingProcess(CONFIG) as process:
+        pass
+    with pytest.raises(RuntimeError, match="ended"):
+        process.detect(image)
+    assert process._process is None
+
+
+def test_a_start_that_is_broken_off_leaves_no_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    started: list[subprocess.Popen[bytes]] = []
+    popen = subprocess.Popen
+
+    def noted(*words: Any, **options: Any) -> "subprocess.Popen[bytes]":
+        started.append(popen(*words, **options))
+        return started[-1]
+
+    def pressed(self: Connection) -> object:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(subprocess, "Popen", noted)
+    monkeypatch.setattr(Connection, "recv", pressed)
+    with pytest.raises(KeyboardInterrupt), SpottingProcess(CONFIG):
+        pass
+    assert [each.returncode for each in started] != [None]
 
 
 def test_a_process_that_has_proven_sound_may_be_started_again_as_often(

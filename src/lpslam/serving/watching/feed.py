@@ -76,6 +76,10 @@ class Feed:
             said, _, rest = self._process.stdout.readline().decode("utf-8", "replace").strip().partition(" ")
         except OSError:
             said, rest = "", ""
+        except BaseException:
+            # Broken off while it starts: a block that is not entered is not left either.
+            self._kill()
+            raise
         if said != "at":
             self._kill()
             raise UserError(rest or "the page cannot be served: its process has ended")

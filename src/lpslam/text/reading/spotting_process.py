@@ -8,6 +8,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
@@ -56,6 +57,8 @@ class SpottingProcess:
         self._process: subprocess.Popen[bytes] | None = None
         self._channel: Connection | None = None
         self._starts = self._answers = 0
+        # Whoever reads may be at it in a thread of its own while the block is left.
+        self._holding, self._is_left = threading.Lock(), False
         self.seconds_elsewhere = 0.0
 
     @staticmethod
@@ -64,10 +67,12 @@ class SpottingProcess:
         return os.name == "posix" and can_start()
 
     def __enter__(self) -> Self:
+        self._is_left = False
         self._start()
         return self
 
     def __exit__(self, *_: object) -> None:
+        self._is_left = True
         self._end()
 
     def detect(self, rgb: NDArray[np.uint8]) -> tuple[Boxes, NDArray[np.float64]]:
@@ -83,7 +88,8 @@ class SpottingProcess:
         if self._channel is None:
             self._start()
         channel = self._channel
-        assert channel is not None
+        if channel is None:
+            raise RuntimeError("reading has ended")
         try:
             channel.send((what, rgb.shape, more))
             channel.send_bytes(np.ascontiguousarray(rgb).reshape(-1).data)
@@ -102,28 +108,38 @@ class SpottingProcess:
     def _start(self) -> None:
         if self._starts == _MOST_STARTS:
             raise RuntimeError(f"the process that reads text ended {_MOST_STARTS} times")
-        self._starts, self._answers = self._starts + 1, 0
-        self._channel, other = Pipe()
-        with other:
-            self._process = subprocess.Popen(
-                python_command(_SERVE, str(other.fileno())),
-                pass_fds=[other.fileno()],
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL,
-            )
+        with self._holding:
+            # Nobody would end a process that starts once the block is left.
+            if self._is_left:
+                raise RuntimeError("reading has ended")
+            self._starts, self._answers = self._starts + 1, 0
+            channel, other = Pipe()
+            self._channel = channel
+            with other:
+                self._process = subprocess.Popen(
+                    python_command(_SERVE, str(other.fileno())),
+                    pass_fds=[other.fileno()],
+                    stdin=subprocess.DEVNULL,
+                    stdout=subprocess.DEVNULL,
+                )
         try:
-            self._channel.send(self._config)
-            answer = self._channel.recv()
+            channel.send(self._config)
+            answer = channel.recv()
         except (EOFError, OSError) as error:
             self._end()
             raise RuntimeError("the process that reads text did not start") from error
+        except BaseException:
+            # Broken off while it starts: a block that is not entered is not left either.
+            self._end()
+            raise
         if isinstance(answer, Exception):
             self._end()
             raise answer
 
     def _end(self) -> None:
-        channel, process = self._channel, self._process
-        self._channel = self._process = None
+        with self._holding:
+            channel, process = self._channel, self._process
+            self._channel = self._process = None
         if channel is not None:
             channel.close()
         if process is not None:
