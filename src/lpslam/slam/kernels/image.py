@@ -173,14 +173,15 @@ def detect_corners(
         (n, 2) x, y in pixels of the level.
     """
     height, width = image.shape
-    left, right, top, bottom = BORDER, width - BORDER, BORDER, height - BORDER
+    # Of the type of any number: with a literal one, what is called below would be compiled for each kind.
+    left, top, count = int(np.int64(BORDER)), int(np.int64(BORDER)), int(np.int64(0))
+    right, bottom = width - BORDER, height - BORDER
     if right <= left or bottom <= top:
         return np.empty((0, 2), np.int32)
     scores = np.zeros((height, width), np.uint8)
     corners = np.empty(((right - left) * (bottom - top) + 8, 2), np.int32)
     columns = (right - left + cell - 1) // cell
     occupied = np.empty(columns, np.bool_)
-    count = 0
     for y0 in range(top, bottom, cell):
         y1 = min(y0 + cell, bottom)
         before = count
