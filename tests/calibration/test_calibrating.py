@@ -40,11 +40,22 @@ def through_a_lens(recording: Path, folder: Path, camera: PinholeCamera, stated:
     return folder
 
 
+LIGHTER = "calibrating: {views: 28, points: 1000}\ncalibration: {registration: {estimating_frames: FRAMES}}\n"
+
+
 @pytest.fixture
 def lighter(tmp_path: Path) -> Path:
-    """A configuration of fewer views, points and contours than usual, which tell this short walk's lens as well."""
+    """A configuration of fewer views and points than usual, and of too few frames to compare contours in."""
     path = tmp_path / "lighter.yaml"
-    path.write_text("calibrating: {views: 40, points: 2000}\ncalibration: {registration: {estimating_frames: 8}}\n")
+    path.write_text(LIGHTER.replace("FRAMES", "4"))
+    return path
+
+
+@pytest.fixture
+def with_contours(tmp_path: Path) -> Path:
+    """The same with frames enough for contours to be compared."""
+    path = tmp_path / "with_contours.yaml"
+    path.write_text(LIGHTER.replace("FRAMES", "6"))
     return path
 
 
@@ -62,14 +73,14 @@ def check_lens(true: PinholeCamera, record: dict[str, float], written: PinholeCa
 
 
 def test_the_lens_is_found_though_its_focal_length_is_stated_twice_as_long(
-    lpslam: Command, walk: Path, tmp_path: Path, lighter: Path, monkeypatch: pytest.MonkeyPatch
+    lpslam: Command, walk: Path, tmp_path: Path, with_contours: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # On a loaded machine it would say how far it is.
     monkeypatch.setattr(run_progress, "_LINE_EVERY", math.inf)
     true = replace(read_calibration(walk / "camera.yaml").camera, distortion=(-0.1, 0.0, 0.0, 0.0, 0.0))
     recording = through_a_lens(walk, tmp_path / "bent", true, 2.0, 5000)
     output = tmp_path / "found.yaml"
-    done = lpslam("calibrate", recording, "-o", output, "--config", lighter, "--json")
+    done = lpslam("calibrate", recording, "-o", output, "--config", with_contours, "--json")
     # The first start after installing says that it compiles.
     assert done.err.endswith(
         "lpslam: bent: metres are taken from the depth readings: only a true path that is long enough tells their "
@@ -108,9 +119,9 @@ def test_places_that_cannot_be_written_are_refused_first(lpslam: Command, tmp_pa
     assert "nowhere does not exist; give the folder of a recording" in complaint
 
 
-def refused(lpslam: Command, recording: Path) -> str:
+def refused(lpslam: Command, recording: Path, config: Path) -> str:
     output = recording.parent / "found.yaml"
-    complaint = lpslam("calibrate", recording, "-o", output).complaint
+    complaint = lpslam("calibrate", recording, "-o", output, "--config", config).complaint
     assert not list(recording.parent.glob("*found.yaml*"))
     return complaint
 
@@ -119,23 +130,23 @@ def pictures(recording: Path, kind: str) -> list[Path]:
     return [recording / line.split()[1] for line in (recording / f"{kind}.txt").read_text().splitlines()]
 
 
-def test_what_tells_nothing_is_refused_in_one_line(lpslam: Command, clip: Clip) -> None:
-    recording = clip(12)
+def test_what_tells_nothing_is_refused_in_one_line(lpslam: Command, clip: Clip, lighter: Path) -> None:
+    recording = clip(6)
     for kind in ("rgb", "depth"):
         first, *others = pictures(recording, kind)
         for path in others:
             shutil.copy(first, path)
-    assert "with the camera moving" in refused(lpslam, recording)
+    assert "with the camera moving" in refused(lpslam, recording, lighter)
     for path in pictures(recording, "rgb"):
         cv2.imwrite(str(path), np.zeros((480, 640, 3), np.uint8))
-    assert "record a textured room, in light" in refused(lpslam, recording)
+    assert "record a textured room, in light" in refused(lpslam, recording, lighter)
 
 
-def test_one_frame_or_no_depth_is_refused(lpslam: Command, clip: Clip) -> None:
+def test_one_frame_or_no_depth_is_refused(lpslam: Command, clip: Clip, lighter: Path) -> None:
     recording = clip(10)
     for path in pictures(recording, "depth"):
         cv2.imwrite(str(path), np.zeros((480, 640), np.uint16))
-    assert "within reach of the depth sensor" in refused(lpslam, recording)
+    assert "within reach of the depth sensor" in refused(lpslam, recording, lighter)
     assert "only 0 pairs" in lpslam("calibrate", recording, "--max-frames", 1, "-o", recording / "a.yaml").complaint
 
 
