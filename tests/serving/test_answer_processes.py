@@ -19,13 +19,7 @@ from lpslam.serving.atlas import Atlas
 from lpslam.serving.questions import Asked
 from small_maps import small_map
 
-QUESTIONS = (
-    "Where can I eat pizza?",
-    "哪里可以买书？",
-    "exit",
-    "a place that sells aeroplanes",
-    "the toilet next to KFC",
-)
+QUESTIONS = ("Where can I eat pizza?", "哪里可以买书？", "a place that sells aeroplanes")
 
 
 def with_processes(
@@ -59,7 +53,7 @@ def test_they_answer_as_threads_do_and_survive_what_happens(
     async def use(answerer: ProcessAnswerer, atlas: Atlas) -> None:
         served, threads = atlas.get(), ThreadAnswerer(model, 400, 64)
         alone = [await threads.ask(each, served) for each in asked]
-        assert list(await asyncio.gather(*(answerer.ask(each, served) for each in asked * 4))) == alone * 4
+        assert list(await asyncio.gather(*(answerer.ask(each, served) for each in asked * 2))) == alone * 2
         assert max(len(json.loads(each)["answer"]["alternatives"]) for each in alone) == 1
         assert await answerer.understand(asked[0]) == await threads.understand(asked[0])
         with pytest.raises(UserError, match="empty"):
@@ -70,10 +64,10 @@ def test_they_answer_as_threads_do_and_survive_what_happens(
             os.kill(process, signal.SIGKILL)
         assert list(await asyncio.gather(*(answerer.ask(each, served) for each in asked))) == alone
         # The other is ended while it answers.
-        running = asyncio.gather(*(answerer.ask(each, served) for each in asked * 8))
+        running = asyncio.gather(*(answerer.ask(each, served) for each in asked * 4))
         await asyncio.sleep(0.01)
         os.kill(answerer.process_ids[0], signal.SIGKILL)
-        assert list(await running) == alone * 8
+        assert list(await running) == alone * 4
         # A map that is replaced is known to it.
         small_map(["Bakery"]).save(mall)
         (new,) = atlas.refresh()

@@ -42,9 +42,9 @@ main()
 class Run:
     """A run with a page, in a process of its own; what is not played at once is stopped at the end."""
 
-    def __init__(self, walk: Path, folder: Path, frames: int = FRAMES) -> None:
+    def __init__(self, walk: Path, folder: Path, frames: int = FRAMES, *more: str) -> None:
         self.map = folder / "walk.lpmap"
-        words = ["run", str(walk), "-o", str(self.map), "--view", "--port", "0", "--max-frames", str(frames)]
+        words = ["run", str(walk), "-o", str(self.map), "--view", "--port", "0", "--max-frames", str(frames), *more]
         self.process = subprocess.Popen(
             python_command(CODE, *words),
             stdin=subprocess.PIPE,
@@ -100,20 +100,20 @@ def held(run: Run) -> Iterator[Run]:
 
 @pytest.fixture
 def held_run(walk: Path, tmp_path: Path) -> Iterator[Run]:
-    """One that takes the frames that the test lets it take."""
+    """One that takes the frames that the test lets it take, and is shown in a browser."""
+    need_chromium()
     with held(Run(walk, tmp_path)) as run:
         yield run
 
 
 @pytest.fixture
 def short_run(walk: Path, tmp_path: Path) -> Iterator[Run]:
-    """The same of the walk's beginning."""
-    with held(Run(walk, tmp_path, 24)) as run:
+    """The same of the walk's beginning, without a reader."""
+    with held(Run(walk, tmp_path, 8, "--no-text")) as run:
         yield run
 
 
 def test_labels_appear_as_they_are_found_and_questions_are_answered(held_run: Run) -> None:
-    need_chromium()
     run = held_run
     with chromium() as browser, shown(browser, run.url, own=run.url, troubles_are_meant=True) as page:
         until(page, "document.getElementById('status').textContent.startsWith('Warten')")
@@ -158,7 +158,6 @@ def test_labels_appear_as_they_are_found_and_questions_are_answered(held_run: Ru
 
 
 def test_a_page_that_was_away_goes_on_and_one_that_does_not_read_holds_up_nobody(held_run: Run) -> None:
-    need_chromium()
     run = held_run
     silent = run.watch()
     with chromium() as browser, shown(browser, run.url, own=run.url, troubles_are_meant=True) as page:
@@ -185,7 +184,7 @@ def test_the_run_goes_on_when_its_page_is_killed(short_run: Run) -> None:
         if "watching" in Path(f"/proc/{child}/cmdline").read_bytes().decode("utf-8", "replace"):
             os.kill(child, signal.SIGKILL)
     run.go_on()
-    assert run.end().landmarks()
+    assert run.end().trajectory.tracked_count == 8
     assert run.process.stderr is not None
     assert "the page is lost; the run goes on" in run.process.stderr.read()
     watcher.close()

@@ -117,13 +117,13 @@ def test_holding_frames_keeps_them_as_they_are() -> None:
 
 @pytest.mark.slow
 def test_accuracy_of_a_short_walk(clip: Callable[[int], Path], tmp_path: Path) -> None:
-    walk = clip(40).rename(tmp_path / "walk")
+    walk = clip(14).rename(tmp_path / "walk")
     command = [sys.executable, BENCHMARKS / "slam.py", "accuracy", walk, "--runs", "2", "--out", tmp_path]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     first, second = (json.loads(line) for line in (tmp_path / "results.jsonl").read_text().splitlines())
-    assert (first["tracked"], second["tracked"]) == (first["frames"], second["frames"]) == (40, 39)
+    assert (first["tracked"], second["tracked"]) == (first["frames"], second["frames"]) == (14, 13)
     assert max(first["ate_rmse_m"], second["ate_rmse_m"]) < 0.01
     assert first["wrong_loops"] == first["loops"] == 0
     assert (tmp_path / "walk-run-1.png").stat().st_size > 10_000
-    assert "| walk | 100.0% of 40 |" in done.stdout
+    assert "| walk | 100.0% of 14 |" in done.stdout

@@ -129,7 +129,7 @@ UNREGISTERED = CalibrationCheckConfig(registration=RegistrationCheckConfig(frame
 
 def warnings_with(folder: Path, ratio: float, tmp_path: Path, caplog: pytest.LogCaptureFixture) -> list[str]:
     """What is said of the focal length when it is stated wrong by a ratio."""
-    quiet = CalibrationCheckConfig(focal=FocalCheckConfig(pairs=0))
+    quiet = CalibrationCheckConfig(focal=FocalCheckConfig(pairs=0), registration=RegistrationCheckConfig(frames=0))
     camera = open_source(folder, checks=quiet).camera
     lens = f"fx: {camera.fx * ratio}\nfy: {camera.fy * ratio}\ncx: {camera.cx}\ncy: {camera.cy}\n"
     size = f"width: {camera.width}\nheight: {camera.height}\ndepth_scale: {camera.depth_scale}\n"

@@ -13,8 +13,6 @@ from bag_writers import COLOUR, COLOUR_INFO, DEPTH, DEPTH_INFO, Entry, Types, wr
 from lpslam import pipeline
 from lpslam.camera import PinholeCamera
 from lpslam.frames import RgbdFrame
-from lpslam.mapfile.export import landmark_record
-from lpslam.mapfile.language_map import LanguageMap
 from lpslam.sources.open import open_source
 from lpslam.sources.writing.recordings import written
 
@@ -76,9 +74,8 @@ def of_realsense(types: Types, frames: list[RgbdFrame], camera: PinholeCamera) -
     return entries
 
 
-def test_a_recording_is_the_same_in_every_layout(begun: Path, clip: Callable[[int], Path], tmp_path: Path) -> None:
-    wanted = LanguageMap.load(begun)
-    folder = clip(len(wanted.trajectory))
+def test_a_recording_is_the_same_in_every_layout(clip: Callable[[int], Path], tmp_path: Path) -> None:
+    folder = clip(8)
     source = open_source(folder)
     frames, camera = list(source), source.camera
     recordings = [
@@ -100,8 +97,6 @@ def test_a_recording_is_the_same_in_every_layout(begun: Path, clip: Callable[[in
             np.testing.assert_array_equal(frame.depth, expected.depth, recording.name)
         assert not opened.faults, recording.name
     # Of equal frames come equal maps: of the folder, and of what is stored least like it.
-    found = pipeline.run(tmp_path / "ros.bag", sequential=True)
+    wanted, found = (pipeline.run(each, sequential=True, text=False) for each in (folder, tmp_path / "ros.bag"))
     np.testing.assert_array_equal(found.frame_poses().timestamps, wanted.frame_poses().timestamps)
     np.testing.assert_array_equal(found.frame_poses().world_from_camera, wanted.frame_poses().world_from_camera)
-    landmarks = [landmark_record(mark) for mark in found.landmarks()]
-    assert landmarks == [landmark_record(mark) for mark in wanted.landmarks()] != [], "the clip shows a sign"
