@@ -277,7 +277,7 @@ def test_a_polite_kill_is_as_ctrl_c(moment: str, clip: Callable[[int], Path], tm
     moment = moment.replace("FOLDER", repr(str(tmp_path)))
     script = PRESSED.replace("DELAYS", "[0]").replace("time.sleep(delay)", moment)
     words = [sys.executable, "-c", script.replace("os.getpid(), signal.SIGINT", KILL)]
-    words += ["convert", str(clip(30)), str(tmp_path / "copy.mcap")]
+    words += ["convert", str(clip(12)), str(tmp_path / "copy.mcap")]
     done = subprocess.run(words, capture_output=True, text=True, timeout=60, check=False)
     assert (done.returncode, done.stderr) == (130, "lpslam: interrupted\n")
     assert [path.name for path in tmp_path.iterdir()] == ["clip"], "no part of it is left"

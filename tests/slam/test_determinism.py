@@ -28,20 +28,20 @@ def clip(walk: Path) -> Clip:
 
 def lost_and_found(clip: Clip) -> FrameSource:
     """Tracked, lost behind a hand, found again."""
-    return Disturbed(clip, lambda frames: hand_over_lens(20, 26)(frame for frame in frames if frame.index < 45))
+    return Disturbed(clip, lambda frames: hand_over_lens(12, 18)(frame for frame in frames if frame.index < 30))
 
 
 def crowded(clip: Clip) -> FrameSource:
     """Someone crosses the view."""
-    return Disturbed(clip, lambda frames: passer_by(10, 25)(frame for frame in frames if frame.index < 35))
+    return Disturbed(clip, lambda frames: passer_by(8, 20)(frame for frame in frames if frame.index < 26))
 
 
 def carried_away(clip: Clip) -> FrameSource:
     """Tracked, then behind a hand to a place that was never seen, for long enough to map it on its own."""
 
     def disturbance(frames: Iterator[RgbdFrame]) -> Iterator[RgbdFrame]:
-        taken = [frame for frame in frames if frame.index < 20 or frame.index >= 84]
-        return hand_over_lens(20, 23)(iter(taken))
+        taken = [frame for frame in frames if frame.index < 12 or 84 <= frame.index < 108]
+        return hand_over_lens(12, 15)(iter(taken))
 
     return Disturbed(clip, disturbance)
 
@@ -101,11 +101,11 @@ def test_the_stories_are_what_they_are_said_to_be(first: Callable[[Story], Run])
     """Else the comparison would not reach what it is there for."""
     _, tracked = first(lost_and_found)
     states = [frame.state for frame in tracked]
-    assert states[:20] == [TrackingState.TRACKING] * 20
-    assert states[20:26] == [TrackingState.WEAK] * 6
+    assert states[:12] == [TrackingState.TRACKING] * 12
+    assert states[12:18] == [TrackingState.WEAK] * 6
     assert tracked[-1].is_tracked
     slam, tracked = first(carried_away)
-    assert [frame.state for frame in tracked[:20]] == [TrackingState.TRACKING] * 20
+    assert [frame.state for frame in tracked[:12]] == [TrackingState.TRACKING] * 12
     assert tracked[-1].is_tracked
     assert set(slam.map.submaps().tolist()) == {0, 1}
 

@@ -21,9 +21,9 @@ from lpslam.slam.system import RgbdSlam
 
 pytestmark = pytest.mark.slow
 
-FRAMES = 50
-HIDDEN = range(20, 24)
-UNSEEN = range(24, 29)
+FRAMES = 40
+HIDDEN = range(12, 16)
+UNSEEN = range(16, 21)
 """Frames that show the place well, while nobody looks for it in the map."""
 
 STATES = list(TrackingState)

@@ -15,8 +15,8 @@ from lpslam.slam.state import EventKind, TrackedFrame, TrackingState
 from lpslam.slam.system import RgbdSlam
 from lpslam.slam.tracking.doubt import Doubt
 
-FRAMES = 60
-HIDDEN = range(22, 28)
+FRAMES = 40
+HIDDEN = range(12, 18)
 
 
 class Witness:

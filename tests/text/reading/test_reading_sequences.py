@@ -34,11 +34,11 @@ def named(landmarks: list[Landmark], text: str) -> list[Landmark]:
 @pytest.mark.slow
 def test_signs_of_a_mall_become_landmarks_in_their_places() -> None:
     source = MallSource(0, frames=160)
-    indices = range(0, 160, 5)
+    indices = range(0, 160, 8)
     poses = {index: source.ground_truth.world_from_camera[index] for index in indices}
     mapper = TextMapper(source.camera, PaddleSpotter(CONFIG.spotting), CONFIG)
     for index in indices:
-        mapper.observe(source.frame(index), tracked(index, index - index % 30, poses))
+        mapper.observe(source.frame(index), tracked(index, index - index % 32, poses))
 
     landmarks = mapper.text_map.landmarks(poses.__getitem__)
     assert len(landmarks) >= 2
