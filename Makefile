@@ -33,14 +33,17 @@ versions: $(VENV)/.dev-ready
 	  python$$version -c "" 2> /dev/null || { echo "python$$version is not installed: skipped"; continue; }; \
 	  $(BIN)/python --version | grep -q " $$version\." && continue; \
 	  python$$version -m venv .venvs/$$version && \
+	  { .venvs/$$version/bin/$(PIP_INSTALL) --upgrade pip || true; } && \
 	  .venvs/$$version/bin/$(PIP_INSTALL) --editable '.[dev,llm]' && \
 	  .venvs/$$version/bin/python -m pytest -q -m "not slow" --numprocesses auto --maxprocesses 4 || exit 1; \
 	done
 
 install: $(VENV)/.dev-ready
 
+# An older pip takes three times as long to choose versions; without a newer one it installs all the same.
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
+	-$(BIN)/$(PIP_INSTALL) --upgrade pip
 
 $(VENV)/.demo-ready: $(BIN)/python pyproject.toml
 	$(BIN)/$(PIP_INSTALL) --editable .
