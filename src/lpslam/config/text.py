@@ -165,6 +165,8 @@ class ReadingConfig(Section):
     # them where its name is this sure already.
     settled_sightings: int = Field(default=8, ge=1)
     settled_certainty: float = Field(default=0.97, ge=0, le=1)
+    # Where it is not, half of them must be of letters as large as they are now but for this factor.
+    unsure_better: float = Field(default=1.25, gt=1)
     # What said nothing in half as many views at its place is read again from so many times the size on: ...
     vain_better: float = Field(default=1.25, gt=1)
     # A text that is not found is read where it stands until so many more readings said something else than said it:

@@ -108,7 +108,7 @@ def test_a_settled_text_is_read_again_when_it_is_seen_better(size: float, width:
     spots = Spots()
     for _ in range(8):
         spots.add(7, "HARNOW", standing(0.0, 0.0), np.eye(4), SeenSize(20.0, 1.0))
-    seen = spots.settled_at(standing(0.0, 0.0, width=width), np.eye(4), SeenSize(size, 1.0), unsure, FOUR)
+    seen = spots.settled_at(standing(0.0, 0.0, width=width), np.eye(4), SeenSize(size, 1.0), lambda _: True, FOUR)
     assert (seen == 7) == is_settled
 
 
@@ -125,6 +125,18 @@ def test_a_sure_name_takes_half_as_many_readings() -> None:
         spots.add(7, "HARNOW", standing(0.0, 0.0), np.eye(4), SeenSize(20.0, 1.0))
     assert spots.settled_at(standing(0.0, 0.0), np.eye(4), SeenSize(20.0, 1.0), unsure, FOUR) is None
     assert spots.settled_at(standing(0.0, 0.0), np.eye(4), SeenSize(20.0, 1.0), lambda _: True, FOUR) == 7
+
+
+def test_an_unsure_name_is_not_settled_by_what_was_read_from_farther_off() -> None:
+    spots = Spots()
+    for _ in range(8):
+        spots.add(7, "220", standing(0.0, 0.0), np.eye(4), SeenSize(20.0, 1.0))
+    now = standing(0.0, 0.0), np.eye(4), SeenSize(27.0, 1.0)
+    assert spots.settled_at(*now, lambda _: True, FOUR) == 7
+    for _ in range(2):
+        assert spots.settled_at(*now, unsure, FOUR) is None, "commas are seen from near"
+        spots.add(7, "220", standing(0.0, 0.0), np.eye(4), SeenSize(27.0, 1.0))
+    assert spots.settled_at(*now, unsure, FOUR) == 7, "it is not read for ever"
 
 
 def test_what_was_never_seen_large_enough_to_be_believed_is_read_again_once_it_is() -> None:

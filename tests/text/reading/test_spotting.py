@@ -327,3 +327,19 @@ def test_what_is_marks_for_the_most_part_is_no_text(raw: str, is_text: bool) -> 
     box = np.array([[[0, 0], [100, 0], [100, 30], [0, 30]]], float)
     (accepted,) = accepted_texts(box, [Recognition(raw, 0.99)], CONFIG)
     assert (accepted is not None) == is_text
+
+
+@pytest.mark.parametrize(
+    ("read", "text"),
+    [("1.050円", "1,050円"), ("1.05円", "1.05円"), ("1.050", "1.050"), ("12.500元", "12,500元"), ("元1.050", "元1.050")],
+)
+def test_a_point_before_three_digits_and_yen_is_a_comma(read: str, text: str) -> None:
+    """No price has thousandths of a yen; of a weight, or in other money, it may be a point."""
+    alphabet = np.array(["", *"0125.,円元"])
+    steps = np.zeros((2 * len(read), len(alphabet)), np.float32)
+    for at, letter in enumerate(read):
+        steps[2 * at, alphabet.tolist().index(letter)] = 0.8
+        steps[2 * at + 1, 0] = 1.0
+    found = decode_ctc(steps, alphabet)
+    assert found.text == text
+    assert "".join(slot[0][0] for slot in found.slots) == text

@@ -105,12 +105,15 @@ class Spots:
         leading = int(classes[counts.argmax()])
         # A piece of the text may have been read often from afar: how well others were seen does not settle it.
         own = here & (self._classes == leading)
+        is_known = is_sure(leading)
         if self._is_better(own, placement, seen, config) or self._shows_an_end(own, room):
             return None
-        sightings = config.settled_sightings
-        if is_sure(leading):
-            sightings = -(-sightings // _PATIENCE)
+        fewer = -(-config.settled_sightings // _PATIENCE)
+        sightings = fewer if is_known else config.settled_sightings
         if counts.max() < sightings:
+            return None
+        # Of a name that is not sure, what was read from afar says less than what would be read now.
+        if not is_known and self._count_as_good(own, seen, config) < min(fewer, sightings):
             return None
         if counts.max() < _LEADING_SHARE * counts.sum():
             return leading if counts.max() >= _PATIENCE**2 * sightings else None
@@ -136,6 +139,10 @@ class Spots:
         is_larger = best < config.full_size and seen.effective >= min(config.better_size * best, config.full_size)
         is_larger |= highest < config.believed_height <= seen.height
         return is_larger or placement.width > config.longer * float(self._sizes[here, 0].max())
+
+    def _count_as_good(self, here: NDArray[np.bool_], seen: SeenSize, config: ReadingConfig) -> int:
+        """How many readings are of letters nearly as large as they are seen now, or as large as a reader can use."""
+        return int((self._seen[here, 1] * config.unsure_better > min(seen.effective, config.full_size)).sum())
 
     def _shows_an_end(self, here: NDArray[np.bool_], room: Callable[[], tuple[float, float]]) -> bool:
         """Whether the view goes on now beyond an end where it did in no reading."""

@@ -126,7 +126,7 @@ def decode_ctc(probabilities: NDArray[np.float32], alphabet: NDArray[np.str_]) -
     if not len(kept):
         return Recognition("", 0.0)
     text = "".join(alphabet[best[kept]].tolist())
-    mended = _LONG_VOWEL.sub("ー", text)
+    mended = _THOUSANDS.sub(",", _LONG_VOWEL.sub("ー", text))
     slots = _slots(probabilities, best, starts, alphabet)
     return Recognition(
         mended,
@@ -145,6 +145,9 @@ def _respelt(slots: Slots, text: str) -> Slots:
 
 _LONG_VOWEL = re.compile("(?<=[ぁ-ゖァ-ヺ])一(?![一-鿿])")
 """A stroke right behind kana and before no ideograph: the long vowel's mark, which looks like the ideograph for one."""
+
+_THOUSANDS = re.compile(r"(?<=\d)\.(?=\d{3}\s?[円元圆圓])")
+"""A point before three digits and yen or yuan, of which no price has thousandths: a comma whose tail is not seen."""
 
 
 def _has_hole(text: str, probabilities: NDArray[np.float32], best: NDArray[np.intp], starts: NDArray[np.intp]) -> bool:
